@@ -1,0 +1,48 @@
+// Pinhole and thin-lens perspective, and orthographic projection.
+#pragma once
+
+#include "core/math/ray.h"
+#include "core/math/transform.h"
+
+namespace alabaster {
+
+/// Apertures, focal length and focus distance in world units (Hydra's convention). The camera looks down its local -z, y up.
+struct CameraParameters {
+  Matrix4d camera_to_world;  // identity by default
+  float focal_length = 50;
+  float horizontal_aperture = 36;
+  float vertical_aperture = 24;
+  float horizontal_aperture_offset = 0;
+  float vertical_aperture_offset = 0;
+  float f_stop = 0;  // 0: pinhole; lens radius = focal_length / (2 f_stop)
+  float focus_distance = 0;
+  float clip_near = 0;  // 0: none
+  float clip_far = 0;   // 0: none
+  bool orthographic = false;
+};
+
+/// Film coordinates: x right, y DOWN, in pixels of the full display window of width x height.
+class Camera {
+ public:
+  /// `render_origin`: the world position that render space has at its origin (SceneSnapshot::origin).
+  Camera(const CameraParameters& parameters, int width, int height, const Vec3d& render_origin);
+
+  /// Unit direction. `lens` is used only with a lens. In render space.
+  Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
+
+  /// Depth for the AOVs. `distance` along a ray from generate_ray -> distance along the camera's -z axis.
+  float axial_depth(const Vec3f& p_render) const;
+  float clip_near() const { return clip_near_; }
+  float clip_far() const { return clip_far_; }
+  bool orthographic() const { return orthographic_; }
+  /// Camera-space x, y, z axes in render space (for AOVs in eye space).
+  Vec3f to_camera_vector(const Vec3f& v) const { return {dot(v, x_), dot(v, y_), dot(v, z_)}; }
+
+ private:
+  Vec3f origin_, x_, y_, z_;   // frame in render space, unit
+  Vec2f film_scale_, film_offset_;  // film pixel -> tangent-plane coordinates at unit distance (or world units if ortho)
+  float lens_radius_, focus_distance_, clip_near_, clip_far_;
+  bool orthographic_;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,67 @@
+// Colour management: the only room that sees OpenColorIO. Every colour in core is in the rendering space (the config's
+// scene_linear role) unless its name says otherwise.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/diagnostics/report.h"
+
+namespace alabaster {
+
+/// An immutable conversion; apply() may be called from any thread.
+class ColorTransform {
+ public:
+  virtual ~ColorTransform() = default;
+  /// Converts `count` RGBA pixels in place. Non-finite components become 0 and values are clamped to +-65504 first (OCIO's
+  /// ACES outputs turn one NaN into four); alpha is never touched.
+  virtual void apply(float* rgba, size_t count) const = 0;
+  virtual bool is_noop() const = 0;
+};
+
+struct DisplayRequest {
+  std::string display;  // empty: the config's default
+  std::string view;     // empty: the display's default
+  std::string look;     // empty: the view's own
+  float exposure = 0;   // stops, applied in scene-linear before the view
+};
+
+/// A loaded OCIO configuration. Immutable; share freely between threads.
+class ColorConfig {
+ public:
+  virtual ~ColorConfig() = default;
+
+  /// `path` empty: $OCIO if it is set and non-empty, else the built-in configuration (made of OCIO's built-in transforms
+  /// alone). On failure returns null and reports what file, what is wrong, and what to do.
+  static std::shared_ptr<const ColorConfig> load(const std::string& path, const DiagnosticSink& sink);
+
+  /// Where it came from: a path, or "built-in".
+  virtual std::string origin() const = 0;
+  virtual std::string rendering_space() const = 0;
+  virtual std::vector<std::string> color_spaces() const = 0;
+  virtual std::vector<std::string> displays() const = 0;
+  virtual std::string default_display() const = 0;
+  virtual std::vector<std::string> views(const std::string& display) const = 0;
+  virtual std::string default_view(const std::string& display) const = 0;
+  virtual std::vector<std::string> looks() const = 0;
+  virtual bool has_color_space(const std::string& name) const = 0;
+
+  /// CIE xy of red, green, blue, white of the rendering space or of `space`, for EXR's chromaticities; Rec.709 when the
+  /// config does not tell (documented in the .cpp how it is found).
+  virtual std::array<float, 8> chromaticities(const std::string& space) const = 0;
+
+  /// Names understood everywhere, whatever the config: "auto" (sRGB for 8/16-bit images, rendering space for float ones),
+  /// "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709"; anything else is a name in the config.
+  /// All return null and report on failure.
+  virtual std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from, const DiagnosticSink& sink) const = 0;
+  virtual std::shared_ptr<const ColorTransform> from_rendering_space(const std::string& to, const DiagnosticSink& sink) const = 0;
+  virtual std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request, const DiagnosticSink& sink) const = 0;
+
+  /// The whole configuration as text (what --ocio would take as a file).
+  virtual std::string serialize() const = 0;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,45 @@
+// Counts of what rendering did: one plain struct per worker, added up when a pass ends.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace alabaster {
+
+struct RenderCounters {
+  uint64_t camera_rays = 0;
+  uint64_t bounce_rays = 0;
+  uint64_t shadow_rays = 0;
+  uint64_t walk_rays = 0;  // segments of subsurface walks that were traced
+  uint64_t walks = 0;
+  uint64_t walk_events = 0;  // scattering events
+  uint64_t walk_exits = 0;
+  uint64_t walk_roulette_ends = 0;
+  uint64_t walk_lost = 0;        // segments that found no surface in an open mesh: their energy is lost
+  uint64_t walk_safety_cap = 0;  // walks ended by the safety cap: must stay zero
+  uint64_t rejected_rays = 0;    // rays that were not finite and never reached Embree
+  uint64_t nonfinite_samples = 0;  // samples whose radiance was not finite: dropped, and counted here
+  uint64_t samples = 0;
+  double max_walk_weight = 0;
+
+  uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + walk_rays; }
+
+  void add(const RenderCounters& o) {
+    camera_rays += o.camera_rays;
+    bounce_rays += o.bounce_rays;
+    shadow_rays += o.shadow_rays;
+    walk_rays += o.walk_rays;
+    walks += o.walks;
+    walk_events += o.walk_events;
+    walk_exits += o.walk_exits;
+    walk_roulette_ends += o.walk_roulette_ends;
+    walk_lost += o.walk_lost;
+    walk_safety_cap += o.walk_safety_cap;
+    rejected_rays += o.rejected_rays;
+    nonfinite_samples += o.nonfinite_samples;
+    samples += o.samples;
+    max_walk_weight = std::max(max_walk_weight, o.max_walk_weight);
+  }
+};
+
+}  // namespace alabaster

@@ -1,0 +1,62 @@
+// Ray tracing: the only room that sees Embree. Two levels: one bottom-level structure per mesh (in its object space), one
+// top level of instances. Rays that Embree would abort the host on (not finite, beyond 1e17) never reach it: they miss.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/mesh.h"
+#include "core/math/ray.h"
+#include "core/math/transform.h"
+
+namespace alabaster {
+
+/// Owns the Embree device. One per delegate; outlives what is built with it (held by shared_ptr inside).
+class TraceDevice;
+std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink);
+
+struct TriangleHit {
+  float t = 0;             // in units of the ray's |dir|
+  float u = 0, v = 0;      // barycentric: p = (1-u-v) p0 + u p1 + v p2
+  uint32_t triangle = 0;
+  uint32_t instance = 0;   // InstancedScene only: index into the instances it was built from
+};
+
+/// BVH of one mesh in object space. Immutable; traced from any thread.
+class ObjectScene {
+ public:
+  virtual ~ObjectScene() = default;
+  /// Nearest hit with t in [0, ray.tmax]; false if none. Both sides of a triangle are hit.
+  virtual bool intersect(const Ray& ray, TriangleHit* hit) const = 0;
+  virtual size_t memory_bytes() const = 0;
+};
+/// `cancelled` (may be empty) is asked while building; when it returns true the build stops and null is returned.
+std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
+                                                      const std::function<bool()>& cancelled);
+
+struct InstancePlacement {
+  std::shared_ptr<const ObjectScene> object;
+  Affine object_to_world;
+};
+
+/// Top level over instances (flattened: one level of instancing). Immutable; traced from any thread.
+class InstancedScene {
+ public:
+  virtual ~InstancedScene() = default;
+  virtual bool intersect(const Ray& ray, TriangleHit* hit) const = 0;
+  virtual bool occluded(const Ray& ray) const = 0;
+  virtual size_t memory_bytes() const = 0;
+};
+std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
+                                                            const std::vector<InstancePlacement>& instances);
+
+/// True if Embree may be given this ray.
+inline bool is_traceable(const Ray& ray) {
+  constexpr float kLimit = 1e17f;
+  return max_abs_component(ray.org) < kLimit && max_abs_component(ray.dir) < kLimit && ray.tmax >= 0 &&
+         is_finite(ray.org) && is_finite(ray.dir);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,32 @@
+// The Disney BSDF's parameters as plain numbers: what the lobes see after texturing.
+// Names, meanings and ranges: schemas/disney_material.json (Burley 2012 and 2015).
+#pragma once
+
+#include "core/color/rgb.h"
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+struct DisneyParameters {
+  Rgb base_color{0.8f};
+  float metallic = 0;
+  float roughness = 0.5f;
+  float anisotropic = 0;
+  float specular_tint = 0;
+  float ior = 1.5f;            // of the dielectric specular lobe
+  float specular = 1;          // scales dielectric F0 (KHR_materials_specular's specularFactor); 1: by ior alone
+  Rgb specular_color{1.0f};    // tints dielectric F0 (KHR_materials_specular)
+  float sheen = 0;
+  float sheen_tint = 0.5f;
+  float clearcoat = 0;
+  float clearcoat_gloss = 1;
+  Rgb scatter_distance{0.0f};  // per channel, scene units; 0: Lambert in that channel
+  Rgb emission{0.0f};          // radiance
+
+  bool scatters() const { return max_component(scatter_distance) > 0; }
+};
+
+/// Clamps every parameter into its range and replaces non-finite values by their default: done here and only here.
+DisneyParameters clamp_to_ranges(const DisneyParameters& parameters);
+
+}  // namespace alabaster

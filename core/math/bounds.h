@@ -1,0 +1,30 @@
+#pragma once
+
+#include <limits>
+
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+/// Axis-aligned box; empty (lower > upper) by default.
+struct Bounds {
+  Vec3f lower{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+              std::numeric_limits<float>::infinity()};
+  Vec3f upper{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+              -std::numeric_limits<float>::infinity()};
+
+  bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+  void extend(const Vec3f& p) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  void extend(const Bounds& b) {
+    if (b.empty()) return;
+    extend(b.lower);
+    extend(b.upper);
+  }
+  Vec3f center() const { return lower * 0.5f + upper * 0.5f; }
+  Vec3f extent() const { return empty() ? Vec3f(0, 0, 0) : upper - lower; }
+};
+
+}  // namespace alabaster

@@ -1,0 +1,79 @@
+// Random numbers of one camera sample: a function of (pixel, sample index, dimension block, frame, seed) alone, so that
+// the picture does not depend on threads, tiles or pauses.
+//
+// Each purpose at each bounce has a block of four dimensions: one Owen-scrambled Sobol (0,2)-sequence quadruple, with the
+// sample index shuffled per block (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)).
+// What needs an unbounded number of dimensions (the random walk) takes a stream (Rng) seeded by its block.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+/// 32-bit finalizer with low bias (Wellons' triple32).
+inline uint32_t hash32(uint32_t x) {
+  x ^= x >> 17;
+  x *= 0xed5ad4bbu;
+  x ^= x >> 11;
+  x *= 0xac4c1b51u;
+  x ^= x >> 15;
+  x *= 0x31848babu;
+  x ^= x >> 14;
+  return x;
+}
+inline uint32_t hash_combine(uint32_t seed, uint32_t value) {
+  return hash32(seed ^ (value + 0x9e3779b9u + (seed << 6) + (seed >> 2)));
+}
+/// [0, 1), 24 bits: never 1 after rounding.
+inline float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+/// PCG32 (O'Neill 2014): an independent stream per seed pair.
+class Rng {
+ public:
+  Rng(uint64_t seed, uint64_t stream) : state_(0), increment_((stream << 1) | 1) {
+    next();
+    state_ += seed;
+    next();
+  }
+  uint32_t next() {
+    const uint64_t old = state_;
+    state_ = old * 6364136223846793005ull + increment_;
+    const auto shifted = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
+    const auto rotation = static_cast<uint32_t>(old >> 59);
+    return (shifted >> rotation) | (shifted << ((32 - rotation) & 31));
+  }
+  float uniform() { return to_unit_float(next()); }
+
+ private:
+  uint64_t state_, increment_;
+};
+
+/// The purposes that draw numbers; a path vertex at depth d uses blocks (purpose, d).
+enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf, exit_light, roulette };
+
+class PixelSampler {
+ public:
+  /// `seed` must already mix the frame and the user's seed: see pixel_seed().
+  PixelSampler(uint32_t pixel_seed, uint32_t sample_index) : seed_(pixel_seed), index_(sample_index) {}
+
+  /// Four numbers in [0,1): well distributed over the samples of a pixel, jointly in all four.
+  std::array<float, 4> draw(Dimension purpose, uint32_t depth) const;
+
+  /// An unbounded independent stream for this block.
+  Rng stream(Dimension purpose, uint32_t depth) const {
+    const uint32_t block = hash_combine(seed_, (static_cast<uint32_t>(purpose) << 24) + depth);
+    return {(static_cast<uint64_t>(block) << 32) | index_, hash_combine(block, index_)};
+  }
+
+ private:
+  uint32_t seed_, index_;
+};
+
+inline uint32_t pixel_seed(int x, int y, uint32_t frame, uint32_t seed) {
+  return hash_combine(hash_combine(hash_combine(hash32(seed), frame), static_cast<uint32_t>(x)), static_cast<uint32_t>(y));
+}
+
+}  // namespace alabaster

@@ -1,0 +1,56 @@
+// Path-traced subsurface scattering: Chiang, Kutz, Burley 2016, sections 2 and 3.
+//
+// The walk enters through a cosine lobe, scatters isotropically, and leaves where a segment meets the surface. Distances are
+// sampled for one channel, chosen with probability proportional to the throughput (times alpha in the paper's own weights),
+// and the estimators of the channels are combined by the balance heuristic (one-sample MIS).
+// Termination is by roulette on the largest channel of the throughput: unbiased, no bounce cap. A safety cap of 1e6 events
+// guards against broken geometry and is counted.
+#pragma once
+
+#include <optional>
+
+#include "core/diagnostics/counters.h"
+#include "core/geometry/embree_scene.h"
+#include "core/math/frame.h"
+#include "core/sampling/pixel_sampler.h"
+#include "core/subsurface/medium.h"
+
+namespace alabaster {
+
+enum class WalkWeights {
+  throughput,               // w ~ T: bounded throughput in every geometry; the default
+  throughput_times_albedo,  // w ~ T alpha: the paper's
+};
+
+struct WalkSettings {
+  AlbedoInversion inversion = AlbedoInversion::exact;
+  WalkWeights weights = WalkWeights::throughput;
+  uint32_t safety_cap = 1000000;
+};
+
+/// The space a walk lives in: positions in the object space of one mesh, directions and distances of the world, so that
+/// scatter distances stay world distances under any affine instance transform.
+struct WalkSpace {
+  const ObjectScene* object = nullptr;
+  Affine world_to_object;  // only its linear part is used
+};
+
+struct WalkEntry {
+  Vec3f p;              // object space, already offset to the inner side of the surface (offset_point)
+  Vec3f ng_inward;      // unit, world: geometric normal pointing into the medium
+  Frame frame_inward;   // world: n is the shading normal pointing into the medium; the entry lobe is about it
+};
+
+struct WalkExit {
+  TriangleHit hit;      // where it left; ids are of the ObjectScene
+  Vec3f direction;      // unit, world: of the last segment (towards the surface, from inside)
+  Rgb throughput{0.0f};
+  uint32_t events = 0;  // scattering events; 0: crossed without scattering
+};
+
+/// Runs one walk. `u_entry` samples the entry direction; everything else comes from `rng`. Empty: absorbed, ended by
+/// roulette, or lost through an open mesh (counted in `counters`).
+std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& entry, const Medium& medium,
+                                    const WalkSettings& settings, const Vec2f& u_entry, Rng& rng, RenderCounters& counters);
+
+}  // namespace alabaster

@@ -1,0 +1,57 @@
+// Images as functions of uv. Decoded once at commit into the rendering space; lookups never fail and never lock.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/color/color_config.h"
+#include "core/color/rgb.h"
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+enum class Wrap { repeat, mirror, clamp, black };
+
+/// Where an image comes from: a file, or encoded bytes held in memory (an image embedded in a scene file).
+struct TextureSource {
+  std::string path;                                          // file path, or the name to report for `bytes`
+  std::shared_ptr<const std::vector<uint8_t>> bytes;         // encoded file contents; null: read `path`
+  std::string color_space = "auto";                          // see ColorConfig::to_rendering_space
+  Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  bool operator==(const TextureSource&) const = default;
+};
+
+/// An immutable decoded image. uv: u to the right, v UP (v = 0 is the bottom row). Bilinear, texel centres at half
+/// integers.
+class Texture {
+ public:
+  virtual ~Texture() = default;
+  virtual Rgb rgb(const Vec2f& uv) const = 0;
+  virtual float alpha(const Vec2f& uv) const = 0;
+  virtual int width() const = 0;
+  virtual int height() const = 0;
+  virtual size_t memory_bytes() const = 0;
+  /// Texel (x, y), y-down, without filtering.
+  virtual Rgb texel(int x, int y) const = 0;
+};
+
+/// Reads, converts and keeps an image. Null + a report (file, reason, remedy) when it cannot be had.
+/// Images above `max_pixels` are refused before anything is allocated.
+std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
+                                            const DiagnosticSink& sink, size_t max_pixels = size_t(1) << 28);
+
+/// A parameter that is a constant or constant * image.
+template <class T>
+struct Textured {
+  T value{};
+  std::shared_ptr<const Texture> map;
+  Textured() = default;
+  Textured(T v) : value(v) {}  // NOLINT(google-explicit-constructor)
+};
+
+inline Rgb evaluate(const Textured<Rgb>& t, const Vec2f& uv) { return t.map ? t.value * t.map->rgb(uv) : t.value; }
+inline float evaluate(const Textured<float>& t, const Vec2f& uv) { return t.map ? t.value * t.map->rgb(uv).g : t.value; }
+
+}  // namespace alabaster

@@ -1,0 +1,121 @@
+// Prims: what the index creates through the RenderDelegate and syncs. They hold no pointer to an index and never look other
+// prims up: they record paths, and RenderDelegate::CommitResources resolves them.
+#pragma once
+
+#include "delegate/api/scene_delegate.h"
+
+namespace alabaster::hd {
+
+/// Opaque; owned by the delegate; the only channel from a prim to the renderer.
+class ALABASTER_API RenderParam {
+ public:
+  virtual ~RenderParam();
+};
+
+class ALABASTER_API Instancer {
+ public:
+  explicit Instancer(Path id) : id_(id) {}
+  virtual ~Instancer();
+  const Path& GetId() const { return id_; }
+  /// Pulls the instancer's transform and instance primvars (hydra:instanceTransforms, ...Translations, ...Rotations,
+  /// ...Scales). Point p: proto * M * S * R * T * instancerTransform * parent...
+  virtual void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) = 0;
+  virtual void Finalize(RenderParam* param) = 0;
+
+ private:
+  Path id_;
+};
+
+/// Common to R-, S- and Bprims. Sync converts what is dirty and leaves *bits clean (or what is still dirty).
+/// Finalize comes exactly once, before destruction.
+class ALABASTER_API Prim {
+ public:
+  explicit Prim(Path id) : id_(id) {}
+  virtual ~Prim();
+  const Path& GetId() const { return id_; }
+  virtual DirtyBits GetInitialDirtyBitsMask() const = 0;
+  virtual void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) = 0;
+  virtual void Finalize(RenderParam* param) = 0;
+
+ private:
+  Path id_;
+};
+
+/// Rprims may be synced in parallel, each by one thread.
+class ALABASTER_API Rprim : public Prim {
+ public:
+  using Prim::Prim;
+  /// Assigned by the index before the first Sync; may change (kPrimId). 0 is valid, 24 bits.
+  void SetPrimId(int32_t id) { prim_id_ = id; }
+  int32_t GetPrimId() const { return prim_id_; }
+
+ private:
+  int32_t prim_id_ = 0;
+};
+
+class ALABASTER_API Sprim : public Prim {
+ public:
+  using Prim::Prim;
+};
+
+class ALABASTER_API Bprim : public Prim {
+ public:
+  using Prim::Prim;
+};
+
+/// Host-readable pixels. Rows run BOTTOM-UP. The delegate writes, the host maps.
+class ALABASTER_API RenderBuffer : public Bprim {
+ public:
+  using Bprim::Bprim;
+  /// Takes effect at the next Execute; never invalidates a live mapping; an equal description is a no-op.
+  virtual bool Allocate(const RenderBufferDescriptor& description) = 0;
+  virtual int GetWidth() const = 0;
+  virtual int GetHeight() const = 0;
+  virtual Format GetFormat() const = 0;
+  /// Makes Map show what has been rendered so far. Any thread.
+  virtual void Resolve() = 0;
+  /// The pixels as last resolved, alive until the matching Unmap whatever happens to the buffer meanwhile. Null if nothing
+  /// is allocated. Any thread; nests.
+  virtual const void* Map() = 0;
+  virtual void Unmap() = 0;
+  virtual bool IsMapped() const = 0;
+  /// Latched at Execute, together with the pass.
+  virtual bool IsConverged() const = 0;
+  /// Rises with every Resolve that changed pixels: a host may skip uploads.
+  virtual uint64_t GetGeneration() const = 0;
+  /// Size and pixels in one: Resolve, then copies rows (bottom-up unless y_down) into `out`. Returns the size read.
+  virtual Vec2i ResolveTo(std::vector<uint8_t>* out, bool y_down) = 0;
+};
+
+struct AovBinding {
+  Token aovName;
+  RenderBuffer* renderBuffer = nullptr;  // the host's: alive until the pass ends, converges or is rebound
+  Value clearValue;
+  bool operator==(const AovBinding&) const = default;
+};
+
+/// What to render with: set by the host before Execute. A copyable value.
+struct RenderPassState {
+  Path camera;          // a camera Sprim; empty: the RenderSettings' camera
+  Framing framing;
+  WindowPolicy windowPolicy = WindowPolicy::matchVertically;
+  std::vector<AovBinding> aovBindings;
+  bool operator==(const RenderPassState&) const = default;
+};
+
+enum class PassState { idle, preparing, rendering, paused, stopped, converged, failed };
+
+/// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with what
+/// is running, restarts only if one differs, and returns.
+class ALABASTER_API RenderPass {
+ public:
+  virtual ~RenderPass();
+  virtual void Execute(const RenderPassState& state) = 0;
+  /// True one Execute after the final pixels can be resolved; also true after a failure (see GetState).
+  virtual bool IsConverged() const = 0;
+  virtual PassState GetState() const = 0;
+  /// Blocks until the render is over or `seconds` have passed: for hosts that would otherwise poll. Any thread.
+  virtual bool WaitForConvergence(double seconds) = 0;
+};
+
+}  // namespace alabaster::hd

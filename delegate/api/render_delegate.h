@@ -1,0 +1,94 @@
+// The factory a host holds. Made by CreateAlabasterRenderDelegate; several may live in one process.
+//
+// A frame: Sync of Bprims, then Sprims (in the order of GetSupportedSprimTypes), then instancers and Rprims (parallel)
+// -> CommitResources (resolves paths, publishes an immutable numbered snapshot by pointer swap) -> RenderPass::Execute.
+// Threads: one host thread at a time, except Stop, Pause, Resume, GetRenderStats, RenderPass::GetState and
+// RenderBuffer::Map/Resolve/Unmap, which any thread may call at any time. No call throws.
+#pragma once
+
+#include "delegate/api/prims.h"
+
+namespace alabaster::hd {
+
+/// What a change of a setting costs.
+enum class SettingEffect { live, continues, restart, resync, recreate };
+
+struct RenderSettingDescriptor {
+  std::string name;  // shown to people
+  Token key;
+  Value defaultValue;
+  Value minimum, maximum;          // empty: unbounded
+  std::vector<std::string> choices;  // of a string setting
+  std::string documentation;
+  SettingEffect effect = SettingEffect::restart;
+};
+
+class ALABASTER_API RenderDelegate {
+ public:
+  virtual ~RenderDelegate();
+
+  // Prims. Unknown types give null and the host goes on. The host destroys through the delegate, after Finalize.
+  virtual const std::vector<Token>& GetSupportedRprimTypes() const = 0;  // mesh
+  virtual const std::vector<Token>& GetSupportedSprimTypes() const = 0;  // camera, material, rectLight, sphereLight, ...
+  virtual const std::vector<Token>& GetSupportedBprimTypes() const = 0;  // renderSettings, renderBuffer
+  virtual Rprim* CreateRprim(const Token& type, const Path& id) = 0;
+  virtual Sprim* CreateSprim(const Token& type, const Path& id) = 0;
+  virtual Sprim* CreateFallbackSprim(const Token& type) = 0;
+  virtual Bprim* CreateBprim(const Token& type, const Path& id) = 0;
+  virtual Bprim* CreateFallbackBprim(const Token& type) = 0;
+  virtual Instancer* CreateInstancer(const Path& id) = 0;
+  virtual void DestroyRprim(Rprim* prim) = 0;
+  virtual void DestroySprim(Sprim* prim) = 0;
+  virtual void DestroyBprim(Bprim* prim) = 0;
+  virtual void DestroyInstancer(Instancer* instancer) = 0;
+
+  virtual std::unique_ptr<RenderPass> CreateRenderPass() = 0;  // dies before the delegate
+  virtual RenderParam* GetRenderParam() = 0;
+  virtual void CommitResources() = 0;
+
+  // Settings: names of schemas/render_settings.json; unknown keys are kept and ignored. The version rises only when a value
+  // changes.
+  virtual void SetRenderSetting(const Token& key, const Value& value) = 0;
+  virtual Value GetRenderSetting(const Token& key) const = 0;
+  virtual std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const = 0;
+  virtual uint32_t GetRenderSettingsVersion() const = 0;
+
+  /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
+  /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone, cpuSeconds,
+  /// rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost, walk.safetyCap,
+  /// walk.maxWeight, nonfiniteSamples, rejectedRays, error; sync.refineSeconds, sync.bvhSeconds (CPU), sync.commitSeconds.
+  virtual Dictionary GetRenderStats() const = 0;
+
+  // Background control: legal at any time, also before the first render.
+  virtual void Pause() = 0;
+  virtual void Resume() = 0;
+  virtual bool IsPaused() const = 0;
+  virtual void Stop() = 0;  // blocks until no worker runs; latches until Restart
+  virtual void Restart() = 0;
+  virtual bool IsStopped() const = 0;
+
+  virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
+
+  /// Commands: "dumpScene" -> string (stable text of the translated scene), "requirements" -> string (what the committed
+  /// snapshot requires, and why). Unknown: empty value.
+  virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
+};
+
+/// Bumped whenever a class above changes its layout or meaning.
+inline constexpr uint32_t kAbiVersion = 1;
+
+struct DelegateOptions {
+  DiagnosticSink diagnostics;  // empty: discarded
+  Dictionary settings;         // initial render settings; also "ocio": path of an OCIO config
+};
+
+}  // namespace alabaster::hd
+
+extern "C" {
+/// The one exported factory. Null if the ABI versions differ or the renderer cannot start (reported to the sink).
+ALABASTER_API alabaster::hd::RenderDelegate* CreateAlabasterRenderDelegate(uint32_t abi_version,
+                                                                           const alabaster::hd::DelegateOptions* options);
+ALABASTER_API void DestroyAlabasterRenderDelegate(alabaster::hd::RenderDelegate* delegate);
+/// "0.1.0", then one line per library it stands on with its version.
+ALABASTER_API const char* AlabasterVersions();
+}

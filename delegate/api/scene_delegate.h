@@ -1,0 +1,40 @@
+// What a scene must answer: the pull side of the contract. A prim pulls what its dirty bits name, and nothing else.
+#pragma once
+
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd {
+
+/// Called from several threads at once for different ids during Rprim and Material Sync; from one thread otherwise.
+/// Must not throw. Unknown ids answer with defaults.
+class ALABASTER_API SceneDelegate {
+ public:
+  virtual ~SceneDelegate();
+
+  // Rprims
+  virtual MeshTopology GetMeshTopology(const Path& id) = 0;
+  virtual SubdivTags GetSubdivTags(const Path& id) = 0;
+  virtual DisplayStyle GetDisplayStyle(const Path& id) = 0;
+  virtual Matrix4d GetTransform(const Path& id) = 0;
+  virtual bool GetVisible(const Path& id) = 0;
+  virtual bool GetDoubleSided(const Path& id) = 0;
+  virtual Token GetRenderTag(const Path& id) = 0;
+  virtual Path GetMaterialId(const Path& id) = 0;
+  virtual std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) = 0;
+  /// A primvar ("points", "st", "normals", ...), unflattened: with `indices` when its descriptor says indexed.
+  virtual Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) = 0;
+
+  // Instancing
+  virtual Path GetInstancerId(const Path& primId) = 0;  // of an rprim or of an instancer (nesting); empty: none
+  virtual Matrix4d GetInstancerTransform(const Path& instancerId) = 0;
+  virtual Array<int32_t> GetInstanceIndices(const Path& instancerId, const Path& prototypeId) = 0;
+
+  // Sprims, Bprims
+  virtual MaterialNetwork GetMaterialResource(const Path& id) = 0;
+  virtual Value GetLightParamValue(const Path& id, const Token& name) = 0;
+  virtual Value GetCameraParamValue(const Path& id, const Token& name) = 0;
+  virtual RenderBufferDescriptor GetRenderBufferDescriptor(const Path& id) = 0;
+  virtual RenderSettingsDescription GetRenderSettings(const Path& id) = 0;
+};
+
+}  // namespace alabaster::hd

@@ -1,0 +1,167 @@
+// Plain structs in Hydra's terms: what a SceneDelegate answers with.
+#pragma once
+
+#include <optional>
+
+#include "delegate/api/types.h"
+
+namespace alabaster::hd {
+
+// ---- dirty bits ------------------------------------------------------------------------------------------------------
+/// Bits are ours; an adaptor translates. kClean = nothing to do; a Sync pulls only what is dirty.
+using DirtyBits = uint32_t;
+namespace dirty {
+inline constexpr DirtyBits kClean = 0;
+inline constexpr DirtyBits kPrimId = 1u << 0;
+inline constexpr DirtyBits kPoints = 1u << 1;
+inline constexpr DirtyBits kPrimvar = 1u << 2;  // a value or the set of descriptors
+inline constexpr DirtyBits kMaterialId = 1u << 3;
+inline constexpr DirtyBits kTopology = 1u << 4;
+inline constexpr DirtyBits kTransform = 1u << 5;
+inline constexpr DirtyBits kVisibility = 1u << 6;
+inline constexpr DirtyBits kNormals = 1u << 7;
+inline constexpr DirtyBits kDoubleSided = 1u << 8;
+inline constexpr DirtyBits kDisplayStyle = 1u << 9;
+inline constexpr DirtyBits kSubdivTags = 1u << 10;
+inline constexpr DirtyBits kInstancer = 1u << 11;
+inline constexpr DirtyBits kInstanceIndex = 1u << 12;
+inline constexpr DirtyBits kRenderTag = 1u << 13;
+inline constexpr DirtyBits kParams = 1u << 14;       // camera, light, material, render settings
+inline constexpr DirtyBits kResource = 1u << 15;     // material network, light texture
+inline constexpr DirtyBits kDescription = 1u << 16;  // render buffer
+inline constexpr DirtyBits kAll = ~0u;
+}  // namespace dirty
+
+// ---- mesh ------------------------------------------------------------------------------------------------------------
+enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
+
+struct PrimvarDescriptor {
+  Token name;
+  Interpolation interpolation = Interpolation::vertex;
+  Token role;  // none | color | vector | normal | point | textureCoordinate
+  bool indexed = false;
+  bool operator==(const PrimvarDescriptor&) const = default;
+};
+
+struct GeomSubset {
+  Path id;
+  Path materialId;
+  Array<int32_t> indices;  // faces
+  bool operator==(const GeomSubset&) const = default;
+};
+
+struct MeshTopology {
+  Token scheme = "none";              // none | catmullClark | loop | bilinear
+  Token orientation = "rightHanded";  // rightHanded | leftHanded
+  Array<int32_t> faceVertexCounts;
+  Array<int32_t> faceVertexIndices;
+  Array<int32_t> holeIndices;
+  std::vector<GeomSubset> geomSubsets;
+  bool operator==(const MeshTopology&) const = default;
+};
+
+struct SubdivTags {
+  Token interpolateBoundary;            // none | edgeOnly | edgeAndCorner (empty = edgeAndCorner)
+  Token faceVaryingLinearInterpolation; // all | none | boundaries | cornersOnly | cornersPlus1 | cornersPlus2 (empty = cornersPlus1)
+  Token creaseMethod;                   // uniform | chaikin
+  Token triangleSubdivision;            // catmullClark | smooth
+  Array<int32_t> creaseIndices, creaseLengths;
+  Array<float> creaseWeights;           // per crease or per edge
+  Array<int32_t> cornerIndices;
+  Array<float> cornerWeights;
+  bool operator==(const SubdivTags&) const = default;
+};
+
+struct DisplayStyle {
+  int refineLevel = 0;  // 0..8; 0 draws the cage
+  bool operator==(const DisplayStyle&) const = default;
+};
+
+// ---- material --------------------------------------------------------------------------------------------------------
+struct MaterialConnection {
+  Path upstreamNode;
+  Token upstreamOutput;
+  bool operator==(const MaterialConnection&) const = default;
+};
+struct MaterialNode {
+  Token nodeTypeId;  // "AlabasterDisney", "AlabasterTexture"
+  std::map<Token, Value> parameters;
+  std::map<Token, std::vector<MaterialConnection>> inputConnections;
+  bool operator==(const MaterialNode&) const = default;
+};
+/// HdMaterialNetwork2's shape. Terminal "surface" names the surface node.
+/// Node types: AlabasterDisney (parameters: schemas/disney_material.json) and AlabasterTexture (parameters: file AssetPath,
+/// sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, st Token; output rgb).
+struct MaterialNetwork {
+  std::map<Path, MaterialNode> nodes;
+  std::map<Token, MaterialConnection> terminals;
+  bool operator==(const MaterialNetwork&) const = default;
+};
+
+// ---- framing and outputs ---------------------------------------------------------------------------------------------
+enum class WindowPolicy { matchVertically, matchHorizontally, fit, crop, dontConform };
+
+/// y-down, half open, in pixels.
+struct Rect2i {
+  int minX = 0, minY = 0, maxX = 0, maxY = 0;
+  int width() const { return maxX - minX; }
+  int height() const { return maxY - minY; }
+  bool empty() const { return maxX <= minX || maxY <= minY; }
+  bool operator==(const Rect2i&) const = default;
+};
+struct Framing {
+  Vec2f displayMin{0, 0}, displayMax{0, 0};  // display window
+  Rect2i dataWindow;                         // larger = overscan, smaller = crop
+  float pixelAspectRatio = 1;
+  bool operator==(const Framing&) const = default;
+  bool valid() const { return displayMax.x > displayMin.x && displayMax.y > displayMin.y && !dataWindow.empty() && pixelAspectRatio > 0; }
+};
+
+enum class Format { invalid, unorm8, unorm8vec3, unorm8vec4, float16, float16vec3, float16vec4, float32, float32vec2, float32vec3, float32vec4, int32 };
+ALABASTER_API size_t FormatSize(Format format);  // bytes per pixel
+ALABASTER_API int FormatComponents(Format format);
+
+struct RenderBufferDescriptor {
+  Vec3i dimensions{0, 0, 1};
+  Format format = Format::invalid;
+  bool multiSampled = false;
+  bool operator==(const RenderBufferDescriptor&) const = default;
+};
+
+struct AovDescriptor {
+  Format format = Format::invalid;  // invalid: the AOV is not supported
+  Value clearValue;
+  bool multiSampled = false;
+};
+
+/// A file to write: UsdRenderProduct with its vars, flattened.
+struct RenderVar {
+  std::string name;         // channel layer name
+  Token aov;                // source: color, depth, ...
+  Token dataType = "half";  // half | float | int
+  bool operator==(const RenderVar&) const = default;
+};
+struct RenderProduct {
+  std::string file;                 // .exr .png .tif .tiff .jpg .jpeg
+  std::vector<RenderVar> vars;      // empty: color (with alpha)
+  Token dataType;                   // exr: half (default) | float; png, tiff: uint8 (default) | uint16; jpeg: uint8
+  std::string colorSpace;           // scene-referred output space; empty: the rendering space for EXR
+  std::string display, view, look;  // display-referred output (default for png/tiff/jpeg)
+  float exposure = 0;               // stops, with display output
+  bool operator==(const RenderProduct&) const = default;
+};
+
+/// The RenderSettings Bprim: synced first, so that camera, shutter and frame are known before anything else.
+struct RenderSettingsDescription {
+  Path camera;
+  int width = 1280, height = 720;
+  float pixelAspectRatio = 1;
+  WindowPolicy windowPolicy = WindowPolicy::matchVertically;
+  std::optional<Rect2i> crop;  // pixels, y-down, of the full frame
+  double frame = 0;
+  std::vector<RenderProduct> products;
+  Dictionary settings;         // names of schemas/render_settings.json
+  bool operator==(const RenderSettingsDescription&) const = default;
+};
+
+}  // namespace alabaster::hd

@@ -1,0 +1,179 @@
+// Values that cross the contract. Vectors, matrices and quaternions are Imath's (row-vector matrices, p' = p * M).
+// Nothing here throws; a Value asked for a type it does not hold answers with null or the given default.
+#pragma once
+
+#include <ImathMatrix.h>
+#include <ImathQuat.h>
+#include <ImathVec.h>
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "delegate/api/export.h"
+
+namespace alabaster::hd {
+
+using Vec2f = Imath::V2f;
+using Vec3f = Imath::V3f;
+using Vec4f = Imath::V4f;
+using Vec2i = Imath::V2i;
+using Vec3i = Imath::V3i;
+using Vec3d = Imath::V3d;
+using Matrix4d = Imath::M44d;
+using Quatf = Imath::Quatf;
+
+/// An interned string: copies and comparisons cost a pointer. Interned strings live as long as the library.
+class ALABASTER_API Token {
+ public:
+  Token() = default;
+  Token(const char* text) : Token(std::string_view(text)) {}         // NOLINT(google-explicit-constructor)
+  Token(const std::string& text) : Token(std::string_view(text)) {}  // NOLINT(google-explicit-constructor)
+  explicit Token(std::string_view text);
+  const std::string& str() const;
+  bool empty() const { return rep_ == nullptr; }
+  bool operator==(const Token& o) const { return rep_ == o.rep_; }
+  /// Lexicographic: the same order in every run.
+  bool operator<(const Token& o) const { return rep_ != o.rep_ && str() < o.str(); }
+  size_t hash() const { return std::hash<const void*>()(rep_); }
+
+ private:
+  const std::string* rep_ = nullptr;
+};
+
+/// An interned, opaque prim id. Only equality, order and prefix are ever asked of it; '/'-separated by custom.
+class ALABASTER_API Path {
+ public:
+  Path() = default;
+  Path(const char* text) : token_(text) {}         // NOLINT(google-explicit-constructor)
+  Path(const std::string& text) : token_(text) {}  // NOLINT(google-explicit-constructor)
+  const std::string& str() const { return token_.str(); }
+  bool empty() const { return token_.empty(); }
+  /// True if this path is `prefix` or lies below it.
+  bool has_prefix(const Path& prefix) const;
+  Path append(const std::string& name) const { return Path(str() == "/" ? "/" + name : str() + "/" + name); }
+  bool operator==(const Path& o) const { return token_ == o.token_; }
+  bool operator<(const Path& o) const { return token_ < o.token_; }
+  size_t hash() const { return token_.hash(); }
+
+ private:
+  Token token_;
+};
+
+/// An immutable array that may be shared: it either owns a vector or holds the host's own memory by an owner handle.
+template <class T>
+class Array {
+ public:
+  Array() = default;
+  Array(std::vector<T> values) {  // NOLINT(google-explicit-constructor)
+    auto held = std::make_shared<const std::vector<T>>(std::move(values));
+    data_ = held->data();
+    size_ = held->size();
+    owner_ = std::move(held);
+  }
+  Array(std::initializer_list<T> values) : Array(std::vector<T>(values)) {}
+  /// Memory of the host's: valid and unchanged for as long as `owner` lives.
+  Array(std::shared_ptr<const void> owner, const T* data, size_t size) : owner_(std::move(owner)), data_(data), size_(size) {}
+
+  const T* data() const { return data_; }
+  size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  const T& operator[](size_t i) const { return data_[i]; }
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+  bool operator==(const Array& o) const {
+    if (size_ != o.size_) return false;
+    if (data_ == o.data_) return true;
+    for (size_t i = 0; i < size_; ++i)
+      if (!(data_[i] == o.data_[i])) return false;
+    return true;
+  }
+
+ private:
+  std::shared_ptr<const void> owner_;
+  const T* data_ = nullptr;
+  size_t size_ = 0;
+};
+
+/// An asset as authored and as found on disk; or, when `bytes` is set, encoded contents held in memory (an image embedded in
+/// a scene file) and `authored` its name for reports.
+struct AssetPath {
+  std::string authored;
+  std::string resolved;
+  std::shared_ptr<const std::vector<uint8_t>> bytes;
+  bool operator==(const AssetPath&) const = default;
+};
+
+class Value;
+using Dictionary = std::map<std::string, Value>;
+
+/// One of a closed set of types.
+class ALABASTER_API Value {
+ public:
+  using Storage =
+      std::variant<std::monostate, bool, int32_t, int64_t, uint32_t, float, double, Vec2f, Vec3f, Vec4f, Vec2i, Vec3i, Vec3d,
+                   Quatf, Matrix4d, Token, std::string, Path, AssetPath, std::shared_ptr<const Dictionary>, Array<int32_t>,
+                   Array<float>, Array<double>, Array<Vec2f>, Array<Vec3f>, Array<Vec4f>, Array<Quatf>, Array<Matrix4d>,
+                   Array<Token>, Array<std::string>>;
+  Value() = default;
+  template <class T>
+    requires(std::is_constructible_v<Storage, T> && !std::is_same_v<std::decay_t<T>, Value>)
+  Value(T value) : storage_(std::move(value)) {}             // NOLINT(google-explicit-constructor)
+  Value(const char* text) : storage_(std::string(text)) {}   // NOLINT(google-explicit-constructor)
+
+  bool empty() const { return std::holds_alternative<std::monostate>(storage_); }
+  template <class T>
+  const T* get() const {
+    return std::get_if<T>(&storage_);
+  }
+  template <class T>
+  T get_or(T fallback) const {
+    const T* held = get<T>();
+    return held ? *held : std::move(fallback);
+  }
+  /// Any arithmetic alternative as double; `fallback` for the rest.
+  double number_or(double fallback) const;
+  /// Token, string, path or asset path as text; `fallback` for the rest.
+  std::string text_or(std::string fallback) const;
+  /// Stable text for dumps and messages.
+  std::string to_string() const;
+  bool operator==(const Value& o) const;
+  const Storage& storage() const { return storage_; }
+
+ private:
+  Storage storage_;
+};
+
+/// Values at times relative to the current frame. A single sample has time 0.
+template <class T>
+struct TimeSamples {
+  std::vector<float> times;
+  std::vector<T> values;
+};
+
+enum class Severity { info, warning, error };
+struct Diagnostic {
+  Severity severity = Severity::info;
+  std::string code;   // stable: "mesh.points.short"
+  std::string where;  // prim path, file, element
+  std::string text;   // what is wrong, and the remedy
+};
+/// Called from a thread of the host's or of ours, never under a lock of ours; must not call back into the delegate.
+using DiagnosticSink = std::function<void(const Diagnostic&)>;
+
+}  // namespace alabaster::hd
+
+template <>
+struct std::hash<alabaster::hd::Token> {
+  size_t operator()(const alabaster::hd::Token& t) const { return t.hash(); }
+};
+template <>
+struct std::hash<alabaster::hd::Path> {
+  size_t operator()(const alabaster::hd::Path& p) const { return p.hash(); }
+};

@@ -1,0 +1,43 @@
+// Writes render products: EXR with AOVs as layers, PNG, TIFF, JPEG; colour-managed, with metadata. A file is written under a
+// temporary name in its own folder and renamed when it is whole.
+#pragma once
+
+#include <map>
+
+#include "delegate/api/render_delegate.h"
+
+namespace alabaster::hd::host {
+
+/// Resolved pixels of one AOV: rows y-DOWN, `components` values per pixel (float or int32 by `integer`).
+struct AovPixels {
+  int components = 0;
+  bool integer = false;
+  std::vector<float> floats;
+  std::vector<int32_t> ints;
+};
+
+struct ProductImage {
+  Framing framing;                      // display window and data window
+  std::map<std::string, AovPixels> aovs;  // by AOV name; each dataWindow.width() * height() pixels
+  Dictionary metadata;                  // written as attributes ("alabaster/samples", "capDate", ...)
+  bool incomplete = false;              // marks the file: attribute "alabaster/incomplete" = 1
+};
+
+struct OutputColors {
+  std::string ocio;                     // config path; empty: $OCIO or the built-in one
+};
+
+/// Checks a product before any rendering is done: known ending, folder exists and is writable, data type fits, known AOVs,
+/// colour space or display and view known to the config. False + report otherwise.
+ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
+
+/// False + report (file, reason, remedy) on failure; no partial file is left under the final name.
+ALABASTER_API bool WriteProduct(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
+                                const DiagnosticSink& sink);
+
+/// What `alabaster ocio` prints: the config's origin, spaces, displays, views, looks; as lines of text.
+ALABASTER_API std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink);
+/// The config as a .ocio text.
+ALABASTER_API std::string SerializeColors(const OutputColors& colors, const DiagnosticSink& sink);
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,54 @@
+// The host kit's index: creates prims through a RenderDelegate, tracks what is dirty, syncs in the contract's order.
+#pragma once
+
+#include "delegate/api/render_delegate.h"
+
+namespace alabaster::hd::host {
+
+/// What is dirty, by prim. One thread at a time, never during Sync.
+class ALABASTER_API ChangeTracker {
+ public:
+  void MarkDirty(const Path& id, DirtyBits bits);
+  DirtyBits Get(const Path& id) const;
+  void Set(const Path& id, DirtyBits bits);
+  void Remove(const Path& id);
+  /// Rises with every mark.
+  uint64_t GetVersion() const { return version_; }
+
+ private:
+  std::map<Path, DirtyBits> bits_;
+  uint64_t version_ = 0;
+};
+
+class ALABASTER_API RenderIndex {
+ public:
+  explicit RenderIndex(RenderDelegate* delegate);
+  ~RenderIndex();  // finalizes and destroys every prim
+  RenderIndex(const RenderIndex&) = delete;
+  RenderIndex& operator=(const RenderIndex&) = delete;
+
+  /// False if the delegate does not know the type, or the id is taken.
+  bool InsertRprim(const Token& type, SceneDelegate* scene, const Path& id);
+  bool InsertSprim(const Token& type, SceneDelegate* scene, const Path& id);
+  bool InsertBprim(const Token& type, SceneDelegate* scene, const Path& id);
+  bool InsertInstancer(SceneDelegate* scene, const Path& id);
+  void Remove(const Path& id);
+  bool Has(const Path& id) const;
+  Sprim* GetSprim(const Path& id) const;
+  Bprim* GetBprim(const Path& id) const;
+  /// Empty when no prim has this id.
+  Path GetRprimPathFromPrimId(int32_t prim_id) const;
+
+  ChangeTracker& GetChangeTracker();
+  RenderDelegate* GetRenderDelegate() const;
+
+  /// Bprims, Sprims (type by type), instancers, Rprims (in parallel), then CommitResources. Invisible rprims are skipped
+  /// but for their visibility; their other bits stay queued.
+  void SyncAll();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,108 @@
+// A scene held as plain descriptions, pushed in and compared: unchanged values mark nothing dirty. Serves the scene readers
+// and hosts that have no scene delegate of their own.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "delegate/host/render_index.h"
+
+namespace alabaster::hd::host {
+
+struct PrimvarValue {
+  Interpolation interpolation = Interpolation::vertex;
+  Token role;
+  Value value;              // Array<float>, Array<Vec2f>, Array<Vec3f>, ...
+  Array<int32_t> indices;   // empty: not indexed
+  bool operator==(const PrimvarValue&) const = default;
+};
+
+struct MeshDescription {
+  MeshTopology topology;
+  SubdivTags subdivTags;
+  DisplayStyle displayStyle;
+  std::map<Token, PrimvarValue> primvars;  // "points" (Vec3f, vertex), "normals" (Vec3f), "st" (Vec2f, v up)
+  Matrix4d transform;
+  bool visible = true;
+  bool doubleSided = true;
+  Path material;    // empty: the default material
+  Path instancer;   // empty: not instanced
+  bool operator==(const MeshDescription&) const = default;
+};
+
+struct InstancerDescription {
+  Matrix4d transform;
+  Path parent;  // outer instancer; empty: none
+  std::map<Token, Value> primvars;             // hydra:instanceTransforms, ...
+  std::map<Path, Array<int32_t>> indices;      // prototype (mesh or inner instancer) -> indices into the primvars
+  bool operator==(const InstancerDescription&) const = default;
+};
+
+/// parameters: names of schemas/lights.json. type: rectLight sphereLight distantLight domeLight.
+struct LightDescription {
+  Token type;
+  Matrix4d transform;
+  std::map<Token, Value> parameters;
+  bool operator==(const LightDescription&) const = default;
+};
+
+/// parameters: names of schemas/camera.json.
+struct CameraDescription {
+  Matrix4d transform;
+  std::map<Token, Value> parameters;
+  bool operator==(const CameraDescription&) const = default;
+};
+
+/// One thread at a time pushes; pulls come from Sync. Before Populate it is plain data; afterwards every Set marks what
+/// changed in the index it populates.
+class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
+ public:
+  RetainedSceneDelegate();
+  ~RetainedSceneDelegate() override;
+
+  void SetMesh(const Path& id, MeshDescription mesh);
+  void SetInstancer(const Path& id, InstancerDescription instancer);
+  void SetMaterial(const Path& id, MaterialNetwork network);
+  void SetLight(const Path& id, LightDescription light);
+  void SetCamera(const Path& id, CameraDescription camera);
+  void SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer);
+  void SetRenderSettings(const Path& id, RenderSettingsDescription settings);
+  void Remove(const Path& id);
+
+  const std::map<Path, MeshDescription>& GetMeshes() const;
+  const std::map<Path, InstancerDescription>& GetInstancers() const;
+  const std::map<Path, MaterialNetwork>& GetMaterials() const;
+  const std::map<Path, LightDescription>& GetLights() const;
+  const std::map<Path, CameraDescription>& GetCameras() const;
+  const std::map<Path, RenderSettingsDescription>& GetAllRenderSettings() const;
+
+  /// Inserts everything into `index` (which must outlive this, or be told Depopulate) and keeps it informed.
+  void Populate(RenderIndex* index);
+  void Depopulate();
+
+  // SceneDelegate
+  MeshTopology GetMeshTopology(const Path& id) override;
+  SubdivTags GetSubdivTags(const Path& id) override;
+  DisplayStyle GetDisplayStyle(const Path& id) override;
+  Matrix4d GetTransform(const Path& id) override;
+  bool GetVisible(const Path& id) override;
+  bool GetDoubleSided(const Path& id) override;
+  Token GetRenderTag(const Path& id) override;
+  Path GetMaterialId(const Path& id) override;
+  std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) override;
+  Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) override;
+  Path GetInstancerId(const Path& primId) override;
+  Matrix4d GetInstancerTransform(const Path& instancerId) override;
+  Array<int32_t> GetInstanceIndices(const Path& instancerId, const Path& prototypeId) override;
+  MaterialNetwork GetMaterialResource(const Path& id) override;
+  Value GetLightParamValue(const Path& id, const Token& name) override;
+  Value GetCameraParamValue(const Path& id, const Token& name) override;
+  RenderBufferDescriptor GetRenderBufferDescriptor(const Path& id) override;
+  RenderSettingsDescription GetRenderSettings(const Path& id) override;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace alabaster::hd::host
