@@ -6,7 +6,8 @@
 
 namespace alabaster {
 
-/// Apertures, focal length and focus distance in world units (Hydra's convention). The camera looks down its local -z, y up.
+/// Apertures, focal length and focus distance in world units (Hydra's convention). The camera looks down its local -z,
+/// y up.
 struct CameraParameters {
   Matrix4d camera_to_world;  // identity by default
   float focal_length = 50;
@@ -39,8 +40,9 @@ class Camera {
   Vec3f to_camera_vector(const Vec3f& v) const { return {dot(v, x_), dot(v, y_), dot(v, z_)}; }
 
  private:
-  Vec3f origin_, x_, y_, z_;   // frame in render space, unit
-  Vec2f film_scale_, film_offset_;  // film pixel -> tangent-plane coordinates at unit distance (or world units if ortho)
+  Vec3f origin_, x_, y_, z_;  // frame in render space, unit
+  Vec2f film_scale_,
+      film_offset_;  // film pixel -> tangent-plane coordinates at unit distance (or world units if ortho)
   float lens_radius_, focus_distance_, clip_near_, clip_far_;
   bool orthographic_;
 };

@@ -16,8 +16,8 @@ namespace alabaster {
 class ColorTransform {
  public:
   virtual ~ColorTransform() = default;
-  /// Converts `count` RGBA pixels in place. Non-finite components become 0 and values are clamped to +-65504 first (OCIO's
-  /// ACES outputs turn one NaN into four); alpha is never touched.
+  /// Converts `count` RGBA pixels in place. Non-finite components become 0 and values are clamped to +-65504 first
+  /// (OCIO's ACES outputs turn one NaN into four); alpha is never touched.
   virtual void apply(float* rgba, size_t count) const = 0;
   virtual bool is_noop() const = 0;
 };
@@ -34,8 +34,8 @@ class ColorConfig {
  public:
   virtual ~ColorConfig() = default;
 
-  /// `path` empty: $OCIO if it is set and non-empty, else the built-in configuration (made of OCIO's built-in transforms
-  /// alone). On failure returns null and reports what file, what is wrong, and what to do.
+  /// `path` empty: $OCIO if it is set and non-empty, else the built-in configuration (made of OCIO's built-in
+  /// transforms alone). On failure returns null and reports what file, what is wrong, and what to do.
   static std::shared_ptr<const ColorConfig> load(const std::string& path, const DiagnosticSink& sink);
 
   /// Where it came from: a path, or "built-in".
@@ -53,12 +53,15 @@ class ColorConfig {
   /// config does not tell (documented in the .cpp how it is found).
   virtual std::array<float, 8> chromaticities(const std::string& space) const = 0;
 
-  /// Names understood everywhere, whatever the config: "auto" (sRGB for 8/16-bit images, rendering space for float ones),
-  /// "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709"; anything else is a name in the config.
+  /// Names understood everywhere, whatever the config: "auto" (sRGB for 8/16-bit images, rendering space for float
+  /// ones), "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709"; anything else is a name in the config.
   /// All return null and report on failure.
-  virtual std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from, const DiagnosticSink& sink) const = 0;
-  virtual std::shared_ptr<const ColorTransform> from_rendering_space(const std::string& to, const DiagnosticSink& sink) const = 0;
-  virtual std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request, const DiagnosticSink& sink) const = 0;
+  virtual std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from,
+                                                                   const DiagnosticSink& sink) const = 0;
+  virtual std::shared_ptr<const ColorTransform> from_rendering_space(const std::string& to,
+                                                                     const DiagnosticSink& sink) const = 0;
+  virtual std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
+                                                                  const DiagnosticSink& sink) const = 0;
 
   /// The whole configuration as text (what --ocio would take as a file).
   virtual std::string serialize() const = 0;

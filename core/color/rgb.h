@@ -21,17 +21,37 @@ struct Rgb {
   bool operator==(const Rgb&) const = default;
 };
 
-inline Rgb operator+(Rgb a, const Rgb& b) { return a += b; }
-inline Rgb operator-(const Rgb& a, const Rgb& b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
-inline Rgb operator*(Rgb a, const Rgb& b) { return a *= b; }
-inline Rgb operator*(Rgb a, float s) { return a *= s; }
-inline Rgb operator*(float s, Rgb a) { return a *= s; }
-inline Rgb lerp(const Rgb& a, const Rgb& b, float t) { return a * (1 - t) + b * t; }
-inline float max_component(const Rgb& c) { return std::max(c.r, std::max(c.g, c.b)); }
-inline bool is_black(const Rgb& c) { return c.r == 0 && c.g == 0 && c.b == 0; }
-inline bool is_finite(const Rgb& c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
+inline Rgb operator+(Rgb a, const Rgb& b) {
+  return a += b;
+}
+inline Rgb operator-(const Rgb& a, const Rgb& b) {
+  return {a.r - b.r, a.g - b.g, a.b - b.b};
+}
+inline Rgb operator*(Rgb a, const Rgb& b) {
+  return a *= b;
+}
+inline Rgb operator*(Rgb a, float s) {
+  return a *= s;
+}
+inline Rgb operator*(float s, Rgb a) {
+  return a *= s;
+}
+inline Rgb lerp(const Rgb& a, const Rgb& b, float t) {
+  return a * (1 - t) + b * t;
+}
+inline float max_component(const Rgb& c) {
+  return std::max(c.r, std::max(c.g, c.b));
+}
+inline bool is_black(const Rgb& c) {
+  return c.r == 0 && c.g == 0 && c.b == 0;
+}
+inline bool is_finite(const Rgb& c) {
+  return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b);
+}
 
 /// Relative luminance for Rec.709 primaries: used to weigh choices, never to change colour.
-inline float luminance(const Rgb& c) { return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b; }
+inline float luminance(const Rgb& c) {
+  return 0.2126f * c.r + 0.7152f * c.g + 0.0722f * c.b;
+}
 
 }  // namespace alabaster

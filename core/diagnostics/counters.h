@@ -15,9 +15,9 @@ struct RenderCounters {
   uint64_t walk_events = 0;  // scattering events
   uint64_t walk_exits = 0;
   uint64_t walk_roulette_ends = 0;
-  uint64_t walk_lost = 0;        // segments that found no surface in an open mesh: their energy is lost
-  uint64_t walk_safety_cap = 0;  // walks ended by the safety cap: must stay zero
-  uint64_t rejected_rays = 0;    // rays that were not finite and never reached Embree
+  uint64_t walk_lost = 0;          // segments that found no surface in an open mesh: their energy is lost
+  uint64_t walk_safety_cap = 0;    // walks ended by the safety cap: must stay zero
+  uint64_t rejected_rays = 0;      // rays that were not finite and never reached Embree
   uint64_t nonfinite_samples = 0;  // samples whose radiance was not finite: dropped, and counted here
   uint64_t samples = 0;
   double max_walk_weight = 0;

@@ -19,7 +19,8 @@ struct Diagnostic {
 /// Called from any thread, never under a lock of ours. An empty sink discards.
 using DiagnosticSink = std::function<void(const Diagnostic&)>;
 
-inline void report(const DiagnosticSink& sink, Severity severity, std::string code, std::string where, std::string text) {
+inline void report(const DiagnosticSink& sink, Severity severity, std::string code, std::string where,
+                   std::string text) {
   if (sink) sink({severity, std::move(code), std::move(where), std::move(text)});
 }
 

@@ -17,7 +17,9 @@ namespace alabaster {
 /// What can be asked for. Averaged: color, alpha, normal, albedo, diffuse parts. Closest sample: depth and ids.
 enum class Aov { color, alpha, depth, camera_depth, normal, albedo, prim_id, instance_id, element_id, sample_count };
 inline constexpr int kAovCount = 10;
-constexpr uint32_t aov_bit(Aov a) { return 1u << static_cast<uint32_t>(a); }
+constexpr uint32_t aov_bit(Aov a) {
+  return 1u << static_cast<uint32_t>(a);
+}
 
 /// "color", "depth", ... ; components per pixel (color 4: premultiplied RGBA); whether values are int32.
 const char* aov_name(Aov a);
@@ -38,19 +40,19 @@ struct PixelRect {
 struct FilmSample {
   Rgb color{0.0f};
   float alpha = 0;
-  float distance = 0;        // to the first hit; infinity if none: decides which sample is closest
-  float depth = 1;           // Hydra's 0..1 clip depth (1 = far, background)
-  float camera_depth = 0;    // along -z, world units; 0 if no hit
-  Vec3f normal{0, 0, 0};     // world, shading; 0 if no hit
+  float distance = 0;      // to the first hit; infinity if none: decides which sample is closest
+  float depth = 1;         // Hydra's 0..1 clip depth (1 = far, background)
+  float camera_depth = 0;  // along -z, world units; 0 if no hit
+  Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
   Rgb albedo{0.0f};
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
 };
 
 /// Accumulators of one pixel.
 struct FilmPixel {
-  std::array<double, 4> color{};    // sum, premultiplied
-  std::array<float, 3> normal{};    // sum
-  std::array<float, 3> albedo{};    // sum
+  std::array<double, 4> color{};  // sum, premultiplied
+  std::array<float, 3> normal{};  // sum
+  std::array<float, 3> albedo{};  // sum
   float distance = 0, depth = 1, camera_depth = 0;
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
   uint32_t samples = 0;
@@ -58,8 +60,8 @@ struct FilmPixel {
   void add(const FilmSample& s);
 };
 
-/// Accumulators of a data window, in tiles. Workers accumulate privately and store a tile at a time; readers copy a tile at
-/// a time under that tile's lock: neither waits for a whole pass.
+/// Accumulators of a data window, in tiles. Workers accumulate privately and store a tile at a time; readers copy a
+/// tile at a time under that tile's lock: neither waits for a whole pass.
 class Film {
  public:
   static constexpr int kTileSize = 32;

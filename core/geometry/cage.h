@@ -45,17 +45,17 @@ struct Cage {
   TriangleSubdivision triangle_subdivision = TriangleSubdivision::catmull_clark;
 
   std::vector<Vec3f> points;
-  Primvar<Vec3f> normals;  // authored; ignored when refined
-  Primvar<Vec2f> uv;       // v up
+  Primvar<Vec3f> normals;          // authored; ignored when refined
+  Primvar<Vec2f> uv;               // v up
   std::vector<int> face_material;  // material slot per face; empty: all 0
 };
 
-/// Makes a cage safe for everything after it (Embree and OpenSubdiv trust their input): drops or repairs what is broken and
-/// reports each kind of fault once with its count and first element. Never throws. Returns false when nothing is left to
-/// draw.
-/// Checked: counts >= 3 and their sum; indices in range; finite points (a face that uses a non-finite point is dropped);
-/// faces and valences above 1000; holes, creases and corners in range, finite and non-negative sharpness, crease pairs;
-/// primvar sizes; material slots; Loop with other faces than triangles (falls back to catmull_clark).
+/// Makes a cage safe for everything after it (Embree and OpenSubdiv trust their input): drops or repairs what is broken
+/// and reports each kind of fault once with its count and first element. Never throws. Returns false when nothing is
+/// left to draw. Checked: counts >= 3 and their sum; indices in range; finite points (a face that uses a non-finite
+/// point is dropped); faces and valences above 1000; holes, creases and corners in range, finite and non-negative
+/// sharpness, crease pairs; primvar sizes; material slots; Loop with other faces than triangles (falls back to
+/// catmull_clark).
 bool sanitize_cage(Cage& cage, const std::string& where, const DiagnosticSink& sink);
 
 }  // namespace alabaster

@@ -1,5 +1,6 @@
-// Ray tracing: the only room that sees Embree. Two levels: one bottom-level structure per mesh (in its object space), one
-// top level of instances. Rays that Embree would abort the host on (not finite, beyond 1e17) never reach it: they miss.
+// Ray tracing: the only room that sees Embree. Two levels: one bottom-level structure per mesh (in its object space),
+// one top level of instances. Rays that Embree would abort the host on (not finite, beyond 1e17) never reach it: they
+// miss.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +19,10 @@ class TraceDevice;
 std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink);
 
 struct TriangleHit {
-  float t = 0;             // in units of the ray's |dir|
-  float u = 0, v = 0;      // barycentric: p = (1-u-v) p0 + u p1 + v p2
+  float t = 0;         // in units of the ray's |dir|
+  float u = 0, v = 0;  // barycentric: p = (1-u-v) p0 + u p1 + v p2
   uint32_t triangle = 0;
-  uint32_t instance = 0;   // InstancedScene only: index into the instances it was built from
+  uint32_t instance = 0;  // InstancedScene only: index into the instances it was built from
 };
 
 /// BVH of one mesh in object space. Immutable; traced from any thread.

@@ -1,7 +1,7 @@
 // Lights: a closed set. UsdLux terms; radiance = color * intensity * 2^exposure (normalize divides by area).
 //
-// To add a light: 1. its pair of files with the five functions below; 2. its name in the variant `Light`; 3. its line in
-// LightDescription's type; 4. its entry in schemas/lights.json; 5. its chi-square line in testenv/statistical;
+// To add a light: 1. its pair of files with the five functions below; 2. its name in the variant `Light`; 3. its line
+// in LightDescription's type; 4. its entry in schemas/lights.json; 5. its chi-square line in testenv/statistical;
 // 6. a scene that needs it.
 //
 // Everything is in render space. pdfs are per solid angle at the reference point.
@@ -21,17 +21,17 @@
 namespace alabaster {
 
 struct LightSample {
-  Vec3f wi{0, 0, 1};      // unit, from the reference point to the light
-  float distance = 0;     // to the sampled point; infinity for distant and dome
-  Rgb radiance{0.0f};     // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
-  float pdf = 0;          // per solid angle; 1 for delta lights
+  Vec3f wi{0, 0, 1};   // unit, from the reference point to the light
+  float distance = 0;  // to the sampled point; infinity for distant and dome
+  Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
+  float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
 };
 
 struct LightHit {
-  float t = 0;            // along the ray; infinity for distant and dome
-  Rgb radiance{0.0f};     // emitted towards the ray's origin
-  float pdf = 0;          // that sample() would have had for this direction from the ray's origin
+  float t = 0;         // along the ray; infinity for distant and dome
+  Rgb radiance{0.0f};  // emitted towards the ray's origin
+  float pdf = 0;       // that sample() would have had for this direction from the ray's origin
 };
 
 enum class LightType { rect, sphere, distant, dome };
@@ -39,18 +39,18 @@ enum class LightType { rect, sphere, distant, dome };
 /// A light as the scene gives it (before placement in render space).
 struct LightDescription {
   LightType type = LightType::rect;
-  Matrix4d light_to_world;      // lights emit down their local -z (rect, distant); scale applies to sizes
+  Matrix4d light_to_world;  // lights emit down their local -z (rect, distant); scale applies to sizes
   Rgb color{1.0f};
   float intensity = 1;
   float exposure = 0;           // stops
   bool normalize = false;       // power independent of area (rect, sphere) or of angle (distant)
   float width = 1, height = 1;  // rect
-  float radius = 0.5f;          // sphere; 0 with treat_as_point: a point light of `intensity` candela-like radiant intensity
+  float radius = 0.5f;  // sphere; 0 with treat_as_point: a point light of `intensity` candela-like radiant intensity
   bool treat_as_point = false;
-  float angle = 0.53f;          // distant: angular diameter in degrees; 0: delta, color*intensity is then irradiance
+  float angle = 0.53f;  // distant: angular diameter in degrees; 0: delta, color*intensity is then irradiance
   float cone_inner = 180, cone_outer = 180;  // spot shaping of a sphere light about -z, half angles in degrees;
                                              // smooth between them as KHR_lights_punctual defines
-  std::shared_ptr<const Texture> texture;  // dome: lat-long, USD's orientation (see dome_light.h)
+  std::shared_ptr<const Texture> texture;    // dome: lat-long, USD's orientation (see dome_light.h)
   bool visible_to_camera = false;
 };
 

@@ -1,5 +1,5 @@
-// All lights of a snapshot: chooses which to sample, and answers for rays that hit one. Power-proportional choice; a light
-// tree may come later behind the same calls.
+// All lights of a snapshot: chooses which to sample, and answers for rays that hit one. Power-proportional choice; a
+// light tree may come later behind the same calls.
 #pragma once
 
 #include "core/light/light.h"
@@ -19,8 +19,8 @@ class LightSet {
   /// One light, one direction. pdf already includes the choice of light. Empty: nothing to gain here.
   std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u) const;
 
-  /// Sum of what analytic lights nearer than ray.tmax (rect, sphere) or, when `escaped`, at infinity (distant, dome) emit
-  /// along the ray. Lights do not block rays: all are added, each weighed by `weigh(pdf_including_choice)`.
+  /// Sum of what analytic lights nearer than ray.tmax (rect, sphere) or, when `escaped`, at infinity (distant, dome)
+  /// emit along the ray. Lights do not block rays: all are added, each weighed by `weigh(pdf_including_choice)`.
   template <class Weigh>
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const Weigh& weigh) const {
     Rgb sum(0.0f);

@@ -1,7 +1,7 @@
 // The Disney BSDF (Burley 2015) at one point, with its Lambertian term taken out where the medium scatters.
 //
-// Conventions (Veach 1997, 3.7.5): wo to the viewer, wi to the light, both leave the surface and are unit; local frame with
-// z = ns and x along the tangent of anisotropy; f WITHOUT the cosine; pdf per solid angle.
+// Conventions (Veach 1997, 3.7.5): wo to the viewer, wi to the light, both leave the surface and are unit; local frame
+// with z = ns and x along the tangent of anisotropy; f WITHOUT the cosine; pdf per solid angle.
 //
 // f = (1-metallic) [ diffuse + sheen ] + specular + clearcoat, the diffuse part being
 //   (C/pi)(1-.5F_L)(1-.5F_V)  +  (C/pi) R_R (F_L + F_V + F_L F_V (R_R-1)),  R_R = 2 roughness cos^2(theta_d).
@@ -20,10 +20,10 @@ enum class Lobe { diffuse, sheen, specular, clearcoat, subsurface };
 
 struct BsdfSample {
   Lobe lobe = Lobe::diffuse;
-  Vec3f wi{0, 0, 1};   // not set for Lobe::subsurface
-  Rgb f{0.0f};         // all local lobes' f for wi; for Lobe::subsurface the entry weight per channel (see below)
-  float pdf = 0;       // of all local lobes together, including the probability not to choose subsurface; for
-                       // Lobe::subsurface the (discrete) probability of that choice
+  Vec3f wi{0, 0, 1};  // not set for Lobe::subsurface
+  Rgb f{0.0f};        // all local lobes' f for wi; for Lobe::subsurface the entry weight per channel (see below)
+  float pdf = 0;      // of all local lobes together, including the probability not to choose subsurface; for
+                      // Lobe::subsurface the (discrete) probability of that choice
 };
 
 class DisneyBsdf {
@@ -36,8 +36,8 @@ class DisneyBsdf {
   /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed).
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u) const;
 
-  /// Entry weight of the walk per channel: (1-metallic)(1-.5F_V) where scatter_distance > 0, else 0. The colour is in the
-  /// walk's throughput, never here.
+  /// Entry weight of the walk per channel: (1-metallic)(1-.5F_V) where scatter_distance > 0, else 0. The colour is in
+  /// the walk's throughput, never here.
   Rgb subsurface_entry() const;
 
   /// Directional albedo estimate for the denoising AOV: diffuse colour plus specular reflectance at wo.
@@ -52,8 +52,8 @@ class DisneyBsdf {
   float probability_[5] = {0, 0, 0, 0, 0};
 };
 
-/// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016, section 4).
-/// eval is f (without cosine); sampling is cosine_hemisphere.
+/// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016,
+/// section 4). eval is f (without cosine); sampling is cosine_hemisphere.
 float eval_subsurface_exit(const Vec3f& wi);
 
 }  // namespace alabaster

@@ -10,7 +10,7 @@ namespace alabaster {
 
 struct DisneyMaterial {
   std::string name;
-  DisneyParameters constants;   // already clamped
+  DisneyParameters constants;                     // already clamped
   std::shared_ptr<const Texture> base_color_map;  // multiplies constants.base_color; null: none
   /// Roulette, bias and method of the walk are render settings; what belongs to the material is its scatter_distance.
 

@@ -13,9 +13,9 @@ struct DisneyParameters {
   float roughness = 0.5f;
   float anisotropic = 0;
   float specular_tint = 0;
-  float ior = 1.5f;            // of the dielectric specular lobe
-  float specular = 1;          // scales dielectric F0 (KHR_materials_specular's specularFactor); 1: by ior alone
-  Rgb specular_color{1.0f};    // tints dielectric F0 (KHR_materials_specular)
+  float ior = 1.5f;          // of the dielectric specular lobe
+  float specular = 1;        // scales dielectric F0 (KHR_materials_specular's specularFactor); 1: by ior alone
+  Rgb specular_color{1.0f};  // tints dielectric F0 (KHR_materials_specular)
   float sheen = 0;
   float sheen_tint = 0.5f;
   float clearcoat = 0;

@@ -15,8 +15,9 @@ struct Affine {
   Vec3f transpose_vector(const Vec3f& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
   /// Bound of the linear part's growth of coordinates (max column sum of absolute values).
   float linear_bound() const {
-    return std::max(std::abs(x.x) + std::abs(y.x) + std::abs(z.x),
-                    std::max(std::abs(x.y) + std::abs(y.y) + std::abs(z.y), std::abs(x.z) + std::abs(y.z) + std::abs(z.z)));
+    return std::max(
+        std::abs(x.x) + std::abs(y.x) + std::abs(z.x),
+        std::max(std::abs(x.y) + std::abs(y.y) + std::abs(z.y), std::abs(x.z) + std::abs(y.z) + std::abs(z.z)));
   }
 };
 

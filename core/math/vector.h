@@ -41,12 +41,20 @@ template <class T>
 Imath::Vec3<T> normalize(const Imath::Vec3<T>& v) {
   return v * (T(1) / length(v));
 }
-inline float max_component(const Vec3f& v) { return std::max(v.x, std::max(v.y, v.z)); }
+inline float max_component(const Vec3f& v) {
+  return std::max(v.x, std::max(v.y, v.z));
+}
 inline float max_abs_component(const Vec3f& v) {
   return std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
 }
-inline bool is_finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-inline float sqr(float x) { return x * x; }
-inline float lerp(float a, float b, float t) { return a + (b - a) * t; }
+inline bool is_finite(const Vec3f& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+inline float sqr(float x) {
+  return x * x;
+}
+inline float lerp(float a, float b, float t) {
+  return a + (b - a) * t;
+}
 
 }  // namespace alabaster

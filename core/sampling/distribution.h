@@ -15,9 +15,9 @@ class Distribution1D {
   explicit Distribution1D(std::vector<float> weights);
 
   struct Sample {
-    float x = 0;       // in [0,1)
-    float pdf = 0;     // density at x
-    size_t index = 0;  // cell
+    float x = 0;         // in [0,1)
+    float pdf = 0;       // density at x
+    size_t index = 0;    // cell
     float remapped = 0;  // u rescaled within the cell, in [0,1): may be used again
   };
   Sample sample(float u) const;

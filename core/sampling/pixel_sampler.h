@@ -1,9 +1,9 @@
 // Random numbers of one camera sample: a function of (pixel, sample index, dimension block, frame, seed) alone, so that
 // the picture does not depend on threads, tiles or pauses.
 //
-// Each purpose at each bounce has a block of four dimensions: one Owen-scrambled Sobol (0,2)-sequence quadruple, with the
-// sample index shuffled per block (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)).
-// What needs an unbounded number of dimensions (the random walk) takes a stream (Rng) seeded by its block.
+// Each purpose at each bounce has a block of four dimensions: one Owen-scrambled Sobol (0,2)-sequence quadruple, with
+// the sample index shuffled per block (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)). What needs an
+// unbounded number of dimensions (the random walk) takes a stream (Rng) seeded by its block.
 #pragma once
 
 #include <array>
@@ -28,7 +28,9 @@ inline uint32_t hash_combine(uint32_t seed, uint32_t value) {
   return hash32(seed ^ (value + 0x9e3779b9u + (seed << 6) + (seed >> 2)));
 }
 /// [0, 1), 24 bits: never 1 after rounding.
-inline float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+inline float to_unit_float(uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
 
 /// PCG32 (O'Neill 2014): an independent stream per seed pair.
 class Rng {
@@ -73,7 +75,8 @@ class PixelSampler {
 };
 
 inline uint32_t pixel_seed(int x, int y, uint32_t frame, uint32_t seed) {
-  return hash_combine(hash_combine(hash_combine(hash32(seed), frame), static_cast<uint32_t>(x)), static_cast<uint32_t>(y));
+  return hash_combine(hash_combine(hash_combine(hash32(seed), frame), static_cast<uint32_t>(x)),
+                      static_cast<uint32_t>(y));
 }
 
 }  // namespace alabaster

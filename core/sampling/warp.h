@@ -8,27 +8,37 @@ namespace alabaster {
 Vec2f sample_concentric_disk(const Vec2f& u);
 Vec2f invert_concentric_disk(const Vec2f& d);
 
-inline float safe_sqrt(float x) { return std::sqrt(std::max(0.0f, x)); }
+inline float safe_sqrt(float x) {
+  return std::sqrt(std::max(0.0f, x));
+}
 
 /// Cosine-weighted hemisphere about +z (Malley).
 inline Vec3f sample_cosine_hemisphere(const Vec2f& u) {
   const Vec2f d = sample_concentric_disk(u);
   return {d.x, d.y, safe_sqrt(1 - d.x * d.x - d.y * d.y)};
 }
-inline float pdf_cosine_hemisphere(const Vec3f& w) { return w.z > 0 ? w.z * kInvPi : 0; }
-inline Vec2f invert_cosine_hemisphere(const Vec3f& w) { return invert_concentric_disk({w.x, w.y}); }
+inline float pdf_cosine_hemisphere(const Vec3f& w) {
+  return w.z > 0 ? w.z * kInvPi : 0;
+}
+inline Vec2f invert_cosine_hemisphere(const Vec3f& w) {
+  return invert_concentric_disk({w.x, w.y});
+}
 
 inline Vec3f sample_uniform_sphere(const Vec2f& u) {
   const float z = 1 - 2 * u.x, r = safe_sqrt(1 - z * z), phi = kTwoPi * u.y;
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
-inline float pdf_uniform_sphere() { return 0.25f * kInvPi; }
+inline float pdf_uniform_sphere() {
+  return 0.25f * kInvPi;
+}
 Vec2f invert_uniform_sphere(const Vec3f& w);
 
 /// Uniform in the cone of directions with cos(theta) >= cos_max; one_minus_cos_max is passed because 1 - cos_max
 /// cancels for small cones.
 Vec3f sample_uniform_cone(const Vec2f& u, float one_minus_cos_max);
-inline float pdf_uniform_cone(float one_minus_cos_max) { return 1 / (kTwoPi * one_minus_cos_max); }
+inline float pdf_uniform_cone(float one_minus_cos_max) {
+  return 1 / (kTwoPi * one_minus_cos_max);
+}
 Vec2f invert_uniform_cone(const Vec3f& w, float one_minus_cos_max);
 
 /// Uniform barycentric coordinates (b0, b1) of a triangle; area measure 1/area.

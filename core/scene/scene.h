@@ -1,5 +1,5 @@
-// What is rendered. SceneDescription is what a delegate writes; SceneSnapshot is compiled from it, immutable and numbered:
-// all that render threads ever see. Parts are shared by pointer, so a new snapshot costs what changed.
+// What is rendered. SceneDescription is what a delegate writes; SceneSnapshot is compiled from it, immutable and
+// numbered: all that render threads ever see. Parts are shared by pointer, so a new snapshot costs what changed.
 #pragma once
 
 #include <cstdint>
@@ -47,7 +47,7 @@ struct Instance {
   Affine object_to_world;  // to RENDER space
   Affine world_to_object;
   std::vector<const DisneyMaterial*> materials;
-  bool mirrored = false;   // the transform flips orientation
+  bool mirrored = false;         // the transform flips orientation
   float object_error_scale = 1;  // growth of object-space coordinate error in render space
   int32_t prim_id = 0, instance_id = 0;
 };
@@ -64,8 +64,8 @@ struct SceneSnapshot {
   LightSet lights;
   size_t memory_bytes = 0;
 
-  std::vector<std::shared_ptr<const MeshPrototype>> prototypes;   // keep-alive
-  std::vector<std::shared_ptr<const DisneyMaterial>> materials;   // keep-alive
+  std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive
+  std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
 };
 
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,

@@ -24,11 +24,11 @@ enum class SubsurfaceMode { lambert, walk };
 
 /// Names, ranges and defaults: schemas/render_settings.json (a test compares).
 struct RenderSettings {
-  uint32_t samples = 64;       // per pixel
+  uint32_t samples = 64;  // per pixel
   uint32_t seed = 0;
   uint32_t frame = 0;
-  uint32_t max_depth = 8;      // bounces between surfaces; a subsurface walk counts as one
-  uint32_t threads = 0;        // 0: all
+  uint32_t max_depth = 8;  // bounces between surfaces; a subsurface walk counts as one
+  uint32_t threads = 0;    // 0: all
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
   AlbedoInversion inversion = AlbedoInversion::exact;
   WalkWeights walk_weights = WalkWeights::throughput;
@@ -39,8 +39,8 @@ struct RenderSettings {
 struct RenderRequest {
   std::shared_ptr<const SceneSnapshot> scene;
   CameraParameters camera;
-  int width = 0, height = 0;   // display window: what the camera is framed to
-  PixelRect data_window;       // pixels to render; may be a crop of, or larger than (overscan), the display window
+  int width = 0, height = 0;  // display window: what the camera is framed to
+  PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
   uint32_t aovs = aov_bit(Aov::color);
   RenderSettings settings;
 };
@@ -51,10 +51,10 @@ struct RenderProgress {
   SessionState state = SessionState::idle;
   uint64_t scene_number = 0;
   uint64_t samples_done = 0, samples_total = 0;  // camera samples of the whole frame
-  uint32_t passes_done = 0;    // whole passes: every pixel has at least this many samples
+  uint32_t passes_done = 0;                      // whole passes: every pixel has at least this many samples
   double wall_seconds = 0;
-  double cpu_seconds = 0;      // of the render workers
-  RenderCounters counters;     // as of the last finished tile
+  double cpu_seconds = 0;   // of the render workers
+  RenderCounters counters;  // as of the last finished tile
 };
 
 class RenderSession {

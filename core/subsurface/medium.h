@@ -16,17 +16,17 @@ enum class AlbedoInversion {
 /// 1 - alpha for A in [0,1] (clamped; NaN -> A = 0). The complement is carried because alpha = 1 - 2e-9 has no float.
 double one_minus_alpha(double albedo, AlbedoInversion inversion);
 
-/// A index-matched half-space of isotropic scatterers, cosine entry: the albedo that a given 1 - alpha yields (Chandrasekhar
-/// 1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu). Slow; for tests and tables.
+/// A index-matched half-space of isotropic scatterers, cosine entry: the albedo that a given 1 - alpha yields
+/// (Chandrasekhar 1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu). Slow; for tests and tables.
 double half_space_albedo(double one_minus_alpha);
 
 /// Eq. 2: s = 1.9 - A + 3.5 (A - 0.8)^2.
 double distance_scale(double albedo);
 
 struct Medium {
-  Rgb sigma_t{0.0f};          // 1/world unit, eq. 3: 1/(d s); channels that do not scatter have 0
-  Rgb alpha{0.0f};            // single-scattering albedo
-  Rgb one_minus_alpha{1.0f};  // carried separately: see above
+  Rgb sigma_t{0.0f};                       // 1/world unit, eq. 3: 1/(d s); channels that do not scatter have 0
+  Rgb alpha{0.0f};                         // single-scattering albedo
+  Rgb one_minus_alpha{1.0f};               // carried separately: see above
   bool active[3] = {false, false, false};  // channels with scatter_distance > 0
 };
 

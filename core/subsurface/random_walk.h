@@ -1,10 +1,10 @@
 // Path-traced subsurface scattering: Chiang, Kutz, Burley 2016, sections 2 and 3.
 //
-// The walk enters through a cosine lobe, scatters isotropically, and leaves where a segment meets the surface. Distances are
-// sampled for one channel, chosen with probability proportional to the throughput (times alpha in the paper's own weights),
-// and the estimators of the channels are combined by the balance heuristic (one-sample MIS).
-// Termination is by roulette on the largest channel of the throughput: unbiased, no bounce cap. A safety cap of 1e6 events
-// guards against broken geometry and is counted.
+// The walk enters through a cosine lobe, scatters isotropically, and leaves where a segment meets the surface.
+// Distances are sampled for one channel, chosen with probability proportional to the throughput (times alpha in the
+// paper's own weights), and the estimators of the channels are combined by the balance heuristic (one-sample MIS).
+// Termination is by roulette on the largest channel of the throughput: unbiased, no bounce cap. A safety cap of 1e6
+// events guards against broken geometry and is counted.
 #pragma once
 
 #include <optional>
@@ -36,14 +36,14 @@ struct WalkSpace {
 };
 
 struct WalkEntry {
-  Vec3f p;              // object space, already offset to the inner side of the surface (offset_point)
-  Vec3f ng_inward;      // unit, world: geometric normal pointing into the medium
-  Frame frame_inward;   // world: n is the shading normal pointing into the medium; the entry lobe is about it
+  Vec3f p;             // object space, already offset to the inner side of the surface (offset_point)
+  Vec3f ng_inward;     // unit, world: geometric normal pointing into the medium
+  Frame frame_inward;  // world: n is the shading normal pointing into the medium; the entry lobe is about it
 };
 
 struct WalkExit {
-  TriangleHit hit;      // where it left; ids are of the ObjectScene
-  Vec3f direction;      // unit, world: of the last segment (towards the surface, from inside)
+  TriangleHit hit;  // where it left; ids are of the ObjectScene
+  Vec3f direction;  // unit, world: of the last segment (towards the surface, from inside)
   Rgb throughput{0.0f};
   uint32_t events = 0;  // scattering events; 0: crossed without scattering
 };
@@ -51,6 +51,7 @@ struct WalkExit {
 /// Runs one walk. `u_entry` samples the entry direction; everything else comes from `rng`. Empty: absorbed, ended by
 /// roulette, or lost through an open mesh (counted in `counters`).
 std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& entry, const Medium& medium,
-                                    const WalkSettings& settings, const Vec2f& u_entry, Rng& rng, RenderCounters& counters);
+                                    const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
+                                    RenderCounters& counters);
 
 }  // namespace alabaster

@@ -16,9 +16,9 @@ enum class Wrap { repeat, mirror, clamp, black };
 
 /// Where an image comes from: a file, or encoded bytes held in memory (an image embedded in a scene file).
 struct TextureSource {
-  std::string path;                                          // file path, or the name to report for `bytes`
-  std::shared_ptr<const std::vector<uint8_t>> bytes;         // encoded file contents; null: read `path`
-  std::string color_space = "auto";                          // see ColorConfig::to_rendering_space
+  std::string path;                                   // file path, or the name to report for `bytes`
+  std::shared_ptr<const std::vector<uint8_t>> bytes;  // encoded file contents; null: read `path`
+  std::string color_space = "auto";                   // see ColorConfig::to_rendering_space
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
   bool operator==(const TextureSource&) const = default;
 };
@@ -51,7 +51,11 @@ struct Textured {
   Textured(T v) : value(v) {}  // NOLINT(google-explicit-constructor)
 };
 
-inline Rgb evaluate(const Textured<Rgb>& t, const Vec2f& uv) { return t.map ? t.value * t.map->rgb(uv) : t.value; }
-inline float evaluate(const Textured<float>& t, const Vec2f& uv) { return t.map ? t.value * t.map->rgb(uv).g : t.value; }
+inline Rgb evaluate(const Textured<Rgb>& t, const Vec2f& uv) {
+  return t.map ? t.value * t.map->rgb(uv) : t.value;
+}
+inline float evaluate(const Textured<float>& t, const Vec2f& uv) {
+  return t.map ? t.value * t.map->rgb(uv).g : t.value;
+}
 
 }  // namespace alabaster

@@ -1,5 +1,5 @@
-// Prims: what the index creates through the RenderDelegate and syncs. They hold no pointer to an index and never look other
-// prims up: they record paths, and RenderDelegate::CommitResources resolves them.
+// Prims: what the index creates through the RenderDelegate and syncs. They hold no pointer to an index and never look
+// other prims up: they record paths, and RenderDelegate::CommitResources resolves them.
 #pragma once
 
 #include "delegate/api/scene_delegate.h"
@@ -74,8 +74,8 @@ class ALABASTER_API RenderBuffer : public Bprim {
   virtual Format GetFormat() const = 0;
   /// Makes Map show what has been rendered so far. Any thread.
   virtual void Resolve() = 0;
-  /// The pixels as last resolved, alive until the matching Unmap whatever happens to the buffer meanwhile. Null if nothing
-  /// is allocated. Any thread; nests.
+  /// The pixels as last resolved, alive until the matching Unmap whatever happens to the buffer meanwhile. Null if
+  /// nothing is allocated. Any thread; nests.
   virtual const void* Map() = 0;
   virtual void Unmap() = 0;
   virtual bool IsMapped() const = 0;
@@ -96,7 +96,7 @@ struct AovBinding {
 
 /// What to render with: set by the host before Execute. A copyable value.
 struct RenderPassState {
-  Path camera;          // a camera Sprim; empty: the RenderSettings' camera
+  Path camera;  // a camera Sprim; empty: the RenderSettings' camera
   Framing framing;
   WindowPolicy windowPolicy = WindowPolicy::matchVertically;
   std::vector<AovBinding> aovBindings;
@@ -105,8 +105,8 @@ struct RenderPassState {
 
 enum class PassState { idle, preparing, rendering, paused, stopped, converged, failed };
 
-/// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with what
-/// is running, restarts only if one differs, and returns.
+/// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with
+/// what is running, restarts only if one differs, and returns.
 class ALABASTER_API RenderPass {
  public:
   virtual ~RenderPass();

@@ -17,7 +17,7 @@ struct RenderSettingDescriptor {
   std::string name;  // shown to people
   Token key;
   Value defaultValue;
-  Value minimum, maximum;          // empty: unbounded
+  Value minimum, maximum;            // empty: unbounded
   std::vector<std::string> choices;  // of a string setting
   std::string documentation;
   SettingEffect effect = SettingEffect::restart;
@@ -29,7 +29,8 @@ class ALABASTER_API RenderDelegate {
 
   // Prims. Unknown types give null and the host goes on. The host destroys through the delegate, after Finalize.
   virtual const std::vector<Token>& GetSupportedRprimTypes() const = 0;  // mesh
-  virtual const std::vector<Token>& GetSupportedSprimTypes() const = 0;  // camera, material, rectLight, sphereLight, ...
+  virtual const std::vector<Token>& GetSupportedSprimTypes()
+      const = 0;  // camera, material, rectLight, sphereLight, ...
   virtual const std::vector<Token>& GetSupportedBprimTypes() const = 0;  // renderSettings, renderBuffer
   virtual Rprim* CreateRprim(const Token& type, const Path& id) = 0;
   virtual Sprim* CreateSprim(const Token& type, const Path& id) = 0;
@@ -46,17 +47,18 @@ class ALABASTER_API RenderDelegate {
   virtual RenderParam* GetRenderParam() = 0;
   virtual void CommitResources() = 0;
 
-  // Settings: names of schemas/render_settings.json; unknown keys are kept and ignored. The version rises only when a value
-  // changes.
+  // Settings: names of schemas/render_settings.json; unknown keys are kept and ignored. The version rises only when a
+  // value changes.
   virtual void SetRenderSetting(const Token& key, const Value& value) = 0;
   virtual Value GetRenderSetting(const Token& key) const = 0;
   virtual std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const = 0;
   virtual uint32_t GetRenderSettingsVersion() const = 0;
 
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
-  /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone, cpuSeconds,
-  /// rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost, walk.safetyCap,
-  /// walk.maxWeight, nonfiniteSamples, rejectedRays, error; sync.refineSeconds, sync.bvhSeconds (CPU), sync.commitSeconds.
+  /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
+  /// cpuSeconds, rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
+  /// walk.safetyCap, walk.maxWeight, nonfiniteSamples, rejectedRays, error; sync.refineSeconds, sync.bvhSeconds (CPU),
+  /// sync.commitSeconds.
   virtual Dictionary GetRenderStats() const = 0;
 
   // Background control: legal at any time, also before the first render.
@@ -69,8 +71,8 @@ class ALABASTER_API RenderDelegate {
 
   virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
 
-  /// Commands: "dumpScene" -> string (stable text of the translated scene), "requirements" -> string (what the committed
-  /// snapshot requires, and why). Unknown: empty value.
+  /// Commands: "dumpScene" -> string (stable text of the translated scene), "requirements" -> string (what the
+  /// committed snapshot requires, and why). Unknown: empty value.
   virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };
 
@@ -86,8 +88,8 @@ struct DelegateOptions {
 
 extern "C" {
 /// The one exported factory. Null if the ABI versions differ or the renderer cannot start (reported to the sink).
-ALABASTER_API alabaster::hd::RenderDelegate* CreateAlabasterRenderDelegate(uint32_t abi_version,
-                                                                           const alabaster::hd::DelegateOptions* options);
+ALABASTER_API alabaster::hd::RenderDelegate* CreateAlabasterRenderDelegate(
+    uint32_t abi_version, const alabaster::hd::DelegateOptions* options);
 ALABASTER_API void DestroyAlabasterRenderDelegate(alabaster::hd::RenderDelegate* delegate);
 /// "0.1.0", then one line per library it stands on with its version.
 ALABASTER_API const char* AlabasterVersions();

@@ -7,7 +7,8 @@
 
 namespace alabaster::hd {
 
-// ---- dirty bits ------------------------------------------------------------------------------------------------------
+// ---- dirty bits
+// ------------------------------------------------------------------------------------------------------
 /// Bits are ours; an adaptor translates. kClean = nothing to do; a Sync pulls only what is dirty.
 using DirtyBits = uint32_t;
 namespace dirty {
@@ -32,7 +33,8 @@ inline constexpr DirtyBits kDescription = 1u << 16;  // render buffer
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
-// ---- mesh ------------------------------------------------------------------------------------------------------------
+// ---- mesh
+// ------------------------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
 struct PrimvarDescriptor {
@@ -61,12 +63,13 @@ struct MeshTopology {
 };
 
 struct SubdivTags {
-  Token interpolateBoundary;            // none | edgeOnly | edgeAndCorner (empty = edgeAndCorner)
-  Token faceVaryingLinearInterpolation; // all | none | boundaries | cornersOnly | cornersPlus1 | cornersPlus2 (empty = cornersPlus1)
-  Token creaseMethod;                   // uniform | chaikin
-  Token triangleSubdivision;            // catmullClark | smooth
+  Token interpolateBoundary;             // none | edgeOnly | edgeAndCorner (empty = edgeAndCorner)
+  Token faceVaryingLinearInterpolation;  // all | none | boundaries | cornersOnly | cornersPlus1 | cornersPlus2 (empty =
+                                         // cornersPlus1)
+  Token creaseMethod;                    // uniform | chaikin
+  Token triangleSubdivision;             // catmullClark | smooth
   Array<int32_t> creaseIndices, creaseLengths;
-  Array<float> creaseWeights;           // per crease or per edge
+  Array<float> creaseWeights;  // per crease or per edge
   Array<int32_t> cornerIndices;
   Array<float> cornerWeights;
   bool operator==(const SubdivTags&) const = default;
@@ -77,7 +80,8 @@ struct DisplayStyle {
   bool operator==(const DisplayStyle&) const = default;
 };
 
-// ---- material --------------------------------------------------------------------------------------------------------
+// ---- material
+// --------------------------------------------------------------------------------------------------------
 struct MaterialConnection {
   Path upstreamNode;
   Token upstreamOutput;
@@ -90,15 +94,16 @@ struct MaterialNode {
   bool operator==(const MaterialNode&) const = default;
 };
 /// HdMaterialNetwork2's shape. Terminal "surface" names the surface node.
-/// Node types: AlabasterDisney (parameters: schemas/disney_material.json) and AlabasterTexture (parameters: file AssetPath,
-/// sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, st Token; output rgb).
+/// Node types: AlabasterDisney (parameters: schemas/disney_material.json) and AlabasterTexture (parameters: file
+/// AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, st Token; output rgb).
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;
   std::map<Token, MaterialConnection> terminals;
   bool operator==(const MaterialNetwork&) const = default;
 };
 
-// ---- framing and outputs ---------------------------------------------------------------------------------------------
+// ---- framing and outputs
+// ---------------------------------------------------------------------------------------------
 enum class WindowPolicy { matchVertically, matchHorizontally, fit, crop, dontConform };
 
 /// y-down, half open, in pixels.
@@ -114,10 +119,25 @@ struct Framing {
   Rect2i dataWindow;                         // larger = overscan, smaller = crop
   float pixelAspectRatio = 1;
   bool operator==(const Framing&) const = default;
-  bool valid() const { return displayMax.x > displayMin.x && displayMax.y > displayMin.y && !dataWindow.empty() && pixelAspectRatio > 0; }
+  bool valid() const {
+    return displayMax.x > displayMin.x && displayMax.y > displayMin.y && !dataWindow.empty() && pixelAspectRatio > 0;
+  }
 };
 
-enum class Format { invalid, unorm8, unorm8vec3, unorm8vec4, float16, float16vec3, float16vec4, float32, float32vec2, float32vec3, float32vec4, int32 };
+enum class Format {
+  invalid,
+  unorm8,
+  unorm8vec3,
+  unorm8vec4,
+  float16,
+  float16vec3,
+  float16vec4,
+  float32,
+  float32vec2,
+  float32vec3,
+  float32vec4,
+  int32
+};
 ALABASTER_API size_t FormatSize(Format format);  // bytes per pixel
 ALABASTER_API int FormatComponents(Format format);
 
@@ -160,7 +180,7 @@ struct RenderSettingsDescription {
   std::optional<Rect2i> crop;  // pixels, y-down, of the full frame
   double frame = 0;
   std::vector<RenderProduct> products;
-  Dictionary settings;         // names of schemas/render_settings.json
+  Dictionary settings;  // names of schemas/render_settings.json
   bool operator==(const RenderSettingsDescription&) const = default;
 };
 

@@ -6,7 +6,8 @@
 namespace alabaster::hd {
 namespace {
 
-// Interned strings are shared by every delegate in the process and never freed: node addresses of an unordered_set are stable.
+// Interned strings are shared by every delegate in the process and never freed: node addresses of an unordered_set are
+// stable.
 struct TokenTable {
   std::mutex mutex;
   std::unordered_set<std::string> strings;

@@ -79,7 +79,8 @@ class Array {
   }
   Array(std::initializer_list<T> values) : Array(std::vector<T>(values)) {}
   /// Memory of the host's: valid and unchanged for as long as `owner` lives.
-  Array(std::shared_ptr<const void> owner, const T* data, size_t size) : owner_(std::move(owner)), data_(data), size_(size) {}
+  Array(std::shared_ptr<const void> owner, const T* data, size_t size)
+      : owner_(std::move(owner)), data_(data), size_(size) {}
 
   const T* data() const { return data_; }
   size_t size() const { return size_; }
@@ -101,8 +102,8 @@ class Array {
   size_t size_ = 0;
 };
 
-/// An asset as authored and as found on disk; or, when `bytes` is set, encoded contents held in memory (an image embedded in
-/// a scene file) and `authored` its name for reports.
+/// An asset as authored and as found on disk; or, when `bytes` is set, encoded contents held in memory (an image
+/// embedded in a scene file) and `authored` its name for reports.
 struct AssetPath {
   std::string authored;
   std::string resolved;
@@ -117,15 +118,15 @@ using Dictionary = std::map<std::string, Value>;
 class ALABASTER_API Value {
  public:
   using Storage =
-      std::variant<std::monostate, bool, int32_t, int64_t, uint32_t, float, double, Vec2f, Vec3f, Vec4f, Vec2i, Vec3i, Vec3d,
-                   Quatf, Matrix4d, Token, std::string, Path, AssetPath, std::shared_ptr<const Dictionary>, Array<int32_t>,
-                   Array<float>, Array<double>, Array<Vec2f>, Array<Vec3f>, Array<Vec4f>, Array<Quatf>, Array<Matrix4d>,
-                   Array<Token>, Array<std::string>>;
+      std::variant<std::monostate, bool, int32_t, int64_t, uint32_t, float, double, Vec2f, Vec3f, Vec4f, Vec2i, Vec3i,
+                   Vec3d, Quatf, Matrix4d, Token, std::string, Path, AssetPath, std::shared_ptr<const Dictionary>,
+                   Array<int32_t>, Array<float>, Array<double>, Array<Vec2f>, Array<Vec3f>, Array<Vec4f>, Array<Quatf>,
+                   Array<Matrix4d>, Array<Token>, Array<std::string>>;
   Value() = default;
   template <class T>
-    requires(std::is_constructible_v<Storage, T> && !std::is_same_v<std::decay_t<T>, Value>)
-  Value(T value) : storage_(std::move(value)) {}             // NOLINT(google-explicit-constructor)
-  Value(const char* text) : storage_(std::string(text)) {}   // NOLINT(google-explicit-constructor)
+  requires(std::is_constructible_v<Storage, T> && !std::is_same_v<std::decay_t<T>, Value>) Value(T value)
+      : storage_(std::move(value)) {}                       // NOLINT(google-explicit-constructor)
+  Value(const char* text) : storage_(std::string(text)) {}  // NOLINT(google-explicit-constructor)
 
   bool empty() const { return std::holds_alternative<std::monostate>(storage_); }
   template <class T>

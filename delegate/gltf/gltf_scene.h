@@ -1,5 +1,5 @@
-// glTF 2.0 (.gltf, .glb) as a scene: reads a document, checks all of it before trusting any of it, and describes it through
-// a RetainedSceneDelegate.
+// glTF 2.0 (.gltf, .glb) as a scene: reads a document, checks all of it before trusting any of it, and describes it
+// through a RetainedSceneDelegate.
 //
 // Paths: /gltf/<stem>/nodes/<index>_<name>/<mesh primitive index>, /materials/<index>_<name>, /cameras/..., /lights/...
 // (below the `root` given). Units: metres as in glTF; cameras and lights likewise.
@@ -10,14 +10,14 @@
 namespace alabaster::hd::gltf {
 
 struct GltfOptions {
-  Path root = "/";                // prims are created below it
-  Matrix4d transform;             // applied after the node transforms
+  Path root = "/";     // prims are created below it
+  Matrix4d transform;  // applied after the node transforms
   size_t max_file_bytes = size_t(4) << 30;
-  int refine_level = 2;           // of meshes that carry FB_ngon_encoding (cages); other meshes are drawn as they are
+  int refine_level = 2;  // of meshes that carry FB_ngon_encoding (cages); other meshes are drawn as they are
 };
 
 struct GltfSummary {
-  bool ok = false;                // false: nothing was added; the sink has been told why
+  bool ok = false;  // false: nothing was added; the sink has been told why
   std::vector<Path> meshes, materials, cameras, lights;
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
 };

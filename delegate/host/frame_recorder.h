@@ -12,27 +12,28 @@ enum class RecordStatus { done, input_failed, render_failed, output_failed, inte
 
 struct RecordProgress {
   double fraction = 0;
-  double seconds = 0;           // since rendering began
+  double seconds = 0;  // since rendering began
   double rays_per_second = 0;
-  double seconds_left = 0;      // estimate; < 0: unknown yet
+  double seconds_left = 0;                       // estimate; < 0: unknown yet
   uint64_t samples_done = 0, samples_total = 0;  // per pixel
 };
 
 struct RecordOptions {
   OutputColors colors;
-  const std::atomic<bool>* cancel = nullptr;  // polled at least every 20 ms; when set, what there is is written, marked incomplete
+  const std::atomic<bool>* cancel =
+      nullptr;  // polled at least every 20 ms; when set, what there is is written, marked incomplete
   std::function<void(const RecordProgress&)> progress;  // from the calling thread, about ten times a second
   DiagnosticSink diagnostics;
 };
 
 struct RecordResult {
   RecordStatus status = RecordStatus::done;
-  Dictionary stats;             // RenderDelegate::GetRenderStats at the end, plus phase.<sync|render|write>.wall / .cpu seconds
+  Dictionary stats;  // RenderDelegate::GetRenderStats at the end, plus phase.<sync|render|write>.wall / .cpu seconds
   std::vector<std::string> written;  // files
 };
 
-/// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products name
-/// (color if there is no product), syncs, renders to convergence and writes the products.
+/// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
+/// name (color if there is no product), syncs, renders to convergence and writes the products.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 

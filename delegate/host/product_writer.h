@@ -1,5 +1,5 @@
-// Writes render products: EXR with AOVs as layers, PNG, TIFF, JPEG; colour-managed, with metadata. A file is written under a
-// temporary name in its own folder and renamed when it is whole.
+// Writes render products: EXR with AOVs as layers, PNG, TIFF, JPEG; colour-managed, with metadata. A file is written
+// under a temporary name in its own folder and renamed when it is whole.
 #pragma once
 
 #include <map>
@@ -17,18 +17,18 @@ struct AovPixels {
 };
 
 struct ProductImage {
-  Framing framing;                      // display window and data window
+  Framing framing;                        // display window and data window
   std::map<std::string, AovPixels> aovs;  // by AOV name; each dataWindow.width() * height() pixels
-  Dictionary metadata;                  // written as attributes ("alabaster/samples", "capDate", ...)
-  bool incomplete = false;              // marks the file: attribute "alabaster/incomplete" = 1
+  Dictionary metadata;                    // written as attributes ("alabaster/samples", "capDate", ...)
+  bool incomplete = false;                // marks the file: attribute "alabaster/incomplete" = 1
 };
 
 struct OutputColors {
-  std::string ocio;                     // config path; empty: $OCIO or the built-in one
+  std::string ocio;  // config path; empty: $OCIO or the built-in one
 };
 
-/// Checks a product before any rendering is done: known ending, folder exists and is writable, data type fits, known AOVs,
-/// colour space or display and view known to the config. False + report otherwise.
+/// Checks a product before any rendering is done: known ending, folder exists and is writable, data type fits, known
+/// AOVs, colour space or display and view known to the config. False + report otherwise.
 ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
 
 /// False + report (file, reason, remedy) on failure; no partial file is left under the final name.

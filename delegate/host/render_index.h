@@ -42,8 +42,8 @@ class ALABASTER_API RenderIndex {
   ChangeTracker& GetChangeTracker();
   RenderDelegate* GetRenderDelegate() const;
 
-  /// Bprims, Sprims (type by type), instancers, Rprims (in parallel), then CommitResources. Invisible rprims are skipped
-  /// but for their visibility; their other bits stay queued.
+  /// Bprims, Sprims (type by type), instancers, Rprims (in parallel), then CommitResources. Invisible rprims are
+  /// skipped but for their visibility; their other bits stay queued.
   void SyncAll();
 
  private:

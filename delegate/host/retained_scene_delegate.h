@@ -1,5 +1,5 @@
-// A scene held as plain descriptions, pushed in and compared: unchanged values mark nothing dirty. Serves the scene readers
-// and hosts that have no scene delegate of their own.
+// A scene held as plain descriptions, pushed in and compared: unchanged values mark nothing dirty. Serves the scene
+// readers and hosts that have no scene delegate of their own.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@ namespace alabaster::hd::host {
 struct PrimvarValue {
   Interpolation interpolation = Interpolation::vertex;
   Token role;
-  Value value;              // Array<float>, Array<Vec2f>, Array<Vec3f>, ...
-  Array<int32_t> indices;   // empty: not indexed
+  Value value;             // Array<float>, Array<Vec2f>, Array<Vec3f>, ...
+  Array<int32_t> indices;  // empty: not indexed
   bool operator==(const PrimvarValue&) const = default;
 };
 
@@ -25,16 +25,16 @@ struct MeshDescription {
   Matrix4d transform;
   bool visible = true;
   bool doubleSided = true;
-  Path material;    // empty: the default material
-  Path instancer;   // empty: not instanced
+  Path material;   // empty: the default material
+  Path instancer;  // empty: not instanced
   bool operator==(const MeshDescription&) const = default;
 };
 
 struct InstancerDescription {
   Matrix4d transform;
-  Path parent;  // outer instancer; empty: none
-  std::map<Token, Value> primvars;             // hydra:instanceTransforms, ...
-  std::map<Path, Array<int32_t>> indices;      // prototype (mesh or inner instancer) -> indices into the primvars
+  Path parent;                             // outer instancer; empty: none
+  std::map<Token, Value> primvars;         // hydra:instanceTransforms, ...
+  std::map<Path, Array<int32_t>> indices;  // prototype (mesh or inner instancer) -> indices into the primvars
   bool operator==(const InstancerDescription&) const = default;
 };
 
