@@ -31,13 +31,10 @@ class Camera {
   /// Unit direction. `lens` is used only with a lens. In render space.
   Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
 
-  /// Depth for the AOVs. `distance` along a ray from generate_ray -> distance along the camera's -z axis.
+  /// Distance of a point along the camera's -z axis, world units.
   float axial_depth(const Vec3f& p_render) const;
-  float clip_near() const { return clip_near_; }
-  float clip_far() const { return clip_far_; }
-  bool orthographic() const { return orthographic_; }
-  /// Camera-space x, y, z axes in render space (for AOVs in eye space).
-  Vec3f to_camera_vector(const Vec3f& v) const { return {dot(v, x_), dot(v, y_), dot(v, z_)}; }
+  /// Hydra's 0..1 depth of that distance (1 = far plane). Without a near plane, where it is undefined: d / (1 + d).
+  float clip_depth(float axial_depth) const;
 
  private:
   Vec3f origin_, x_, y_, z_;  // frame in render space, unit

@@ -4,7 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
+#include <limits>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -48,16 +48,28 @@ struct FilmSample {
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
 };
 
-/// Accumulators of one pixel.
-struct FilmPixel {
-  std::array<double, 4> color{};  // sum, premultiplied
-  std::array<float, 3> normal{};  // sum
-  std::array<float, 3> albedo{};  // sum
-  float distance = 0, depth = 1, camera_depth = 0;
-  int32_t prim_id = -1, instance_id = -1, element_id = -1;
-  uint32_t samples = 0;
+/// Accumulators of one tile. Only the planes that the requested AOVs need exist.
+class FilmTile {
+ public:
+  FilmTile() = default;
+  FilmTile(size_t pixels, uint32_t aovs);
 
-  void add(const FilmSample& s);
+  /// `pixel`: row-major within the tile. Order matters to the last bit: one tile's samples come in sample order.
+  void add(size_t pixel, const FilmSample& sample);
+  uint32_t samples(size_t pixel) const { return samples_[pixel]; }
+  /// aov_components() values of a pixel: averages, or what the closest sample brought.
+  void resolve(size_t pixel, Aov aov, float* out) const;
+  int32_t resolve_int(size_t pixel, Aov aov) const;
+
+ private:
+  struct Closest {
+    float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
+    int32_t prim_id = -1, instance_id = -1, element_id = -1;
+  };
+  std::vector<uint32_t> samples_;
+  std::vector<std::array<double, 4>> color_;  // sums, premultiplied
+  std::vector<std::array<double, 3>> normal_, albedo_;
+  std::vector<Closest> closest_;
 };
 
 /// Accumulators of a data window, in tiles. Workers accumulate privately and store a tile at a time; readers copy a
@@ -65,23 +77,29 @@ struct FilmPixel {
 class Film {
  public:
   static constexpr int kTileSize = 32;
-  explicit Film(const PixelRect& data_window);
+  /// `aovs`: bits of Aov. Color and alpha are always kept.
+  Film(const PixelRect& data_window, uint32_t aovs);
 
   const PixelRect& data_window() const { return window_; }
+  uint32_t aovs() const { return aovs_; }
   int tile_count() const { return tiles_x_ * tiles_y_; }
   PixelRect tile_rect(int tile) const;
-  /// Pixels of a tile, row-major within tile_rect.
-  void load_tile(int tile, std::vector<FilmPixel>* pixels) const;
-  void store_tile(int tile, const std::vector<FilmPixel>& pixels);
+  FilmTile load_tile(int tile) const;
+  void store_tile(int tile, FilmTile pixels);
 
-  /// Resolved values of the whole window, row-major, y-down. Float AOVs: aov_components() floats per pixel.
+  /// Resolved values of the whole window, row-major, y-down; aov_components() values per pixel. An AOV that was not
+  /// asked for resolves to its background value.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
 
  private:
+  template <class T, class Write>
+  std::vector<T> resolve_tiles(int components, const Write& write) const;
+
   PixelRect window_;
+  uint32_t aovs_ = 0;
   int tiles_x_ = 0, tiles_y_ = 0;
-  std::vector<std::vector<FilmPixel>> tiles_;
+  std::vector<FilmTile> tiles_;
   mutable std::vector<std::mutex> locks_;
 };
 

@@ -40,16 +40,24 @@ struct SceneFeatures {
   bool emissive_meshes = false;
   bool textures = false;
   bool smooth_normals = false;
+  bool visible_background = false;  // a dome that the camera sees: the background is opaque
 };
 
+/// Object space to RENDER space and what is needed at a hit.
 struct Instance {
   const MeshPrototype* prototype = nullptr;
-  Affine object_to_world;  // to RENDER space
+  Affine object_to_world;
   Affine world_to_object;
-  std::vector<const DisneyMaterial*> materials;
-  bool mirrored = false;         // the transform flips orientation
-  float object_error_scale = 1;  // growth of object-space coordinate error in render space
+  std::vector<const DisneyMaterial*> materials;  // by slot, at least one
+  bool mirrored = false;                         // the transform flips orientation
   int32_t prim_id = 0, instance_id = 0;
+
+  /// The material of a triangle; slots beyond the list use the first.
+  const DisneyMaterial& material(uint32_t triangle) const {
+    const auto& slots = prototype->mesh.triangle_material;
+    const auto slot = slots.empty() ? size_t(0) : static_cast<size_t>(slots[triangle]);
+    return *materials[slot < materials.size() ? slot : 0];
+  }
 };
 
 /// Immutable. Render space = world - origin: the origin is the centre of the scene's bounds, so that precision does not

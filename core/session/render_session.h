@@ -3,6 +3,7 @@
 //   Idle --start--> Rendering --all samples--> Finished
 //                   Rendering <--pause/resume--> Paused
 //                   Rendering/Paused --stop--> Stopped
+//                   Rendering --out of memory or another exception--> Failed (RenderProgress::error says what)
 // start() from any state replaces what was running. Nothing renders in the caller's thread.
 #pragma once
 
@@ -15,12 +16,10 @@
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/film/filter.h"
+#include "core/integrator/path_integrator.h"
 #include "core/scene/scene.h"
-#include "core/subsurface/random_walk.h"
 
 namespace alabaster {
-
-enum class SubsurfaceMode { lambert, walk };
 
 /// Names, ranges and defaults: schemas/render_settings.json (a test compares).
 struct RenderSettings {
@@ -45,7 +44,7 @@ struct RenderRequest {
   RenderSettings settings;
 };
 
-enum class SessionState { idle, rendering, paused, stopped, finished };
+enum class SessionState { idle, rendering, paused, stopped, finished, failed };
 
 struct RenderProgress {
   SessionState state = SessionState::idle;

@@ -1,0 +1,69 @@
+#include "core/camera/camera.h"
+
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+Vec3f axis(const Matrix4d& m, int row) {
+  const Vec3d a(m[row][0], m[row][1], m[row][2]);
+  return Vec3f(normalize(a));
+}
+
+}  // namespace
+
+Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& render_origin)
+    : x_(axis(p.camera_to_world, 0)),
+      y_(axis(p.camera_to_world, 1)),
+      z_(axis(p.camera_to_world, 2)),
+      focus_distance_(p.focus_distance),
+      clip_near_(p.clip_near),
+      clip_far_(p.clip_far),
+      orthographic_(p.orthographic) {
+  const Matrix4d& m = p.camera_to_world;
+  origin_ = Vec3f(Vec3d(m[3][0], m[3][1], m[3][2]) - render_origin);
+  // Aperture -> tangent plane at distance one; an orthographic aperture is the view's size itself.
+  const float unit = orthographic_ ? 1.0f : 1.0f / p.focal_length;
+  const float w = p.horizontal_aperture * unit, h = p.vertical_aperture * unit;
+  film_scale_ = {w / static_cast<float>(width), -h / static_cast<float>(height)};
+  film_offset_ = {p.horizontal_aperture_offset * unit - 0.5f * w, p.vertical_aperture_offset * unit + 0.5f * h};
+  const bool has_lens = p.f_stop > 0 && focus_distance_ > 0 && !orthographic_;
+  lens_radius_ = has_lens ? p.focal_length / (2 * p.f_stop) : 0;
+}
+
+Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
+  const float px = film.x * film_scale_.x + film_offset_.x, py = film.y * film_scale_.y + film_offset_.y;
+  Ray ray;
+  if (orthographic_) {
+    ray.org = origin_ + x_ * px + y_ * py - z_ * clip_near_;
+    ray.dir = -z_;
+    return ray;
+  }
+  Vec3f local(px, py, -1);  // on the plane at distance one
+  Vec3f origin = origin_;
+  if (lens_radius_ > 0) {
+    // Kolb, Mitchell, Hanrahan 1995, thin lens: all rays of a film point meet in the plane of focus.
+    const Vec2f d = sample_concentric_disk(lens) * lens_radius_;
+    const Vec3f focus = local * focus_distance_;
+    local = {(focus.x - d.x) / focus_distance_, (focus.y - d.y) / focus_distance_, -1};
+    origin = origin_ + x_ * d.x + y_ * d.y;
+  }
+  const Vec3f towards = x_ * local.x + y_ * local.y - z_;
+  ray.org = origin + towards * clip_near_;
+  ray.dir = normalize(towards);
+  return ray;
+}
+
+float Camera::axial_depth(const Vec3f& p_render) const {
+  return dot(origin_ - p_render, z_);
+}
+
+float Camera::clip_depth(float axial) const {
+  // Hydra's depth: window-space depth of a GL projection, 0 at the near plane, 1 at the far plane.
+  const float n = clip_near_, f = clip_far_;
+  if (orthographic_) return f > n ? (axial - n) / (f - n) : 0;
+  if (!(n > 0)) return axial / (1 + axial);
+  return f > n ? f * (axial - n) / (axial * (f - n)) : 1 - n / axial;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,172 @@
+#include "core/film/film.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace alabaster {
+namespace {
+
+struct AovInfo {
+  const char* name;
+  int components;
+  bool integer;
+};
+// In the order of enum Aov.
+constexpr AovInfo kAovs[kAovCount] = {{"color", 4, false},       {"alpha", 1, false},     {"depth", 1, false},
+                                      {"cameraDepth", 1, false}, {"normal", 3, false},    {"albedo", 3, false},
+                                      {"primId", 1, true},       {"instanceId", 1, true}, {"elementId", 1, true},
+                                      {"sampleCount", 1, true}};
+
+const AovInfo& info(Aov a) {
+  return kAovs[static_cast<size_t>(a)];
+}
+
+constexpr uint32_t kClosestAovs = aov_bit(Aov::depth) | aov_bit(Aov::camera_depth) | aov_bit(Aov::prim_id) |
+                                  aov_bit(Aov::instance_id) | aov_bit(Aov::element_id);
+
+}  // namespace
+
+const char* aov_name(Aov a) {
+  return info(a).name;
+}
+int aov_components(Aov a) {
+  return info(a).components;
+}
+bool aov_is_integer(Aov a) {
+  return info(a).integer;
+}
+
+bool aov_from_name(const std::string& name, Aov* a) {
+  for (int i = 0; i < kAovCount; ++i)
+    if (name == kAovs[i].name) {
+      *a = static_cast<Aov>(i);
+      return true;
+    }
+  return false;
+}
+
+FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(pixels) {
+  if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
+  if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
+  if (aovs & kClosestAovs) closest_.resize(pixels);
+}
+
+void FilmTile::add(size_t pixel, const FilmSample& s) {
+  ++samples_[pixel];
+  auto& c = color_[pixel];
+  c[0] += s.color.r;
+  c[1] += s.color.g;
+  c[2] += s.color.b;
+  c[3] += s.alpha;
+  if (!normal_.empty()) {
+    auto& n = normal_[pixel];
+    n[0] += s.normal.x;
+    n[1] += s.normal.y;
+    n[2] += s.normal.z;
+  }
+  if (!albedo_.empty()) {
+    auto& a = albedo_[pixel];
+    a[0] += s.albedo.r;
+    a[1] += s.albedo.g;
+    a[2] += s.albedo.b;
+  }
+  if (!closest_.empty() && s.distance < closest_[pixel].distance)
+    closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
+}
+
+void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
+  const double scale = samples_[pixel] > 0 ? 1.0 / samples_[pixel] : 0;
+  const auto average = [&](const auto& sums, size_t first, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+      out[i] = sums.empty() ? 0.0f : static_cast<float>(sums[pixel][first + i] * scale);
+  };
+  switch (aov) {
+    case Aov::color:
+      average(color_, 0, 4);
+      break;
+    case Aov::alpha:
+      average(color_, 3, 1);
+      break;
+    case Aov::normal:
+      average(normal_, 0, 3);
+      break;
+    case Aov::albedo:
+      average(albedo_, 0, 3);
+      break;
+    case Aov::depth:
+      *out = closest_.empty() ? 1.0f : closest_[pixel].depth;
+      break;
+    case Aov::camera_depth:
+      *out = closest_.empty() ? 0.0f : closest_[pixel].camera_depth;
+      break;
+    default:
+      *out = 0;
+  }
+}
+
+int32_t FilmTile::resolve_int(size_t pixel, Aov aov) const {
+  if (aov == Aov::sample_count) return static_cast<int32_t>(samples_[pixel]);
+  if (closest_.empty()) return -1;
+  const Closest& c = closest_[pixel];
+  return aov == Aov::prim_id ? c.prim_id : aov == Aov::instance_id ? c.instance_id : c.element_id;
+}
+
+Film::Film(const PixelRect& data_window, uint32_t aovs)
+    : window_(data_window),
+      aovs_(aovs),
+      tiles_x_((std::max(0, data_window.width()) + kTileSize - 1) / kTileSize),
+      tiles_y_((std::max(0, data_window.height()) + kTileSize - 1) / kTileSize),
+      locks_(static_cast<size_t>(tiles_x_) * static_cast<size_t>(tiles_y_)) {
+  tiles_.reserve(static_cast<size_t>(tile_count()));
+  for (int t = 0; t < tile_count(); ++t) {
+    const PixelRect r = tile_rect(t);
+    tiles_.emplace_back(static_cast<size_t>(r.width()) * static_cast<size_t>(r.height()), aovs);
+  }
+}
+
+PixelRect Film::tile_rect(int tile) const {
+  const int x = window_.x0 + (tile % tiles_x_) * kTileSize, y = window_.y0 + (tile / tiles_x_) * kTileSize;
+  return {x, y, std::min(x + kTileSize, window_.x1), std::min(y + kTileSize, window_.y1)};
+}
+
+FilmTile Film::load_tile(int tile) const {
+  const auto i = static_cast<size_t>(tile);
+  const std::lock_guard lock(locks_[i]);
+  return tiles_[i];
+}
+
+void Film::store_tile(int tile, FilmTile pixels) {
+  const auto i = static_cast<size_t>(tile);
+  const std::lock_guard lock(locks_[i]);
+  std::swap(tiles_[i], pixels);
+}
+
+template <class T, class Write>
+std::vector<T> Film::resolve_tiles(int components, const Write& write) const {
+  const auto width = static_cast<size_t>(window_.width()), n = static_cast<size_t>(components);
+  std::vector<T> out(width * static_cast<size_t>(window_.height()) * n);
+  for (int t = 0; t < tile_count(); ++t) {
+    const PixelRect r = tile_rect(t);
+    const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
+    const FilmTile& tile = tiles_[static_cast<size_t>(t)];
+    size_t pixel = 0;
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x, ++pixel) {
+        const size_t target = static_cast<size_t>(y - window_.y0) * width + static_cast<size_t>(x - window_.x0);
+        write(tile, pixel, out.data() + target * n);
+      }
+  }
+  return out;
+}
+
+std::vector<float> Film::resolve_float(Aov aov) const {
+  return resolve_tiles<float>(aov_components(aov),
+                              [aov](const FilmTile& tile, size_t pixel, float* out) { tile.resolve(pixel, aov, out); });
+}
+
+std::vector<int32_t> Film::resolve_int(Aov aov) const {
+  return resolve_tiles<int32_t>(
+      1, [aov](const FilmTile& tile, size_t pixel, int32_t* out) { *out = tile.resolve_int(pixel, aov); });
+}
+
+}  // namespace alabaster

@@ -1,0 +1,37 @@
+// Next-event estimation: one light, one direction, weighed against the sampling of the lobe by the power heuristic.
+// The other half of the weight is taken where a lobe's ray meets a light (path_integrator.cpp, add_light_emission).
+#pragma once
+
+#include "core/integrator/path_integrator.h"
+#include "core/sampling/mis.h"
+
+namespace alabaster {
+
+/// What a scattering function answers for a direction: f times the cosine, and the pdf of sampling it.
+struct ScatterValue {
+  Rgb f_cos{0.0f};
+  float pdf = 0;
+};
+
+/// Shadow rays stop this fraction short of the sampled point, so that a light's own surface does not shade it.
+inline constexpr float kShadowRayFraction = 1 - 0x1p-12f;
+
+inline bool is_occluded(const PathContext& context, const Vec3f& p, const Vec3f& wi, float distance) {
+  ++context.counters.shadow_rays;
+  return context.scene.top->occluded({p, wi, distance * kShadowRayFraction});
+}
+
+/// Light scattered at `p` (already offset to the outer side) from one sampled light. `scatter(wi)` gives the
+/// ScatterValue for a unit direction in render space; a zero value costs no ray.
+template <class Scatter>
+Rgb direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter) {
+  const auto light = context.scene.lights.sample(p, u[0], {u[1], u[2]});
+  if (!light) return Rgb(0.0f);
+  const ScatterValue value = scatter(light->wi);
+  if (is_black(value.f_cos)) return Rgb(0.0f);
+  if (is_occluded(context, p, light->wi, light->distance)) return Rgb(0.0f);
+  const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, value.pdf);
+  return value.f_cos * light->radiance * (weight / light->pdf);
+}
+
+}  // namespace alabaster

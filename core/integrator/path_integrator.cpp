@@ -1,0 +1,207 @@
+#include "core/integrator/path_integrator.h"
+
+#include "core/geometry/surface_hit.h"
+#include "core/integrator/direct_light.h"
+#include "core/material/disney_bsdf.h"
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+// Roulette starts here: earlier vertices carry most of the picture.
+constexpr uint32_t kRouletteDepth = 3;
+
+struct PathState {
+  Ray ray;
+  Rgb throughput{1.0f};
+  Rgb radiance{0.0f};
+  float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
+  uint32_t depth = 0;
+};
+
+// A point on a surface as seen along a ray: all normals on the viewer's side.
+struct PathVertex {
+  const Instance* instance = nullptr;
+  SurfaceHit hit;
+  Frame frame;  // about the shading normal, bent so that the viewer is above it
+  Vec3f outer;  // ray origin on the viewer's side
+  DisneyParameters material;
+};
+
+// An interpolated normal may turn away from the viewer at a silhouette; it is bent back until the viewer is just above.
+Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
+  constexpr float kLeastCosine = 0.01f;
+  const float cosine = dot(ns, wo);
+  return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
+}
+
+SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& side) {
+  SurfaceHit hit = surface_hit(instance.prototype->mesh, triangle,
+                               {instance.object_to_world, instance.world_to_object, instance.mirrored});
+  if (dot(hit.ng, side) < 0) hit = flipped(hit);
+  return hit;
+}
+
+PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle) {
+  PathVertex v;
+  v.instance = &context.scene.instances[triangle.instance];
+  const Vec3f wo = -ray.dir;
+  v.hit = surface_on_side(*v.instance, triangle, wo);
+  v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.tangent);
+  v.outer = offset_point(v.hit.p, v.hit.ng, v.hit.offset);
+  v.material = v.instance->material(triangle.triangle).evaluate(v.hit.uv);
+  return v;
+}
+
+bool intersect(const PathContext& context, const Ray& ray, TriangleHit* hit) {
+  if (context.scene.top->intersect(ray, hit)) return true;
+  if (!is_traceable(ray)) ++context.counters.rejected_rays;
+  return false;
+}
+
+// Emission of lights that are no geometry, met by the path's ray.
+Rgb light_emission(const PathContext& context, const PathState& path, bool escaped) {
+  const float pdf = path.scatter_pdf;
+  return context.scene.lights.emitted(path.ray, escaped, path.depth == 0, [pdf](float light_pdf) {
+    return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f;
+  });
+}
+
+void add_mesh_emission(const PathContext& context, const PathVertex& v, const TriangleHit& hit, PathState* path) {
+  if (is_black(v.material.emission)) return;
+  float weight = 1;
+  if (path->scatter_pdf > 0)
+    weight = power_heuristic(path->scatter_pdf,
+                             context.scene.lights.mesh_light_pdf(hit.instance, hit.triangle, path->ray.dir, hit.t));
+  path->radiance += path->throughput * v.material.emission * weight;
+}
+
+void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out) {
+  out->alpha = 1;
+  out->distance = hit.t;
+  out->camera_depth = context.camera.axial_depth(v.hit.p);
+  out->depth = context.camera.clip_depth(out->camera_depth);
+  out->normal = v.frame.n;
+  out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo();
+  out->prim_id = v.instance->prim_id;
+  out->instance_id = v.instance->instance_id;
+  out->element_id = v.hit.element_id;
+}
+
+// Unbiased: survivors carry the weight of the ended.
+bool survives_roulette(float u, PathState* path) {
+  if (path->depth < kRouletteDepth) return true;
+  const float survival = std::min(1.0f, max_component(path->throughput));
+  if (!(u < survival)) return false;
+  path->throughput *= 1 / survival;
+  return true;
+}
+
+// Chiang, Kutz, Burley 2016, section 4: the view-dependent term weighs the entry, the light-dependent term the exit,
+// for light sampling and for the continued path alike. The path goes on from where the walk left.
+bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
+                           PathState* path) {
+  const Instance& instance = *entry.instance;
+  const Medium medium =
+      make_medium(entry.material.base_color, entry.material.scatter_distance, context.settings.walk.inversion);
+  const Frame inward = frame_from_normal(-entry.frame.n);
+  const WalkEntry walk_entry{offset_point(entry.hit.p_object, -entry.hit.ng_object, entry.hit.object_offset),
+                             -entry.hit.ng, inward};
+  const auto u = sampler.draw(Dimension::subsurface, path->depth);
+  Rng rng = sampler.stream(Dimension::subsurface, path->depth);
+  const auto exit = random_walk({instance.prototype->object.get(), instance.world_to_object}, walk_entry, medium,
+                                context.settings.walk, {u[0], u[1]}, rng, context.counters);
+  if (!exit) return false;
+  path->throughput *= exit->throughput;
+
+  const SurfaceHit hit = surface_on_side(instance, exit->hit, exit->direction);
+  const Frame frame = frame_from_normal(hit.ns);
+  const Vec3f outer = offset_point(hit.p, hit.ng, hit.offset);
+  const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
+    const float cosine = dot(wi, frame.n);
+    if (!(cosine > 0) || !(dot(wi, hit.ng) > 0)) return {};
+    return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
+  };
+  path->radiance +=
+      path->throughput * direct_light(context, outer, sampler.draw(Dimension::exit_light, path->depth), exit_lobe);
+
+  const auto u_exit = sampler.draw(Dimension::exit_bsdf, path->depth);
+  const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u_exit[0], u_exit[1]}));
+  const ScatterValue value = exit_lobe(wi);
+  if (!(value.pdf > 0)) return false;
+  path->throughput *= value.f_cos * (1 / value.pdf);
+  path->scatter_pdf = value.pdf;
+  path->ray = {outer, wi};
+  return true;
+}
+
+bool scatter_at_surface(const PathVertex& v, const BsdfSample& sample, PathState* path) {
+  const Vec3f wi = v.frame.to_world(sample.wi);
+  if (!(dot(wi, v.hit.ng) > 0)) return false;
+  path->throughput *= sample.f * (sample.wi.z / sample.pdf);
+  path->scatter_pdf = sample.pdf;
+  path->ray = {v.outer, wi};
+  return true;
+}
+
+template <bool kSubsurface>
+bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path) {
+  const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
+  const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
+    const Vec3f wi = v.frame.to_local(wi_world);
+    if (!(wi.z > 0) || !(dot(wi_world, v.hit.ng) > 0)) return {};
+    return {bsdf.eval(wi) * wi.z, bsdf.pdf(wi)};
+  };
+  path->radiance +=
+      path->throughput * direct_light(context, v.outer, sampler.draw(Dimension::light, path->depth), local_lobes);
+
+  const auto u = sampler.draw(Dimension::bsdf, path->depth);
+  const auto sample = bsdf.sample(u[0], {u[1], u[2]});
+  if (!sample) return false;
+  bool goes_on = false;
+  if (kSubsurface && sample->lobe == Lobe::subsurface) {
+    path->throughput *= sample->f * (1 / sample->pdf);
+    goes_on = scatter_below_surface(context, sampler, v, path);
+  } else {
+    goes_on = scatter_at_surface(v, *sample, path);
+  }
+  ++path->depth;
+  return goes_on && !is_black(path->throughput) && survives_roulette(u[3], path);
+}
+
+template <bool kSubsurface, bool kMeshLights>
+FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler) {
+  FilmSample out;
+  out.distance = std::numeric_limits<float>::infinity();
+  PathState path;
+  path.ray = camera_ray;
+  while (true) {
+    ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
+    TriangleHit hit;
+    const bool found = intersect(context, path.ray, &hit);
+    if (found) path.ray.tmax = hit.t;
+    path.radiance += path.throughput * light_emission(context, path, !found);
+    if (!found) break;
+
+    PathVertex vertex = make_vertex(context, path.ray, hit);
+    if (!kSubsurface) vertex.material.scatter_distance = Rgb(0.0f);
+    if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
+    if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
+    if (path.depth >= context.settings.max_depth) break;
+    if (!scatter<kSubsurface>(context, sampler, vertex, &path)) break;
+  }
+  out.color = path.radiance;
+  // A backdrop that the camera sees is part of the picture.
+  if (out.alpha == 0 && (context.scene.features.visible_background || !is_black(path.radiance))) out.alpha = 1;
+  return out;
+}
+
+}  // namespace
+
+PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings) {
+  const bool subsurface = features.subsurface && settings.subsurface == SubsurfaceMode::walk;
+  if (subsurface) return features.emissive_meshes ? trace_path<true, true> : trace_path<true, false>;
+  return features.emissive_meshes ? trace_path<false, true> : trace_path<false, false>;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,40 @@
+// Path tracing with next-event estimation, multiple importance sampling and subsurface walks. Unbiased but for
+// max_depth.
+#pragma once
+
+#include "core/camera/camera.h"
+#include "core/diagnostics/counters.h"
+#include "core/film/film.h"
+#include "core/sampling/pixel_sampler.h"
+#include "core/scene/scene.h"
+#include "core/subsurface/random_walk.h"
+
+namespace alabaster {
+
+enum class SubsurfaceMode {
+  lambert,  // scatter distances are taken as zero: the 2015 diffuse
+  walk,     // path-traced random walk
+};
+
+struct IntegratorSettings {
+  uint32_t max_depth = 8;  // bounces between surfaces; 1 = direct light only; a subsurface walk counts as one
+  SubsurfaceMode subsurface = SubsurfaceMode::walk;
+  WalkSettings walk;
+};
+
+/// Everything a path needs to know; lives on the worker's stack.
+struct PathContext {
+  const SceneSnapshot& scene;
+  const Camera& camera;
+  const IntegratorSettings& settings;
+  RenderCounters& counters;
+};
+
+/// Traces one camera sample. `camera_ray`: unit direction, render space.
+using PathIntegrator = FilmSample (*)(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler);
+
+/// The variant that can do what the scene requires and nothing else: chosen once per render, so that the loop never
+/// asks.
+PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings);
+
+}  // namespace alabaster

@@ -1,0 +1,164 @@
+#include "core/scene/scene.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace alabaster {
+namespace {
+
+struct WorldBounds {
+  Vec3d lower{std::numeric_limits<double>::infinity()}, upper{-std::numeric_limits<double>::infinity()};
+
+  bool empty() const { return !(lower.x <= upper.x); }
+  void extend(const Bounds& b, const Matrix4d& m) {
+    for (int corner = 0; corner < 8 && !b.empty(); ++corner) {
+      const Vec3d p = transform_point({(corner & 1) ? b.upper.x : b.lower.x, (corner & 2) ? b.upper.y : b.lower.y,
+                                       (corner & 4) ? b.upper.z : b.lower.z},
+                                      m);
+      for (int i = 0; i < 3; ++i) {
+        lower[i] = std::min(lower[i], p[i]);
+        upper[i] = std::max(upper[i], p[i]);
+      }
+    }
+  }
+};
+
+// An instance that cannot be placed or traced is left out and reported; the rest of the scene is drawn.
+bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink) {
+  if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
+  if (is_valid_affine(d.object_to_world)) return true;
+  report(sink, Severity::warning, "instance.transform", d.name,
+         "the transform is not finite, not affine or not invertible: the instance is left out; check its scale");
+  return false;
+}
+
+Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin) {
+  for (int i = 0; i < 3; ++i) m[3][i] -= origin[i];
+  return m;
+}
+
+Instance place(const InstanceDescription& d, const Vec3d& origin) {
+  const Matrix4d m = moved_to_render_space(d.object_to_world, origin);
+  Instance instance;
+  instance.prototype = d.prototype.get();
+  instance.object_to_world = to_affine(m);
+  instance.world_to_object = to_affine(m.inverse());
+  instance.mirrored = linear_determinant(m) < 0;
+  instance.prim_id = d.prim_id;
+  instance.instance_id = d.instance_id;
+  for (const auto& material : d.materials) instance.materials.push_back(material.get());
+  return instance;
+}
+
+// The emissive triangles of an instance, in render space; nothing when no material of it emits.
+std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t index) {
+  if (std::none_of(instance.materials.begin(), instance.materials.end(), [](const auto* m) { return m->emits(); }))
+    return std::nullopt;
+  const Mesh& mesh = instance.prototype->mesh;
+  std::vector<MeshLight::Triangle> triangles;
+  std::vector<uint32_t> ids;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const DisneyMaterial& material = instance.material(static_cast<uint32_t>(i));
+    if (!material.emits()) continue;
+    const auto corner = [&](size_t c) { return instance.object_to_world.point(mesh.points[mesh.triangles[i][c]]); };
+    triangles.push_back({corner(0), corner(1), corner(2), material.constants.emission});
+    ids.push_back(static_cast<uint32_t>(i));
+  }
+  if (triangles.empty()) return std::nullopt;
+  return MeshLight(index, std::move(triangles), std::move(ids));
+}
+
+Light make_light(const LightDescription& d, const Vec3d& origin) {
+  switch (d.type) {
+    case LightType::rect:
+      return RectLight(d, origin);
+    case LightType::sphere:
+      return SphereLight(d, origin);
+    case LightType::distant:
+      return DistantLight(d, origin);
+    case LightType::dome:
+      return DomeLight(d, origin);
+  }
+  return RectLight(d, origin);
+}
+
+void add_lights(const SceneDescription& description, const DiagnosticSink& sink, SceneSnapshot* snapshot) {
+  std::vector<Light> lights;
+  std::vector<bool> visible;
+  for (const auto& d : description.lights) {
+    if (!is_valid_affine(d.light_to_world)) {
+      report(sink, Severity::warning, "light.transform", "lights",
+             "a light's transform is not finite or not invertible: the light is left out");
+      continue;
+    }
+    lights.push_back(make_light(d, snapshot->origin));
+    visible.push_back(d.visible_to_camera);
+    snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
+  }
+  for (uint32_t i = 0; i < snapshot->instances.size(); ++i)
+    if (auto light = make_mesh_light(snapshot->instances[i], i)) {
+      lights.emplace_back(std::move(*light));
+      visible.push_back(true);
+      snapshot->features.emissive_meshes = true;
+    }
+  snapshot->lights = LightSet(std::move(lights), std::move(visible), snapshot->radius > 0 ? snapshot->radius : 1.0f);
+}
+
+template <class T>
+void sort_unique(std::vector<std::shared_ptr<const T>>* held) {
+  std::sort(held->begin(), held->end());
+  held->erase(std::unique(held->begin(), held->end()), held->end());
+}
+
+void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnapshot* snapshot) {
+  for (const InstanceDescription* d : drawn) {
+    snapshot->prototypes.push_back(d->prototype);
+    snapshot->materials.insert(snapshot->materials.end(), d->materials.begin(), d->materials.end());
+  }
+  sort_unique(&snapshot->prototypes);
+  sort_unique(&snapshot->materials);
+  for (const auto& p : snapshot->prototypes) {
+    snapshot->memory_bytes += p->mesh.memory_bytes() + p->object->memory_bytes();
+    snapshot->features.smooth_normals |= !p->mesh.normals.empty();
+  }
+  for (const auto& m : snapshot->materials) {
+    snapshot->features.subsurface |= m->scatters();
+    snapshot->features.textures |= m->base_color_map != nullptr;
+    if (m->base_color_map) snapshot->memory_bytes += m->base_color_map->memory_bytes();
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
+                                                      const std::shared_ptr<TraceDevice>& device,
+                                                      const DiagnosticSink& sink) {
+  auto snapshot = std::make_shared<SceneSnapshot>();
+  snapshot->number = number;
+
+  std::vector<const InstanceDescription*> drawn;
+  WorldBounds bounds;
+  for (const auto& d : description.instances)
+    if (is_drawable(d, sink)) {
+      drawn.push_back(&d);
+      bounds.extend(d.prototype->mesh.bounds, d.object_to_world);
+    }
+  if (!bounds.empty()) {
+    snapshot->origin = (bounds.lower + bounds.upper) * 0.5;
+    snapshot->radius = static_cast<float>(0.5 * length(bounds.upper - bounds.lower));
+  }
+
+  std::vector<InstancePlacement> placements;
+  for (const InstanceDescription* d : drawn) {
+    snapshot->instances.push_back(place(*d, snapshot->origin));
+    placements.push_back({d->prototype->object, snapshot->instances.back().object_to_world});
+  }
+  snapshot->top = build_instanced_scene(device, placements);
+  if (!snapshot->top) return nullptr;
+  snapshot->memory_bytes += snapshot->top->memory_bytes();
+  keep_alive(drawn, snapshot.get());
+  add_lights(description, sink, snapshot.get());
+  return snapshot;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,251 @@
+#include "core/session/render_session.h"
+
+#include <ctime>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "core/session/pass_schedule.h"
+
+namespace alabaster {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double thread_cpu_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+IntegratorSettings integrator_settings(const RenderSettings& s) {
+  IntegratorSettings out;
+  out.max_depth = s.max_depth;
+  out.subsurface = s.subsurface;
+  out.walk.inversion = s.inversion;
+  out.walk.weights = s.walk_weights;
+  return out;
+}
+
+struct TileRelease {
+  std::atomic<uint32_t>& passes;
+  uint32_t pass;
+  ~TileRelease() {
+    passes.store(pass + 1);
+    passes.notify_all();
+  }
+};
+
+}  // namespace
+
+// One render from start to end. The session holds the current one; a stopped one is joined before it is replaced.
+struct RenderSession::State {
+  mutable std::mutex mutex;  // guards what follows, never held while rendering
+  std::condition_variable changed;
+  RenderProgress progress;
+  std::shared_ptr<Film> film;
+  Clock::time_point started;
+  bool paused = false;
+
+  std::atomic<bool> stop_requested{false};
+  std::atomic<bool> pause_requested{false};
+  std::thread driver;
+
+  void render(const RenderRequest& request);
+  void run_workers(const RenderRequest& request);
+  void work(const RenderRequest& request, const PassSchedule& schedule);
+  bool render_tile(const RenderRequest& request, const PathContext& context, const SampleRange& range, int tile);
+  bool may_go_on();
+  void tile_done(const RenderCounters& counters, double cpu_seconds, size_t tiles, size_t items);
+
+  std::atomic<size_t> next_item{0};
+  std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
+  size_t finished_items = 0;                       // under mutex
+};
+
+// Blocks while paused. False: stop.
+bool RenderSession::State::may_go_on() {
+  if (stop_requested.load(std::memory_order_relaxed)) return false;
+  if (!pause_requested.load(std::memory_order_relaxed)) return true;
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [this] { return !paused || stop_requested; });
+  return !stop_requested;
+}
+
+bool RenderSession::State::render_tile(const RenderRequest& request, const PathContext& context,
+                                       const SampleRange& range, int tile) {
+  const RenderSettings& settings = request.settings;
+  const PathIntegrator trace = select_path_integrator(request.scene->features, context.settings);
+  const PixelRect rect = film->tile_rect(tile);
+  FilmTile pixels = film->load_tile(tile);
+  size_t pixel = 0;
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
+      if (!may_go_on()) return false;
+      const uint32_t seed = pixel_seed(x, y, settings.frame, settings.seed);
+      for (uint32_t s = range.begin; s < range.end; ++s) {
+        const PixelSampler sampler(seed, s);
+        const auto u = sampler.draw(Dimension::film_lens, 0);
+        const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
+        const Vec2f film_position(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
+        FilmSample sample = trace(context, context.camera.generate_ray(film_position, {u[2], u[3]}), sampler);
+        ++context.counters.samples;
+        if (!is_finite(sample.color)) {
+          ++context.counters.nonfinite_samples;
+          sample.color = Rgb(0.0f);
+        }
+        pixels.add(pixel, sample);
+      }
+    }
+  film->store_tile(tile, std::move(pixels));
+  return true;
+}
+
+void RenderSession::State::tile_done(const RenderCounters& counters, double cpu_seconds, size_t tiles, size_t items) {
+  const std::lock_guard lock(mutex);
+  progress.counters.add(counters);
+  progress.samples_done = progress.counters.samples;
+  progress.cpu_seconds += cpu_seconds;
+  ++finished_items;
+  progress.passes_done = static_cast<uint32_t>(finished_items >= items ? items / tiles : finished_items / tiles);
+}
+
+// Work items are (pass, tile) in order. Passes overlap, so no worker idles at the end of one; a tile's passes do not:
+// its sums must be taken in sample order whoever takes them.
+void RenderSession::State::work(const RenderRequest& request, const PassSchedule& schedule) {
+  const Camera camera(request.camera, request.width, request.height, request.scene->origin);
+  const IntegratorSettings settings = integrator_settings(request.settings);
+  const auto tiles = static_cast<size_t>(film->tile_count());
+  const size_t items = tiles * schedule.size();
+  while (true) {
+    const size_t item = next_item.fetch_add(1);
+    if (item >= items) return;
+    const size_t tile = item % tiles;
+    const auto pass = static_cast<uint32_t>(item / tiles);
+    for (uint32_t done; (done = tile_passes[tile].load()) != pass && !stop_requested;) tile_passes[tile].wait(done);
+    const double cpu = thread_cpu_seconds();
+    RenderCounters counters;
+    const PathContext context{*request.scene, camera, settings, counters};
+    // Released also when an exception passes: nobody may wait for a tile that nobody works on.
+    const TileRelease release{tile_passes[tile], pass};
+    if (stop_requested || !render_tile(request, context, schedule[pass], static_cast<int>(tile))) return;
+    tile_done(counters, thread_cpu_seconds() - cpu, tiles, items);
+  }
+}
+
+void RenderSession::State::run_workers(const RenderRequest& request) {
+  const PassSchedule schedule = make_pass_schedule(request.settings.samples);
+  const int threads =
+      request.settings.threads > 0 ? static_cast<int>(request.settings.threads) : tbb::task_arena::automatic;
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    tbb::parallel_for(
+        0, arena.max_concurrency(), [&](int) { work(request, schedule); }, tbb::simple_partitioner());
+  });
+}
+
+// Nothing may leave the driver thread: an exception there would end the host.
+void RenderSession::State::render(const RenderRequest& request) {
+  std::string error;
+  try {
+    run_workers(request);
+  } catch (const std::exception& e) {
+    error = std::string("rendering failed: ") + e.what();
+  }
+  const std::lock_guard lock(mutex);
+  progress.state = !error.empty()   ? SessionState::failed
+                   : stop_requested ? SessionState::stopped
+                                    : SessionState::finished;
+  progress.error = std::move(error);
+  progress.wall_seconds = std::chrono::duration<double>(Clock::now() - started).count();
+  changed.notify_all();
+}
+
+RenderSession::RenderSession() : state_(std::make_unique<State>()) {}
+
+RenderSession::~RenderSession() {
+  stop();
+}
+
+void RenderSession::start(const RenderRequest& request) {
+  stop();
+  State& s = *state_;
+  {
+    const std::lock_guard lock(s.mutex);
+    s.film = std::make_shared<Film>(request.data_window, request.aovs);
+    s.progress = {};
+    s.progress.state = SessionState::rendering;
+    s.progress.scene_number = request.scene->number;
+    s.progress.samples_total = static_cast<uint64_t>(std::max(0, request.data_window.width())) *
+                               static_cast<uint64_t>(std::max(0, request.data_window.height())) *
+                               request.settings.samples;
+    s.started = Clock::now();
+    s.paused = false;
+    s.finished_items = 0;
+  }
+  s.stop_requested = false;
+  s.pause_requested = false;
+  s.next_item = 0;
+  s.tile_passes = std::vector<std::atomic<uint32_t>>(static_cast<size_t>(s.film->tile_count()));
+  s.driver = std::thread([&s, request] { s.render(request); });
+}
+
+void RenderSession::pause() {
+  const std::lock_guard lock(state_->mutex);
+  if (state_->progress.state != SessionState::rendering) return;
+  state_->paused = true;
+  state_->pause_requested = true;
+  state_->progress.state = SessionState::paused;
+}
+
+void RenderSession::resume() {
+  const std::lock_guard lock(state_->mutex);
+  if (state_->progress.state != SessionState::paused) return;
+  state_->paused = false;
+  state_->pause_requested = false;
+  state_->progress.state = SessionState::rendering;
+  state_->changed.notify_all();
+}
+
+void RenderSession::stop() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->stop_requested = true;
+    state_->changed.notify_all();
+  }
+  if (state_->driver.joinable()) state_->driver.join();
+}
+
+bool RenderSession::wait(double seconds) {
+  std::unique_lock lock(state_->mutex);
+  const auto over = [this] {
+    const SessionState s = state_->progress.state;
+    return s != SessionState::rendering && s != SessionState::paused;
+  };
+  return state_->changed.wait_for(lock, std::chrono::duration<double>(std::max(0.0, seconds)), over);
+}
+
+RenderProgress RenderSession::progress() const {
+  const std::lock_guard lock(state_->mutex);
+  RenderProgress p = state_->progress;
+  if (p.state == SessionState::rendering || p.state == SessionState::paused)
+    p.wall_seconds = std::chrono::duration<double>(Clock::now() - state_->started).count();
+  return p;
+}
+
+std::shared_ptr<const Film> RenderSession::film() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->film;
+}
+
+}  // namespace alabaster
