@@ -150,7 +150,16 @@ void RenderSession::State::run_workers(const RenderRequest& request) {
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_for(
-        0, arena.max_concurrency(), [&](int) { work(request, schedule); }, tbb::simple_partitioner());
+        0, arena.max_concurrency(),
+        [&](int) {
+          try {
+            work(request, schedule);
+          } catch (...) {
+            stop_requested = true;  // the others end, too
+            throw;
+          }
+        },
+        tbb::simple_partitioner());
   });
 }
 

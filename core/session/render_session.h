@@ -54,6 +54,7 @@ struct RenderProgress {
   double wall_seconds = 0;
   double cpu_seconds = 0;   // of the render workers
   RenderCounters counters;  // as of the last finished tile
+  std::string error;        // of a failed render
 };
 
 class RenderSession {
