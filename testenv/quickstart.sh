@@ -1,0 +1,28 @@
+#!/bin/sh
+# Builds Alabaster and renders. Without arguments: the bundled sample scene into build/quickstart/ (EXR and PNG).
+# With arguments: they go to `alabaster render` as they are. Installs the Debian packages it lacks; may be run again.
+set -eu
+top=$(cd "$(dirname "$0")/.." && pwd)
+. "$top/testenv/install_packages.sh"
+install_packages "$top/testenv/packages.txt"
+
+build="$top/build/release"
+cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF >/dev/null
+cmake --build "$build" --target alabaster
+
+if [ $# -gt 0 ]; then
+  exec "$build/bin/alabaster" render "$@"
+fi
+out="$top/build/quickstart"
+mkdir -p "$out"
+"$build/bin/alabaster" render "$top/testenv/scenes/sample/sample.json" \
+  -o "$out/sample.exr" -o "$out/sample.png" --stats "$out/sample.stats.json"
+python3 - "$out" <<'PYTHON'
+import json, sys
+out = sys.argv[1]
+stats = json.load(open(out + "/sample.stats.json"))
+phases = stats["phases"]
+print("Done:\n  %s/sample.exr  scene-linear, with layers\n  %s/sample.png  display-ready" % (out, out))
+print("It cost " + ", ".join("%s %.1f s" % (name, phase["wall"]) for name, phase in phases.items()) +
+      "; peak memory %.0f MB." % (stats["peakMemory"] / 1e6))
+PYTHON

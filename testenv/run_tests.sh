@@ -1,0 +1,22 @@
+#!/bin/sh
+# Builds everything with warnings as errors and runs every test. Installs the Debian packages it lacks; may be run again.
+#   run_tests.sh [--sanitize address,undefined | --sanitize thread] [arguments for ctest]
+# Environment: ALABASTER_TEST_ASSETS names a folder of glTF test files (sss, subdiv, valid, invalid); tests that need it
+# say that they were skipped when it is not set.
+set -eu
+top=$(cd "$(dirname "$0")/.." && pwd)
+. "$top/testenv/install_packages.sh"
+install_packages "$top/testenv/packages.txt" "$top/testenv/packages_tests.txt"
+
+sanitize=""
+build="$top/build/release"
+if [ "${1:-}" = "--sanitize" ]; then
+  sanitize=$2
+  build="$top/build/sanitize-$(echo "$2" | tr ',' '-')"
+  shift 2
+fi
+cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_WERROR=ON -DALABASTER_TESTS=ON \
+  -DALABASTER_BENCHMARKS=ON "-DALABASTER_SANITIZE=$sanitize"
+cmake --build "$build" -j "$(nproc)"
+cd "$build"
+exec ctest --output-on-failure "$@"
