@@ -1,0 +1,79 @@
+#include "core/film/film.h"
+
+#include <gtest/gtest.h>
+
+namespace alabaster {
+namespace {
+
+FilmSample sample(float value, float distance, int32_t id) {
+  FilmSample s;
+  s.color = Rgb(value);
+  s.alpha = 1;
+  s.distance = distance;
+  s.camera_depth = distance;
+  s.prim_id = id;
+  return s;
+}
+
+TEST(Film, AveragesColorAndKeepsTheClosestId) {
+  Film film({0, 0, 2, 1}, ~0u);
+  FilmTile tile = film.load_tile(0);
+  tile.add(1, sample(1, 5, 7));
+  tile.add(1, sample(3, 2, 9));
+  tile.add(1, sample(5, 4, 8));
+  film.store_tile(0, std::move(tile));
+  EXPECT_EQ(film.resolve_float(Aov::color), (std::vector<float>{0, 0, 0, 0, 3, 3, 3, 1}));
+  EXPECT_EQ(film.resolve_int(Aov::prim_id), (std::vector<int32_t>{-1, 9}));
+  EXPECT_EQ(film.resolve_int(Aov::sample_count), (std::vector<int32_t>{0, 3}));
+  EXPECT_EQ(film.resolve_float(Aov::camera_depth)[1], 2.0f);
+  EXPECT_EQ(film.resolve_float(Aov::depth)[0], 1.0f);
+}
+
+TEST(Film, TilesCoverTheWindowOnce) {
+  const PixelRect window{-7, 3, 70, 41};
+  const Film film(window, 0);
+  std::vector<int> covered(static_cast<size_t>(window.width() * window.height()));
+  for (int t = 0; t < film.tile_count(); ++t) {
+    const PixelRect r = film.tile_rect(t);
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x) ++covered[static_cast<size_t>((y - 3) * window.width() + x + 7)];
+  }
+  for (const int c : covered) EXPECT_EQ(c, 1);
+}
+
+TEST(Film, ResolvePutsTilesInPlace) {
+  Film film({10, 20, 10 + 40, 20 + 35}, aov_bit(Aov::prim_id));
+  for (int t = 0; t < film.tile_count(); ++t) {
+    FilmTile tile = film.load_tile(t);
+    const PixelRect r = film.tile_rect(t);
+    size_t pixel = 0;
+    for (int y = r.y0; y < r.y1; ++y)
+      for (int x = r.x0; x < r.x1; ++x) tile.add(pixel++, sample(0, 1, y * 1000 + x));
+    film.store_tile(t, std::move(tile));
+  }
+  const auto ids = film.resolve_int(Aov::prim_id);
+  for (int y = 0; y < 35; ++y)
+    for (int x = 0; x < 40; ++x) EXPECT_EQ(ids[static_cast<size_t>(y * 40 + x)], (y + 20) * 1000 + x + 10);
+}
+
+TEST(Film, UnrequestedPlanesResolveToBackground) {
+  Film film({0, 0, 1, 1}, aov_bit(Aov::color));
+  FilmTile tile = film.load_tile(0);
+  tile.add(0, sample(1, 1, 3));
+  film.store_tile(0, std::move(tile));
+  EXPECT_EQ(film.resolve_int(Aov::prim_id)[0], -1);
+  EXPECT_EQ(film.resolve_float(Aov::normal), (std::vector<float>{0, 0, 0}));
+}
+
+TEST(Film, NamesRoundTrip) {
+  for (int i = 0; i < kAovCount; ++i) {
+    Aov back{};
+    ASSERT_TRUE(aov_from_name(aov_name(static_cast<Aov>(i)), &back));
+    EXPECT_EQ(back, static_cast<Aov>(i));
+  }
+  Aov none{};
+  EXPECT_FALSE(aov_from_name("colour", &none));
+}
+
+}  // namespace
+}  // namespace alabaster

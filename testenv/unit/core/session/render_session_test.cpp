@@ -1,0 +1,169 @@
+#include "core/session/render_session.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "core/session/pass_schedule.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+using testing::SceneBuilder;
+
+// A scene with everything that draws random numbers: subsurface, specular, an area light and a dome.
+RenderRequest mixed_request(uint32_t samples) {
+  SceneBuilder b;
+  DisneyParameters skin;
+  skin.base_color = {0.9f, 0.6f, 0.45f};
+  skin.scatter_distance = {0.1f, 0.05f, 0.03f};
+  DisneyParameters floor;
+  floor.roughness = 0.3f;
+  b.add(b.prototype(testing::sphere_mesh(0.5f, 16, true)), b.material(skin),
+        Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
+  b.add(b.prototype(testing::plane_mesh(4)), b.material(floor));
+  LightDescription key;
+  key.type = LightType::sphere;
+  key.radius = 0.3f;
+  key.intensity = 20;
+  key.light_to_world.setTranslation(Vec3d(2, 3, 1));
+  b.add(key).add(testing::constant_dome(0.3f, true));
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({0, 1.2, 3}, {0, 0.5, 0}, 35);
+  request.width = request.height = 72;
+  request.data_window = {0, 0, 72, 72};
+  request.aovs = ~0u;
+  request.settings.samples = samples;
+  return request;
+}
+
+std::vector<float> color(const RenderRequest& request) {
+  return testing::render(request)->resolve_float(Aov::color);
+}
+
+bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+TEST(PassSchedule, CoversAllSamplesInOrder) {
+  for (const uint32_t samples : {0u, 1u, 2u, 3u, 17u, 64u, 100u}) {
+    uint32_t next = 0;
+    for (const auto& range : make_pass_schedule(samples)) {
+      EXPECT_EQ(range.begin, next);
+      EXPECT_GT(range.end, range.begin);
+      next = range.end;
+    }
+    EXPECT_EQ(next, samples);
+  }
+}
+
+TEST(RenderSession, BytesDoNotDependOnThreads) {
+  RenderRequest request = mixed_request(12);
+  request.settings.threads = 1;
+  const auto one = color(request);
+  for (const uint32_t threads : {2u, 3u, 8u}) {
+    request.settings.threads = threads;
+    EXPECT_TRUE(same_bytes(one, color(request))) << threads << " threads";
+  }
+}
+
+TEST(RenderSession, BytesDoNotDependOnTheDataWindow) {
+  RenderRequest request = mixed_request(4);
+  const auto full = color(request);
+  request.data_window = {10, 20, 50, 60};
+  const auto crop = color(request);
+  for (size_t y = 0; y < 40; ++y)
+    EXPECT_EQ(std::memcmp(&crop[y * 40 * 4], &full[((y + 20) * 72 + 10) * 4], 40 * 4 * sizeof(float)), 0)
+        << "row " << y;
+}
+
+TEST(RenderSession, SeedAndFrameChangeTheNoise) {
+  RenderRequest request = mixed_request(2);
+  const auto a = color(request);
+  request.settings.seed = 1;
+  const auto b = color(request);
+  request.settings.seed = 0;
+  request.settings.frame = 1;
+  const auto c = color(request);
+  EXPECT_FALSE(same_bytes(a, b));
+  EXPECT_FALSE(same_bytes(a, c));
+  EXPECT_FALSE(same_bytes(b, c));
+}
+
+TEST(RenderSession, PauseKeepsTheBytes) {
+  const RenderRequest request = mixed_request(8);
+  const auto expected = color(request);
+  RenderSession session;
+  session.start(request);
+  for (int i = 0; i < 5; ++i) {
+    session.pause();
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    session.resume();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_TRUE(session.wait(60));
+  EXPECT_TRUE(same_bytes(expected, session.film()->resolve_float(Aov::color)));
+}
+
+TEST(RenderSession, StopKeepsWholePassesOnly) {
+  RenderRequest request = mixed_request(100000);
+  RenderSession session;
+  session.start(request);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto before = std::chrono::steady_clock::now();
+  session.stop();
+  const double latency = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
+  EXPECT_LT(latency, 0.2);
+  EXPECT_EQ(session.progress().state, SessionState::stopped);
+  const auto counts = session.film()->resolve_int(Aov::sample_count);
+  EXPECT_GT(*std::max_element(counts.begin(), counts.end()), 0);
+  for (size_t y = 0; y < 32; ++y)
+    for (size_t x = 0; x < 32; ++x) EXPECT_EQ(counts[y * 72 + x], counts[0]) << "a tile holds whole passes";
+}
+
+TEST(RenderSession, ControlIsLegalBeforeAndAfterRendering) {
+  RenderSession session;
+  session.pause();
+  session.resume();
+  session.stop();
+  EXPECT_TRUE(session.wait(0));
+  EXPECT_EQ(session.film(), nullptr);
+  RenderRequest request = mixed_request(1);
+  session.start(request);
+  session.start(request);  // replaces
+  ASSERT_TRUE(session.wait(60));
+  session.pause();
+  EXPECT_EQ(session.progress().state, SessionState::finished);
+  session.stop();
+}
+
+TEST(RenderSession, EmptyWindowFinishesAtOnce) {
+  RenderRequest request = mixed_request(4);
+  request.data_window = {5, 5, 5, 5};
+  RenderSession session;
+  session.start(request);
+  EXPECT_TRUE(session.wait(5));
+  EXPECT_EQ(session.progress().state, SessionState::finished);
+}
+
+TEST(RenderSession, AovsDescribeTheFirstHit) {
+  RenderRequest request = mixed_request(4);
+  request.settings.filter = PixelFilter::box;
+  const auto film = testing::render(request);
+  const size_t centre = 36 * 72 + 36, corner = 0;
+  EXPECT_EQ(film->resolve_int(Aov::prim_id)[centre], 0);
+  EXPECT_EQ(film->resolve_int(Aov::instance_id)[centre], 0);
+  EXPECT_EQ(film->resolve_int(Aov::prim_id)[corner], -1);
+  EXPECT_EQ(film->resolve_int(Aov::sample_count)[centre], 4);
+  EXPECT_EQ(film->resolve_float(Aov::depth)[corner], 1.0f);
+  EXPECT_EQ(film->resolve_float(Aov::alpha)[corner], 1.0f) << "the visible dome is an opaque background";
+  const float distance = film->resolve_float(Aov::camera_depth)[centre];
+  EXPECT_NEAR(distance, 3.08 - 0.5, 0.02);  // |eye - target| less the radius
+}
+
+}  // namespace
+}  // namespace alabaster
