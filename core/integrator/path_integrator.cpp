@@ -35,10 +35,14 @@ Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
   return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
 }
 
-SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& side) {
-  SurfaceHit hit = surface_hit(instance.prototype->mesh, triangle,
-                               {instance.object_to_world, instance.world_to_object, instance.mirrored});
-  if (dot(hit.ng, side) < 0) hit = flipped(hit);
+// The hit with all normals on the side that `towards` leaves to.
+SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& towards) {
+  SurfaceHit hit = surface_hit(instance.prototype->mesh, triangle, instance.object_to_world, instance.world_to_object);
+  if (dot(hit.ng, towards) < 0) {
+    hit.ng = -hit.ng;
+    hit.ns = -hit.ns;
+    hit.ng_object = -hit.ng_object;
+  }
   return hit;
 }
 
@@ -47,7 +51,7 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   v.instance = &context.scene.instances[triangle.instance];
   const Vec3f wo = -ray.dir;
   v.hit = surface_on_side(*v.instance, triangle, wo);
-  v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.tangent);
+  v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.dpdu);
   v.outer = offset_point(v.hit.p, v.hit.ng, v.hit.offset);
   v.material = v.instance->material(triangle.triangle).evaluate(v.hit.uv);
   return v;
@@ -85,7 +89,7 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
   out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo();
   out->prim_id = v.instance->prim_id;
   out->instance_id = v.instance->instance_id;
-  out->element_id = v.hit.element_id;
+  out->element_id = v.hit.element;
 }
 
 // Unbiased: survivors carry the weight of the ended.
@@ -105,7 +109,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   const Medium medium =
       make_medium(entry.material.base_color, entry.material.scatter_distance, context.settings.walk.inversion);
   const Frame inward = frame_from_normal(-entry.frame.n);
-  const WalkEntry walk_entry{offset_point(entry.hit.p_object, -entry.hit.ng_object, entry.hit.object_offset),
+  const WalkEntry walk_entry{offset_point(entry.hit.p_object, -entry.hit.ng_object, entry.hit.offset_object),
                              -entry.hit.ng, inward};
   const auto u = sampler.draw(Dimension::subsurface, path->depth);
   Rng rng = sampler.stream(Dimension::subsurface, path->depth);

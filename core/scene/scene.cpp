@@ -43,7 +43,6 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   instance.prototype = d.prototype.get();
   instance.object_to_world = to_affine(m);
   instance.world_to_object = to_affine(m.inverse());
-  instance.mirrored = linear_determinant(m) < 0;
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   for (const auto& material : d.materials) instance.materials.push_back(material.get());

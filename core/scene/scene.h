@@ -49,7 +49,6 @@ struct Instance {
   Affine object_to_world;
   Affine world_to_object;
   std::vector<const DisneyMaterial*> materials;  // by slot, at least one
-  bool mirrored = false;                         // the transform flips orientation
   int32_t prim_id = 0, instance_id = 0;
 
   /// The material of a triangle; slots beyond the list use the first.
