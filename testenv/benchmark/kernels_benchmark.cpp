@@ -1,0 +1,68 @@
+// Kernels in isolation (Google Benchmark): tracing, one walk, one BSDF sample, random numbers.
+#include <benchmark/benchmark.h>
+
+#include "core/material/disney_bsdf.h"
+#include "core/sampling/warp.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+struct Sphere {
+  testing::SceneBuilder builder;
+  std::shared_ptr<const MeshPrototype> prototype = builder.prototype(testing::sphere_mesh(1, 256, false));
+};
+const Sphere& sphere() {
+  static const Sphere s;
+  return s;
+}
+
+void BM_Intersect(benchmark::State& state) {
+  Rng rng(1, 2);
+  TriangleHit hit;
+  for (auto _ : state) {
+    const Ray ray{Vec3f(0, 0, 0), sample_uniform_sphere({rng.uniform(), rng.uniform()})};
+    benchmark::DoNotOptimize(sphere().prototype->object->intersect(ray, &hit));
+  }
+}
+BENCHMARK(BM_Intersect);
+
+void BM_SobolDraw(benchmark::State& state) {
+  uint32_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(PixelSampler(7, i++).draw(Dimension::bsdf, 2));
+}
+BENCHMARK(BM_SobolDraw);
+
+void BM_DisneySample(benchmark::State& state) {
+  DisneyParameters p;
+  p.sheen = 0.3f;
+  p.clearcoat = 0.5f;
+  Rng rng(1, 2);
+  const Vec3f wo = normalize(Vec3f(0.3f, 0.2f, 0.8f));
+  for (auto _ : state) {
+    const DisneyBsdf bsdf(p, wo);
+    benchmark::DoNotOptimize(bsdf.sample(rng.uniform(), {rng.uniform(), rng.uniform()}));
+  }
+}
+BENCHMARK(BM_DisneySample);
+
+// The argument is the albedo in per cent; the sphere is ten scatter distances wide.
+void BM_Walk(benchmark::State& state) {
+  const float albedo = static_cast<float>(state.range(0)) / 100;
+  const Medium medium = make_medium(Rgb(albedo), Rgb(0.2f), AlbedoInversion::exact);
+  const WalkSpace space{sphere().prototype->object.get(), Affine()};
+  const WalkEntry entry{{0, 0.9999f, 0}, {0, -1, 0}, frame_from_normal({0, -1, 0})};
+  RenderCounters counters;
+  Rng rng(1, 2);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(random_walk(space, entry, medium, {}, {rng.uniform(), rng.uniform()}, rng, counters));
+  state.counters["segments/walk"] = static_cast<double>(counters.walk_rays) / static_cast<double>(counters.walks);
+  state.counters["segments/s"] =
+      benchmark::Counter(static_cast<double>(counters.walk_rays), benchmark::Counter::kIsRate);
+}
+BENCHMARK(BM_Walk)->Arg(50)->Arg(80)->Arg(95)->Arg(99);
+
+}  // namespace
+}  // namespace alabaster
+
+BENCHMARK_MAIN();
