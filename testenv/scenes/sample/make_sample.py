@@ -237,7 +237,7 @@ def build():
                                                   (0.024, 0.014, 0.020, -0.128, 0.050, 0.9)]):
         mesh = doc.add_mesh("pebble_%d" % k, pebble(rx, ry, rz, 7 + k), stone)
         doc.add_node("pebble_%d" % k, mesh, placed(turn, at=(x, ry * 0.93, z)))
-    doc.add_node("ground", doc.add_mesh("ground", ground(3.0), slate))
+    doc.add_node("ground", doc.add_mesh("ground", ground(8.0), slate))
     doc.write_glb(HERE / "sample.glb")
 
 
