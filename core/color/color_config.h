@@ -35,7 +35,8 @@ class ColorConfig {
   virtual ~ColorConfig() = default;
 
   /// `path` empty: $OCIO if it is set and non-empty, else the built-in configuration (made of OCIO's built-in
-  /// transforms alone). On failure returns null and reports what file, what is wrong, and what to do.
+  /// transforms alone), which the path "built-in" names too. On failure returns null and reports what file, what is
+  /// wrong, and what to do.
   static std::shared_ptr<const ColorConfig> load(const std::string& path, const DiagnosticSink& sink);
 
   /// Where it came from: a path, or "built-in".
@@ -53,9 +54,9 @@ class ColorConfig {
   /// config does not tell (documented in the .cpp how it is found).
   virtual std::array<float, 8> chromaticities(const std::string& space) const = 0;
 
-  /// Names understood everywhere, whatever the config: "auto" (sRGB for 8/16-bit images, rendering space for float
-  /// ones), "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709"; anything else is a name in the config.
-  /// All return null and report on failure.
+  /// Names understood everywhere, whatever the config: "auto" (sRGB for 8/16-bit images, which load_texture replaces;
+  /// here the rendering space), "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709"; anything else is a
+  /// name in the config. All return null and report on failure.
   virtual std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from,
                                                                    const DiagnosticSink& sink) const = 0;
   virtual std::shared_ptr<const ColorTransform> from_rendering_space(const std::string& to,

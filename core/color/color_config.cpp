@@ -1,0 +1,371 @@
+#include "core/color/color_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+#include "core/color/builtin_config.h"
+#include "core/color/chromaticities.h"
+#include "core/color/ocio_transform.h"
+
+namespace OCIO = OCIO_NAMESPACE;
+
+namespace alabaster {
+namespace {
+
+constexpr const char* kBuiltinOrigin = "built-in";
+
+std::string join(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+OCIO::ConstConfigRcPtr builtin_config() {
+  static const OCIO::ConstConfigRcPtr config = [] {
+    std::istringstream text(builtin_config_text());
+    return OCIO::Config::CreateFromStream(text);
+  }();
+  return config;
+}
+
+/// What a colour space name means in some config.
+struct SpaceMeaning {
+  enum class Kind { unknown, rendering, data, in_config, in_builtin } kind = Kind::unknown;
+  std::string name;  // of the space, for in_config and in_builtin
+};
+
+class OcioColorConfig final : public ColorConfig {
+ public:
+  OcioColorConfig(OCIO::ConstConfigRcPtr config, std::string origin, std::string rendering)
+      : config_(std::move(config)), origin_(std::move(origin)), rendering_(std::move(rendering)) {}
+
+  std::string origin() const override { return origin_; }
+  std::string rendering_space() const override { return rendering_; }
+  std::vector<std::string> color_spaces() const override;
+  std::vector<std::string> displays() const override;
+  std::string default_display() const override { return config_->getDefaultDisplay(); }
+  std::vector<std::string> views(const std::string& display) const override;
+  std::string default_view(const std::string& display) const override;
+  std::vector<std::string> looks() const override;
+  bool has_color_space(const std::string& name) const override {
+    return meaning_of(name).kind != SpaceMeaning::Kind::unknown;
+  }
+  std::array<float, 8> chromaticities(const std::string& space) const override;
+  std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from,
+                                                           const DiagnosticSink& sink) const override {
+    return convert(from, true, sink);
+  }
+  std::shared_ptr<const ColorTransform> from_rendering_space(const std::string& to,
+                                                             const DiagnosticSink& sink) const override {
+    return convert(to, false, sink);
+  }
+  std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
+                                                          const DiagnosticSink& sink) const override;
+  std::string serialize() const override;
+
+ private:
+  SpaceMeaning meaning_of(const std::string& name) const;
+  bool is_scene_space(const char* name) const;
+  const char* interchange_role() const;
+  std::shared_ptr<const ColorTransform> convert(const std::string& name, bool to_rendering,
+                                                const DiagnosticSink& sink) const;
+  OCIO::ConstProcessorRcPtr through_builtin(const std::string& builtin_space, bool to_rendering,
+                                            const DiagnosticSink& sink) const;
+  bool check_view(const std::string& display, const std::string& view, const DiagnosticSink& sink) const;
+  bool check_looks(const std::string& looks, const DiagnosticSink& sink) const;
+  XyzColumns columns_of(const std::string& space) const;
+  void fail(const DiagnosticSink& sink, const char* code, std::string text) const {
+    report(sink, Severity::error, code, origin_, std::move(text));
+  }
+
+  OCIO::ConstConfigRcPtr config_;
+  std::string origin_;
+  std::string rendering_;
+};
+
+std::vector<std::string> OcioColorConfig::color_spaces() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < config_->getNumColorSpaces(); ++i) names.emplace_back(config_->getColorSpaceNameByIndex(i));
+  return names;
+}
+
+std::vector<std::string> OcioColorConfig::displays() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < config_->getNumDisplays(); ++i) names.emplace_back(config_->getDisplay(i));
+  return names;
+}
+
+std::vector<std::string> OcioColorConfig::views(const std::string& display) const {
+  std::vector<std::string> names;
+  for (int i = 0; i < config_->getNumViews(display.c_str()); ++i)
+    names.emplace_back(config_->getView(display.c_str(), i));
+  return names;
+}
+
+std::string OcioColorConfig::default_view(const std::string& display) const {
+  const char* view = config_->getDefaultView(display.c_str());
+  return view ? view : "";
+}
+
+std::vector<std::string> OcioColorConfig::looks() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < config_->getNumLooks(); ++i) names.emplace_back(config_->getLookNameByIndex(i));
+  return names;
+}
+
+bool OcioColorConfig::is_scene_space(const char* name) const {
+  const auto space = config_->getColorSpace(name);
+  return space && !space->isData() && space->getReferenceSpaceType() == OCIO::REFERENCE_SPACE_SCENE;
+}
+
+// The config's own definition of a name goes first: an artist who writes "sRGB" means the sRGB of the show. Names that
+// must work everywhere fall back to the names that common configs use, then to the built-in config's definition.
+SpaceMeaning OcioColorConfig::meaning_of(const std::string& name) const {
+  using Kind = SpaceMeaning::Kind;
+  if (name == "auto") return {Kind::rendering, {}};
+  if (name == "raw" || name == "data") return {Kind::data, {}};
+  const bool srgb = name == "sRGB" || name == "srgb_texture";
+  const bool linear = name == "linear" || name == "lin_rec709";
+  if (!srgb && !linear) {
+    const auto space = config_->getColorSpace(name.c_str());
+    if (!space) return {};
+    return space->isData() ? SpaceMeaning{Kind::data, {}} : SpaceMeaning{Kind::in_config, space->getName()};
+  }
+  if (is_scene_space(name.c_str())) return {Kind::in_config, name};
+  const std::vector<const char*> usual =
+      srgb ? std::vector{"sRGB - Texture", "srgb_texture", "srgb_tx", "Utility - sRGB - Texture", "sRGB"}
+           : std::vector{"Linear Rec.709 (sRGB)", "lin_rec709", "lin_srgb", "Utility - Linear - sRGB"};
+  for (const char* candidate : usual)
+    if (is_scene_space(candidate)) return {Kind::in_config, candidate};
+  return {Kind::in_builtin, srgb ? "sRGB - Texture" : "Linear Rec.709"};
+}
+
+/// The role by which this config can be joined to the built-in one; null if it has none.
+const char* OcioColorConfig::interchange_role() const {
+  for (const char* role : {OCIO::ROLE_INTERCHANGE_SCENE, OCIO::ROLE_INTERCHANGE_DISPLAY})
+    if (config_->hasRole(role)) return role;
+  return nullptr;
+}
+
+OCIO::ConstProcessorRcPtr OcioColorConfig::through_builtin(const std::string& builtin_space, bool to_rendering,
+                                                           const DiagnosticSink& sink) const {
+  const OCIO::ConstConfigRcPtr builtin = builtin_config();
+  if (const char* role = interchange_role()) {
+    return to_rendering ? OCIO::Config::GetProcessorFromConfigs(builtin, builtin_space.c_str(), role, config_,
+                                                                rendering_.c_str(), role)
+                        : OCIO::Config::GetProcessorFromConfigs(config_, rendering_.c_str(), role, builtin,
+                                                                builtin_space.c_str(), role);
+  }
+  report(sink, Severity::warning, "ocio.interchange.missing", origin_,
+         "the configuration has no '" + builtin_space +
+             "' and no aces_interchange or cie_xyz_d65_interchange role, so its '" + rendering_ +
+             "' is taken to have Rec.709 primaries; give one of these roles, or name a colour space of the "
+             "configuration");
+  const char* linear = "Linear Rec.709";
+  return to_rendering ? builtin->getProcessor(builtin_space.c_str(), linear)
+                      : builtin->getProcessor(linear, builtin_space.c_str());
+}
+
+std::shared_ptr<const ColorTransform> OcioColorConfig::convert(const std::string& name, bool to_rendering,
+                                                               const DiagnosticSink& sink) const {
+  using Kind = SpaceMeaning::Kind;
+  try {
+    const QuietOcio quiet;
+    const SpaceMeaning meaning = meaning_of(name);
+    switch (meaning.kind) {
+      case Kind::unknown:
+        fail(
+            sink, "ocio.space.unknown",
+            "there is no colour space '" + name + "'; use sRGB, linear, raw, auto, or one of: " + join(color_spaces()));
+        return nullptr;
+      case Kind::rendering:
+      case Kind::data:
+        return make_transform(nullptr, 1);
+      case Kind::in_config: {
+        const char* space = meaning.name.c_str();
+        return make_transform(to_rendering ? config_->getProcessor(space, rendering_.c_str())
+                                           : config_->getProcessor(rendering_.c_str(), space),
+                              1);
+      }
+      case Kind::in_builtin:
+        return make_transform(through_builtin(meaning.name, to_rendering, sink), 1);
+    }
+  } catch (const std::exception& e) {
+    fail(sink, "ocio.transform",
+         "cannot convert between '" + name + "' and '" + rendering_ + "': " + e.what() +
+             "; check that the configuration is complete, with the LUT files it names");
+  }
+  return nullptr;
+}
+
+bool OcioColorConfig::check_view(const std::string& display, const std::string& view,
+                                 const DiagnosticSink& sink) const {
+  if (!contains(displays(), display)) {
+    fail(sink, "ocio.display.unknown", "there is no display '" + display + "'; use one of: " + join(displays()));
+    return false;
+  }
+  if (!contains(views(display), view)) {
+    fail(sink, "ocio.view.unknown",
+         "display '" + display + "' has no view '" + view + "'; use one of: " + join(views(display)));
+    return false;
+  }
+  return true;
+}
+
+/// `text`: OCIO's list of looks, divided by ',' or ':', each with '+' or '-' before it or without.
+bool OcioColorConfig::check_looks(const std::string& text, const DiagnosticSink& sink) const {
+  std::string list = text;
+  std::replace(list.begin(), list.end(), ':', ',');
+  std::istringstream stream(list);
+  for (std::string look; std::getline(stream, look, ',');) {
+    const size_t begin = look.find_first_not_of(" +-"), end = look.find_last_not_of(' ');
+    if (begin == std::string::npos) continue;
+    look = look.substr(begin, end - begin + 1);
+    if (config_->getLook(look.c_str())) continue;
+    fail(sink, "ocio.look.unknown", "there is no look '" + look + "'; the configuration's looks: " + join(looks()));
+    return false;
+  }
+  return true;
+}
+
+std::shared_ptr<const ColorTransform> OcioColorConfig::display_transform(const DisplayRequest& request,
+                                                                         const DiagnosticSink& sink) const {
+  const std::string display = request.display.empty() ? default_display() : request.display;
+  const std::string view = request.view.empty() ? default_view(display) : request.view;
+  const float scale = std::exp2(request.exposure);
+  if (!std::isnormal(scale)) {
+    fail(sink, "ocio.exposure", "exposure must be a number of stops between -126 and 127");
+    return nullptr;
+  }
+  try {
+    const QuietOcio quiet;
+    if (!check_view(display, view, sink) || !check_looks(request.look, sink)) return nullptr;
+    const auto transform = OCIO::DisplayViewTransform::Create();
+    transform->setSrc(rendering_.c_str());
+    transform->setDisplay(display.c_str());
+    transform->setView(view.c_str());
+    const auto pipeline = OCIO::LegacyViewingPipeline::Create();
+    pipeline->setDisplayViewTransform(transform);
+    if (!request.look.empty()) {
+      pipeline->setLooksOverrideEnabled(true);
+      pipeline->setLooksOverride(request.look.c_str());
+    }
+    // The exposure is a plain scale in the scene-linear space, done with the scrub: what OCIO sees stays in half range.
+    return make_transform(pipeline->getProcessor(config_), scale);
+  } catch (const std::exception& e) {
+    fail(sink, "ocio.transform",
+         "cannot make view '" + view + "' of display '" + display + "': " + e.what() +
+             "; check that the configuration is complete, with the LUT files it names");
+  }
+  return nullptr;
+}
+
+XyzColumns OcioColorConfig::columns_of(const std::string& space) const {
+  const char* role = interchange_role();
+  const auto processor =
+      OCIO::Config::GetProcessorFromConfigs(config_, space.c_str(), role, builtin_config(), "CIE-XYZ-D65", role);
+  std::array<float, 15> rgb = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+  OCIO::PackedImageDesc image(rgb.data(), 5, 1, 3);
+  processor->getDefaultCPUProcessor()->apply(image);
+  XyzColumns columns{};
+  for (size_t i = 0; i < 3; ++i) {
+    double sum = 0;
+    for (size_t j = 0; j < 3; ++j) {
+      columns[j][i] = double(rgb[3 * (j + 1) + i]);
+      sum += columns[j][i];
+    }
+    // Gamma curves keep 0 and 1 and so show their primaries; a log curve or a tone map does not, and has none to show.
+    if (std::abs(rgb[i]) > 1e-3f || std::abs(sum - double(rgb[12 + i])) > 1e-3) return {};
+  }
+  return columns;
+}
+
+// Found by running the space's red, green, blue and white through one of the config's interchange roles to CIE XYZ (see
+// chromaticities_of); a config without such a role, or a space that is data or not made of three primaries, gives
+// Rec.709.
+std::array<float, 8> OcioColorConfig::chromaticities(const std::string& name) const {
+  using Kind = SpaceMeaning::Kind;
+  try {
+    const QuietOcio quiet;
+    const SpaceMeaning meaning = name.empty() ? SpaceMeaning{Kind::rendering, {}} : meaning_of(name);
+    const bool in_config = meaning.kind == Kind::in_config || meaning.kind == Kind::rendering;
+    if (!in_config || !interchange_role()) return kRec709;
+    return chromaticities_of(columns_of(meaning.kind == Kind::rendering ? rendering_ : meaning.name));
+  } catch (const std::exception&) {
+    return kRec709;  // a missing LUT is reported when the space is used
+  }
+}
+
+std::string OcioColorConfig::serialize() const {
+  std::ostringstream text;
+  try {
+    const QuietOcio quiet;
+    config_->serialize(text);
+  } catch (const std::exception&) {
+    return {};
+  }
+  return text.str();
+}
+
+/// Null + report unless `path` is a file that OCIO can make sense of.
+OCIO::ConstConfigRcPtr read_config(const std::string& path, const std::string& remedy, const DiagnosticSink& sink) {
+  const auto fail = [&](const char* code, const std::string& text) {
+    report(sink, Severity::error, code, path, text);
+    return OCIO::ConstConfigRcPtr();
+  };
+  if (path.starts_with("ocio://"))
+    return fail("ocio.config.builtin_name", std::string("names of OpenColorIO's own configurations need OpenColorIO "
+                                                        "2.2; this is ") +
+                                                OCIO::GetVersion() + "; " + remedy);
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return fail("ocio.config.missing", "there is no such file; " + remedy);
+  if (!std::filesystem::is_regular_file(path, error))
+    return fail("ocio.config.unreadable", "this is not a file; name the config.ocio inside it; " + remedy);
+  try {
+    return OCIO::Config::CreateFromFile(path.c_str());
+  } catch (const std::exception& e) {
+    return fail("ocio.config.invalid", std::string("not a configuration that OpenColorIO ") + OCIO::GetVersion() +
+                                           " can read: " + e.what() + "; " + remedy);
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, const DiagnosticSink& sink) {
+  const char* environment = std::getenv("OCIO");
+  const bool from_environment = path.empty() && environment && *environment;
+  const std::string origin = from_environment ? environment : path.empty() ? kBuiltinOrigin : path;
+  const std::string remedy = std::string(from_environment ? "$OCIO names it: set it to" : "give") +
+                             " a .ocio file (profile version 1 to 2.1), or 'built-in' for the built-in configuration";
+  try {
+    const QuietOcio quiet;
+    if (origin == kBuiltinOrigin) return std::make_shared<OcioColorConfig>(builtin_config(), origin, "Linear Rec.709");
+    const OCIO::ConstConfigRcPtr config = read_config(origin, remedy, sink);
+    if (!config) return nullptr;
+    const auto linear = config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
+    if (!linear) {
+      report(sink, Severity::error, "ocio.role.missing", origin,
+             "the configuration has no scene_linear role, so there is no space to render in; add one, or " + remedy);
+      return nullptr;
+    }
+    try {
+      config->validate();
+    } catch (const std::exception& e) {
+      report(sink, Severity::warning, "ocio.config.invalid", origin,
+             std::string("the configuration has a fault: ") + e.what() + "; what does not need that part will work");
+    }
+    return std::make_shared<OcioColorConfig>(config, origin, linear->getName());
+  } catch (const std::exception& e) {
+    report(sink, Severity::error, "ocio.config.invalid", origin, std::string(e.what()) + "; " + remedy);
+    return nullptr;
+  }
+}
+
+}  // namespace alabaster

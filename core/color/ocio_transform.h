@@ -1,0 +1,23 @@
+// The one place where pixels meet OCIO. Internal to core/color.
+#pragma once
+
+#include <OpenColorIO/OpenColorIO.h>
+
+#include "core/color/color_config.h"
+
+namespace alabaster {
+
+/// Scales rgb by `scale`, scrubs it and runs it through `processor` (null: identity). May throw OCIO's exceptions.
+std::shared_ptr<const ColorTransform> make_transform(const OCIO_NAMESPACE::ConstProcessorRcPtr& processor, float scale);
+
+/// Keeps OCIO from logging to stderr while it lives, and gives the host's logging level back afterwards. May be nested
+/// and used from several threads.
+class QuietOcio {
+ public:
+  QuietOcio();
+  ~QuietOcio();
+  QuietOcio(const QuietOcio&) = delete;
+  QuietOcio& operator=(const QuietOcio&) = delete;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,149 @@
+#include "core/texture/texture.h"
+
+#include <half.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/texture/image_reader.h"
+
+namespace alabaster {
+namespace {
+
+using Imath::half;
+
+constexpr float kLargestHalf = 65504.0f;
+
+/// The two texels that a coordinate lies between, and the weight of the second. -1: outside a black border.
+struct Taps {
+  int i0 = 0, i1 = 0;
+  float weight = 0;
+};
+
+/// The coordinate brought to the first period (or to just outside it), so that it fits an int after scaling.
+float reduce(float u, Wrap wrap) {
+  if (!std::isfinite(u)) return 0;
+  switch (wrap) {
+    case Wrap::repeat:
+      return u - std::floor(u);
+    case Wrap::mirror: {
+      const float t = u - 2 * std::floor(u * 0.5f);
+      return t > 1 ? 2 - t : t;
+    }
+    case Wrap::clamp:
+    case Wrap::black:
+      break;
+  }
+  return std::clamp(u, -1.0f, 2.0f);
+}
+
+int wrap_index(int i, int size, Wrap wrap) {
+  if (wrap == Wrap::repeat) return i < 0 ? i + size : i >= size ? i - size : i;
+  if (wrap == Wrap::black && (i < 0 || i >= size)) return -1;
+  return std::clamp(i, 0, size - 1);  // mirror: the edge texel's mirror image is itself
+}
+
+Taps taps_of(float u, int size, Wrap wrap) {
+  const float x = reduce(u, wrap) * float(size) - 0.5f;
+  const float cell = std::floor(x);
+  const int i = int(cell);
+  return {wrap_index(i, size, wrap), wrap_index(i + 1, size, wrap), x - cell};
+}
+
+class HalfTexture final : public Texture {
+ public:
+  HalfTexture(int width, int height, std::vector<half> texels, const TextureSource& source)
+      : width_(width), height_(height), wrap_s_(source.wrap_s), wrap_t_(source.wrap_t), texels_(std::move(texels)) {}
+
+  Rgb rgb(const Vec2f& uv) const override {
+    Rgb sum;
+    for_each_tap(uv, [&](const half* t, float weight) { sum += Rgb(t[0], t[1], t[2]) * weight; });
+    return sum;
+  }
+  float alpha(const Vec2f& uv) const override {
+    float sum = 0;
+    for_each_tap(uv, [&](const half* t, float weight) { sum += float(t[3]) * weight; });
+    return sum;
+  }
+  int width() const override { return width_; }
+  int height() const override { return height_; }
+  size_t memory_bytes() const override { return texels_.capacity() * sizeof(half); }
+  Rgb texel(int x, int y) const override {
+    const half* t = at(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1));
+    return {t[0], t[1], t[2]};
+  }
+
+ private:
+  const half* at(int x, int y) const { return &texels_[4 * (size_t(y) * size_t(width_) + size_t(x))]; }
+
+  template <class F>
+  void for_each_tap(const Vec2f& uv, const F& f) const {
+    const Taps s = taps_of(uv.x, width_, wrap_s_);
+    Taps t = taps_of(uv.y, height_, wrap_t_);  // counted from the bottom row
+    for (int* row : {&t.i0, &t.i1})
+      if (*row >= 0) *row = height_ - 1 - *row;
+    const auto add = [&](int x, int y, float weight) {
+      if (x >= 0 && y >= 0 && weight > 0) f(at(x, y), weight);
+    };
+    add(s.i0, t.i0, (1 - s.weight) * (1 - t.weight));
+    add(s.i1, t.i0, s.weight * (1 - t.weight));
+    add(s.i0, t.i1, (1 - s.weight) * t.weight);
+    add(s.i1, t.i1, s.weight * t.weight);
+  }
+
+  int width_, height_;
+  Wrap wrap_s_, wrap_t_;
+  std::vector<half> texels_;  // RGBA, rows from the top
+};
+
+/// Grey to RGB, opaque where there is no alpha.
+void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vector<float>& rgba) {
+  const size_t count = pixels.size() / layout.channels;
+  rgba.resize(4 * count);
+  for (size_t i = 0; i < count; ++i) {
+    const float* p = &pixels[i * layout.channels];
+    for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = p[layout.rgb[c]];
+    const float a = layout.alpha ? p[*layout.alpha] : 1.0f;
+    rgba[4 * i + 3] = std::isfinite(a) ? std::clamp(a, 0.0f, 1.0f) : 1.0f;
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
+                                            const DiagnosticSink& sink, size_t max_pixels) {
+  try {
+    const auto reader = open_image(source, max_pixels, sink);
+    if (!reader) return nullptr;
+    const std::string space =
+        source.color_space == "auto" && reader->layout().low_precision ? "sRGB" : source.color_space;
+    const auto transform = colors.to_rendering_space(space, [&](const Diagnostic& d) {
+      report(sink, d.severity, d.code, source.path, "colour space of the image: " + d.text);
+    });
+    if (!transform) return nullptr;
+
+    // Memory is reserved at once but touched only as rows arrive: a small file that claims to be huge costs nothing.
+    const ImageLayout& layout = reader->layout();
+    std::vector<half> texels;
+    texels.reserve(4 * size_t(layout.width) * size_t(layout.height));
+    std::vector<float> pixels, rgba;
+    for (int y = 0; y < layout.height;) {
+      const int rows = reader->read_rows(y, pixels, sink);
+      if (rows == 0) return nullptr;
+      to_rgba(pixels, layout, rgba);
+      transform->apply(rgba.data(), rgba.size() / 4);
+      for (const float v : rgba) texels.emplace_back(std::clamp(v, -kLargestHalf, kLargestHalf));
+      y += rows;
+    }
+    return std::make_shared<HalfTexture>(layout.width, layout.height, std::move(texels), source);
+  } catch (const std::bad_alloc&) {
+    report(sink, Severity::error, "texture.memory", source.path, "not enough memory for this image; make it smaller");
+  } catch (const std::exception& e) {
+    report(sink, Severity::error, "texture.unreadable", source.path,
+           std::string(e.what()) + "; export the image again");
+  }
+  return nullptr;
+}
+
+}  // namespace alabaster
