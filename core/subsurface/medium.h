@@ -16,7 +16,11 @@ enum class AlbedoInversion {
 /// 1 - alpha for A in [0,1] (clamped; NaN -> A = 0). The complement is carried because alpha = 1 - 2e-9 has no float.
 double one_minus_alpha(double albedo, AlbedoInversion inversion);
 
-/// A index-matched half-space of isotropic scatterers, cosine entry: the albedo that a given 1 - alpha yields
+/// Chandrasekhar H-function for isotropic scattering, mu in [0,1], by the closed form
+/// ln H = -(mu/pi) Int_0^{pi/2} ln(1 - alpha t cot t) / (cos^2 t + mu^2 sin^2 t) dt. Slow; for tests and tables.
+double chandrasekhar_h(double mu, double one_minus_alpha);
+
+/// An index-matched half-space of isotropic scatterers, cosine entry: the albedo that a given 1 - alpha yields
 /// (Chandrasekhar 1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu). Slow; for tests and tables.
 double half_space_albedo(double one_minus_alpha);
 

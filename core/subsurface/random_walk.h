@@ -11,6 +11,7 @@
 
 #include "core/diagnostics/counters.h"
 #include "core/geometry/embree_scene.h"
+#include "core/math/bounds.h"
 #include "core/math/frame.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/subsurface/medium.h"
@@ -33,6 +34,9 @@ struct WalkSettings {
 struct WalkSpace {
   const ObjectScene* object = nullptr;
   Affine world_to_object;  // only its linear part is used
+  /// Of the object, in its space: a walk that scatters outside them has left through an open mesh and ends there.
+  /// Empty: not known; such a walk then goes on until it is absorbed.
+  Bounds bounds;
 };
 
 struct WalkEntry {
@@ -47,6 +51,12 @@ struct WalkExit {
   Rgb throughput{0.0f};
   uint32_t events = 0;  // scattering events; 0: crossed without scattering
 };
+
+/// Direction in which a walk enters, unit, world. The lobe is the cosine hemisphere about the shading normal.
+/// Directions of it that a tilted shading normal sends out of the body are mirrored in the surface: how much light
+/// enters is the caller's (1-.5F_V), the lobe only says where it goes, so its mass stays one. Dropping them instead
+/// would darken smooth-shaded silhouettes and break the white furnace.
+Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u);
 
 /// Runs one walk. `u_entry` samples the entry direction; everything else comes from `rng`. Empty: absorbed, ended by
 /// roulette, or lost through an open mesh (counted in `counters`).

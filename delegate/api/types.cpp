@@ -1,7 +1,12 @@
 #include "delegate/api/types.h"
 
+#include <cmath>
+#include <cstdio>
 #include <mutex>
+#include <type_traits>
 #include <unordered_set>
+
+#include "delegate/api/scene_types.h"
 
 namespace alabaster::hd {
 namespace {
@@ -35,6 +40,176 @@ bool Path::has_prefix(const Path& prefix) const {
   const std::string &s = str(), &p = prefix.str();
   if (s.compare(0, p.size(), p) != 0) return false;
   return s.size() == p.size() || p.empty() || p.back() == '/' || s[p.size()] == '/';
+}
+
+namespace {
+
+std::string number_text(double v) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.9g", v);
+  return text;
+}
+
+template <class V>
+std::string components_text(const V& v) {
+  std::string text = "(";
+  for (unsigned i = 0; i < V::dimensions(); ++i) text += (i ? ", " : "") + number_text(static_cast<double>(v[int(i)]));
+  return text + ")";
+}
+
+std::string text_of(const Vec2f& v) {
+  return components_text(v);
+}
+std::string text_of(const Vec3f& v) {
+  return components_text(v);
+}
+std::string text_of(const Vec4f& v) {
+  return components_text(v);
+}
+std::string text_of(const Vec2i& v) {
+  return components_text(v);
+}
+std::string text_of(const Vec3i& v) {
+  return components_text(v);
+}
+std::string text_of(const Vec3d& v) {
+  return components_text(v);
+}
+std::string text_of(const Quatf& q) {
+  return components_text(Vec4f(q.r, q.v.x, q.v.y, q.v.z));
+}
+std::string text_of(const Matrix4d& m) {
+  std::string text = "(";
+  for (int row = 0; row < 4; ++row)
+    text += (row ? ", " : "") + components_text(Imath::V4d(m[row][0], m[row][1], m[row][2], m[row][3]));
+  return text + ")";
+}
+std::string text_of(const std::string& v) {
+  return '"' + v + '"';
+}
+std::string text_of(const Token& v) {
+  return v.str();
+}
+std::string text_of(const Path& v) {
+  return '<' + v.str() + '>';
+}
+std::string text_of(const AssetPath& v) {
+  return '@' + v.authored + '@';
+}
+std::string text_of(const std::shared_ptr<const Dictionary>& v) {
+  std::string text = "{";
+  if (v)
+    for (const auto& [key, value] : *v) text += (text.size() > 1 ? ", " : "") + key + ": " + value.to_string();
+  return text + "}";
+}
+template <class T>
+requires std::is_arithmetic_v<T> std::string text_of(T v) {
+  if constexpr (std::is_same_v<T, bool>)
+    return v ? "true" : "false";
+  else if constexpr (std::is_integral_v<T>)
+    return std::to_string(v);
+  else
+    return number_text(static_cast<double>(v));
+}
+template <class T>
+std::string text_of(const Array<T>& array) {
+  std::string text = "[";
+  for (size_t i = 0; i < array.size(); ++i) text += (i ? ", " : "") + text_of(array[i]);
+  return text + "]";
+}
+
+template <class T>
+bool same(const T& a, const T& b) {
+  // NaN set twice is no change: it must not restart a render for ever.
+  if constexpr (std::is_floating_point_v<T>)
+    return a == b || (std::isnan(a) && std::isnan(b));
+  else
+    return a == b;
+}
+bool same(const std::shared_ptr<const Dictionary>& a, const std::shared_ptr<const Dictionary>& b) {
+  return a == b || (a && b && *a == *b);
+}
+
+}  // namespace
+
+double Value::number_or(double fallback) const {
+  return std::visit(
+      [&](const auto& v) {
+        using T = std::decay_t<decltype(v)>;
+        if constexpr (std::is_arithmetic_v<T>)
+          return static_cast<double>(v);
+        else
+          return fallback;
+      },
+      storage_);
+}
+
+std::string Value::text_or(std::string fallback) const {
+  if (const auto* token = get<Token>()) return token->str();
+  if (const auto* text = get<std::string>()) return *text;
+  if (const auto* path = get<Path>()) return path->str();
+  if (const auto* asset = get<AssetPath>()) return asset->resolved.empty() ? asset->authored : asset->resolved;
+  return fallback;
+}
+
+std::string Value::to_string() const {
+  return std::visit(
+      [](const auto& v) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(v)>, std::monostate>)
+          return std::string("empty");
+        else
+          return text_of(v);
+      },
+      storage_);
+}
+
+bool Value::operator==(const Value& o) const {
+  if (storage_.index() != o.storage_.index()) return false;
+  return std::visit(
+      [&](const auto& v) {
+        using T = std::decay_t<decltype(v)>;
+        return same(v, *std::get_if<T>(&o.storage_));
+      },
+      storage_);
+}
+
+int FormatComponents(Format format) {
+  switch (format) {
+    case Format::invalid:
+      return 0;
+    case Format::unorm8:
+    case Format::float16:
+    case Format::float32:
+    case Format::int32:
+      return 1;
+    case Format::float32vec2:
+      return 2;
+    case Format::unorm8vec3:
+    case Format::float16vec3:
+    case Format::float32vec3:
+      return 3;
+    case Format::unorm8vec4:
+    case Format::float16vec4:
+    case Format::float32vec4:
+      return 4;
+  }
+  return 0;
+}
+
+size_t FormatSize(Format format) {
+  const auto components = static_cast<size_t>(FormatComponents(format));
+  switch (format) {
+    case Format::unorm8:
+    case Format::unorm8vec3:
+    case Format::unorm8vec4:
+      return components;
+    case Format::float16:
+    case Format::float16vec3:
+    case Format::float16vec4:
+      return components * 2;
+    default:
+      return components * 4;
+  }
 }
 
 }  // namespace alabaster::hd

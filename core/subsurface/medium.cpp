@@ -1,0 +1,120 @@
+#include "core/subsurface/medium.h"
+
+#include <cmath>
+
+#include "core/math/vector.h"
+
+namespace alabaster {
+namespace {
+
+constexpr double kHalfPi = 1.57079632679489661923;
+
+/// Larger extinctions are the same medium to any float ray, and products of them would overflow.
+constexpr double kMaxSigmaT = 1e30;
+
+/// Integral over [0, length] by the tanh-sinh rule (Takahasi and Mori 1974). The integrand gets the distances from both
+/// ends, each with full relative precision, so that what is singular at an end may be evaluated there.
+template <class Integrand>
+double integrate_tanh_sinh(double length, const Integrand& integrand) {
+  constexpr double kStep = 1.0 / 16;
+  constexpr int kSteps = 72;  // up to 4.5: the weights there are below 1e-60
+  double sum = 0;
+  for (int i = -kSteps; i <= kSteps; ++i) {
+    const double x = kStep * i;
+    const double q = std::exp(-2 * kHalfPi * std::sinh(std::abs(x)));
+    const double near = length * q / (1 + q), far = length / (1 + q);
+    const double weight = 2 * kHalfPi * std::cosh(x) * q / ((1 + q) * (1 + q));
+    if (near > 0) sum += weight * (x < 0 ? integrand(near, far) : integrand(far, near));
+  }
+  return kStep * length * sum;
+}
+
+/// 1 - t cot t without cancellation.
+double one_minus_t_cot_t(double t) {
+  if (t > 0.25) return 1 - t / std::tan(t);
+  const double t2 = t * t;
+  return t2 * (1.0 / 3 +
+               t2 * (1.0 / 45 + t2 * (2.0 / 945 + t2 * (1.0 / 4725 + t2 * (2.0 / 93555 + t2 * (1382.0 / 638512875))))));
+}
+
+double clamp_albedo(double albedo) {
+  if (!(albedo > 0)) return 0;  // NaN too
+  return std::min(albedo, 1.0);
+}
+
+double invert_chiang2016(double a) {
+  return std::exp(a * (-5.09406 + a * (2.61188 - a * 4.31805)));  // eq. 1
+}
+
+/// s = sqrt(1 - alpha) = (1 - A) P(A)/Q(A): value and slope are right at both ends by construction, the largest error
+/// of A between them is 1.7e-8. Derived by testenv/statistical/fit_albedo_inversion.py.
+double invert_exact(double a) {
+  constexpr double p[4] = {1, 1.90590733792, 0.722472222151, 0.00527736903751};
+  constexpr double q[4] = {1, 3.35007585287, 3.22823189382, 0.813263477961};
+  const double numerator = p[0] + a * (p[1] + a * (p[2] + a * p[3]));
+  const double denominator = q[0] + a * (q[1] + a * (q[2] + a * q[3]));
+  const double s = (1 - a) * numerator / denominator;
+  return s * s;
+}
+
+/// The root in [0,1] of 0.139 s^2 - (1.139 + 1.17 A) s + (1 - A) = 0, in the form that does not cancel.
+double invert_van_de_hulst(double a) {
+  const double b = 1.139 + 1.17 * a;
+  const double s = 2 * (1 - a) / (b + std::sqrt(b * b - 4 * 0.139 * (1 - a)));
+  return s * s;
+}
+
+}  // namespace
+
+double one_minus_alpha(double albedo, AlbedoInversion inversion) {
+  const double a = clamp_albedo(albedo);
+  switch (inversion) {
+    case AlbedoInversion::chiang2016:
+      return invert_chiang2016(a);
+    case AlbedoInversion::van_de_hulst:
+      return std::min(invert_van_de_hulst(a), 1.0);
+    case AlbedoInversion::exact:
+      break;
+  }
+  return invert_exact(a);
+}
+
+double chandrasekhar_h(double mu, double one_minus_alpha) {
+  if (!(mu > 0)) return 1;
+  const double alpha = 1 - one_minus_alpha;
+  const auto integrand = [&](double t, double from_right_angle) {
+    const double sine = t < from_right_angle ? std::sin(t) : std::cos(from_right_angle);
+    const double cosine = t < from_right_angle ? std::cos(t) : std::sin(from_right_angle);
+    const double logarithm = std::log(one_minus_alpha + alpha * one_minus_t_cot_t(t));
+    return logarithm / (cosine * cosine + mu * mu * sine * sine);
+  };
+  return std::exp(-mu / (2 * kHalfPi) * integrate_tanh_sinh(kHalfPi, integrand));
+}
+
+double half_space_albedo(double one_minus_alpha) {
+  const double complement = std::min(std::max(one_minus_alpha, 0.0), 1.0);
+  const double first_moment =
+      integrate_tanh_sinh(1.0, [&](double mu, double) { return mu * chandrasekhar_h(mu, complement); });
+  return 1 - 2 * std::sqrt(complement) * first_moment;
+}
+
+double distance_scale(double albedo) {
+  const double a = clamp_albedo(albedo);
+  return 1.9 - a + 3.5 * (a - 0.8) * (a - 0.8);
+}
+
+Medium make_medium(const Rgb& albedo, const Rgb& scatter_distance, AlbedoInversion inversion) {
+  Medium medium;
+  for (int c = 0; c < 3; ++c) {
+    const double distance = scatter_distance[c];
+    if (!(distance > 0)) continue;  // NaN too
+    const double complement = one_minus_alpha(albedo[c], inversion);
+    medium.active[c] = true;
+    medium.sigma_t[c] = static_cast<float>(std::min(1 / (distance * distance_scale(albedo[c])), kMaxSigmaT));
+    medium.alpha[c] = static_cast<float>(1 - complement);
+    medium.one_minus_alpha[c] = static_cast<float>(complement);
+  }
+  return medium;
+}
+
+}  // namespace alabaster

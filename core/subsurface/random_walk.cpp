@@ -1,0 +1,54 @@
+#include "core/subsurface/random_walk.h"
+
+#include "core/subsurface/random_walk_loop.h"
+
+namespace alabaster {
+namespace {
+
+/// Traces a walk's segments in the object space of one mesh. A world direction is mapped but not renormalised, so that
+/// t stays the world distance along it.
+class MeshTracer {
+ public:
+  using Hit = TriangleHit;
+
+  MeshTracer(const WalkSpace& space, const Vec3f& p) : space_(space), p_(p) {}
+
+  bool intersect(const Vec3f& direction, float tmax, Hit* hit) const {
+    return space_.object->intersect({p_, space_.world_to_object.vector(direction), tmax}, hit);
+  }
+  double exit_distance(const Hit& hit) const { return hit.t; }
+  bool advance(const Vec3f& direction, float t) {
+    p_ += space_.world_to_object.vector(direction) * t;
+    if (space_.bounds.empty()) return is_finite(p_);
+    const Vec3f &lower = space_.bounds.lower, &upper = space_.bounds.upper;
+    return p_.x >= lower.x && p_.y >= lower.y && p_.z >= lower.z && p_.x <= upper.x && p_.y <= upper.y &&
+           p_.z <= upper.z;
+  }
+
+ private:
+  const WalkSpace& space_;
+  Vec3f p_;
+};
+
+}  // namespace
+
+Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u) {
+  const Vec3f direction = entry.frame_inward.to_world(sample_cosine_hemisphere(u));
+  const float inward = dot(direction, entry.ng_inward);
+  return inward >= 0 ? direction : direction - entry.ng_inward * (2 * inward);
+}
+
+std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& entry, const Medium& medium,
+                                    const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
+                                    RenderCounters& counters) {
+  MeshTracer tracer(space, entry.p);
+  const auto end = run_walk_loop(tracer, sample_walk_entry(entry, u_entry), medium, settings, rng, counters);
+  if (!end) return std::nullopt;
+  const ChannelValues& t = end->throughput;
+  return WalkExit{end->hit,
+                  end->direction,
+                  {static_cast<float>(t[0]), static_cast<float>(t[1]), static_cast<float>(t[2])},
+                  end->events};
+}
+
+}  // namespace alabaster

@@ -1,0 +1,167 @@
+#include "delegate/description/json_document.h"
+
+#include <set>
+#include <vector>
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+constexpr size_t kMaxDepth = 64;
+
+// What the parser has consumed. It reads one character past a number, hence before_last().
+struct Progress {
+  const char* at = nullptr;
+  const char* end = nullptr;
+  size_t line = 1;
+  bool last_was_newline = false;
+
+  char take() {
+    const char c = *at++;
+    last_was_newline = c == '\n';
+    line += last_was_newline ? 1 : 0;
+    return c;
+  }
+  size_t before_last() const { return last_was_newline ? line - 1 : line; }
+};
+
+// An input iterator over a text that counts lines in shared Progress (the parser copies its iterators).
+class CountingIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  explicit CountingIterator(Progress* progress) : progress_(progress) {}
+  reference operator*() const { return *progress_->at; }
+  CountingIterator& operator++() {
+    progress_->take();
+    return *this;
+  }
+  bool operator==(const CountingIterator& o) const { return at_end() == o.at_end(); }
+  bool operator!=(const CountingIterator& o) const { return !(*this == o); }
+
+ private:
+  bool at_end() const { return progress_ == nullptr || progress_->at == progress_->end; }
+  Progress* progress_;
+};
+
+// Builds the pointer -> line table and refuses what a DOM would silently accept.
+class LineRecorder : public nlohmann::json_sax<json> {
+ public:
+  LineRecorder(const Progress& progress, std::map<std::string, size_t>* lines) : progress_(progress), lines_(*lines) {}
+
+  bool null() override { return scalar(); }
+  bool boolean(bool) override { return scalar(); }
+  bool number_integer(number_integer_t) override { return scalar(); }
+  bool number_unsigned(number_unsigned_t) override { return scalar(); }
+  bool number_float(number_float_t, const string_t&) override { return scalar(); }
+  bool string(string_t&) override { return scalar(); }
+  bool binary(binary_t&) override { return scalar(); }
+  bool start_object(size_t) override { return open(false); }
+  bool start_array(size_t) override { return open(true); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& name) override {
+    Level& level = levels_.back();
+    if (!level.keys.insert(name).second) {
+      error_ = "line " + std::to_string(progress_.line) + ": the key \"" + name + "\" is there twice; keep one";
+      return false;
+    }
+    level.current = pointer_append(level.pointer, name);
+    lines_[level.current] = progress_.line;
+    return true;
+  }
+  bool parse_error(size_t, const std::string& token, const nlohmann::detail::exception& e) override {
+    std::string what = e.what();
+    if (const size_t dash = what.find(": "); dash != std::string::npos) what = what.substr(dash + 2);
+    error_ = "line " + std::to_string(progress_.before_last()) + ": not valid JSON: " + what;
+    if (what.find("last read") == std::string::npos && !token.empty()) error_ += " near '" + token + "'";
+    return false;
+  }
+  const std::string& error() const { return error_; }
+
+ private:
+  struct Level {
+    std::string pointer;  // of the container
+    std::string current;  // of its member
+    bool array = false;
+    size_t index = 0;
+    std::set<std::string> keys;
+  };
+
+  std::string begin_value() {
+    if (levels_.empty()) return "";
+    Level& level = levels_.back();
+    if (level.array) {
+      level.current = pointer_append(level.pointer, std::to_string(level.index++));
+      lines_[level.current] = progress_.before_last();
+    }
+    return level.current;
+  }
+  bool scalar() {
+    begin_value();
+    return true;
+  }
+  bool open(bool array) {
+    const std::string pointer = begin_value();
+    if (levels_.empty()) lines_[""] = progress_.line;
+    if (levels_.size() == kMaxDepth) {
+      error_ = "line " + std::to_string(progress_.line) + ": nested deeper than " + std::to_string(kMaxDepth) +
+               " levels; a render description needs fewer";
+      return false;
+    }
+    levels_.push_back({pointer, "", array, 0, {}});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
+    return true;
+  }
+
+  const Progress& progress_;
+  std::map<std::string, size_t>& lines_;
+  std::vector<Level> levels_;
+  std::string error_;
+};
+
+}  // namespace
+
+std::string JsonDocument::place(const std::string& pointer) const {
+  if (lines.empty()) return origin;
+  std::string known = pointer;
+  while (!known.empty() && !lines.count(known)) known.resize(known.rfind('/'));
+  const auto line = lines.find(known);
+  return origin + ":" + std::to_string(line == lines.end() ? 1 : line->second) + (pointer.empty() ? "" : " " + pointer);
+}
+
+bool parse_json(const std::string& text, const std::string& origin, JsonDocument* document, std::string* error) {
+  *document = {};
+  document->origin = origin;
+  Progress progress{text.data(), text.data() + text.size()};
+  LineRecorder recorder(progress, &document->lines);
+  if (!json::sax_parse(CountingIterator(&progress), CountingIterator(nullptr), &recorder)) {
+    *error = recorder.error();
+    return false;
+  }
+  document->value = json::parse(text, nullptr, false);
+  return true;
+}
+
+std::string pointer_append(const std::string& parent, const std::string& step) {
+  std::string out = parent + "/";
+  for (const char c : step) {
+    if (c == '~') {
+      out += "~0";
+    } else if (c == '/') {
+      out += "~1";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,24 @@
+// Names as people type them: globs over prims, and the nearest known name to a wrong one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "delegate/api/types.h"
+
+namespace alabaster::hd::description {
+
+/// The candidate with the smallest edit distance (letter case costs less than a letter); empty if there is none.
+std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
+
+/// " Did you mean 'roughness'?" or, with no candidate, nothing.
+std::string suggestion(const std::string& name, const std::vector<std::string>& candidates);
+
+/// The name that the author of a model gave: of "/gltf/bust/materials/2_skin" it is "skin", of the mesh primitive
+/// "/gltf/bust/nodes/3_head/0" it is "head".
+std::string authored_name(const Path& path, bool is_mesh);
+
+/// Whether `pattern` (glob: * ?) means this prim: by its path, its last component, or its authored name.
+bool matches(const std::string& pattern, const Path& path, bool is_mesh);
+
+}  // namespace alabaster::hd::description

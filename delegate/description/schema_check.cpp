@@ -1,0 +1,220 @@
+#include "delegate/description/schema_check.h"
+
+#include <algorithm>
+
+#include "delegate/description/name_match.h"
+#include "delegate/description/render_description.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+void expand(json* node, const json& root) {
+  if (node->is_object() && node->contains("$ref")) {
+    const std::string target = (*node)["$ref"];
+    const size_t hash = target.find('#');
+    const std::string file = target.substr(0, hash);
+    const json::json_pointer pointer(hash == std::string::npos ? "" : target.substr(hash + 1));
+    const json other = file.empty() ? json() : json::parse(SchemaText(file.substr(0, file.rfind('.'))));
+    const json& document = file.empty() ? root : other;
+    json replacement = document.at(pointer);
+    expand(&replacement, document);
+    *node = std::move(replacement);
+    return;
+  }
+  if (node->is_structured())
+    for (json& child : *node) expand(&child, root);
+}
+
+// A schema and, recursively, all its alternatives.
+std::vector<const json*> alternatives(const json& schema) {
+  std::vector<const json*> all{&schema};
+  for (const char* key : {"anyOf", "oneOf", "allOf"})
+    if (const auto list = schema.find(key); list != schema.end())
+      for (const json& child : *list) {
+        const auto more = alternatives(child);
+        all.insert(all.end(), more.begin(), more.end());
+      }
+  return all;
+}
+
+// The schema of a member of an object or array that `schema` describes; null if it describes none.
+const json* member_schema(const json& schema, const std::string& step, bool in_array) {
+  for (const json* part : alternatives(schema)) {
+    if (in_array && part->contains("items")) return &(*part)["items"];
+    if (in_array || !part->contains("properties")) continue;
+    const json& properties = (*part)["properties"];
+    if (const auto found = properties.find(step); found != properties.end()) return &*found;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> known_keys(const json& schema) {
+  std::vector<std::string> keys;
+  for (const json* part : alternatives(schema))
+    if (part->contains("properties"))
+      for (const auto& [key, value] : (*part)["properties"].items()) keys.push_back(key);
+  return keys;
+}
+
+std::string number_text(const json& value) { return value.dump(); }
+
+std::string range_text(const json& schema) {
+  const bool low = schema.contains("minimum"), high = schema.contains("maximum");
+  if (low && high) return " from " + number_text(schema["minimum"]) + " to " + number_text(schema["maximum"]);
+  if (low) return ", at least " + number_text(schema["minimum"]);
+  if (high) return ", at most " + number_text(schema["maximum"]);
+  if (schema.contains("exclusiveMinimum")) return " above " + number_text(schema["exclusiveMinimum"]);
+  return "";
+}
+
+std::string expectation(const json& schema);
+
+std::string array_expectation(const json& schema) {
+  const json items = schema.value("items", json::object());
+  const std::string type = items.value("type", "");
+  const std::string of = type == "number" ? "numbers" : type == "integer" ? "whole numbers" : "entries";
+  const json low = schema.value("minItems", json()), high = schema.value("maxItems", json());
+  if (!low.is_null() && low == high) return "a list of " + low.dump() + " " + of + range_text(items);
+  if (!low.is_null()) return "a list of at least " + low.dump() + " " + of + range_text(items);
+  return "a list of " + of + range_text(items);
+}
+
+std::string object_expectation(const json& schema) {
+  std::string text = "an object";
+  std::string either;
+  for (const json& choice : schema.value("anyOf", json::array()))
+    for (const json& key : choice.value("required", json::array()))
+      either += (either.empty() ? " with '" : &key == &choice["required"][0] ? "', or with '" : "' and '") +
+                key.get<std::string>();
+  return either.empty() ? text : text + either + "'";
+}
+
+// In words: what the schema accepts here.
+std::string expectation(const json& schema) {
+  if (schema.contains("enum")) {
+    std::string text;
+    for (const json& choice : schema["enum"]) text += (text.empty() ? "one of " : ", ") + choice.get<std::string>();
+    return text;
+  }
+  const std::string type = schema.value("type", "");
+  if (type == "number") return "a number" + range_text(schema);
+  if (type == "integer") return "a whole number" + range_text(schema);
+  if (type == "boolean") return "true or false";
+  if (type == "string") return "text";
+  if (type == "array") return array_expectation(schema);
+  if (type == "object") return object_expectation(schema);
+  std::string text;
+  for (const char* key : {"anyOf", "allOf"})
+    for (const json& choice : schema.value(key, json::array()))
+      text += (text.empty() ? "" : ", or ") + expectation(choice);
+  return text;
+}
+
+std::string shortened(const json& value) {
+  std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+class Checker {
+ public:
+  Checker(const JsonDocument& document, const json& schema, const DiagnosticSink& sink)
+      : document_(document), schema_(schema), sink_(sink) {}
+
+  bool run() {
+    find_unknown_keys(document_.value, schema_, "");
+    if (clean_) report_violations();
+    return clean_;
+  }
+
+ private:
+  void fail(const char* code, const std::string& pointer, const std::string& text) {
+    clean_ = false;
+    if (sink_) sink_({Severity::error, code, document_.place(pointer), text});
+  }
+
+  void find_unknown_keys(const json& value, const json& schema, const std::string& pointer) {
+    if (!value.is_structured()) return;
+    const std::vector<std::string> known = known_keys(schema);
+    for (const auto& [key, child] : value.items()) {
+      const std::string place = pointer_append(pointer, key);
+      const json* of_child = member_schema(schema, key, value.is_array());
+      if (of_child) {
+        find_unknown_keys(child, *of_child, place);
+      } else if (value.is_object() && !known.empty()) {
+        fail("description.key.unknown", place, "Unknown key '" + key + "'." + suggestion(key, known));
+      }
+    }
+  }
+
+  // The validator names a violation and all that contains it, and of alternatives every one that failed: keep the
+  // innermost place, but no deeper than the alternatives' own.
+  void report_violations() {
+    std::vector<Violation> found = find_violations(document_.value, schema_);
+    std::vector<std::vector<std::string>> choices;
+    for (const Violation& v : found)
+      if (v.text.find("anyOf") != std::string::npos) choices.push_back(v.steps);
+    const auto begins_with = [](const auto& steps, const auto& start) {
+      return steps.size() >= start.size() && std::equal(start.begin(), start.end(), steps.begin());
+    };
+    std::erase_if(found, [&](const Violation& v) {
+      const bool inside_choice = std::any_of(choices.begin(), choices.end(), [&](const auto& choice) {
+        return v.steps.size() > choice.size() && begins_with(v.steps, choice);
+      });
+      const bool contains_other = std::any_of(found.begin(), found.end(), [&](const Violation& o) {
+        return o.steps.size() > v.steps.size() && begins_with(o.steps, v.steps);
+      });
+      const bool is_choice = std::find(choices.begin(), choices.end(), v.steps) != choices.end();
+      return inside_choice || (contains_other && !is_choice);
+    });
+    std::set<std::vector<std::string>> told;
+    for (const Violation& v : found)
+      if (told.insert(v.steps).second) report_violation(v);
+  }
+
+  void report_violation(const Violation& violation) {
+    std::string pointer;
+    const json* value = &document_.value;
+    const json* schema = &schema_;
+    for (const std::string& step : violation.steps) {
+      pointer = pointer_append(pointer, step);
+      if (schema) schema = member_schema(*schema, step, value->is_array());
+      value = value->is_array() ? &(*value)[std::stoul(step)] : &(*value)[step];
+    }
+    const std::string missing = "Missing required property '";
+    if (const size_t at = violation.text.find(missing); at != std::string::npos) {
+      const size_t start = at + missing.size();
+      const std::string key = violation.text.substr(start, violation.text.find('\'', start) - start);
+      const json* wanted = schema ? member_schema(*schema, key, false) : nullptr;
+      fail("description.key.missing", pointer,
+           "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
+      return;
+    }
+    fail("description.value", pointer,
+         shortened(*value) + " does not fit: expected " + (schema ? expectation(*schema) : "something else") + "." +
+             (schema ? " " + schema->value("description", "") : ""));
+  }
+
+  const JsonDocument& document_;
+  const json& schema_;
+  const DiagnosticSink& sink_;
+  bool clean_ = true;
+};
+
+}  // namespace
+
+json expanded_schema(const std::string& name) {
+  const json root = json::parse(SchemaText(name));
+  json expanded = root;
+  for (const char* key : {"$id", "$schema", "definitions"}) expanded.erase(key);
+  expand(&expanded, root);
+  return expanded;
+}
+
+bool check_schema(const JsonDocument& document, const json& schema, const DiagnosticSink& sink) {
+  return Checker(document, schema, sink).run();
+}
+
+}  // namespace alabaster::hd::description

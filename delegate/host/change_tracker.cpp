@@ -1,0 +1,24 @@
+#include "delegate/host/render_index.h"
+
+namespace alabaster::hd::host {
+
+void ChangeTracker::MarkDirty(const Path& id, DirtyBits bits) {
+  if (bits == dirty::kClean) return;
+  bits_[id] |= bits;
+  ++version_;
+}
+
+DirtyBits ChangeTracker::Get(const Path& id) const {
+  const auto found = bits_.find(id);
+  return found == bits_.end() ? dirty::kClean : found->second;
+}
+
+void ChangeTracker::Set(const Path& id, DirtyBits bits) {
+  bits_[id] = bits;
+}
+
+void ChangeTracker::Remove(const Path& id) {
+  bits_.erase(id);
+}
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,235 @@
+#include "delegate/host/render_index.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+
+namespace alabaster::hd::host {
+namespace {
+
+enum class Kind { rprim, sprim, bprim, instancer };
+
+struct Entry {
+  Kind kind = Kind::rprim;
+  Token type;
+  SceneDelegate* scene = nullptr;
+  Prim* prim = nullptr;  // of an R-, S- or Bprim
+  Instancer* instancer = nullptr;
+  bool visible = true;  // of an rprim, as last pulled
+};
+
+/// One prim of a Sync: its bits are read before and written after the parallel part, so that the tracker needs no lock.
+struct Work {
+  Path id;
+  Entry* entry = nullptr;
+  DirtyBits bits = dirty::kClean;
+};
+
+}  // namespace
+
+struct RenderIndex::State {
+  explicit State(RenderDelegate* d) : delegate(d) {}
+
+  RenderDelegate* delegate;
+  ChangeTracker tracker;
+  std::map<Path, Entry> entries;
+  std::unordered_map<int32_t, Path> path_of_prim_id;
+  std::set<int32_t> free_prim_ids;
+  int32_t next_prim_id = 0;
+  uint64_t synced_version = 0;
+  bool queued = false;  // a Sync left bits behind (invisible or unfinished prims)
+  std::unique_ptr<tbb::task_arena> arena;
+  int arena_threads = -1;
+
+  bool insert(const Path& id, const Entry& entry);
+  int32_t take_prim_id(const Path& id);
+  void destroy(const Entry& entry);
+  std::vector<Work> dirty_of(Kind kind, const Token& type);
+  void sync_one(Work& work) const;
+  tbb::task_arena& sync_arena();
+  void sync_kind(Kind kind, const Token& type, bool parallel);
+};
+
+bool RenderIndex::State::insert(const Path& id, const Entry& entry) {
+  entries.emplace(id, entry);
+  DirtyBits bits = dirty::kAll;
+  if (entry.prim) bits = entry.prim->GetInitialDirtyBitsMask();
+  tracker.MarkDirty(id, bits);
+  return true;
+}
+
+// The lowest free number: ids stay small (24 bits) however many prims come and go.
+int32_t RenderIndex::State::take_prim_id(const Path& id) {
+  int32_t number = next_prim_id;
+  if (free_prim_ids.empty()) {
+    ++next_prim_id;
+  } else {
+    number = *free_prim_ids.begin();
+    free_prim_ids.erase(free_prim_ids.begin());
+  }
+  path_of_prim_id[number] = id;
+  return number;
+}
+
+void RenderIndex::State::destroy(const Entry& entry) {
+  RenderParam* param = delegate->GetRenderParam();
+  if (entry.kind == Kind::instancer) {
+    entry.instancer->Finalize(param);
+    delegate->DestroyInstancer(entry.instancer);
+    return;
+  }
+  entry.prim->Finalize(param);
+  if (entry.kind == Kind::rprim) {
+    auto* rprim = static_cast<Rprim*>(entry.prim);
+    path_of_prim_id.erase(rprim->GetPrimId());
+    free_prim_ids.insert(rprim->GetPrimId());
+    delegate->DestroyRprim(rprim);
+  } else if (entry.kind == Kind::sprim) {
+    delegate->DestroySprim(static_cast<Sprim*>(entry.prim));
+  } else {
+    delegate->DestroyBprim(static_cast<Bprim*>(entry.prim));
+  }
+}
+
+std::vector<Work> RenderIndex::State::dirty_of(Kind kind, const Token& type) {
+  std::vector<Work> work;
+  for (auto& [id, entry] : entries) {
+    if (entry.kind != kind || !(entry.type == type)) continue;
+    const DirtyBits bits = tracker.Get(id);
+    if (bits != dirty::kClean) work.push_back({id, &entry, bits});
+  }
+  return work;
+}
+
+void RenderIndex::State::sync_one(Work& work) const {
+  Entry& entry = *work.entry;
+  RenderParam* param = delegate->GetRenderParam();
+  if (entry.kind == Kind::instancer) return entry.instancer->Sync(entry.scene, param, &work.bits);
+  if (entry.kind != Kind::rprim) return entry.prim->Sync(entry.scene, param, &work.bits);
+
+  if (work.bits & dirty::kVisibility) entry.visible = entry.scene->GetVisible(work.id);
+  if (entry.visible) return entry.prim->Sync(entry.scene, param, &work.bits);
+  // Nobody sees it: its geometry is pulled and refined only when somebody does.
+  DirtyBits now = work.bits & dirty::kVisibility;
+  const DirtyBits later = work.bits & ~dirty::kVisibility;
+  if (now) entry.prim->Sync(entry.scene, param, &now);
+  work.bits = now | later;
+}
+
+// Never the host's own arena: waiting inside it could run, or wait for, tasks of the host's.
+tbb::task_arena& RenderIndex::State::sync_arena() {
+  const double wanted = delegate->GetRenderSetting("threads").number_or(0);
+  const int threads = wanted >= 1 && wanted < 65536 ? static_cast<int>(wanted) : tbb::task_arena::automatic;
+  if (!arena || arena_threads != threads) {
+    arena = std::make_unique<tbb::task_arena>(threads);
+    arena_threads = threads;
+  }
+  return *arena;
+}
+
+void RenderIndex::State::sync_kind(Kind kind, const Token& type, bool parallel) {
+  std::vector<Work> work = dirty_of(kind, type);
+  if (work.empty()) return;
+  if (parallel && work.size() > 1) {
+    sync_arena().execute([&] {
+      tbb::parallel_for(
+          size_t(0), work.size(), [&](size_t i) { sync_one(work[i]); }, tbb::simple_partitioner());
+    });
+  } else {
+    for (Work& one : work) sync_one(one);
+  }
+  for (const Work& one : work) {
+    tracker.Set(one.id, one.bits);
+    queued = queued || one.bits != dirty::kClean;
+  }
+}
+
+RenderIndex::RenderIndex(RenderDelegate* delegate) : state_(std::make_unique<State>(delegate)) {}
+
+RenderIndex::~RenderIndex() {
+  for (const auto& [id, entry] : state_->entries) state_->destroy(entry);
+}
+
+bool RenderIndex::InsertRprim(const Token& type, SceneDelegate* scene, const Path& id) {
+  if (Has(id)) return false;
+  Rprim* prim = state_->delegate->CreateRprim(type, id);
+  if (!prim) return false;
+  prim->SetPrimId(state_->take_prim_id(id));
+  return state_->insert(id, {.kind = Kind::rprim, .type = type, .scene = scene, .prim = prim});
+}
+
+bool RenderIndex::InsertSprim(const Token& type, SceneDelegate* scene, const Path& id) {
+  if (Has(id)) return false;
+  Sprim* prim = state_->delegate->CreateSprim(type, id);
+  return prim && state_->insert(id, {.kind = Kind::sprim, .type = type, .scene = scene, .prim = prim});
+}
+
+bool RenderIndex::InsertBprim(const Token& type, SceneDelegate* scene, const Path& id) {
+  if (Has(id)) return false;
+  Bprim* prim = state_->delegate->CreateBprim(type, id);
+  return prim && state_->insert(id, {.kind = Kind::bprim, .type = type, .scene = scene, .prim = prim});
+}
+
+bool RenderIndex::InsertInstancer(SceneDelegate* scene, const Path& id) {
+  if (Has(id)) return false;
+  Instancer* instancer = state_->delegate->CreateInstancer(id);
+  return instancer &&
+         state_->insert(id, {.kind = Kind::instancer, .type = Token(), .scene = scene, .instancer = instancer});
+}
+
+void RenderIndex::Remove(const Path& id) {
+  const auto found = state_->entries.find(id);
+  if (found == state_->entries.end()) return;
+  state_->destroy(found->second);
+  state_->entries.erase(found);
+  state_->tracker.Remove(id);
+}
+
+bool RenderIndex::Has(const Path& id) const {
+  return state_->entries.count(id) != 0;
+}
+
+Sprim* RenderIndex::GetSprim(const Path& id) const {
+  const auto found = state_->entries.find(id);
+  const bool is = found != state_->entries.end() && found->second.kind == Kind::sprim;
+  return is ? static_cast<Sprim*>(found->second.prim) : nullptr;
+}
+
+Bprim* RenderIndex::GetBprim(const Path& id) const {
+  const auto found = state_->entries.find(id);
+  const bool is = found != state_->entries.end() && found->second.kind == Kind::bprim;
+  return is ? static_cast<Bprim*>(found->second.prim) : nullptr;
+}
+
+Path RenderIndex::GetRprimPathFromPrimId(int32_t prim_id) const {
+  const auto found = state_->path_of_prim_id.find(prim_id);
+  return found == state_->path_of_prim_id.end() ? Path() : found->second;
+}
+
+ChangeTracker& RenderIndex::GetChangeTracker() {
+  return state_->tracker;
+}
+
+RenderDelegate* RenderIndex::GetRenderDelegate() const {
+  return state_->delegate;
+}
+
+void RenderIndex::SyncAll() {
+  State& s = *state_;
+  if (s.queued || s.synced_version != s.tracker.GetVersion()) {
+    s.queued = false;
+    s.synced_version = s.tracker.GetVersion();
+    for (const Token& type : s.delegate->GetSupportedBprimTypes()) s.sync_kind(Kind::bprim, type, false);
+    // Materials decode images: worth all threads. Other Sprims are cheap, and hosts expect them one at a time.
+    for (const Token& type : s.delegate->GetSupportedSprimTypes())
+      s.sync_kind(Kind::sprim, type, type == Token("material"));
+    s.sync_kind(Kind::instancer, Token(), false);
+    for (const Token& type : s.delegate->GetSupportedRprimTypes()) s.sync_kind(Kind::rprim, type, true);
+  }
+  s.delegate->CommitResources();
+}
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,333 @@
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+const PrimvarValue* find_primvar(const MeshDescription& mesh, const Token& name) {
+  const auto found = mesh.primvars.find(name);
+  return found == mesh.primvars.end() ? nullptr : &found->second;
+}
+
+bool same_primvar(const MeshDescription& a, const MeshDescription& b, const Token& name) {
+  const PrimvarValue *x = find_primvar(a, name), *y = find_primvar(b, name);
+  return x && y ? *x == *y : x == y;
+}
+
+bool same_primvars_but(const MeshDescription& a, const MeshDescription& b, const Token& left_out) {
+  auto others = [&](const MeshDescription& mesh) { return mesh.primvars.size() - mesh.primvars.count(left_out); };
+  if (others(a) != others(b)) return false;
+  for (const auto& [name, value] : a.primvars)
+    if (!(name == left_out) && !same_primvar(a, b, name)) return false;
+  return true;
+}
+
+DirtyBits difference(const MeshDescription& a, const MeshDescription& b) {
+  DirtyBits bits = dirty::kClean;
+  if (!(a.topology == b.topology)) bits |= dirty::kTopology;
+  if (!(a.subdivTags == b.subdivTags)) bits |= dirty::kSubdivTags;
+  if (!(a.displayStyle == b.displayStyle)) bits |= dirty::kDisplayStyle;
+  if (!same_primvar(a, b, "points")) bits |= dirty::kPoints;
+  if (!same_primvar(a, b, "normals")) bits |= dirty::kNormals | dirty::kPrimvar;
+  if (!same_primvars_but(a, b, "points")) bits |= dirty::kPrimvar;
+  if (a.transform != b.transform) bits |= dirty::kTransform;
+  if (a.visible != b.visible) bits |= dirty::kVisibility;
+  if (a.doubleSided != b.doubleSided) bits |= dirty::kDoubleSided;
+  if (!(a.material == b.material)) bits |= dirty::kMaterialId;
+  if (!(a.instancer == b.instancer)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
+  return bits;
+}
+
+DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b) {
+  DirtyBits bits = dirty::kClean;
+  if (a.transform != b.transform) bits |= dirty::kTransform;
+  if (!(a.primvars == b.primvars)) bits |= dirty::kPrimvar;
+  if (!(a.parent == b.parent)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
+  return bits;
+}
+
+DirtyBits difference(const MaterialNetwork& a, const MaterialNetwork& b) {
+  return a == b ? dirty::kClean : dirty::kResource | dirty::kParams;
+}
+
+template <class T>  // LightDescription, CameraDescription
+DirtyBits parameter_difference(const T& a, const T& b) {
+  DirtyBits bits = dirty::kClean;
+  if (a.transform != b.transform) bits |= dirty::kTransform;
+  if (!(a.parameters == b.parameters)) bits |= dirty::kParams | dirty::kResource;
+  return bits;
+}
+DirtyBits difference(const LightDescription& a, const LightDescription& b) {
+  return parameter_difference(a, b);
+}
+DirtyBits difference(const CameraDescription& a, const CameraDescription& b) {
+  return parameter_difference(a, b);
+}
+DirtyBits difference(const RenderBufferDescriptor& a, const RenderBufferDescriptor& b) {
+  return a == b ? dirty::kClean : dirty::kDescription;
+}
+DirtyBits difference(const RenderSettingsDescription& a, const RenderSettingsDescription& b) {
+  return a == b ? dirty::kClean : dirty::kParams;
+}
+
+template <class Map>
+auto find(const Map& map, const Path& id) -> const typename Map::mapped_type* {
+  const auto found = map.find(id);
+  return found == map.end() ? nullptr : &found->second;
+}
+
+template <class Map>
+typename Map::mapped_type get(const Map& map, const Path& id) {
+  const auto* found = find(map, id);
+  return found ? *found : typename Map::mapped_type{};
+}
+
+Value parameter(const std::map<Token, Value>* parameters, const Token& name) {
+  if (!parameters) return {};
+  const auto found = parameters->find(name);
+  return found == parameters->end() ? Value() : found->second;
+}
+
+}  // namespace
+
+struct RetainedSceneDelegate::State {
+  std::map<Path, MeshDescription> meshes;
+  std::map<Path, InstancerDescription> instancers;
+  std::map<Path, MaterialNetwork> materials;
+  std::map<Path, LightDescription> lights;
+  std::map<Path, CameraDescription> cameras;
+  std::map<Path, RenderBufferDescriptor> buffers;
+  std::map<Path, RenderSettingsDescription> settings;
+  RenderIndex* index = nullptr;
+
+  /// Stores `value`; returns whether `id` is new in `map`.
+  template <class T>
+  bool set(std::map<Path, T>& map, const Path& id, T value) {
+    const auto found = map.find(id);
+    if (found == map.end()) {
+      map.emplace(id, std::move(value));
+      return true;
+    }
+    if (index) index->GetChangeTracker().MarkDirty(id, difference(found->second, value));
+    found->second = std::move(value);
+    return false;
+  }
+  void mark(const Path& id, DirtyBits bits) {
+    if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
+  }
+  /// Prototypes whose indices differ pull them again; so do those that came or went.
+  void mark_prototypes(const InstancerDescription& a, const InstancerDescription& b) {
+    for (const auto& [prototype, indices] : a.indices) {
+      const auto* other = find(b.indices, prototype);
+      if (!other || !(*other == indices)) mark(prototype, dirty::kInstanceIndex);
+    }
+    for (const auto& [prototype, indices] : b.indices)
+      if (!find(a.indices, prototype)) mark(prototype, dirty::kInstanceIndex);
+  }
+};
+
+RetainedSceneDelegate::RetainedSceneDelegate() : state_(std::make_unique<State>()) {}
+RetainedSceneDelegate::~RetainedSceneDelegate() {
+  Depopulate();
+}
+
+void RetainedSceneDelegate::SetMesh(const Path& id, MeshDescription mesh) {
+  if (state_->set(state_->meshes, id, std::move(mesh)) && state_->index) state_->index->InsertRprim("mesh", this, id);
+}
+
+void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription instancer) {
+  const InstancerDescription before = get(state_->instancers, id);
+  const bool is_new = state_->set(state_->instancers, id, std::move(instancer));
+  if (is_new && state_->index) state_->index->InsertInstancer(this, id);
+  state_->mark_prototypes(before, state_->instancers[id]);
+}
+
+void RetainedSceneDelegate::SetMaterial(const Path& id, MaterialNetwork network) {
+  if (state_->set(state_->materials, id, std::move(network)) && state_->index)
+    state_->index->InsertSprim("material", this, id);
+}
+
+void RetainedSceneDelegate::SetLight(const Path& id, LightDescription light) {
+  const Token type = light.type;
+  const auto* before = find(state_->lights, id);
+  if (before && !(before->type == type)) Remove(id);  // another type is another prim
+  if (state_->set(state_->lights, id, std::move(light)) && state_->index) state_->index->InsertSprim(type, this, id);
+}
+
+void RetainedSceneDelegate::SetCamera(const Path& id, CameraDescription camera) {
+  if (state_->set(state_->cameras, id, std::move(camera)) && state_->index)
+    state_->index->InsertSprim("camera", this, id);
+}
+
+void RetainedSceneDelegate::SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer) {
+  if (state_->set(state_->buffers, id, buffer) && state_->index) state_->index->InsertBprim("renderBuffer", this, id);
+}
+
+void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDescription settings) {
+  if (state_->set(state_->settings, id, std::move(settings)) && state_->index)
+    state_->index->InsertBprim("renderSettings", this, id);
+}
+
+void RetainedSceneDelegate::Remove(const Path& id) {
+  State& s = *state_;
+  if (s.index) s.index->Remove(id);
+  const InstancerDescription instancer = get(s.instancers, id);
+  s.meshes.erase(id);
+  s.instancers.erase(id);
+  s.materials.erase(id);
+  s.lights.erase(id);
+  s.cameras.erase(id);
+  s.buffers.erase(id);
+  s.settings.erase(id);
+  s.mark_prototypes(instancer, {});
+}
+
+const std::map<Path, MeshDescription>& RetainedSceneDelegate::GetMeshes() const {
+  return state_->meshes;
+}
+const std::map<Path, InstancerDescription>& RetainedSceneDelegate::GetInstancers() const {
+  return state_->instancers;
+}
+const std::map<Path, MaterialNetwork>& RetainedSceneDelegate::GetMaterials() const {
+  return state_->materials;
+}
+const std::map<Path, LightDescription>& RetainedSceneDelegate::GetLights() const {
+  return state_->lights;
+}
+const std::map<Path, CameraDescription>& RetainedSceneDelegate::GetCameras() const {
+  return state_->cameras;
+}
+const std::map<Path, RenderSettingsDescription>& RetainedSceneDelegate::GetAllRenderSettings() const {
+  return state_->settings;
+}
+
+void RetainedSceneDelegate::Populate(RenderIndex* index) {
+  Depopulate();
+  State& s = *state_;
+  s.index = index;
+  if (!index) return;
+  for (const auto& [id, value] : s.settings) index->InsertBprim("renderSettings", this, id);
+  for (const auto& [id, value] : s.buffers) index->InsertBprim("renderBuffer", this, id);
+  for (const auto& [id, value] : s.cameras) index->InsertSprim("camera", this, id);
+  for (const auto& [id, value] : s.materials) index->InsertSprim("material", this, id);
+  for (const auto& [id, value] : s.lights) index->InsertSprim(value.type, this, id);
+  for (const auto& [id, value] : s.instancers) index->InsertInstancer(this, id);
+  for (const auto& [id, value] : s.meshes) index->InsertRprim("mesh", this, id);
+}
+
+void RetainedSceneDelegate::Depopulate() {
+  State& s = *state_;
+  if (!s.index) return;
+  auto remove_all = [&](const auto& map) {
+    for (const auto& [id, value] : map) s.index->Remove(id);
+  };
+  remove_all(s.meshes);
+  remove_all(s.instancers);
+  remove_all(s.lights);
+  remove_all(s.materials);
+  remove_all(s.cameras);
+  remove_all(s.buffers);
+  remove_all(s.settings);
+  s.index = nullptr;
+}
+
+MeshTopology RetainedSceneDelegate::GetMeshTopology(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->topology : MeshTopology();
+}
+
+SubdivTags RetainedSceneDelegate::GetSubdivTags(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->subdivTags : SubdivTags();
+}
+
+DisplayStyle RetainedSceneDelegate::GetDisplayStyle(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->displayStyle : DisplayStyle();
+}
+
+Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
+  if (const auto* mesh = find(state_->meshes, id)) return mesh->transform;
+  if (const auto* light = find(state_->lights, id)) return light->transform;
+  if (const auto* camera = find(state_->cameras, id)) return camera->transform;
+  return {};
+}
+
+bool RetainedSceneDelegate::GetVisible(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return !mesh || mesh->visible;
+}
+
+bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return !mesh || mesh->doubleSided;
+}
+
+Token RetainedSceneDelegate::GetRenderTag(const Path&) {
+  return "geometry";
+}
+
+Path RetainedSceneDelegate::GetMaterialId(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->material : Path();
+}
+
+std::vector<PrimvarDescriptor> RetainedSceneDelegate::GetPrimvarDescriptors(const Path& id) {
+  std::vector<PrimvarDescriptor> descriptors;
+  if (const auto* mesh = find(state_->meshes, id))
+    for (const auto& [name, primvar] : mesh->primvars)
+      descriptors.push_back({name, primvar.interpolation, primvar.role, !primvar.indices.empty()});
+  if (const auto* instancer = find(state_->instancers, id))
+    for (const auto& [name, value] : instancer->primvars)
+      descriptors.push_back({name, Interpolation::instance, Token(), false});
+  return descriptors;
+}
+
+Value RetainedSceneDelegate::GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) {
+  if (indices) *indices = {};
+  if (const auto* instancer = find(state_->instancers, id)) return parameter(&instancer->primvars, name);
+  const auto* mesh = find(state_->meshes, id);
+  const PrimvarValue* primvar = mesh ? find_primvar(*mesh, name) : nullptr;
+  if (!primvar) return {};
+  if (indices) *indices = primvar->indices;
+  return primvar->value;
+}
+
+Path RetainedSceneDelegate::GetInstancerId(const Path& primId) {
+  if (const auto* mesh = find(state_->meshes, primId)) return mesh->instancer;
+  const auto* instancer = find(state_->instancers, primId);
+  return instancer ? instancer->parent : Path();
+}
+
+Matrix4d RetainedSceneDelegate::GetInstancerTransform(const Path& instancerId) {
+  const auto* instancer = find(state_->instancers, instancerId);
+  return instancer ? instancer->transform : Matrix4d();
+}
+
+Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId, const Path& prototypeId) {
+  const auto* instancer = find(state_->instancers, instancerId);
+  return instancer ? get(instancer->indices, prototypeId) : Array<int32_t>();
+}
+
+MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {
+  return get(state_->materials, id);
+}
+
+Value RetainedSceneDelegate::GetLightParamValue(const Path& id, const Token& name) {
+  const auto* light = find(state_->lights, id);
+  return parameter(light ? &light->parameters : nullptr, name);
+}
+
+Value RetainedSceneDelegate::GetCameraParamValue(const Path& id, const Token& name) {
+  const auto* camera = find(state_->cameras, id);
+  return parameter(camera ? &camera->parameters : nullptr, name);
+}
+
+RenderBufferDescriptor RetainedSceneDelegate::GetRenderBufferDescriptor(const Path& id) {
+  return get(state_->buffers, id);
+}
+
+RenderSettingsDescription RetainedSceneDelegate::GetRenderSettings(const Path& id) {
+  return get(state_->settings, id);
+}
+
+}  // namespace alabaster::hd::host

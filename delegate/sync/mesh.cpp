@@ -1,0 +1,125 @@
+#include <algorithm>
+
+#include "delegate/sync/prims.h"
+
+namespace alabaster::hd::sync {
+namespace {
+
+constexpr DirtyBits kPrimvarBits = dirty::kPrimvar | dirty::kNormals;
+
+PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const Token& name,
+                           const std::vector<PrimvarDescriptor>& descriptors) {
+  PulledPrimvar pulled;
+  for (const PrimvarDescriptor& descriptor : descriptors) {
+    if (!(descriptor.name == name)) continue;
+    pulled.present = true;
+    pulled.interpolation = descriptor.interpolation;
+    pulled.value = scene.GetPrimvar(id, name, &pulled.indices);
+    if (!descriptor.indexed) pulled.indices = {};
+  }
+  return pulled;
+}
+
+template <class T>
+void update(T* held, T now, bool* changed) {
+  if (*held == now) return;
+  *held = std::move(now);
+  *changed = true;
+}
+
+// Purposes other than the final picture's are never drawn.
+bool is_drawn_tag(const Token& tag) {
+  return !(tag == Token("guide") || tag == Token("proxy") || tag == Token("hidden"));
+}
+
+}  // namespace
+
+// A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
+void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
+  if (bits & dirty::kTopology) {
+    MeshTopology topology = scene.GetMeshTopology(GetId());
+    shape_changed_ |= !same_shape(pulled_.topology, topology);
+    pulled_.topology = std::move(topology);
+  }
+  if (bits & dirty::kSubdivTags) update(&pulled_.tags, scene.GetSubdivTags(GetId()), &shape_changed_);
+  if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
+  if (bits & dirty::kPoints) {
+    PulledPrimvar points;  // pulled even when no descriptor names them
+    points.present = true;
+    Array<int32_t> unused;
+    points.value = scene.GetPrimvar(GetId(), "points", &unused);
+    update(&pulled_.points, std::move(points), &shape_changed_);
+  }
+  if (bits & kPrimvarBits) {
+    const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
+    update(&pulled_.normals, pull_primvar(scene, GetId(), "normals", descriptors), &shape_changed_);
+    update(&pulled_.st, pull_primvar(scene, GetId(), "st", descriptors), &shape_changed_);
+  }
+}
+
+void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits) {
+  pull_shape(scene, bits);
+  if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
+  if (bits & dirty::kRenderTag) tag_visible_ = is_drawn_tag(scene.GetRenderTag(GetId()));
+  if (bits & dirty::kTransform) record_.transform = scene.GetTransform(GetId());
+  if (bits & dirty::kMaterialId) material_ = scene.GetMaterialId(GetId());
+  if (bits & dirty::kInstancer) record_.instancer = scene.GetInstancerId(GetId());
+  if (bits & (dirty::kInstancer | dirty::kInstanceIndex))
+    record_.instance_indices =
+        record_.instancer.empty() ? Array<int32_t>() : scene.GetInstanceIndices(record_.instancer, GetId());
+}
+
+// Cage -> triangles -> BVH. False: cancelled, nothing changed.
+bool MeshPrim::build(SceneParam& param) {
+  const std::string& where = GetId().str();
+  Cage cage = make_cage(pulled_, where, param.sink());
+  std::shared_ptr<MeshPrototype> prototype;
+  bool finished = true;
+  param.run([&] {
+    const double start = thread_seconds();
+    if (param.cancelled()) {
+      finished = false;
+      return;
+    }
+    if (!sanitize_cage(cage, where, param.sink())) return;
+    prototype = std::make_shared<MeshPrototype>();
+    RefinementOptions options;
+    options.level = std::clamp(pulled_.style.refineLevel, 0, 8);
+    options.where = where;
+    prototype->mesh = build_mesh(cage, options, param.sink());
+    const double refined = thread_seconds();
+    param.times.refine += refined - start;
+    if (!prototype->mesh.triangles.empty())
+      prototype->object = build_object_scene(param.device(), prototype->mesh, [&param] { return param.cancelled(); });
+    param.times.bvh += thread_seconds() - refined;
+    finished = !param.cancelled() || prototype->object;
+  });
+  if (!finished) return false;
+  record_.prototype = prototype && prototype->object ? std::move(prototype) : nullptr;
+  return true;
+}
+
+void MeshPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
+  SceneParam& param = SceneParam::of(render_param);
+  DirtyBits left = dirty::kClean;
+  guarded(param.sink(), GetId().str(), [&] {
+    pull(*scene, *bits);
+    if (shape_changed_) {
+      if (build(param))
+        shape_changed_ = false;
+      else
+        left = dirty::kPrimId;  // any bit: the index asks again, and what was pulled is held
+    }
+    record_.visible = visible_ && tag_visible_;
+    record_.prim_id = GetPrimId();
+    record_.materials = slot_materials(pulled_.topology, material_);
+    param.post(GetId(), record_);
+  });
+  *bits = left;
+}
+
+void MeshPrim::Finalize(RenderParam* param) {
+  SceneParam::of(param).post(GetId(), {});
+}
+
+}  // namespace alabaster::hd::sync

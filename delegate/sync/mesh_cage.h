@@ -1,0 +1,34 @@
+// A mesh in the contract's words -> a cage in core's.
+#pragma once
+
+#include "core/geometry/cage.h"
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::sync {
+
+struct PulledPrimvar {
+  bool present = false;
+  hd::Interpolation interpolation = hd::Interpolation::vertex;
+  Value value;
+  Array<int32_t> indices;
+  bool operator==(const PulledPrimvar&) const = default;
+};
+
+/// What a mesh prim has pulled so far. Arrays are shared with the scene delegate, not copied.
+struct PulledMesh {
+  MeshTopology topology;
+  SubdivTags tags;
+  DisplayStyle style;
+  PulledPrimvar points, normals, st;
+};
+
+/// The cage as it was given, faults included (sanitize_cage mends them). What has no counterpart in a cage is reported
+/// and left out: unknown words, primvars of another type or interpolation, subset faces that do not exist.
+Cage make_cage(const PulledMesh& mesh, const std::string& where, const alabaster::DiagnosticSink& sink);
+
+/// Materials by slot: `material`, then one for each subset that has one and is not empty.
+std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material);
+/// Equal but for which material a subset names.
+bool same_shape(const MeshTopology& a, const MeshTopology& b);
+
+}  // namespace alabaster::hd::sync

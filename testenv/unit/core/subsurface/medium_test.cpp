@@ -1,0 +1,178 @@
+#include "core/subsurface/medium.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "testenv/support/albedo_table.h"
+
+namespace alabaster {
+namespace {
+
+using testing::kAlbedoTable;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr AlbedoInversion kInversions[] = {AlbedoInversion::chiang2016, AlbedoInversion::exact,
+                                           AlbedoInversion::van_de_hulst};
+
+// Midpoint rule in v, mu = v^2: removes the infinite slope of H at mu = 0.
+double zeroth_moment(double complement) {
+  constexpr int kPoints = 400;
+  double sum = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double v = (i + 0.5) / kPoints;
+    sum += 2 * v * chandrasekhar_h(v * v, complement);
+  }
+  return sum / kPoints;
+}
+
+TEST(ChandrasekharH, ZerothMomentIsTheKnownOne) {
+  // Chandrasekhar 1960, chapter V, theorem 2: Int_0^1 H = 2/alpha (1 - sqrt(1 - alpha)).
+  for (const double complement : {0.9, 0.5, 0.1, 1e-2, 1e-4, 1e-8}) {
+    const double expected = 2 / (1 - complement) * (1 - std::sqrt(complement));
+    EXPECT_NEAR(zeroth_moment(complement), expected, 2e-5 * expected) << complement;
+  }
+}
+
+TEST(ChandrasekharH, SatisfiesItsIntegralEquation) {
+  // 1/H(mu) = s + alpha/2 Int_0^1 nu H(nu)/(mu + nu) dnu.
+  constexpr int kPoints = 400;
+  for (const double complement : {0.5, 1e-2, 1e-6})
+    for (const double mu : {0.05, 0.4, 1.0}) {
+      double integral = 0;
+      for (int i = 0; i < kPoints; ++i) {
+        const double v = (i + 0.5) / kPoints, nu = v * v;
+        integral += 2 * v * nu * chandrasekhar_h(nu, complement) / (mu + nu) / kPoints;
+      }
+      const double expected = std::sqrt(complement) + 0.5 * (1 - complement) * integral;
+      EXPECT_NEAR(1 / chandrasekhar_h(mu, complement), expected, 1e-5) << complement << " " << mu;
+    }
+}
+
+TEST(HalfSpaceAlbedo, LimitsAreSingleScatteringAndDiffusion) {
+  const double single_scattering = 2.0 / 3 * (1 - std::log(2.0));
+  EXPECT_NEAR(half_space_albedo(1 - 1e-5) / 1e-5, single_scattering, 3e-6);
+  for (const double s : {1e-4, 1e-6, 1e-8}) EXPECT_NEAR((1 - half_space_albedo(s * s)) / s, 4 / std::sqrt(3.0), 4 * s);
+  EXPECT_EQ(half_space_albedo(0), 1);
+  EXPECT_NEAR(half_space_albedo(1), 0, 1e-12);
+}
+
+TEST(AlbedoInversion, EveryRowOfTheTable) {
+  for (const auto& row : kAlbedoTable) {
+    const double exact = one_minus_alpha(row.albedo, AlbedoInversion::exact);
+    // The column is rounded to its last printed digit.
+    EXPECT_NEAR(exact, row.exact_one_minus_alpha, row.exact_one_minus_alpha * 3e-3) << row.albedo;
+    EXPECT_NEAR(half_space_albedo(exact), row.albedo, 2e-8);
+    EXPECT_NEAR(half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::chiang2016)), row.chiang2016, 5.1e-6)
+        << row.albedo;
+    // That column was made with the usual closed form of this inverse, whose rounded coefficients are off by 1.2e-5 at
+    // A = 1; ours is the root itself.
+    EXPECT_NEAR(half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::van_de_hulst)) - row.albedo,
+                row.van_de_hulst_error, 1.3e-5)
+        << row.albedo;
+  }
+}
+
+TEST(AlbedoInversion, ExactIsExactOnAFineGrid) {
+  double worst = 0, worst_relative = 0;
+  for (int i = 1; i < 250; ++i) {
+    const double a = i / 250.0;
+    const double error = std::abs(half_space_albedo(one_minus_alpha(a, AlbedoInversion::exact)) - a);
+    worst = std::max(worst, error);
+    worst_relative = std::max(worst_relative, error / std::min(a, 1 - a));
+  }
+  EXPECT_LT(worst, 2e-8);
+  EXPECT_LT(worst_relative, 6e-8);
+}
+
+TEST(AlbedoInversion, EndsAreExactAndBeyondThemClamped) {
+  for (const AlbedoInversion inversion : kInversions) {
+    for (const double black : {0.0, -0.0, -1.0, -kInfinity, kNan})
+      EXPECT_NEAR(one_minus_alpha(black, inversion), 1, 1e-15);
+    const double at_one = one_minus_alpha(1, inversion);
+    for (const double beyond : {1.0 + 1e-9, 7.0, kInfinity}) EXPECT_EQ(one_minus_alpha(beyond, inversion), at_one);
+  }
+  EXPECT_EQ(one_minus_alpha(0, AlbedoInversion::exact), 1);
+  EXPECT_EQ(one_minus_alpha(1, AlbedoInversion::exact), 0);
+  EXPECT_EQ(one_minus_alpha(1, AlbedoInversion::van_de_hulst), 0);
+  // Eq. 1 stops at alpha = 0.998886: white is out of its reach.
+  EXPECT_NEAR(one_minus_alpha(1, AlbedoInversion::chiang2016), std::exp(-5.09406 + 2.61188 - 4.31805), 1e-15);
+  EXPECT_NEAR(half_space_albedo(one_minus_alpha(1, AlbedoInversion::chiang2016)), 0.92599, 5e-6);
+}
+
+TEST(AlbedoInversion, DarkAndWhiteKeepTheirRelativePrecision) {
+  const double single_scattering = 2.0 / 3 * (1 - std::log(2.0));
+  EXPECT_NEAR((1 - one_minus_alpha(1e-6, AlbedoInversion::exact)) * single_scattering / 1e-6, 1, 1e-5);
+  const double s = std::sqrt(3.0) / 4 * 1e-6;
+  EXPECT_NEAR(one_minus_alpha(1 - 1e-6, AlbedoInversion::exact) / (s * s), 1, 1e-5);
+}
+
+TEST(AlbedoInversion, FallsStrictly) {
+  for (const AlbedoInversion inversion : kInversions)
+    for (int i = 0; i < 1000; ++i)
+      EXPECT_GT(one_minus_alpha(i / 1000.0, inversion), one_minus_alpha((i + 1) / 1000.0, inversion));
+}
+
+TEST(DistanceScale, IsEquationTwo) {
+  EXPECT_NEAR(distance_scale(0), 4.14, 1e-12);
+  EXPECT_NEAR(distance_scale(0.2), 2.96, 1e-12);
+  EXPECT_NEAR(distance_scale(0.5), 1.715, 1e-12);
+  EXPECT_NEAR(distance_scale(0.8), 1.10, 1e-12);
+  EXPECT_NEAR(distance_scale(1), 1.04, 1e-12);
+  EXPECT_EQ(distance_scale(kNan), distance_scale(0));
+  EXPECT_EQ(distance_scale(2), distance_scale(1));
+}
+
+TEST(MakeMedium, IsEquationThreePerChannel) {
+  const Medium medium = make_medium({0.9f, 0.5f, 0.2f}, {2.0f, 1.0f, 0.25f}, AlbedoInversion::chiang2016);
+  const double albedo[3] = {0.9f, 0.5f, 0.2f}, distance[3] = {2, 1, 0.25};
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_TRUE(medium.active[c]);
+    EXPECT_FLOAT_EQ(medium.sigma_t[c], static_cast<float>(1 / (distance[c] * distance_scale(albedo[c]))));
+    const double complement = one_minus_alpha(albedo[c], AlbedoInversion::chiang2016);
+    EXPECT_FLOAT_EQ(medium.one_minus_alpha[c], static_cast<float>(complement));
+    EXPECT_FLOAT_EQ(medium.alpha[c], static_cast<float>(1 - complement));
+  }
+}
+
+TEST(MakeMedium, ChannelsWithoutADistanceDoNotScatter) {
+  for (const float none :
+       {0.0f, -0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+    const Medium medium = make_medium({0.9f, 0.5f, 0.2f}, {1.0f, none, 1.0f}, AlbedoInversion::exact);
+    EXPECT_TRUE(medium.active[0] && medium.active[2]);
+    EXPECT_FALSE(medium.active[1]);
+    EXPECT_EQ(medium.sigma_t.g, 0);
+    EXPECT_EQ(medium.alpha.g, 0);
+    EXPECT_EQ(medium.one_minus_alpha.g, 1);
+  }
+}
+
+TEST(MakeMedium, ExtremesStayFinite) {
+  const float tiny = std::numeric_limits<float>::denorm_min(), huge = std::numeric_limits<float>::max();
+  const float infinite = std::numeric_limits<float>::infinity();
+  const Medium medium = make_medium({1.0f, 0.0f, 0.5f}, {tiny, huge, infinite}, AlbedoInversion::exact);
+  EXPECT_TRUE(medium.active[0] && medium.active[1] && medium.active[2]);
+  EXPECT_GT(medium.sigma_t.r, 1e20f);
+  EXPECT_TRUE(is_finite(medium.sigma_t));
+  EXPECT_GE(medium.sigma_t.g, 0);
+  EXPECT_EQ(medium.sigma_t.b, 0);
+  EXPECT_EQ(medium.alpha.r, 1);
+  EXPECT_EQ(medium.one_minus_alpha.r, 0);
+  EXPECT_EQ(medium.alpha.g, 0);
+
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const Medium wild = make_medium({nan, infinite, -1.0f}, {1, 1, 1}, AlbedoInversion::exact);
+  EXPECT_EQ(wild.alpha, Rgb(0, 1, 0));
+  EXPECT_TRUE(is_finite(wild.sigma_t));
+}
+
+TEST(MakeMedium, WhiteCarriesItsComplement) {
+  const Medium medium = make_medium(Rgb(0.9999f), Rgb(1.0f), AlbedoInversion::exact);
+  EXPECT_EQ(medium.alpha.r, 1);  // float cannot say it
+  const double gap = 1 - static_cast<double>(0.9999f);
+  EXPECT_NEAR(medium.one_minus_alpha.r, gap * gap * 3 / 16, 1e-3 * gap * gap);
+}
+
+}  // namespace
+}  // namespace alabaster

@@ -1,0 +1,295 @@
+#include "core/subsurface/random_walk.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/analytic_bodies.h"
+
+namespace alabaster {
+namespace {
+
+using testing::BodyHit;
+using testing::EllipsoidTracer;
+using testing::SlabTracer;
+using testing::SphereTracer;
+using testing::unit_medium;
+using testing::walk_body;
+
+double sum(const ChannelValues& v) {
+  return v[0] + v[1] + v[2];
+}
+
+Medium skin() {
+  return make_medium({0.9f, 0.6f, 0.45f}, {1.0f, 0.35f, 0.2f}, AlbedoInversion::exact);
+}
+
+Medium extreme() {
+  return make_medium({0.9f, 0.9f, 0.01f}, {0.01f, 0.01f, 100.0f}, AlbedoInversion::exact);
+}
+
+// The unit sphere, in the arithmetic and with the conventions of a mesh: float, both sides hit, t in units of |dir|.
+class UnitSphereScene final : public ObjectScene {
+ public:
+  bool intersect(const Ray& ray, TriangleHit* hit) const override {
+    if (!is_traceable(ray)) return false;
+    const double a = dot(ray.dir, ray.dir), b = dot(ray.org, ray.dir), c = dot(ray.org, ray.org) - 1.0;
+    const double discriminant = b * b - a * c;
+    if (discriminant < 0) return false;
+    const double root = std::sqrt(discriminant);
+    const double near = (-b - root) / a, far = (-b + root) / a;
+    const double t = near >= 0 ? near : far;
+    if (!(t >= 0 && t <= ray.tmax)) return false;
+    hit->t = static_cast<float>(t);
+    return true;
+  }
+  size_t memory_bytes() const override { return 0; }
+};
+
+// No surface at all: a mesh whose hole the walk always finds.
+class EmptyScene final : public ObjectScene {
+ public:
+  bool intersect(const Ray&, TriangleHit*) const override { return false; }
+  size_t memory_bytes() const override { return 0; }
+};
+
+TEST(ChromaticSegment, PaperWeightsConserveTheSumOfThroughput) {
+  Rng rng(1, 1);
+  for (const Medium& medium : {skin(), extreme()}) {
+    const WalkMedium walk_medium(medium);
+    for (int i = 0; i < 20000; ++i) {
+      const ChannelValues before{rng.uniform(), rng.uniform(), rng.uniform()};
+      const ChromaticSegment segment(walk_medium, before, WalkWeights::throughput_times_albedo);
+      const double t = segment.sample_distance(rng);
+      double weighted = 0;
+      for (size_t c = 0; c < 3; ++c) weighted += before[c] * walk_medium.alpha[c];
+      EXPECT_NEAR(sum(segment.scatter_throughput(t)), weighted, 1e-12 * weighted);
+      const ChannelValues crossed = segment.exit_throughput(0.5 * t);
+      for (size_t c = 0; c < 3; ++c) EXPECT_LE(crossed[c] * walk_medium.alpha[c], weighted * (1 + 1e-12));
+    }
+  }
+}
+
+TEST(ChromaticSegment, ThroughputWeightsNeverRaiseTheSum) {
+  Rng rng(2, 1);
+  for (const Medium& medium : {skin(), extreme()}) {
+    const WalkMedium walk_medium(medium);
+    for (int i = 0; i < 20000; ++i) {
+      const ChannelValues before{rng.uniform(), rng.uniform(), rng.uniform()};
+      const ChromaticSegment segment(walk_medium, before, WalkWeights::throughput);
+      const double t = segment.sample_distance(rng);
+      EXPECT_LE(sum(segment.scatter_throughput(t)), sum(before) * (1 + 1e-12));
+      // Without absorption both would equal it exactly.
+      EXPECT_NEAR(sum(segment.exit_throughput(t)), sum(before), 1e-12);
+    }
+  }
+}
+
+TEST(ChromaticSegment, GreyMediaLoseExactlyTheirAbsorption) {
+  // No rounding may masquerade as absorption: at A = 0.9999 an event takes 2e-9.
+  const Medium medium = make_medium(Rgb(0.9999f), Rgb(0.1f), AlbedoInversion::exact);
+  const WalkMedium walk_medium(medium);
+  Rng rng(3, 1);
+  for (int i = 0; i < 1000; ++i) {
+    const ChromaticSegment segment(walk_medium, {1, 1, 1}, WalkWeights::throughput);
+    for (const double channel : segment.scatter_throughput(segment.sample_distance(rng)))
+      EXPECT_NEAR((1 - channel) / medium.one_minus_alpha.r, 1, 1e-6);
+  }
+}
+
+TEST(ChromaticSegment, PaperWeightsFallBackWhereNothingScatters) {
+  const WalkMedium walk_medium(make_medium(Rgb(0.0f), {1.0f, 2.0f, 3.0f}, AlbedoInversion::exact));
+  const ChromaticSegment segment(walk_medium, {1, 1, 1}, WalkWeights::throughput_times_albedo);
+  EXPECT_NEAR(sum(segment.exit_throughput(0.1)), 3, 1e-12);
+  EXPECT_EQ(sum(segment.scatter_throughput(0.1)), 0);
+}
+
+TEST(ChromaticSegment, ExtremesGiveNoNan) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const Rgb distances[] = {{1e-38f, 1.0f, infinity}, {1e-45f, 3e38f, 1.0f}, {1e-30f, 1e30f, 0.0f}};
+  const Rgb albedos[] = {Rgb(0.0f), Rgb(1.0f), {1e-38f, 0.5f, 1.0f}};
+  Rng rng(4, 1);
+  for (const Rgb& distance : distances)
+    for (const Rgb& albedo : albedos)
+      for (const WalkWeights weights : {WalkWeights::throughput, WalkWeights::throughput_times_albedo}) {
+        RenderCounters counters;
+        WalkSettings settings;
+        settings.weights = weights;
+        settings.safety_cap = 2000;  // white and thick: the walk may be endless
+        const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
+        for (int i = 0; i < 500; ++i) {
+          SphereTracer tracer(1);
+          const auto end = walk_body(tracer, SphereTracer::entry(), medium, settings, rng, counters);
+          if (!end) continue;
+          for (const double channel : end->throughput) ASSERT_TRUE(std::isfinite(channel) && channel >= 0);
+        }
+        EXPECT_EQ(counters.walks, 500u);
+        EXPECT_EQ(counters.walk_lost, 0u);
+      }
+}
+
+TEST(Survives, WithTheProbabilityAsked) {
+  Rng rng(5, 1);
+  int deaths = 0;
+  for (int i = 0; i < 1000000; ++i) deaths += survives(1 - 1e-4, rng) ? 0 : 1;
+  EXPECT_NEAR(deaths, 100, 40);  // four standard deviations
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_FALSE(survives(0, rng));
+    EXPECT_TRUE(survives(1, rng));
+  }
+}
+
+TEST(RandomWalkLoop, WeightsStayWithinTheirBounds) {
+  Rng rng(6, 1);
+  for (const Medium& medium : {skin(), extreme()})
+    for (const double radius : {0.01, 0.3, 3.0}) {
+      RenderCounters counters;
+      for (int i = 0; i < 2000; ++i) {
+        SphereTracer tracer(radius);
+        walk_body(tracer, SphereTracer::entry(), medium, {}, rng, counters);
+      }
+      EXPECT_LE(counters.max_walk_weight, 3 * (1 + 1e-9));
+      EXPECT_GT(counters.max_walk_weight, 1);
+    }
+}
+
+TEST(RandomWalkLoop, CountersAddUp) {
+  Rng rng(7, 1);
+  RenderCounters counters;
+  uint64_t exits = 0, events_of_exits = 0;
+  for (int i = 0; i < 5000; ++i) {
+    SphereTracer tracer(2);
+    if (const auto end = walk_body(tracer, SphereTracer::entry(), skin(), {}, rng, counters)) {
+      ++exits;
+      events_of_exits += end->events;
+    }
+  }
+  EXPECT_EQ(counters.walks, 5000u);
+  EXPECT_EQ(counters.walk_exits, exits);
+  EXPECT_EQ(counters.walks, counters.walk_exits + counters.walk_roulette_ends);
+  EXPECT_EQ(counters.walk_rays, counters.walk_events + counters.walk_exits);
+  EXPECT_GT(counters.walk_events, events_of_exits);
+  EXPECT_EQ(counters.walk_lost, 0u);
+  EXPECT_EQ(counters.walk_safety_cap, 0u);
+}
+
+TEST(RandomWalkLoop, SafetyCapEndsAndIsCounted) {
+  Rng rng(8, 1);
+  RenderCounters counters;
+  WalkSettings settings;
+  settings.safety_cap = 3;
+  const Medium white = make_medium(Rgb(1.0f), Rgb(1e-3f), AlbedoInversion::exact);
+  for (int i = 0; i < 100; ++i) {
+    SphereTracer tracer(1);
+    walk_body(tracer, SphereTracer::entry(), white, settings, rng, counters);
+  }
+  EXPECT_GT(counters.walk_safety_cap, 0u);
+  EXPECT_EQ(counters.walk_safety_cap + counters.walk_exits, 100u);
+}
+
+TEST(RandomWalkLoop, InactiveChannelsCarryNothing) {
+  Rng rng(9, 1);
+  RenderCounters counters;
+  const Medium medium = make_medium(Rgb(0.9f), {1.0f, 0.0f, 1.0f}, AlbedoInversion::exact);
+  for (int i = 0; i < 200; ++i) {
+    SphereTracer tracer(1);
+    if (const auto end = walk_body(tracer, SphereTracer::entry(), medium, {}, rng, counters)) {
+      EXPECT_EQ(end->throughput[1], 0);
+      EXPECT_GT(end->throughput[0], 0);
+    }
+  }
+  SphereTracer tracer(1);
+  EXPECT_FALSE(walk_body(tracer, SphereTracer::entry(), Medium(), {}, rng, counters));
+}
+
+TEST(RandomWalk, EntryIsInwardAndKeepsItsMass) {
+  Rng rng(10, 1);
+  const Vec3f ng = {0, 0, 1}, ns = normalize(Vec3f(0.9f, 0.1f, 0.3f));
+  const WalkEntry tilted{{0, 0, 0}, ng, frame_from_normal(ns)};
+  const WalkEntry straight{{0, 0, 0}, ns, frame_from_normal(ns)};
+  for (int i = 0; i < 10000; ++i) {
+    const float u = rng.uniform();
+    const Vec2f sample(u, rng.uniform());
+    const Vec3f direction = sample_walk_entry(tilted, sample), lobe = sample_walk_entry(straight, sample);
+    EXPECT_NEAR(length(direction), 1, 1e-6);
+    EXPECT_GE(direction.z, 0);
+    EXPECT_FLOAT_EQ(direction.z, std::abs(lobe.z));  // the lobe itself, mirrored where it left
+    EXPECT_NEAR(direction.x, lobe.x, 1e-6);
+  }
+}
+
+// The same walk, once through an instance transform in the unit sphere's space, once in the world's ellipsoid.
+TEST(RandomWalk, DistancesAreWorldDistancesUnderNonUniformScale) {
+  const UnitSphereScene sphere;
+  const Vec3d scale(2, 0.5, 5), pole = normalize(Vec3d(1, -2, 0.5));
+  WalkSpace space;
+  space.object = &sphere;
+  space.world_to_object.x = {0.5f, 0, 0};
+  space.world_to_object.y = {0, 2, 0};
+  space.world_to_object.z = {0, 0, 0.2f};
+  space.world_to_object.t = {1e3f, 1e3f, 1e3f};  // must not matter: only the linear part is used
+  const Vec3d normal = normalize(Vec3d(pole.x / scale.x, pole.y / scale.y, pole.z / scale.z));
+  const Vec3f inward(static_cast<float>(-normal.x), static_cast<float>(-normal.y), static_cast<float>(-normal.z));
+  const double inside = 1 - 1e-6;
+  const Vec3f p(static_cast<float>(pole.x * inside), static_cast<float>(pole.y * inside),
+                static_cast<float>(pole.z * inside));
+  const WalkEntry entry{p, inward, frame_from_normal(inward)};
+  int different = 0, exits = 0;
+  RenderCounters mesh_counters, counters;
+  for (uint64_t i = 0; i < 4000; ++i) {
+    Rng mesh_rng(i, 3), rng(i, 3);
+    const Vec2f u(mesh_rng.uniform(), mesh_rng.uniform());
+    const auto mesh_exit = random_walk(space, entry, skin(), {}, u, mesh_rng, mesh_counters);
+    rng.uniform(), rng.uniform();
+    EllipsoidTracer tracer(scale, pole * inside);
+    const auto exit = run_walk_loop(tracer, sample_walk_entry(entry, u), skin(), {}, rng, counters);
+    if (mesh_exit.has_value() != exit.has_value() || (exit && mesh_exit->events != exit->events)) {
+      ++different;  // a hit at the very end of a segment, decided by rounding
+      continue;
+    }
+    if (!exit) continue;
+    ++exits;
+    EXPECT_EQ(mesh_exit->direction, exit->direction);
+    EXPECT_NEAR(mesh_exit->hit.t, exit->hit.t, 1e-4);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(mesh_exit->throughput[c], exit->throughput[static_cast<size_t>(c)], 1e-3);
+  }
+  EXPECT_LE(different, 4);
+  EXPECT_GT(exits, 2000);
+  EXPECT_EQ(mesh_counters.walk_lost, 0u);
+}
+
+TEST(RandomWalk, LeavingThroughAHoleIsCountedAndEnds) {
+  const EmptyScene hole;
+  WalkSpace space;
+  space.object = &hole;
+  space.bounds.extend(Vec3f(-1, -1, -1));
+  space.bounds.extend(Vec3f(1, 1, 1));
+  const WalkEntry entry{{0, 0, 0}, {0, 0, 1}, Frame()};
+  RenderCounters counters;
+  Rng rng(11, 1);
+  const Medium white = make_medium(Rgb(1.0f), Rgb(0.1f), AlbedoInversion::exact);
+  for (int i = 0; i < 100; ++i)
+    EXPECT_FALSE(random_walk(space, entry, white, {}, {rng.uniform(), rng.uniform()}, rng, counters));
+  EXPECT_EQ(counters.walk_lost, 100u);
+  // Nothing to collide with and nowhere to go: lost on the first segment, not a NaN.
+  const Medium clear = make_medium(Rgb(0.5f), Rgb(std::numeric_limits<float>::infinity()), AlbedoInversion::exact);
+  EXPECT_FALSE(random_walk(space, entry, clear, {}, {0.3f, 0.3f}, rng, counters));
+  EXPECT_EQ(counters.walk_lost, 101u);
+}
+
+TEST(RandomWalk, WithoutExtinctionLightCrosses) {
+  const UnitSphereScene sphere;
+  WalkSpace space;
+  space.object = &sphere;
+  const WalkEntry entry{{0, 0, -0.999999f}, {0, 0, 1}, Frame()};
+  RenderCounters counters;
+  Rng rng(12, 1);
+  const Medium clear = make_medium(Rgb(0.5f), Rgb(std::numeric_limits<float>::infinity()), AlbedoInversion::exact);
+  for (int i = 0; i < 100; ++i) {
+    const auto exit = random_walk(space, entry, clear, {}, {rng.uniform(), rng.uniform()}, rng, counters);
+    ASSERT_TRUE(exit);
+    EXPECT_EQ(exit->events, 0u);
+    EXPECT_EQ(exit->throughput, Rgb(1.0f));
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
