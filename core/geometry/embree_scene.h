@@ -33,7 +33,9 @@ class ObjectScene {
   virtual bool intersect(const Ray& ray, TriangleHit* hit) const = 0;
   virtual size_t memory_bytes() const = 0;
 };
-/// `cancelled` (may be empty) is asked while building; when it returns true the build stops and null is returned.
+/// `cancelled` (may be empty) is asked while building, from any of its threads and not always at a time; when it
+/// returns true the build stops and null is returned. The mesh is copied. Builds with the threads of the caller's task
+/// arena. Null also when memory runs out (reported). A mesh without triangles is never hit.
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
                                                       const std::function<bool()>& cancelled);
 
@@ -50,6 +52,7 @@ class InstancedScene {
   virtual bool occluded(const Ray& ray) const = 0;
   virtual size_t memory_bytes() const = 0;
 };
+/// A placement without an object, and one whose transform is not finite, is never hit; the others keep their indices.
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances);
 

@@ -1,0 +1,227 @@
+#include "core/geometry/mesh.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <bit>
+#include <cstring>
+
+#include "core/geometry/subdivision.h"
+#include "core/geometry/triangulation.h"
+
+namespace alabaster {
+namespace {
+
+constexpr int kMaxLevel = 8;
+
+template <class T>
+size_t bytes_of(const std::vector<T>& v) {
+  return v.capacity() * sizeof(T);
+}
+
+// Positions compare by bits, except that both zeros are one.
+std::array<uint32_t, 3> position_key(const Vec3f& p) {
+  return {std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
+          std::bit_cast<uint32_t>(p.z + 0.0f)};
+}
+
+uint64_t hash(const std::array<uint32_t, 3>& key) {
+  uint64_t h = key[0] * 0x9e3779b97f4a7c15ull;
+  h = (h ^ (h >> 29) ^ key[1]) * 0xbf58476d1ce4e5b9ull;
+  h = (h ^ (h >> 32) ^ key[2]) * 0x94d049bb133111ebull;
+  return h ^ (h >> 31);
+}
+
+// `weld` empty: points are their own.
+bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld) {
+  std::vector<uint64_t> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (const auto& t : mesh.triangles) {
+    std::array<uint64_t, 3> v{t[0], t[1], t[2]};
+    if (!weld.empty())
+      for (uint64_t& i : v) i = static_cast<uint64_t>(weld[i]);
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // no area: its two long edges pair with each other
+    for (size_t i = 0; i < 3; ++i) {
+      const uint64_t a = v[i], b = v[(i + 1) % 3];
+      edges.push_back(a < b ? a << 32 | b : b << 32 | a);
+    }
+  }
+  tbb::parallel_sort(edges.begin(), edges.end());
+  for (size_t i = 0; i < edges.size(); i += 2)
+    if (i + 1 == edges.size() || edges[i] != edges[i + 1]) return false;
+  return !edges.empty();
+}
+
+bool is_closed(const Mesh& mesh) {
+  // Welding only adds up even numbers, so what is closed without it stays closed.
+  return every_edge_is_paired(mesh, {}) || every_edge_is_paired(mesh, weld_by_position(mesh.points));
+}
+
+template <class T>
+uint32_t value_index(const Primvar<T>& primvar, int vertex, size_t corner) {
+  const size_t id = primvar.interpolation == Interpolation::vertex ? static_cast<size_t>(vertex) : corner;
+  return static_cast<uint32_t>(primvar.indices.empty() ? static_cast<int>(id) : primvar.indices[id]);
+}
+
+// The cage's own faces as triangles.
+class FlatBuilder {
+ public:
+  explicit FlatBuilder(const Cage& cage) : cage_(cage), hole_(cage.face_vertex_counts.size(), false) {
+    for (int face : cage.hole_indices) hole_[static_cast<size_t>(face)] = true;
+  }
+
+  Mesh build() {
+    mesh_.points = cage_.points;
+    mesh_.normals = cage_.normals.values;
+    mesh_.uvs = cage_.uv.values;
+    const bool smooth = cage_.normals.empty() &&
+                        (cage_.scheme == SubdivisionScheme::catmull_clark || cage_.scheme == SubdivisionScheme::loop);
+    if (smooth) vertex_normals_.assign(cage_.points.size(), Vec3d(0, 0, 0));
+    size_t first = 0;
+    for (size_t face = 0; face < hole_.size(); ++face) {
+      const size_t count = static_cast<size_t>(cage_.face_vertex_counts[face]);
+      // Holes shape smooth normals as they shape the limit surface.
+      gather(first, count);
+      if (smooth) add_normal(first, count);
+      if (!hole_[face]) add_face(face, first);
+      first += count;
+    }
+    if (smooth) finish_normals();
+    if (mesh_.normal_triangles == mesh_.triangles) mesh_.normal_triangles = {};
+    if (mesh_.uv_triangles == mesh_.triangles) mesh_.uv_triangles = {};
+    return std::move(mesh_);
+  }
+
+ private:
+  void gather(size_t first, size_t count) {
+    corners_.clear();
+    for (size_t k = first; k < first + count; ++k)
+      corners_.emplace_back(Vec3d(cage_.points[static_cast<size_t>(cage_.face_vertex_indices[k])]));
+  }
+
+  void add_face(size_t face, size_t first) {
+    local_.clear();
+    triangulate_polygon(corners_, &local_);
+    for (auto t : local_) {
+      if (cage_.left_handed) std::swap(t[1], t[2]);
+      std::array<uint32_t, 3> points{}, normals{}, uvs{};
+      for (size_t i = 0; i < 3; ++i) {
+        const size_t corner = first + static_cast<size_t>(t[i]);
+        const int vertex = cage_.face_vertex_indices[corner];
+        points[i] = static_cast<uint32_t>(vertex);
+        if (!cage_.normals.empty()) normals[i] = value_index(cage_.normals, vertex, corner);
+        if (!cage_.uv.empty()) uvs[i] = value_index(cage_.uv, vertex, corner);
+      }
+      mesh_.triangles.push_back(points);
+      if (!cage_.normals.empty()) mesh_.normal_triangles.push_back(normals);
+      if (!cage_.uv.empty()) mesh_.uv_triangles.push_back(uvs);
+      mesh_.triangle_face.push_back(static_cast<int32_t>(face));
+      if (!cage_.face_material.empty()) mesh_.triangle_material.push_back(cage_.face_material[face]);
+    }
+  }
+
+  // In double, so that the sum does not depend on how far from the origin the mesh lies.
+  void add_normal(size_t first, size_t count) {
+    const Vec3d n = polygon_normal(corners_) * (cage_.left_handed ? -1.0 : 1.0);
+    for (size_t k = first; k < first + count; ++k)
+      vertex_normals_[static_cast<size_t>(cage_.face_vertex_indices[k])] += n;
+  }
+
+  void finish_normals() {
+    mesh_.normals.reserve(vertex_normals_.size());
+    for (const Vec3d& n : vertex_normals_) {
+      const double l = length(n);
+      // Zero (faces that cancel): the hit falls back to the geometric normal.
+      mesh_.normals.push_back(l > 0 ? Vec3f(n / l) : Vec3f(0, 0, 0));
+    }
+  }
+
+  const Cage& cage_;
+  std::vector<bool> hole_;
+  std::vector<Vec3d> corners_, vertex_normals_;
+  std::vector<std::array<int, 3>> local_;
+  Mesh mesh_;
+};
+
+// Triangles and points that one face of n corners becomes at 2^level segments per edge (Bfr's patterns).
+struct FaceSize {
+  size_t triangles, points;  // points: interior and half of the boundary is shared, so counted without it
+};
+
+FaceSize tessellated_face(const Cage& cage, size_t corners, int level) {
+  if (level == 0 || cage.scheme == SubdivisionScheme::none) return {corners - 2, 0};
+  const size_t segments = size_t(1) << level;
+  if (cage.scheme == SubdivisionScheme::loop) return {segments * segments, segments * segments / 2};
+  if (corners == 4) return {2 * segments * segments, segments * segments};
+  return {corners * segments * segments / 2, corners * segments * segments / 4 + 1};
+}
+
+int affordable_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
+  const int wanted = options.level;
+  int level = std::clamp(wanted, 0, kMaxLevel);
+  if (cage.scheme == SubdivisionScheme::none) return 0;
+  if (level != wanted)
+    report(sink, Severity::warning, "mesh.subdivision.level", options.where,
+           "subdivision level " + std::to_string(wanted) + " is outside 0 to 8; using " + std::to_string(level));
+  const int capped = level;
+  while (level > 0 && estimate_mesh_bytes(cage, level) > options.memory_limit) --level;
+  if (level != capped)
+    report(sink, Severity::warning, "mesh.subdivision.memory", options.where,
+           "subdivision level " + std::to_string(capped) + " wanted, level " + std::to_string(level) +
+               " used: the next would need more than " + std::to_string(options.memory_limit >> 20) +
+               " MiB; raise the memory limit or lower the level");
+  return level;
+}
+
+}  // namespace
+
+size_t Mesh::memory_bytes() const {
+  return bytes_of(points) + bytes_of(triangles) + bytes_of(normals) + bytes_of(normal_triangles) + bytes_of(uvs) +
+         bytes_of(uv_triangles) + bytes_of(triangle_face) + bytes_of(triangle_material);
+}
+
+std::vector<int> weld_by_position(const std::vector<Vec3f>& points) {
+  // Open addressing at half load: one table, no node per point.
+  std::vector<int> table(std::bit_ceil(2 * points.size() + 1), -1);
+  const size_t mask = table.size() - 1;
+  std::vector<int> first(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const auto key = position_key(points[i]);
+    size_t slot = hash(key) & mask;
+    while (table[slot] >= 0 && position_key(points[static_cast<size_t>(table[slot])]) != key) slot = (slot + 1) & mask;
+    if (table[slot] < 0) table[slot] = static_cast<int>(i);
+    first[i] = table[slot];
+  }
+  return first;
+}
+
+size_t estimate_mesh_bytes(const Cage& cage, int level) {
+  size_t triangles = 0, points = cage.points.size(), corners = 0;
+  const size_t segments = size_t(1) << std::clamp(level, 0, kMaxLevel);
+  for (int count : cage.face_vertex_counts) {
+    const FaceSize face = tessellated_face(cage, static_cast<size_t>(count), level);
+    triangles += face.triangles;
+    points += face.points;
+    corners += static_cast<size_t>(count);
+  }
+  const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
+  const bool seams = !cage.uv.empty() && cage.uv.interpolation == Interpolation::face_varying;
+  const size_t uvs = cage.uv.empty() ? 0 : points + (seams ? boundary : 0);
+  // Points, normals (at worst every face has its own along its boundary), uvs; per triangle its points, normals, uvs,
+  // face, slot, and the three edges that the test for closedness sorts.
+  const size_t per_triangle =
+      (seams ? 3 : 2) * sizeof(std::array<uint32_t, 3>) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
+  return (2 * points + boundary) * sizeof(Vec3f) + uvs * sizeof(Vec2f) + triangles * per_triangle;
+}
+
+Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
+  const int level = affordable_level(cage, options, sink);
+  std::optional<Mesh> refined;
+  if (level > 0) refined = tessellate_limit_surface(cage, level, options.where, sink);
+  Mesh mesh = refined ? std::move(*refined) : FlatBuilder(cage).build();
+  for (const auto& t : mesh.triangles)
+    for (uint32_t i : t) mesh.bounds.extend(mesh.points[i]);
+  mesh.closed = is_closed(mesh);
+  return mesh;
+}
+
+}  // namespace alabaster

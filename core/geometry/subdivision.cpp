@@ -1,0 +1,494 @@
+#include "core/geometry/subdivision.h"
+
+#include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/bfr/tessellation.h>
+#include <opensubdiv/far/error.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+#include <opensubdiv/far/topologyRefinerFactory.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+
+namespace alabaster {
+namespace {
+
+namespace Bfr = OpenSubdiv::Bfr;
+namespace Far = OpenSubdiv::Far;
+namespace Sdc = OpenSubdiv::Sdc;
+
+using SurfaceFactory =
+    Bfr::RefinerSurfaceFactory<Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
+                                                                std::unique_lock<std::shared_mutex>>>;
+using Surface = Bfr::Surface<float>;
+
+constexpr uint32_t kNone = ~0u;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+// OpenSubdiv's callbacks are global and print unless they are set; ours hand the text to the build on the same thread.
+thread_local std::string* g_messages = nullptr;
+
+void keep_message(const char* text) {
+  if (!g_messages || !text) return;
+  if (!g_messages->empty()) *g_messages += "; ";
+  *g_messages += text;
+}
+
+class MessageCapture {
+ public:
+  MessageCapture() {
+    static std::once_flag once;
+    std::call_once(once, [] {
+      Far::SetErrorCallback([](Far::ErrorType, const char* text) { keep_message(text); });
+      Far::SetWarningCallback([](const char* text) { keep_message(text); });
+    });
+    g_messages = &text_;
+  }
+  ~MessageCapture() { g_messages = nullptr; }
+  MessageCapture(const MessageCapture&) = delete;
+  MessageCapture& operator=(const MessageCapture&) = delete;
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+Sdc::SchemeType scheme_type(SubdivisionScheme scheme) {
+  if (scheme == SubdivisionScheme::loop) return Sdc::SCHEME_LOOP;
+  if (scheme == SubdivisionScheme::bilinear) return Sdc::SCHEME_BILINEAR;
+  return Sdc::SCHEME_CATMARK;
+}
+
+Sdc::Options::VtxBoundaryInterpolation boundary_option(BoundaryRule rule) {
+  switch (rule) {
+    case BoundaryRule::none:
+      return Sdc::Options::VTX_BOUNDARY_NONE;
+    case BoundaryRule::edge_only:
+      return Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
+    case BoundaryRule::edge_and_corner:
+      break;
+  }
+  return Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER;
+}
+
+Sdc::Options::FVarLinearInterpolation face_varying_option(FaceVaryingRule rule) {
+  switch (rule) {
+    case FaceVaryingRule::all:
+      return Sdc::Options::FVAR_LINEAR_ALL;
+    case FaceVaryingRule::none:
+      return Sdc::Options::FVAR_LINEAR_NONE;
+    case FaceVaryingRule::boundaries:
+      return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
+    case FaceVaryingRule::corners_only:
+      return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
+    case FaceVaryingRule::corners_plus2:
+      return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
+    case FaceVaryingRule::corners_plus1:
+      break;
+  }
+  return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
+}
+
+Sdc::Options scheme_options(const Cage& cage) {
+  Sdc::Options options;
+  options.SetVtxBoundaryInterpolation(boundary_option(cage.boundary_rule));
+  options.SetFVarLinearInterpolation(face_varying_option(cage.face_varying_rule));
+  options.SetCreasingMethod(cage.crease_method == CreaseMethod::chaikin ? Sdc::Options::CREASE_CHAIKIN
+                                                                        : Sdc::Options::CREASE_UNIFORM);
+  options.SetTriangleSubdivision(cage.triangle_subdivision == TriangleSubdivision::smooth
+                                     ? Sdc::Options::TRI_SUB_SMOOTH
+                                     : Sdc::Options::TRI_SUB_CATMARK);
+  return options;
+}
+
+// A face-varying value for each corner. Where the cage gives no indices, corners of one point that have equal values
+// share one: the rule acts on seams, and a host that flattened its values did not mean a seam at every edge.
+std::vector<int> face_varying_indices(const Cage& cage) {
+  if (!cage.uv.indices.empty()) return cage.uv.indices;
+  std::vector<int> indices(cage.face_vertex_indices.size());
+  std::vector<int> latest(cage.points.size(), -1), earlier(indices.size(), -1);  // corners of a point, as chains
+  for (size_t corner = 0; corner < indices.size(); ++corner) {
+    const size_t point = at(cage.face_vertex_indices[corner]);
+    int match = latest[point];
+    while (match >= 0 && cage.uv.values[at(match)] != cage.uv.values[corner]) match = earlier[at(match)];
+    indices[corner] = match >= 0 ? match : static_cast<int>(corner);
+    if (match >= 0) continue;
+    earlier[corner] = latest[point];
+    latest[point] = static_cast<int>(corner);
+  }
+  return indices;
+}
+
+// Creases as vertex pairs with one sharpness each.
+struct CreasePairs {
+  std::vector<int> vertices;
+  std::vector<float> sharpnesses;
+};
+
+CreasePairs crease_pairs(const Cage& cage) {
+  CreasePairs pairs;
+  const bool per_crease = cage.crease_sharpnesses.size() == cage.crease_lengths.size();
+  size_t first = 0, edge = 0;
+  for (size_t crease = 0; crease < cage.crease_lengths.size(); ++crease) {
+    const size_t length = at(cage.crease_lengths[crease]);
+    for (size_t i = first; i + 1 < first + length; ++i, ++edge) {
+      pairs.vertices.push_back(cage.crease_indices[i]);
+      pairs.vertices.push_back(cage.crease_indices[i + 1]);
+      pairs.sharpnesses.push_back(cage.crease_sharpnesses[per_crease ? crease : edge]);
+    }
+    first += length;
+  }
+  return pairs;
+}
+
+std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage) {
+  const CreasePairs creases = crease_pairs(cage);
+  Far::TopologyDescriptor topology;
+  topology.numVertices = static_cast<int>(cage.points.size());
+  topology.numFaces = static_cast<int>(cage.face_vertex_counts.size());
+  topology.numVertsPerFace = cage.face_vertex_counts.data();
+  topology.vertIndicesPerFace = cage.face_vertex_indices.data();
+  topology.numCreases = static_cast<int>(creases.sharpnesses.size());
+  topology.creaseVertexIndexPairs = creases.vertices.data();
+  topology.creaseWeights = creases.sharpnesses.data();
+  topology.numCorners = static_cast<int>(cage.corner_indices.size());
+  topology.cornerVertexIndices = cage.corner_indices.data();
+  topology.cornerWeights = cage.corner_sharpnesses.data();
+  topology.numHoles = static_cast<int>(cage.hole_indices.size());
+  topology.holeIndices = cage.hole_indices.data();
+  topology.isLeftHanded = cage.left_handed;
+  std::vector<int> uv_indices;
+  Far::TopologyDescriptor::FVarChannel channel;
+  if (!cage.uv.empty() && cage.uv.interpolation == Interpolation::face_varying) {
+    uv_indices = face_varying_indices(cage);
+    channel.numValues = static_cast<int>(cage.uv.values.size());
+    channel.valueIndices = uv_indices.data();
+    topology.numFVarChannels = 1;
+    topology.fvarChannels = &channel;
+  }
+  using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+  Factory::Options options(scheme_type(cage.scheme), scheme_options(cage));
+  options.validateFullTopology = true;
+  return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(topology, options));
+}
+
+// How faces of one size are cut: samples on the boundary first (corner 0, edge 0, corner 1, ...), then the interior.
+struct Pattern {
+  uint32_t boundary = 0, samples = 0;
+  std::vector<float> coordinates;
+  std::vector<int> facets;
+  uint32_t interior() const { return samples - boundary; }
+  uint32_t triangles() const { return static_cast<uint32_t>(facets.size() / 3); }
+};
+
+Pattern make_pattern(const Bfr::Parameterization& face, int segments) {
+  const Bfr::Tessellation tessellation(face, segments);
+  Pattern pattern;
+  pattern.boundary = static_cast<uint32_t>(tessellation.GetNumBoundaryCoords());
+  pattern.samples = static_cast<uint32_t>(tessellation.GetNumCoords());
+  pattern.coordinates.resize(2 * size_t(pattern.samples));
+  tessellation.GetCoords(pattern.coordinates.data());
+  pattern.facets.resize(3 * at(tessellation.GetNumFacets()));
+  tessellation.GetFacets(pattern.facets.data());
+  return pattern;
+}
+
+// Where in the mesh the samples of a face lie.
+struct FaceLayout {
+  const Pattern* pattern = nullptr;  // null: the face has no limit surface
+  uint32_t interior = 0;             // first interior point
+  uint32_t normals = 0;              // first normal of its own (samples along sharp features)
+  uint32_t uvs = 0;                  // first uv, if uvs are face-varying
+  uint32_t triangles = 0;
+};
+
+// Points on the cage's vertices and edges belong to the first face that has them; it alone evaluates them, so that
+// neighbours meet in the same bits.
+struct SharedSamples {
+  uint32_t first = kNone;
+  int owner = -1;
+};
+
+// Arrays that a task reuses from face to face.
+struct Workspace {
+  Surface points, uvs;
+  std::vector<float> point_controls, uv_controls;
+};
+
+class LimitTessellator {
+ public:
+  LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, int level)
+      : cage_(cage),
+        base_(refiner.GetLevel(0)),
+        factory_(refiner, Bfr::SurfaceFactory::Options()),
+        segments_(1u << level),
+        vertex_uvs_(!cage.uv.empty() && cage.uv.interpolation == Interpolation::vertex),
+        face_uvs_(!cage.uv.empty() && !vertex_uvs_) {
+    find_faces();
+    find_sharp_features();
+    gather_controls();
+  }
+
+  Mesh run() {
+    // A surface that cannot be made after all is found only on the way: then once more without that face.
+    do {
+      lay_out();
+      std::vector<uint8_t> failed(faces_.size(), 0);
+      const tbb::blocked_range<size_t> all(0, faces_.size(), 16);
+      tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
+        Workspace workspace;
+        for (size_t face = range.begin(); face < range.end(); ++face)
+          if (faces_[face].pattern && !tessellate(static_cast<int>(face), &workspace)) failed[face] = 1;
+      });
+      again_ = false;
+      for (size_t face = 0; face < faces_.size(); ++face)
+        if (failed[face]) {
+          faces_[face].pattern = nullptr;
+          again_ = true;
+        }
+    } while (again_);
+    mend_degenerate_normals();
+    return std::move(mesh_);
+  }
+
+ private:
+  void find_faces() {
+    faces_.resize(at(base_.GetNumFaces()));
+    for (int face = 0; face < base_.GetNumFaces(); ++face) {
+      if (!factory_.FaceHasLimitSurface(face)) continue;
+      const int size = base_.GetFaceVertices(face).size();
+      auto found = patterns_.find(size);
+      if (found == patterns_.end())
+        found =
+            patterns_.emplace(size, make_pattern(factory_.GetFaceParameterization(face), static_cast<int>(segments_)))
+                .first;
+      faces_[at(face)].pattern = &found->second;
+    }
+  }
+
+  // Across these the tangent plane jumps: each face keeps its own normals there.
+  void find_sharp_features() {
+    const bool all = cage_.scheme == SubdivisionScheme::bilinear;
+    sharp_edge_.resize(at(base_.GetNumEdges()));
+    sharp_vertex_.resize(at(base_.GetNumVertices()));
+    for (int v = 0; v < base_.GetNumVertices(); ++v)
+      sharp_vertex_[at(v)] =
+          all || base_.IsVertexNonManifold(v) || (base_.IsVertexInfSharp(v) && base_.GetVertexFaces(v).size() > 1);
+    for (int e = 0; e < base_.GetNumEdges(); ++e) {
+      const bool sharp =
+          base_.GetEdgeFaces(e).size() > 1 && (all || base_.IsEdgeInfSharp(e) || base_.IsEdgeNonManifold(e));
+      sharp_edge_[at(e)] = sharp;
+      if (!sharp) continue;
+      for (int v : {base_.GetEdgeVertices(e)[0], base_.GetEdgeVertices(e)[1]}) sharp_vertex_[at(v)] = true;
+    }
+  }
+
+  // Values that follow the vertex rule, interleaved: one evaluation gives all.
+  void gather_controls() {
+    width_ = vertex_uvs_ ? 5 : 3;
+    controls_.reserve(cage_.points.size() * at(width_));
+    for (size_t i = 0; i < cage_.points.size(); ++i) {
+      const Vec3f& p = cage_.points[i];
+      controls_.insert(controls_.end(), {p.x, p.y, p.z});
+      if (!vertex_uvs_) continue;
+      const Vec2f& uv = cage_.uv.values[cage_.uv.indices.empty() ? i : at(cage_.uv.indices[i])];
+      controls_.insert(controls_.end(), {uv.x, uv.y});
+    }
+  }
+
+  void claim(SharedSamples* samples, int face, uint32_t count, uint32_t* points) {
+    if (samples->owner >= 0) return;
+    *samples = {*points, face};
+    *points += count;
+  }
+
+  void lay_out() {
+    vertices_.assign(at(base_.GetNumVertices()), {});
+    edges_.assign(at(base_.GetNumEdges()), {});
+    uint32_t points = 0, own_normals = 0, uvs = 0, triangles = 0;
+    for (int f = 0; f < base_.GetNumFaces(); ++f) {
+      FaceLayout& face = faces_[at(f)];
+      if (!face.pattern) continue;
+      const auto vertices = base_.GetFaceVertices(f), edges = base_.GetFaceEdges(f);
+      face.normals = own_normals;
+      for (int i = 0; i < vertices.size(); ++i) {
+        claim(&vertices_[at(vertices[i])], f, 1, &points);
+        claim(&edges_[at(edges[i])], f, segments_ - 1, &points);
+        if (sharp_vertex_[at(vertices[i])]) ++own_normals;
+        if (sharp_edge_[at(edges[i])]) own_normals += segments_ - 1;
+      }
+      face.interior = points;
+      face.uvs = uvs;
+      face.triangles = triangles;
+      points += face.pattern->interior();
+      uvs += face.pattern->samples;
+      triangles += face.pattern->triangles();
+    }
+    for (FaceLayout& face : faces_) face.normals += points;  // own normals follow the shared ones
+    mesh_ = Mesh();
+    mesh_.points.resize(points);
+    mesh_.normals.resize(points + own_normals);
+    degenerate_.assign(mesh_.normals.size(), 0);
+    mesh_.triangles.resize(triangles);
+    mesh_.triangle_face.resize(triangles);
+    if (own_normals) mesh_.normal_triangles.resize(triangles);
+    if (vertex_uvs_) mesh_.uvs.resize(points);
+    if (face_uvs_) {
+      mesh_.uvs.resize(uvs);
+      mesh_.uv_triangles.resize(triangles);
+    }
+    if (!cage_.face_material.empty()) mesh_.triangle_material.resize(triangles);
+  }
+
+  struct Sample {
+    uint32_t point = 0, normal = 0;
+    bool owns_point = true, owns_normal = true;
+  };
+
+  // Indices of all samples of a face, in the order of its pattern.
+  std::vector<Sample> place_samples(int f) const {
+    const FaceLayout& face = faces_[at(f)];
+    const auto vertices = base_.GetFaceVertices(f), edges = base_.GetFaceEdges(f);
+    std::vector<Sample> samples(face.pattern->samples);
+    uint32_t own_normal = face.normals;
+    for (uint32_t i = 0; i < samples.size(); ++i) {
+      Sample& sample = samples[i];
+      if (i >= face.pattern->boundary) {
+        sample.point = sample.normal = face.interior + (i - face.pattern->boundary);
+        continue;
+      }
+      const int corner = static_cast<int>(i / segments_);
+      const uint32_t along = i % segments_;
+      const SharedSamples& shared = along ? edges_[at(edges[corner])] : vertices_[at(vertices[corner])];
+      const bool sharp = along ? sharp_edge_[at(edges[corner])] : sharp_vertex_[at(vertices[corner])];
+      const bool forward = !along || base_.GetEdgeVertices(edges[corner])[0] == vertices[corner];
+      sample.point = shared.first + (along ? (forward ? along - 1 : segments_ - 1 - along) : 0);
+      sample.owns_point = shared.owner == f;
+      sample.owns_normal = sharp || sample.owns_point;
+      sample.normal = sharp ? own_normal++ : sample.point;
+    }
+    return samples;
+  }
+
+  bool tessellate(int face, Workspace* w) {
+    const bool made = face_uvs_ ? factory_.InitSurfaces(face, &w->points, &w->uvs, nullptr, 1)
+                                : factory_.InitVertexSurface(face, &w->points);
+    if (!made) return false;
+    const std::vector<Sample> samples = place_samples(face);
+    evaluate_points(face, samples, w);
+    if (face_uvs_) evaluate_uvs(face, w);
+    write_triangles(face, samples);
+    return true;
+  }
+
+  void evaluate_points(int face, const std::vector<Sample>& samples, Workspace* w) {
+    const Surface::PointDescriptor layout(width_);
+    w->point_controls.resize(at(w->points.GetNumPatchPoints()) * at(width_));
+    w->points.PreparePatchPoints(controls_.data(), layout, w->point_controls.data(), layout);
+    const std::vector<float>& coordinates = faces_[at(face)].pattern->coordinates;
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const Sample& sample = samples[i];
+      if (!sample.owns_point && !sample.owns_normal) continue;
+      std::array<float, 5> p{}, du{}, dv{};
+      w->points.Evaluate(&coordinates[2 * i], w->point_controls.data(), layout, p.data(), du.data(), dv.data());
+      if (sample.owns_point) {
+        mesh_.points[sample.point] = {p[0], p[1], p[2]};
+        if (vertex_uvs_) mesh_.uvs[sample.point] = {p[3], p[4]};
+      }
+      if (sample.owns_normal) write_normal(sample.normal, Vec3d(du[0], du[1], du[2]), Vec3d(dv[0], dv[1], dv[2]));
+    }
+  }
+
+  void write_normal(uint32_t index, const Vec3d& du, const Vec3d& dv) {
+    const Vec3d n = cross(du, dv);
+    // Derivatives vanish or align at some extraordinary and degenerate points; a sine below single precision's noise
+    // says nothing of the tangent plane.
+    constexpr double kMinSine2 = 1e-10;
+    const bool usable = dot(n, n) > kMinSine2 * dot(du, du) * dot(dv, dv);
+    degenerate_[index] = !usable;
+    mesh_.normals[index] = usable ? Vec3f(normalize(n)) : Vec3f(0, 0, 0);
+  }
+
+  void evaluate_uvs(int f, Workspace* w) {
+    const FaceLayout& face = faces_[at(f)];
+    const Surface::PointDescriptor layout(2);
+    w->uv_controls.resize(at(w->uvs.GetNumPatchPoints()) * 2);
+    w->uvs.PreparePatchPoints(&cage_.uv.values[0].x, layout, w->uv_controls.data(), layout);
+    for (uint32_t i = 0; i < face.pattern->samples; ++i)
+      w->uvs.Evaluate(&face.pattern->coordinates[2 * size_t(i)], w->uv_controls.data(), layout,
+                      &mesh_.uvs[face.uvs + i].x);
+  }
+
+  void write_triangles(int f, const std::vector<Sample>& samples) {
+    const FaceLayout& face = faces_[at(f)];
+    for (uint32_t t = 0; t < face.pattern->triangles(); ++t) {
+      const size_t triangle = face.triangles + t;
+      for (size_t i = 0; i < 3; ++i) {
+        const auto corner = static_cast<uint32_t>(face.pattern->facets[3 * size_t(t) + i]);
+        mesh_.triangles[triangle][i] = samples[corner].point;
+        if (!mesh_.normal_triangles.empty()) mesh_.normal_triangles[triangle][i] = samples[corner].normal;
+        if (face_uvs_) mesh_.uv_triangles[triangle][i] = face.uvs + corner;
+      }
+      mesh_.triangle_face[triangle] = f;
+      if (!cage_.face_material.empty()) mesh_.triangle_material[triangle] = cage_.face_material[at(f)];
+    }
+  }
+
+  // Where du x dv says nothing: the mean of the triangles around, weighted by area.
+  void mend_degenerate_normals() {
+    std::map<uint32_t, Vec3d> sums;
+    for (uint32_t i = 0; i < degenerate_.size(); ++i)
+      if (degenerate_[i]) sums.emplace(i, Vec3d(0, 0, 0));
+    if (sums.empty()) return;
+    const auto& corners = mesh_.normal_triangles.empty() ? mesh_.triangles : mesh_.normal_triangles;
+    for (size_t t = 0; t < corners.size(); ++t)
+      for (uint32_t i : corners[t]) {
+        if (!degenerate_[i]) continue;
+        const auto& points = mesh_.triangles[t];
+        const Vec3d p(mesh_.points[points[0]]);
+        sums[i] += cross(Vec3d(mesh_.points[points[1]]) - p, Vec3d(mesh_.points[points[2]]) - p);
+      }
+    for (const auto& [i, n] : sums)
+      if (dot(n, n) > 0) mesh_.normals[i] = Vec3f(normalize(n));
+  }
+
+  const Cage& cage_;
+  const Far::TopologyLevel& base_;
+  SurfaceFactory factory_;
+  const uint32_t segments_;
+  const bool vertex_uvs_, face_uvs_;
+  int width_ = 3;
+  bool again_ = false;
+  std::vector<float> controls_;
+  std::map<int, Pattern> patterns_;  // by face size; stable addresses
+  std::vector<FaceLayout> faces_;
+  std::vector<bool> sharp_edge_, sharp_vertex_;
+  std::vector<SharedSamples> vertices_, edges_;
+  std::vector<uint8_t> degenerate_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+std::optional<Mesh> tessellate_limit_surface(const Cage& cage, int level, const std::string& where,
+                                             const DiagnosticSink& sink) {
+  const MessageCapture messages;
+  const auto refiner = make_refiner(cage);
+  if (!refiner) {
+    report(sink, Severity::error, "mesh.subdivision.topology", where,
+           "OpenSubdiv refuses this topology (" + messages.text() + "); drawn unrefined");
+    return std::nullopt;
+  }
+  if (!messages.text().empty())
+    report(sink, Severity::warning, "mesh.subdivision.topology", where, "OpenSubdiv: " + messages.text());
+  return LimitTessellator(cage, *refiner, level).run();
+}
+
+}  // namespace alabaster

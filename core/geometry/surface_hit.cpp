@@ -1,0 +1,128 @@
+#include "core/geometry/surface_hit.h"
+
+#include <bit>
+#include <limits>
+
+#include "core/math/frame.h"
+
+namespace alabaster {
+namespace {
+
+using Corners = std::array<uint32_t, 3>;
+
+// 2^-exponent of x: multiplying by it brings x near 1 without rounding (x normal and finite, else 1).
+float exact_reciprocal_scale(float x) {
+  const uint32_t exponent = (std::bit_cast<uint32_t>(x) >> 23) & 0xff;
+  if (exponent == 0 || exponent >= 254) return 1;
+  return std::bit_cast<float>((254 - exponent) << 23);
+}
+
+// Unit vector along v for any finite v whose length is not subnormal; `otherwise` if there is none.
+Vec3f unit_or(const Vec3f& v, const Vec3f& otherwise) {
+  const Vec3f w = v * exact_reciprocal_scale(max_abs_component(v));
+  const float l2 = dot(w, w);
+  if (!(l2 > 0) || !std::isfinite(l2)) return otherwise;
+  return w * (1 / std::sqrt(l2));
+}
+
+Vec3f absolute(const Vec3f& v) {
+  return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
+
+// |v| times the matrix of absolute values: the growth of error bounds under the linear part.
+Vec3f grow(const Vec3f& bound, const Affine& m) {
+  return absolute(m.x) * bound.x + absolute(m.y) * bound.y + absolute(m.z) * bound.z;
+}
+
+// All bounds below count in units of this: four roundings of 2^-24 each, which covers a dot product of three terms and
+// a translation (Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed., eq. 3.5).
+constexpr float kRoundings = 2 * std::numeric_limits<float>::epsilon();
+
+// The plane test of a ray against a triangle in its own space: the vertices relative to the origin, the normal from
+// their differences, and the dot product err by some roundings of the largest coordinate, once for each of the three
+// axes that the normal mixes. m bounds the coordinates of the triangle, and so those of the hit.
+float plane_error(float m, const Vec3f& normal) {
+  const Vec3f n = absolute(normal);
+  return 2 * m * (n.x + n.y + n.z);
+}
+
+// The distance along ng that rounding can displace a point between here and the plane test in object space:
+//   render  p = fl(p_object M + t):           s_j = sum_i |M_ij| m + |t_j|                     (and fl(p + n offset))
+//   object  p' = fl(p W - t W), W = M^-1:     q   = (s + |t|) |W|
+//   W itself is rounded, by |W||M||W|:        r   = q |M| |W|       (Higham, section 14.1)
+// An object-space displacement e moves the point by e M in render space, so along ng by at most
+// sum_i e_i |row_i(M) . ng|. Nothing here has a unit but the lengths themselves.
+float render_offset(float m, const Vec3f& ng, const Affine& to_render, const Affine& to_object) {
+  const Vec3f t = absolute(to_render.t);
+  const Vec3f s = grow(Vec3f(m, m, m), to_render) + t;
+  const Vec3f q = grow(s + t, to_object);
+  const Vec3f r = grow(grow(q, to_render), to_object);
+  const Vec3f along = absolute(to_render.transpose_vector(ng));
+  return kRoundings * (dot(s, absolute(ng)) + plane_error(m, along) + dot(q + r, along));
+}
+
+// The interpolated normal in object space. Three corners that all point inward are taken as authored for the other
+// side; a single one that leans over the horizon is left to the caller, who bends the result.
+Vec3f interpolated_normal(const Mesh& mesh, const TriangleHit& hit, const Vec3f& ng_object) {
+  const Corners& c = mesh.normal_triangles.empty() ? mesh.triangles[hit.triangle] : mesh.normal_triangles[hit.triangle];
+  const Vec3f &n0 = mesh.normals[c[0]], &n1 = mesh.normals[c[1]], &n2 = mesh.normals[c[2]];
+  const Vec3f n = n0 * (1 - hit.u - hit.v) + n1 * hit.u + n2 * hit.v;
+  const bool reversed = dot(n0, ng_object) < 0 && dot(n1, ng_object) < 0 && dot(n2, ng_object) < 0;
+  return reversed ? -n : n;
+}
+
+Vec3f shading_normal(const Mesh& mesh, const TriangleHit& hit, const SurfaceHit& s, const Affine& render_to_object) {
+  if (mesh.normals.empty()) return s.ng;
+  const Vec3f ns = unit_or(render_to_object.transpose_vector(interpolated_normal(mesh, hit, s.ng_object)), s.ng);
+  const float cosine = dot(ns, s.ng);
+  // Bending by reflection in the tangent plane is continuous where the normal crosses the horizon.
+  return cosine < 0 ? unit_or(ns - s.ng * (2 * cosine), s.ng) : ns;
+}
+
+struct TextureFrame {
+  Vec2f uv{0, 0};
+  Vec3f dpdu{0, 0, 0};  // any length, object space; zero: none
+};
+
+TextureFrame texture_frame(const Mesh& mesh, const TriangleHit& hit, const Vec3f& e1, const Vec3f& e2) {
+  if (mesh.uvs.empty()) return {};
+  const Corners& c = mesh.uv_triangles.empty() ? mesh.triangles[hit.triangle] : mesh.uv_triangles[hit.triangle];
+  const Vec2f &t0 = mesh.uvs[c[0]], &t1 = mesh.uvs[c[1]], &t2 = mesh.uvs[c[2]];
+  const Vec2f d1 = t1 - t0, d2 = t2 - t0;
+  const float determinant = d1.x * d2.y - d2.x * d1.y;
+  TextureFrame frame;
+  frame.uv = t0 * (1 - hit.u - hit.v) + t1 * hit.u + t2 * hit.v;
+  if (determinant != 0) frame.dpdu = (e1 * d2.y - e2 * d1.y) * std::copysign(1.0f, determinant);
+  return frame;
+}
+
+}  // namespace
+
+SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
+                       const Affine& render_to_object) {
+  const Corners& c = mesh.triangles[hit.triangle];
+  const Vec3f &p0 = mesh.points[c[0]], &p1 = mesh.points[c[1]], &p2 = mesh.points[c[2]];
+  const Vec3f e1 = p1 - p0, e2 = p2 - p0;
+  const float scale = exact_reciprocal_scale(std::max(max_abs_component(e1), max_abs_component(e2)));
+
+  SurfaceHit s;
+  s.p_object = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v;
+  s.ng_object = unit_or(cross(e1 * scale, e2 * scale), Vec3f(0, 0, 1));
+  s.p = object_to_render.point(s.p_object);
+  s.ng = unit_or(render_to_object.transpose_vector(s.ng_object), s.ng_object);
+  s.ns = shading_normal(mesh, hit, s, render_to_object);
+
+  const TextureFrame frame = texture_frame(mesh, hit, e1 * scale, e2 * scale);
+  s.uv = frame.uv;
+  s.dpdu = unit_or(object_to_render.vector(frame.dpdu), frame_from_normal(s.ns).s);
+  s.element = mesh.triangle_face.empty() ? static_cast<int>(hit.triangle) : mesh.triangle_face[hit.triangle];
+  s.material = mesh.triangle_material.empty() ? 0 : mesh.triangle_material[hit.triangle];
+
+  // The vertices bound the error, not the hit: a ray in the middle of a large triangle still meets its far corners.
+  const float m = std::max(max_abs_component(p0), std::max(max_abs_component(p1), max_abs_component(p2)));
+  s.offset = render_offset(m, s.ng, object_to_render, render_to_object);
+  s.offset_object = kRoundings * (plane_error(m, s.ng_object) + m);
+  return s;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,36 @@
+// What a hit tells about the surface: position, normals, tangent, texture coordinates, and how far a ray that starts
+// there has to be moved so as not to meet its own surface again.
+#pragma once
+
+#include "core/geometry/embree_scene.h"
+#include "core/geometry/mesh.h"
+#include "core/math/transform.h"
+
+namespace alabaster {
+
+struct SurfaceHit {
+  Vec3f p;           // render space, from the barycentric coordinates: on the triangle whatever the ray's length was
+  Vec3f ng;          // unit, outward: the side from which the triangle winds counter-clockwise in object space
+  Vec3f ns;          // unit shading normal, dot(ns, ng) >= 0
+  Vec3f dpdu;        // unit direction in which u grows; some direction perpendicular to ns when there are no uvs
+  Vec2f uv{0, 0};    // v up
+  int element = -1;  // face of the cage
+  int material = 0;  // slot
+  float offset = 0;  // for offset_point(p, +-ng, offset), then traced in the scene of instances
+  Vec3f p_object;    // object space
+  Vec3f ng_object;   // unit
+  float offset_object = 0;  // for offset_point(p_object, +-ng_object, offset_object), then traced in the ObjectScene
+};
+
+/// `hit` must come from tracing `mesh` under `object_to_render`; `render_to_object` is its inverse. Normals stay
+/// outward under mirroring transforms. Degenerate triangles give some unit normal. Scaling all lengths by a power of
+/// two scales the result exactly (no absolute epsilon).
+SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
+                       const Affine& render_to_object);
+
+/// p moved by `offset` along unit n: a ray from there with tnear 0 into n's hemisphere does not meet the surface of p.
+inline Vec3f offset_point(const Vec3f& p, const Vec3f& n, float offset) {
+  return p + n * offset;
+}
+
+}  // namespace alabaster
