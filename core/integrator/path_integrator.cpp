@@ -113,8 +113,8 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
                              -entry.hit.ng, inward};
   const auto u = sampler.draw(Dimension::subsurface, path->depth);
   Rng rng = sampler.stream(Dimension::subsurface, path->depth);
-  const auto exit = random_walk({instance.prototype->object.get(), instance.world_to_object}, walk_entry, medium,
-                                context.settings.walk, {u[0], u[1]}, rng, context.counters);
+  const WalkSpace space{instance.prototype->object.get(), instance.world_to_object, instance.prototype->mesh.bounds};
+  const auto exit = random_walk(space, walk_entry, medium, context.settings.walk, {u[0], u[1]}, rng, context.counters);
   if (!exit) return false;
   path->throughput *= exit->throughput;
 

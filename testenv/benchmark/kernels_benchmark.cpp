@@ -50,7 +50,7 @@ BENCHMARK(BM_DisneySample);
 void BM_Walk(benchmark::State& state) {
   const float albedo = static_cast<float>(state.range(0)) / 100;
   const Medium medium = make_medium(Rgb(albedo), Rgb(0.2f), AlbedoInversion::exact);
-  const WalkSpace space{sphere().prototype->object.get(), Affine()};
+  const WalkSpace space{sphere().prototype->object.get(), Affine(), sphere().prototype->mesh.bounds};
   const WalkEntry entry{{0, 0.9999f, 0}, {0, -1, 0}, frame_from_normal({0, -1, 0})};
   RenderCounters counters;
   Rng rng(1, 2);
