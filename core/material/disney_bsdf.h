@@ -11,7 +11,11 @@
 
 #include <optional>
 
+#include "core/material/disney_clearcoat.h"
+#include "core/material/disney_diffuse.h"
 #include "core/material/disney_parameters.h"
+#include "core/material/disney_sheen.h"
+#include "core/material/disney_specular.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -28,12 +32,14 @@ struct BsdfSample {
 
 class DisneyBsdf {
  public:
-  /// wo.z <= 0 gives a BSDF that is zero everywhere.
+  /// `parameters` must be clamped (clamp_to_ranges). wo.z <= 0 gives a BSDF that is zero everywhere.
   DisneyBsdf(const DisneyParameters& parameters, const Vec3f& wo);
 
   Rgb eval(const Vec3f& wi) const;
+  /// Sum of probability times pdf over the local lobes: integrates to 1 - P(subsurface) less what specular samples lose
+  /// below the horizon.
   float pdf(const Vec3f& wi) const;
-  /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed).
+  /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed). f and pdf are eval(wi) and pdf(wi).
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u) const;
 
   /// Entry weight of the walk per channel: (1-metallic)(1-.5F_V) where scatter_distance > 0, else 0. The colour is in
@@ -44,12 +50,21 @@ class DisneyBsdf {
   Rgb albedo() const;
 
  private:
-  DisneyParameters p_;
+  static constexpr int kLobes = 5;  // of enum Lobe
+
+  Lobe choose(float u) const;
+  std::optional<Vec3f> sample_direction(Lobe lobe, const Vec2f& u) const;
+
   Vec3f wo_;
-  // lobe weights and probabilities: see disney_bsdf.cpp
-  Rgb dielectric_f0_{0.0f};
-  float alpha_x_ = 0, alpha_y_ = 0;
-  float probability_[5] = {0, 0, 0, 0, 0};
+  Rgb base_color_{0.0f};
+  float dielectric_ = 0;      // 1 - metallic
+  Rgb entry_channels_{0.0f};  // 1 in the channels that scatter
+  DisneyDiffuse diffuse_;
+  DisneySheen sheen_;
+  DisneySpecular specular_;
+  DisneyClearcoat clearcoat_;
+  // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
+  float probability_[kLobes] = {0, 0, 0, 0, 0};
 };
 
 /// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016,

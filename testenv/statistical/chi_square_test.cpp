@@ -28,6 +28,12 @@ TEST(IntegrateRectangle, SmoothAndWithAJump) {
   EXPECT_NEAR(integrate_rectangle(jump, {0, 1}, {0, 1}, 1e-4), 1, 2e-4);
 }
 
+TEST(IntegrateSphere, AnyFrame) {
+  const Frame frame = frame_from_normal(normalize(Vec3f(-3, 1, 2)));
+  const auto cosine = [](const Vec3f& w) { return static_cast<double>(pdf_cosine_hemisphere(w)); };
+  for (double k : {1.0, 2.0, 6.0}) EXPECT_NEAR(integrate_sphere(cosine, frame, k), 1, 2e-5);
+}
+
 TEST(ChiSquare, AcceptsCosineHemisphere) {
   const auto sample = [](Rng& rng) -> std::optional<Vec3f> { return sample_cosine_hemisphere(uniform2(rng)); };
   const auto result = chi_square_sphere(sample, [](const Vec3f& w) { return pdf_cosine_hemisphere(w); });

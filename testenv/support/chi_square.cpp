@@ -47,6 +47,36 @@ double refine(const Plane& f, const Rectangle& r, double coarse, double toleranc
   return total;
 }
 
+const double kTwoPiExact = 2 * std::acos(-1.0);
+
+/// The sphere laid out on the unit square: x = azimuth / 2 pi about frame.n, y = ((1 - cos) / 2)^(1/k), so that
+/// d(omega) = 4 pi k y^(k-1) dx dy.
+struct SphereMap {
+  Frame frame;
+  double k;
+
+  Vec3f direction(double x, double y) const {
+    const double one_minus_cos = 2 * std::pow(y, k), phi = kTwoPiExact * x;
+    const double r = std::sqrt(std::max(0.0, one_minus_cos * (2 - one_minus_cos)));
+    return frame.to_world({static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)),
+                           static_cast<float>(1 - one_minus_cos)});
+  }
+  double solid_angle_per_area(double y) const { return 2 * kTwoPiExact * k * std::pow(y, k - 1); }
+
+  /// Outside the square if `world` is not unit.
+  Vec2f locate(const Vec3f& world) const {
+    const Vec3f w = frame.to_local(world);
+    const double sin2 = static_cast<double>(w.x) * w.x + static_cast<double>(w.y) * w.y;
+    const bool unit = std::abs(sin2 + static_cast<double>(w.z) * w.z - 1) < 1e-3;
+    if (!unit) return {-1, -1};
+    const double azimuth = std::atan2(static_cast<double>(w.y), static_cast<double>(w.x)) / kTwoPiExact;
+    // From the sine near the pole, where 1 - cos cancels; from the cosine elsewhere, where the sine does.
+    const double one_minus_cos = w.z > 0.5f ? sin2 / (1 + std::sqrt(std::max(0.0, 1 - sin2))) : 1.0 - w.z;
+    const double y = std::pow(std::clamp(0.5 * one_minus_cos, 0.0, 1.0), 1 / k);
+    return {static_cast<float>(azimuth < 0 ? azimuth + 1 : azimuth), static_cast<float>(y)};
+  }
+};
+
 struct Bins {
   int nx, ny;
   std::vector<double> observed, expected;
@@ -206,31 +236,30 @@ ChiSquareResult chi_square_square(const SquareSampler& sample, const SquarePdf& 
 }
 
 ChiSquareResult chi_square_sphere(const SphereSampler& sample, const SpherePdf& pdf, const ChiSquareOptions& options) {
-  // Domain: x = azimuth / 2 pi, y = ((1 - cos) / 2)^(1/k), so that d(omega) = 4 pi k y^(k-1) dx dy.
-  const double k = options.pole_exponent;
-  const Frame& frame = options.frame;
-  const double two_pi = 2 * std::acos(-1.0);
+  const SphereMap map{options.frame, options.pole_exponent};
   const auto locate = [&](Rng& rng) -> std::optional<Vec2f> {
-    const std::optional<Vec3f> world = sample(rng);
-    if (!world) return std::nullopt;
-    const Vec3f w = frame.to_local(*world);
-    const double azimuth = std::atan2(static_cast<double>(w.y), static_cast<double>(w.x)) / two_pi;
-    // From the sine near the pole, where 1 - cos cancels; from the cosine elsewhere, where the sine does.
-    const double sin2 = static_cast<double>(w.x) * w.x + static_cast<double>(w.y) * w.y;
-    const double one_minus_cos = w.z > 0.5f ? sin2 / (1 + std::sqrt(std::max(0.0, 1 - sin2))) : 1.0 - w.z;
-    const double y = std::pow(std::clamp(0.5 * one_minus_cos, 0.0, 1.0), 1 / k);
-    const bool unit = std::abs(sin2 + static_cast<double>(w.z) * w.z - 1) < 1e-3;
-    if (!unit) return Vec2f(-1, -1);
-    return Vec2f(static_cast<float>(azimuth < 0 ? azimuth + 1 : azimuth), static_cast<float>(y));
+    const std::optional<Vec3f> w = sample(rng);
+    if (!w) return std::nullopt;
+    return map.locate(*w);
   };
   const Plane density = [&](double x, double y) {
-    const double one_minus_cos = 2 * std::pow(y, k), phi = two_pi * x;
-    const double r = std::sqrt(std::max(0.0, one_minus_cos * (2 - one_minus_cos)));
-    const Vec3f local(static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)),
-                      static_cast<float>(1 - one_minus_cos));
-    return checked(pdf(frame.to_world(local))) * 2 * two_pi * k * std::pow(y, k - 1);
+    return checked(pdf(map.direction(x, y))) * map.solid_angle_per_area(y);
   };
   return run(locate, density, options);
+}
+
+double integrate_sphere(const std::function<double(const Vec3f&)>& f, const Frame& frame, double pole_exponent) {
+  const SphereMap map{frame, pole_exponent};
+  const Plane density = [&](double x, double y) { return f(map.direction(x, y)) * map.solid_angle_per_area(y); };
+  constexpr int kCells = 16;
+  constexpr double kWidth = 1.0 / kCells;
+  double sum = 0;
+  for (int y = 0; y < kCells; ++y) {
+    for (int x = 0; x < kCells; ++x) {
+      sum += integrate_rectangle(density, {x * kWidth, (x + 1) * kWidth}, {y * kWidth, (y + 1) * kWidth}, 1e-6);
+    }
+  }
+  return sum;
 }
 
 // DLMF 8.7.1 (series for the lower function) below the turning point, the continued fraction 8.9.2 by the modified

@@ -1,0 +1,64 @@
+// Diffuse reflection of the Disney BSDF 2015 in its two parts (Burley 2015, section 3, "diffuse model refactoring"):
+//
+//   lambert  (1/pi)(1-.5F_L)(1-.5F_V)                       what subsurface scattering replaces
+//   retro    (1/pi) R_R (F_L + F_V + F_L F_V (R_R - 1))     stays at the surface, R_R = 2 roughness cos^2(theta_d)
+//
+// F_x = (1 - cos x)^5. Their sum is Burley 2012's diffuse (1/pi)(1+(F_D90-1)F_L)(1+(F_D90-1)F_V), F_D90 = .5 + R_R.
+// f has no cosine; pdf per solid angle. Reciprocal. The retro part may carry the total above one at grazing angles and
+// high roughness: a property of the published model, which is not altered here.
+#pragma once
+
+#include "core/material/fresnel.h"
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+
+/// Attenuation of refraction through the surface, either way: 1 - .5 F.
+inline float diffuse_transmittance(float cos_theta) {
+  return 1 - 0.5f * schlick_weight(cos_theta);
+}
+
+struct DisneyDiffuse {
+  Rgb lambert_color{0.0f};  // zero in a channel that scatters
+  Rgb retro_color{0.0f};
+  float roughness = 0;
+
+  /// The two parts without colour. wo.z, wi.z > 0.
+  static float lambert(const Vec3f& wo, const Vec3f& wi) {
+    return kInvPi * diffuse_transmittance(wo.z) * diffuse_transmittance(wi.z);
+  }
+  static float retro(const Vec3f& wo, const Vec3f& wi, float roughness) {
+    const float fl = schlick_weight(wi.z), fv = schlick_weight(wo.z);
+    // 2 cos^2(theta_d) = 1 + cos(2 theta_d).
+    const float rr = roughness * std::clamp(1 + dot(wo, wi), 0.0f, 2.0f);
+    // F_L + F_V - F_L F_V is a union of probabilities: never negative, so neither is the sum.
+    return kInvPi * rr * (fl + fv * (1 - fl) + rr * fl * fv);
+  }
+
+  Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
+    if (!(wo.z > 0 && wi.z > 0)) return Rgb(0.0f);
+    return lambert_color * lambert(wo, wi) + retro_color * retro(wo, wi, roughness);
+  }
+  float pdf(const Vec3f&, const Vec3f& wi) const { return pdf_cosine_hemisphere(wi); }
+  std::optional<Vec3f> sample(const Vec3f&, const Vec2f& u) const { return sample_cosine_hemisphere(u); }
+
+  /// Directional albedo, exact: Int f wi.z dwi.
+  Rgb albedo(const Vec3f& wo) const {
+    return lambert_color * lambert_albedo(wo.z) + retro_color * retro_albedo(wo.z, roughness);
+  }
+  /// (1-.5F_V)(1-1/42), for 2 Int_0^1 c (1-c)^5 dc = 1/21.
+  static float lambert_albedo(float cos_o) { return diffuse_transmittance(cos_o) * (41.0f / 42.0f); }
+  static float retro_albedo(float cos_o, float roughness);
+};
+
+/// With wi.wo = co ci + so si cos(phi), the azimuthal means are <R_R> = r(1 + co ci) and
+/// <R_R^2> = r^2((1 + co ci)^2 + so^2 si^2 / 2); what remains are moments M_n = 2 Int_0^1 c^n (1-c)^5 dc = 2 B(n+1, 6).
+inline float DisneyDiffuse::retro_albedo(float cos_o, float roughness) {
+  constexpr float m1 = 1.0f / 21, m2 = 1.0f / 84, m3 = 1.0f / 252;
+  const float fv = schlick_weight(cos_o), c2 = sqr(cos_o);
+  const float linear = (1 - fv) * (m1 + cos_o * m2) + fv * (1 + cos_o * (2.0f / 3));
+  const float square = fv * (m1 + 2 * cos_o * m2 + c2 * m3 + 0.5f * (1 - c2) * (m1 - m3));
+  return roughness * (linear + roughness * square);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,65 @@
+// Specular reflection: anisotropic GGX with separable Smith masking, F D G1(wo) G1(wi) / (4 wo.z wi.z) (Burley 2012,
+// section 5.4 and addendum; Burley 2015 uses alpha in G without the remapping of 2012).
+// f has no cosine; pdf per solid angle. Reciprocal; energy <= 1, for f wi.z / pdf = F G1(wi) <= 1.
+#pragma once
+
+#include "core/material/disney_parameters.h"
+#include "core/material/fresnel.h"
+#include "core/material/microfacet.h"
+
+namespace alabaster {
+
+struct DisneySpecular {
+  Rgb f0{0.0f}, f90{0.0f};
+  Ggx ggx;
+
+  static DisneySpecular from(const DisneyParameters& p);
+
+  Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
+    const auto wm = facing(wo, wi);
+    if (!wm) return Rgb(0.0f);
+    return schlick(f0, f90, dot(wo, *wm)) * (0.25f * ggx.d(*wm) * ggx.g1_over_cos(wo) * ggx.g1_over_cos(wi));
+  }
+  /// Visible normals reflected: D_v(wm) / (4 wo.wm), in which wo.wm cancels.
+  float pdf(const Vec3f& wo, const Vec3f& wi) const {
+    const auto wm = facing(wo, wi);
+    return wm ? 0.25f * ggx.d(*wm) * ggx.g1_over_cos(wo) : 0;
+  }
+  /// Empty where the reflected direction goes below the horizon: light that a further bounce between facets would
+  /// carry.
+  std::optional<Vec3f> sample(const Vec3f& wo, const Vec2f& u) const {
+    const Vec3f wi = normalize(reflect_about(wo, ggx.sample(wo, u)));
+    if (!(wi.z > 0)) return std::nullopt;
+    return wi;
+  }
+
+  /// Estimate of the directional albedo: Schlick at wo, but at least its hemispherical mean 1/21, which a rough facet
+  /// sees even at normal view.
+  Rgb albedo(const Vec3f& wo) const { return lerp(f0, f90, std::max(schlick_weight(wo.z), 1.0f / 21)); }
+
+ private:
+  static std::optional<Vec3f> facing(const Vec3f& wo, const Vec3f& wi) {
+    if (!(wo.z > 0 && wi.z > 0)) return std::nullopt;
+    return half_vector(wo, wi);
+  }
+};
+
+/// Dielectric f0 by ior, tinted by base colour (specularTint) and by KHR_materials_specular:
+/// f0 = min(1, f0_ior tint specularColor) specular, f90 = specular; metallic blends to (baseColor, 1).
+/// Schlick's f90 = 1 would leave a grazing reflection on a surface of ior 1, which has none: below f0_ior = 0.02
+/// (ior 1.33) f90 falls with f0_ior (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 3.1.3).
+inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
+  const float f0_ior = f0_from_ior(p.ior);
+  const Rgb tinted = lerp(Rgb(1.0f), tint(p.base_color), p.specular_tint) * f0_ior * p.specular_color;
+  const Rgb dielectric_f0 = clamp01(tinted) * p.specular;
+  const Rgb dielectric_f90 = Rgb(p.specular * std::min(1.0f, 50 * f0_ior));
+  DisneySpecular lobe;
+  lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
+  lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
+  // Burley 2012, section 5.4: alpha = roughness^2, stretched to a ratio of at most 10.
+  const float aspect = std::sqrt(1 - 0.9f * p.anisotropic), alpha = sqr(p.roughness);
+  lobe.ggx = {std::max(kMinAlpha, alpha / aspect), std::max(kMinAlpha, alpha * aspect)};
+  return lobe;
+}
+
+}  // namespace alabaster

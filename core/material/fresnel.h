@@ -1,0 +1,46 @@
+// Schlick's approximation of Fresnel reflectance, and what it is fed.
+#pragma once
+
+#include <algorithm>
+
+#include "core/color/rgb.h"
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+/// (1 - cos)^5 (Schlick 1994, "An Inexpensive BRDF Model for Physically-Based Rendering"), in [0,1] for any finite
+/// cosine.
+inline float schlick_weight(float cos_theta) {
+  const float m = std::clamp(1 - cos_theta, 0.0f, 1.0f);
+  const float m2 = m * m;
+  return m2 * m2 * m;
+}
+
+/// From f0 at normal to f90 at grazing incidence.
+inline Rgb schlick(const Rgb& f0, const Rgb& f90, float cos_theta) {
+  return lerp(f0, f90, schlick_weight(cos_theta));
+}
+
+/// ((ior-1)/(ior+1))^2: reflectance at normal incidence of a dielectric in air, ior >= 1.
+inline float f0_from_ior(float ior) {
+  return sqr((ior - 1) / (ior + 1));
+}
+
+/// The hue and saturation of a colour at luminance one (Burley 2012; the luminance weights .3, .6, .1 are those of the
+/// published model and belong to its look). White for black.
+inline Rgb tint(const Rgb& color) {
+  const float y = 0.3f * color.r + 0.6f * color.g + 0.1f * color.b;
+  return y > 0 ? Rgb(color.r / y, color.g / y, color.b / y) : Rgb(1.0f);
+}
+
+inline Rgb clamp01(const Rgb& c) {
+  return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
+}
+
+/// What lobes are weighed by when one is chosen: the plain mean, because weights by luminance leave a blue lobe with
+/// samples fourteen times too heavy.
+inline float choice_weight(const Rgb& c) {
+  return (c.r + c.g + c.b) * (1.0f / 3.0f);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,71 @@
+// Distributions of microfacet normals wm: D per projected area, so that Int D(wm) wm.z dwm = 1. All directions unit,
+// local frame, z up. Sampling comes with pdf (per solid angle of wm) and inverse.
+#pragma once
+
+#include <optional>
+
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+/// The sharpest GGX that is evaluated; roughness 0 becomes this. At 1e-4 the direction of a half vector in float (6e-8)
+/// still resolves the lobe to a thousandth of its width, and D <= 1/(pi 1e-8) = 3.2e7 leaves room for every product.
+inline constexpr float kMinAlpha = 1e-4f;
+
+/// wm between wi and wo; empty if they are (nearly) opposite, where it has no direction.
+inline std::optional<Vec3f> half_vector(const Vec3f& wo, const Vec3f& wi) {
+  const Vec3f sum = wo + wi;
+  const float l2 = dot(sum, sum);
+  if (!(l2 > 1e-30f)) return std::nullopt;
+  return sum * (1 / std::sqrt(l2));
+}
+
+inline Vec3f reflect_about(const Vec3f& wo, const Vec3f& wm) {
+  return wm * (2 * dot(wo, wm)) - wo;
+}
+
+/// Anisotropic GGX / Trowbridge-Reitz, Burley's GTR with exponent 2 (Burley 2012, appendix B.2, eq. 13).
+struct Ggx {
+  float alpha_x = 1, alpha_y = 1;  // >= kMinAlpha
+
+  float d(const Vec3f& wm) const {
+    if (!(wm.z > 0)) return 0;
+    const float e = sqr(wm.x / alpha_x) + sqr(wm.y / alpha_y) + sqr(wm.z);
+    return 1 / (kPi * alpha_x * alpha_y * e * e);
+  }
+
+  /// Smith's masking over the cosine, G1(w) / w.z, which stays finite where G1 alone would be divided by nothing:
+  /// 2 / (cos + sqrt(cos^2 + (alpha_x x)^2 + (alpha_y y)^2)) (Burley 2012, section 5.6 and Walter et al. 2007, eq. 34).
+  float g1_over_cos(const Vec3f& w) const {
+    return 2 / (w.z + std::sqrt(sqr(w.z) + sqr(alpha_x * w.x) + sqr(alpha_y * w.y)));
+  }
+  float g1(const Vec3f& w) const { return w.z * g1_over_cos(w); }
+
+  /// Density of the normals visible from wo: D(wm) G1(wo) max(0, wo.wm) / wo.z (Heitz 2018, eq. 3).
+  float pdf(const Vec3f& wo, const Vec3f& wm) const { return d(wm) * g1_over_cos(wo) * std::max(0.0f, dot(wo, wm)); }
+
+  /// Heitz 2018, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4). wo.z > 0.
+  Vec3f sample(const Vec3f& wo, const Vec2f& u) const;
+  Vec2f invert(const Vec3f& wo, const Vec3f& wm) const;
+};
+
+/// GTR with exponent 1, isotropic: Berry's distribution, the long tail of the clearcoat (Burley 2012, appendix B.2,
+/// eq. 4). 0 < alpha < 1.
+struct Gtr1 {
+  float alpha = 0.1f;
+
+  float d(const Vec3f& wm) const {
+    if (!(wm.z > 0)) return 0;
+    const float a2 = sqr(alpha);
+    // 1 + (a^2 - 1) cos^2 without the cancellation at the peak.
+    const float t = sqr(wm.x) + sqr(wm.y) + a2 * sqr(wm.z);
+    return (a2 - 1) / (kPi * std::log(a2) * t);
+  }
+  float pdf(const Vec3f& wm) const { return d(wm) * std::max(0.0f, wm.z); }
+
+  /// Burley 2012, appendix B.2, eq. 5: cos^2 = (1 - (a^2)^(1-u)) / (1 - a^2).
+  Vec3f sample(const Vec2f& u) const;
+  Vec2f invert(const Vec3f& wm) const;
+};
+
+}  // namespace alabaster
