@@ -2,25 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 namespace alabaster {
+namespace {
 
-Distribution1D::Distribution1D(std::vector<float> weights) : weights_(std::move(weights)) {
-  const size_t n = weights_.size();
-  for (float w : weights_) sum_ += w;
-  if (!(sum_ > 0)) {
-    std::fill(weights_.begin(), weights_.end(), 1.0f);
-    sum_ = 0;
-  }
-  const double total = sum_ > 0 ? sum_ : static_cast<double>(n);
-  cdf_.resize(n + 1);
+// Random numbers come in steps of 2^-24; float holds every multiple of it in [0, 1].
+constexpr int64_t kSteps = int64_t(1) << 24;
+
+}  // namespace
+
+Distribution1D::Distribution1D(const std::vector<float>& weights) {
+  for (float w : weights) sum_ += w;
+  if (weights.empty()) return;
+  const bool uniform = !(sum_ > 0);
+  const auto weight = [&](size_t i) { return uniform ? 1.0 : static_cast<double>(weights[i]); };
+  const double total = uniform ? static_cast<double>(weights.size()) : sum_;
+  int64_t positive = 0;
+  for (size_t i = 0; i < weights.size(); ++i) positive += weight(i) > 0 ? 1 : 0;
+  const int64_t least = positive <= kSteps ? 1 : 0;
+
+  cdf_.resize(weights.size() + 1);
+  int64_t steps = 0, left = positive;
   double running = 0;
-  for (size_t i = 0; i < n; ++i) {
-    cdf_[i] = static_cast<float>(running / total);
-    running += weights_[i];
+  for (size_t i = 0; i < weights.size(); ++i) {
+    if (weight(i) > 0) {
+      running += weight(i);
+      --left;
+      const int64_t ideal = left == 0 ? kSteps : std::llround(running / total * static_cast<double>(kSteps));
+      steps = std::max(steps + least, std::min(ideal, kSteps - left * least));
+    }
+    cdf_[i + 1] = static_cast<float>(steps) / static_cast<float>(kSteps);
   }
-  if (n > 0) cdf_[n] = 1;
 }
 
 float Distribution1D::probability(size_t index) const {
@@ -28,35 +41,43 @@ float Distribution1D::probability(size_t index) const {
 }
 
 Distribution1D::Sample Distribution1D::sample(float u) const {
-  // Last cell whose lower bound is <= u and that has width: cells of weight zero are never chosen.
-  const auto above = std::upper_bound(cdf_.begin(), cdf_.end() - 1, u);
-  auto index = static_cast<size_t>(above - cdf_.begin()) - 1;
-  while (index > 0 && probability(index) == 0) --index;
-  while (index + 1 < size() && probability(index) == 0) ++index;
+  // The cell whose range holds u: the last whose lower bound is <= u, so never one without width.
+  u = std::clamp(u, 0.0f, kOneMinusEpsilon);
+  const auto above = std::upper_bound(cdf_.begin(), cdf_.end(), u);
   Sample s;
-  s.index = index;
-  const float width = probability(index);
-  s.remapped = std::clamp((u - cdf_[index]) / width, 0.0f, kOneMinusEpsilon);
-  s.x = std::min((static_cast<float>(index) + s.remapped) / static_cast<float>(size()), kOneMinusEpsilon);
+  s.index = static_cast<size_t>(above - cdf_.begin()) - 1;
+  const float width = probability(s.index);
+  // u stands for its whole step: its middle, or a narrow cell would only ever give its lower end.
+  s.remapped = std::min((u - cdf_[s.index] + 0.5f / static_cast<float>(kSteps)) / width, kOneMinusEpsilon);
+  s.x = std::min((static_cast<float>(s.index) + s.remapped) / static_cast<float>(size()), kOneMinusEpsilon);
+  while (cell_of(s.x) < s.index) s.x = std::nextafter(s.x, 1.0f);
+  while (cell_of(s.x) > s.index) s.x = std::nextafter(s.x, 0.0f);
   s.pdf = width * static_cast<float>(size());
   return s;
 }
 
+size_t Distribution1D::cell_of(float x) const {
+  return std::min(static_cast<size_t>(std::max(0.0f, x * static_cast<float>(size()))), size() - 1);
+}
+
 float Distribution1D::pdf(float x) const {
-  const auto n = static_cast<float>(size());
-  const auto index = std::min(static_cast<size_t>(std::max(0.0f, x * n)), size() - 1);
-  return probability(index) * n;
+  return probability(cell_of(x)) * static_cast<float>(size());
 }
 
 Distribution2D::Distribution2D(const std::vector<float>& weights, size_t width, size_t height) {
-  std::vector<float> sums(height);
+  std::vector<double> sums(height);
   rows_.reserve(height);
   for (size_t y = 0; y < height; ++y) {
     const auto begin = weights.begin() + static_cast<std::ptrdiff_t>(y * width);
     rows_.emplace_back(std::vector<float>(begin, begin + static_cast<std::ptrdiff_t>(width)));
-    sums[y] = static_cast<float>(rows_.back().sum());
+    sums[y] = rows_.back().sum();
   }
-  marginal_ = Distribution1D(std::move(sums));
+  // Relative to the largest: a sum of floats may leave their range.
+  const double largest = sums.empty() ? 0 : *std::max_element(sums.begin(), sums.end());
+  std::vector<float> marginal(height, 0.0f);
+  for (size_t y = 0; y < height && largest > 0; ++y)
+    marginal[y] = sums[y] > 0 ? std::max(static_cast<float>(sums[y] / largest), std::numeric_limits<float>::min()) : 0;
+  marginal_ = Distribution1D(marginal);
 }
 
 Vec2f Distribution2D::sample(const Vec2f& u, float* pdf) const {

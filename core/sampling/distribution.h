@@ -1,4 +1,8 @@
 // Piecewise-constant distributions over [0,1) and [0,1)^2.
+//
+// Random numbers have 24 bits (to_unit_float), so the probabilities are whole multiples of 2^-24: what probability()
+// says is then exactly how often a cell is chosen, and every cell of positive weight keeps at least one such step
+// (unless there are more cells than steps).
 #pragma once
 
 #include <cstddef>
@@ -8,14 +12,15 @@
 
 namespace alabaster {
 
-/// Weights must be finite and >= 0; if their sum is zero the distribution is uniform.
+/// Weights must be finite and >= 0; if their sum is zero the distribution is uniform. Without weights it is empty and
+/// may not be sampled.
 class Distribution1D {
  public:
   Distribution1D() = default;
-  explicit Distribution1D(std::vector<float> weights);
+  explicit Distribution1D(const std::vector<float>& weights);
 
   struct Sample {
-    float x = 0;         // in [0,1)
+    float x = 0;         // in [0,1), and in the cell: pdf(x) == pdf
     float pdf = 0;       // density at x
     size_t index = 0;    // cell
     float remapped = 0;  // u rescaled within the cell, in [0,1): may be used again
@@ -24,11 +29,12 @@ class Distribution1D {
   float pdf(float x) const;
   /// Probability of a cell.
   float probability(size_t index) const;
+  /// Of the weights as given.
   double sum() const { return sum_; }
-  size_t size() const { return weights_.size(); }
+  size_t size() const { return cdf_.empty() ? 0 : cdf_.size() - 1; }
 
  private:
-  std::vector<float> weights_;
+  size_t cell_of(float x) const;
   std::vector<float> cdf_;  // size()+1 entries, 0 .. 1
   double sum_ = 0;
 };

@@ -31,18 +31,23 @@ Vec2f invert_concentric_disk(const Vec2f& d) {
     b = -r;
     a = -(phi - 1.5f * kPi) * b * 4 * kInvPi;
   }
-  return {0.5f * (a + 1), 0.5f * (b + 1)};
+  const auto unit = [](float x) { return std::clamp(0.5f * (x + 1), 0.0f, 1.0f); };
+  return {unit(a), unit(b)};
 }
 
 namespace {
 float azimuth01(const Vec3f& w) {
   const float phi = std::atan2(w.y, w.x) / kTwoPi;
-  return phi < 0 ? phi + 1 : phi;
+  return phi < 0 ? std::min(phi + 1, kOneMinusEpsilon) : phi;
+}
+// 1 - cos, from the sine where the cosine cancels.
+float one_minus_cos(const Vec3f& w) {
+  return w.z > 0 ? (w.x * w.x + w.y * w.y) / (1 + w.z) : 1 - w.z;
 }
 }  // namespace
 
 Vec2f invert_uniform_sphere(const Vec3f& w) {
-  return {0.5f * (1 - w.z), azimuth01(w)};
+  return {std::min(0.5f * one_minus_cos(w), 1.0f), azimuth01(w)};
 }
 
 Vec3f sample_uniform_cone(const Vec2f& u, float one_minus_cos_max) {
@@ -52,10 +57,7 @@ Vec3f sample_uniform_cone(const Vec2f& u, float one_minus_cos_max) {
 }
 
 Vec2f invert_uniform_cone(const Vec3f& w, float one_minus_cos_max) {
-  // 1 - cos from the sine where the cosine cancels.
-  const float sin2 = w.x * w.x + w.y * w.y;
-  const float one_minus_z = w.z > 0 ? sin2 / (1 + w.z) : 1 - w.z;
-  return {one_minus_z / one_minus_cos_max, azimuth01(w)};
+  return {std::min(one_minus_cos(w) / one_minus_cos_max, 1.0f), azimuth01(w)};
 }
 
 Vec2f sample_uniform_triangle(const Vec2f& u) {

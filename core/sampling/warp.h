@@ -1,4 +1,5 @@
 // Warps come in triples: sample(u), pdf(value), invert(value). Directions are unit, local z up; pdfs per solid angle.
+// u in [0,1)^2; on the very edge of it a cosine-weighted direction may lie in the plane (pdf 0): check before dividing.
 #pragma once
 
 #include "core/math/vector.h"
@@ -25,7 +26,8 @@ inline Vec2f invert_cosine_hemisphere(const Vec3f& w) {
 }
 
 inline Vec3f sample_uniform_sphere(const Vec2f& u) {
-  const float z = 1 - 2 * u.x, r = safe_sqrt(1 - z * z), phi = kTwoPi * u.y;
+  // r = sqrt(1 - z^2) without cancellation near the poles.
+  const float z = 1 - 2 * u.x, r = 2 * safe_sqrt(u.x * (1 - u.x)), phi = kTwoPi * u.y;
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 inline float pdf_uniform_sphere() {

@@ -1,0 +1,73 @@
+#include "core/light/distant_light.h"
+
+#include <limits>
+
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+constexpr double kPiDouble = 3.14159265358979323846;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+// Half angles (radians) below the spacing of float directions cannot be told from zero.
+constexpr double kMinHalfAngle = 0x1p-23;
+
+// UsdLux's size factor: the irradiance a unit radiance gives on a facing plane (for cones beyond a hemisphere, on both
+// sides of it together).
+double size_factor(double half_angle) {
+  const double sin2 = std::sin(half_angle) * std::sin(half_angle);
+  return kPiDouble * (half_angle <= 0.5 * kPiDouble ? sin2 : 2 - sin2);
+}
+
+}  // namespace
+
+DistantLight::DistantLight(const LightDescription& description, const Vec3d& /*render_origin*/) {
+  const Matrix4d& m = description.light_to_world;
+  if (!is_valid_affine(m) || !std::isfinite(description.angle)) return;
+  const Vec3d towards = transform_vector(Vec3d(0, 0, 1), m);
+  if (!std::isfinite(dot(towards, towards)) || !(dot(towards, towards) > 0)) return;
+  direction_ = to_float(towards * (1 / length(towards)));
+
+  const double half_angle = std::clamp(static_cast<double>(description.angle), 0.0, 360.0) * (kPiDouble / 360);
+  const Rgb emitted = emission(description);
+  if (half_angle < kMinHalfAngle) {
+    const bool is_irradiance = description.normalize || half_angle == 0;
+    radiance_ = finite_or_black(emitted, is_irradiance ? 1 : size_factor(half_angle));
+    return;
+  }
+  const double s = std::sin(0.5 * half_angle);
+  one_minus_cos_ = static_cast<float>(2 * s * s);
+  radiance_ = finite_or_black(emitted, description.normalize ? 1 / size_factor(half_angle) : 1);
+}
+
+std::optional<LightSample> DistantLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
+  if (is_black(radiance_)) return std::nullopt;
+  LightSample s;
+  s.distance = kInfinity;
+  s.radiance = radiance_;
+  s.delta = is_delta();
+  s.wi = s.delta ? direction_ : frame_from_normal(direction_).to_world(sample_uniform_cone(u, one_minus_cos_));
+  s.pdf = s.delta ? 1 : pdf_uniform_cone(one_minus_cos_);
+  return s;
+}
+
+std::optional<LightHit> DistantLight::intersect(const Ray& ray) const {
+  if (is_black(radiance_) || is_delta()) return std::nullopt;
+  const Vec3d direction(ray.dir);
+  // |a - b|^2 = 2 (1 - cos) for unit vectors: no cancellation for narrow cones.
+  const Vec3d apart = direction * (1 / length(direction)) - Vec3d(direction_);
+  if (!(0.5 * dot(apart, apart) <= one_minus_cos_)) return std::nullopt;
+  LightHit hit;
+  hit.t = kInfinity;
+  hit.radiance = radiance_;
+  hit.pdf = pdf_uniform_cone(one_minus_cos_);
+  return hit;
+}
+
+float DistantLight::power(float scene_radius) const {
+  const double disk = kPiDouble * scene_radius * scene_radius;
+  return representable_power(radiance_, is_delta() ? disk : disk * 2 * kPiDouble * one_minus_cos_);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/light/light_description.h"
+
+namespace alabaster {
+
+/// Light from infinity along local -z, filling a cone of the angular diameter (UsdLuxDistantLight). Only the direction
+/// of the transform counts. A cone too narrow for float directions to resolve is a delta of the same irradiance.
+class DistantLight {
+ public:
+  DistantLight(const LightDescription& description, const Vec3d& render_origin);
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  /// A delta is never hit.
+  std::optional<LightHit> intersect(const Ray& ray) const;
+  /// What enters a sphere of that radius.
+  float power(float scene_radius) const;
+  bool is_delta() const { return one_minus_cos_ == 0; }
+
+ private:
+  Vec3f direction_{0, 0, 1};  // unit, towards the light
+  float one_minus_cos_ = 0;   // of half the angle
+  Rgb radiance_{0.0f};        // or irradiance for a delta
+};
+
+}  // namespace alabaster

@@ -1,0 +1,29 @@
+#include "core/light/light_description.h"
+
+#include <limits>
+
+namespace alabaster {
+
+Rgb finite_or_black(const Rgb& color, double scale) {
+  Rgb scaled;
+  for (int i = 0; i < 3; ++i) {
+    const double channel = std::max(0.0, color[i] * scale);
+    if (!(channel <= std::numeric_limits<float>::max()) || !std::isfinite(color[i] * scale)) return Rgb(0.0f);
+    scaled[i] = static_cast<float>(channel);
+  }
+  return scaled;
+}
+
+Rgb emission(const LightDescription& description) {
+  return finite_or_black(description.color,
+                         description.intensity * std::exp2(static_cast<double>(description.exposure)));
+}
+
+float representable_power(const Rgb& radiance, double scale) {
+  if (is_black(radiance) || !(scale > 0)) return 0;
+  using Limits = std::numeric_limits<float>;
+  const double power = static_cast<double>(luminance(radiance)) * scale;
+  return static_cast<float>(std::clamp<double>(power, Limits::min(), Limits::max()));
+}
+
+}  // namespace alabaster

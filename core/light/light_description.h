@@ -1,0 +1,75 @@
+// What all lights share: the description a scene gives, and the answers every light gives.
+//
+// Units follow UsdLux: `intensity` is a radiance (nits when the scene is calibrated so) scaled by 2^exposure; see
+// emission(). Everything after construction is in render space; pdfs are per solid angle at the reference point.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/color/rgb.h"
+#include "core/math/ray.h"
+#include "core/math/transform.h"
+#include "core/texture/texture.h"
+
+namespace alabaster {
+
+/// What sample() gives. Always finite and worth tracing: pdf > 0 and some radiance; otherwise sample() is empty.
+struct LightSample {
+  Vec3f wi{0, 0, 1};   // unit, from the reference point to the light
+  float distance = 0;  // to the sampled point; infinity for distant and dome
+  Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
+  float pdf = 0;       // per solid angle; 1 for delta lights
+  bool delta = false;
+};
+
+/// What intersect() gives. ray.dir need not be unit and ray.tmax is not looked at (LightSet does).
+struct LightHit {
+  float t = 0;         // along the ray, in units of |dir|; infinity for distant and dome
+  Rgb radiance{0.0f};  // emitted towards the ray's origin
+  float pdf = 0;       // that sample() would have had for this direction from the ray's origin
+};
+
+enum class LightType { rect, sphere, distant, dome };
+
+/// A light as the scene gives it (before placement in render space).
+///
+/// Bad values never spread: a transform that is not finite, not affine or not invertible, a width or height of
+/// zero, and an emission that is negative (per channel), not finite or not representable make a light that gives no
+/// light and is never sampled. The sign of a size is ignored.
+struct LightDescription {
+  LightType type = LightType::rect;
+  Matrix4d light_to_world;  // lights emit down their local -z (rect, distant); scale applies to sizes
+  Rgb color{1.0f};
+  float intensity = 1;
+  float exposure = 0;  // stops
+  /// Power independent of size, by UsdLux's size factors: the radiance is divided by the world-space area (rect
+  /// w*h, sphere 4 pi r^2) or, distant, by pi sin^2(angle/2) (beyond a hemisphere pi (2 - sin^2)), which makes
+  /// color*intensity the irradiance on a plane facing the light. Ignored by domes and point lights.
+  bool normalize = false;
+  float width = 1, height = 1;  // rect
+  float radius = 0.5f;          // sphere; under a transform that scales unevenly the sphere keeps its volume
+  /// sphere: a point light; then (and for radius 0) `intensity` is radiant intensity (candela-like), whatever the
+  /// radius: irradiance at distance d is intensity / d^2.
+  bool treat_as_point = false;
+  float angle = 0.53f;  // distant: angular diameter in degrees; 0: delta, color*intensity is then irradiance
+  float cone_inner = 180, cone_outer = 180;  // spot shaping of a sphere light about -z, half angles in degrees;
+                                             // smooth between them as KHR_lights_punctual defines
+  std::shared_ptr<const Texture> texture;    // dome: lat-long, USD's orientation (see dome_light.h)
+  bool visible_to_camera = false;
+};
+
+/// color * intensity * 2^exposure, negative channels cut to zero; black if that is not finite.
+Rgb emission(const LightDescription& description);
+
+/// Light given as double to the float that is stored: black if any channel is not finite.
+Rgb finite_or_black(const Rgb& color, double scale);
+
+/// A power for the choice of light: 0 for none, else positive and finite even where the product over- or underflows.
+float representable_power(const Rgb& radiance, double scale);
+
+inline Vec3f to_float(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+}  // namespace alabaster

@@ -1,0 +1,81 @@
+#include "core/light/mesh_light.h"
+
+#include <limits>
+
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+constexpr double kPiDouble = 3.14159265358979323846;
+
+// Twice the area, along the normal.
+Vec3d area_vector(const MeshLight::Triangle& t) {
+  const Vec3d p0(t.p0);
+  return cross(Vec3d(t.p1) - p0, Vec3d(t.p2) - p0);
+}
+
+}  // namespace
+
+MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids)
+    : instance_(instance), triangles_(std::move(triangles)) {
+  std::vector<double> powers(triangles_.size());
+  double largest = 0;
+  for (size_t i = 0; i < triangles_.size(); ++i) {
+    Triangle& t = triangles_[i];
+    t.radiance = finite_or_black(t.radiance, 1);
+    const double area = 0.5 * length(area_vector(t));
+    powers[i] = std::isfinite(area) ? area * static_cast<double>(luminance(t.radiance)) : 0;
+    largest = std::max(largest, powers[i]);
+    power_ += 2 * kPiDouble * powers[i];
+  }
+  std::vector<float> weights(triangles_.size(), 0.0f);
+  for (size_t i = 0; i < weights.size() && largest > 0; ++i) weights[i] = static_cast<float>(powers[i] / largest);
+  distribution_ = Distribution1D(weights);
+  const size_t known = std::min(triangle_ids.size(), triangles_.size());
+  for (size_t i = 0; i < known; ++i) {
+    if (triangle_ids[i] >= index_of_triangle_.size()) index_of_triangle_.resize(triangle_ids[i] + size_t(1), ~0u);
+    index_of_triangle_[triangle_ids[i]] = static_cast<uint32_t>(i);
+  }
+}
+
+// Area to solid angle: P / A * d^2 / |cos|; the area vector n has length 2A, so A |cos| = |n . wi| / 2.
+float MeshLight::pdf_of_entry(size_t entry, const Vec3d& wi, double distance) const {
+  const double facing = 0.5 * std::abs(dot(area_vector(triangles_[entry]), wi));
+  const auto pdf =
+      static_cast<float>(static_cast<double>(distribution_.probability(entry)) * distance * distance / facing);
+  return facing > 0 && std::isfinite(pdf) ? pdf : 0;
+}
+
+std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u) const {
+  if (!(power_ > 0)) return std::nullopt;
+  const auto chosen = distribution_.sample(u.x);
+  const Triangle& t = triangles_[chosen.index];
+  const Vec2f b = sample_uniform_triangle({chosen.remapped, u.y});
+  const double b0 = b.x, b1 = b.y;
+  const Vec3d to_light = Vec3d(t.p0) * b0 + Vec3d(t.p1) * b1 + Vec3d(t.p2) * (1 - b0 - b1) - Vec3d(p);
+  const double distance = length(to_light);
+  if (!(distance > 0)) return std::nullopt;
+  const Vec3d wi = to_light * (1 / distance);
+  LightSample s;
+  s.wi = to_float(wi);
+  s.distance = static_cast<float>(distance);
+  s.radiance = t.radiance;
+  s.pdf = pdf_of_entry(chosen.index, wi, distance);
+  if (!(s.pdf > 0)) return std::nullopt;
+  return s;
+}
+
+float MeshLight::pdf(uint32_t triangle_id, const Vec3f& wi, float t) const {
+  if (!(power_ > 0) || triangle_id >= index_of_triangle_.size()) return 0;
+  const uint32_t entry = index_of_triangle_[triangle_id];
+  return entry == ~0u ? 0 : pdf_of_entry(entry, Vec3d(wi), t);
+}
+
+float MeshLight::power(float /*scene_radius*/) const {
+  if (!(power_ > 0)) return 0;
+  using Limits = std::numeric_limits<float>;
+  return static_cast<float>(std::clamp<double>(power_, Limits::min(), Limits::max()));
+}
+
+}  // namespace alabaster

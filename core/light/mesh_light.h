@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "core/light/light_description.h"
+#include "core/sampling/distribution.h"
+
+namespace alabaster {
+
+/// Emissive triangles of one instance: one is chosen by area times luminance, then a point uniformly on it. Triangles
+/// without area, with points that are not finite, or that emit nothing are never chosen.
+class MeshLight {
+ public:
+  struct Triangle {
+    Vec3f p0, p1, p2;  // render space
+    Rgb radiance;      // both sides; negative or not finite counts as black
+  };
+  /// `triangle_ids[i]`: which triangle of the mesh `triangles[i]` is. Same length.
+  MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids);
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  /// pdf of sampling the point where a ray from `p` with unit `wi` met triangle `triangle_id` at distance t; 0 for
+  /// triangles that are never chosen or not of this light.
+  float pdf(uint32_t triangle_id, const Vec3f& wi, float t) const;
+  float power(float scene_radius) const;
+  uint32_t instance() const { return instance_; }
+
+ private:
+  float pdf_of_entry(size_t entry, const Vec3d& wi, double distance) const;
+
+  uint32_t instance_;
+  std::vector<Triangle> triangles_;
+  std::vector<uint32_t> index_of_triangle_;  // mesh triangle -> entry, or ~0u
+  Distribution1D distribution_;              // by area times luminance
+  double power_ = 0;
+};
+
+}  // namespace alabaster

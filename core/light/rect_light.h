@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/light/light_description.h"
+
+namespace alabaster {
+
+/// A rectangle in the local xy plane about the origin, emitting down local -z only (UsdLuxRectLight).
+///
+/// Directions are drawn uniformly over the solid angle of the rectangle (Urena, Fajardo, King 2013, "An Area-Preserving
+/// Parametrization for Spherical Rectangles"), so that sample weights stay bounded however near the point is. Where
+/// that solid angle is too small to be told from the rounding of angles, and where a shear has made the rectangle a
+/// parallelogram, points are drawn uniformly over the area instead.
+class RectLight {
+ public:
+  RectLight(const LightDescription& description, const Vec3d& render_origin);
+  /// Empty for points behind or in the plane of the light.
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  std::optional<LightHit> intersect(const Ray& ray) const;
+  float power(float scene_radius) const;
+
+ private:
+  /// The rectangle as seen from a point: edges of the projection and distance of its plane.
+  struct View {
+    double x0, x1, y0, y1, z;
+    double solid_angle;  // 0: sample by area
+  };
+  View view_from(const Vec3d& p) const;
+  Vec3d sample_solid_angle(const View& view, const Vec2f& u) const;
+
+  Vec3d center_{0, 0, 0};
+  Vec3d x_{1, 0, 0}, y_{0, 1, 0}, n_{0, 0, 1};  // unit: along width, along height, normal of the emitting side
+  double half_width_ = 0, half_height_ = 0;     // half edge lengths
+  double skew_ = 0;                             // dot(x_, y_); exactly 0 for a rectangle
+  double area_ = 0;
+  Rgb radiance_{0.0f};
+};
+
+}  // namespace alabaster

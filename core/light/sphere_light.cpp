@@ -1,0 +1,138 @@
+#include "core/light/sphere_light.h"
+
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+constexpr double kPiDouble = 3.14159265358979323846;
+
+double one_minus_cos_degrees(float angle) {
+  const double clamped = std::isfinite(angle) ? std::clamp(static_cast<double>(angle), 0.0, 180.0) : 180.0;
+  const double s = std::sin(clamped * (kPiDouble / 360));
+  return 2 * s * s;
+}
+
+// 1 - cos of the cone that a sphere of radius r fills at distance d > r, without cancellation:
+// sin^2 / (1 + cos), cos^2 = (d - r)(d + r) / d^2.
+double one_minus_cos_sphere(double r, double d) {
+  const double sin2 = (r / d) * (r / d);
+  return sin2 / (1 + std::sqrt((d - r) * (d + r)) / d);
+}
+
+double pdf_outside(double r, double d) {
+  return 1 / (2 * kPiDouble * one_minus_cos_sphere(r, d));
+}
+
+}  // namespace
+
+SpotCone::SpotCone(float inner, float outer, const Vec3d& axis)
+    : axis_(axis), inner_(one_minus_cos_degrees(inner)), outer_(one_minus_cos_degrees(outer)) {
+  inner_ = std::min(inner_, outer_);
+}
+
+float SpotCone::attenuation(const Vec3d& direction) const {
+  if (inner_ >= 2) return 1;
+  const Vec3d apart = direction - axis_;
+  const double one_minus_cos = 0.5 * dot(apart, apart);
+  if (one_minus_cos <= inner_) return outer_ > 0 ? 1.0f : 0.0f;
+  if (one_minus_cos >= outer_) return 0;
+  const double ramp = (outer_ - one_minus_cos) / (outer_ - inner_);
+  return static_cast<float>(ramp * ramp);
+}
+
+double SpotCone::mean() const {
+  // The mean of a function of cos over the sphere is half its integral; the squared ramp gives a third of its width.
+  return 0.5 * (inner_ + (outer_ - inner_) / 3);
+}
+
+SphereLight::SphereLight(const LightDescription& description, const Vec3d& render_origin) {
+  const Matrix4d& m = description.light_to_world;
+  if (!is_valid_affine(m)) return;
+  center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
+  const Vec3d axis = transform_vector(Vec3d(0, 0, -1), m);
+  cone_ = SpotCone(description.cone_inner, description.cone_outer, axis * (1 / length(axis)));
+  const double scale = std::cbrt(std::abs(linear_determinant(m)));
+  if (!description.treat_as_point) radius_ = scale * std::abs(static_cast<double>(description.radius));
+  if (!std::isfinite(dot(center_, center_)) || !std::isfinite(dot(axis, axis)) || !std::isfinite(radius_)) {
+    radius_ = 0;
+    return;
+  }
+  const double area = 4 * kPiDouble * radius_ * radius_;
+  radiance_ = finite_or_black(emission(description), description.normalize && area > 0 ? 1 / area : 1);
+}
+
+std::optional<LightSample> SphereLight::sample_point(const Vec3d& to_center) const {
+  const double d2 = dot(to_center, to_center);
+  if (!(d2 > 0)) return std::nullopt;
+  const Vec3d wi = to_center * (1 / std::sqrt(d2));
+  LightSample s;
+  s.wi = to_float(wi);
+  s.distance = static_cast<float>(std::sqrt(d2));
+  s.radiance = finite_or_black(radiance_, cone_.attenuation(-wi) / d2);
+  s.pdf = 1;
+  s.delta = true;
+  if (is_black(s.radiance)) return std::nullopt;
+  return s;
+}
+
+std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u) const {
+  if (is_black(radiance_)) return std::nullopt;
+  const Vec3d to_center = center_ - Vec3d(p);
+  if (is_delta()) return sample_point(to_center);
+  const double d = length(to_center);
+  Vec3d wi;
+  double pdf, distance;
+  if (d > radius_) {
+    const double one_minus_z = u.x * one_minus_cos_sphere(radius_, d);
+    const double sin2 = one_minus_z * (2 - one_minus_z), sine = std::sqrt(sin2), phi = 2 * kPiDouble * u.y;
+    const Vec3d axis = to_center * (1 / d);
+    const Frame frame = frame_from_normal(to_float(axis));
+    wi = Vec3d(frame.s) * (sine * std::cos(phi)) + Vec3d(frame.t) * (sine * std::sin(phi)) + axis * (1 - one_minus_z);
+    // Nearer root, written without a difference of nearly equal terms.
+    const double half_chord = std::sqrt(std::max(0.0, radius_ * radius_ - d * d * sin2));
+    distance = (d - radius_) * (d + radius_) / (d * (1 - one_minus_z) + half_chord);
+    pdf = pdf_outside(radius_, d);
+  } else {
+    wi = Vec3d(sample_uniform_sphere(u));
+    const double along = dot(to_center, wi);
+    distance = along + std::sqrt(along * along + (radius_ - d) * (radius_ + d));
+    pdf = static_cast<double>(pdf_uniform_sphere());
+  }
+  LightSample s;
+  s.wi = to_float(wi);
+  s.distance = static_cast<float>(distance);
+  s.radiance = radiance_ * cone_.attenuation(-wi);
+  s.pdf = static_cast<float>(pdf);
+  if (is_black(s.radiance) || !(s.pdf > 0) || !std::isfinite(s.pdf) || !std::isfinite(s.distance)) return std::nullopt;
+  return s;
+}
+
+std::optional<LightHit> SphereLight::intersect(const Ray& ray) const {
+  if (is_black(radiance_) || is_delta()) return std::nullopt;
+  const Vec3d to_center = center_ - Vec3d(ray.org);
+  const double speed = length(Vec3d(ray.dir)), d = length(to_center);
+  if (!(speed > 0)) return std::nullopt;
+  const Vec3d wi = Vec3d(ray.dir) * (1 / speed);
+  const double along = dot(to_center, wi);
+  const Vec3d miss = to_center - wi * along;
+  const double chord2 = radius_ * radius_ - dot(miss, miss);
+  const bool outside = d > radius_;
+  if (!(chord2 >= 0) || (outside && !(along > 0))) return std::nullopt;
+  const double half_chord = std::sqrt(chord2);
+  const double t = outside ? (d - radius_) * (d + radius_) / (along + half_chord) : along + half_chord;
+  LightHit hit;
+  hit.t = static_cast<float>(t / speed);
+  hit.radiance = radiance_ * cone_.attenuation(-wi);
+  hit.pdf = outside ? static_cast<float>(pdf_outside(radius_, d)) : pdf_uniform_sphere();
+  if (is_black(hit.radiance) || !std::isfinite(hit.t) || !std::isfinite(hit.pdf)) return std::nullopt;
+  return hit;
+}
+
+float SphereLight::power(float /*scene_radius*/) const {
+  const double spread = 4 * kPiDouble * cone_.mean();
+  return representable_power(radiance_, is_delta() ? spread : spread * kPiDouble * radius_ * radius_);
+}
+
+}  // namespace alabaster

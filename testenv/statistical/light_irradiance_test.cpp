@@ -1,0 +1,239 @@
+// Irradiance that lights give at a plane, against closed forms.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <numeric>
+
+#include "core/light/light_set.h"
+#include "core/sampling/mis.h"
+#include "core/sampling/warp.h"
+#include "testenv/support/chi_square.h"
+#include "testenv/support/memory_texture.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster::testing {
+namespace {
+
+constexpr int kTests = 40;  // in this file
+constexpr double kPiDouble = 3.14159265358979323846;
+
+struct Plane {
+  Vec3f p, n;
+};
+
+template <class L>
+RunningStatistics irradiance(const L& light, const Plane& plane, int samples, uint64_t seed) {
+  Rng rng(seed, 1);
+  RunningStatistics e;
+  for (int i = 0; i < samples; ++i) {
+    const auto s = light.sample(plane.p, uniform2(rng));
+    e.add(s ? static_cast<double>(s->radiance.r * std::max(0.0f, dot(s->wi, plane.n)) / s->pdf) : 0.0);
+  }
+  return e;
+}
+
+void expect(const RunningStatistics& e, double expected, const char* name) {
+  const auto r = z_test(e, expected, {.number_of_tests = kTests, .slack = 2e-6 * expected});
+  EXPECT_TRUE(r.passed) << name << ": " << r.report;
+}
+
+// Lambert 1760: E = L/2 sum of (angle of edge i) * (n . unit normal of the plane through edge i and p), for a polygon
+// wholly above the plane.
+double lambert_polygon(const Plane& plane, const std::array<Vec3d, 4>& corners) {
+  const Vec3d p(plane.p);
+  double sum = 0;
+  for (size_t i = 0; i < 4; ++i) {
+    const Vec3d a = normalize(corners[i] - p), b = normalize(corners[(i + 1) % 4] - p), c = cross(a, b);
+    sum += std::atan2(length(c), dot(a, b)) * dot(Vec3d(plane.n), c) / length(c);
+  }
+  return 0.5 * std::abs(sum);
+}
+
+Matrix4d translation(double x, double y, double z) {
+  return Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1);
+}
+
+TEST(LightIrradiance, RectIsLambertsFormula) {
+  LightDescription d;
+  d.width = 2;
+  d.height = 0.5f;
+  d.color = Rgb(3, 1, 1);
+  d.light_to_world = translation(10.25, 0, 3);  // faces down
+  const Vec3d origin(10, 0, 0);
+  const RectLight light(d, origin);
+  const std::array<Vec3d, 4> corners = {Vec3d(-0.75, -0.25, 3), Vec3d(1.25, -0.25, 3), Vec3d(1.25, 0.25, 3),
+                                        Vec3d(-0.75, 0.25, 3)};
+  uint64_t seed = 100;
+  for (const Plane& plane : {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0, 0, 2.9f}, {0, 0, 1}},
+                             Plane{{3, 2, 0}, normalize(Vec3f(-1, 0, 1))}, Plane{{0.25f, 0, 2.999f}, {0, 0, 1}},
+                             Plane{{-300, 0, 0}, normalize(Vec3f(1, 0, 1))}, Plane{{5, 0, 2.97f}, {-1, 0, 0}}})
+    expect(irradiance(light, plane, 40000, seed++), 3 * lambert_polygon(plane, corners), "rect");
+}
+
+// Cosine-weighted solid angle of a sphere fully above the plane: pi L (r/d)^2 cos.
+TEST(LightIrradiance, SphereFullyAboveTheHorizon) {
+  LightDescription d;
+  d.type = LightType::sphere;
+  d.intensity = 2;
+  d.exposure = 1;
+  d.light_to_world = translation(0, 0, 5);
+  uint64_t seed = 200;
+  for (float radius : {2.0f, 0.5f, 1e-3f, 1e-6f}) {
+    d.radius = radius;
+    const SphereLight light(d, Vec3d(0, 0, 0));
+    for (const Plane& plane : {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{1, 2, 0}, {0, 0, 1}}}) {
+      const Vec3d to_light = Vec3d(0, 0, 5) - Vec3d(plane.p);
+      const double d2 = dot(to_light, to_light), r = static_cast<double>(radius);
+      expect(irradiance(light, plane, 40000, seed++), 4 * kPiDouble * r * r / d2 * (5 / std::sqrt(d2)), "sphere");
+    }
+  }
+}
+
+TEST(LightIrradiance, InsideASphereIsPiL) {
+  LightDescription d;
+  d.type = LightType::sphere;
+  d.radius = 1;
+  expect(irradiance(SphereLight(d, Vec3d(0, 0, 0)), {{0.3f, 0.2f, -0.5f}, {0, 0, 1}}, 40000, 300), kPiDouble, "inside");
+}
+
+TEST(LightIrradiance, ConstantDomeIsPiL) {
+  LightDescription d;
+  d.type = LightType::dome;
+  d.intensity = 0.5f;
+  const Plane plane{{1, 2, 3}, normalize(Vec3f(1, -2, 3))};
+  expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 400), 0.5 * kPiDouble, "constant");
+  d.texture = std::make_shared<MemoryTexture>(16, std::vector<Rgb>(128, Rgb(0.5f)));
+  expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 401), 0.25 * kPiDouble, "constant image");
+}
+
+// An image whose radiance is linear in longitude alone, seen from the pole axis: bilinear lookup reproduces the mean of
+// its texels in every row, and the cosine about the pole does not depend on longitude, so E = pi * mean.
+TEST(LightIrradiance, DomeImage) {
+  LightDescription d;
+  d.type = LightType::dome;
+  std::vector<Rgb> texels;
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 16; ++x) texels.emplace_back(static_cast<float>(x == 3 ? 100 : x));
+  double mean = 0;
+  for (int x = 0; x < 16; ++x) mean += (x == 3 ? 100 : x) / 16.0;
+  d.texture = std::make_shared<MemoryTexture>(16, texels);
+  const DomeLight light(d, Vec3d(0, 0, 0));
+  expect(irradiance(light, {{0, 0, 0}, {0, 1, 0}}, 100000, 410), mean * kPiDouble, "up");
+  expect(irradiance(light, {{0, 0, 0}, {0, -1, 0}}, 100000, 411), mean * kPiDouble, "down");
+}
+
+// A cone of half angle a about the normal gives pi L sin^2(a); normalized, that is color*intensity.
+TEST(LightIrradiance, Distant) {
+  LightDescription d;
+  d.type = LightType::distant;
+  d.intensity = 3;
+  const Plane facing{{0, 0, 0}, {0, 0, 1}}, tilted{{0, 0, 0}, normalize(Vec3f(0, 1, 2))};
+  uint64_t seed = 500;
+  for (float angle : {0.0f, 1e-6f, 0.01f, 0.53f, 30.0f, 120.0f}) {
+    d.angle = angle;
+    const double half = static_cast<double>(angle) * kPiDouble / 360, s2 = std::sin(half) * std::sin(half);
+    d.normalize = false;
+    const double unnormalized = angle == 0 ? 3 : 3 * kPiDouble * s2;
+    expect(irradiance(DistantLight(d, Vec3d(0, 0, 0)), facing, 40000, seed++), unnormalized, "facing");
+    d.normalize = true;
+    const DistantLight normalized(d, Vec3d(0, 0, 0));
+    expect(irradiance(normalized, facing, 40000, seed++), 3, "normalized");
+    if (angle < 35) {  // the cone stays above the tilted plane's horizon: E scales with the cosine of its axis
+      expect(irradiance(normalized, tilted, 40000, seed++), 3 * 2 / std::sqrt(5.0), "tilted");
+    }
+  }
+}
+
+// A mesh of the rect's two triangles gives what the rect gives.
+TEST(LightIrradiance, MeshIsLambertsFormula) {
+  const std::array<Vec3d, 4> corners = {Vec3d(-1, -1, 2), Vec3d(1, -1, 2), Vec3d(1, 1, 2), Vec3d(-1, 1, 2)};
+  const auto at = [&](size_t i) { return Vec3f(corners[i]); };
+  const MeshLight light(0, {{at(0), at(1), at(2), Rgb(1, 3, 2)}, {at(0), at(2), at(3), Rgb(1, 0, 2)}}, {0, 1});
+  const Plane plane{{0.5f, 0.25f, 0}, normalize(Vec3f(0.2f, 0.1f, 1))};
+  expect(irradiance(light, plane, 100000, 600), lambert_polygon(plane, corners), "mesh");
+}
+
+// Sampling lights and sampling directions, weighed by the power heuristic, give the sum of the closed forms: it does
+// only if the pdfs, with the choice of light in them, agree on both sides.
+TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
+  LightDescription rect;
+  rect.light_to_world = translation(0, 0, 2);
+  rect.width = rect.height = 3;
+  LightDescription sphere;
+  sphere.type = LightType::sphere;
+  sphere.radius = 1;
+  sphere.intensity = 5;
+  sphere.light_to_world = translation(3, 0, 2);
+  LightDescription dome;
+  dome.type = LightType::dome;
+  dome.intensity = 0.2f;
+  LightDescription sun;
+  sun.type = LightType::distant;
+  sun.angle = 20;
+  LightDescription black = sphere;
+  black.intensity = 0;
+  const Vec3d o(0, 0, 0);
+  const LightSet set(
+      {RectLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)}, {},
+      4);
+  const Plane plane{{0, 0, 0}, {0, 0, 1}};
+  const std::array<Vec3d, 4> corners = {Vec3d(-1.5, -1.5, 2), Vec3d(1.5, -1.5, 2), Vec3d(1.5, 1.5, 2),
+                                        Vec3d(-1.5, 1.5, 2)};
+  const double sin_sun = std::sin(10 * kPiDouble / 180);
+  const double expected = lambert_polygon(plane, corners) + 5 * kPiDouble / 13 * 2 / std::sqrt(13.0) + 0.2 * kPiDouble +
+                          kPiDouble * sin_sun * sin_sun;
+  Rng rng(700, 1);
+  RunningStatistics e;
+  for (int i = 0; i < 200000; ++i) {
+    const float choice = rng.uniform();
+    double value = 0;
+    if (const auto s = set.sample(plane.p, choice, uniform2(rng)); s && s->wi.z > 0)
+      value += static_cast<double>(s->radiance.r * s->wi.z / s->pdf * power_heuristic(s->pdf, s->wi.z * kInvPi));
+    const Vec3f w = sample_cosine_hemisphere(uniform2(rng));
+    const float pdf = pdf_cosine_hemisphere(w);
+    const auto weigh = [&](float light_pdf) { return power_heuristic(pdf, light_pdf); };
+    if (pdf > 0) value += static_cast<double>(set.emitted({plane.p, w}, true, false, weigh).r * kPi);
+    e.add(value);
+  }
+  expect(e, expected, "light set");
+}
+
+// Why the rect light samples solid angles: the variance of irradiance, against drawing points of its area.
+TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
+  LightDescription d;
+  d.light_to_world = translation(0, 0, 1);
+  const RectLight light(d, Vec3d(0, 0, 0));
+  struct Case {
+    Plane plane;
+    double least_gain;
+  };
+  for (const auto& [plane, least_gain] :
+       {Case{{{0, 0, 0.9f}, {0, 0, 1}}, 10.0}, Case{{{0, 0, 0.5f}, {0, 0, 1}}, 3.0}, Case{{{0, 0, 0}, {0, 0, 1}}, 1.2},
+        Case{{{1, 0, 0.8f}, normalize(Vec3f(-1, 0, 1))}, 1.2}}) {
+    Rng rng(800, 1);
+    RunningStatistics by_area;
+    for (int i = 0; i < 40000; ++i) {
+      const Vec2f u = uniform2(rng);
+      const Vec3f to_light = Vec3f(u.x - 0.5f, u.y - 0.5f, 1) - plane.p, wi = normalize(to_light);
+      by_area.add(static_cast<double>(std::max(0.0f, dot(wi, plane.n)) * wi.z / dot(to_light, to_light)));
+    }
+    const auto by_solid_angle = irradiance(light, plane, 40000, 801);
+    const double gain = by_area.variance() / by_solid_angle.variance();
+    ::testing::Test::RecordProperty("gain", std::to_string(gain));
+    EXPECT_GT(gain, least_gain) << "at z = " << plane.p.z;
+  }
+}
+
+// The family would notice a radiance or pdf that is off by a percent.
+TEST(LightIrradiance, WrongExpectationFails) {
+  const Plane plane{{0, 0, 0}, {0, 0, 1}};
+  LightDescription d;
+  d.light_to_world = translation(0, 0, 3);
+  const std::array<Vec3d, 4> corners = {Vec3d(-0.5, -0.5, 3), Vec3d(0.5, -0.5, 3), Vec3d(0.5, 0.5, 3),
+                                        Vec3d(-0.5, 0.5, 3)};
+  const auto e = irradiance(RectLight(d, Vec3d(0, 0, 0)), plane, 40000, 900);
+  EXPECT_FALSE(z_test(e, 1.01 * lambert_polygon(plane, corners), {.number_of_tests = kTests}).passed);
+}
+
+}  // namespace
+}  // namespace alabaster::testing

@@ -1,0 +1,100 @@
+// Every warp draws from the pdf it states; a pdf that is slightly wrong is refused.
+#include <gtest/gtest.h>
+
+#include "core/sampling/distribution.h"
+#include "core/sampling/warp.h"
+#include "testenv/support/chi_square.h"
+
+namespace alabaster::testing {
+namespace {
+
+constexpr int kTests = 9;  // in this file
+
+TEST(WarpChiSquare, UniformSphere) {
+  const auto sample = [](Rng& rng) -> std::optional<Vec3f> { return sample_uniform_sphere(uniform2(rng)); };
+  const auto r =
+      chi_square_sphere(sample, [](const Vec3f&) { return pdf_uniform_sphere(); }, {.number_of_tests = kTests});
+  EXPECT_TRUE(r.passed) << r.report;
+}
+
+TEST(WarpChiSquare, CosineHemisphere) {
+  const auto sample = [](Rng& rng) -> std::optional<Vec3f> { return sample_cosine_hemisphere(uniform2(rng)); };
+  const auto r = chi_square_sphere(sample, [](const Vec3f& w) { return pdf_cosine_hemisphere(w); },
+                                   {.seed = 2, .number_of_tests = kTests});
+  EXPECT_TRUE(r.passed) << r.report;
+}
+
+TEST(WarpChiSquare, UniformConeFromWideToNarrow) {
+  for (float width : {1.7f, 0.3f, 1e-5f}) {
+    const auto sample = [&](Rng& rng) -> std::optional<Vec3f> { return sample_uniform_cone(uniform2(rng), width); };
+    const auto pdf = [&](const Vec3f& w) {
+      const float one_minus_cos = w.z > 0 ? (w.x * w.x + w.y * w.y) / (1 + w.z) : 1 - w.z;
+      return one_minus_cos <= width ? pdf_uniform_cone(width) : 0;
+    };
+    ChiSquareOptions options{.bins_x = 18, .bins_y = 18, .samples = 60000, .seed = 3, .number_of_tests = kTests};
+    options.pole_exponent = width < 0.01f ? 8 : 1;
+    const auto r = chi_square_sphere(sample, pdf, options);
+    EXPECT_TRUE(r.passed) << width << '\n' << r.report;
+  }
+}
+
+// The disk in the square [0,1)^2: density 4/pi inside.
+TEST(WarpChiSquare, ConcentricDisk) {
+  const auto sample = [](Rng& rng) -> std::optional<Vec2f> {
+    const Vec2f d = sample_concentric_disk(uniform2(rng));
+    return Vec2f(std::min(0.5f * (d.x + 1), kOneMinusEpsilon), std::min(0.5f * (d.y + 1), kOneMinusEpsilon));
+  };
+  const auto pdf = [](const Vec2f& p) { return sqr(2 * p.x - 1) + sqr(2 * p.y - 1) <= 1 ? 4 * kInvPi : 0; };
+  const auto r = chi_square_square(sample, pdf, {.seed = 4, .number_of_tests = kTests});
+  EXPECT_TRUE(r.passed) << r.report;
+}
+
+TEST(WarpChiSquare, UniformTriangle) {
+  const auto sample = [](Rng& rng) -> std::optional<Vec2f> { return sample_uniform_triangle(uniform2(rng)); };
+  const auto pdf = [](const Vec2f& b) { return b.x + b.y <= 1 ? 2.0f : 0.0f; };
+  const auto r = chi_square_square(sample, pdf, {.seed = 5, .number_of_tests = kTests});
+  EXPECT_TRUE(r.passed) << r.report;
+}
+
+TEST(WarpChiSquare, PiecewiseConstantDistributions) {
+  const Distribution2D d({0, 1, 2, 0.25f, 0, 0, 0, 0, 5, 0, 1, 1, 0, 0, 0, 9}, 4, 4);
+  const auto sample = [&](Rng& rng) -> std::optional<Vec2f> {
+    float pdf = 0;
+    return d.sample(uniform2(rng), &pdf);
+  };
+  const auto r =
+      chi_square_square(sample, [&](const Vec2f& p) { return d.pdf(p); }, {.seed = 6, .number_of_tests = kTests});
+  EXPECT_TRUE(r.passed) << r.report;
+}
+
+// Cells of one, two and three steps of the random numbers: what a float cdf rounds to is drawn exactly as claimed.
+TEST(WarpChiSquare, SteepDistributionIsDrawnAsClaimed) {
+  std::vector<float> weights(4096, 1.0f);
+  weights[100] = 5e6f;
+  const Distribution1D d(weights);
+  double rest = 0;
+  for (size_t i = 0; i < weights.size(); ++i) rest += i == 100 ? 0 : static_cast<double>(d.probability(i));
+  // Exhaustive over all 24-bit numbers rather than sampled.
+  std::vector<uint32_t> counts(weights.size());
+  for (uint32_t i = 0; i < (1u << 24); ++i) ++counts[d.sample(static_cast<float>(i) * 0x1p-24f).index];
+  for (size_t i = 0; i < weights.size(); ++i) {
+    ASSERT_EQ(static_cast<float>(counts[i]) * 0x1p-24f, d.probability(i)) << i;
+    ASSERT_GT(counts[i], 0u) << i;
+  }
+  EXPECT_NEAR(rest, 4095 / (5e6 + 4095), 2e-5);
+}
+
+TEST(WarpChiSquare, WrongPdfsFail) {
+  const auto cone = [](Rng& rng) -> std::optional<Vec3f> { return sample_uniform_cone(uniform2(rng), 0.3f); };
+  const auto wider = [](const Vec3f& w) { return 1 - w.z <= 0.31f ? pdf_uniform_cone(0.31f) : 0; };
+  EXPECT_FALSE(chi_square_sphere(cone, wider).passed);
+  // The classic mistake: the square root left out.
+  const auto crowded = [](Rng& rng) -> std::optional<Vec2f> {
+    const Vec2f u = uniform2(rng);
+    return Vec2f(1 - u.x, u.y * u.x);
+  };
+  EXPECT_FALSE(chi_square_square(crowded, [](const Vec2f& b) { return b.x + b.y <= 1 ? 2.0f : 0.0f; }).passed);
+}
+
+}  // namespace
+}  // namespace alabaster::testing
