@@ -1,0 +1,112 @@
+#include "testenv/support/transport_solution.h"
+
+#include <cmath>
+#include <vector>
+
+namespace alabaster::testing {
+namespace {
+
+/// Exponential integral of order 3, by the recurrence from E1(x) = -Ei(-x).
+double e3(double x) {
+  if (x <= 0) return 0.5;
+  const double e1 = -std::expint(-x), e2 = std::exp(-x) - x * e1;
+  return 0.5 * (std::exp(-x) - x * e2);
+}
+
+/// Double integral of E1(|x - x'|) over two cells of width h whose centres are `cells` apart.
+double cell_coupling(int cells, double h) {
+  if (cells == 0) return 2 * (h - 0.5 + e3(h));
+  return e3((cells - 1) * h) - 2 * e3(cells * h) + e3((cells + 1) * h);
+}
+
+/// Solves (1 - K) x = b by elimination; 1 - K is diagonally dominant. `k` is row-major and is used up.
+std::vector<double> solve(std::vector<double> k, std::vector<double> b) {
+  const size_t n = b.size();
+  for (size_t i = 0; i < n * n; ++i) k[i] = (i % (n + 1) == 0 ? 1.0 : 0.0) - k[i];
+  for (size_t i = 0; i < n; ++i)
+    for (size_t row = i + 1; row < n; ++row) {
+      const double factor = k[row * n + i] / k[i * n + i];
+      for (size_t column = i; column < n; ++column) k[row * n + column] -= factor * k[i * n + column];
+      b[row] -= factor * b[i];
+    }
+  for (size_t i = n; i-- > 0;) {
+    for (size_t column = i + 1; column < n; ++column) b[i] -= k[i * n + column] * b[column];
+    b[i] /= k[i * n + i];
+  }
+  return b;
+}
+
+SlabAnswer solve_slab_on(int cells, double thickness, double one_minus_alpha) {
+  const auto n = static_cast<size_t>(cells);
+  const double h = thickness / cells, alpha = 1 - one_minus_alpha;
+  std::vector<double> coupling(n), kernel(n * n), source(n), to_front(n);
+  for (int i = 0; i < cells; ++i) {
+    coupling[static_cast<size_t>(i)] = 0.5 * alpha * cell_coupling(i, h) / h;
+    to_front[static_cast<size_t>(i)] = e3(i * h) - e3((i + 1) * h);  // Int of E2 over the cell
+    source[static_cast<size_t>(i)] = 2 * to_front[static_cast<size_t>(i)] / h;
+  }
+  for (size_t i = 0; i < n; ++i)
+    for (size_t j = 0; j < n; ++j) kernel[i * n + j] = coupling[i > j ? i - j : j - i];
+  const std::vector<double> density = solve(std::move(kernel), source);
+  SlabAnswer answer{0, slab_zero_scatter(thickness), 0};
+  for (size_t i = 0; i < n; ++i) {
+    answer.reflectance += 0.5 * alpha * density[i] * to_front[i];
+    answer.transmittance += 0.5 * alpha * density[i] * to_front[n - 1 - i];
+  }
+  return answer;
+}
+
+/// r times the mean radiance obeys a slab's equation, continued oddly through the centre (Case, de Hoffmann and Placzek
+/// 1953).
+double solve_sphere_on(int cells, double radius, double one_minus_alpha) {
+  const auto n = static_cast<size_t>(cells);
+  const double h = radius / cells, alpha = 1 - one_minus_alpha;
+  std::vector<double> kernel(n * n), source(n);
+  const auto centre = [&](size_t i) { return (static_cast<double>(i) + 0.5) * h; };
+  std::vector<double> coupling(2 * n);
+  for (int i = 0; i < 2 * cells; ++i) coupling[static_cast<size_t>(i)] = 0.5 * cell_coupling(i, h) / h;
+  for (size_t i = 0; i < n; ++i) {
+    source[i] = centre(i);
+    for (size_t j = 0; j < n; ++j) {
+      const double k = coupling[i > j ? i - j : j - i] - coupling[i + j + 1];
+      source[i] -= k * centre(j);  // without scatterers: what uniform surroundings leave at r
+      kernel[i * n + j] = alpha * k;
+    }
+  }
+  const std::vector<double> u = solve(std::move(kernel), source);
+  double integral = 0;
+  for (size_t i = 0; i < n; ++i) integral += u[i] * centre(i) * h;
+  return 1 - 4 * one_minus_alpha * integral / (radius * radius);
+}
+
+constexpr int kCells = 150;
+
+/// Second order in h: two grids give the limit and its error.
+double extrapolate(double coarse, double fine) {
+  return fine + (fine - coarse) / 3;
+}
+
+}  // namespace
+
+double slab_zero_scatter(double thickness) {
+  return 2 * e3(thickness);
+}
+
+double sphere_zero_scatter(double radius) {
+  return (-std::expm1(-2 * radius) - 2 * radius * std::exp(-2 * radius)) / (2 * radius * radius);
+}
+
+SlabAnswer solve_slab(double thickness, double one_minus_alpha) {
+  const SlabAnswer coarse = solve_slab_on(kCells, thickness, one_minus_alpha);
+  const SlabAnswer fine = solve_slab_on(2 * kCells, thickness, one_minus_alpha);
+  return {extrapolate(coarse.reflectance, fine.reflectance), extrapolate(coarse.transmittance, fine.transmittance),
+          std::abs(fine.reflectance - coarse.reflectance)};
+}
+
+SphereAnswer solve_sphere(double radius, double one_minus_alpha) {
+  const double coarse = solve_sphere_on(kCells, radius, one_minus_alpha);
+  const double fine = solve_sphere_on(2 * kCells, radius, one_minus_alpha);
+  return {extrapolate(coarse, fine), std::abs(fine - coarse)};
+}
+
+}  // namespace alabaster::testing
