@@ -1,0 +1,163 @@
+#include "delegate/host/product_plan.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+namespace alabaster::hd::host {
+namespace {
+
+struct KnownAov {
+  const char* name;
+  const char* layer;     // of the usual channel names; empty: none
+  const char* suffixes;  // one letter per component; empty: the layer is the channel's whole name
+  bool is_color, is_integer, full_precision;
+};
+constexpr KnownAov kAovs[] = {
+    {"color", "", "RGBA", true, false, false},
+    {"alpha", "", "A", false, false, false},
+    {"depth", "", "Z", false, false, true},
+    {"normal", "N", "XYZ", false, false, false},
+    {"albedo", "albedo", "RGB", true, false, false},
+    {"primId", "primId", "", false, true, true},
+    {"instanceId", "instanceId", "", false, true, true},
+    {"elementId", "elementId", "", false, true, true},
+    {"sampleCount", "sampleCount", "", false, true, true},
+};
+
+const KnownAov* find_aov(const Token& name) {
+  for (const KnownAov& aov : kAovs)
+    if (name.str() == aov.name) return &aov;
+  return nullptr;
+}
+
+std::string known_aov_names() {
+  std::string names;
+  for (const KnownAov& aov : kAovs) names += (names.empty() ? "" : ", ") + std::string(aov.name);
+  return names;
+}
+
+bool kind_of(const std::string& file, FileKind& kind) {
+  std::string ending = std::filesystem::path(file).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  if (ending == ".exr") return kind = FileKind::exr, true;
+  if (ending == ".png") return kind = FileKind::png, true;
+  if (ending == ".tif" || ending == ".tiff") return kind = FileKind::tiff, true;
+  if (ending == ".jpg" || ending == ".jpeg") return kind = FileKind::jpeg, true;
+  return false;
+}
+
+/// The store that colours get by the product's data type; false if the file cannot hold that type.
+bool store_of(FileKind kind, const std::string& type, ChannelStore& store) {
+  switch (kind) {
+    case FileKind::exr:
+      if (type == "float") return store = ChannelStore::float32, true;
+      return store = ChannelStore::half, type.empty() || type == "half";
+    case FileKind::png:
+    case FileKind::tiff:
+      if (type == "uint16") return store = ChannelStore::uint16, true;
+      break;
+    case FileKind::jpeg:
+      break;
+  }
+  return store = ChannelStore::uint8, type.empty() || type == "uint8";
+}
+
+ChannelStore exr_store(const KnownAov& aov, const RenderVar& var, ChannelStore product_store) {
+  const bool wants_float = var.dataType == Token("float");
+  if (aov.is_integer) return wants_float ? ChannelStore::float32 : ChannelStore::uint32;
+  return wants_float || aov.full_precision ? ChannelStore::float32 : product_store;
+}
+
+std::vector<PlannedChannel> channels_of(const RenderVar& var, const KnownAov& aov, ChannelStore store) {
+  const bool usual = var.name.empty() || var.name == aov.name;
+  const std::string layer = usual ? aov.layer : var.name;
+  std::vector<PlannedChannel> channels;
+  const std::string suffixes = aov.suffixes;
+  if (suffixes.empty()) channels.push_back({layer, var.aov, 0, false, store});
+  for (size_t i = 0; i < suffixes.size(); ++i) {
+    const bool color = aov.is_color && suffixes[i] != 'A';
+    channels.push_back({(layer.empty() ? "" : layer + ".") + suffixes[i], var.aov, int(i), color, store});
+  }
+  return channels;
+}
+
+bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
+  const KnownAov* aov = find_aov(var.aov);
+  const std::string& type = var.dataType.str();
+  if (!aov) {
+    error = "there is no AOV '" + var.aov.str() + "'; use one of: " + known_aov_names();
+  } else if (type != "half" && type != "float" && type != "int" && !type.empty()) {
+    error = "AOV '" + var.aov.str() + "' has the unknown data type '" + type + "'; use half, float or int";
+  } else if (type == "int" && !aov->is_integer) {
+    error = "AOV '" + var.aov.str() + "' is not made of integers; use data type half or float";
+  } else if (kind != FileKind::exr && !aov->is_color && var.aov != Token("alpha")) {
+    error = "AOV '" + var.aov.str() + "' cannot be stored in this kind of file; write it to an .exr file";
+  } else if (kind == FileKind::jpeg && !aov->is_color) {
+    error = "a JPEG file has no alpha; write AOV 'alpha' to a .png, .tif or .exr file";
+  } else {
+    return true;
+  }
+  return false;
+}
+
+/// Alpha beside the colour that brings its own is the same channel asked for twice, as hosts do.
+std::vector<RenderVar> wanted_vars(const RenderProduct& product) {
+  std::vector<RenderVar> vars = product.vars;
+  if (vars.empty()) vars.push_back({"", "color", "half"});
+  const auto usual = [](const RenderVar& v, const char* aov) {
+    return v.aov == Token(aov) && (v.name.empty() || v.name == aov);
+  };
+  const bool has_color = std::any_of(vars.begin(), vars.end(), [&](const RenderVar& v) { return usual(v, "color"); });
+  if (has_color) std::erase_if(vars, [&](const RenderVar& v) { return usual(v, "alpha"); });
+  return vars;
+}
+
+bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan& plan, std::string& error) {
+  const std::vector<RenderVar> vars = wanted_vars(product);
+  std::set<std::string> names;
+  for (const RenderVar& var : vars) {
+    if (!check_var(var, plan.kind, error)) return false;
+    const KnownAov& aov = *find_aov(var.aov);
+    for (PlannedChannel& c : channels_of(var, aov, plan.kind == FileKind::exr ? exr_store(aov, var, store) : store)) {
+      if (plan.kind == FileKind::jpeg && !c.is_color) continue;
+      if (!names.insert(c.name).second) {
+        error = "two AOVs would both be stored as channel '" + c.name + "'; give each its own name";
+        return false;
+      }
+      plan.channels.push_back(std::move(c));
+    }
+  }
+  if (plan.kind != FileKind::exr && vars.size() > 1) {
+    error = "this kind of file holds one AOV and " + std::to_string(vars.size()) +
+            " are asked for; write an .exr file, or one file for each";
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error) {
+  plan = {};
+  if (!kind_of(product.file, plan.kind)) {
+    error = "the ending of the name says no kind of file that is written; use .exr, .png, .tif, .tiff, .jpg or .jpeg";
+    return false;
+  }
+  ChannelStore store{};
+  if (!store_of(plan.kind, product.dataType.str(), store)) {
+    error = "this kind of file does not hold data type '" + product.dataType.str() +
+            "'; use half or float for .exr, uint8 or uint16 for .png and .tif, uint8 for .jpg";
+    return false;
+  }
+  const bool wants_display = !product.display.empty() || !product.view.empty();
+  if (wants_display && !product.colorSpace.empty()) {
+    error = "a colour space ('" + product.colorSpace + "') and a display or view are both asked for; name only one";
+    return false;
+  }
+  plan.display_referred = wants_display || (plan.kind != FileKind::exr && product.colorSpace.empty());
+  return plan_channels(product, store, plan, error);
+}
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,35 @@
+// What a render product's file will hold: decided once, the same for the check before rendering and for the writing.
+#pragma once
+
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::host {
+
+enum class FileKind { exr, png, tiff, jpeg };
+enum class ChannelStore { half, float32, uint32, uint8, uint16 };
+
+/// One channel of the file. Usual names, as compositors know them:
+///   color -> R G B A; alpha -> A; depth -> Z; normal -> N.X N.Y N.Z; albedo -> albedo.R albedo.G albedo.B;
+///   primId, instanceId, elementId, sampleCount -> those names.
+/// A RenderVar named otherwise than its AOV gives a layer: name.R, name.Z, ...; for ids and counts the name itself.
+/// Depth and sample counts are never half. Ids are uint32, of which -1 (nothing hit) becomes 4294967295, or with data
+/// type "float" float32, where -1 stays -1 and ids are exact up to 2^24; half would merge neighbouring ids.
+struct PlannedChannel {
+  std::string name;
+  Token aov;
+  int component = 0;
+  bool is_color = false;  // goes through the colour transform, with its neighbours
+  ChannelStore store = ChannelStore::half;
+};
+
+struct ProductPlan {
+  FileKind kind = FileKind::exr;
+  bool display_referred = false;  // display and view, else a scene-referred space
+  std::vector<PlannedChannel> channels;
+};
+
+/// False, with what is wrong and what to do about it in `error`, if the product makes no sense by itself. Looks neither
+/// at the disk nor at the colour configuration.
+bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error);
+
+}  // namespace alabaster::hd::host
