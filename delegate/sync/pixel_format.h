@@ -1,0 +1,20 @@
+// Values of the film -> pixels of a host's buffer.
+#pragma once
+
+#include "core/film/film.h"
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::sync {
+
+/// How a value goes to a buffer: components that the buffer has and the AOV lacks become 0, a fourth 1; int -> float is
+/// a cast, float -> int rounds; unorm clamps to 0..1; not-a-number becomes 0 in unorm and int.
+void write_pixel(const float* values, int components, Format format, uint8_t* pixel);
+void write_pixel(int32_t value, Format format, uint8_t* pixel);
+
+/// `clear` as one pixel of `format`: components of a number or a vector.
+void write_clear(const Value& clear, Format format, uint8_t* pixel);
+
+/// Format, clear value; format invalid for an AOV that is not supported.
+AovDescriptor default_aov_descriptor(const Token& aov);
+
+}  // namespace alabaster::hd::sync

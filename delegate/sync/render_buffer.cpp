@@ -1,0 +1,243 @@
+#include "delegate/sync/render_buffer.h"
+
+#include <cstring>
+
+#include "delegate/sync/pixel_format.h"
+
+namespace alabaster::hd::sync {
+namespace {
+
+constexpr int kMaxSize = 1 << 16;
+constexpr size_t kMaxBytes = size_t(16) << 30;
+
+const char* allocation_fault(const RenderBufferDescriptor& d) {
+  if (d.dimensions.x < 0 || d.dimensions.y < 0 || d.dimensions.x > kMaxSize || d.dimensions.y > kMaxSize)
+    return "width and height must lie in 0..65536";
+  if (d.dimensions.z != 1) return "depth must be 1";
+  if (FormatComponents(d.format) == 0) return "the format is invalid";
+  if (static_cast<size_t>(d.dimensions.x) * static_cast<size_t>(d.dimensions.y) * FormatSize(d.format) > kMaxBytes)
+    return "the buffer would exceed 16 GB";
+  return nullptr;
+}
+
+size_t pixel_offset(const RenderBufferDescriptor& d, int x, int y_down) {
+  const auto row = static_cast<size_t>(d.dimensions.y - 1 - y_down);  // rows of a buffer run bottom-up
+  return (row * static_cast<size_t>(d.dimensions.x) + static_cast<size_t>(x)) * FormatSize(d.format);
+}
+
+/// Calls write(index into the film's window, pixel) for every pixel that film and buffer share.
+template <class Write>
+void for_shared_pixels(const RenderBufferDescriptor& d, const BufferSource& source, std::vector<uint8_t>* pixels,
+                       const Write& write) {
+  const PixelRect& window = source.film->data_window();
+  for (int y = window.y0; y < window.y1; ++y) {
+    const int buffer_y = y + source.buffer_y;
+    if (buffer_y < 0 || buffer_y >= d.dimensions.y) continue;
+    for (int x = window.x0; x < window.x1; ++x) {
+      const int buffer_x = x + source.buffer_x;
+      if (buffer_x < 0 || buffer_x >= d.dimensions.x) continue;
+      const size_t index =
+          static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
+      write(index, pixels->data() + pixel_offset(d, buffer_x, buffer_y));
+    }
+  }
+}
+
+}  // namespace
+
+bool BufferState::allocate(const RenderBufferDescriptor& description, const Path& where,
+                           const alabaster::DiagnosticSink& sink) {
+  if (const char* fault = allocation_fault(description)) {
+    alabaster::report(sink, alabaster::Severity::error, "buffer.allocate", where.str(),
+                      std::string(fault) + "; the buffer stays as it was");
+    return false;
+  }
+  const std::lock_guard lock(mutex_);
+  if (wanted_ == description) return true;
+  wanted_ = description;
+  ++allocation_;
+  if (!source_.film) {  // nothing was ever drawn into it: nothing is lost by resizing now
+    effective_ = description;
+    store_ = nullptr;
+  }
+  return true;
+}
+
+void BufferState::bind(BufferSource source) {
+  const std::lock_guard lock(mutex_);
+  effective_ = wanted_;
+  source_ = std::move(source);
+  ++binding_;
+}
+
+uint64_t BufferState::allocation() const {
+  const std::lock_guard lock(mutex_);
+  return allocation_;
+}
+
+RenderBufferDescriptor BufferState::wanted() const {
+  const std::lock_guard lock(mutex_);
+  return wanted_;
+}
+
+const std::shared_ptr<const BufferState::Store>& BufferState::current() const {
+  return mapped_.empty() ? store_ : mapped_.back();
+}
+
+RenderBufferDescriptor BufferState::shown() const {
+  const std::lock_guard lock(mutex_);
+  return current() ? current()->description : effective_;
+}
+
+std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBufferDescriptor& description,
+                                                                  const BufferSource& source) {
+  auto store = std::make_shared<Store>();
+  store->description = description;
+  const size_t size = FormatSize(description.format);
+  store->pixels.resize(static_cast<size_t>(description.dimensions.x) * static_cast<size_t>(description.dimensions.y) *
+                       size);
+  if (store->pixels.empty()) return store;
+  write_clear(source.clear, description.format, store->pixels.data());
+  for (size_t at = size; at < store->pixels.size(); at += size)
+    std::memcpy(store->pixels.data() + at, store->pixels.data(), size);
+  if (!source.film) return store;
+  if (aov_is_integer(source.aov)) {
+    const std::vector<int32_t> values = source.film->resolve_int(source.aov);
+    for_shared_pixels(description, source, &store->pixels,
+                      [&](size_t i, uint8_t* pixel) { write_pixel(values[i], description.format, pixel); });
+  } else {
+    const int components = aov_components(source.aov);
+    const std::vector<float> values = source.film->resolve_float(source.aov);
+    for_shared_pixels(description, source, &store->pixels, [&](size_t i, uint8_t* pixel) {
+      write_pixel(values.data() + i * static_cast<size_t>(components), components, description.format, pixel);
+    });
+  }
+  return store;
+}
+
+// Converts outside the lock. Of two Resolves at once, the one that saw more samples wins.
+void BufferState::resolve() {
+  BufferSource source;
+  RenderBufferDescriptor description;
+  uint64_t binding = 0, samples = ~uint64_t(0);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!source_.film) return;
+    source = source_;
+    description = effective_;
+    binding = binding_;
+  }
+  if (const auto session = source.session.lock())
+    if (session->film() == source.film) samples = session->progress().samples_done;
+  {
+    const std::lock_guard lock(mutex_);
+    if (store_ && binding == store_binding_ && samples == store_samples_) return;
+    // A render that has nothing to show yet does not wipe what is shown.
+    if (store_ && samples == 0) return;
+  }
+  auto store = make_store(description, source);
+  const std::lock_guard lock(mutex_);
+  if (binding < store_binding_ || (binding == store_binding_ && store_ && samples < store_samples_)) return;
+  store_binding_ = binding;
+  store_samples_ = samples;
+  const bool same = store_ && store_->description == store->description && store_->pixels == store->pixels;
+  if (same) return;
+  store_ = std::move(store);
+  ++generation_;
+}
+
+const void* BufferState::map() {
+  BufferSource source;
+  RenderBufferDescriptor description;
+  bool missing = false;
+  {
+    const std::lock_guard lock(mutex_);
+    missing = !store_;
+    description = effective_;
+    source.clear = source_.clear;
+  }
+  if (missing && FormatComponents(description.format) == 0) return nullptr;
+  std::shared_ptr<const Store> blank = missing ? make_store(description, source) : nullptr;
+  const std::lock_guard lock(mutex_);
+  if (!store_ && effective_ == description) store_ = blank;
+  if (!store_) return nullptr;
+  if (mapped_.empty() || mapped_.back() != store_) mapped_.push_back(store_);
+  ++map_count_;
+  return store_->pixels.data();
+}
+
+void BufferState::unmap() {
+  std::vector<std::shared_ptr<const Store>> released;  // freed outside the lock
+  const std::lock_guard lock(mutex_);
+  if (map_count_ > 0 && --map_count_ == 0) released.swap(mapped_);
+}
+
+bool BufferState::is_mapped() const {
+  const std::lock_guard lock(mutex_);
+  return map_count_ > 0;
+}
+
+uint64_t BufferState::generation() const {
+  const std::lock_guard lock(mutex_);
+  return generation_;
+}
+
+Vec2i BufferState::copy(std::vector<uint8_t>* out, bool y_down) const {
+  std::shared_ptr<const Store> store;
+  {
+    const std::lock_guard lock(mutex_);
+    store = store_;
+  }
+  out->clear();
+  if (!store) return {0, 0};
+  const Vec3i size = store->description.dimensions;
+  if (!y_down || store->pixels.empty()) {
+    *out = store->pixels;
+  } else {
+    const size_t row = store->pixels.size() / static_cast<size_t>(size.y);
+    for (size_t at = store->pixels.size(); at > 0; at -= row)
+      out->insert(out->end(), store->pixels.data() + (at - row), store->pixels.data() + at);
+  }
+  return {size.x, size.y};
+}
+
+std::vector<std::shared_ptr<const void>> BufferState::mapped_stores() const {
+  const std::lock_guard lock(mutex_);
+  return {mapped_.begin(), mapped_.end()};
+}
+
+RenderBufferPrim::RenderBufferPrim(const Path& id, std::shared_ptr<SceneParam> param)
+    : RenderBuffer(id), param_(std::move(param)) {}
+
+// A mapping outlives its buffer: the delegate keeps what a host may still read.
+RenderBufferPrim::~RenderBufferPrim() {
+  for (auto& store : state_->mapped_stores()) param_->keep(std::move(store));
+}
+
+void RenderBufferPrim::Sync(SceneDelegate* scene, RenderParam*, DirtyBits* bits) {
+  if (*bits & dirty::kDescription) Allocate(scene->GetRenderBufferDescriptor(GetId()));
+  *bits = dirty::kClean;
+}
+
+void RenderBufferPrim::Finalize(RenderParam*) {}
+
+bool RenderBufferPrim::Allocate(const RenderBufferDescriptor& description) {
+  bool allocated = false;
+  guarded(param_->sink(), GetId().str(), [&] { allocated = state_->allocate(description, GetId(), param_->sink()); });
+  return allocated;
+}
+
+void RenderBufferPrim::Resolve() {
+  guarded(param_->sink(), GetId().str(), [&] { state_->resolve(); });
+}
+
+Vec2i RenderBufferPrim::ResolveTo(std::vector<uint8_t>* out, bool y_down) {
+  Vec2i size(0, 0);
+  guarded(param_->sink(), GetId().str(), [&] {
+    state_->resolve();
+    size = state_->copy(out, y_down);
+  });
+  return size;
+}
+
+}  // namespace alabaster::hd::sync
