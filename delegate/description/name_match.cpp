@@ -53,7 +53,9 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
   return nearest.empty() ? "" : " Did you mean '" + nearest + "'?";
 }
 
-std::string authored_name(const Path& path, bool is_mesh) { return without_index(component(path.str(), is_mesh)); }
+std::string authored_name(const Path& path, bool is_mesh) {
+  return without_index(component(path.str(), is_mesh));
+}
 
 bool matches(const std::string& pattern, const Path& path, bool is_mesh) {
   const std::string part = component(path.str(), is_mesh);

@@ -1,6 +1,7 @@
 #include "delegate/description/schema_check.h"
 
 #include <algorithm>
+#include <set>
 
 #include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
@@ -58,18 +59,14 @@ std::vector<std::string> known_keys(const json& schema) {
   return keys;
 }
 
-std::string number_text(const json& value) { return value.dump(); }
-
 std::string range_text(const json& schema) {
   const bool low = schema.contains("minimum"), high = schema.contains("maximum");
-  if (low && high) return " from " + number_text(schema["minimum"]) + " to " + number_text(schema["maximum"]);
-  if (low) return ", at least " + number_text(schema["minimum"]);
-  if (high) return ", at most " + number_text(schema["maximum"]);
-  if (schema.contains("exclusiveMinimum")) return " above " + number_text(schema["exclusiveMinimum"]);
+  if (low && high) return " from " + schema["minimum"].dump() + " to " + schema["maximum"].dump();
+  if (low) return ", at least " + schema["minimum"].dump();
+  if (high) return ", at most " + schema["maximum"].dump();
+  if (schema.contains("exclusiveMinimum")) return " above " + schema["exclusiveMinimum"].dump();
   return "";
 }
-
-std::string expectation(const json& schema);
 
 std::string array_expectation(const json& schema) {
   const json items = schema.value("items", json::object());
@@ -82,13 +79,14 @@ std::string array_expectation(const json& schema) {
 }
 
 std::string object_expectation(const json& schema) {
-  std::string text = "an object";
   std::string either;
-  for (const json& choice : schema.value("anyOf", json::array()))
+  for (const json& choice : schema.value("anyOf", json::array())) {
+    std::string keys;
     for (const json& key : choice.value("required", json::array()))
-      either += (either.empty() ? " with '" : &key == &choice["required"][0] ? "', or with '" : "' and '") +
-                key.get<std::string>();
-  return either.empty() ? text : text + either + "'";
+      keys += (keys.empty() ? "'" : " and '") + key.get<std::string>() + "'";
+    either += (either.empty() ? " with " : ", or with ") + keys;
+  }
+  return "an object" + either;
 }
 
 // In words: what the schema accepts here.
@@ -159,11 +157,12 @@ class Checker {
     const auto begins_with = [](const auto& steps, const auto& start) {
       return steps.size() >= start.size() && std::equal(start.begin(), start.end(), steps.begin());
     };
+    const std::vector<Violation> all = found;
     std::erase_if(found, [&](const Violation& v) {
       const bool inside_choice = std::any_of(choices.begin(), choices.end(), [&](const auto& choice) {
         return v.steps.size() > choice.size() && begins_with(v.steps, choice);
       });
-      const bool contains_other = std::any_of(found.begin(), found.end(), [&](const Violation& o) {
+      const bool contains_other = std::any_of(all.begin(), all.end(), [&](const Violation& o) {
         return o.steps.size() > v.steps.size() && begins_with(o.steps, v.steps);
       });
       const bool is_choice = std::find(choices.begin(), choices.end(), v.steps) != choices.end();

@@ -1,0 +1,41 @@
+// The program's commands. Each returns an exit code and reports through a Console.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace alabaster::cli {
+
+/// Arguments as given; empty: not given.
+struct RenderArguments {
+  std::string scene;
+  std::vector<std::string> outputs;
+  std::string camera, dome, ocio;
+  std::optional<double> time;
+  std::string size;  // "1280x720"
+  std::string crop;  // "x0,y0,x1,y1"
+  std::string samples, seed, threads, max_depth, subsurface, inversion;
+  std::string display, view, look;
+  std::optional<float> exposure;
+  std::vector<std::string> aovs, overrides;
+  std::string stats;
+  bool quiet = false;
+};
+int run_render(const RenderArguments& arguments);
+
+struct InfoArguments {
+  std::string scene;
+  std::vector<std::string> overrides;
+};
+int run_info(const InfoArguments& arguments);
+
+int run_schema(const std::string& name);
+
+struct OcioArguments {
+  std::string ocio;
+  bool write_config = false;  // the whole config instead of a list
+};
+int run_ocio(const OcioArguments& arguments);
+
+}  // namespace alabaster::cli

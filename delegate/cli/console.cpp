@@ -1,0 +1,106 @@
+#include "delegate/cli/console.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace alabaster::cli {
+namespace {
+
+using hd::host::RecordProgress;
+
+std::string format(const char* pattern, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+std::string rate_text(double per_second) {
+  if (per_second >= 1e6) return format("%.1f Mrays/s", per_second / 1e6);
+  return format("%.0f krays/s", per_second / 1e3);
+}
+
+std::string time_text(double seconds) {
+  if (!(seconds >= 0) || seconds > 1e7) return "--:--";
+  const auto whole = static_cast<long>(std::lround(seconds));
+  char text[32];
+  if (whole >= 3600) {
+    std::snprintf(text, sizeof text, "%ld:%02ld:%02ld", whole / 3600, whole / 60 % 60, whole % 60);
+  } else {
+    std::snprintf(text, sizeof text, "%ld:%02ld", whole / 60, whole % 60);
+  }
+  return text;
+}
+
+std::string progress_text(const RecordProgress& p) {
+  return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + std::to_string(p.samples_done) + "/" +
+         std::to_string(p.samples_total) + " samples  " + rate_text(p.rays_per_second) + "  " +
+         time_text(p.seconds_left) + " left";
+}
+
+}  // namespace
+
+Console::Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+hd::DiagnosticSink Console::sink() {
+  return [this](const hd::Diagnostic& diagnostic) { show(diagnostic); };
+}
+
+void Console::show(const hd::Diagnostic& d) {
+  const std::lock_guard lock(mutex_);
+  const bool error = d.severity == hd::Severity::error;
+  if (error) last_error_place_ = d.where;
+  if (quiet_ && !error) return;
+  const char* kind = error ? "error: " : d.severity == hd::Severity::warning ? "warning: " : "";
+  print_line(kind + (d.where.empty() ? "" : d.where + ": ") + d.text);
+}
+
+void Console::note(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  if (!quiet_) print_line(text);
+}
+
+void Console::error(const std::string& where, const std::string& text) {
+  show({hd::Severity::error, "cli", where, text});
+}
+
+std::string Console::last_error_place() const {
+  const std::lock_guard lock(mutex_);
+  return last_error_place_;
+}
+
+void Console::print_line(const std::string& text) {
+  if (bar_shown_) std::fputs("\r\033[K", stderr);
+  bar_shown_ = false;
+  std::fprintf(stderr, "%s\n", text.c_str());
+  std::fflush(stderr);
+}
+
+void Console::progress(const RecordProgress& p) {
+  const std::lock_guard lock(mutex_);
+  if (quiet_) return;
+  if (terminal_) {
+    constexpr size_t kWidth = 30;
+    const auto filled = static_cast<size_t>(std::clamp(p.fraction, 0.0, 1.0) * double(kWidth));
+    const std::string bar = std::string(filled, '=') + std::string(kWidth - filled, ' ');
+    std::fprintf(stderr, "\r[%s] %s\033[K", bar.c_str(), progress_text(p).c_str());
+    std::fflush(stderr);
+    bar_shown_ = true;
+    return;
+  }
+  const int tenths = static_cast<int>(std::clamp(p.fraction, 0.0, 1.0) * 10);
+  if (tenths <= tenths_shown_) return;
+  tenths_shown_ = tenths;
+  print_line(progress_text(p));
+}
+
+void Console::end_progress() {
+  const std::lock_guard lock(mutex_);
+  if (bar_shown_) std::fputs("\n", stderr);
+  bar_shown_ = false;
+  tenths_shown_ = 0;
+}
+
+}  // namespace alabaster::cli

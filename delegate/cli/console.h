@@ -1,0 +1,39 @@
+// What people see while the program works: diagnostics and progress, all on standard error.
+#pragma once
+
+#include <mutex>
+#include <string>
+
+#include "delegate/host/frame_recorder.h"
+
+namespace alabaster::cli {
+
+/// Any thread. With `quiet` only errors are shown.
+class Console {
+ public:
+  explicit Console(bool quiet);
+
+  /// A sink that prints here and lives no longer than this console.
+  hd::DiagnosticSink sink();
+  void note(const std::string& text);
+  void error(const std::string& where, const std::string& text);
+
+  /// A bar that redraws itself on a terminal, else a line at every tenth.
+  void progress(const hd::host::RecordProgress& progress);
+  /// The bar has had its last word; what follows starts on a new line.
+  void end_progress();
+  /// Where the last error was, as its sink reported it; empty if there was none.
+  std::string last_error_place() const;
+
+ private:
+  void show(const hd::Diagnostic& diagnostic);
+  void print_line(const std::string& text);
+
+  const bool quiet_, terminal_;
+  mutable std::mutex mutex_;
+  bool bar_shown_ = false;
+  int tenths_shown_ = 0;
+  std::string last_error_place_;
+};
+
+}  // namespace alabaster::cli

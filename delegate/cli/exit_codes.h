@@ -1,0 +1,8 @@
+// What the program says to its caller when it ends.
+#pragma once
+
+namespace alabaster::cli {
+
+enum ExitCode { kDone = 0, kUsage = 2, kInput = 3, kRender = 4, kOutput = 5, kInterrupted = 130 };
+
+}  // namespace alabaster::cli

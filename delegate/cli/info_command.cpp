@@ -1,0 +1,125 @@
+#include <cmath>
+#include <cstdio>
+
+#include "delegate/cli/commands.h"
+#include "delegate/cli/exit_codes.h"
+#include "delegate/cli/scene_session.h"
+#include "delegate/cli/stopwatch.h"
+
+namespace alabaster::cli {
+namespace {
+
+using hd::host::MeshDescription;
+
+size_t cage_triangles(const MeshDescription& mesh) {
+  size_t triangles = 0;
+  for (const int32_t count : mesh.topology.faceVertexCounts) triangles += static_cast<size_t>(std::max(count - 2, 0));
+  return triangles;
+}
+
+// One subdivision makes a quad of every corner (of a triangle four triangles, with Loop), each further one four of
+// each.
+size_t refined_triangles(const MeshDescription& mesh) {
+  const int level = mesh.topology.scheme == hd::Token("none") ? 0 : mesh.displayStyle.refineLevel;
+  if (level <= 0) return cage_triangles(mesh);
+  const size_t growth = size_t(1) << (2 * std::min(level, 8));
+  if (mesh.topology.scheme == hd::Token("loop")) return cage_triangles(mesh) * growth;
+  return mesh.topology.faceVertexIndices.size() * (growth / 4) * 2;
+}
+
+std::string dimension(const hd::RenderSettingsDescription& s) {
+  return std::to_string(s.width) + "x" + std::to_string(s.height);
+}
+
+void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
+  size_t cage = 0, refined = 0;
+  for (const auto& [path, mesh] : scene.GetMeshes()) {
+    cage += cage_triangles(mesh);
+    refined += refined_triangles(mesh);
+  }
+  std::printf("meshes: %zu (%zu triangles as modelled, %zu as rendered)\n", scene.GetMeshes().size(), cage, refined);
+  for (const auto& [path, mesh] : scene.GetMeshes()) {
+    const std::string subdivision =
+        mesh.topology.scheme == hd::Token("none")
+            ? ""
+            : ", " + mesh.topology.scheme.str() + " level " + std::to_string(mesh.displayStyle.refineLevel);
+    std::printf("  %s: %zu faces%s%s%s%s\n", path.str().c_str(), mesh.topology.faceVertexCounts.size(),
+                subdivision.c_str(), mesh.material.empty() ? "" : (", material " + mesh.material.str()).c_str(),
+                mesh.instancer.empty() ? "" : (", instanced by " + mesh.instancer.str()).c_str(),
+                mesh.visible ? "" : ", hidden");
+  }
+  for (const auto& [path, instancer] : scene.GetInstancers()) {
+    size_t count = 0;
+    for (const auto& [prototype, indices] : instancer.indices) count += indices.size();
+    std::printf("instancer %s: %zu instances\n", path.str().c_str(), count);
+  }
+}
+
+void print_materials(const hd::host::RetainedSceneDelegate& scene) {
+  std::printf("materials: %zu\n", scene.GetMaterials().size());
+  for (const auto& [path, network] : scene.GetMaterials()) {
+    std::printf("  %s\n", path.str().c_str());
+    for (const auto& [node_path, node] : network.nodes)
+      for (const auto& [name, value] : node.parameters)
+        std::printf("    %s.%s = %s\n", node.nodeTypeId.str().c_str(), name.str().c_str(), value.to_string().c_str());
+  }
+}
+
+void print_lights_and_cameras(const SceneSession& session) {
+  std::printf("lights: %zu\n", session.scene.GetLights().size());
+  for (const auto& [path, light] : session.scene.GetLights())
+    std::printf("  %s: %s\n", path.str().c_str(), light.type.str().c_str());
+  std::printf("cameras: %zu\n", session.scene.GetCameras().size());
+  const auto& settings = session.scene.GetAllRenderSettings();
+  const hd::Path used = settings.at(session.file.settings).camera;
+  for (const auto& [path, camera] : session.scene.GetCameras())
+    std::printf("  %s%s\n", path.str().c_str(), path == used ? " (used)" : "");
+  for (const auto& [path, description] : settings) {
+    std::printf("render %s: %s\n", path.str().c_str(), dimension(description).c_str());
+    for (const hd::RenderProduct& product : description.products) std::printf("  -> %s\n", product.file.c_str());
+  }
+  for (const std::string& note : session.file.notes) std::printf("note: %s\n", note.c_str());
+}
+
+}  // namespace
+
+int run_info(const InfoArguments& arguments) {
+  Console console(false);
+  SceneSession session;
+  hd::description::LoadOptions options;
+  options.overrides = arguments.overrides;
+  if (!session.load(arguments.scene, options, console.sink())) return kInput;
+  print_geometry(session.scene);
+  print_materials(session.scene);
+  print_lights_and_cameras(session);
+  std::fflush(stdout);
+  if (!session.start(session.file.color_config, console.sink())) return kRender;
+  session.index()->SyncAll();
+  const std::string requirements = session.delegate()->InvokeCommand("requirements", {}).text_or("");
+  std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
+  std::printf("peak memory so far: %.1f MB\n", double(peak_memory_bytes()) / 1e6);
+  return kDone;
+}
+
+int run_schema(const std::string& name) {
+  if (const char* text = hd::description::SchemaText(name)) {
+    std::fputs(text, stdout);
+    return kDone;
+  }
+  Console(false).error("schema", "There is no schema '" + name +
+                                     "': known are disney_material, lights, camera, render_settings and "
+                                     "render_description.");
+  return kUsage;
+}
+
+int run_ocio(const OcioArguments& arguments) {
+  Console console(false);
+  const hd::host::OutputColors colors{arguments.ocio};
+  const std::string text = arguments.write_config ? hd::host::SerializeColors(colors, console.sink())
+                                                  : hd::host::DescribeColors(colors, console.sink());
+  if (text.empty()) return kInput;
+  std::fputs(text.c_str(), stdout);
+  return kDone;
+}
+
+}  // namespace alabaster::cli

@@ -1,0 +1,41 @@
+#include "delegate/cli/interrupt.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include "delegate/cli/exit_codes.h"
+
+namespace alabaster::cli {
+namespace {
+
+std::atomic<bool> g_interrupted{false};
+std::atomic<bool> g_worth_saving{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
+
+void on_signal(int) {
+  if (g_worth_saving && !g_interrupted.exchange(true)) return;
+  constexpr char kText[] = "\ninterrupted\n";
+  [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, kText, sizeof kText - 1);
+  _exit(kInterrupted);
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void set_worth_saving(bool worth_saving) {
+  g_worth_saving = worth_saving;
+}
+
+const std::atomic<bool>& interrupted() {
+  return g_interrupted;
+}
+
+}  // namespace alabaster::cli

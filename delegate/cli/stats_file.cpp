@@ -1,0 +1,129 @@
+#include "delegate/cli/stats_file.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include "delegate/cli/stopwatch.h"
+
+namespace alabaster::cli {
+namespace {
+
+using nlohmann::json;
+
+json dictionary_to_json(const hd::Dictionary& dictionary) {
+  json object = json::object();
+  for (const auto& [key, value] : dictionary) object[key] = value_to_json(value);
+  return object;
+}
+
+json version_lines() {
+  json lines = json::array();
+  std::istringstream text(AlabasterVersions());
+  for (std::string line; std::getline(text, line);)
+    if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+}  // namespace
+
+json value_to_json(const hd::Value& value) {
+  return std::visit(
+      [&](const auto& held) -> json {
+        using T = std::decay_t<decltype(held)>;
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else if constexpr (std::is_arithmetic_v<T>) {
+          return held;
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          return held;
+        } else if constexpr (std::is_same_v<T, hd::Token> || std::is_same_v<T, hd::Path>) {
+          return held.str();
+        } else if constexpr (std::is_same_v<T, std::shared_ptr<const hd::Dictionary>>) {
+          return held ? dictionary_to_json(*held) : json();
+        } else {
+          return value.to_string();
+        }
+      },
+      value.storage());
+}
+
+void RunStats::set_load(double wall, double cpu) {
+  load_wall_ = wall;
+  load_cpu_ = cpu;
+}
+
+void RunStats::add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result) {
+  stats_.push_back(result.stats);
+  resolutions_.push_back({settings.width, settings.height});
+  written_.insert(written_.end(), result.written.begin(), result.written.end());
+}
+
+double RunStats::total(const std::string& key) const {
+  double sum = 0;
+  for (const hd::Dictionary& stats : stats_)
+    if (const auto found = stats.find(key); found != stats.end()) sum += found->second.number_or(0);
+  return sum;
+}
+
+json RunStats::to_json(const std::string& scene, const std::string& status, const json& settings) const {
+  const auto count = [&](const char* key) { return static_cast<uint64_t>(total(key)); };
+  const auto phase = [&](const std::string& name) {
+    return json{{"wall", total("phase." + name + ".wall")}, {"cpu", total("phase." + name + ".cpu")}};
+  };
+  json out;
+  out["versions"] = version_lines();
+  out["scene"] = scene;
+  out["status"] = status;
+  out["settings"] = settings;
+  out["resolutions"] = resolutions_;
+  out["files"] = written_;
+  out["seconds"] = {{"load", {{"wall", load_wall_}, {"cpu", load_cpu_}}},
+                    {"sync", phase("sync")},
+                    {"refine", {{"cpu", total("sync.refineSeconds")}}},
+                    {"build", {{"cpu", total("sync.bvhSeconds")}}},
+                    {"commit", {{"wall", total("sync.commitSeconds")}}},
+                    {"render", phase("render")},
+                    {"write", phase("write")}};
+  out["rays"] = {{"camera", count("rays.camera")},
+                 {"bounce", count("rays.bounce")},
+                 {"shadow", count("rays.shadow")},
+                 {"walk", count("rays.walk")}};
+  out["walks"] = {{"count", count("walk.count")},
+                  {"segments", count("rays.walk")},
+                  {"events", count("walk.events")},
+                  {"exits", count("walk.exits")},
+                  {"lost", count("walk.lost")}};
+  out["samples"] = count("numCompletedSamples");
+  out["peakMemoryBytes"] = peak_memory_bytes();
+  out["delegate"] = json::array();
+  for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_to_json(stats));
+  return out;
+}
+
+bool write_text_file(const std::string& file, const std::string& text, std::string* error) {
+  const std::filesystem::path path(file);
+  const std::string temporary =
+      path.parent_path() / ("." + path.filename().string() + "." + std::to_string(getpid()) + ".tmp");
+  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  bool ok = out != nullptr && std::fwrite(text.data(), 1, text.size(), out) == text.size();
+  int reason = errno;
+  if (out && std::fclose(out) != 0) {
+    reason = ok ? errno : reason;
+    ok = false;
+  }
+  if (ok && std::rename(temporary.c_str(), file.c_str()) != 0) {
+    reason = errno;
+    ok = false;
+  }
+  if (ok) return true;
+  *error = std::strerror(reason);
+  if (out) std::remove(temporary.c_str());
+  return false;
+}
+
+}  // namespace alabaster::cli

@@ -1,0 +1,111 @@
+#include <algorithm>
+
+#include "delegate/description/description_reader.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+size_t point_count(const host::MeshDescription& mesh) {
+  const auto primvar = mesh.primvars.find("points");
+  const auto* points = primvar == mesh.primvars.end() ? nullptr : primvar->second.value.get<Array<Vec3f>>();
+  return points ? points->size() : 0;
+}
+
+bool check_point(const Reader& reader, const std::string& pointer, const json& index, const Path& mesh, size_t count) {
+  if (index.get<uint64_t>() < count) return true;
+  return reader.fail(pointer, "Point " + index.dump() + " does not exist: mesh '" + mesh.str() + "' has " +
+                                  std::to_string(count) + " points, counted from 0.");
+}
+
+bool set_creases(const Reader& reader, const std::string& pointer, const json& creases, const Path& path,
+                 host::MeshDescription* mesh) {
+  std::vector<int32_t> indices, lengths;
+  std::vector<float> weights;
+  for (size_t i = 0; i < creases.size(); ++i) {
+    const json& points = creases[i]["points"];
+    const std::string inner = pointer + "/" + std::to_string(i) + "/points";
+    for (size_t j = 0; j < points.size(); ++j) {
+      if (!check_point(reader, inner + "/" + std::to_string(j), points[j], path, point_count(*mesh))) return false;
+      indices.push_back(points[j].get<int32_t>());
+    }
+    lengths.push_back(static_cast<int32_t>(points.size()));
+    weights.push_back(creases[i].value("sharpness", 10.0f));
+  }
+  mesh->subdivTags.creaseIndices = std::move(indices);
+  mesh->subdivTags.creaseLengths = std::move(lengths);
+  mesh->subdivTags.creaseWeights = std::move(weights);
+  return true;
+}
+
+bool set_corners(const Reader& reader, const std::string& pointer, const json& corners, const Path& path,
+                 host::MeshDescription* mesh) {
+  std::vector<int32_t> indices;
+  std::vector<float> weights;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const json& point = corners[i]["point"];
+    if (!check_point(reader, pointer + "/" + std::to_string(i) + "/point", point, path, point_count(*mesh)))
+      return false;
+    indices.push_back(point.get<int32_t>());
+    weights.push_back(corners[i].value("sharpness", 10.0f));
+  }
+  mesh->subdivTags.cornerIndices = std::move(indices);
+  mesh->subdivTags.cornerWeights = std::move(weights);
+  return true;
+}
+
+bool set_scheme(const Reader& reader, const std::string& pointer, const std::string& scheme, const Path& path,
+                host::MeshDescription* mesh) {
+  const Array<int32_t>& counts = mesh->topology.faceVertexCounts;
+  if (scheme == "loop" && std::any_of(counts.begin(), counts.end(), [](int32_t n) { return n != 3; }))
+    return reader.fail(pointer, "Loop subdivision needs triangles only, and mesh '" + path.str() +
+                                    "' has other faces; use catmullClark.");
+  mesh->topology.scheme = scheme;
+  return true;
+}
+
+bool change_mesh(const Reader& reader, const std::string& pointer, const json& entry, const Path& path) {
+  host::MeshDescription mesh = reader.scene().GetMeshes().at(path);
+  if (entry.contains("scheme") && !set_scheme(reader, pointer + "/scheme", entry["scheme"], path, &mesh)) return false;
+  mesh.displayStyle.refineLevel = entry.value("refineLevel", mesh.displayStyle.refineLevel);
+  if (entry.contains("creases") && !set_creases(reader, pointer + "/creases", entry["creases"], path, &mesh))
+    return false;
+  if (entry.contains("corners") && !set_corners(reader, pointer + "/corners", entry["corners"], path, &mesh))
+    return false;
+  if (entry.contains("interpolateBoundary"))
+    mesh.subdivTags.interpolateBoundary = entry["interpolateBoundary"].get<std::string>();
+  if (entry.contains("faceVaryingLinearInterpolation"))
+    mesh.subdivTags.faceVaryingLinearInterpolation = entry["faceVaryingLinearInterpolation"].get<std::string>();
+  if (entry.contains("material")) {
+    const auto found = find_prims(reader, PrimKind::material, entry["material"], pointer + "/material");
+    if (found.empty()) return false;
+    if (found.size() > 1)
+      return reader.fail(pointer + "/material", "Several materials match: '" + found[0].str() + "', '" +
+                                                    found[1].str() + "'. Give the path of one.");
+    mesh.material = found[0];
+  }
+  mesh.visible = entry.value("visible", mesh.visible);
+  if (entry.value("refineLevel", 0) > 0 && mesh.topology.scheme == Token("none"))
+    reader.warn(pointer + "/refineLevel",
+                "Has no effect on mesh '" + path.str() + "', which is no subdivision surface; set its scheme as well.");
+  reader.scene().SetMesh(path, std::move(mesh));
+  return true;
+}
+
+}  // namespace
+
+bool apply_meshes(const Reader& reader) {
+  const auto entries = reader.value().find("meshes");
+  if (entries == reader.value().end()) return true;
+  for (size_t i = 0; i < entries->size(); ++i) {
+    const std::string pointer = "/meshes/" + std::to_string(i);
+    const auto paths = find_prims(reader, PrimKind::mesh, (*entries)[i]["match"], pointer + "/match");
+    if (paths.empty()) return false;
+    for (const Path& path : paths)
+      if (!change_mesh(reader, pointer, (*entries)[i], path)) return false;
+  }
+  return true;
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,48 @@
+#include <filesystem>
+#include <set>
+
+#include "delegate/description/description_reader.h"
+#include "delegate/description/placement.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+// Paths of a model begin with its file's stem: a second model of that stem goes below a root of its own.
+Path root_for(const std::string& file, std::set<std::string>* taken) {
+  const std::string stem = std::filesystem::path(file).stem();
+  std::string root = "/";
+  for (int copy = 2; !taken->insert(root + "|" + stem).second; ++copy) root = "/copy" + std::to_string(copy);
+  return root;
+}
+
+}  // namespace
+
+bool apply_models(const Reader& reader) {
+  const auto models = reader.value().find("gltf");
+  if (models == reader.value().end()) return true;
+  std::set<std::string> taken;
+  bool ok = true;
+  for (size_t i = 0; i < models->size(); ++i) {
+    const nlohmann::json& model = (*models)[i];
+    const std::string pointer = "/gltf/" + std::to_string(i);
+    const AssetPath file = reader.asset(pointer + "/file", model["file"]);
+    if (file.resolved.empty()) return false;
+    gltf::GltfOptions options;
+    options.root = root_for(file.resolved, &taken);
+    options.refine_level = model.value("refineLevel", options.refine_level);
+    if (model.contains("transform")) {
+      const auto transform = to_transform(model["transform"]);
+      if (!transform)
+        return reader.fail(pointer + "/transform",
+                           "The transform cannot be inverted or is not affine: the last column "
+                           "must be 0, 0, 0, 1 and no scale may be 0.");
+      options.transform = *transform;
+    }
+    reader.state().result->gltf.push_back(
+        gltf::LoadGltf(file.resolved, options, &reader.scene(), *reader.state().sink));
+    ok = ok && reader.state().result->gltf.back().ok;
+  }
+  return ok;
+}
+
+}  // namespace alabaster::hd::description

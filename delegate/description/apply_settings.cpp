@@ -1,0 +1,88 @@
+#include "delegate/description/description_reader.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+std::optional<Vec2i> resolution_of(const json& entry) {
+  if (!entry.contains("resolution")) return std::nullopt;
+  return Vec2i(entry["resolution"][0].get<int>(), entry["resolution"][1].get<int>());
+}
+
+bool read_crop(const Reader& reader, const std::string& pointer, const json& entry, std::optional<Rect2i>* crop) {
+  if (!entry.contains("crop")) return true;
+  const json& c = entry["crop"];
+  *crop = Rect2i{c[0].get<int>(), c[1].get<int>(), c[2].get<int>(), c[3].get<int>()};
+  if (!(*crop)->empty()) return true;
+  return reader.fail(pointer + "/crop", "The crop is empty: it is x0, y0, x1, y1 with x1 > x0 and y1 > y0.");
+}
+
+WindowPolicy policy_of(const std::string& name) {
+  if (name == "matchHorizontally") return WindowPolicy::matchHorizontally;
+  if (name == "fit") return WindowPolicy::fit;
+  if (name == "crop") return WindowPolicy::crop;
+  if (name == "dontConform") return WindowPolicy::dontConform;
+  return WindowPolicy::matchVertically;
+}
+
+RenderVar var_of(const std::string& aov, const std::string& data_type) {
+  const bool id = aov == "primId" || aov == "instanceId" || aov == "elementId" || aov == "sampleCount";
+  const bool wide = aov == "depth" || aov == "cameraDepth" || data_type == "float";
+  return {aov, aov, id ? "int" : wide ? "float" : "half"};
+}
+
+}  // namespace
+
+bool apply_settings(const Reader& reader) {
+  const auto entry = reader.value().find("settings");
+  if (entry == reader.value().end()) return true;
+  RenderSettingsDescription& settings = reader.state().settings;
+  if (const auto size = resolution_of(*entry)) {
+    settings.width = size->x;
+    settings.height = size->y;
+  }
+  if (!read_crop(reader, "/settings", *entry, &settings.crop)) return false;
+  settings.pixelAspectRatio = entry->value("pixelAspectRatio", settings.pixelAspectRatio);
+  if (entry->contains("windowPolicy")) settings.windowPolicy = policy_of((*entry)["windowPolicy"]);
+  settings.frame = entry->value("frame", settings.frame);
+  for (const auto& [name, value] : entry->items())
+    if (name != "resolution" && name != "crop" && name != "pixelAspectRatio" && name != "windowPolicy")
+      settings.settings[name] = to_value(value);
+  return true;
+}
+
+bool apply_products(const Reader& reader) {
+  if (reader.value().contains("ocio")) {
+    const AssetPath config = reader.asset("/ocio", reader.value()["ocio"]);
+    if (config.resolved.empty()) return false;
+    reader.state().result->color_config = config.resolved;
+  }
+  const auto entries = reader.value().find("products");
+  if (entries == reader.value().end()) return true;
+  for (size_t i = 0; i < entries->size(); ++i) {
+    const json& entry = (*entries)[i];
+    const std::string pointer = "/products/" + std::to_string(i);
+    ProductPlan plan;
+    plan.frame.resolution = resolution_of(entry);
+    if (!read_crop(reader, pointer, entry, &plan.frame.crop)) return false;
+    RenderProduct& product = plan.product;
+    product.file = reader.resolve(entry["file"]);
+    const std::string data_type = entry.value("dataType", "");
+    product.dataType = data_type;
+    for (const json& aov : entry.value("aovs", json::array())) product.vars.push_back(var_of(aov, data_type));
+    product.colorSpace = entry.value("colorSpace", "");
+    product.display = entry.value("display", "");
+    product.view = entry.value("view", "");
+    product.look = entry.value("look", "");
+    product.exposure = entry.value("exposure", 0.0f);
+    const bool display =
+        entry.contains("display") || entry.contains("view") || entry.contains("look") || entry.contains("exposure");
+    if (display && !product.colorSpace.empty())
+      return reader.fail(pointer, "Give either a colorSpace or display, view, look and exposure, not both.");
+    reader.state().products.push_back(std::move(plan));
+  }
+  return true;
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,96 @@
+#include "delegate/description/description_reader.h"
+
+#include <filesystem>
+#include <limits>
+
+#include "delegate/description/name_match.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+template <class Map>
+std::vector<Path> paths_of(const Map& prims) {
+  std::vector<Path> paths;
+  for (const auto& [path, prim] : prims) paths.push_back(path);
+  return paths;
+}
+
+std::vector<Path> paths_of_kind(const host::RetainedSceneDelegate& scene, PrimKind kind) {
+  switch (kind) {
+    case PrimKind::mesh:
+      return paths_of(scene.GetMeshes());
+    case PrimKind::material:
+      return paths_of(scene.GetMaterials());
+    case PrimKind::light:
+      return paths_of(scene.GetLights());
+    case PrimKind::camera:
+      return paths_of(scene.GetCameras());
+  }
+  return {};
+}
+
+const char* kind_name(PrimKind kind) {
+  constexpr const char* names[] = {"mesh", "material", "light", "camera"};
+  return names[static_cast<size_t>(kind)];
+}
+
+}  // namespace
+
+bool Reader::fail(const std::string& pointer, const std::string& text) const {
+  if (*state_.sink) (*state_.sink)({Severity::error, "description.invalid", place(pointer), text});
+  return false;
+}
+
+void Reader::warn(const std::string& pointer, const std::string& text) const {
+  if (*state_.sink) (*state_.sink)({Severity::warning, "description.doubtful", place(pointer), text});
+}
+
+std::string Reader::resolve(const std::string& file) const {
+  const std::filesystem::path path(file);
+  return (path.is_absolute() || folder_.empty() ? path : std::filesystem::path(folder_) / path).lexically_normal();
+}
+
+AssetPath Reader::asset(const std::string& pointer, const std::string& file) const {
+  const std::string resolved = resolve(file);
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(resolved, error)) {
+    fail(pointer, "There is no file '" + resolved + "'. Relative names start from " +
+                      (folder_.empty() ? "the working folder." : "the folder of the description."));
+    return {};
+  }
+  return {file, resolved, nullptr};
+}
+
+Value to_value(const json& value) {
+  if (value.is_boolean()) return value.get<bool>();
+  if (value.is_number_integer()) {
+    const auto number = value.get<int64_t>();
+    const bool fits = number >= std::numeric_limits<int32_t>::min() && number <= std::numeric_limits<int32_t>::max();
+    return fits ? Value(static_cast<int32_t>(number)) : Value(number);
+  }
+  if (value.is_number()) return value.get<float>();
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_array() && value.size() == 2) return Vec2f(value[0].get<float>(), value[1].get<float>());
+  if (value.is_array() && value.size() == 3)
+    return Vec3f(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
+  return {};
+}
+
+std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::string& pattern,
+                             const std::string& pointer) {
+  const bool is_mesh = kind == PrimKind::mesh;
+  std::vector<Path> found;
+  std::vector<std::string> names;
+  for (const Path& path : paths_of_kind(reader.scene(), kind)) {
+    if (matches(pattern, path, is_mesh)) found.push_back(path);
+    names.push_back(authored_name(path, is_mesh));
+  }
+  if (!found.empty()) return found;
+  const std::string none = names.empty() ? std::string(" The scene has none.") : suggestion(pattern, names);
+  reader.fail(pointer, std::string("No ") + kind_name(kind) + " matches '" + pattern + "'." + none);
+  return found;
+}
+
+}  // namespace alabaster::hd::description

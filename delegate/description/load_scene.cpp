@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cctype>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "delegate/description/description_reader.h"
+#include "delegate/description/render_description.h"
+#include "delegate/description/schema_check.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+constexpr uintmax_t kMaxDescriptionBytes = 64u << 20;
+
+std::string lower_extension(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+class Loader {
+ public:
+  Loader(host::RetainedSceneDelegate* scene, const DiagnosticSink& sink, SceneFile* result)
+      : schema_(expanded_schema("render_description")), sink_(sink) {
+    state_.scene = scene;
+    state_.sink = &sink_;
+    state_.result = result;
+  }
+
+  bool run(const std::string& file, const LoadOptions& options) {
+    if (!load_file(file)) return false;
+    for (const std::string& assignment : options.overrides)
+      if (!apply_override(assignment)) return false;
+    if (!options.dome.empty() && !replace_domes(options.dome)) return false;
+    if (!options.camera.empty() && !choose_camera(options.camera)) return false;
+    return complete_scene(&state_);
+  }
+
+ private:
+  bool fail(const char* code, const std::string& where, const std::string& text) {
+    if (sink_) sink_({Severity::error, code, where, text});
+    return false;
+  }
+
+  bool load_file(const std::string& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+      return fail("scene.missing", file, "There is no such file. Check the name and the working folder.");
+    const std::string extension = lower_extension(file);
+    if (extension == ".json") return load_description(file);
+    if (extension == ".gltf" || extension == ".glb") {
+      state_.result->gltf.push_back(gltf::LoadGltf(file, {}, state_.scene, sink_));
+      return state_.result->gltf.back().ok;
+    }
+    return fail("scene.kind", file, "Not a scene file: known are .gltf, .glb and .json (a render description).");
+  }
+
+  bool load_description(const std::string& file) {
+    std::error_code error;
+    if (std::filesystem::file_size(file, error) > kMaxDescriptionBytes)
+      return fail("description.size", file,
+                  "Larger than 64 MiB: no render description. Geometry belongs in glTF files.");
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (!stream) return fail("scene.read", file, "The file cannot be read. Check its permissions.");
+    JsonDocument document;
+    std::string problem;
+    if (!parse_json(text.str(), file, &document, &problem)) return fail("description.json", file, problem);
+    if (!check_schema(document, schema_, sink_)) return false;
+    return apply(document, std::filesystem::path(file).parent_path());
+  }
+
+  bool apply(const JsonDocument& document, const std::string& folder) {
+    const Reader reader(document, folder, &state_);
+    return apply_models(reader) && apply_materials(reader) && apply_meshes(reader) && apply_lights(reader) &&
+           apply_camera(reader) && apply_settings(reader) && apply_products(reader);
+  }
+
+  bool apply_override(const std::string& assignment) {
+    JsonDocument document;
+    std::string problem;
+    if (!override_document(assignment, &document, &problem)) return fail("override", assignment, problem);
+    return check_schema(document, schema_, sink_) && apply(document, "");
+  }
+
+  bool replace_domes(const std::string& dome) {
+    std::vector<Path> old;
+    for (const auto& [path, light] : state_.scene->GetLights())
+      if (light.type == Token("domeLight")) old.push_back(path);
+    for (const Path& path : old) state_.scene->Remove(path);
+    const JsonDocument document = dome_document(dome);
+    return check_schema(document, schema_, sink_) && apply(document, "");
+  }
+
+  // The camera asked for, as it is; the description's own changes were meant for another.
+  bool choose_camera(const std::string& name) {
+    if (name == "camera" && (state_.camera.transform || !state_.camera.parameters.empty())) return true;
+    JsonDocument document;
+    document.origin = "camera " + name;
+    document.value = nlohmann::json{{"camera", {{"use", name}}}};
+    state_.camera = {};
+    return apply(document, "");
+  }
+
+  const nlohmann::json schema_;
+  const DiagnosticSink& sink_;
+  LoadState state_;
+};
+
+}  // namespace
+
+SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
+                    const LoadOptions& options) {
+  SceneFile result;
+  try {
+    result.ok = Loader(scene, sink, &result).run(file, options);
+  } catch (const std::bad_alloc&) {
+    if (sink) sink({Severity::error, "scene.memory", file, "Not enough memory to load the scene."});
+  } catch (const std::exception& e) {
+    if (sink) sink({Severity::error, "scene.load", file, std::string("The scene cannot be loaded: ") + e.what()});
+  }
+  return result;
+}
+
+}  // namespace alabaster::hd::description

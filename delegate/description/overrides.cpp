@@ -1,0 +1,85 @@
+#include <sstream>
+
+#include "delegate/description/description_reader.h"
+#include "delegate/description/name_match.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+json json_or_text(const std::string& text) {
+  json value = json::parse(text, nullptr, false);
+  return value.is_discarded() ? json(text) : value;
+}
+
+// "materials/skin.roughness" -> {"materials": [{"match": "skin", "set": {"roughness": value}}]}
+json patch_for(const std::string& place, json value, std::string* error) {
+  const size_t slash = place.find('/');
+  if (slash == std::string::npos) {
+    const bool camera = place.rfind("camera.", 0) == 0;
+    return camera ? json{{"camera", {{place.substr(7), value}}}} : json{{"settings", {{place, value}}}};
+  }
+  const std::string kind = place.substr(0, slash);
+  const size_t dot = place.rfind('.');
+  if (dot == std::string::npos || dot < slash + 2 || dot + 1 == place.size()) {
+    *error = "'" + place + "' names no parameter: write " + kind + "/NAME.parameter=value.";
+    return {};
+  }
+  const std::string name = place.substr(slash + 1, dot - slash - 1), parameter = place.substr(dot + 1);
+  json entry{{"match", name}};
+  if (kind == "materials") {
+    entry["set"][parameter] = std::move(value);
+  } else {
+    entry[parameter] = std::move(value);
+  }
+  if (kind == "materials" || kind == "meshes" || kind == "lights") return json{{kind, {entry}}};
+  *error = "'" + kind + "' is nothing to set." + suggestion(kind, {"materials", "meshes", "lights"});
+  return {};
+}
+
+std::optional<double> to_number(const std::string& text) {
+  const json value = json::parse(text, nullptr, false);
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+}  // namespace
+
+bool override_document(const std::string& assignment, JsonDocument* document, std::string* error) {
+  const size_t equals = assignment.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    *error = "'" + assignment + "' is no assignment: write key=value.";
+    return false;
+  }
+  error->clear();
+  *document = {};
+  document->origin = assignment;
+  document->value = patch_for(assignment.substr(0, equals), json_or_text(assignment.substr(equals + 1)), error);
+  return error->empty();
+}
+
+JsonDocument dome_document(const std::string& dome) {
+  std::vector<std::string> parts;
+  std::istringstream stream(dome);
+  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  std::vector<double> numbers;
+  for (const std::string& part : parts)
+    if (const auto number = to_number(part)) numbers.push_back(*number);
+  json light{{"name", "dome"}, {"type", "domeLight"}};
+  if (!parts.empty() && numbers.size() == parts.size() && numbers.size() <= 4) {
+    const bool gray = numbers.size() <= 2;
+    light["color"] = gray ? json{numbers[0], numbers[0], numbers[0]} : json{numbers[0], numbers[1], numbers[2]};
+    if (numbers.size() % 2 == 0) light["intensity"] = numbers.back();
+  } else if (parts.size() > 1 && to_number(parts.back())) {
+    light["intensity"] = numbers.back();
+    light["texture:file"] = dome.substr(0, dome.rfind(','));
+  } else {
+    light["texture:file"] = dome;
+  }
+  JsonDocument document;
+  document.origin = "dome " + dome;
+  document.value = json{{"lights", {light}}};
+  return document;
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,220 @@
+#include "delegate/description/placement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+Matrix4d scaling(const Vec3d& s) {
+  Matrix4d m;
+  m.setScale(s);
+  return m;
+}
+
+Matrix4d translation(const Vec3d& t) {
+  Matrix4d m;
+  m.setTranslation(t);
+  return m;
+}
+
+Matrix4d axis_rotation(int axis, double degrees) {
+  const double a = degrees * std::numbers::pi / 180, c = std::cos(a), s = std::sin(a);
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  Matrix4d m;
+  m[i][i] = c;
+  m[i][j] = s;
+  m[j][i] = -s;
+  m[j][j] = c;
+  return m;
+}
+
+bool usable(const Matrix4d& m) {
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      if (!std::isfinite(m[i][j])) return false;
+  const bool affine = m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1;
+  const Vec3d x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
+  return affine && x.cross(y).dot(z) != 0;
+}
+
+// The world transforms that an instancer gives to a prototype (or to an inner instancer), outer instancers included.
+class InstanceTransforms {
+ public:
+  explicit InstanceTransforms(const host::RetainedSceneDelegate& scene) : scene_(scene) {}
+
+  std::vector<Matrix4d> of(const Path& instancer, const Path& prototype, int depth = 0) const {
+    const auto found = scene_.GetInstancers().find(instancer);
+    if (found == scene_.GetInstancers().end() || depth > kMaxDepth) return {Matrix4d()};
+    const host::InstancerDescription& d = found->second;
+    const auto indices = d.indices.find(prototype);
+    if (indices == d.indices.end()) return {};
+    const std::vector<Matrix4d> outer =
+        d.parent.empty() ? std::vector<Matrix4d>{Matrix4d()} : of(d.parent, instancer, depth + 1);
+    std::vector<Matrix4d> all;
+    for (const int32_t index : indices->second) {
+      if (index < 0) continue;
+      const Matrix4d own = instance(d, static_cast<size_t>(index)) * d.transform;
+      for (const Matrix4d& m : outer) all.push_back(own * m);
+    }
+    return all;
+  }
+
+ private:
+  static constexpr int kMaxDepth = 16;
+
+  template <class T>
+  static const T* element(const host::InstancerDescription& d, const char* name, size_t index) {
+    const auto found = d.primvars.find(name);
+    if (found == d.primvars.end()) return nullptr;
+    const auto* array = found->second.get<Array<T>>();
+    return array && index < array->size() ? &(*array)[index] : nullptr;
+  }
+
+  // M * S * R * T, as Instancer::Sync documents.
+  static Matrix4d instance(const host::InstancerDescription& d, size_t index) {
+    Matrix4d m;
+    if (const auto* t = element<Matrix4d>(d, "hydra:instanceTransforms", index)) m = *t;
+    if (const auto* s = element<Vec3f>(d, "hydra:instanceScales", index)) m = m * scaling(Vec3d(*s));
+    if (const auto* r = element<Quatf>(d, "hydra:instanceRotations", index))
+      m = m * Imath::Quatd(r->r, r->v.x, r->v.y, r->v.z).toMatrix44();
+    if (const auto* t = element<Vec3f>(d, "hydra:instanceTranslations", index)) m = m * translation(Vec3d(*t));
+    return m;
+  }
+
+  const host::RetainedSceneDelegate& scene_;
+};
+
+struct Box {
+  Vec3d low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
+  void add(const Vec3d& p) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], p[i]);
+      high[i] = std::max(high[i], p[i]);
+    }
+  }
+  std::array<Vec3d, 8> corners() const {
+    std::array<Vec3d, 8> all;
+    for (size_t i = 0; i < 8; ++i) all[i] = {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+    return all;
+  }
+};
+
+bool finite(const Vec3d& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+void add_mesh(const host::MeshDescription& mesh, const std::vector<Matrix4d>& instances, std::vector<Vec3d>* all) {
+  const auto primvar = mesh.primvars.find("points");
+  const auto* points = primvar == mesh.primvars.end() ? nullptr : primvar->second.value.get<Array<Vec3f>>();
+  if (!points || points->empty()) return;
+  if (instances.size() == 1) {
+    for (const Vec3f& p : *points)
+      if (const Vec3d world = Vec3d(p) * mesh.transform * instances[0]; finite(world)) all->push_back(world);
+    return;
+  }
+  Box box;
+  for (const Vec3f& p : *points)
+    if (finite(Vec3d(p))) box.add(Vec3d(p));
+  if (box.low.x > box.high.x) return;
+  for (const Matrix4d& instance : instances)
+    for (const Vec3d& corner : box.corners())
+      if (const Vec3d world = corner * mesh.transform * instance; finite(world)) all->push_back(world);
+}
+
+// Camera axes of the three-quarter view: seen from 35 degrees to the right and 18 degrees above the front (+z).
+Matrix4d three_quarter_axes() {
+  const double azimuth = 35 * std::numbers::pi / 180, elevation = 18 * std::numbers::pi / 180;
+  const Vec3d eye(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                  std::cos(azimuth) * std::cos(elevation));
+  Matrix4d axes = *look_at(eye, Vec3d(0), Vec3d(0, 1, 0), false);
+  axes[3][0] = axes[3][1] = axes[3][2] = 0;
+  return axes;
+}
+
+}  // namespace
+
+Vec3d to_vec3d(const json& value) {
+  return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+std::optional<Matrix4d> to_transform(const json& value) {
+  Matrix4d m;
+  if (value.is_array()) {
+    for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = value[static_cast<size_t>(i)].get<double>();
+  } else {
+    if (value.contains("scale")) m = scaling(to_vec3d(value["scale"]));
+    if (value.contains("rotate")) {
+      const Vec3d degrees = to_vec3d(value["rotate"]);
+      for (int axis = 0; axis < 3; ++axis) m = m * axis_rotation(axis, degrees[axis]);
+    }
+    if (value.contains("translate")) m = m * translation(to_vec3d(value["translate"]));
+  }
+  return usable(m) ? std::optional(m) : std::nullopt;
+}
+
+std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, bool free_up) {
+  Vec3d z = eye - target;
+  const double distance = z.length();
+  if (!(distance > 0) || !std::isfinite(distance)) return std::nullopt;
+  z /= distance;
+  Vec3d x = up.cross(z);
+  if (!(x.length() > 1e-9 * up.length())) {
+    if (!free_up) return std::nullopt;
+    x = (std::abs(z.y) > 0.5 ? Vec3d(0, 0, -1) : Vec3d(0, 1, 0)).cross(z);
+  }
+  x.normalize();
+  const Vec3d y = z.cross(x);
+  return Matrix4d(x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, eye.x, eye.y, eye.z, 1);
+}
+
+std::vector<Vec3d> enclosing_points(const host::RetainedSceneDelegate& scene) {
+  const InstanceTransforms transforms(scene);
+  std::vector<Vec3d> all;
+  for (const auto& [path, mesh] : scene.GetMeshes()) {
+    if (!mesh.visible) continue;
+    const auto instances =
+        mesh.instancer.empty() ? std::vector<Matrix4d>{Matrix4d()} : transforms.of(mesh.instancer, path);
+    add_mesh(mesh, instances, &all);
+  }
+  return all;
+}
+
+// In camera axes a point (x, y, z) is inside when |x - cx| <= t (cz - z) for the half-angle's tangent t. With
+// A = max(x + t z) and B = max(-x + t z) the nearest such camera has cx = (A - B) / 2 and cz = (A + B) / (2 t).
+Framed frame_points(const std::vector<Vec3d>& points, const Frustum& frustum) {
+  constexpr double kMargin = 0.86;
+  const Matrix4d axes = three_quarter_axes(), to_camera = axes.transposed();
+  const double low = -std::numeric_limits<double>::infinity();
+  const double tangent[2] = {frustum.tan_x * kMargin, frustum.tan_y * kMargin};
+  double plus[2] = {low, low}, minus[2] = {low, low};
+  Box box;
+  for (const Vec3d& world : points) {
+    const Vec3d p = world * to_camera;
+    box.add(p);
+    for (int i = 0; i < 2; ++i) {
+      plus[i] = std::max(plus[i], p[i] + tangent[i] * p.z);
+      minus[i] = std::max(minus[i], -p[i] + tangent[i] * p.z);
+    }
+  }
+  Framed framed;
+  Vec3d position(0, 0, 3);
+  if (!points.empty()) {
+    const double needed_x = (plus[0] + minus[0]) / (2 * tangent[0]), needed_y = (plus[1] + minus[1]) / (2 * tangent[1]);
+    position = {(plus[0] - minus[0]) / 2, (plus[1] - minus[1]) / 2, std::max(needed_x, needed_y)};
+    const double size = (box.high - box.low).length();
+    if (!(size > 0)) position.z += 1;  // one point: any distance shows it
+    framed.distance = position.z - (box.low.z + box.high.z) / 2;
+  } else {
+    framed.distance = 3;
+  }
+  framed.camera = axes * translation(position * axes);
+  return framed;
+}
+
+}  // namespace alabaster::hd::description
