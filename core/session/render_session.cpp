@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -145,8 +146,10 @@ void RenderSession::State::work(const RenderRequest& request, const PassSchedule
 
 void RenderSession::State::run_workers(const RenderRequest& request) {
   const PassSchedule schedule = make_pass_schedule(request.settings.samples);
-  const int threads =
-      request.settings.threads > 0 ? static_cast<int>(request.settings.threads) : tbb::task_arena::automatic;
+  // TBB prints a warning when an arena asks for more than the process may have: never ask.
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const auto threads =
+      static_cast<int>(std::min<size_t>(request.settings.threads > 0 ? request.settings.threads : allowed, allowed));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_for(

@@ -1,6 +1,7 @@
 #include "core/session/render_session.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <chrono>
 #include <cstring>
@@ -62,6 +63,7 @@ TEST(PassSchedule, CoversAllSamplesInOrder) {
 }
 
 TEST(RenderSession, BytesDoNotDependOnThreads) {
+  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   RenderRequest request = mixed_request(12);
   request.settings.threads = 1;
   const auto one = color(request);
