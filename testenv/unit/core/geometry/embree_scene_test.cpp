@@ -1,0 +1,170 @@
+#include "core/geometry/embree_scene.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+#include <xmmintrin.h>
+
+#include <atomic>
+#include <limits>
+#include <memory>
+#include <thread>
+
+#include "testenv/support/cages.h"
+
+namespace alabaster {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+class EmbreeScene : public testing::Test {
+ protected:
+  std::shared_ptr<const ObjectScene> build(const Mesh& mesh) { return build_object_scene(device_, mesh, {}); }
+  std::shared_ptr<const ObjectScene> cube() { return build(build_mesh(test::cube_cage(), {}, {})); }
+
+  test::RecordingSink sink_;
+  std::shared_ptr<TraceDevice> device_ = make_trace_device(sink_.sink());
+};
+
+TEST_F(EmbreeScene, HitIsTheTriangleWithItsBarycentrics) {
+  Mesh mesh;
+  mesh.points = {{9, 9, 9}, {0, 0, 2}, {4, 0, 2}, {0, 4, 2}};
+  mesh.triangles = {{0, 0, 0}, {1, 2, 3}};
+  const auto object = build(mesh);
+  TriangleHit hit;
+  for (float side : {-1.0f, 1.0f}) {
+    ASSERT_TRUE(object->intersect({{1, 2, 2 - 3 * side}, {0, 0, side * 0.5f}}, &hit));
+    EXPECT_FLOAT_EQ(hit.t, 6);  // in units of |dir| = 0.5
+    EXPECT_FLOAT_EQ(hit.u, 0.25f);
+    EXPECT_FLOAT_EQ(hit.v, 0.5f);
+    EXPECT_EQ(hit.triangle, 1u);
+  }
+  EXPECT_TRUE(object->intersect({{1, 2, 0}, {0, 0, 1}, 2.0f}, &hit));  // tmax is included
+  EXPECT_FALSE(object->intersect({{1, 2, 0}, {0, 0, 1}, 1.999f}, &hit));
+  EXPECT_FALSE(object->intersect({{3, 3, 0}, {0, 0, 1}}, &hit));
+  EXPECT_GT(object->memory_bytes(), 0u);
+}
+
+// Four instances in a row along x, each of another kind; hand-computed distances.
+TEST_F(EmbreeScene, InstancesAreFoundUnderTheirTransforms) {
+  const auto object = cube();
+  const std::vector<InstancePlacement> placements = {
+      {object, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {10, 0, 0}}},    // moved: x in [9, 11]
+      {nullptr, {}},                                              // keeps its index
+      {object, {{0, 2, 0}, {-3, 0, 0}, {0, 0, 1}, {20, 0, 0}}},   // x -> 2y, y -> -3x: [17, 23] x [-2, 2]
+      {object, {{-2, 0, 0}, {0, 1, 0}, {0, 0, 1}, {30, 5, 0}}},   // mirrored: [28, 32] x [4, 6]
+      {object, {{1, 0, 0}, {0.5f, 1, 0}, {0, 0, 4}, {40, 0, 0}}}  // sheared along x by y, z in [-4, 4]
+  };
+  const auto scene = build_instanced_scene(device_, placements);
+  TriangleHit hit;
+  const auto expect_hit = [&](const Ray& ray, uint32_t instance, float t) {
+    ASSERT_TRUE(scene->intersect(ray, &hit));
+    EXPECT_EQ(hit.instance, instance);
+    EXPECT_NEAR(hit.t, t, 1e-5f * t);
+    EXPECT_TRUE(scene->occluded(ray));
+    Ray shorter = ray;
+    shorter.tmax = t * 0.999f;
+    EXPECT_FALSE(scene->intersect(shorter, &hit));
+    EXPECT_FALSE(scene->occluded(shorter));
+  };
+  expect_hit({{0, 0.3f, 0.2f}, {1, 0, 0}}, 0, 9);
+  expect_hit({{15, 0.3f, 0.2f}, {0.25f, 0, 0}}, 2, 8);  // 2 / 0.25
+  expect_hit({{20.5f, 9, 0}, {0, -2, 0}}, 2, 3.5f);
+  expect_hit({{25, 5.5f, 0}, {1, 0, 0}}, 3, 3);
+  expect_hit({{50, 0.5f, 0}, {-1, 0, 0}}, 4, 8.75f);  // right face at 40 + 1 + 0.5 * 0.5
+  expect_hit({{40, 0, 10}, {0, 0, -3}}, 4, 2);
+  EXPECT_FALSE(scene->intersect({{25, 3, 0}, {1, 0, 0}, 5.0f}, &hit));
+}
+
+TEST_F(EmbreeScene, EmptyScenesAreNeverHit) {
+  TriangleHit hit;
+  const Ray ray{{0, 0, 5}, {0, 0, -1}};
+  const auto nothing = build_instanced_scene(device_, {});
+  EXPECT_FALSE(nothing->intersect(ray, &hit));
+  EXPECT_FALSE(nothing->occluded(ray));
+  const auto empty = build(Mesh());
+  ASSERT_TRUE(empty);
+  EXPECT_FALSE(empty->intersect(ray, &hit));
+  EXPECT_FALSE(build_instanced_scene(device_, {{empty, {}}})->intersect(ray, &hit));
+  Affine bad;
+  bad.x.x = kNaN;
+  const auto object = cube();
+  const auto scene = build_instanced_scene(device_, {{object, bad}, {object, {}}});
+  ASSERT_TRUE(scene->intersect(ray, &hit));
+  EXPECT_EQ(hit.instance, 1u);
+  EXPECT_TRUE(sink_.all().empty());
+}
+
+TEST_F(EmbreeScene, BadRaysMissInsteadOfAborting) {
+  const auto object = cube();
+  const auto scene = build_instanced_scene(device_, {{object, {}}});
+  std::vector<Ray> rays;
+  for (float bad : {kNaN, kInf, -kInf, 1e19f, -1e19f, 2e18f})
+    for (int axis = 0; axis < 3; ++axis) {
+      Ray org{{0, 0, 5}, {0, 0, -1}}, dir = org;
+      org.org[axis] = bad;
+      dir.dir[axis] = bad;
+      rays.insert(rays.end(), {org, dir});
+    }
+  for (float tmax : {kNaN, -1.0f, -kInf}) rays.push_back({{0, 0, 5}, {0, 0, -1}, tmax});
+  for (const Ray& ray : rays) {
+    TriangleHit hit;
+    EXPECT_FALSE(is_traceable(ray));
+    EXPECT_FALSE(object->intersect(ray, &hit));
+    EXPECT_FALSE(scene->intersect(ray, &hit));
+    EXPECT_FALSE(scene->occluded(ray));
+  }
+  TriangleHit hit;
+  EXPECT_FALSE(scene->intersect({{0, 0, 5}, {0, 0, 0}}, &hit));  // no direction: traceable, and misses
+  EXPECT_FALSE(scene->intersect({{0, 0, 5}, {0, 0, -1}, 0.0f}, &hit));
+}
+
+TEST_F(EmbreeScene, BuildStopsWhenCancelled) {
+  RefinementOptions options;
+  options.level = 6;
+  const Mesh mesh = build_mesh(test::cube_cage(SubdivisionScheme::catmull_clark), options, {});
+  EXPECT_EQ(build_object_scene(device_, mesh, [] { return true; }), nullptr);
+  std::atomic<int> asked{0};
+  EXPECT_EQ(build_object_scene(device_, mesh, [&] { return ++asked > 2; }), nullptr);
+  EXPECT_GT(asked, 2);
+  EXPECT_NE(build_object_scene(device_, mesh, [] { return false; }), nullptr);
+  EXPECT_TRUE(sink_.all().empty());  // a stopped build is no fault
+}
+
+TEST_F(EmbreeScene, BuildStaysInTheArenaOfItsCaller) {
+  RefinementOptions options;
+  options.level = 6;
+  const Mesh mesh = build_mesh(test::cube_cage(SubdivisionScheme::catmull_clark), options, {});
+  tbb::task_arena arena(1);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<int> elsewhere{0}, asked{0};
+  arena.execute([&] {
+    build_object_scene(device_, mesh, [&] {
+      ++asked;
+      if (std::this_thread::get_id() != caller) ++elsewhere;
+      return false;
+    });
+  });
+  EXPECT_GT(asked, 1);
+  EXPECT_EQ(elsewhere, 0);
+}
+
+TEST_F(EmbreeScene, LeavesTheFloatingPointModeOfTheHostAlone) {
+  const unsigned before = _mm_getcsr() & ~0x3fu;  // without the sticky exception flags
+  const auto scene = build_instanced_scene(device_, {{cube(), {}}});
+  TriangleHit hit;
+  scene->intersect({{0, 0, 5}, {0, 0, -1}}, &hit);
+  EXPECT_EQ(_mm_getcsr() & ~0x3fu, before);
+}
+
+TEST_F(EmbreeScene, ScenesOutliveTheirMakers) {
+  auto object = cube();
+  auto scene = build_instanced_scene(device_, {{object, {}}});
+  object.reset();
+  device_.reset();
+  TriangleHit hit;
+  EXPECT_TRUE(scene->intersect({{0, 0, 5}, {0, 0, -1}}, &hit));
+}
+
+}  // namespace
+}  // namespace alabaster
