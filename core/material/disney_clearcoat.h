@@ -16,18 +16,18 @@ struct DisneyClearcoat {
 
   Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
     if (!(strength > 0 && wo.z > 0 && wi.z > 0)) return Rgb(0.0f);
-    const auto wm = half_vector(wo, wi);
-    if (!wm) return Rgb(0.0f);
+    const auto facet = mirror_facet(wo, wi);
+    if (!facet) return Rgb(0.0f);
     constexpr Ggx masking{0.25f, 0.25f};
-    const float f = lerp(0.04f, 1.0f, schlick_weight(dot(wo, *wm)));
+    const float f = lerp(0.04f, 1.0f, schlick_weight(facet->cos_d));
     const float g_over_4_cos_cos = 0.25f * masking.g1_over_cos(wo) * masking.g1_over_cos(wi);
-    return Rgb(0.25f * strength * f * gtr1.d(*wm) * g_over_4_cos_cos);
+    return Rgb(0.25f * strength * f * gtr1.d(facet->wm) * g_over_4_cos_cos);
   }
   /// Normals by D wm.z, reflected: D wm.z / (4 wo.wm).
   float pdf(const Vec3f& wo, const Vec3f& wi) const {
     if (!(wo.z > 0 && wi.z > 0)) return 0;
-    const auto wm = half_vector(wo, wi);
-    return wm ? gtr1.pdf(*wm) / (4 * dot(wo, *wm)) : 0;
+    const auto facet = mirror_facet(wo, wi);
+    return facet ? gtr1.pdf(facet->wm) / (4 * facet->cos_d) : 0;
   }
   /// Empty where the reflected direction goes below the horizon.
   std::optional<Vec3f> sample(const Vec3f& wo, const Vec2f& u) const {

@@ -16,14 +16,14 @@ struct DisneySpecular {
   static DisneySpecular from(const DisneyParameters& p);
 
   Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
-    const auto wm = facing(wo, wi);
-    if (!wm) return Rgb(0.0f);
-    return schlick(f0, f90, dot(wo, *wm)) * (0.25f * ggx.d(*wm) * ggx.g1_over_cos(wo) * ggx.g1_over_cos(wi));
+    const auto facet = facet_above(wo, wi);
+    if (!facet) return Rgb(0.0f);
+    return schlick(f0, f90, facet->cos_d) * (0.25f * ggx.d(facet->wm) * ggx.g1_over_cos(wo) * ggx.g1_over_cos(wi));
   }
   /// Visible normals reflected: D_v(wm) / (4 wo.wm), in which wo.wm cancels.
   float pdf(const Vec3f& wo, const Vec3f& wi) const {
-    const auto wm = facing(wo, wi);
-    return wm ? 0.25f * ggx.d(*wm) * ggx.g1_over_cos(wo) : 0;
+    const auto facet = facet_above(wo, wi);
+    return facet ? 0.25f * ggx.d(facet->wm) * ggx.g1_over_cos(wo) : 0;
   }
   /// Empty where the reflected direction goes below the horizon: light that a further bounce between facets would
   /// carry.
@@ -38,9 +38,9 @@ struct DisneySpecular {
   Rgb albedo(const Vec3f& wo) const { return lerp(f0, f90, std::max(schlick_weight(wo.z), 1.0f / 21)); }
 
  private:
-  static std::optional<Vec3f> facing(const Vec3f& wo, const Vec3f& wi) {
+  static std::optional<MirrorFacet> facet_above(const Vec3f& wo, const Vec3f& wi) {
     if (!(wo.z > 0 && wi.z > 0)) return std::nullopt;
-    return half_vector(wo, wi);
+    return mirror_facet(wo, wi);
   }
 };
 

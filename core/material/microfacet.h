@@ -12,12 +12,20 @@ namespace alabaster {
 /// still resolves the lobe to a thousandth of its width, and D <= 1/(pi 1e-8) = 3.2e7 leaves room for every product.
 inline constexpr float kMinAlpha = 1e-4f;
 
-/// wm between wi and wo; empty if they are (nearly) opposite, where it has no direction.
-inline std::optional<Vec3f> half_vector(const Vec3f& wo, const Vec3f& wi) {
+/// The facet that mirrors wo into wi. cos_d = wo.wm = wi.wm, taken as half the length of wo + wi: the same number
+/// whichever direction is called wo, so that a lobe is reciprocal to the last bits.
+struct MirrorFacet {
+  Vec3f wm;
+  float cos_d;
+};
+
+/// Empty if wo and wi are (nearly) opposite, where wm has no direction.
+inline std::optional<MirrorFacet> mirror_facet(const Vec3f& wo, const Vec3f& wi) {
   const Vec3f sum = wo + wi;
   const float l2 = dot(sum, sum);
   if (!(l2 > 1e-30f)) return std::nullopt;
-  return sum * (1 / std::sqrt(l2));
+  const float l = std::sqrt(l2);
+  return MirrorFacet{sum * (1 / l), 0.5f * l};
 }
 
 inline Vec3f reflect_about(const Vec3f& wo, const Vec3f& wm) {
