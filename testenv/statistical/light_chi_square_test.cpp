@@ -1,9 +1,11 @@
 // Every light draws directions from the pdf it states, as seen from near, far, inside and grazing points.
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <functional>
 
-#include "core/light/light_set.h"
+#include "core/light/light.h"
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/memory_texture.h"
 
@@ -12,29 +14,102 @@ namespace {
 
 constexpr int kTests = 24;  // in this file
 
-struct View {
-  const char* name;
-  Vec3f p;
-  double pole_exponent = 1;  // of the bins, about `towards`
-  Vec3f towards{0, 0, 1};
+// Directions are binned on a chart of the light as seen from p: a map to the unit square in which the light's outline
+// follows bin edges, so that the pdf has no jumps within bins. Half the square lies outside the light.
+struct Chart {
+  std::function<Vec2f(const Vec3f&)> to_square;
+  std::function<Vec3f(const Vec2f&)> direction;
+  std::function<double(const Vec2f&)> solid_angle;  // per unit area of the square
 };
 
+// What float directions can blur: u off the light's edge by no more than that is on the light.
+double snap(double u, double edge, double inward, double blur) {
+  return std::abs(u - edge) < blur && (u - edge) * inward <= 0 ? edge + inward * 1e-6 : u;
+}
+
+Vec2f in_square(double x, double y) {
+  return {static_cast<float>(std::clamp(x, 0.0, 0.9999999)), static_cast<float>(std::clamp(y, 0.0, 0.9999999))};
+}
+
+constexpr double kBlur = 0x1p-22;  // radians
+constexpr double kPiDouble = 3.14159265358979323846;
+
+// A parallelogram in the plane z = 0 about the origin with edges x, y: the square covers twice its size.
+Chart parallelogram(const Vec3f& p, const Vec3d& x, const Vec3d& y) {
+  const Vec3d origin(p);
+  const double area = length(cross(x, y)), size = std::min(length(x), length(y));
+  const auto point = [=](const Vec2f& u) {
+    return x * (2 * (static_cast<double>(u.x) - 0.5)) + y * (2 * (static_cast<double>(u.y) - 0.5)) - origin;
+  };
+  const auto to_square = [=](const Vec3f& w) {
+    if (!(w.z > 0)) return Vec2f(0, 0);
+    const double t = -origin.z / static_cast<double>(w.z), blur = kBlur * t / (static_cast<double>(w.z) * size);
+    const Vec3d q = origin + Vec3d(w) * t;
+    const double determinant = x.x * y.y - x.y * y.x;
+    double u = 0.5 + 0.5 * (q.x * y.y - q.y * y.x) / determinant, v = 0.5 + 0.5 * (x.x * q.y - x.y * q.x) / determinant;
+    u = snap(snap(u, 0.25, 1, blur), 0.75, -1, blur);
+    v = snap(snap(v, 0.25, 1, blur), 0.75, -1, blur);
+    return in_square(u, v);
+  };
+  const auto solid_angle = [=](const Vec2f& u) {
+    const Vec3d d = point(u);
+    const double l = length(d);
+    return 4 * area * d.z / (l * l * l);
+  };
+  return {to_square, [=](const Vec2f& u) { return Vec3f(normalize(point(u))); }, solid_angle};
+}
+
+// A cone of that 1 - cos about `axis`: the square covers twice its solid angle (or the sphere, if that is less).
+Chart cone(const Vec3f& axis, double one_minus_cos) {
+  const Frame frame = frame_from_normal(normalize(axis));
+  const double range = std::min(2 * one_minus_cos, 2.0);
+  const auto to_square = [=](const Vec3f& w) {
+    const Vec3f apart = w - frame.n, l = frame.to_local(w);
+    const double h = 0.5 * static_cast<double>(dot(apart, apart));
+    const double u = snap(h / range, one_minus_cos / range, -1, kBlur * std::sqrt(2 * h) / range);
+    return in_square(u, 0.5 + static_cast<double>(std::atan2(l.y, l.x)) / (2 * kPiDouble));
+  };
+  const auto direction = [=](const Vec2f& u) {
+    const double h = u.x * range, phi = 2 * kPiDouble * (static_cast<double>(u.y) - 0.5), r = std::sqrt(h * (2 - h));
+    return normalize(
+        Vec3f(Vec3d(frame.s) * (r * std::cos(phi)) + Vec3d(frame.t) * (r * std::sin(phi)) + Vec3d(frame.n) * (1 - h)));
+  };
+  return {to_square, direction, [=](const Vec2f&) { return 2 * kPiDouble * range; }};
+}
+
+// Longitude and colatitude about y, as an image of the dome has them.
+Chart lat_long() {
+  const auto to_square = [](const Vec3f& w) {
+    const double x = w.x, z = w.z;
+    return in_square(0.5 - std::atan2(x, z) / (2 * kPiDouble),
+                     std::atan2(std::sqrt(x * x + z * z), static_cast<double>(w.y)) / kPiDouble);
+  };
+  const auto direction = [](const Vec2f& u) {
+    const double phi = 2 * kPiDouble * (0.5 - static_cast<double>(u.x)), theta = kPiDouble * u.y;
+    return Vec3f(Vec3d(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)));
+  };
+  return {to_square, direction, [](const Vec2f& u) { return 2 * kPiDouble * kPiDouble * std::sin(kPiDouble * u.y); }};
+}
+
 template <class L>
-void check(const L& light, const View& view, uint64_t seed) {
-  const auto sample = [&](Rng& rng) -> std::optional<Vec3f> {
-    const auto s = light.sample(view.p, uniform2(rng));
+ChiSquareResult test_light(const L& light, const Vec3f& p, const Chart& chart, uint64_t seed) {
+  const auto sample = [&](Rng& rng) -> std::optional<Vec2f> {
+    const auto s = light.sample(p, uniform2(rng));
     if (!s) return std::nullopt;
-    return s->wi;
+    return chart.to_square(s->wi);
   };
-  const auto pdf = [&](const Vec3f& w) {
-    const auto hit = light.intersect({view.p, w});
-    return hit ? hit->pdf : 0.0f;
+  const auto pdf = [&](const Vec2f& u) {
+    const auto hit = light.intersect({p, chart.direction(u)});
+    return hit ? static_cast<float>(hit->pdf * chart.solid_angle(u)) : 0.0f;
   };
-  ChiSquareOptions options{.bins_x = 18, .bins_y = 18, .samples = 60000, .seed = seed, .number_of_tests = kTests};
-  options.frame = frame_from_normal(normalize(view.towards));
-  options.pole_exponent = view.pole_exponent;
-  const auto r = chi_square_sphere(sample, pdf, options);
-  EXPECT_TRUE(r.passed) << view.name << '\n' << r.report;
+  return chi_square_square(sample, pdf,
+                           {.bins_x = 36, .bins_y = 36, .samples = 100000, .seed = seed, .number_of_tests = kTests});
+}
+
+template <class L>
+void check(const L& light, const char* name, const Vec3f& p, const Chart& chart, uint64_t seed) {
+  const auto r = test_light(light, p, chart, seed);
+  EXPECT_TRUE(r.passed) << name << '\n' << r.report;
 }
 
 LightDescription described(LightType type) {
@@ -47,37 +122,48 @@ TEST(LightChiSquare, Rect) {
   LightDescription d = described(LightType::rect);
   d.width = 2;
   const RectLight light(d, Vec3d(0, 0, 0));
+  struct View {
+    const char* name;
+    Vec3f p;
+  };
   uint64_t seed = 10;
-  for (const View& view :
-       {View{"near", {0.2f, 0.1f, -0.3f}}, View{"beside", {1.5f, -0.2f, -0.4f}},
-        View{"grazing", {0, 0.7f, -0.05f}, 1, {0, -1, 0.2f}}, View{"far", {40, 10, -70}, 8, {-40, -10, 70}},
-        View{"so far that it is sampled by area", {400, 0, -400}, 10, {-400, 0, 400}}})
-    check(light, view, seed++);
+  for (const auto& [name, p] : {View{"near", {0.2f, 0.1f, -0.3f}}, View{"nearly touching", {0.2f, 0.1f, -0.03f}},
+                                View{"beside", {1.5f, -0.2f, -0.4f}}, View{"grazing", {0, 0.7f, -0.02f}},
+                                View{"far", {40, 10, -70}}, View{"so far that it is sampled by area", {200, 0, -200}}})
+    check(light, name, p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
 }
 
 TEST(LightChiSquare, ShearedRectIsSampledByArea) {
   LightDescription d = described(LightType::rect);
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0.8, 1, 0, 0, 0, 0.3, 2, 0, 0, 0, 0, 1);
   const RectLight light(d, Vec3d(0, 0, 0));
-  check(light, {"near", {0.2f, 0.1f, -0.5f}}, 20);
-  check(light, {"beside", {1.5f, -0.2f, -0.8f}}, 21);
+  uint64_t seed = 20;
+  for (const Vec3f& p : {Vec3f(0.2f, 0.1f, -0.5f), Vec3f(1.5f, -0.2f, -0.8f)})
+    check(light, "sheared", p, parallelogram(p, Vec3d(1, 0, 0), Vec3d(0.8, 1, 0)), seed++);
 }
 
 TEST(LightChiSquare, Sphere) {
   const SphereLight light(described(LightType::sphere), Vec3d(0, 0, 0));
   uint64_t seed = 30;
-  for (const View& view : {View{"near", {0, 0.1f, -0.52f}}, View{"at a distance", {1, 2, 3}, 3, {-1, -2, -3}},
-                           View{"far", {100, 200, -300}, 10, {-100, -200, 300}}, View{"inside", {0.1f, -0.3f, 0.2f}}})
-    check(light, view, seed++);
+  for (const Vec3f& p : {Vec3f(0, 0.1f, -0.52f), Vec3f(1, 2, 3), Vec3f(100, 200, -300)}) {
+    const double sin2 = 0.25 / static_cast<double>(dot(p, p));
+    check(light, "outside", p, cone(-p, sin2 / (1 + std::sqrt(1 - sin2))), seed++);
+  }
+  check(light, "inside", {0.1f, -0.3f, 0.2f}, cone({0, 0, 1}, 2), seed);
 }
 
+// Where the spot does not shine sample() is empty and intersect() too: what is left must still agree.
 TEST(LightChiSquare, SphereWithSpotCone) {
   LightDescription d = described(LightType::sphere);
   d.cone_inner = 10;
   d.cone_outer = 25;
   const SphereLight light(d, Vec3d(0, 0, 0));
-  check(light, {"inside the cone", {0.1f, 0, -1.2f}}, 40);
-  check(light, {"partly outside", {0.5f, 0, -1.2f}}, 41);
+  const Vec3f p(0, 0, -1.2f);
+  const double sin2 = 0.25 / 1.44, filled = sin2 / (1 + std::sqrt(1 - sin2));
+  // The outer cone is wider than the sphere's here, narrower there.
+  check(light, "wide", p, cone(-p, filled), 40);
+  d.cone_outer = 15;
+  check(SphereLight(d, Vec3d(0, 0, 0)), "narrow", p, cone(-p, 1 - std::cos(15 * kPiDouble / 180)), 41);
 }
 
 TEST(LightChiSquare, Distant) {
@@ -86,13 +172,14 @@ TEST(LightChiSquare, Distant) {
   uint64_t seed = 50;
   for (float angle : {0.53f, 40.0f, 220.0f}) {
     d.angle = angle;
-    check(DistantLight(d, Vec3d(0, 0, 0)), {"", {1, 2, 3}, angle < 1 ? 6.0 : 1.0, {0, -1, 0}}, seed++);
+    const double s = std::sin(static_cast<double>(angle) * kPiDouble / 720);
+    check(DistantLight(d, Vec3d(0, 0, 0)), "distant", {1, 2, 3}, cone({0, -1, 0}, 2 * s * s), seed++);
   }
 }
 
 TEST(LightChiSquare, Dome) {
   LightDescription d = described(LightType::dome);
-  check(DomeLight(d, Vec3d(0, 0, 0)), {"constant", {0, 0, 0}}, 60);
+  check(DomeLight(d, Vec3d(0, 0, 0)), "constant", {0, 0, 0}, lat_long(), 60);
   // Black regions, a bright pole, a steep sun, and edges that differ.
   std::vector<Rgb> texels(size_t{12} * 6, Rgb(0.0f));
   for (size_t i = 0; i < 12; ++i) texels[i] = Rgb(static_cast<float>(i + 1), 1, 2);
@@ -100,67 +187,70 @@ TEST(LightChiSquare, Dome) {
   texels[12 * 2 + 4] = Rgb(60, 50, 40);
   texels[12 * 5 + 2] = Rgb(0, 0, 30);
   d.texture = std::make_shared<MemoryTexture>(12, texels);
-  // Bins aligned with the rows' pole, or the cells' edges cost the quadrature too much.
-  check(DomeLight(d, Vec3d(0, 0, 0)), {"image", {0, 0, 0}, 1, {0, 1, 0}}, 61);
-  d.light_to_world = Matrix4d(0, 0, -1, 0, 0, 3, 0, 0, 2, 0, 0, 0, 7, 7, 7, 1);
-  check(DomeLight(d, Vec3d(0, 0, 0)), {"image turned and unevenly scaled", {0, 0, 0}, 1, {0, 1, 0}}, 62);
+  check(DomeLight(d, Vec3d(0, 0, 0)), "image", {0, 0, 0}, lat_long(), 61);
+  d.light_to_world = Matrix4d(0, 0, -1, 0, 0, 3, 0, 0, 2, 0, 0, 0, 7, 7, 7, 1);  // a quarter turn keeps texels on bins
+  check(DomeLight(d, Vec3d(0, 0, 0)), "image turned and unevenly scaled", {0, 0, 0}, lat_long(), 62);
 }
 
-// Both triangles may lie behind one another: the density of a direction is the sum over all hits.
+// Left half of the square: the first triangle, right half: the third; the second gives no light. Seen from p the two
+// do not overlap.
 TEST(LightChiSquare, Mesh) {
   const std::vector<MeshLight::Triangle> triangles = {
       {{-1, -1, 1}, {1, -1, 1}, {0, 1, 1.5f}, Rgb(1, 2, 3)},
-      {{-1, 0, -1}, {1, 0, -1}, {0, 2, -2}, Rgb(0.0f)},
-      {{0, -1, 2}, {2, 0, 2}, {0, 2, 2}, Rgb(5, 1, 1)},
+      {{-1, 0, 0.5f}, {1, 0, 0.5f}, {0, 2, 0.5f}, Rgb(0.0f)},
+      {{3, -1, 2}, {5, 0, 2}, {3, 2, 2}, Rgb(5, 1, 1)},
   };
   const MeshLight light(7, triangles, {4, 2, 9});
-  const uint32_t ids[3] = {4, 2, 9};
-  const auto distance_to = [](const MeshLight::Triangle& t, const Vec3f& p, const Vec3f& w) {
+  const auto barycentric = [](const MeshLight::Triangle& t, const Vec3f& p, const Vec3f& w) {
     const Vec3f e1 = t.p1 - t.p0, e2 = t.p2 - t.p0, h = cross(w, e2), s = p - t.p0, q = cross(s, e1);
     const float inverse = 1 / dot(e1, h), u = dot(s, h) * inverse, v = dot(w, q) * inverse;
-    const float distance = dot(e2, q) * inverse;
-    return u >= 0 && v >= 0 && u + v <= 1 && distance > 0 ? distance : 0;
+    return Vec3f(1 - u - v, u, v);
   };
   uint64_t seed = 70;
-  for (const Vec3f& p : {Vec3f(0, 0, 0), Vec3f(0.3f, 0, 1.7f)}) {
-    const auto sample = [&](Rng& rng) -> std::optional<Vec3f> {
+  for (const Vec3f& p : {Vec3f(0, 0, 0), Vec3f(0.3f, 0, 0.8f)}) {
+    const auto sample = [&](Rng& rng) -> std::optional<Vec2f> {
       const auto s = light.sample(p, uniform2(rng));
       if (!s) return std::nullopt;
-      return s->wi;
+      const bool first = s->radiance == triangles[0].radiance;
+      const Vec3f b = barycentric(triangles[first ? 0 : 2], p, s->wi);
+      const Vec2f u = invert_uniform_triangle({std::clamp(b.x, 0.0f, 1.0f), std::clamp(b.y, 0.0f, 1.0f)});
+      return in_square(std::clamp(0.5 * static_cast<double>(u.x), 0.0, 0.4999999) + (first ? 0 : 0.5), u.y);
     };
-    const auto pdf = [&](const Vec3f& w) {
-      float sum = 0;
-      for (size_t i = 0; i < 3; ++i) {
-        const float t = distance_to(triangles[i], p, w);
-        if (t > 0) sum += light.pdf(ids[i], w, t);
-      }
-      return sum;
+    const auto pdf = [&](const Vec2f& u) {
+      const bool first = u.x < 0.5f;
+      const MeshLight::Triangle& t = triangles[first ? 0 : 2];
+      const Vec2f b = sample_uniform_triangle({2 * u.x - (first ? 0.0f : 1.0f), u.y});
+      const Vec3f d = t.p0 * b.x + t.p1 * b.y + t.p2 * (1 - b.x - b.y) - p, w = normalize(d);
+      const float twice_area_cos = std::abs(dot(cross(t.p1 - t.p0, t.p2 - t.p0), w));
+      return light.pdf(first ? 4 : 9, w, length(d)) * twice_area_cos / dot(d, d);  // the triangle fills half the square
     };
-    const auto r = chi_square_sphere(
-        sample, pdf, {.bins_x = 18, .bins_y = 18, .samples = 60000, .seed = seed++, .number_of_tests = kTests});
+    const auto r = chi_square_square(
+        sample, pdf, {.bins_x = 36, .bins_y = 36, .samples = 100000, .seed = seed++, .number_of_tests = kTests});
     EXPECT_TRUE(r.passed) << r.report;
   }
 }
 
-// The instrument notices a light whose pdf is that of a slightly larger light, and one that forgets the cosine.
+// The instrument notices a light that is slightly larger than it says, and a pdf that forgets the light's cosine.
 TEST(LightChiSquare, WrongPdfsFail) {
+  struct Wrong {
+    RectLight sampled, stated;
+    float power_of_cosine;
+    std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return sampled.sample(p, u); }
+    std::optional<LightHit> intersect(const Ray& ray) const {
+      auto hit = stated.intersect(ray);
+      if (hit) hit->pdf *= std::pow(ray.dir.z, power_of_cosine);
+      return hit;
+    }
+  };
   LightDescription d = described(LightType::rect);
   const RectLight light(d, Vec3d(0, 0, 0));
   d.width = 1.03f;
   const RectLight larger(d, Vec3d(0, 0, 0));
   const Vec3f p(0.8f, 0.1f, -0.6f);
-  const ChiSquareOptions coarse{.bins_x = 18, .bins_y = 18, .samples = 60000};
-  const auto sample = [&](Rng& rng) -> std::optional<Vec3f> { return light.sample(p, uniform2(rng))->wi; };
-  const auto larger_pdf = [&](const Vec3f& w) {
-    const auto hit = larger.intersect({p, w});
-    return hit ? hit->pdf : 0.0f;
-  };
-  EXPECT_FALSE(chi_square_sphere(sample, larger_pdf, coarse).passed);
-  const auto without_cosine = [&](const Vec3f& w) {
-    const auto hit = light.intersect({p, w});
-    return hit ? hit->t * hit->t : 0.0f;  // area 1
-  };
-  EXPECT_FALSE(chi_square_sphere(sample, without_cosine, coarse).passed);
+  const Chart chart = parallelogram(p, Vec3d(1, 0, 0), Vec3d(0, 1, 0));
+  EXPECT_TRUE(test_light(Wrong{light, light, 0}, p, chart, 80).passed);
+  EXPECT_FALSE(test_light(Wrong{light, larger, 0}, p, chart, 81).passed);
+  EXPECT_FALSE(test_light(Wrong{light, light, 1}, p, chart, 82).passed);
 }
 
 }  // namespace

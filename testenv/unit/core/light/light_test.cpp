@@ -1,0 +1,252 @@
+// What all lights promise alike: samples and hits agree, nothing bad comes out of bad input, units do not matter.
+#include "core/light/light.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/sampling/pixel_sampler.h"
+#include "testenv/support/memory_texture.h"
+
+namespace alabaster {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+std::vector<LightDescription> some_of_each() {
+  LightDescription rect;
+  rect.width = 3;
+  rect.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 1, 2, 3, 1);
+  LightDescription sheared = rect;
+  sheared.light_to_world[0][2] = 0.7;
+  LightDescription sphere;
+  sphere.type = LightType::sphere;
+  sphere.light_to_world[3][1] = 4;
+  LightDescription spot = sphere;
+  spot.cone_inner = 20;
+  spot.cone_outer = 60;
+  LightDescription point = spot;
+  point.treat_as_point = true;
+  LightDescription sun;
+  sun.type = LightType::distant;
+  LightDescription ray = sun;
+  ray.angle = 0;
+  LightDescription sky;
+  sky.type = LightType::dome;
+  LightDescription image = sky;
+  std::vector<Rgb> texels(8, Rgb(0.5f, 1, 2));
+  texels[5] = Rgb(0.0f);
+  texels[3] = Rgb(90, 80, 70);
+  image.texture = std::make_shared<testing::MemoryTexture>(4, texels);
+  return {rect, sheared, sphere, spot, point, sun, ray, sky, image};
+}
+
+Light make(const LightDescription& d, const Vec3d& origin) {
+  switch (d.type) {
+    case LightType::rect:
+      return RectLight(d, origin);
+    case LightType::sphere:
+      return SphereLight(d, origin);
+    case LightType::distant:
+      return DistantLight(d, origin);
+    case LightType::dome:
+      break;
+  }
+  return DomeLight(d, origin);
+}
+
+std::optional<LightSample> sample(const Light& light, const Vec3f& p, const Vec2f& u) {
+  return std::visit([&](const auto& l) { return l.sample(p, u); }, light);
+}
+std::optional<LightHit> intersect(const Light& light, const Ray& ray) {
+  return std::visit(
+      [&](const auto& l) -> std::optional<LightHit> {
+        if constexpr (requires { l.intersect(ray); }) return l.intersect(ray);
+        return std::nullopt;
+      },
+      light);
+}
+float power(const Light& light, float radius) {
+  return std::visit([&](const auto& l) { return l.power(radius); }, light);
+}
+
+void expect_sane(const LightSample& s) {
+  EXPECT_TRUE(std::isfinite(s.pdf) && s.pdf > 0);
+  EXPECT_NEAR(length(s.wi), 1, 1e-6f);
+  EXPECT_TRUE(s.distance > 0);
+  EXPECT_TRUE(is_finite(s.radiance) && !is_black(s.radiance));
+  EXPECT_TRUE(s.radiance.r >= 0 && s.radiance.g >= 0 && s.radiance.b >= 0);
+}
+
+TEST(Lights, HitsAgreeWithSamples) {
+  Rng rng(1, 1);
+  size_t kind = 0;
+  for (const LightDescription& d : some_of_each()) {
+    const Light light = make(d, Vec3d(0, 0, 0));
+    int sampled = 0, met = 0, equal = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const Vec3f p(6 * rng.uniform() - 3, 6 * rng.uniform() - 3, 6 * rng.uniform() - 3);
+      const float x = rng.uniform();
+      const auto s = sample(light, p, {x, rng.uniform()});
+      if (!s) continue;
+      ++sampled;
+      expect_sane(*s);
+      const auto hit = intersect(light, {p, s->wi * 2.0f});
+      EXPECT_FALSE(hit && s->delta);
+      if (!hit) continue;
+      ++met;
+      if (std::isinf(s->distance))
+        EXPECT_TRUE(std::isinf(hit->t));
+      else
+        EXPECT_NEAR(2 * hit->t / s->distance, 1, 1e-3f);
+      const bool same = std::abs(hit->pdf / s->pdf - 1) < 1e-4f && std::abs(hit->radiance.g - s->radiance.g) < 2e-2f;
+      equal += same ? 1 : 0;
+    }
+    EXPECT_GT(sampled, 500) << kind;
+    // Directions are rounded to float: a few on the outline (or on the edge of a dome's texel) end up beyond it.
+    if (met > 0 || kind < 4) {
+      EXPECT_GT(met, 0.995 * sampled) << kind;
+      EXPECT_GT(equal, 0.995 * met) << kind;
+    }
+    ++kind;
+  }
+}
+
+// Lengths times 2^k: the same directions, radiances and pdfs to the last bit, distances times 2^k.
+TEST(Lights, DoNotDependOnTheUnitOfLength) {
+  for (const LightDescription& d : some_of_each()) {
+    for (int k : {-40, -10, 13, 40}) {
+      const float scale = std::ldexp(1.0f, k);
+      LightDescription scaled = d;
+      for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 3; ++column) scaled.light_to_world[row][column] *= std::ldexp(1.0, k);
+      // Radiant intensity per distance squared is the one quantity with a length in it.
+      if (d.treat_as_point) scaled.exposure = static_cast<float>(2 * k);
+      const Light a = make(d, Vec3d(1, 2, 3)), b = make(scaled, Vec3d(1, 2, 3) * std::ldexp(1.0, k));
+      Rng rng(2, 1);
+      for (int i = 0; i < 200; ++i) {
+        const Vec3f p(6 * rng.uniform() - 3, 6 * rng.uniform() - 3, 6 * rng.uniform() - 3);
+        const float x = rng.uniform();
+        const Vec2f u(x, rng.uniform());
+        const auto s = sample(a, p, u), t = sample(b, p * scale, u);
+        ASSERT_EQ(s.has_value(), t.has_value());
+        if (!s) continue;
+        EXPECT_EQ(s->wi, t->wi);
+        EXPECT_EQ(s->pdf, t->pdf);
+        EXPECT_EQ(s->radiance, t->radiance);
+        EXPECT_EQ(s->distance * scale, t->distance);
+        const auto hit = intersect(a, {p, s->wi}), scaled_hit = intersect(b, {p * scale, s->wi});
+        ASSERT_EQ(hit.has_value(), scaled_hit.has_value());
+        if (!hit) continue;
+        EXPECT_EQ(hit->pdf, scaled_hit->pdf);
+        EXPECT_EQ(hit->t * scale, scaled_hit->t);
+      }
+    }
+  }
+}
+
+// Only differences to the render origin count: a scene far from the world's origin is lit as one near it.
+TEST(Lights, AreFreeOfTheRenderOrigin) {
+  for (LightDescription d : some_of_each()) {
+    const Light near_origin = make(d, Vec3d(0, 0, 0));
+    const Vec3d away(1 << 24, -(1 << 25), 1 << 24);
+    for (int i = 0; i < 3; ++i) d.light_to_world[3][i] += away[i];
+    const Light far_away = make(d, away);
+    const auto s = sample(near_origin, {0.5f, 0.5f, 1}, {0.3f, 0.6f}),
+               t = sample(far_away, {0.5f, 0.5f, 1}, {0.3f, 0.6f});
+    ASSERT_EQ(s.has_value(), t.has_value());
+    if (s) EXPECT_EQ(s->wi, t->wi);
+    if (s) EXPECT_EQ(s->pdf, t->pdf);
+  }
+}
+
+void expect_dark(const LightDescription& d, const char* why) {
+  const Light light = make(d, Vec3d(0, 0, 0));
+  EXPECT_EQ(power(light, 10), 0) << why;
+  Rng rng(3, 1);
+  for (int i = 0; i < 50; ++i) {
+    const Vec3f p(rng.uniform() - 0.5f, rng.uniform() - 0.5f, rng.uniform() - 5.5f);
+    const float x = rng.uniform();
+    EXPECT_FALSE(sample(light, p, {x, rng.uniform()})) << why;
+    EXPECT_FALSE(intersect(light, {p, {0, 0, 1}})) << why;
+  }
+}
+
+TEST(Lights, BadDescriptionsGiveNoLight) {
+  for (const LightDescription& d : some_of_each()) {
+    LightDescription bad = d;
+    bad.intensity = 0;
+    expect_dark(bad, "zero intensity");
+    bad.intensity = -1;
+    expect_dark(bad, "negative intensity");
+    bad.intensity = kNaN;
+    expect_dark(bad, "NaN intensity");
+    bad = d;
+    bad.color.g = kInf;
+    expect_dark(bad, "infinite colour");
+    bad = d;
+    bad.exposure = 1e6f;
+    expect_dark(bad, "exposure beyond floats");
+    bad = d;
+    bad.light_to_world[1][1] = std::numeric_limits<double>::quiet_NaN();
+    expect_dark(bad, "NaN in the transform");
+    bad = d;
+    for (int row = 0; row < 3; ++row) bad.light_to_world[row][0] = 0;
+    expect_dark(bad, "singular transform");
+    bad = d;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) bad.light_to_world[row][column] *= 1e200;
+    if (d.type == LightType::rect || (d.type == LightType::sphere && !d.treat_as_point))
+      expect_dark(bad, "size beyond floats");
+  }
+  LightDescription d;
+  d.width = 0;
+  expect_dark(d, "no width");
+  d.width = kNaN;
+  expect_dark(d, "NaN width");
+  d = {};
+  d.type = LightType::sphere;
+  d.radius = kNaN;
+  expect_dark(d, "NaN radius");
+  d = {};
+  d.type = LightType::sphere;
+  d.cone_inner = d.cone_outer = 0;
+  expect_dark(d, "cone without width");
+  d = {};
+  d.type = LightType::distant;
+  d.angle = kNaN;
+  expect_dark(d, "NaN angle");
+  d = {};
+  d.type = LightType::dome;
+  d.texture = std::make_shared<testing::MemoryTexture>(2, std::vector<Rgb>(2, Rgb(0.0f)));
+  expect_dark(d, "black image");
+}
+
+TEST(Lights, BadPointsAndRaysGiveNothingBad) {
+  for (const LightDescription& d : some_of_each()) {
+    const Light light = make(d, Vec3d(0, 0, 0));
+    for (const Vec3f& p : {Vec3f(kNaN, 0, 0), Vec3f(0, kInf, 0), Vec3f(3e38f, 3e38f, 3e38f), Vec3f(1, 2, 3),
+                           Vec3f(0, 4, 0), Vec3f(0, 4.5f, 0), Vec3f(0, 0, 0)}) {
+      for (const Vec2f& u : {Vec2f(0, 0), Vec2f(0x1.fffffep-1f, 0x1.fffffep-1f), Vec2f(0.5f, 0.5f), Vec2f(0, 0.75f)})
+        if (const auto s = sample(light, p, u)) expect_sane(*s);
+      for (const Vec3f& w :
+           {Vec3f(0, 0, 0), Vec3f(kNaN, 0, 1), Vec3f(0, 1, 0), Vec3f(0, -1e-30f, 0), Vec3f(1e30f, 0, 0)})
+        if (const auto hit = intersect(light, {p, w})) {
+          EXPECT_TRUE(hit->t > 0 && std::isfinite(hit->pdf) && hit->pdf > 0);
+          EXPECT_TRUE(is_finite(hit->radiance));
+        }
+    }
+  }
+}
+
+TEST(Lights, NegativeChannelsAreCutAlone) {
+  LightDescription d;
+  d.color = Rgb(-1, 2, 3);
+  d.intensity = 2;
+  d.exposure = 3;
+  EXPECT_EQ(emission(d), Rgb(0, 32, 48));
+}
+
+}  // namespace
+}  // namespace alabaster

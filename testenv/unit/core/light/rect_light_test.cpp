@@ -1,0 +1,74 @@
+#include "core/light/rect_light.h"
+
+#include <gtest/gtest.h>
+
+namespace alabaster {
+namespace {
+
+TEST(RectLight, EmitsDownLocalMinusZOnly) {
+  LightDescription d;
+  d.intensity = 2;
+  const RectLight light(d, Vec3d(0, 0, 0));
+  EXPECT_TRUE(light.sample({0, 0, -1}, {0.5f, 0.5f}));
+  EXPECT_FALSE(light.sample({0, 0, 1}, {0.5f, 0.5f}));
+  EXPECT_FALSE(light.sample({3, 0, 0}, {0.5f, 0.5f})) << "in its plane";
+  const auto hit = light.intersect({{0.2f, 0.3f, -2}, {0, 0, 0.5f}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->t, 4);
+  EXPECT_EQ(hit->radiance, Rgb(2.0f));
+  EXPECT_FALSE(light.intersect({{0.2f, 0.3f, 2}, {0, 0, -1}})) << "from behind";
+  EXPECT_FALSE(light.intersect({{0.2f, 0.3f, -2}, {0, 0, -1}})) << "away";
+  EXPECT_FALSE(light.intersect({{0.6f, 0.3f, -2}, {0, 0, 1}})) << "beside";
+}
+
+TEST(RectLight, MirroringKeepsTheEmittingSideLocal) {
+  LightDescription d;
+  d.light_to_world = Matrix4d(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);  // mirrors x
+  EXPECT_TRUE(RectLight(d, Vec3d(0, 0, 0)).sample({0, 0, -1}, {0.5f, 0.5f}));
+  d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);  // mirrors z
+  EXPECT_TRUE(RectLight(d, Vec3d(0, 0, 0)).sample({0, 0, 1}, {0.5f, 0.5f}));
+}
+
+// A cube's face seen from its centre is a sixth of the sphere.
+TEST(RectLight, PdfIsOneOverTheSolidAngle) {
+  LightDescription d;
+  d.width = d.height = 2;
+  const auto s = RectLight(d, Vec3d(0, 0, 1)).sample({0, 0, -2}, {0.3f, 0.8f});
+  ASSERT_TRUE(s);
+  EXPECT_NEAR(s->pdf, 6 / (4 * kPi), 1e-6f);
+}
+
+TEST(RectLight, SizesTimesScaleAndNormalize) {
+  LightDescription d;
+  d.width = 3;
+  d.height = 0.5f;
+  d.light_to_world = Matrix4d(2, 0, 0, 0, 0, 4, 0, 0, 0, 0, 7, 0, 0, 0, 0, 1);
+  const RectLight light(d, Vec3d(0, 0, 0));
+  EXPECT_TRUE(light.intersect({{2.9f, 0.9f, -1}, {0, 0, 1}}));
+  EXPECT_FALSE(light.intersect({{3.1f, 0.9f, -1}, {0, 0, 1}}));
+  EXPECT_FALSE(light.intersect({{2.9f, 1.1f, -1}, {0, 0, 1}}));
+  EXPECT_NEAR(light.power(1), 12 * kPi, 1e-4f);
+  d.normalize = true;
+  const RectLight normalized(d, Vec3d(0, 0, 0));
+  EXPECT_NEAR(normalized.power(1), kPi, 1e-5f);
+  EXPECT_NEAR(normalized.intersect({{0, 0, -1}, {0, 0, 1}})->radiance.r, 1.0f / 12, 1e-7f);
+}
+
+// The random numbers' square covers the rectangle without folding: corners go to corners, from near and far.
+TEST(RectLight, SamplesSpanTheRectangle) {
+  const RectLight light({}, Vec3d(0, 0, 0));
+  for (const Vec3f& p : {Vec3f(0.1f, 0.2f, -0.01f), Vec3f(2, -1, -0.5f), Vec3f(100, 100, -100), Vec3f(0, 0, -300)})
+    for (float x : {0.0f, kOneMinusEpsilon})
+      for (float y : {0.0f, kOneMinusEpsilon}) {
+        const auto s = light.sample(p, {x, y});
+        ASSERT_TRUE(s);
+        const Vec3f q = p + s->wi * s->distance;
+        const float tolerance = 1e-4f + 3e-7f * s->distance;
+        EXPECT_NEAR(q.x, x == 0 ? -0.5f : 0.5f, tolerance);
+        EXPECT_NEAR(std::abs(q.y), 0.5f, tolerance);
+        EXPECT_NEAR(q.z, 0, tolerance);
+      }
+}
+
+}  // namespace
+}  // namespace alabaster

@@ -1,0 +1,125 @@
+#include "core/light/sphere_light.h"
+
+#include <gtest/gtest.h>
+
+namespace alabaster {
+namespace {
+
+LightDescription sphere() {
+  LightDescription d;
+  d.type = LightType::sphere;
+  return d;
+}
+
+TEST(SphereLight, DistancesAreToTheNearSideOutsideAndTheFarSideInside) {
+  const SphereLight light(sphere(), Vec3d(0, 0, -3));  // centre at z = 3
+  const auto hit = light.intersect({{0, 0, 0}, {0, 0, 2}});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->t, 1.25f, 1e-6f);
+  EXPECT_FALSE(light.intersect({{0, 0, 0}, {0, 0, -1}}));
+  EXPECT_FALSE(light.intersect({{0.6f, 0, 0}, {0, 0, 1}}));
+  const auto inside = light.intersect({{0, 0, 3.25f}, {0, 0, -1}});
+  ASSERT_TRUE(inside);
+  EXPECT_NEAR(inside->t, 0.75f, 1e-6f);
+  EXPECT_NEAR(inside->pdf, 1 / (4 * kPi), 1e-7f);
+}
+
+// pdf * solid angle = 1, and for small angles the solid angle is pi (r/d)^2 (1 + (r/d)^2/4 + ...): no cancellation.
+TEST(SphereLight, FarSpheresKeepTheirPrecision) {
+  LightDescription d = sphere();
+  for (float ratio : {1e-2f, 1e-4f, 1e-8f, 1e-12f}) {
+    d.radius = 100 * ratio;
+    const auto s = SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, 100}, {0.5f, 0.5f});
+    ASSERT_TRUE(s);
+    const double q = static_cast<double>(ratio) * static_cast<double>(ratio);
+    EXPECT_NEAR(s->pdf * 3.14159265358979 * q * (1 + q / 4), 1, 1e-6) << ratio;
+    EXPECT_NEAR(s->distance, 100 * (1 - ratio), 1);
+  }
+  // Just outside the surface: half of all directions.
+  d.radius = 1;
+  const auto s = SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, 1.0000001f}, {0.5f, 0.5f});
+  ASSERT_TRUE(s);
+  EXPECT_NEAR(s->pdf, 1 / (2 * kPi), 1e-3f);
+}
+
+TEST(SphereLight, PointFallsOffWithTheSquareOfTheDistance) {
+  LightDescription d = sphere();
+  d.treat_as_point = true;
+  d.intensity = 8;
+  d.normalize = true;  // means nothing for a point
+  const SphereLight light(d, Vec3d(0, 0, 0));
+  EXPECT_TRUE(light.is_delta());
+  const auto s = light.sample({0, 0, -4}, {0.1f, 0.9f});
+  ASSERT_TRUE(s);
+  EXPECT_TRUE(s->delta);
+  EXPECT_EQ(s->pdf, 1);
+  EXPECT_EQ(s->distance, 4);
+  EXPECT_EQ(s->radiance, Rgb(0.5f));
+  EXPECT_FALSE(light.sample({0, 0, 0}, {0.1f, 0.9f}));
+  EXPECT_FALSE(light.intersect({{0, 0, -4}, {0, 0, 1}}));
+  EXPECT_NEAR(light.power(1), 4 * kPi * 8, 1e-3f);
+  d.treat_as_point = false;
+  d.radius = 0;
+  EXPECT_EQ(SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, -4}, {0, 0})->radiance, Rgb(0.5f));
+}
+
+TEST(SphereLight, NormalizeKeepsThePower) {
+  LightDescription d = sphere();
+  d.normalize = true;
+  d.light_to_world = Matrix4d(3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1);
+  for (float radius : {0.01f, 1.0f, 50.0f}) {
+    d.radius = radius;
+    EXPECT_NEAR(SphereLight(d, Vec3d(0, 0, 0)).power(1), kPi, 1e-5f);
+  }
+}
+
+float spot(float inner, float outer, float degrees) {
+  const double a = degrees * 3.14159265358979 / 180;
+  return SpotCone(inner, outer, Vec3d(0, 0, -1)).attenuation(Vec3d(std::sin(a), 0, -std::cos(a)));
+}
+
+// KHR_lights_punctual: ((cos(angle) - cos(outer)) / (cos(inner) - cos(outer)))^2, clamped.
+TEST(SpotCone, FollowsKhrLightsPunctual) {
+  EXPECT_EQ(spot(20, 40, 0), 1);
+  EXPECT_EQ(spot(20, 40, 19.9f), 1);
+  EXPECT_EQ(spot(20, 40, 40.1f), 0);
+  EXPECT_EQ(spot(20, 40, 180), 0);
+  const double ramp = (std::cos(30 * 3.14159265358979 / 180) - std::cos(40 * 3.14159265358979 / 180)) /
+                      (std::cos(20 * 3.14159265358979 / 180) - std::cos(40 * 3.14159265358979 / 180));
+  EXPECT_NEAR(spot(20, 40, 30), ramp * ramp, 1e-6);
+  EXPECT_EQ(spot(180, 180, 180), 1) << "unshaped";
+  EXPECT_EQ(spot(50, 40, 39.9f), 1) << "inner beyond outer: a hard edge";
+  EXPECT_EQ(spot(50, 40, 40.1f), 0);
+  // Narrow beams keep their shape: here cos differs from 1 by less than a float can say.
+  EXPECT_EQ(spot(0.01f, 0.02f, 0.005f), 1);
+  EXPECT_NEAR(spot(0, 0.02f, 0.01f), 0.5625, 1e-3);  // (1 - 1/4)^2: 1 - cos goes as the square of small angles
+  EXPECT_EQ(spot(0.01f, 0.02f, 0.021f), 0);
+}
+
+TEST(SpotCone, MeanIsTheMeanOverTheSphere) {
+  for (const auto& [inner, outer] : {std::pair(180.0f, 180.0f), {20.0f, 40.0f}, {0.0f, 90.0f}, {30.0f, 30.0f}}) {
+    double sum = 0;
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double z = -1 + 2 * (i + 0.5) / kSteps;
+      sum +=
+          static_cast<double>(SpotCone(inner, outer, Vec3d(0, 0, -1)).attenuation(Vec3d(std::sqrt(1 - z * z), 0, z)));
+    }
+    EXPECT_NEAR(SpotCone(inner, outer, Vec3d(0, 0, -1)).mean(), sum / kSteps, 1e-4);
+  }
+}
+
+TEST(SphereLight, SpotTurnsWithTheLight) {
+  LightDescription d = sphere();
+  d.treat_as_point = true;
+  d.cone_inner = 10;
+  d.cone_outer = 20;
+  d.light_to_world = Matrix4d(0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1);  // local -z is world -x
+  const SphereLight light(d, Vec3d(0, 0, 0));
+  EXPECT_TRUE(light.sample({-2, 0, 0}, {0, 0}));
+  EXPECT_FALSE(light.sample({2, 0, 0}, {0, 0}));
+  EXPECT_FALSE(light.sample({0, 0, -2}, {0, 0}));
+}
+
+}  // namespace
+}  // namespace alabaster

@@ -1,0 +1,94 @@
+#include "core/sampling/distribution.h"
+
+#include <gtest/gtest.h>
+
+#include "core/sampling/pixel_sampler.h"
+
+namespace alabaster {
+namespace {
+
+TEST(Distribution1D, ProbabilitiesFollowTheWeights) {
+  const Distribution1D d({1, 0, 3, 4});
+  EXPECT_EQ(d.sum(), 8);
+  EXPECT_EQ(d.probability(0), 0.125f);
+  EXPECT_EQ(d.probability(1), 0);
+  EXPECT_EQ(d.probability(2), 0.375f);
+  EXPECT_EQ(d.probability(3), 0.5f);
+  EXPECT_EQ(d.pdf(0.6f), 1.5f);  // third of four cells
+  const auto s = d.sample(0.25f);
+  EXPECT_EQ(s.index, 2u);
+  EXPECT_EQ(s.pdf, 1.5f);
+  EXPECT_NEAR(s.remapped, 1.0f / 3, 1e-6f);
+  EXPECT_NEAR(s.x, (2 + 1.0f / 3) / 4, 1e-6f);
+}
+
+TEST(Distribution1D, SamplesLieInTheirCellAndNeverInEmptyOnes) {
+  for (size_t n : {1u, 3u, 7u, 1000u, 4097u}) {
+    std::vector<float> weights(n);
+    Rng rng(n, 1);
+    for (float& w : weights) w = rng.uniform() < 0.5f ? 0 : std::exp(20 * rng.uniform());
+    weights[n / 2] = 1;
+    const Distribution1D d(weights);
+    for (int i = 0; i < 20000; ++i) {
+      const float u = i == 0 ? 0 : i == 1 ? kOneMinusEpsilon : rng.uniform();
+      const auto s = d.sample(u);
+      ASSERT_GT(weights[s.index], 0);
+      ASSERT_GT(s.pdf, 0);
+      ASSERT_EQ(d.pdf(s.x), s.pdf) << n << ' ' << u;
+      ASSERT_TRUE(s.x >= 0 && s.x < 1 && s.remapped >= 0 && s.remapped < 1);
+    }
+  }
+}
+
+TEST(Distribution1D, EveryPositiveWeightKeepsAChance) {
+  for (size_t heavy : {size_t(0), size_t(500), size_t(999)}) {
+    std::vector<float> weights(1000, 1e-30f);
+    weights[heavy] = 1e30f;
+    weights[3] = 0;
+    const Distribution1D d(weights);
+    float sum = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+      EXPECT_EQ(d.probability(i) > 0, weights[i] > 0) << i;
+      sum += d.probability(i);
+    }
+    EXPECT_EQ(sum, 1);  // whole steps: exact
+  }
+}
+
+TEST(Distribution1D, WithoutWeightIsUniform) {
+  const Distribution1D d(std::vector<float>(5, 0.0f));
+  EXPECT_EQ(d.sum(), 0);
+  for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(d.probability(i), 0.2f, 1e-7f);
+  EXPECT_EQ(d.sample(0.5f).index, 2u);
+  EXPECT_EQ(Distribution1D().size(), 0u);
+}
+
+TEST(Distribution2D, PdfOfSamplesIsPdfOfPoints) {
+  Rng rng(5, 1);
+  std::vector<float> weights(size_t{13} * 7);
+  for (float& w : weights) w = rng.uniform() < 0.3f ? 0 : rng.uniform();
+  for (size_t i = 0; i < 13; ++i) weights[13 * 4 + i] = 0;  // an empty row
+  const Distribution2D d(weights, 13, 7);
+  double total = 0;
+  for (float w : weights) total += w;
+  for (int i = 0; i < 20000; ++i) {
+    float pdf = 0;
+    const float x = rng.uniform();
+    const Vec2f p = d.sample({x, rng.uniform()}, &pdf);
+    ASSERT_EQ(d.pdf(p), pdf);
+    const auto cell = static_cast<size_t>(p.y * 7) * 13 + static_cast<size_t>(p.x * 13);
+    ASSERT_NEAR(pdf, static_cast<double>(weights[cell]) / total * 13 * 7, 1e-4);
+  }
+  EXPECT_EQ(d.pdf({0.5f, 4.5f / 7}), 0);
+}
+
+TEST(Distribution2D, HugeWeightsDoNotOverflow) {
+  const Distribution2D d(std::vector<float>(16, 3e38f), 8, 2);
+  float pdf = 0;
+  const Vec2f p = d.sample({0.3f, 0.7f}, &pdf);
+  EXPECT_NEAR(pdf, 1, 1e-6f);
+  EXPECT_TRUE(p.y > 0.5f && p.y < 1);
+}
+
+}  // namespace
+}  // namespace alabaster
