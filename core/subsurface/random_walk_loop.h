@@ -20,16 +20,21 @@ inline double max_value(const ChannelValues& v) {
   return std::max(v[0], std::max(v[1], v[2]));
 }
 
-/// A medium as the loop wants it: alpha in double, from whichever of alpha and 1 - alpha carries more digits.
+/// A medium as the loop wants it: alpha in double, from whichever of alpha and 1 - alpha carries more digits, and each
+/// channel's extinction above the clearest one's. Ratios of transmittances need no more than that excess: it saves an
+/// exponential where channels differ and all of them where they are alike.
 struct WalkMedium {
-  ChannelValues sigma_t{}, alpha{};
+  ChannelValues sigma_t{}, alpha{}, excess{};
 
   explicit WalkMedium(const Medium& medium) {
+    double clearest = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 3; ++c) {
       const auto i = static_cast<size_t>(c);
       sigma_t[i] = medium.sigma_t[c];
       alpha[i] = medium.alpha[c] < 0.5f ? medium.alpha[c] : 1.0 - medium.one_minus_alpha[c];
+      if (medium.active[c]) clearest = std::min(clearest, sigma_t[i]);
     }
+    for (size_t c = 0; c < 3; ++c) excess[c] = medium.active[c] ? sigma_t[c] - clearest : 0;
   }
 };
 
@@ -63,22 +68,25 @@ class ChromaticSegment {
 
   /// Throughput after scattering at distance t (finite).
   ChannelValues scatter_throughput(double t) const {
-    ChannelValues collided{};
-    for (size_t c = 0; c < 3; ++c) collided[c] = medium_.sigma_t[c] * std::exp(-medium_.sigma_t[c] * t);
+    ChannelValues collided = relative_transmittance(t);
+    for (size_t c = 0; c < 3; ++c) collided[c] *= medium_.sigma_t[c];
     ChannelValues result = combine(collided);
     for (size_t c = 0; c < 3; ++c) result[c] *= medium_.alpha[c];
     return result;
   }
 
   /// Throughput after crossing distance t (finite) to a surface.
-  ChannelValues exit_throughput(double t) const {
-    ChannelValues passed{};
-    for (size_t c = 0; c < 3; ++c) passed[c] = std::exp(-medium_.sigma_t[c] * t);
-    return combine(passed);
-  }
+  ChannelValues exit_throughput(double t) const { return combine(relative_transmittance(t)); }
 
  private:
   double sum() const { return weights_[0] + weights_[1] + weights_[2]; }
+
+  /// exp(-sigma_t t) up to a common factor.
+  ChannelValues relative_transmittance(double t) const {
+    ChannelValues result{};
+    for (size_t c = 0; c < 3; ++c) result[c] = medium_.excess[c] > 0 ? std::exp(-medium_.excess[c] * t) : 1;
+    return result;
+  }
 
   size_t choose_channel(double u) const {
     size_t chosen = 0;
