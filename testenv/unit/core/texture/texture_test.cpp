@@ -1,0 +1,359 @@
+#include "core/texture/texture.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+
+namespace alabaster {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Reports {
+  std::vector<Diagnostic> all;
+  DiagnosticSink sink = [this](const Diagnostic& d) { all.push_back(d); };
+  std::string text() const {
+    std::string joined;
+    for (const Diagnostic& d : all) joined += d.where + ": " + d.text + "\n";
+    return joined;
+  }
+};
+
+class TextureFile : public testing::Test {
+ protected:
+  TextureFile() { fs::create_directories(folder_); }
+  ~TextureFile() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Writes `pixels` (floats, rows from the top) with `channels` channels in `format`.
+  std::string write(const std::string& name, int width, int height, int channels, OIIO::TypeDesc format,
+                    const std::vector<float>& pixels, int tile = 0) const {
+    OIIO::ImageSpec spec(width, height, channels, format);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    spec.tile_width = spec.tile_height = tile;
+    if (tile > 0) spec.tile_depth = 1;
+    const auto out = OIIO::ImageOutput::create(name);
+    EXPECT_TRUE(out->open(path(name), spec) && out->write_image(OIIO::TypeFloat, pixels.data()) && out->close())
+        << out->geterror();
+    return path(name);
+  }
+  std::shared_ptr<const Texture> load(TextureSource source) {
+    reports_.all.clear();
+    return load_texture(source, *colors_, reports_.sink);
+  }
+  std::shared_ptr<const Texture> load(const std::string& file, const std::string& space = "auto",
+                                      Wrap wrap = Wrap::repeat) {
+    TextureSource source;
+    source.path = file;
+    source.color_space = space;
+    source.wrap_s = source.wrap_t = wrap;
+    return load(source);
+  }
+  static std::vector<uint8_t> slurp(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::string spit(const std::string& name, const std::vector<uint8_t>& bytes) const {
+    std::ofstream(path(name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    return path(name);
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("alabaster_texture_" + std::to_string(::getpid()));
+  std::shared_ptr<const ColorConfig> colors_ = ColorConfig::load("built-in", {});
+  Reports reports_;
+};
+
+float srgb_to_linear(float v) {
+  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+// A 2 x 2 picture: red, green / blue, white from the top left.
+const std::vector<float> kQuad = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+
+TEST_F(TextureFile, VIsUpAndTexelCentresAreAtHalfIntegers) {
+  const auto t = load(write("a.png", 2, 2, 3, OIIO::TypeUInt8, kQuad));
+  ASSERT_TRUE(t) << reports_.text();
+  EXPECT_EQ(t->width(), 2);
+  EXPECT_EQ(t->height(), 2);
+  EXPECT_EQ(t->rgb({0.25f, 0.75f}), Rgb(1, 0, 0));
+  EXPECT_EQ(t->rgb({0.75f, 0.75f}), Rgb(0, 1, 0));
+  EXPECT_EQ(t->rgb({0.25f, 0.25f}), Rgb(0, 0, 1));
+  EXPECT_EQ(t->rgb({0.75f, 0.25f}), Rgb(1, 1, 1));
+  EXPECT_EQ(t->texel(0, 0), Rgb(1, 0, 0));
+  EXPECT_EQ(t->texel(1, 1), Rgb(1, 1, 1));
+  EXPECT_EQ(t->alpha({0.3f, 0.3f}), 1);
+  const Rgb middle = t->rgb({0.5f, 0.5f});
+  EXPECT_FLOAT_EQ(middle.r, 0.5f);
+  EXPECT_FLOAT_EQ(middle.g, 0.5f);
+  EXPECT_FLOAT_EQ(middle.b, 0.5f);
+  const Rgb quarter = t->rgb({0.375f, 0.75f});  // a quarter of the way from red to green
+  EXPECT_FLOAT_EQ(quarter.r, 0.75f);
+  EXPECT_FLOAT_EQ(quarter.g, 0.25f);
+  EXPECT_EQ(t->memory_bytes(), 2u * 2 * 8);
+}
+
+TEST_F(TextureFile, WrapModesAgreeWithTheirDefinition) {
+  // A row 0, 1, 2, 3 (raw floats): the definition is written out on whole texels, then checked at texel centres far
+  // out.
+  const std::vector<float> ramp = {0, 1, 2, 3};
+  const std::string file = write("ramp.exr", 4, 1, 1, OIIO::TypeFloat, ramp);
+  for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::black}) {
+    const auto t = load(file, "raw", wrap);
+    ASSERT_TRUE(t) << reports_.text();
+    for (int i = -11; i <= 11; ++i) {
+      const int period = ((i % 4) + 4) % 4, both = ((i % 8) + 8) % 8;
+      float expected = 0;
+      if (wrap == Wrap::repeat) expected = ramp[size_t(period)];
+      if (wrap == Wrap::mirror) expected = ramp[size_t(both < 4 ? both : 7 - both)];
+      if (wrap == Wrap::clamp) expected = ramp[size_t(std::clamp(i, 0, 3))];
+      if (wrap == Wrap::black) expected = i >= 0 && i < 4 ? ramp[size_t(i)] : 0;
+      EXPECT_NEAR(t->rgb({(float(i) + 0.5f) / 4, 0.5f}).r, expected, 1e-5) << int(wrap) << " at " << i;
+    }
+    // Between the last and the first texel.
+    const float edge = t->rgb({1.0f, 0.5f}).r;
+    EXPECT_NEAR(edge, wrap == Wrap::repeat || wrap == Wrap::black ? 1.5f : 3.0f, 1e-5) << int(wrap);
+  }
+  EXPECT_EQ(load(file, "raw", Wrap::black)->alpha({7, 0.5f}), 0);
+}
+
+TEST_F(TextureFile, AnyUvGivesADefinedResult) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const std::string file = write("a.png", 2, 2, 3, OIIO::TypeUInt8, kQuad);
+  for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::black}) {
+    const auto t = load(file, "auto", wrap);
+    for (const float u : {nan, inf, -inf, 1e30f, -1e30f, 3e9f, 1e-40f, -1e-9f, std::nextafter(1.0f, 0.0f)})
+      for (const Vec2f& uv : {Vec2f(u, 0.3f), Vec2f(0.3f, u), Vec2f(u, u)}) {
+        const Rgb c = t->rgb(uv);
+        EXPECT_TRUE(is_finite(c) && max_component(c) <= 1.001f && c.r >= 0 && c.g >= 0 && c.b >= 0);
+        EXPECT_TRUE(t->alpha(uv) >= 0 && t->alpha(uv) <= 1.001f);
+      }
+    EXPECT_EQ(t->rgb({nan, inf}), t->rgb({0, 0}));
+  }
+}
+
+TEST_F(TextureFile, AutoMeansSrgbForIntegersAndLinearForFloats) {
+  const std::vector<float> grey(12, 0.5f);
+  const float byte = std::round(0.5f * 255) / 255;
+  EXPECT_NEAR(load(write("a8.png", 2, 2, 3, OIIO::TypeUInt8, grey))->texel(0, 0).r, srgb_to_linear(byte), 2e-4);
+  EXPECT_NEAR(load(write("a16.png", 2, 2, 3, OIIO::TypeUInt16, grey))->texel(0, 0).r, srgb_to_linear(0.5f), 2e-4);
+  EXPECT_NEAR(load(write("a16.tif", 2, 2, 3, OIIO::TypeUInt16, grey))->texel(0, 0).r, srgb_to_linear(0.5f), 2e-4);
+  EXPECT_NEAR(load(write("a.jpg", 2, 2, 3, OIIO::TypeUInt8, grey))->texel(0, 0).r, srgb_to_linear(byte), 6e-3);
+  EXPECT_EQ(load(write("a.exr", 2, 2, 3, OIIO::TypeHalf, grey))->texel(0, 0).r, 0.5f);
+  EXPECT_NEAR(load(write("a.hdr", 2, 2, 3, OIIO::TypeFloat, grey))->texel(0, 0).r, 0.5f, 4e-3);
+  EXPECT_EQ(load(write("af.tif", 2, 2, 3, OIIO::TypeFloat, grey))->texel(0, 0).r, 0.5f);
+  // A named space overrules.
+  EXPECT_NEAR(load(path("a8.png"), "raw")->texel(0, 0).r, byte, 3e-4);
+  EXPECT_NEAR(load(path("a.exr"), "sRGB")->texel(0, 0).r, srgb_to_linear(0.5f), 2e-4);
+  EXPECT_FALSE(load(path("a.exr"), "no such space"));
+  EXPECT_NE(reports_.text().find("ACEScg"), std::string::npos) << reports_.text();
+  EXPECT_EQ(reports_.all[0].where, path("a.exr"));
+}
+
+TEST_F(TextureFile, ChannelsOfEveryCount) {
+  const auto grey = load(write("g.png", 1, 1, 1, OIIO::TypeUInt8, {1}), "raw");
+  EXPECT_EQ(grey->texel(0, 0), Rgb(1));
+  EXPECT_EQ(grey->alpha({0, 0}), 1);
+  const auto grey_alpha = load(write("ga.png", 1, 1, 2, OIIO::TypeUInt8, {1, 0.2f}), "raw");
+  EXPECT_EQ(grey_alpha->texel(0, 0), Rgb(1)) << "alpha is straight, as the file has it";
+  EXPECT_NEAR(grey_alpha->alpha({0, 0}), 0.2f, 1e-4);
+  const auto rgba = load(write("rgba.png", 1, 1, 4, OIIO::TypeUInt8, {1, 0, 1, 0}), "raw");
+  EXPECT_EQ(rgba->texel(0, 0), Rgb(1, 0, 1)) << "colour survives where alpha is zero";
+  EXPECT_EQ(rgba->alpha({0, 0}), 0);
+
+  // An EXR with other layers before and after the colour.
+  OIIO::ImageSpec spec(1, 1, 6, OIIO::TypeFloat);
+  spec.channelnames = {"R", "G", "B", "A", "N.X", "Z"};
+  spec.alpha_channel = 3;
+  const auto out = OIIO::ImageOutput::create("x.exr");
+  const float pixel[6] = {0.125f, 0.25f, 0.5f, 0.75f, -1, 100};
+  ASSERT_TRUE(out->open(path("layers.exr"), spec) && out->write_image(OIIO::TypeFloat, pixel) && out->close());
+  const auto layers = load(path("layers.exr"));
+  ASSERT_TRUE(layers) << reports_.text();
+  EXPECT_EQ(layers->texel(0, 0), Rgb(0.125f, 0.25f, 0.5f));
+  EXPECT_EQ(layers->alpha({0, 0}), 0.75f);
+}
+
+TEST_F(TextureFile, ValuesBeyondHalfAreClampedAndNonFiniteOnesScrubbed) {
+  const float inf = std::numeric_limits<float>::infinity();
+  const auto t = load(write("hot.exr", 2, 1, 3, OIIO::TypeFloat, {1e9f, -1e9f, 2, inf, std::nanf(""), 3}));
+  ASSERT_TRUE(t);
+  EXPECT_EQ(t->texel(0, 0), Rgb(65504, -65504, 2));
+  EXPECT_EQ(t->texel(1, 0), Rgb(0, 0, 3));
+}
+
+TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
+  constexpr int kWidth = 150, kHeight = 131;  // not a multiple of a tile or a strip
+  std::vector<float> pixels(size_t(kWidth * kHeight * 3));
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = float(i % 2048) / 2048;
+  for (const char* name : {"tiled.exr", "tiled.tif", "strips.exr", "strips.png"}) {
+    const bool tiled = std::string(name).starts_with("tiled"), png = std::string(name).ends_with("png");
+    const auto t =
+        load(write(name, kWidth, kHeight, 3, png ? OIIO::TypeUInt16 : OIIO::TypeFloat, pixels, tiled ? 64 : 0), "raw");
+    ASSERT_TRUE(t) << name << reports_.text();
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        ASSERT_NEAR(t->texel(x, y).g, pixels[size_t(3 * (y * kWidth + x) + 1)], 3e-4) << name << x << "," << y;
+  }
+}
+
+TEST_F(TextureFile, EncodedBytesInMemoryGiveTheSameTexture) {
+  std::vector<float> pixels(48);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = float(i) / 48;
+  for (const char* name : {"m.png", "m.jpg", "m.exr", "m.tif"}) {
+    const std::string file =
+        write(name, 4, 4, 3, std::string(name) == "m.exr" ? OIIO::TypeHalf : OIIO::TypeUInt8, pixels);
+    TextureSource source;
+    source.path = "image 0 of scene.glb";
+    source.bytes = std::make_shared<const std::vector<uint8_t>>(slurp(file));
+    const auto memory = load(source);
+    ASSERT_TRUE(memory) << name << reports_.text();
+    const auto disk = load(file);
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x) EXPECT_EQ(memory->texel(x, y), disk->texel(x, y)) << name;
+  }
+  TextureSource none;
+  none.path = "empty";
+  none.bytes = std::make_shared<const std::vector<uint8_t>>();
+  EXPECT_FALSE(load(none));
+  EXPECT_EQ(reports_.all.size(), 1u);
+  EXPECT_EQ(reports_.all[0].where, "empty");
+}
+
+TEST_F(TextureFile, TheContentsCountAndNotTheName) {
+  const auto bytes = slurp(write("a.png", 2, 2, 3, OIIO::TypeUInt8, kQuad));
+  const auto t = load(spit("really_a_png.jpg", bytes));
+  ASSERT_TRUE(t) << reports_.text();
+  EXPECT_EQ(t->texel(0, 0), Rgb(1, 0, 0));
+}
+
+TEST_F(TextureFile, WhatIsNoImageIsReported) {
+  struct Case {
+    std::string file, expected;
+  };
+  const Case cases[] = {
+      {path("none.png"), "no such file"},
+      {folder_.string(), "folder"},
+      {spit("empty.png", {}), "empty"},
+      {spit("text.png", {'h', 'e', 'l', 'l', 'o', ' ', 't', 'h', 'e', 'r', 'e'}), "kind that is read"},
+      {spit("sig.png", {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a}), "cut off"},
+      {spit("movie.mov", {0, 0, 0, 20, 'f', 't', 'y', 'p', 'q', 't', ' ', ' '}), "kind that is read"}};
+  for (const Case& c : cases) {
+    EXPECT_FALSE(load(c.file)) << c.file;
+    ASSERT_EQ(reports_.all.size(), 1u) << c.file;
+    EXPECT_EQ(reports_.all[0].where, c.file);
+    EXPECT_NE(reports_.all[0].text.find(c.expected), std::string::npos) << reports_.text();
+  }
+}
+
+std::vector<float> noise(size_t count) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<float> values(count);
+  for (float& v : values) v = unit(random);
+  return values;
+}
+
+TEST_F(TextureFile, TruncatedFilesAreRefusedWithoutAWord) {
+  testing::internal::CaptureStderr();
+  for (const char* name : {"t.png", "t.jpg", "t.exr", "t.tif", "t.hdr", "t.bmp"}) {
+    const bool is_float = std::string(name) == "t.exr" || std::string(name) == "t.hdr";
+    const auto whole = slurp(write(name, 64, 64, 3, is_float ? OIIO::TypeFloat : OIIO::TypeUInt8, noise(64 * 64 * 3)));
+    for (int percent = 2; percent < 98; percent += 5) {
+      const std::vector<uint8_t> part(whole.begin(),
+                                      whole.begin() + std::ptrdiff_t(whole.size() * size_t(percent) / 100));
+      EXPECT_FALSE(load(spit("part_" + std::string(name), part))) << name << " at " << percent << "%";
+      EXPECT_FALSE(reports_.all.empty());
+    }
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_F(TextureFile, FlippedBitsNeverCrashOrPrint) {
+  testing::internal::CaptureStderr();
+  std::mt19937 random(11);
+  for (const char* name : {"f.png", "f.jpg", "f.exr", "f.tif", "f.hdr", "f.bmp", "f.tga"}) {
+    const bool is_float = std::string(name) == "f.exr" || std::string(name) == "f.hdr";
+    const auto whole = slurp(write(name, 32, 32, 3, is_float ? OIIO::TypeFloat : OIIO::TypeUInt8, noise(32 * 32 * 3)));
+    for (int trial = 0; trial < 60; ++trial) {
+      auto damaged = whole;
+      for (int flips = 0; flips <= trial % 4; ++flips) {
+        // The first bytes hold what sizes and offsets are made of: half of the damage goes there.
+        const size_t range = trial % 2 ? damaged.size() : std::min<size_t>(damaged.size(), 200);
+        damaged[random() % range] ^= uint8_t(1u << (random() % 8));
+      }
+      const auto t = load_texture({spit("damaged_" + std::string(name), damaged), nullptr, "auto"}, *colors_,
+                                  reports_.sink, size_t(1) << 20);
+      EXPECT_TRUE(!t || is_finite(t->rgb({0.4f, 0.6f})));
+      EXPECT_FALSE(t && std::string(name) == "f.png") << "every bit of a PNG is under a checksum";
+    }
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+uint32_t crc_of(const std::vector<uint8_t>& bytes) {
+  uint32_t c = ~0u;
+  for (const uint8_t b : bytes) {
+    c ^= b;
+    for (int k = 0; k < 8; ++k) c = (c >> 1) ^ (0xedb88320u & (0u - (c & 1)));
+  }
+  return ~c;
+}
+void append_chunk(std::vector<uint8_t>& file, const std::string& type, const std::vector<uint8_t>& data) {
+  const auto word = [&](uint32_t v) {
+    for (int shift = 24; shift >= 0; shift -= 8) file.push_back(uint8_t(v >> shift));
+  };
+  word(uint32_t(data.size()));
+  std::vector<uint8_t> body(type.begin(), type.end());
+  body.insert(body.end(), data.begin(), data.end());
+  file.insert(file.end(), body.begin(), body.end());
+  word(crc_of(body));
+}
+
+TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
+  // A valid PNG header of 60000 x 60000 RGBA pixels with next to no data.
+  std::vector<uint8_t> file = {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
+  append_chunk(file, "IHDR", {0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60, 8, 6, 0, 0, 0});
+  append_chunk(file, "IDAT", {0x78, 0x9c, 0x03, 0x00, 0x00, 0x00, 0x00, 0x01});
+  append_chunk(file, "IEND", {});
+  EXPECT_FALSE(load(spit("huge.png", file)));
+  EXPECT_NE(reports_.text().find("60000"), std::string::npos) << reports_.text();
+
+  const std::string file4 = write("four.png", 2, 2, 3, OIIO::TypeUInt8, kQuad);
+  Reports reports;
+  EXPECT_FALSE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, 3));
+  EXPECT_TRUE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, 4));
+  EXPECT_EQ(reports.all.size(), 1u);
+}
+
+TEST_F(TextureFile, OddProfilesInPngsDoNotPrint) {
+  // A colour profile that is garbage makes libpng warn; the picture is good.
+  const auto whole = slurp(write("a.png", 2, 2, 3, OIIO::TypeUInt8, kQuad));
+  std::vector<uint8_t> file(whole.begin(), whole.begin() + 33);  // signature and IHDR
+  append_chunk(file, "iCCP", {'x', 0, 0, 1, 2, 3, 4});
+  file.insert(file.end(), whole.begin() + 33, whole.end());
+  testing::internal::CaptureStderr();
+  const auto t = load(spit("profile.png", file));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  ASSERT_TRUE(t) << reports_.text();
+  EXPECT_EQ(t->texel(0, 0), Rgb(1, 0, 0));
+}
+
+TEST_F(TextureFile, TexturedParametersMultiply) {
+  Textured<Rgb> color(Rgb(0.5f, 1, 1));
+  Textured<float> rough(0.5f);
+  EXPECT_EQ(evaluate(color, {0, 0}), Rgb(0.5f, 1, 1));
+  color.map = rough.map = load(write("a.png", 2, 2, 3, OIIO::TypeUInt8, kQuad));
+  EXPECT_EQ(evaluate(color, {0.25f, 0.75f}), Rgb(0.5f, 0, 0));
+  EXPECT_EQ(evaluate(rough, {0.75f, 0.75f}), 0.5f);
+}
+
+}  // namespace
+}  // namespace alabaster

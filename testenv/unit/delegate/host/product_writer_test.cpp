@@ -1,0 +1,532 @@
+#include "delegate/host/product_writer.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+#include <half.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace alabaster::hd::host {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kWidth = 7, kHeight = 5, kCount = kWidth * kHeight;
+
+class ProductFile : public testing::Test {
+ protected:
+  ProductFile() { fs::create_directories(folder_); }
+  ~ProductFile() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  RenderProduct product(const std::string& name) const {
+    RenderProduct p;
+    p.file = path(name);
+    return p;
+  }
+  bool write(const RenderProduct& p, const ProductImage& image) {
+    reports_.clear();
+    return WriteProduct(p, image, colors_, sink_);
+  }
+  bool check(const RenderProduct& p) {
+    reports_.clear();
+    return CheckProduct(p, colors_, sink_);
+  }
+  std::string text() const {
+    std::string joined;
+    for (const Diagnostic& d : reports_) joined += d.where + ": " + d.text + "\n";
+    return joined;
+  }
+  /// What is in the folder, so that no temporary file can hide.
+  std::vector<std::string> listing() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("alabaster_product_" + std::to_string(::getpid()));
+  OutputColors colors_{"built-in"};
+  std::vector<Diagnostic> reports_;
+  DiagnosticSink sink_ = [this](const Diagnostic& d) { reports_.push_back(d); };
+};
+
+AovPixels floats(int components, const std::function<float(int, int)>& value, int count = kCount) {
+  AovPixels pixels;
+  pixels.components = components;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < components; ++c) pixels.floats.push_back(value(i, c));
+  return pixels;
+}
+AovPixels ints(const std::function<int32_t(int)>& value) {
+  AovPixels pixels;
+  pixels.components = 1;
+  pixels.integer = true;
+  for (int i = 0; i < kCount; ++i) pixels.ints.push_back(value(i));
+  return pixels;
+}
+
+ProductImage frame() {
+  ProductImage image;
+  image.framing.displayMin = {0, 0};
+  image.framing.displayMax = {20, 10};
+  image.framing.dataWindow = {3, -2, 3 + kWidth, -2 + kHeight};
+  image.framing.pixelAspectRatio = 1;
+  image.aovs["color"] = floats(4, [](int i, int c) { return c == 3 ? 1.0f : 0.013f * float(i) + 0.31f * float(c); });
+  image.aovs["depth"] = floats(1, [](int i, int) { return 1000.1f + float(i) * 1e-3f; });
+  image.aovs["normal"] = floats(3, [](int i, int c) { return c == 2 ? -1.0f : float(i) / 64; });
+  image.aovs["albedo"] = floats(3, [](int i, int c) { return float(i * 3 + c) / 128; });
+  image.aovs["alpha"] = floats(1, [](int, int) { return 1.0f; });
+  image.aovs["primId"] = ints([](int i) { return i == 0 ? -1 : 20000001 + i; });
+  image.aovs["instanceId"] = ints([](int i) { return i - 1; });
+  image.aovs["elementId"] = ints([](int i) { return 4097 * i; });
+  image.aovs["sampleCount"] = floats(1, [](int i, int) { return float(70000 + i); });
+  return image;
+}
+
+struct Read {
+  OIIO::ImageSpec spec;
+  std::vector<float> pixels;
+  explicit Read(const std::string& file) {
+    OIIO::ImageSpec config;
+    config["oiio:UnassociatedAlpha"] = 1;
+    const auto in = OIIO::ImageInput::open(file, &config);
+    EXPECT_TRUE(in) << OIIO::geterror();
+    if (!in) return;
+    spec = in->spec();
+    pixels.resize(size_t(spec.image_pixels()) * size_t(spec.nchannels));
+    EXPECT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, pixels.data())) << in->geterror();
+  }
+  float at(int pixel, const std::string& channel) const {
+    const int c = spec.channelindex(channel);
+    EXPECT_GE(c, 0) << channel;
+    return c < 0 ? NAN : pixels[size_t(pixel * spec.nchannels + c)];
+  }
+  OIIO::TypeDesc type(const std::string& channel) const { return spec.channelformat(spec.channelindex(channel)); }
+};
+
+std::vector<uint32_t> read_uints(const std::string& file, const std::string& channel) {
+  const auto in = OIIO::ImageInput::open(file);
+  const int c = in->spec().channelindex(channel);
+  std::vector<uint32_t> values(size_t(in->spec().image_pixels()));
+  EXPECT_TRUE(in->read_image(0, 0, c, c + 1, OIIO::TypeUInt32, values.data()));
+  return values;
+}
+
+std::vector<RenderVar> all_vars() {
+  std::vector<RenderVar> vars;
+  for (const char* name :
+       {"color", "alpha", "depth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
+    vars.push_back({name, name, "half"});
+  return vars;
+}
+
+TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
+  RenderProduct p = product("all.exr");
+  p.vars = all_vars();
+  const ProductImage image = frame();
+  ASSERT_TRUE(check(p)) << text();
+  ASSERT_TRUE(write(p, image)) << text();
+  EXPECT_EQ(listing(), std::vector<std::string>{"all.exr"});
+  const Read exr(p.file);
+  EXPECT_EQ(exr.spec.nchannels, 15);
+  for (int i = 0; i < kCount; ++i) {
+    const auto value = [&](const char* aov, int components, int c) {
+      return image.aovs.at(aov).floats[size_t(i * components + c)];
+    };
+    // Halves are bit-exact halves of the floats, floats are themselves.
+    const char* rgba[] = {"R", "G", "B", "A"};
+    for (int c = 0; c < 4; ++c) ASSERT_EQ(exr.at(i, rgba[c]), float(half(value("color", 4, c))));
+    const char* xyz[] = {"N.X", "N.Y", "N.Z"};
+    const char* albedo[] = {"albedo.R", "albedo.G", "albedo.B"};
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_EQ(exr.at(i, xyz[c]), float(half(value("normal", 3, c))));
+      ASSERT_EQ(exr.at(i, albedo[c]), float(half(value("albedo", 3, c))));
+    }
+    ASSERT_EQ(exr.at(i, "Z"), value("depth", 1, 0));
+  }
+  EXPECT_EQ(exr.type("R"), OIIO::TypeHalf);
+  EXPECT_EQ(exr.type("Z"), OIIO::TypeFloat);
+  for (const char* id : {"primId", "instanceId", "elementId"}) {
+    const auto read = read_uints(p.file, id);
+    for (size_t i = 0; i < kCount; ++i) ASSERT_EQ(int32_t(read[i]), image.aovs.at(id).ints[i]) << id;
+  }
+  EXPECT_EQ(read_uints(p.file, "primId")[0], 4294967295u);
+  EXPECT_EQ(read_uints(p.file, "sampleCount")[3], 70003u);
+}
+
+TEST_F(ProductFile, ExrFloatAndNamedLayers) {
+  RenderProduct p = product("f.exr");
+  p.dataType = "float";
+  p.vars = {
+      {"beauty", "color", "half"}, {"Zdepth", "depth", "float"}, {"ids", "primId", "float"}, {"", "normal", "half"}};
+  const ProductImage image = frame();
+  ASSERT_TRUE(write(p, image)) << text();
+  const Read exr(p.file);
+  for (int i = 0; i < kCount; ++i) {
+    ASSERT_EQ(exr.at(i, "beauty.G"), image.aovs.at("color").floats[size_t(4 * i + 1)]);
+    ASSERT_EQ(exr.at(i, "Zdepth.Z"), image.aovs.at("depth").floats[size_t(i)]);
+    ASSERT_EQ(exr.at(i, "N.X"), image.aovs.at("normal").floats[size_t(3 * i)]);
+  }
+  EXPECT_EQ(exr.at(0, "ids"), -1.0f);
+}
+
+TEST_F(ProductFile, ExrWindowsAndMetadata) {
+  RenderProduct p = product("m.exr");
+  ProductImage image = frame();
+  image.framing.pixelAspectRatio = 2;
+  image.incomplete = true;
+  image.metadata = {{"alabaster/samples", 64},
+                    {"alabaster/seconds", 1.25},
+                    {"alabaster/exposure", 0.5f},
+                    {"alabaster/rays", int64_t(5000000000)},
+                    {"alabaster/seed", uint32_t(4000000000u)},
+                    {"alabaster/scene", "a scene.glb"},
+                    {"alabaster/camera", Path("/cameras/main")},
+                    {"alabaster/crop", Vec2i(3, 4)},
+                    {"alabaster/transform", Matrix4d().setTranslation(Vec3d(1, 2, 3))},
+                    {"alabaster/version", "0.1.0"},
+                    {"capDate", "2024:02:29 12:34:56"},
+                    {"compression", "none"},
+                    {"oiio:ColorSpace", "Linear"}};
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(write(p, image)) << text();
+  EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "");
+  const OIIO::ImageSpec spec = Read(p.file).spec;
+  EXPECT_EQ(spec.x, 3);
+  EXPECT_EQ(spec.y, -2);
+  EXPECT_EQ(spec.width, kWidth);
+  EXPECT_EQ(spec.height, kHeight);
+  EXPECT_EQ(spec.full_x, 0);
+  EXPECT_EQ(spec.full_width, 20);
+  EXPECT_EQ(spec.full_height, 10);
+  EXPECT_EQ(spec.get_float_attribute("PixelAspectRatio"), 2);
+  EXPECT_EQ(spec.get_int_attribute("alabaster/samples"), 64);
+  EXPECT_EQ(spec.get_float_attribute("alabaster/seconds"), 1.25f);
+  EXPECT_EQ(spec.get_float_attribute("alabaster/exposure"), 0.5f);
+  EXPECT_EQ(spec.get_string_attribute("alabaster/rays"), "5000000000");
+  EXPECT_EQ(spec.get_string_attribute("alabaster/seed"), "4000000000");
+  EXPECT_EQ(spec.get_string_attribute("alabaster/scene"), "a scene.glb");
+  EXPECT_EQ(spec.get_string_attribute("alabaster/camera"), "/cameras/main");
+  EXPECT_EQ(spec.get_string_attribute("DateTime"), "2024:02:29 12:34:56");
+  EXPECT_EQ(spec.get_string_attribute("Software"), "Alabaster 0.1.0");
+  EXPECT_EQ(spec.get_string_attribute("compression"), "zip") << "metadata does not steer the writer";
+  EXPECT_EQ(spec.get_int_attribute("alabaster/incomplete"), 1);
+  EXPECT_EQ(spec.get_string_attribute("colorSpace"), "Linear Rec.709");
+  const auto* xy = spec.find_attribute("chromaticities");
+  ASSERT_TRUE(xy);
+  EXPECT_FLOAT_EQ(static_cast<const float*>(xy->data())[0], 0.64f);
+  EXPECT_FLOAT_EQ(static_cast<const float*>(xy->data())[6], 0.3127f);
+  const auto* matrix = spec.find_attribute("alabaster/transform");
+  ASSERT_TRUE(matrix);
+  EXPECT_EQ(matrix->type().aggregate, OIIO::TypeDesc::MATRIX44);
+}
+
+TEST_F(ProductFile, ExrInAnotherSpaceIsConvertedAndSaysSo) {
+  RenderProduct p = product("acescg.exr");
+  p.colorSpace = "ACEScg";
+  p.dataType = "float";
+  ProductImage image = frame();
+  image.aovs["color"] = floats(4, [](int, int c) { return c == 0 ? 1.0f : c == 3 ? 0.5f : 0.0f; });
+  ASSERT_TRUE(write(p, image)) << text();
+  const Read exr(p.file);
+  EXPECT_NEAR(exr.at(0, "R"), 0.6131f, 2e-4f);  // AP1 of Rec.709 red, Bradford-adapted
+  EXPECT_EQ(exr.at(0, "A"), 0.5f);
+  EXPECT_EQ(exr.spec.get_string_attribute("colorSpace"), "ACEScg");
+  EXPECT_FLOAT_EQ(static_cast<const float*>(exr.spec.find_attribute("chromaticities")->data())[0], 0.713f);
+}
+
+float srgb(float v) {
+  return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
+}
+
+TEST_F(ProductFile, IntegerFilesGoThroughTheView) {
+  const ProductImage image = frame();
+  for (const char* name : {"v.png", "v.tif", "v.tiff", "v.jpg", "v.jpeg", "V.PNG"})
+    for (const char* type : {"", "uint16"}) {
+      RenderProduct p = product(name);
+      p.view = "Un-tone-mapped";
+      p.dataType = type;
+      const bool jpeg = p.file.find(".jp") != std::string::npos;
+      if (jpeg && *type) continue;
+      ASSERT_TRUE(write(p, image)) << text();
+      const Read read(p.file);
+      ASSERT_EQ(read.spec.nchannels, jpeg ? 3 : 4);
+      EXPECT_EQ(read.spec.format, *type ? OIIO::TypeUInt16 : OIIO::TypeUInt8);
+      EXPECT_EQ(read.spec.x, 0);
+      // One level of dither in 8 bits, half a level in 16; JPEG at quality 95 loses a few levels on smooth ramps.
+      const float tolerance = jpeg ? 12.0f / 255 : *type ? 0.6f / 65535 + 1e-5f : 1.01f / 255;
+      for (int i = 0; i < kCount; ++i)
+        for (int c = 0; c < 3; ++c) {
+          const float linear = std::min(image.aovs.at("color").floats[size_t(4 * i + c)], 1.0f);
+          ASSERT_NEAR(read.pixels[size_t(i * read.spec.nchannels + c)], srgb(linear), tolerance) << name << type;
+        }
+      EXPECT_TRUE(jpeg || read.at(0, "A") == 1);
+    }
+}
+
+TEST_F(ProductFile, TheDefaultViewOfAPngIsToneMapped) {
+  ProductImage image = frame();
+  image.aovs["color"] = floats(3, [](int, int) { return 2.0f; });
+  RenderProduct p = product("d.png");
+  ASSERT_TRUE(write(p, image)) << text();
+  const Read png(p.file);
+  EXPECT_EQ(png.spec.nchannels, 3) << "no alpha was rendered";
+  EXPECT_GT(png.pixels[0], 0.8f);
+  EXPECT_LT(png.pixels[0], 0.99f) << "twice the white of paper is not clipped by ACES";
+  EXPECT_NE(png.spec.get_string_attribute("ImageDescription").find("colorSpace: sRGB / ACES"), std::string::npos);
+  p.exposure = -4;
+  ASSERT_TRUE(write(p, image)) << text();
+  EXPECT_LT(Read(p.file).pixels[0], 0.5f);
+}
+
+TEST_F(ProductFile, PngHasStraightAlphaAndJpegIsOverBlack) {
+  ProductImage image = frame();
+  image.aovs["color"] = floats(4, [](int i, int c) { return i == 0 ? 0.0f : c == 3 ? 0.25f : 0.125f; });  // 0.5 * 0.25
+  RenderProduct p = product("a.png");
+  p.view = "Un-tone-mapped";
+  p.dataType = "uint16";
+  for (const char* name : {"a.png", "a.tif"}) {
+    p.file = path(name);
+    ASSERT_TRUE(write(p, image)) << text();
+    const Read read(p.file);
+    EXPECT_NEAR(read.at(5, "R"), srgb(0.5f), 1e-4f) << name;
+    EXPECT_NEAR(read.at(5, "A"), 0.25f, 1e-4f) << "alpha is not a colour";
+    EXPECT_EQ(read.at(0, "A"), 0);
+    EXPECT_EQ(read.at(0, "R"), 0);
+  }
+  p.file = path("a.jpg");
+  p.dataType = "";
+  ASSERT_TRUE(write(p, image)) << text();
+  EXPECT_NEAR(Read(p.file).at(kCount - 1, "G"), srgb(0.125f), 0.03f);
+}
+
+TEST_F(ProductFile, DitherKeepsTheMeanAndIsTheSameEveryTime) {
+  ProductImage image;
+  image.framing.displayMax = {64, 64};
+  image.framing.dataWindow = {0, 0, 64, 64};
+  image.aovs["color"] = floats(
+      3, [](int, int) { return 0.2f; }, 64 * 64);
+  RenderProduct p = product("d.png");
+  p.view = "Un-tone-mapped";
+  ASSERT_TRUE(write(p, image)) << text();
+  const Read first(p.file);
+  double sum = 0;
+  for (const float v : first.pixels) sum += double(v);
+  // A level's fraction f is a Bernoulli variable: sigma of the mean over n is sqrt(f (1 - f) / n) <= 0.5 / sqrt(n).
+  const double n = double(first.pixels.size());
+  EXPECT_NEAR(sum / n, double(srgb(0.2f)), 4 * 0.5 / 255 / std::sqrt(n) + 1e-5);
+  ASSERT_TRUE(write(p, image));
+  EXPECT_EQ(Read(p.file).pixels, first.pixels);
+  // Exact levels stay: black and white are flat.
+  for (const float level : {0.0f, 1.0f}) {
+    image.aovs["color"] = floats(
+        3, [&](int, int) { return level; }, 64 * 64);
+    p.view = "Raw";
+    ASSERT_TRUE(write(p, image));
+    for (const float v : Read(p.file).pixels) ASSERT_EQ(v, level);
+  }
+}
+
+TEST_F(ProductFile, WildPixelsGiveAWholeFile) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const float wild[] = {nan, inf, -inf, 1e30f, -1e30f, 1e-40f, 0.5f};
+  ProductImage image = frame();
+  image.aovs["color"] = floats(4, [&](int i, int c) { return wild[(i + c) % 7]; });
+  for (const char* name : {"w.png", "w.tif", "w.jpg", "w.exr"}) {
+    ASSERT_TRUE(write(product(name), image)) << name << text();
+    const Read read(path(name));
+    for (size_t i = 0; i < read.pixels.size(); ++i) {
+      const bool is_exr_alpha = std::string(name) == "w.exr" && i % 4 == 3;
+      ASSERT_TRUE(is_exr_alpha || std::isfinite(read.pixels[i])) << name << i;
+    }
+  }
+  EXPECT_EQ(Read(path("w.exr")).at(3, "R"), 65504);
+}
+
+TEST_F(ProductFile, SingleAovsInIntegerFiles) {
+  const ProductImage image = frame();
+  RenderProduct p = product("albedo.tif");
+  p.vars = {{"albedo", "albedo", "half"}};
+  p.colorSpace = "raw";
+  p.dataType = "uint16";
+  ASSERT_TRUE(write(p, image)) << text();
+  EXPECT_NEAR(Read(p.file).pixels[30], 30.0f / 128, 1e-5f);
+  p = product("alpha.png");
+  p.vars = {{"alpha", "alpha", "half"}};
+  ASSERT_TRUE(write(p, image)) << text();
+  EXPECT_EQ(Read(p.file).pixels, std::vector<float>(kCount, 1.0f));
+}
+
+TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
+  std::ofstream(path("file")) << "x";
+  fs::create_directory(path("folder.exr"));
+  const auto with = [&](const char* name, const std::function<void(RenderProduct&)>& change) {
+    RenderProduct p = product(name);
+    change(p);
+    return p;
+  };
+  const auto nothing = [](RenderProduct&) {};
+  const std::pair<RenderProduct, std::string> cases[] = {
+      {with("a.gif", nothing), ".exr"},
+      {with("a", nothing), ".exr"},
+      {with("none/a.exr", nothing), "no folder"},
+      {with("file/a.exr", nothing), "no folder"},
+      {with("folder.exr", nothing), "choose another name"},
+      {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
+      {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "shadow", "half"}};
+            }),
+       "sampleCount"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "color", "int"}};
+            }),
+       "not made of integers"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "color", "double"}};
+            }),
+       "half, float or int"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "color", "half"}, {"x", "color", "half"}};
+            }),
+       "x.R"},
+      {with("a.png",
+            [](RenderProduct& p) {
+              p.vars = {{"", "primId", "int"}};
+            }),
+       ".exr"},
+      {with("a.png",
+            [](RenderProduct& p) {
+              p.vars = {{"", "color", "half"}, {"", "albedo", "half"}};
+            }),
+       "one AOV"},
+      {with("a.jpg",
+            [](RenderProduct& p) {
+              p.vars = {{"", "alpha", "half"}};
+            }),
+       "no alpha"},
+      {with("a.png", [](RenderProduct& p) { p.colorSpace = "ACEScg", p.display = "sRGB"; }), "only one"},
+      {with("a.exr", [](RenderProduct& p) { p.colorSpace = "AdobeRGB"; }), "ACEScg"},
+      {with("a.png", [](RenderProduct& p) { p.display = "TV"; }), "Rec.2100-PQ"},
+      {with("a.png", [](RenderProduct& p) { p.view = "Filmic"; }), "Un-tone-mapped"},
+      {with("a.png", [](RenderProduct& p) { p.look = "Warm"; }), "looks"},
+  };
+  for (const auto& [p, expected] : cases) {
+    EXPECT_FALSE(check(p)) << p.file;
+    ASSERT_EQ(reports_.size(), 1u) << p.file << text();
+    EXPECT_EQ(reports_[0].severity, Severity::error);
+    EXPECT_NE(text().find(expected), std::string::npos) << expected << " in " << text();
+    EXPECT_FALSE(CheckProduct(p, colors_, {}));
+  }
+  EXPECT_FALSE(CheckProduct(product("a.exr"), {"/none.ocio"}, sink_));
+  EXPECT_EQ(listing(), (std::vector<std::string>{"file", "folder.exr"})) << "a check leaves nothing behind";
+}
+
+TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
+  RenderProduct p = product("a.exr");
+  p.vars = all_vars();
+  ProductImage image = frame();
+  image.aovs.erase("albedo");
+  EXPECT_FALSE(write(p, image));
+  EXPECT_NE(text().find("albedo"), std::string::npos);
+  image = frame();
+  image.aovs["normal"].floats.pop_back();
+  EXPECT_FALSE(write(p, image));
+  EXPECT_NE(text().find("normal"), std::string::npos);
+  image = frame();
+  image.framing.dataWindow = {};
+  EXPECT_FALSE(write(p, image));
+  EXPECT_TRUE(listing().empty());
+}
+
+/// Files of this process may not grow beyond `bytes`: what a full disk does to a writer.
+struct FileSizeLimit {
+  rlimit old{};
+  void (*handler)(int) = std::signal(SIGXFSZ, SIG_IGN);
+  explicit FileSizeLimit(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &old);
+    rlimit limit = old;
+    limit.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &old);
+    std::signal(SIGXFSZ, handler);
+  }
+};
+
+TEST_F(ProductFile, AFullDiskLeavesTheOldFileAndNothingElse) {
+  ProductImage image;
+  image.framing.displayMax = {128, 128};
+  image.framing.dataWindow = {0, 0, 128, 128};
+  image.aovs["color"] = floats(
+      4, [](int i, int c) { return float((i * 7919 + c * 104729) % 1013) / 1013; }, 128 * 128);
+  for (const char* name : {"f.exr", "f.png", "f.tif", "f.jpg"}) {
+    const RenderProduct p = product(name);
+    std::ofstream(p.file) << "what was here before";
+    bool written = true;
+    {
+      const FileSizeLimit limit(5000);
+      written = write(p, image);
+    }
+    EXPECT_FALSE(written) << name;
+    ASSERT_EQ(reports_.size(), 1u);
+    EXPECT_EQ(reports_[0].where, p.file);
+    EXPECT_NE(text().find("disk"), std::string::npos) << text();
+    std::ifstream in(p.file);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "what was here before");
+    EXPECT_EQ(listing(), std::vector<std::string>{name});
+    EXPECT_TRUE(write(p, image)) << text();
+    EXPECT_EQ(Read(p.file).spec.width, 128);
+    fs::remove(p.file);
+  }
+}
+
+TEST_F(ProductFile, AFolderThatGoesAwayIsReported) {
+  fs::create_directory(path("gone"));
+  const RenderProduct p = product("gone/a.exr");
+  EXPECT_TRUE(check(p)) << text();
+  fs::remove(path("gone"));
+  EXPECT_FALSE(write(p, frame()));
+  EXPECT_NE(text().find("No such file"), std::string::npos) << text();
+}
+
+TEST_F(ProductFile, AFolderWithoutPermissionIsRefused) {
+  if (::geteuid() == 0) {
+    std::printf("skipped: the superuser may write everywhere\n");
+    return;
+  }
+  fs::create_directory(path("locked"));
+  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_FALSE(check(product("locked/a.exr")));
+  EXPECT_FALSE(write(product("locked/a.exr"), frame()));
+  fs::permissions(path("locked"), fs::perms::owner_all);
+}
+
+TEST_F(ProductFile, ColoursAreDescribedAndSaved) {
+  const std::string text = DescribeColors(colors_, sink_);
+  for (const char* expected : {"configuration: built-in", "rendering space: Linear Rec.709", "ACEScg", "sRGB *",
+                               "ACES *", "Rec.2100-PQ", "looks: none"})
+    EXPECT_NE(text.find(expected), std::string::npos) << expected << " in\n" << text;
+  std::ofstream(path("saved.ocio")) << SerializeColors(colors_, sink_);
+  const std::string again = DescribeColors({path("saved.ocio")}, sink_);
+  EXPECT_EQ(again.substr(again.find('\n')), text.substr(text.find('\n'))) << "a saved config is the same config";
+  EXPECT_TRUE(reports_.empty());
+  EXPECT_EQ(DescribeColors({"/none.ocio"}, sink_), "");
+  EXPECT_EQ(SerializeColors({"/none.ocio"}, sink_), "");
+  EXPECT_EQ(reports_.size(), 2u);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::host
