@@ -48,7 +48,8 @@ class ALABASTER_API RenderDelegate {
   virtual void CommitResources() = 0;
 
   // Settings: names of schemas/render_settings.json; unknown keys are kept and ignored. The version rises only when a
-  // value changes.
+  // value changes. Layers: defaults < a RenderSettings prim < SetRenderSetting (an empty value takes a key back). The
+  // prim is the one that key "renderSettingsPrimPath" names, else the first by path.
   virtual void SetRenderSetting(const Token& key, const Value& value) = 0;
   virtual Value GetRenderSetting(const Token& key) const = 0;
   virtual std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const = 0;

@@ -231,6 +231,12 @@ void RenderBufferPrim::Resolve() {
   guarded(param_->sink(), GetId().str(), [&] { state_->resolve(); });
 }
 
+const void* RenderBufferPrim::Map() {
+  const void* pixels = nullptr;
+  guarded(param_->sink(), GetId().str(), [&] { pixels = state_->map(); });
+  return pixels;
+}
+
 Vec2i RenderBufferPrim::ResolveTo(std::vector<uint8_t>* out, bool y_down) {
   Vec2i size(0, 0);
   guarded(param_->sink(), GetId().str(), [&] {

@@ -80,7 +80,7 @@ class RenderBufferPrim final : public RenderBuffer {
   int GetHeight() const override { return state_->shown().dimensions.y; }
   Format GetFormat() const override { return state_->shown().format; }
   void Resolve() override;
-  const void* Map() override { return state_->map(); }
+  const void* Map() override;
   void Unmap() override { state_->unmap(); }
   bool IsMapped() const override { return state_->is_mapped(); }
   bool IsConverged() const override { return state_->converged(); }

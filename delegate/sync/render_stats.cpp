@@ -1,0 +1,95 @@
+#include <sys/resource.h>
+
+#include "delegate/sync/render_delegate_impl.h"
+#include "delegate/sync/render_pass.h"
+
+namespace alabaster::hd::sync {
+namespace {
+
+int64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<int64_t>(usage.ru_maxrss) * 1024;  // Linux counts kilobytes
+}
+
+const char* state_name(PassState state) {
+  switch (state) {
+    case PassState::idle:
+      return "idle";
+    case PassState::preparing:
+      return "preparing";
+    case PassState::rendering:
+      return "rendering";
+    case PassState::paused:
+      return "paused";
+    case PassState::stopped:
+      return "stopped";
+    case PassState::converged:
+      return "converged";
+    case PassState::failed:
+      return "failed";
+  }
+  return "";
+}
+
+Value count(uint64_t n) {
+  return static_cast<int64_t>(n);
+}
+
+void add_counters(const RenderCounters& c, Dictionary* stats) {
+  Dictionary& s = *stats;
+  s["rays.camera"] = count(c.camera_rays);
+  s["rays.bounce"] = count(c.bounce_rays);
+  s["rays.shadow"] = count(c.shadow_rays);
+  s["rays.walk"] = count(c.walk_rays);
+  s["walk.count"] = count(c.walks);
+  s["walk.events"] = count(c.walk_events);
+  s["walk.exits"] = count(c.walk_exits);
+  s["walk.lost"] = count(c.walk_lost);
+  s["walk.safetyCap"] = count(c.walk_safety_cap);
+  s["walk.maxWeight"] = c.max_walk_weight;
+  s["nonfiniteSamples"] = count(c.nonfinite_samples);
+  s["rejectedRays"] = count(c.rejected_rays);
+}
+
+void add_progress(const PassControl& pass, Dictionary* stats) {
+  Dictionary& s = *stats;
+  const RenderProgress p = pass.progress();
+  const double fraction =
+      p.samples_total ? static_cast<double>(p.samples_done) / static_cast<double>(p.samples_total) : 0.0;
+  s["state"] = std::string(state_name(pass.state()));
+  s["fractionDone"] = pass.is_converged() ? 1.0 : fraction;
+  s["percentDone"] = pass.is_converged() ? 100.0 : 100.0 * fraction;
+  s["totalClockTime"] = p.wall_seconds;
+  s["cpuSeconds"] = p.cpu_seconds;
+  s["renderProgressAnnotation"] = std::to_string(p.passes_done) + " passes";
+  s["passesDone"] = count(p.passes_done);
+  s["samplesTotal"] = count(pass.samples_per_pixel());
+  s["numCompletedSamples"] = count(static_cast<uint64_t>(fraction * pass.samples_per_pixel()));
+  add_counters(p.counters, stats);
+  if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
+}
+
+}  // namespace
+
+// Of several passes the one created last is told about.
+Dictionary RenderDelegateImpl::GetRenderStats() const {
+  Dictionary stats;
+  guarded(core_->param->sink(), "GetRenderStats", [&] {
+    stats["rendererName"] = std::string("Alabaster");
+    stats["state"] = std::string("idle");
+    stats["peakMemory"] = peak_memory_bytes();
+    if (const std::string error = core_->commit_error(); !error.empty()) stats["error"] = error;
+    const auto snapshot = core_->snapshot();
+    stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
+    stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
+    stats["sync.refineSeconds"] = core_->param->times.refine.load();
+    stats["sync.bvhSeconds"] = core_->param->times.bvh.load();
+    stats["sync.commitSeconds"] = core_->commit_seconds();
+    const auto passes = core_->passes();
+    if (!passes.empty()) add_progress(*passes.back(), &stats);
+  });
+  return stats;
+}
+
+}  // namespace alabaster::hd::sync
