@@ -333,15 +333,16 @@ class LimitTessellator {
     }
     for (FaceLayout& face : faces_) face.normals += points;  // own normals follow the shared ones
     mesh_ = Mesh();
-    mesh_.points.resize(points);
-    mesh_.normals.resize(points + own_normals);
+    mesh_.points.resize(points, Vec3f(0, 0, 0));
+    // Where every face has its own normal the shared one stays unused: zero, as Imath leaves new vectors undefined.
+    mesh_.normals.resize(points + own_normals, Vec3f(0, 0, 0));
     degenerate_.assign(mesh_.normals.size(), 0);
     mesh_.triangles.resize(triangles);
     mesh_.triangle_face.resize(triangles);
     if (own_normals) mesh_.normal_triangles.resize(triangles);
-    if (vertex_uvs_) mesh_.uvs.resize(points);
+    if (vertex_uvs_) mesh_.uvs.resize(points, Vec2f(0, 0));
     if (face_uvs_) {
-      mesh_.uvs.resize(uvs);
+      mesh_.uvs.resize(uvs, Vec2f(0, 0));
       mesh_.uv_triangles.resize(triangles);
     }
     if (!cage_.face_material.empty()) mesh_.triangle_material.resize(triangles);
