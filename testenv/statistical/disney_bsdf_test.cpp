@@ -22,7 +22,7 @@ using testing::RunningStatistics;
 using testing::uniform2;
 using testing::z_test;
 
-constexpr int kChiSquareTests = 40, kZTests = 60;  // at least as many as this file runs
+constexpr int kChiSquareTests = 40, kZTests = 84;  // at least as many as this file runs
 
 Vec3f at_angle(double degrees) {
   const double theta = degrees * std::acos(-1.0) / 180;

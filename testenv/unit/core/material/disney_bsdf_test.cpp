@@ -175,8 +175,7 @@ TEST(DisneyBsdf, SubsurfaceSampleCarriesEntryAndProbability) {
   p.scatter_distance = {1, 0.5f, 0};
   p.clearcoat = 1;
   const DisneyBsdf bsdf(p, normalize(Vec3f(1, 0, 2)));
-  // What the local lobes leave out of one is the probability of the walk; specular samples lost below the horizon are
-  // few at this angle but count, hence the one-sided bound on top of the frequency.
+  // The local lobes' density, the walk's probability and the share of samples lost below the horizon make up one.
   const double local = testing::integrate_sphere([&](const Vec3f& w) { return double(bsdf.pdf(w)); }, {}, 1);
   Rng rng(3, 3);
   int walks = 0, lost = 0;
