@@ -62,7 +62,7 @@ std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u) con
   s.distance = static_cast<float>(distance);
   s.radiance = t.radiance;
   s.pdf = pdf_of_entry(chosen.index, wi, distance);
-  if (!(s.pdf > 0)) return std::nullopt;
+  if (!(s.pdf > 0) || !(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
   return s;
 }
 

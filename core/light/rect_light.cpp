@@ -91,7 +91,8 @@ std::optional<LightSample> RectLight::sample(const Vec3f& p, const Vec2f& u) con
   s.distance = static_cast<float>(distance);
   s.radiance = radiance_;
   s.pdf = static_cast<float>(pdf);
-  if (!(s.pdf > 0) || !std::isfinite(s.pdf) || !std::isfinite(s.distance)) return std::nullopt;
+  if (!(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
+  if (!(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
   return s;
 }
 
@@ -113,7 +114,7 @@ std::optional<LightHit> RectLight::intersect(const Ray& ray) const {
   hit.radiance = radiance_;
   hit.pdf =
       static_cast<float>(v.solid_angle > 0 ? 1 / v.solid_angle : distance * distance * distance / (area_ * height));
-  if (!std::isfinite(hit.t) || !std::isfinite(hit.pdf)) return std::nullopt;
+  if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;
   return hit;
 }
 

@@ -105,7 +105,8 @@ std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u) c
   s.distance = static_cast<float>(distance);
   s.radiance = radiance_ * cone_.attenuation(-wi);
   s.pdf = static_cast<float>(pdf);
-  if (is_black(s.radiance) || !(s.pdf > 0) || !std::isfinite(s.pdf) || !std::isfinite(s.distance)) return std::nullopt;
+  if (is_black(s.radiance) || !(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
+  if (!(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
   return s;
 }
 
@@ -126,7 +127,7 @@ std::optional<LightHit> SphereLight::intersect(const Ray& ray) const {
   hit.t = static_cast<float>(t / speed);
   hit.radiance = radiance_ * cone_.attenuation(-wi);
   hit.pdf = outside ? static_cast<float>(pdf_outside(radius_, d)) : pdf_uniform_sphere();
-  if (is_black(hit.radiance) || !std::isfinite(hit.t) || !std::isfinite(hit.pdf)) return std::nullopt;
+  if (is_black(hit.radiance) || !(hit.t > 0) || !std::isfinite(hit.t) || !std::isfinite(hit.pdf)) return std::nullopt;
   return hit;
 }
 

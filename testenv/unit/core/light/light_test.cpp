@@ -96,10 +96,10 @@ TEST(Lights, HitsAgreeWithSamples) {
       EXPECT_FALSE(hit && s->delta);
       if (!hit) continue;
       ++met;
-      if (std::isinf(s->distance))
-        EXPECT_TRUE(std::isinf(hit->t));
-      else
+      EXPECT_EQ(std::isinf(s->distance), std::isinf(hit->t));
+      if (!std::isinf(s->distance)) {
         EXPECT_NEAR(2 * hit->t / s->distance, 1, 1e-3f);
+      }
       const bool same = std::abs(hit->pdf / s->pdf - 1) < 1e-4f && std::abs(hit->radiance.g - s->radiance.g) < 2e-2f;
       equal += same ? 1 : 0;
     }
@@ -156,8 +156,9 @@ TEST(Lights, AreFreeOfTheRenderOrigin) {
     const auto s = sample(near_origin, {0.5f, 0.5f, 1}, {0.3f, 0.6f}),
                t = sample(far_away, {0.5f, 0.5f, 1}, {0.3f, 0.6f});
     ASSERT_EQ(s.has_value(), t.has_value());
-    if (s) EXPECT_EQ(s->wi, t->wi);
-    if (s) EXPECT_EQ(s->pdf, t->pdf);
+    if (!s) continue;
+    EXPECT_EQ(s->wi, t->wi);
+    EXPECT_EQ(s->pdf, t->pdf);
   }
 }
 
@@ -197,8 +198,9 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
     bad = d;
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 3; ++column) bad.light_to_world[row][column] *= 1e200;
-    if (d.type == LightType::rect || (d.type == LightType::sphere && !d.treat_as_point))
+    if (d.type == LightType::rect || (d.type == LightType::sphere && !d.treat_as_point)) {
       expect_dark(bad, "size beyond floats");
+    }
   }
   LightDescription d;
   d.width = 0;
