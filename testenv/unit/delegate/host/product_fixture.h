@@ -86,4 +86,12 @@ inline ProductImage frame() {
   return image;
 }
 
+inline std::vector<RenderVar> all_vars() {
+  std::vector<RenderVar> vars;
+  for (const char* name :
+       {"color", "alpha", "depth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
+    vars.push_back({name, name, "half"});
+  return vars;
+}
+
 }  // namespace alabaster::hd::host

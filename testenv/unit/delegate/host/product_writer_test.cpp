@@ -39,14 +39,6 @@ std::vector<uint32_t> read_uints(const std::string& file, const std::string& cha
   return values;
 }
 
-std::vector<RenderVar> all_vars() {
-  std::vector<RenderVar> vars;
-  for (const char* name :
-       {"color", "alpha", "depth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
-    vars.push_back({name, name, "half"});
-  return vars;
-}
-
 TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
   RenderProduct p = product("all.exr");
   p.vars = all_vars();
