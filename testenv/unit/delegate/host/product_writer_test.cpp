@@ -1,93 +1,14 @@
-#include "delegate/host/product_writer.h"
-
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <half.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <limits>
+
+#include "testenv/unit/delegate/host/product_fixture.h"
 
 namespace alabaster::hd::host {
 namespace {
-
-namespace fs = std::filesystem;
-constexpr int kWidth = 7, kHeight = 5, kCount = kWidth * kHeight;
-
-class ProductFile : public testing::Test {
- protected:
-  ProductFile() { fs::create_directories(folder_); }
-  ~ProductFile() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  RenderProduct product(const std::string& name) const {
-    RenderProduct p;
-    p.file = path(name);
-    return p;
-  }
-  bool write(const RenderProduct& p, const ProductImage& image) {
-    reports_.clear();
-    return WriteProduct(p, image, colors_, sink_);
-  }
-  bool check(const RenderProduct& p) {
-    reports_.clear();
-    return CheckProduct(p, colors_, sink_);
-  }
-  std::string text() const {
-    std::string joined;
-    for (const Diagnostic& d : reports_) joined += d.where + ": " + d.text + "\n";
-    return joined;
-  }
-  /// What is in the folder, so that no temporary file can hide.
-  std::vector<std::string> listing() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-
-  fs::path folder_ = fs::temp_directory_path() / ("alabaster_product_" + std::to_string(::getpid()));
-  OutputColors colors_{"built-in"};
-  std::vector<Diagnostic> reports_;
-  DiagnosticSink sink_ = [this](const Diagnostic& d) { reports_.push_back(d); };
-};
-
-AovPixels floats(int components, const std::function<float(int, int)>& value, int count = kCount) {
-  AovPixels pixels;
-  pixels.components = components;
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < components; ++c) pixels.floats.push_back(value(i, c));
-  return pixels;
-}
-AovPixels ints(const std::function<int32_t(int)>& value) {
-  AovPixels pixels;
-  pixels.components = 1;
-  pixels.integer = true;
-  for (int i = 0; i < kCount; ++i) pixels.ints.push_back(value(i));
-  return pixels;
-}
-
-ProductImage frame() {
-  ProductImage image;
-  image.framing.displayMin = {0, 0};
-  image.framing.displayMax = {20, 10};
-  image.framing.dataWindow = {3, -2, 3 + kWidth, -2 + kHeight};
-  image.framing.pixelAspectRatio = 1;
-  image.aovs["color"] = floats(4, [](int i, int c) { return c == 3 ? 1.0f : 0.013f * float(i) + 0.31f * float(c); });
-  image.aovs["depth"] = floats(1, [](int i, int) { return 1000.1f + float(i) * 1e-3f; });
-  image.aovs["normal"] = floats(3, [](int i, int c) { return c == 2 ? -1.0f : float(i) / 64; });
-  image.aovs["albedo"] = floats(3, [](int i, int c) { return float(i * 3 + c) / 128; });
-  image.aovs["alpha"] = floats(1, [](int, int) { return 1.0f; });
-  image.aovs["primId"] = ints([](int i) { return i == 0 ? -1 : 20000001 + i; });
-  image.aovs["instanceId"] = ints([](int i) { return i - 1; });
-  image.aovs["elementId"] = ints([](int i) { return 4097 * i; });
-  image.aovs["sampleCount"] = floats(1, [](int i, int) { return float(70000 + i); });
-  return image;
-}
 
 struct Read {
   OIIO::ImageSpec spec;
@@ -116,14 +37,6 @@ std::vector<uint32_t> read_uints(const std::string& file, const std::string& cha
   std::vector<uint32_t> values(size_t(in->spec().image_pixels()));
   EXPECT_TRUE(in->read_image(0, 0, c, c + 1, OIIO::TypeUInt32, values.data()));
   return values;
-}
-
-std::vector<RenderVar> all_vars() {
-  std::vector<RenderVar> vars;
-  for (const char* name :
-       {"color", "alpha", "depth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
-    vars.push_back({name, name, "half"});
-  return vars;
 }
 
 TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
@@ -362,170 +275,6 @@ TEST_F(ProductFile, SingleAovsInIntegerFiles) {
   p.vars = {{"alpha", "alpha", "half"}};
   ASSERT_TRUE(write(p, image)) << text();
   EXPECT_EQ(Read(p.file).pixels, std::vector<float>(kCount, 1.0f));
-}
-
-TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
-  std::ofstream(path("file")) << "x";
-  fs::create_directory(path("folder.exr"));
-  const auto with = [&](const char* name, const std::function<void(RenderProduct&)>& change) {
-    RenderProduct p = product(name);
-    change(p);
-    return p;
-  };
-  const auto nothing = [](RenderProduct&) {};
-  const std::pair<RenderProduct, std::string> cases[] = {
-      {with("a.gif", nothing), ".exr"},
-      {with("a", nothing), ".exr"},
-      {with("none/a.exr", nothing), "no folder"},
-      {with("file/a.exr", nothing), "no folder"},
-      {with("folder.exr", nothing), "choose another name"},
-      {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
-      {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "shadow", "half"}};
-            }),
-       "sampleCount"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "color", "int"}};
-            }),
-       "not made of integers"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "color", "double"}};
-            }),
-       "half, float or int"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "color", "half"}, {"x", "color", "half"}};
-            }),
-       "x.R"},
-      {with("a.png",
-            [](RenderProduct& p) {
-              p.vars = {{"", "primId", "int"}};
-            }),
-       ".exr"},
-      {with("a.png",
-            [](RenderProduct& p) {
-              p.vars = {{"", "color", "half"}, {"", "albedo", "half"}};
-            }),
-       "one AOV"},
-      {with("a.jpg",
-            [](RenderProduct& p) {
-              p.vars = {{"", "alpha", "half"}};
-            }),
-       "no alpha"},
-      {with("a.png", [](RenderProduct& p) { p.colorSpace = "ACEScg", p.display = "sRGB"; }), "only one"},
-      {with("a.exr", [](RenderProduct& p) { p.colorSpace = "AdobeRGB"; }), "ACEScg"},
-      {with("a.png", [](RenderProduct& p) { p.display = "TV"; }), "Rec.2100-PQ"},
-      {with("a.png", [](RenderProduct& p) { p.view = "Filmic"; }), "Un-tone-mapped"},
-      {with("a.png", [](RenderProduct& p) { p.look = "Warm"; }), "looks"},
-  };
-  for (const auto& [p, expected] : cases) {
-    EXPECT_FALSE(check(p)) << p.file;
-    ASSERT_EQ(reports_.size(), 1u) << p.file << text();
-    EXPECT_EQ(reports_[0].severity, Severity::error);
-    EXPECT_NE(text().find(expected), std::string::npos) << expected << " in " << text();
-    EXPECT_FALSE(CheckProduct(p, colors_, {}));
-  }
-  EXPECT_FALSE(CheckProduct(product("a.exr"), {"/none.ocio"}, sink_));
-  EXPECT_EQ(listing(), (std::vector<std::string>{"file", "folder.exr"})) << "a check leaves nothing behind";
-}
-
-TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
-  RenderProduct p = product("a.exr");
-  p.vars = all_vars();
-  ProductImage image = frame();
-  image.aovs.erase("albedo");
-  EXPECT_FALSE(write(p, image));
-  EXPECT_NE(text().find("albedo"), std::string::npos);
-  image = frame();
-  image.aovs["normal"].floats.pop_back();
-  EXPECT_FALSE(write(p, image));
-  EXPECT_NE(text().find("normal"), std::string::npos);
-  image = frame();
-  image.framing.dataWindow = {};
-  EXPECT_FALSE(write(p, image));
-  EXPECT_TRUE(listing().empty());
-}
-
-/// Files of this process may not grow beyond `bytes`: what a full disk does to a writer.
-struct FileSizeLimit {
-  rlimit old{};
-  void (*handler)(int) = std::signal(SIGXFSZ, SIG_IGN);
-  explicit FileSizeLimit(rlim_t bytes) {
-    ::getrlimit(RLIMIT_FSIZE, &old);
-    rlimit limit = old;
-    limit.rlim_cur = bytes;
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &old);
-    std::signal(SIGXFSZ, handler);
-  }
-};
-
-TEST_F(ProductFile, AFullDiskLeavesTheOldFileAndNothingElse) {
-  ProductImage image;
-  image.framing.displayMax = {128, 128};
-  image.framing.dataWindow = {0, 0, 128, 128};
-  image.aovs["color"] = floats(
-      4, [](int i, int c) { return float((i * 7919 + c * 104729) % 1013) / 1013; }, 128 * 128);
-  for (const char* name : {"f.exr", "f.png", "f.tif", "f.jpg"}) {
-    const RenderProduct p = product(name);
-    std::ofstream(p.file) << "what was here before";
-    bool written = true;
-    {
-      const FileSizeLimit limit(5000);
-      written = write(p, image);
-    }
-    EXPECT_FALSE(written) << name;
-    ASSERT_EQ(reports_.size(), 1u);
-    EXPECT_EQ(reports_[0].where, p.file);
-    EXPECT_NE(text().find("disk"), std::string::npos) << text();
-    std::ifstream in(p.file);
-    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "what was here before");
-    EXPECT_EQ(listing(), std::vector<std::string>{name});
-    EXPECT_TRUE(write(p, image)) << text();
-    EXPECT_EQ(Read(p.file).spec.width, 128);
-    fs::remove(p.file);
-  }
-}
-
-TEST_F(ProductFile, AFolderThatGoesAwayIsReported) {
-  fs::create_directory(path("gone"));
-  const RenderProduct p = product("gone/a.exr");
-  EXPECT_TRUE(check(p)) << text();
-  fs::remove(path("gone"));
-  EXPECT_FALSE(write(p, frame()));
-  EXPECT_NE(text().find("No such file"), std::string::npos) << text();
-}
-
-TEST_F(ProductFile, AFolderWithoutPermissionIsRefused) {
-  if (::geteuid() == 0) {
-    std::printf("skipped: the superuser may write everywhere\n");
-    return;
-  }
-  fs::create_directory(path("locked"));
-  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
-  EXPECT_FALSE(check(product("locked/a.exr")));
-  EXPECT_FALSE(write(product("locked/a.exr"), frame()));
-  fs::permissions(path("locked"), fs::perms::owner_all);
-}
-
-TEST_F(ProductFile, ColoursAreDescribedAndSaved) {
-  const std::string text = DescribeColors(colors_, sink_);
-  for (const char* expected : {"configuration: built-in", "rendering space: Linear Rec.709", "ACEScg", "sRGB *",
-                               "ACES *", "Rec.2100-PQ", "looks: none"})
-    EXPECT_NE(text.find(expected), std::string::npos) << expected << " in\n" << text;
-  std::ofstream(path("saved.ocio")) << SerializeColors(colors_, sink_);
-  const std::string again = DescribeColors({path("saved.ocio")}, sink_);
-  EXPECT_EQ(again.substr(again.find('\n')), text.substr(text.find('\n'))) << "a saved config is the same config";
-  EXPECT_TRUE(reports_.empty());
-  EXPECT_EQ(DescribeColors({"/none.ocio"}, sink_), "");
-  EXPECT_EQ(SerializeColors({"/none.ocio"}, sink_), "");
-  EXPECT_EQ(reports_.size(), 2u);
 }
 
 }  // namespace

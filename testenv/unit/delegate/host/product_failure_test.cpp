@@ -1,0 +1,180 @@
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "testenv/unit/delegate/host/product_fixture.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
+  std::ofstream(path("file")) << "x";
+  fs::create_directory(path("folder.exr"));
+  const auto with = [&](const char* name, const std::function<void(RenderProduct&)>& change) {
+    RenderProduct p = product(name);
+    change(p);
+    return p;
+  };
+  const auto nothing = [](RenderProduct&) {};
+  const std::pair<RenderProduct, std::string> cases[] = {
+      {with("a.gif", nothing), ".exr"},
+      {with("a", nothing), ".exr"},
+      {with("none/a.exr", nothing), "no folder"},
+      {with("file/a.exr", nothing), "no folder"},
+      {with("folder.exr", nothing), "choose another name"},
+      {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
+      {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "shadow", "half"}};
+            }),
+       "sampleCount"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "color", "int"}};
+            }),
+       "not made of integers"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "color", "double"}};
+            }),
+       "half, float or int"},
+      {with("a.exr",
+            [](RenderProduct& p) {
+              p.vars = {{"x", "color", "half"}, {"x", "color", "half"}};
+            }),
+       "x.R"},
+      {with("a.png",
+            [](RenderProduct& p) {
+              p.vars = {{"", "primId", "int"}};
+            }),
+       ".exr"},
+      {with("a.png",
+            [](RenderProduct& p) {
+              p.vars = {{"", "color", "half"}, {"", "albedo", "half"}};
+            }),
+       "one AOV"},
+      {with("a.jpg",
+            [](RenderProduct& p) {
+              p.vars = {{"", "alpha", "half"}};
+            }),
+       "no alpha"},
+      {with("a.png", [](RenderProduct& p) { p.colorSpace = "ACEScg", p.display = "sRGB"; }), "only one"},
+      {with("a.exr", [](RenderProduct& p) { p.colorSpace = "AdobeRGB"; }), "ACEScg"},
+      {with("a.png", [](RenderProduct& p) { p.display = "TV"; }), "Rec.2100-PQ"},
+      {with("a.png", [](RenderProduct& p) { p.view = "Filmic"; }), "Un-tone-mapped"},
+      {with("a.png", [](RenderProduct& p) { p.look = "Warm"; }), "looks"},
+  };
+  for (const auto& [p, expected] : cases) {
+    EXPECT_FALSE(check(p)) << p.file;
+    ASSERT_EQ(reports_.size(), 1u) << p.file << text();
+    EXPECT_EQ(reports_[0].severity, Severity::error);
+    EXPECT_NE(text().find(expected), std::string::npos) << expected << " in " << text();
+    EXPECT_FALSE(CheckProduct(p, colors_, {}));
+  }
+  EXPECT_FALSE(CheckProduct(product("a.exr"), {"/none.ocio"}, sink_));
+  EXPECT_EQ(listing(), (std::vector<std::string>{"file", "folder.exr"})) << "a check leaves nothing behind";
+}
+
+TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
+  RenderProduct p = product("a.exr");
+  p.vars = all_vars();
+  ProductImage image = frame();
+  image.aovs.erase("albedo");
+  EXPECT_FALSE(write(p, image));
+  EXPECT_NE(text().find("albedo"), std::string::npos);
+  image = frame();
+  image.aovs["normal"].floats.pop_back();
+  EXPECT_FALSE(write(p, image));
+  EXPECT_NE(text().find("normal"), std::string::npos);
+  image = frame();
+  image.framing.dataWindow = {};
+  EXPECT_FALSE(write(p, image));
+  EXPECT_TRUE(listing().empty());
+}
+
+/// Files of this process may not grow beyond `bytes`: what a full disk does to a writer.
+struct FileSizeLimit {
+  rlimit old{};
+  void (*handler)(int) = std::signal(SIGXFSZ, SIG_IGN);
+  explicit FileSizeLimit(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &old);
+    rlimit limit = old;
+    limit.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &old);
+    std::signal(SIGXFSZ, handler);
+  }
+};
+
+TEST_F(ProductFile, AFullDiskLeavesTheOldFileAndNothingElse) {
+  ProductImage image;
+  image.framing.displayMax = {128, 128};
+  image.framing.dataWindow = {0, 0, 128, 128};
+  image.aovs["color"] = floats(
+      4, [](int i, int c) { return float((i * 7919 + c * 104729) % 1013) / 1013; }, 128 * 128);
+  for (const char* name : {"f.exr", "f.png", "f.tif", "f.jpg"}) {
+    const RenderProduct p = product(name);
+    std::ofstream(p.file) << "what was here before";
+    bool written = true;
+    {
+      const FileSizeLimit limit(5000);
+      written = write(p, image);
+    }
+    EXPECT_FALSE(written) << name;
+    ASSERT_EQ(reports_.size(), 1u);
+    EXPECT_EQ(reports_[0].where, p.file);
+    EXPECT_NE(text().find("disk"), std::string::npos) << text();
+    std::ifstream in(p.file);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "what was here before");
+    EXPECT_EQ(listing(), std::vector<std::string>{name});
+    EXPECT_TRUE(write(p, image)) << text();
+    const auto in_again = OIIO::ImageInput::open(p.file);
+    ASSERT_TRUE(in_again);
+    EXPECT_EQ(in_again->spec().width, 128);
+    fs::remove(p.file);
+  }
+}
+
+TEST_F(ProductFile, AFolderThatGoesAwayIsReported) {
+  fs::create_directory(path("gone"));
+  const RenderProduct p = product("gone/a.exr");
+  EXPECT_TRUE(check(p)) << text();
+  fs::remove(path("gone"));
+  EXPECT_FALSE(write(p, frame()));
+  EXPECT_NE(text().find("No such file"), std::string::npos) << text();
+}
+
+TEST_F(ProductFile, AFolderWithoutPermissionIsRefused) {
+  if (::geteuid() == 0) {
+    std::printf("skipped: the superuser may write everywhere\n");
+    return;
+  }
+  fs::create_directory(path("locked"));
+  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  EXPECT_FALSE(check(product("locked/a.exr")));
+  EXPECT_FALSE(write(product("locked/a.exr"), frame()));
+  fs::permissions(path("locked"), fs::perms::owner_all);
+}
+
+TEST_F(ProductFile, ColoursAreDescribedAndSaved) {
+  const std::string text = DescribeColors(colors_, sink_);
+  for (const char* expected : {"configuration: built-in", "rendering space: Linear Rec.709", "ACEScg", "sRGB *",
+                               "ACES *", "Rec.2100-PQ", "looks: none"})
+    EXPECT_NE(text.find(expected), std::string::npos) << expected << " in\n" << text;
+  std::ofstream(path("saved.ocio")) << SerializeColors(colors_, sink_);
+  const std::string again = DescribeColors({path("saved.ocio")}, sink_);
+  EXPECT_EQ(again.substr(again.find('\n')), text.substr(text.find('\n'))) << "a saved config is the same config";
+  EXPECT_TRUE(reports_.empty());
+  EXPECT_EQ(DescribeColors({"/none.ocio"}, sink_), "");
+  EXPECT_EQ(SerializeColors({"/none.ocio"}, sink_), "");
+  EXPECT_EQ(reports_.size(), 2u);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::host

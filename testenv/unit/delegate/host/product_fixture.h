@@ -1,0 +1,97 @@
+// A folder, a small frame with every AOV, and the reports of what is done with them.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+
+#include "delegate/host/product_writer.h"
+
+namespace alabaster::hd::host {
+
+namespace fs = std::filesystem;
+inline constexpr int kWidth = 7, kHeight = 5, kCount = kWidth * kHeight;
+
+class ProductFile : public testing::Test {
+ protected:
+  ProductFile() { fs::create_directories(folder_); }
+  ~ProductFile() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  RenderProduct product(const std::string& name) const {
+    RenderProduct p;
+    p.file = path(name);
+    return p;
+  }
+  bool write(const RenderProduct& p, const ProductImage& image) {
+    reports_.clear();
+    return WriteProduct(p, image, colors_, sink_);
+  }
+  bool check(const RenderProduct& p) {
+    reports_.clear();
+    return CheckProduct(p, colors_, sink_);
+  }
+  std::string text() const {
+    std::string joined;
+    for (const Diagnostic& d : reports_) joined += d.where + ": " + d.text + "\n";
+    return joined;
+  }
+  /// What is in the folder, so that no temporary file can hide.
+  std::vector<std::string> listing() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("alabaster_product_" + std::to_string(::getpid()));
+  OutputColors colors_{"built-in"};
+  std::vector<Diagnostic> reports_;
+  DiagnosticSink sink_ = [this](const Diagnostic& d) { reports_.push_back(d); };
+};
+
+inline AovPixels floats(int components, const std::function<float(int, int)>& value, int count = kCount) {
+  AovPixels pixels;
+  pixels.components = components;
+  for (int i = 0; i < count; ++i)
+    for (int c = 0; c < components; ++c) pixels.floats.push_back(value(i, c));
+  return pixels;
+}
+inline AovPixels ints(const std::function<int32_t(int)>& value) {
+  AovPixels pixels;
+  pixels.components = 1;
+  pixels.integer = true;
+  for (int i = 0; i < kCount; ++i) pixels.ints.push_back(value(i));
+  return pixels;
+}
+
+inline ProductImage frame() {
+  ProductImage image;
+  image.framing.displayMin = {0, 0};
+  image.framing.displayMax = {20, 10};
+  image.framing.dataWindow = {3, -2, 3 + kWidth, -2 + kHeight};
+  image.framing.pixelAspectRatio = 1;
+  image.aovs["color"] = floats(4, [](int i, int c) { return c == 3 ? 1.0f : 0.013f * float(i) + 0.31f * float(c); });
+  image.aovs["depth"] = floats(1, [](int i, int) { return 1000.1f + float(i) * 1e-3f; });
+  image.aovs["normal"] = floats(3, [](int i, int c) { return c == 2 ? -1.0f : float(i) / 64; });
+  image.aovs["albedo"] = floats(3, [](int i, int c) { return float(i * 3 + c) / 128; });
+  image.aovs["alpha"] = floats(1, [](int, int) { return 1.0f; });
+  image.aovs["primId"] = ints([](int i) { return i == 0 ? -1 : 20000001 + i; });
+  image.aovs["instanceId"] = ints([](int i) { return i - 1; });
+  image.aovs["elementId"] = ints([](int i) { return 4097 * i; });
+  image.aovs["sampleCount"] = floats(1, [](int i, int) { return float(70000 + i); });
+  return image;
+}
+
+inline std::vector<RenderVar> all_vars() {
+  std::vector<RenderVar> vars;
+  for (const char* name :
+       {"color", "alpha", "depth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
+    vars.push_back({name, name, "half"});
+  return vars;
+}
+
+}  // namespace alabaster::hd::host
