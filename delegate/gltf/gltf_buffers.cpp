@@ -1,0 +1,256 @@
+// Buffers, buffer views and accessors (glTF 2.0, sections 3.6 and 5.1, 5.10, 5.11): all byte ranges are settled here.
+#include <algorithm>
+#include <cmath>
+
+#include "delegate/gltf/gltf_document.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+// Accessors without data are zeros that a document gets for free; more than this no real one asks for.
+constexpr uint64_t kMostZeroBytes = uint64_t(256) << 20;
+// Bytes looked at to compare stated with real bounds: many accessors over the same bytes must not cost without limit.
+constexpr uint64_t kMostBoundsBytes = uint64_t(1) << 30;
+
+uint64_t integer_or(const Json& object, const char* name, uint64_t fallback) {
+  const auto found = object.find(name);
+  return found == object.end() ? fallback : found->get<uint64_t>();
+}
+
+class BufferLoader {
+ public:
+  BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, const std::string& folder)
+      : chunk_(chunk), left_(max_bytes), report_(report), folder_(folder) {}
+
+  Bytes load(const Json& buffer, size_t index) {
+    const std::string element = element_name("buffers", index);
+    const uint64_t length = buffer["byteLength"].get<uint64_t>();
+    std::string reason;
+    const Bytes bytes = buffer.contains("uri") ? from_uri(buffer["uri"].get<std::string>(), element, &reason)
+                                               : from_chunk(index, length, element, &reason);
+    if (!bytes) {
+      report_.error("buffer", element, reason);
+      return nullptr;
+    }
+    if (bytes->size() < length) {
+      report_.error("buffer.short", element + ".byteLength",
+                    std::to_string(length) + " bytes are stated but the data has " + std::to_string(bytes->size()) +
+                        "; export the file again");
+      return nullptr;
+    }
+    left_ -= std::min<size_t>(left_, bytes->size());
+    return bytes;
+  }
+
+ private:
+  Bytes from_chunk(size_t index, uint64_t length, const std::string& element, std::string* reason) {
+    if (index != 0 || !chunk_) {
+      *reason = "has no uri, and the file has no binary chunk for it; export the file again";
+      return nullptr;
+    }
+    if (chunk_->size() > length + 3)
+      report_.warning("buffer.long", element, "the GLB's binary chunk is longer than byteLength; the rest is ignored");
+    return chunk_;
+  }
+
+  Bytes from_uri(const std::string& uri, const std::string& element, std::string* reason) {
+    if (!is_data_uri(uri)) {
+      const auto file = resolve_uri(folder_, uri, reason);
+      if (!file) return nullptr;
+      const Bytes bytes = read_file(*file, left_, reason);
+      if (!bytes) *reason = "'" + *file + "': " + *reason;
+      return bytes;
+    }
+    auto data = decode_data_uri(uri, reason);
+    if (!data) return nullptr;
+    if (data->media_type != "application/octet-stream" && data->media_type != "application/gltf-buffer")
+      report_.warning("buffer.media_type", element + ".uri",
+                      "media type '" + data->media_type.substr(0, 60) + "' is unusual; write application/octet-stream");
+    return std::make_shared<const std::vector<uint8_t>>(std::move(data->bytes));
+  }
+
+  Bytes chunk_;
+  size_t left_;
+  Report& report_;
+  const std::string& folder_;
+};
+
+struct View {
+  const uint8_t* data = nullptr;
+  uint64_t offset = 0, length = 0, stride = 0;  // stride 0: tightly packed
+};
+
+// Bytes of one element; matrix columns start at multiples of four (glTF 2.0, section 3.6.2.4).
+size_t element_size(const std::string& type, size_t component) {
+  if (type == "SCALAR") return component;
+  const size_t n = size_t(type.back() - '0');
+  return type[0] == 'V' ? n * component : n * ((n * component + 3) / 4 * 4);
+}
+
+size_t component_count(const std::string& type) {
+  if (type == "SCALAR") return 1;
+  const size_t n = size_t(type.back() - '0');
+  return type[0] == 'V' ? n : n * n;
+}
+
+class AccessorLoader {
+ public:
+  AccessorLoader(const Json& root, Report& report, Document* document)
+      : root_(root), report_(report), document_(document) {}
+
+  void run() {
+    if (root_.contains("bufferViews"))
+      for (size_t i = 0; i < root_["bufferViews"].size(); ++i) load_view(root_["bufferViews"][i], i);
+    if (report_.failed() || !root_.contains("accessors")) return;
+    for (size_t i = 0; i < root_["accessors"].size(); ++i) {
+      document_->accessors.emplace_back();
+      load_accessor(root_["accessors"][i], element_name("accessors", i), &document_->accessors.back());
+    }
+  }
+
+ private:
+  void load_view(const Json& json, size_t index) {
+    const std::string element = element_name("bufferViews", index);
+    const Bytes& buffer = document_->buffers[json["buffer"].get<size_t>()];
+    const uint64_t available = root_["buffers"][json["buffer"].get<size_t>()]["byteLength"].get<uint64_t>();
+    View view{nullptr, integer_or(json, "byteOffset", 0), json["byteLength"].get<uint64_t>(),
+              integer_or(json, "byteStride", 0)};
+    if (view.offset > available || view.length > available - view.offset) {
+      report_.error("bufferView.range", element,
+                    "byteOffset + byteLength leaves the buffer of " + std::to_string(available) +
+                        " bytes; export the file again");
+    } else {
+      view.data = buffer->data() + view.offset;
+    }
+    if (view.stride > 0 && (view.stride < 4 || view.stride > 252 || view.stride % 4 != 0 || view.stride > view.length))
+      report_.warning("bufferView.stride", element + ".byteStride",
+                      std::to_string(view.stride) + " is not a multiple of 4 from 4 to 252 within the view");
+    views_.push_back(view);
+  }
+
+  void load_accessor(const Json& json, const std::string& element, AccessorView* accessor) {
+    accessor->type = json["type"].get<std::string>();
+    accessor->component_type = json["componentType"].get<int>();
+    accessor->count = json["count"].get<size_t>();
+    accessor->normalized = json.value("normalized", false);
+    accessor->components = component_count(accessor->type);
+    const size_t component = component_size(accessor->component_type);
+    if (component == 0)
+      return report_.error("accessor.type", element + ".componentType", "is not a glTF type; export the file again");
+    if (accessor->normalized && component == 4)
+      report_.warning("accessor.normalized", element, "only 8 and 16 bit integers can be normalized; it is ignored");
+    const size_t size = element_size(accessor->type, component);
+    accessor->stride = size;
+    if (json.contains("bufferView")) {
+      place(json, element, size, accessor);
+    } else {
+      zero_bytes_ += accessor->count * uint64_t(size);
+      if (zero_bytes_ > kMostZeroBytes)
+        return report_.error("accessor.zeros", element, "asks for too many elements without data; lower count");
+    }
+    if (json.contains("sparse")) load_sparse(json["sparse"], element + ".sparse", size, accessor);
+    if (!report_.failed()) check_bounds(json, element, *accessor);
+  }
+
+  // data + stride * (count - 1) + size must end inside the view; counts are below 2^31, offsets below 2^53.
+  void place(const Json& json, const std::string& element, size_t size, AccessorView* accessor) {
+    const View& view = views_[json["bufferView"].get<size_t>()];
+    const uint64_t offset = integer_or(json, "byteOffset", 0);
+    if (view.stride > 0) {
+      if (view.stride < size)
+        return report_.error("accessor.stride", element,
+                             "the view's byteStride is shorter than an element; export the file again");
+      accessor->stride = view.stride;
+    }
+    const uint64_t needed = offset + accessor->stride * uint64_t(accessor->count - 1) + size;
+    if (needed > view.length)
+      return report_.error("accessor.range", element,
+                           "needs " + std::to_string(needed) + " bytes of a view of " + std::to_string(view.length) +
+                               "; export the file again");
+    const size_t component = component_size(accessor->component_type);
+    if (offset % component != 0 || (view.offset + offset) % component != 0)
+      report_.warning("accessor.alignment", element, "its offset is not a multiple of its component's size");
+    accessor->data = view.data + offset;
+  }
+
+  void load_sparse(const Json& json, const std::string& element, size_t size, AccessorView* accessor) {
+    const Json &indices = json["indices"], &values = json["values"];
+    const size_t count = json["count"].get<size_t>();
+    const int index_type = indices["componentType"].get<int>();
+    const View& index_view = views_[indices["bufferView"].get<size_t>()];
+    const View& value_view = views_[values["bufferView"].get<size_t>()];
+    const uint64_t index_offset = integer_or(indices, "byteOffset", 0),
+                   value_offset = integer_or(values, "byteOffset", 0);
+    if (index_type != kUnsignedByte && index_type != kUnsignedShort && index_type != kUnsignedInt)
+      return report_.error("accessor.sparse", element + ".indices.componentType", "must be an unsigned integer type");
+    if (count > accessor->count)
+      return report_.error("accessor.sparse", element + ".count", "is larger than the accessor's count");
+    if (index_offset + count * uint64_t(component_size(index_type)) > index_view.length ||
+        value_offset + count * uint64_t(size) > value_view.length)
+      return report_.error("accessor.sparse", element, "leaves its buffer views; export the file again");
+    accessor->sparse_count = count;
+    accessor->sparse_index_type = index_type;
+    accessor->sparse_indices = index_view.data + index_offset;
+    accessor->sparse_values = value_view.data + value_offset;
+    check_sparse_indices(element, *accessor);
+  }
+
+  void check_sparse_indices(const std::string& element, const AccessorView& accessor) {
+    int64_t previous = -1;
+    bool rising = true;
+    for (size_t k = 0; k < accessor.sparse_count; ++k) {
+      const uint8_t* p = accessor.sparse_indices + k * component_size(accessor.sparse_index_type);
+      const uint32_t index = read_index(p, accessor.sparse_index_type);
+      if (index >= accessor.count)
+        return report_.error("accessor.sparse", element + ".indices",
+                             "index " + std::to_string(index) + " is not below the accessor's count");
+      rising = rising && int64_t(index) > previous;
+      previous = index;
+    }
+    if (!rising) report_.warning("accessor.sparse", element + ".indices", "do not rise strictly; the last one counts");
+  }
+
+  // Stated bounds are not relied on, but bounds that lie tell of a broken writer.
+  void check_bounds(const Json& json, const std::string& element, const AccessorView& accessor) {
+    for (const char* name : {"min", "max"}) {
+      if (!json.contains(name)) continue;
+      if (json[name].size() != accessor.components)
+        return report_.warning("accessor.bounds", element_name(element, name), "has the wrong number of values");
+    }
+    if (!json.contains("min") || !json.contains("max") || accessor.type[0] == 'M' || !accessor.data) return;
+    bounds_bytes_ += accessor.count * accessor.components * sizeof(float);
+    if (bounds_bytes_ > kMostBoundsBytes) return;
+    AccessorView plain = accessor;
+    plain.normalized = false;
+    const std::vector<float> values = read_floats(plain);
+    for (size_t i = 0; i < values.size(); ++i) {
+      const size_t c = i % accessor.components;
+      const double low = json["min"][c].get<double>(), high = json["max"][c].get<double>();
+      const double slack = 1e-6 * std::max(std::abs(low), std::abs(high));
+      if (!(values[i] >= low - slack && values[i] <= high + slack))
+        return report_.warning("accessor.bounds", element,
+                               "element " + std::to_string(i / accessor.components) +
+                                   " lies outside min and max, which are not relied on");
+    }
+  }
+
+  const Json& root_;
+  Report& report_;
+  Document* document_;
+  std::vector<View> views_;
+  uint64_t zero_bytes_ = 0, bounds_bytes_ = 0;
+};
+
+}  // namespace
+
+void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document) {
+  if (!root.contains("buffers")) return;
+  BufferLoader loader(binary_chunk, max_bytes, report, document->folder);
+  for (size_t i = 0; i < root["buffers"].size(); ++i) document->buffers.push_back(loader.load(root["buffers"][i], i));
+}
+
+void load_accessors(const Json& root, Report& report, Document* document) {
+  AccessorLoader(root, report, document).run();
+}
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,222 @@
+// Meshes (glTF 2.0, section 3.7): attributes against semantics and each other, indices against vertex counts.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "delegate/gltf/gltf_document.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+// Decoded geometry of all primitives together: many primitives over one accessor must not cost memory without limit.
+constexpr uint64_t kMostDecodedBytes = uint64_t(16) << 30;
+
+struct Semantic {
+  const char* name;
+  const char* types;         // "|VEC3|"
+  bool numbered = false;     // NAME_n
+  bool integers = false;     // allowed without an extension
+  bool quantizable = false;  // integers allowed by KHR_mesh_quantization
+};
+constexpr Semantic kSemantics[] = {
+    {"POSITION", "|VEC3|", false, false, true},  {"NORMAL", "|VEC3|", false, false, true},
+    {"TANGENT", "|VEC4|", false, false, true},   {"TEXCOORD", "|VEC2|", true, true, true},
+    {"COLOR", "|VEC3|VEC4|", true, true, false}, {"JOINTS", "|VEC4|", true, true, false},
+    {"WEIGHTS", "|VEC4|", true, true, false}};
+
+// The semantic of "TEXCOORD_0"; empty if it is none of glTF's.
+std::optional<Semantic> find_semantic(const std::string& attribute) {
+  for (const Semantic& semantic : kSemantics) {
+    const std::string prefix = semantic.name + std::string(semantic.numbered ? "_" : "");
+    if (!semantic.numbered && attribute == prefix) return semantic;
+    if (!semantic.numbered || attribute.compare(0, prefix.size(), prefix) != 0) continue;
+    const std::string number = attribute.substr(prefix.size());
+    if (number == "0" || (!number.empty() && number.size() < 4 && number[0] != '0' &&
+                          std::all_of(number.begin(), number.end(), [](char c) { return c >= '0' && c <= '9'; })))
+      return semantic;
+  }
+  return {};
+}
+
+// `object`[name] if it is there and an integer: extensions that are not read are not checked either.
+int integer_or(const Json& object, const char* name, int fallback) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_number_integer() ? found->get<int>() : fallback;
+}
+
+void collect_texture_sets(const Json& value, std::set<int>* sets) {
+  if (!value.is_object()) return;
+  for (const auto& [name, child] : value.items()) {
+    if (name.size() > 7 && name.compare(name.size() - 7, 7, "Texture") == 0 && child.is_object()) {
+      int set = integer_or(child, "texCoord", 0);
+      if (child.contains("extensions") && child["extensions"].contains("KHR_texture_transform") &&
+          child["extensions"]["KHR_texture_transform"].is_object())
+        set = integer_or(child["extensions"]["KHR_texture_transform"], "texCoord", set);
+      sets->insert(set);
+    } else if (name != "extras") {
+      collect_texture_sets(child, sets);
+    }
+  }
+}
+
+class MeshCheck {
+ public:
+  MeshCheck(const Json& root, const Document& document, Report& report)
+      : root_(root), document_(document), report_(report), index_max_(document.accessors.size()) {
+    if (root.contains("extensionsRequired"))
+      for (const Json& name : root["extensionsRequired"]) quantized_ |= name == "KHR_mesh_quantization";
+  }
+
+  void run() {
+    for (size_t m = 0; m < root_["meshes"].size(); ++m) {
+      const Json& mesh = root_["meshes"][m];
+      const std::string element = element_name("meshes", m);
+      for (size_t p = 0; p < mesh["primitives"].size() && !report_.failed(); ++p)
+        check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
+    }
+    if (decoded_bytes_ > kMostDecodedBytes)
+      report_.error("mesh.size", "meshes", "hold more than 16 GiB of geometry; split the file");
+  }
+
+ private:
+  const AccessorView& accessor(const Json& index) const { return document_.accessors[index.get<size_t>()]; }
+
+  void check_primitive(const Json& primitive, const std::string& element) {
+    const Json& attributes = primitive["attributes"];
+    const AccessorView* first = nullptr;
+    std::map<size_t, size_t> views;  // buffer view -> attributes in it
+    for (const auto& [name, index] : attributes.items()) {
+      const AccessorView& view = accessor(index);
+      const std::string place = element_name(element + ".attributes", name);
+      check_attribute(name, view, place);
+      if (!first) first = &view;
+      if (view.count != first->count)
+        report_.error("mesh.count", place,
+                      "has " + std::to_string(view.count) + " elements where others have " +
+                          std::to_string(first->count) + "; export the file again");
+      if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
+      const Json& json = root_["accessors"][index.get<size_t>()];
+      if (json.contains("bufferView")) ++views[json["bufferView"].get<size_t>()];
+    }
+    for (const auto& [view, users] : views)
+      if (users > 1 && !root_["bufferViews"][view].contains("byteStride"))
+        report_.warning("bufferView.stride", element_name("bufferViews", view), "several attributes, no byteStride");
+    if (!attributes.contains("POSITION")) {
+      report_.warning("mesh.points", element + ".attributes", "has no POSITION; the primitive is not drawn");
+    } else if (!report_.failed()) {
+      check_positions(attributes["POSITION"], element + ".attributes.POSITION");
+    }
+    if (primitive.contains("indices") && first && !report_.failed())
+      check_indices(primitive["indices"], first->count, element + ".indices");
+    check_index_count(primitive, first ? first->count : 0, element);
+    check_texture_sets(primitive, element);
+  }
+
+  void check_attribute(const std::string& name, const AccessorView& view, const std::string& place) {
+    const auto semantic = find_semantic(name);
+    if (!semantic) {
+      if (name.empty() || name[0] != '_')
+        report_.warning("mesh.attribute", place, "is not an attribute of glTF; name your own with a leading '_'");
+      return;
+    }
+    if (std::string_view(semantic->types).find("|" + view.type + "|") == std::string_view::npos)
+      return report_.error("mesh.attribute", place,
+                           "is of type " + view.type + ", not one of " + semantic->types + "; export the file again");
+    if (view.component_type == kFloat || semantic->integers) {
+      if (semantic->numbered && view.component_type == kUnsignedInt)
+        report_.error("mesh.attribute", place, "must not be of 32 bit integers; export the file again");
+      return check_unit_length(name, view, place);
+    }
+    if (!semantic->quantizable || view.component_type == kUnsignedInt)
+      return report_.error("mesh.attribute", place, "must be of floats; export the file again");
+    if (!quantized_)
+      report_.warning("mesh.attribute", place, "integers need KHR_mesh_quantization in extensionsRequired; add it");
+  }
+
+  void check_unit_length(const std::string& name, const AccessorView& view, const std::string& place) {
+    if ((name != "NORMAL" && name != "TANGENT") || !view.data || !checked_.insert(&view).second) return;
+    const std::vector<float> values = read_floats(view);
+    for (size_t i = 0; i < view.count; ++i) {
+      const float* v = &values[i * view.components];
+      const float length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      const bool unit = std::abs(length2 - 1) < 0.02f, sign = view.components < 4 || std::abs(v[3]) == 1;
+      if (unit && sign) continue;
+      return report_.warning(
+          "mesh.unit", place,
+          "element " + std::to_string(i) + " is not a unit vector (with sign 1 or -1); it is normalized");
+    }
+  }
+
+  void check_positions(const Json& index, const std::string& place) {
+    const AccessorView& view = accessor(index);
+    const Json& json = root_["accessors"][index.get<size_t>()];
+    if (!json.contains("min") || !json.contains("max"))
+      report_.warning("mesh.bounds", place, "its accessor has no min and max, which glTF requires");
+    if (!view.data || view.component_type != kFloat || !checked_.insert(&view).second) return;
+    const std::vector<float> values = read_floats(view);
+    for (size_t i = 0; i < values.size(); ++i)
+      if (!std::isfinite(values[i]))
+        return report_.error("mesh.points", place,
+                             "element " + std::to_string(i / 3) + " is not a finite number; export the file again");
+  }
+
+  void check_indices(const Json& index, size_t vertex_count, const std::string& place) {
+    const AccessorView& view = accessor(index);
+    if (view.type != "SCALAR" || (view.component_type != kUnsignedByte && view.component_type != kUnsignedShort &&
+                                  view.component_type != kUnsignedInt))
+      return report_.error("mesh.indices", place, "must be scalars of an unsigned integer type; export the file again");
+    if (view.normalized) report_.warning("mesh.indices", place, "must not be normalized; it is ignored");
+    const Json& json = root_["accessors"][index.get<size_t>()];
+    if (json.contains("bufferView") && root_["bufferViews"][json["bufferView"].get<size_t>()].contains("byteStride"))
+      report_.warning("mesh.indices", place, "their buffer view must not have a byteStride");
+    auto& largest = index_max_[index.get<size_t>()];
+    if (!largest) {
+      const std::vector<uint32_t> indices = read_indices(view);
+      largest = *std::max_element(indices.begin(), indices.end());
+    }
+    decoded_bytes_ += view.count * sizeof(uint32_t);
+    if (*largest >= vertex_count)
+      report_.error("mesh.indices", place,
+                    "index " + std::to_string(*largest) + " is not below the vertex count " +
+                        std::to_string(vertex_count) + "; export the file again");
+  }
+
+  void check_index_count(const Json& primitive, size_t vertex_count, const std::string& element) {
+    const size_t count = primitive.contains("indices") ? accessor(primitive["indices"]).count : vertex_count;
+    const int mode = primitive.value("mode", 4);
+    if (mode == 4 && count % 3 != 0)
+      report_.warning("mesh.indices", element, "its count is not a multiple of three; the rest is ignored");
+    if (mode > 4 && count < 3) report_.warning("mesh.indices", element, "has no whole triangle");
+  }
+
+  void check_texture_sets(const Json& primitive, const std::string& element) {
+    if (!primitive.contains("material")) return;
+    const size_t material = primitive["material"].get<size_t>();
+    const auto [sets, is_new] = texture_sets_.try_emplace(material);
+    if (is_new) collect_texture_sets(root_["materials"][material], &sets->second);
+    for (const int set : sets->second)
+      if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
+        report_.warning("mesh.texcoord", element,
+                        "has no TEXCOORD_" + std::to_string(set) + ", which materials[" + std::to_string(material) +
+                            "] uses; (0, 0) is taken");
+  }
+
+  const Json& root_;
+  const Document& document_;
+  Report& report_;
+  std::vector<std::optional<uint32_t>> index_max_;  // by accessor
+  std::set<const AccessorView*> checked_;
+  std::map<size_t, std::set<int>> texture_sets_;  // by material
+  uint64_t decoded_bytes_ = 0;
+  bool quantized_ = false;
+};
+
+}  // namespace
+
+void check_meshes(const Json& root, const Document& document, Report& report) {
+  if (root.contains("meshes")) MeshCheck(root, document, report).run();
+}
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,161 @@
+#include "delegate/gltf/gltf_container.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace alabaster::hd::gltf {
+namespace {
+
+// Deeper JSON overruns the stack of recursive readers; glTF itself needs about ten levels, extras rarely more.
+constexpr size_t kMostDepth = 128;
+// Each JSON value costs tens of bytes once parsed: this bounds a document at about 2 GB.
+constexpr size_t kMostValues = 30'000'000;
+
+constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // glTF 2.0, section 4.4
+
+uint32_t read_u32(const uint8_t* p) {
+  return uint32_t(p[0]) | uint32_t(p[1]) << 8 | uint32_t(p[2]) << 16 | uint32_t(p[3]) << 24;
+}
+
+// Bounds depth and size before any parser sees the text. Knows just enough JSON: strings and brackets.
+bool json_is_bounded(std::string_view text, Report& report) {
+  size_t depth = 0, values = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+      continue;
+    }
+    if (c == '"') in_string = true;
+    if (c == '{' || c == '[') ++depth;
+    if ((c == '}' || c == ']') && depth > 0) --depth;
+    if (c == '{' || c == '[' || c == ',') ++values;
+    if (depth > kMostDepth) {
+      report.error("json.depth", "",
+                   "the JSON is nested deeper than " + std::to_string(kMostDepth) + " levels at byte " +
+                       std::to_string(i) + "; flatten it");
+      return false;
+    }
+    if (values > kMostValues) {
+      report.error("json.size", "", "the JSON holds too many values; store bulk data in buffers");
+      return false;
+    }
+  }
+  return true;
+}
+
+bool parse_json(std::string_view text, Report& report, Json* root) {
+  if (text.substr(0, 3) == "\xEF\xBB\xBF") {
+    report.warning("json.bom", "", "the JSON begins with a byte order mark, which glTF does not allow; remove it");
+    text.remove_prefix(3);
+  }
+  if (!json_is_bounded(text, report)) return false;
+  try {
+    *root = Json::parse(text.begin(), text.end());
+  } catch (const Json::exception& e) {
+    report.error("json.syntax", "", std::string("not valid JSON (") + e.what() + "); export the file again");
+    return false;
+  }
+  if (root->is_object()) return true;
+  report.error("json.root", "", "the JSON's root is not an object; this is not a glTF document");
+  return false;
+}
+
+struct Chunk {
+  uint32_t type = 0;
+  size_t begin = 0, size = 0;
+};
+
+// The chunks of a GLB, each inside the file. Empty after an error.
+std::vector<Chunk> glb_chunks(const std::vector<uint8_t>& file, Report& report) {
+  const auto fail = [&](const std::string& text) {
+    report.error("glb", "", text + "; the file is damaged, export it again");
+    return std::vector<Chunk>();
+  };
+  if (file.size() < 12) return fail("the GLB header is cut short");
+  if (read_u32(&file[4]) != 2) {
+    return fail("GLB version " + std::to_string(read_u32(&file[4])) + " is not read, only version 2");
+  }
+  const size_t length = read_u32(&file[8]);
+  if (length > file.size()) return fail("the GLB header tells more bytes than the file has");
+  if (length < 12) return fail("the GLB header tells a length shorter than itself");
+  if (length < file.size()) report.warning("glb.length", "", "bytes after the end of the GLB are ignored");
+  std::vector<Chunk> chunks;
+  for (size_t at = 12; at < length;) {
+    if (length - at < 8) return fail("a GLB chunk header is cut short");
+    const Chunk chunk{read_u32(&file[at + 4]), at + 8, read_u32(&file[at])};
+    if (chunk.size > length - chunk.begin)
+      return fail("GLB chunk " + std::to_string(chunks.size()) + " leaves the file");
+    if (chunk.size % 4 != 0) report.warning("glb.padding", "", "a GLB chunk's length is not a multiple of 4");
+    chunks.push_back(chunk);
+    at = chunk.begin + chunk.size;
+  }
+  if (chunks.empty() || chunks[0].type != kJsonChunk) return fail("the first GLB chunk is not JSON");
+  if (chunks[0].size == 0) return fail("the GLB's JSON chunk is empty");
+  return chunks;
+}
+
+bool read_glb(const std::vector<uint8_t>& file, Report& report, Container* container) {
+  const std::vector<Chunk> chunks = glb_chunks(file, report);
+  if (chunks.empty()) return false;
+  for (size_t i = 1; i < chunks.size(); ++i) {
+    const Chunk& chunk = chunks[i];
+    if (chunk.type == kJsonChunk || (chunk.type == kBinaryChunk && i > 1)) {
+      report.error("glb.duplicate", "",
+                   "GLB chunk " + std::to_string(i) + " repeats a chunk or is out of order; " +
+                       "the file is damaged, export it again");
+      return false;
+    }
+    if (chunk.type != kBinaryChunk) {
+      report.warning("glb.chunk", "", "GLB chunk " + std::to_string(i) + " is of an unknown type and is ignored");
+      continue;
+    }
+    const auto begin = file.begin() + std::ptrdiff_t(chunk.begin);
+    container->binary_chunk = std::make_shared<const std::vector<uint8_t>>(begin, begin + std::ptrdiff_t(chunk.size));
+  }
+  const auto* text = reinterpret_cast<const char*>(file.data()) + chunks[0].begin;
+  return parse_json({text, chunks[0].size}, report, &container->root);
+}
+
+}  // namespace
+
+Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    *reason = "the file is missing or not a regular file; check the path";
+    return nullptr;
+  }
+  const auto size = std::filesystem::file_size(file, ignored);
+  if (ignored || size > max_bytes) {
+    *reason = "the file is larger than the limit of " + std::to_string(max_bytes) + " bytes; raise max_file_bytes";
+    return nullptr;
+  }
+  auto bytes = std::make_shared<std::vector<uint8_t>>(size);
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(bytes->data()), std::streamsize(size));
+  if (!stream || size_t(stream.gcount()) != size) {
+    *reason = "the file cannot be read; check its permissions";
+    return nullptr;
+  }
+  return bytes;
+}
+
+bool read_container(const std::string& file, size_t max_bytes, Report& report, Container* container) {
+  std::string reason;
+  const Bytes bytes = read_file(file, max_bytes, &reason);
+  if (!bytes) {
+    report.error("file", "", reason);
+    return false;
+  }
+  if (bytes->size() >= 4 && read_u32(bytes->data()) == kMagic) return read_glb(*bytes, report, container);
+  if (bytes->empty()) {
+    report.error("json.syntax", "", "the file is empty; export it again");
+    return false;
+  }
+  return parse_json({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, report, &container->root);
+}
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,42 @@
+// The outside of a glTF document: the file, the GLB container, URIs. Everything is bounded before it is read.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "delegate/gltf/gltf_report.h"
+
+namespace alabaster::hd::gltf {
+
+using Json = nlohmann::json;
+using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
+
+struct Container {
+  Json root;
+  Bytes binary_chunk;  // null: none
+};
+
+/// Reads .gltf or .glb (told apart by content). Faults are reported; false: nothing usable.
+bool read_container(const std::string& file, size_t max_bytes, Report& report, Container* container);
+
+/// A regular file, whole. Null and `reason` if it cannot be read or is longer than `max_bytes`.
+Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason);
+
+struct DataUri {
+  std::string media_type;  // lower case
+  std::vector<uint8_t> bytes;
+};
+inline bool is_data_uri(std::string_view uri) {
+  return uri.substr(0, 5) == "data:";
+}
+
+/// Decodes "data:[type][;parameter]...;base64,...". Empty and `reason` if malformed.
+std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason);
+
+/// Percent-decodes a relative URI and joins it to `folder`. Empty and `reason` if it is malformed, has a scheme, is
+/// absolute, or leaves the folder: a document must not reach files its author could not have shipped with it.
+std::optional<std::string> resolve_uri(const std::string& folder, std::string_view uri, std::string* reason);
+
+}  // namespace alabaster::hd::gltf

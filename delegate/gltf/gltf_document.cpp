@@ -1,0 +1,103 @@
+#include "delegate/gltf/gltf_document.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "delegate/gltf/gltf_schema.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+void check_version(const Json& root, Report& report) {
+  const Json& asset = root["asset"];
+  for (const char* name : {"version", "minVersion"}) {
+    if (!asset.contains(name)) continue;
+    const std::string version = asset[name].get<std::string>();
+    int major = 0, minor = 0, length = 0;
+    const bool parsed = std::sscanf(version.c_str(), "%4d.%4d%n", &major, &minor, &length) == 2;
+    const std::string element = element_name("asset", name);
+    if (!parsed || size_t(length) != version.size()) {
+      report.error("version", element, "'" + version.substr(0, 40) + "' is not a version; write \"2.0\"");
+    } else if (major != 2 || (minor > 0 && std::string_view(name) == "minVersion")) {
+      report.error("version", element, "glTF " + version + " is not read, only 2.0; convert the file");
+    }
+  }
+}
+
+void read_extension_lists(const Json& root, Report& report, Document* document) {
+  const auto read = [&](const char* name, std::vector<std::string>* names) {
+    if (root.contains(name)) *names = root[name].get<std::vector<std::string>>();
+    std::sort(names->begin(), names->end());
+    names->erase(std::unique(names->begin(), names->end()), names->end());
+  };
+  read("extensionsUsed", &document->extensionsUsed);
+  read("extensionsRequired", &document->extensionsRequired);
+  for (const std::string& name : document->extensionsUsed) {
+    if (reads_extension(name)) continue;
+    document->extensionsIgnored.push_back(name);
+    report.info("extension.ignored", "extensionsUsed", name + " is not read and is ignored");
+  }
+}
+
+void report_unread_features(const Json& root, Report& report) {
+  for (const char* name : {"animations", "skins"})
+    if (root.contains(name))
+      report.warning("unread", name, "is not read: everything is drawn in the pose that the nodes give");
+  if (!root.contains("meshes")) return;
+  for (size_t m = 0; m < root["meshes"].size(); ++m)
+    for (const Json& primitive : root["meshes"][m]["primitives"])
+      if (primitive.contains("targets")) {
+        report.warning("unread", element_name("meshes", m), "morph targets are not read: the base shape is drawn");
+        break;
+      }
+}
+
+// What was checked is handed to the parser without the parts it must not touch (files, images) or that are not read.
+bool parse_model(Json root, Report& report, Document* document) {
+  for (const char* name : {"images", "buffers", "skins", "animations"}) root.erase(name);
+  if (root.contains("meshes"))
+    for (Json& mesh : root["meshes"])
+      for (Json& primitive : mesh["primitives"]) primitive.erase("targets");
+  const std::string text = root.dump();
+  root = nullptr;
+  if (text.size() > size_t(std::numeric_limits<int32_t>::max())) {
+    report.error("json.size", "", "the JSON is larger than 2 GB; store bulk data in buffers");
+    return false;
+  }
+  tinygltf::TinyGLTF parser;
+  std::string errors, warnings;
+  if (parser.LoadASCIIFromString(&document->model, &errors, &warnings, text.data(), unsigned(text.size()), "",
+                                 tinygltf::NO_REQUIRE))
+    return true;
+  report.error("parse", "", errors + "; export the file again");
+  return false;
+}
+
+}  // namespace
+
+bool read_document(const std::string& file, size_t max_bytes, Report& report, Document* document) {
+  document->file = file;
+  document->folder = std::filesystem::path(file).parent_path().string();
+  Container container;
+  if (!read_container(file, max_bytes, report, &container)) return false;
+  Json& root = container.root;
+  check_structure(root, report);
+  if (report.failed()) return false;
+  check_version(root, report);
+  if (report.failed()) return false;
+  load_buffers(root, container.binary_chunk, max_bytes, report, document);
+  if (report.failed()) return false;
+  load_accessors(root, report, document);
+  if (report.failed()) return false;
+  check_meshes(root, *document, report);
+  check_scene(root, report);
+  if (report.failed()) return false;
+  load_images(root, max_bytes, report, document);
+  check_materials(root, report);
+  read_extension_lists(root, report, document);
+  report_unread_features(root, report);
+  return !report.failed() && parse_model(std::move(root), report, document);
+}
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,114 @@
+// Images (glTF 2.0, section 3.8.3) are never decoded here: they go on as a file name or as encoded bytes. And what is
+// said about materials before they are translated.
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "delegate/gltf/gltf_document.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+bool is_png_or_jpeg(const uint8_t* data, size_t size) {
+  constexpr uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  constexpr uint8_t kJpeg[] = {0xff, 0xd8, 0xff};
+  return (size >= sizeof kPng && std::memcmp(data, kPng, sizeof kPng) == 0) ||
+         (size >= sizeof kJpeg && std::memcmp(data, kJpeg, sizeof kJpeg) == 0);
+}
+
+constexpr const char* kWrongKind = "is neither PNG nor JPEG, so textures that use it are left out; convert the image";
+
+class ImageLoader {
+ public:
+  ImageLoader(const Json& root, size_t max_bytes, Report& report, const Document& document)
+      : root_(root), left_(max_bytes), report_(report), document_(document) {}
+
+  AssetPath load(const Json& image, size_t index) {
+    element_ = element_name("images", index);
+    if (image.contains("bufferView") == image.contains("uri")) {
+      if (image.contains("uri")) return unusable("has both a uri and a bufferView; leave one out");
+      return unusable("has neither a uri nor a bufferView, so textures that use it are left out");
+    }
+    if (image.contains("bufferView")) return from_view(root_["bufferViews"][image["bufferView"].get<size_t>()], index);
+    const std::string uri = image["uri"].get<std::string>();
+    return is_data_uri(uri) ? from_data(uri, index) : from_file(uri);
+  }
+
+ private:
+  AssetPath unusable(const std::string& text) {
+    report_.warning("image", element_, text);
+    return {};
+  }
+
+  AssetPath embedded(std::vector<uint8_t> bytes, size_t index) {
+    if (!is_png_or_jpeg(bytes.data(), bytes.size())) return unusable(kWrongKind);
+    if (bytes.size() > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
+    left_ -= bytes.size();
+    AssetPath asset;
+    asset.authored = document_.file + "#images[" + std::to_string(index) + "]";
+    asset.bytes = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+    return asset;
+  }
+
+  AssetPath from_view(const Json& view, size_t index) {
+    const Bytes& buffer = document_.buffers[view["buffer"].get<size_t>()];
+    const size_t offset = view.value("byteOffset", size_t(0)), length = view["byteLength"].get<size_t>();
+    if (length > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
+    return embedded({buffer->data() + offset, buffer->data() + offset + length}, index);
+  }
+
+  AssetPath from_data(const std::string& uri, size_t index) {
+    std::string reason;
+    auto data = decode_data_uri(uri, &reason);
+    return data ? embedded(std::move(data->bytes), index) : unusable(reason);
+  }
+
+  AssetPath from_file(const std::string& uri) {
+    std::string reason;
+    const auto file = resolve_uri(document_.folder, uri, &reason);
+    if (!file) return unusable(reason);
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(*file, ignored))
+      return unusable("'" + *file + "' is missing, so textures that use it are left out; check the path");
+    uint8_t head[8] = {};
+    std::ifstream stream(*file, std::ios::binary);
+    stream.read(reinterpret_cast<char*>(head), sizeof head);
+    if (!is_png_or_jpeg(head, size_t(stream.gcount()))) return unusable(kWrongKind);
+    AssetPath asset;
+    asset.authored = uri;
+    asset.resolved = *file;
+    return asset;
+  }
+
+  const Json& root_;
+  size_t left_;
+  Report& report_;
+  const Document& document_;
+  std::string element_;
+};
+
+}  // namespace
+
+void load_images(const Json& root, size_t max_bytes, Report& report, Document* document) {
+  if (!root.contains("images")) return;
+  ImageLoader loader(root, max_bytes, report, *document);
+  for (size_t i = 0; i < root["images"].size(); ++i) document->images.push_back(loader.load(root["images"][i], i));
+}
+
+void check_materials(const Json& root, Report& report) {
+  if (root.contains("textures"))
+    for (size_t t = 0; t < root["textures"].size(); ++t)
+      if (!root["textures"][t].contains("source"))
+        report.warning("texture", element_name("textures", t), "names no image that is read, so it is left out");
+  if (!root.contains("samplers")) return;
+  for (size_t s = 0; s < root["samplers"].size(); ++s)
+    for (const char* name : {"wrapS", "wrapT"}) {
+      const int wrap = root["samplers"][s].value(name, TINYGLTF_TEXTURE_WRAP_REPEAT);
+      if (wrap != TINYGLTF_TEXTURE_WRAP_REPEAT && wrap != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE &&
+          wrap != TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT)
+        report.warning("sampler", element_name(element_name("samplers", s), name), "is unknown; repeat is taken");
+    }
+}
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,247 @@
+#include "delegate/gltf/gltf_material.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "delegate/gltf/gltf_names.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+using Extension = const tinygltf::Value*;  // null: the material does not have it
+
+Extension find_extension(const tinygltf::Material& material, const char* name) {
+  const auto found = material.extensions.find(name);
+  return found == material.extensions.end() ? nullptr : &found->second;
+}
+
+double number_or(Extension extension, const char* name, double fallback, double low = 0, double high = 1) {
+  if (!extension || !extension->Has(name)) return fallback;
+  return std::clamp(extension->Get(name).GetNumberAsDouble(), low, high);
+}
+
+Vec3f color_or(Extension extension, const char* name, const Vec3f& fallback, float high = 1) {
+  if (!extension || !extension->Has(name)) return fallback;
+  Vec3f color;
+  for (int c = 0; c < 3; ++c) color[c] = std::clamp(float(extension->Get(name).Get(c).GetNumberAsDouble()), 0.0f, high);
+  return color;
+}
+
+Vec3f to_color(const std::vector<double>& values, const Vec3f& fallback) {
+  if (values.size() < 3) return fallback;
+  Vec3f color;
+  for (int c = 0; c < 3; ++c) color[c] = std::clamp(float(values[size_t(c)]), 0.0f, 1.0f);
+  return color;
+}
+
+Token wrap_token(int wrap) {
+  if (wrap == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return "clamp";
+  return wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? "mirror" : "repeat";
+}
+
+constexpr float kUnlimited = std::numeric_limits<float>::max();
+
+class MaterialTranslator {
+ public:
+  MaterialTranslator(const Document& document, size_t index, const Path& id, Report& report)
+      : document_(document),
+        material_(document.model.materials[index]),
+        id_(id),
+        report_(report),
+        element_(element_name("materials", index)) {}
+
+  MaterialNetwork run() {
+    surface_.nodeTypeId = "AlabasterDisney";
+    set_base();
+    set_dielectric();
+    set_emission();
+    set_subsurface();
+    set_sheen();
+    set_disney_extension();
+    report_unread();
+    MaterialNetwork network;
+    const Path surface_id = id_.append("surface");
+    network.nodes[surface_id] = std::move(surface_);
+    if (has_texture_) network.nodes[id_.append("baseColor")] = std::move(texture_);
+    network.terminals["surface"] = {surface_id, "surface"};
+    return network;
+  }
+
+ private:
+  void set(const char* name, double value) { surface_.parameters[name] = float(value); }
+  void set(const char* name, const Vec3f& value) { surface_.parameters[name] = value; }
+
+  void set_base() {
+    const auto& pbr = material_.pbrMetallicRoughness;
+    base_color_ = to_color(pbr.baseColorFactor, Vec3f(1));
+    set("baseColor", base_color_);
+    double metallic = std::clamp(pbr.metallicFactor, 0.0, 1.0), roughness = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
+    if (pbr.metallicRoughnessTexture.index >= 0) {
+      // The factors scale a texture whose values are unknown here; alone they would make most such objects rough metal.
+      metallic = 0;
+      roughness *= 0.5;
+      report_.warning("material.texture", element_ + ".pbrMetallicRoughness.metallicRoughnessTexture",
+                      "is not read; metallic 0 and half the roughness factor stand in for it");
+    }
+    set("metallic", metallic);
+    set("roughness", roughness);
+    if (pbr.baseColorTexture.index >= 0) connect_texture(size_t(pbr.baseColorTexture.index));
+  }
+
+  void connect_texture(size_t index) {
+    const tinygltf::Texture& texture = document_.model.textures[index];
+    if (texture.source < 0 || document_.images[size_t(texture.source)].authored.empty()) return;  // reported
+    int wrap_s = TINYGLTF_TEXTURE_WRAP_REPEAT, wrap_t = TINYGLTF_TEXTURE_WRAP_REPEAT;
+    if (texture.sampler >= 0) {
+      wrap_s = document_.model.samplers[size_t(texture.sampler)].wrapS;
+      wrap_t = document_.model.samplers[size_t(texture.sampler)].wrapT;
+    }
+    texture_.nodeTypeId = "AlabasterTexture";
+    texture_.parameters["file"] = document_.images[size_t(texture.source)];
+    texture_.parameters["sourceColorSpace"] = Token("sRGB");
+    texture_.parameters["wrapS"] = wrap_token(wrap_s);
+    texture_.parameters["wrapT"] = wrap_token(wrap_t);
+    surface_.inputConnections["baseColor"] = {{id_.append("baseColor"), "rgb"}};
+    has_texture_ = true;
+  }
+
+  void set_dielectric() {
+    double ior = number_or(find_extension(material_, "KHR_materials_ior"), "ior", 1.5, 0, 1e3);
+    if (ior < 1) {
+      report_.warning("material.ior", element_, "an ior below 1 has no counterpart; 1.5 is taken");
+      ior = 1.5;
+    }
+    set("ior", ior);
+    if (Extension specular = find_extension(material_, "KHR_materials_specular")) {
+      set("specular", number_or(specular, "specularFactor", 1));
+      set("specularColor", color_or(specular, "specularColorFactor", Vec3f(1), kUnlimited));
+    }
+    if (Extension clearcoat = find_extension(material_, "KHR_materials_clearcoat")) {
+      const double roughness = number_or(clearcoat, "clearcoatRoughnessFactor", 0);
+      set("clearcoat", number_or(clearcoat, "clearcoatFactor", 0));
+      set("clearcoatGloss", std::clamp((0.1 - roughness * roughness) / 0.099, 0.0, 1.0));
+    }
+  }
+
+  void set_emission() {
+    const Vec3f factor = to_color(material_.emissiveFactor, Vec3f(0));
+    if (factor == Vec3f(0)) return;
+    if (material_.emissiveTexture.index >= 0)
+      return report_.warning("material.texture", element_ + ".emissiveTexture",
+                             "is not read, so the material does not emit; remove it to emit all over");
+    const Extension strength = find_extension(material_, "KHR_materials_emissive_strength");
+    set("emission", factor * float(number_or(strength, "emissiveStrength", 1, 0, double(kUnlimited))));
+  }
+
+  void set_subsurface() {
+    const Extension volume = find_extension(material_, "KHR_materials_volume");
+    const Extension scatter = find_extension(material_, "KHR_materials_volume_scatter");
+    if (!scatter) return;
+    if (!volume)
+      return report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter",
+                             "needs KHR_materials_volume beside it; the surface is opaque");
+    const double distance = number_or(volume, "attenuationDistance", 0, 0, double(kUnlimited));
+    const Vec3f attenuation = color_or(volume, "attenuationColor", Vec3f(1));
+    if (!(distance > 0) || attenuation == Vec3f(1))
+      return report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume",
+                             "gives no extinction to scatter by; set attenuationDistance and attenuationColor");
+    // The draft renamed the key; the later spelling counts.
+    const char* key = scatter->Has("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
+    const Vec3f albedo = color_or(scatter, key, Vec3f(0));
+    Vec3f d;
+    for (int c = 0; c < 3; ++c) d[c] = scatter_distance(double(attenuation[c]), distance, double(albedo[c]));
+    base_color_ = albedo;
+    set("baseColor", albedo);
+    set("scatterDistance", d);
+    if (has_texture_) {
+      report_.warning("material.scatter", element_ + ".pbrMetallicRoughness.baseColorTexture",
+                      "the scattering volume is of one colour, so the texture is left out");
+      surface_.inputConnections.clear();
+      has_texture_ = false;
+    }
+    if (number_or(scatter, "scatterAnisotropy", 0, -1, 1) != 0)
+      report_.info("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.scatterAnisotropy",
+                   "is not read: the walk scatters isotropically, and scatterDistance is measured with that");
+    if (!find_extension(material_, "KHR_materials_diffuse_transmission"))
+      report_.info("material.scatter", element_,
+                   "is drawn as dense, though it has no KHR_materials_diffuse_transmission");
+  }
+
+  void set_sheen() {
+    const Extension extension = find_extension(material_, "KHR_materials_sheen");
+    const Vec3f color = color_or(extension, "sheenColorFactor", Vec3f(0));
+    const float sheen = std::max({color.x, color.y, color.z});
+    if (sheen <= 0) return;
+    // minimise |color / sheen - (white + t (tint - white))| over t in [0, 1]
+    const float luminance = 0.2126f * base_color_.x + 0.7152f * base_color_.y + 0.0722f * base_color_.z;
+    const Vec3f tint = luminance > 0 ? base_color_ / luminance - Vec3f(1) : Vec3f(0);
+    const Vec3f wanted = color / sheen - Vec3f(1);
+    const float t = tint.length2() > 1e-8f ? tint.dot(wanted) / tint.length2() : 0.0f;
+    set("sheen", double(sheen));
+    set("sheenTint", double(std::clamp(t, 0.0f, 1.0f)));
+  }
+
+  void set_disney_extension() {
+    const Extension disney = find_extension(material_, "ALAB_materials_disney");
+    if (!disney) return;
+    for (const std::string& key : disney->Keys()) {
+      const tinygltf::Value& value = disney->Get(key);
+      const std::string place = element_ + ".extensions.ALAB_materials_disney." + key;
+      const int components = disney_parameter_components(key);
+      if (components == 0) {
+        report_.error("material.disney", place,
+                      "is not a parameter; did you mean '" + nearest_disney_parameter(key) + "'?");
+      } else if (components == 1 ? !value.IsNumber() : !is_color(value)) {
+        report_.error("material.disney", place, components == 1 ? "must be a number" : "must be three numbers");
+      } else if (components == 1) {
+        set(key.c_str(), value.GetNumberAsDouble());
+      } else {
+        set(key.c_str(), {float(value.Get(0).GetNumberAsDouble()), float(value.Get(1).GetNumberAsDouble()),
+                          float(value.Get(2).GetNumberAsDouble())});
+      }
+    }
+  }
+
+  static bool is_color(const tinygltf::Value& value) {
+    return value.IsArray() && value.ArrayLen() == 3 && value.Get(0).IsNumber() && value.Get(1).IsNumber() &&
+           value.Get(2).IsNumber();
+  }
+
+  void report_unread() {
+    if (material_.normalTexture.index >= 0)
+      report_.info("material.texture", element_ + ".normalTexture", "is not read");
+    if (material_.alphaMode != "OPAQUE")
+      report_.info("material.alpha", element_ + ".alphaMode", "is not read; the surface is opaque");
+    for (const auto& [name, extension] : material_.extensions) {
+      if (!extension.IsObject() || name == "ALAB_materials_disney") continue;
+      for (const std::string& key : extension.Keys())
+        if (key.size() > 7 && key.compare(key.size() - 7, 7, "Texture") == 0)
+          report_.info("material.texture", element_ + ".extensions." + name + "." + key, "is not read");
+    }
+  }
+
+  const Document& document_;
+  const tinygltf::Material& material_;
+  const Path id_;
+  Report& report_;
+  const std::string element_;
+  Vec3f base_color_{1};
+  MaterialNode surface_, texture_;
+  bool has_texture_ = false;
+};
+
+}  // namespace
+
+float scatter_distance(double attenuation_color, double attenuation_distance, double albedo) {
+  if (attenuation_color <= 0 || attenuation_distance <= 0) return 0;
+  const double sigma_t = -std::log(std::min(attenuation_color, 0.999)) / attenuation_distance;
+  const double s = 1.9 - albedo + 3.5 * (albedo - 0.8) * (albedo - 0.8);
+  return float(1 / (sigma_t * s));
+}
+
+MaterialNetwork translate_material(const Document& document, size_t index, const Path& id, Report& report) {
+  return MaterialTranslator(document, index, id, report).run();
+}
+
+}  // namespace alabaster::hd::gltf

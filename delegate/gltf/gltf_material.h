@@ -1,0 +1,27 @@
+// glTF materials as networks of one AlabasterDisney node, with an AlabasterTexture before its baseColor.
+#pragma once
+
+#include "delegate/gltf/gltf_document.h"
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd::gltf {
+
+/// Materials that ask for what the Disney BSDF lacks are drawn with what it has, and the loss is reported.
+///
+/// Metallic-roughness, KHR_materials_ior, _specular and _emissive_strength carry over unchanged.
+/// _clearcoat: clearcoat = factor; the GTR1 lobe's alpha mix(.1, .001, gloss) (Burley 2012, section 5.4) is set to
+///   roughness^2, so clearcoatGloss = (.1 - roughness^2) / .099.
+/// _sheen: sheen = largest component of sheenColorFactor; sheenTint = the mix of white and the base colour's hue
+/// (colour
+///   over luminance) nearest to sheenColorFactor's hue by least squares. Its roughness has no counterpart.
+/// _volume with _volume_scatter: subsurface. baseColor = multiscatterColor, and the extinction of the volume,
+///   sigma_t = -ln(attenuationColor) / attenuationDistance, fixes scatterDistance d by sigma_t = 1 / (d s(A)),
+///   s(A) = 1.9 - A + 3.5 (A - .8)^2 (Chiang, Kutz, Burley 2016, eq. 3): d = 1 / (sigma_t s(A)), per channel.
+/// ALAB_materials_disney: parameters by the node's own names, over all of the above.
+MaterialNetwork translate_material(const Document& document, size_t index, const Path& id, Report& report);
+
+/// scatterDistance of one channel; 0 (Lambert) where light is attenuated at once. `attenuation_color` >= 1 (no
+/// attenuation) is taken as .999, since a walk must end.
+float scatter_distance(double attenuation_color, double attenuation_distance, double albedo);
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,157 @@
+#include "delegate/gltf/gltf_ngon.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <unordered_map>
+
+namespace alabaster::hd::gltf {
+namespace {
+
+Imath::V3d newell_normal(const std::vector<Imath::V3d>& polygon) {
+  Imath::V3d normal(0);
+  for (size_t i = 1; i + 1 < polygon.size(); ++i)
+    normal += (polygon[i] - polygon[0]).cross(polygon[i + 1] - polygon[0]);
+  return normal;
+}
+
+// Whether every corner turns the same way about the polygon's mean normal. Nearly straight corners fail: two quads
+// joined along an edge have them where the edge ends, polygons that a modeller made seldom do.
+bool is_convex(const std::vector<Imath::V3d>& polygon) {
+  constexpr double kSmallestTurn = 0.1;  // sine
+  const Imath::V3d normal = newell_normal(polygon).normalized();
+  const size_t n = polygon.size();
+  for (size_t i = 0; i < n; ++i) {
+    const Imath::V3d in = (polygon[i] - polygon[(i + n - 1) % n]).normalized();
+    const Imath::V3d out = (polygon[(i + 1) % n] - polygon[i]).normalized();
+    if (in.cross(out).dot(normal) < kSmallestTurn) return false;
+  }
+  return true;
+}
+
+template <size_t N>
+struct FloatKey {
+  std::array<uint32_t, N> bits;
+  bool operator==(const FloatKey&) const = default;
+};
+template <size_t N>
+struct FloatKeyHash {
+  size_t operator()(const FloatKey<N>& key) const {
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (const uint32_t word : key.bits) hash = (hash ^ word) * 0x100000001b3u;
+    return size_t(hash ^ hash >> 32);
+  }
+};
+uint32_t float_bits(float value) {
+  const float unsigned_zero = value == 0 ? 0.0f : value;  // -0 and 0 are one place
+  uint32_t bits;
+  std::memcpy(&bits, &unsigned_zero, sizeof bits);
+  return bits;
+}
+
+class CageBuilder {
+ public:
+  CageBuilder(const std::vector<Vec3f>& points, const std::vector<Vec2f>& st) : points_(points), st_(st) {
+    std::unordered_map<FloatKey<3>, int32_t, FloatKeyHash<3>> places;
+    welded_.reserve(points.size());
+    for (const Vec3f& p : points) {
+      const FloatKey<3> key{{float_bits(p.x), float_bits(p.y), float_bits(p.z)}};
+      const auto [found, is_new] = places.try_emplace(key, int32_t(cage_.points.size()));
+      if (is_new) cage_.points.push_back(p);
+      welded_.push_back(found->second);
+    }
+  }
+
+  // A polygon by the original vertices of its corners.
+  void add(std::vector<uint32_t> corners) {
+    const auto same_place = [&](uint32_t a, uint32_t b) { return welded_[a] == welded_[b]; };
+    corners.erase(std::unique(corners.begin(), corners.end(), same_place), corners.end());
+    while (corners.size() > 1 && same_place(corners.front(), corners.back())) corners.pop_back();
+    if (corners.size() < 3) {
+      ++cage_.dropped_faces;
+      return;
+    }
+    if (corners.size() > 3 && has_repeated_point(corners)) {
+      for (size_t i = 1; i + 1 < corners.size(); ++i) add({corners[0], corners[i], corners[i + 1]});
+      return;
+    }
+    cage_.face_vertex_counts.push_back(int32_t(corners.size()));
+    for (const uint32_t corner : corners) {
+      cage_.face_vertex_indices.push_back(welded_[corner]);
+      if (!st_.empty()) cage_.st_indices.push_back(st_index(corner));
+    }
+  }
+
+  Cage take() { return std::move(cage_); }
+
+ private:
+  bool has_repeated_point(const std::vector<uint32_t>& corners) const {
+    std::vector<int32_t> places;
+    for (const uint32_t corner : corners) places.push_back(welded_[corner]);
+    std::sort(places.begin(), places.end());
+    return std::adjacent_find(places.begin(), places.end()) != places.end();
+  }
+
+  // Equal coordinates at one point are one value, so that only real seams are seams of the refined surface.
+  int32_t st_index(uint32_t corner) {
+    const Vec2f& value = st_[corner];
+    const FloatKey<3> key{{uint32_t(welded_[corner]), float_bits(value.x), float_bits(value.y)}};
+    const auto [found, is_new] = st_values_.try_emplace(key, int32_t(cage_.st.size()));
+    if (is_new) cage_.st.push_back(value);
+    return found->second;
+  }
+
+  const std::vector<Vec3f>& points_;
+  const std::vector<Vec2f>& st_;
+  std::vector<int32_t> welded_;
+  std::unordered_map<FloatKey<3>, int32_t, FloatKeyHash<3>> st_values_;
+  Cage cage_;
+};
+
+}  // namespace
+
+std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points) {
+  std::vector<uint32_t> polygons;
+  const size_t count = triangles.size() / 3;
+  std::vector<Imath::V3d> corners;
+  for (size_t first = 0; first < count;) {
+    size_t end = first + 1;
+    const uint32_t* t = &triangles[first * 3];
+    corners = {Imath::V3d(points[t[0]]), Imath::V3d(points[t[1]]), Imath::V3d(points[t[2]])};
+    const auto chains = [&] {
+      const uint32_t* next = &triangles[end * 3];
+      if (next[0] != t[0] || next[1] != triangles[end * 3 - 1]) return false;
+      for (size_t k = first; k < end; ++k)  // a fan that comes back to an earlier corner has closed
+        if (next[2] == triangles[k * 3 + 1]) return false;
+      return true;
+    };
+    while (end < count && chains()) {
+      corners.push_back(Imath::V3d(points[triangles[end * 3 + 2]]));
+      ++end;
+    }
+    const size_t run = end - first;
+    if (run <= 2 || is_convex(corners)) {
+      polygons.push_back(uint32_t(run));
+    } else {
+      for (size_t left = run; left > 0; left -= std::min<size_t>(left, 2))
+        polygons.push_back(uint32_t(std::min<size_t>(left, 2)));
+    }
+    first = end;
+  }
+  return polygons;
+}
+
+Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points,
+                const std::vector<Vec2f>& st) {
+  CageBuilder builder(points, st);
+  size_t triangle = 0;
+  for (const uint32_t count : find_polygons(triangles, points)) {
+    std::vector<uint32_t> corners = {triangles[triangle * 3], triangles[triangle * 3 + 1]};
+    for (size_t k = 0; k < count; ++k) corners.push_back(triangles[(triangle + k) * 3 + 2]);
+    builder.add(std::move(corners));
+    triangle += count;
+  }
+  return builder.take();
+}
+
+}  // namespace alabaster::hd::gltf

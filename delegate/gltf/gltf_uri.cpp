@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "delegate/gltf/gltf_container.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+int base64_digit(char c) {
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  if (c == '+') return 62;
+  if (c == '/') return 63;
+  return -1;
+}
+
+// RFC 4648 section 4. Missing padding is accepted, as writers leave it out; anything else foreign is not.
+bool decode_base64(std::string_view text, std::vector<uint8_t>* bytes) {
+  for (int padding = 0; padding < 2 && !text.empty() && text.back() == '='; ++padding) text.remove_suffix(1);
+  if (text.size() % 4 == 1) return false;
+  bytes->reserve(text.size() / 4 * 3 + 2);
+  uint32_t bits = 0;
+  int held = 0;
+  for (const char c : text) {
+    const int digit = base64_digit(c);
+    if (digit < 0) return false;
+    bits = (bits << 6 | uint32_t(digit)) & 0xffffff;
+    held += 6;
+    if (held >= 8) {
+      held -= 8;
+      bytes->push_back(uint8_t(bits >> held & 0xff));
+    }
+  }
+  return true;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+// RFC 3986 section 2.1
+bool percent_decode(std::string_view uri, std::string* text) {
+  for (size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] != '%') {
+      text->push_back(uri[i]);
+      continue;
+    }
+    if (i + 2 >= uri.size()) return false;
+    const int high = hex_digit(uri[i + 1]), low = hex_digit(uri[i + 2]);
+    if (high < 0 || low < 0) return false;
+    text->push_back(char(high * 16 + low));
+    i += 2;
+  }
+  return true;
+}
+
+bool is_media_type_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("/.+-_=\"'").find(c) != std::string::npos;
+}
+
+}  // namespace
+
+std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason) {
+  const size_t comma = uri.find(',');
+  if (!is_data_uri(uri) || comma == std::string_view::npos) {
+    *reason = "the data URI has no payload; write data:<type>;base64,<data>";
+    return {};
+  }
+  const std::string_view head = uri.substr(5, comma - 5);
+  constexpr std::string_view kEncoding = ";base64";
+  if (head.size() < kEncoding.size() || head.substr(head.size() - kEncoding.size()) != kEncoding) {
+    *reason = "the data URI is not base64; write data:<type>;base64,<data>";
+    return {};
+  }
+  std::string type(head.substr(0, head.size() - kEncoding.size()));
+  const bool empty_parameter = !type.empty() && (type.back() == ';' || type.find(";;") != std::string::npos);
+  type = type.substr(0, type.find(';'));
+  if (empty_parameter || !std::all_of(type.begin(), type.end(), is_media_type_character)) {
+    *reason = "the data URI's media type is malformed; write data:<type>;base64,<data>";
+    return {};
+  }
+  std::transform(type.begin(), type.end(), type.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  DataUri data{type, {}};
+  if (!decode_base64(uri.substr(comma + 1), &data.bytes)) {
+    *reason = "the data URI's payload is not base64; encode the data again";
+    return {};
+  }
+  return data;
+}
+
+std::optional<std::string> resolve_uri(const std::string& folder, std::string_view uri, std::string* reason) {
+  std::string path;
+  if (uri.empty() || !percent_decode(uri, &path) || path.find('\0') != std::string::npos) {
+    *reason = "the URI is malformed; write a relative path, with % only as part of %XX";
+    return {};
+  }
+  const size_t colon = uri.find(':');
+  if (colon != std::string_view::npos && colon < uri.find('/')) {
+    *reason = "URIs with a scheme are not read; store the resource beside the file and name it by a relative path";
+    return {};
+  }
+  std::replace(path.begin(), path.end(), '\\', '/');
+  const std::filesystem::path relative = std::filesystem::path(path).lexically_normal();
+  if (relative.is_absolute() || (!relative.empty() && *relative.begin() == "..")) {
+    *reason = "the path '" + path + "' leaves the folder of the file; store the resource beside or below the file";
+    return {};
+  }
+  return (std::filesystem::path(folder) / relative).string();
+}
+
+}  // namespace alabaster::hd::gltf
