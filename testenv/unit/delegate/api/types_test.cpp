@@ -1,0 +1,108 @@
+#include "delegate/api/types.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd {
+namespace {
+
+TEST(Token, EqualTextIsOneTokenOnEveryThread) {
+  constexpr int kThreads = 8, kTokens = 500;
+  std::vector<std::vector<Token>> made(kThreads);
+  std::vector<std::thread> threads;
+  for (auto& tokens : made)
+    threads.emplace_back([&tokens] {
+      for (int i = 0; i < kTokens; ++i) tokens.emplace_back("token_" + std::to_string(i));
+    });
+  for (auto& thread : threads) thread.join();
+  for (const auto& tokens : made) {
+    EXPECT_EQ(tokens, made[0]);
+    EXPECT_EQ(&tokens[7].str(), &made[0][7].str());
+  }
+  EXPECT_FALSE(made[0][0] == made[0][1]);
+}
+
+TEST(Token, EmptyIsFalseAndOrderIsByText) {
+  EXPECT_TRUE(Token("").empty());
+  EXPECT_TRUE(Token() == Token(""));
+  EXPECT_LT(Token("a"), Token("b"));
+  EXPECT_FALSE(Token("b") < Token("b"));
+}
+
+TEST(Path, PrefixEndsAtASeparator) {
+  EXPECT_TRUE(Path("/a/b").has_prefix("/a"));
+  EXPECT_TRUE(Path("/a").has_prefix("/a"));
+  EXPECT_TRUE(Path("/a").has_prefix("/"));
+  EXPECT_FALSE(Path("/ab").has_prefix("/a"));
+  EXPECT_FALSE(Path("/a").has_prefix("/a/b"));
+  EXPECT_EQ(Path("/").append("x").str(), "/x");
+  EXPECT_EQ(Path("/y").append("x").str(), "/y/x");
+}
+
+TEST(Value, AnswersWithItsTypeOrTheFallback) {
+  EXPECT_EQ(Value(3).number_or(9), 3);
+  EXPECT_EQ(Value(true).number_or(9), 1);
+  EXPECT_EQ(Value(2.5).number_or(9), 2.5);
+  EXPECT_EQ(Value("3").number_or(9), 9);
+  EXPECT_EQ(Value().number_or(9), 9);
+  EXPECT_EQ(Value("text").text_or("no"), "text");
+  EXPECT_EQ(Value(Token("token")).text_or("no"), "token");
+  EXPECT_EQ(Value(Path("/p")).text_or("no"), "/p");
+  EXPECT_EQ(Value(AssetPath{"a.png", "", nullptr}).text_or("no"), "a.png");
+  EXPECT_EQ(Value(AssetPath{"a.png", "/x/a.png", nullptr}).text_or("no"), "/x/a.png");
+  EXPECT_EQ(Value(1.0f).text_or("no"), "no");
+  EXPECT_EQ(Value(7).get<float>(), nullptr);
+}
+
+TEST(Value, EqualityComparesTypeAndContents) {
+  EXPECT_EQ(Value(1), Value(1));
+  EXPECT_FALSE(Value(1) == Value(1.0f));
+  EXPECT_EQ(Value(Array<float>{1, 2}), Value(Array<float>{1, 2}));
+  EXPECT_FALSE(Value(Array<float>{1, 2}) == Value(Array<float>{1, 3}));
+  EXPECT_EQ(Value(NAN), Value(NAN)) << "a setting of NaN set twice must not count as a change";
+  const auto dictionary = [](int n) { return std::make_shared<const Dictionary>(Dictionary{{"k", n}}); };
+  EXPECT_EQ(Value(dictionary(1)), Value(dictionary(1)));
+  EXPECT_FALSE(Value(dictionary(1)) == Value(dictionary(2)));
+}
+
+TEST(Value, TextIsStable) {
+  EXPECT_EQ(Value().to_string(), "empty");
+  EXPECT_EQ(Value(true).to_string(), "true");
+  EXPECT_EQ(Value(0.1f).to_string(), "0.100000001");
+  EXPECT_EQ(Value(Vec3f(1, 2, 3.5f)).to_string(), "(1, 2, 3.5)");
+  EXPECT_EQ(Value(Array<int32_t>{4, 5}).to_string(), "[4, 5]");
+  EXPECT_EQ(Value("x").to_string(), "\"x\"");
+  EXPECT_EQ(Value(Path("/p")).to_string(), "</p>");
+  EXPECT_EQ(Value(std::make_shared<const Dictionary>(Dictionary{{"a", 1}, {"b", "c"}})).to_string(),
+            "{a: 1, b: \"c\"}");
+  EXPECT_EQ(Value(Matrix4d()).to_string(), "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))");
+}
+
+TEST(Array, HoldsTheHostsMemoryByItsOwner) {
+  auto owner = std::make_shared<std::vector<int32_t>>(std::vector<int32_t>{1, 2, 3});
+  Array<int32_t> array(owner, owner->data(), owner->size());
+  EXPECT_EQ(array.data(), owner->data()) << "no copy";
+  const std::weak_ptr<void> alive = owner;
+  owner.reset();
+  EXPECT_FALSE(alive.expired());
+  EXPECT_EQ(array[2], 3);
+  array = {};
+  EXPECT_TRUE(alive.expired());
+}
+
+TEST(Format, SizesAndComponents) {
+  EXPECT_EQ(FormatSize(Format::invalid), 0u);
+  EXPECT_EQ(FormatSize(Format::unorm8vec4), 4u);
+  EXPECT_EQ(FormatSize(Format::float16vec3), 6u);
+  EXPECT_EQ(FormatSize(Format::float32vec2), 8u);
+  EXPECT_EQ(FormatSize(Format::int32), 4u);
+  EXPECT_EQ(FormatComponents(Format::float32vec3), 3);
+  EXPECT_EQ(FormatComponents(Format::int32), 1);
+}
+
+}  // namespace
+}  // namespace alabaster::hd
