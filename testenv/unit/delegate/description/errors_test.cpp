@@ -1,0 +1,117 @@
+// Every fault of a description is named with its place and a way out.
+#include <thread>
+
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using ::testing::Test;
+
+#define EXPECT_SAYS(text) EXPECT_NE(errors().find(text), std::string::npos) << "said: " << errors()
+
+class DescriptionErrors : public SceneFiles {};
+
+TEST_F(DescriptionErrors, UnknownKeyNamesNearestKeyPointerAndLine) {
+  EXPECT_FALSE(describe("{\n  \"gltf\": [{\"file\": \"patch.gltf\"}],\n  \"materials\": [\n    {\"match\": \"skin\",\n"
+                        "     \"set\": {\"roughnes\": 0.2}}\n  ]\n}")
+                   .ok);
+  EXPECT_SAYS("scene.json:5 /materials/0/set/roughnes: Unknown key 'roughnes'. Did you mean 'roughness'?");
+}
+
+TEST_F(DescriptionErrors, EveryUnknownKeyIsReported) {
+  EXPECT_FALSE(describe(R"({"setings": {}, "camera": {"fstop": 2}})").ok);
+  EXPECT_SAYS("Did you mean 'settings'?");
+  EXPECT_SAYS("Did you mean 'fStop'?");
+}
+
+TEST_F(DescriptionErrors, RangeTypeAndMissingKey) {
+  EXPECT_FALSE(describe("{\"settings\":\n{\"samples\": 0}}").ok);
+  EXPECT_SAYS("scene.json:2 /settings/samples: 0 does not fit: expected a whole number from 1 to 1048576.");
+  EXPECT_FALSE(describe(R"({"camera": {"focalLength": "long"}})").ok);
+  EXPECT_SAYS("/camera/focalLength: \"long\" does not fit: expected a number above 0.");
+  EXPECT_FALSE(describe(R"({"camera": {"lookAt": {"eye": [0, 0, 1]}}})").ok);
+  EXPECT_SAYS("/camera/lookAt: 'target' is missing.");
+  EXPECT_FALSE(describe(R"({"lights": [{"name": "key"}]})").ok);
+  EXPECT_SAYS("/lights/0");
+  EXPECT_SAYS("'name' and 'type', or with 'match'");
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf", "transform": [1, 2]}]})").ok);
+  EXPECT_SAYS("expected a list of 16 numbers, or an object");
+  EXPECT_FALSE(describe(R"({"settings": {"filter": "bx"}})").ok);
+  EXPECT_SAYS("one of box, triangle, gaussian, blackmanHarris");
+}
+
+TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
+  EXPECT_FALSE(describe("{\n  \"settings\": {\n    \"samples\": 4,,\n  }\n}").ok);
+  EXPECT_SAYS("line 3: not valid JSON");
+  EXPECT_FALSE(describe("{\"settings\": {},\n \"settings\": {}}").ok);
+  EXPECT_SAYS("line 2: the key \"settings\" is there twice");
+  EXPECT_FALSE(describe(std::string(100000, '[')).ok);
+  EXPECT_SAYS("nested deeper than 64 levels");
+  EXPECT_FALSE(describe("").ok);
+  EXPECT_SAYS("not valid JSON");
+  EXPECT_FALSE(describe("{\"settings\": {\"samples\": 1e999}}").ok);
+  EXPECT_FALSE(describe("{\"camera\": {\"use\": \"\xff\xfe\"}}").ok);
+}
+
+TEST_F(DescriptionErrors, MatchesNothing) {
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "materials": [{"match": "skim", "set": {"roughness": 1}}]})")
+                   .ok);
+  EXPECT_SAYS("scene.json:2 /materials/0/match: No material matches 'skim'. Did you mean 'skin'?");
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}], "meshes": [{"match": "pat"}]})").ok);
+  EXPECT_SAYS("No mesh matches 'pat'. Did you mean 'patch'?");
+  EXPECT_FALSE(describe(R"({"lights": [{"match": "*", "intensity": 1}]})").ok);
+  EXPECT_SAYS("The scene has none.");
+  EXPECT_FALSE(load("lit.gltf", {.camera = "frnt"}).ok);
+  EXPECT_SAYS("No camera matches 'frnt'. Did you mean 'front'?");
+}
+
+TEST_F(DescriptionErrors, ContradictionsAndImpossibilities) {
+  const std::string patch = R"({"gltf": [{"file": "patch.gltf"}], )";
+  EXPECT_FALSE(describe(patch + R"("meshes": [{"match": "patch", "creases": [{"points": [0, 4]}]}]})").ok);
+  EXPECT_SAYS("/meshes/0/creases/0/points/1: Point 4 does not exist");
+  EXPECT_FALSE(describe(R"({"lights": [{"name": "a", "type": "sphereLight", "width": 1}]})").ok);
+  EXPECT_SAYS("A sphereLight has no 'width'; that belongs to rectLight.");
+  EXPECT_FALSE(describe(R"({"lights": [{"name": "a", "type": "rectLight"}, {"name": "a", "type": "rectLight"}]})").ok);
+  EXPECT_SAYS("already a light '/lights/a'");
+  EXPECT_FALSE(describe(R"({"camera": {"lookAt": {"eye": [0, 1, 0], "target": [0, 0, 0], "up": [0, 2, 0]}}})").ok);
+  EXPECT_SAYS("up lies along the view");
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf", "transform": {"scale": [1, 0, 1]}}]})").ok);
+  EXPECT_SAYS("cannot be inverted");
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "none.glb"}]})").ok);
+  EXPECT_SAYS("none.glb'");
+  EXPECT_FALSE(describe(R"({"settings": {"crop": [10, 10, 10, 20]}})").ok);
+  EXPECT_SAYS("The crop is empty");
+  EXPECT_FALSE(describe(R"({"products": [{"file": "a.png", "colorSpace": "raw", "exposure": 1}]})").ok);
+  EXPECT_SAYS("not both");
+  EXPECT_FALSE(describe(R"({"camera": {"projection": "orthographic"}})").ok);
+  EXPECT_SAYS("add a lookAt or a transform");
+}
+
+TEST_F(DescriptionErrors, Files) {
+  EXPECT_FALSE(load("absent.json").ok);
+  EXPECT_SAYS("no such file");
+  write("scene.obj", "v 0 0 0");
+  EXPECT_FALSE(load("scene.obj").ok);
+  EXPECT_SAYS("known are .gltf, .glb and .json");
+  EXPECT_FALSE(load(".").ok);
+}
+
+TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {
+  EXPECT_FALSE(load("patch.gltf", {.overrides = {"materials/skin.rougness=0.1"}}).ok);
+  EXPECT_SAYS("materials/skin.rougness=0.1: Unknown key 'rougness'. Did you mean 'roughness'?");
+  EXPECT_FALSE(load("patch.gltf", {.overrides = {"samples=many"}}).ok);
+  EXPECT_SAYS("expected a whole number from 1");
+  EXPECT_FALSE(load("patch.gltf", {.overrides = {"samples"}}).ok);
+  EXPECT_SAYS("write key=value");
+  EXPECT_FALSE(load("patch.gltf", {.overrides = {"material/skin.roughness=1"}}).ok);
+  EXPECT_SAYS("Did you mean 'materials'?");
+  EXPECT_FALSE(load("patch.gltf", {.overrides = {"materials/skin=1"}}).ok);
+  EXPECT_SAYS("names no parameter");
+  EXPECT_FALSE(load("patch.gltf", {.dome = "absent.hdr,2"}).ok);
+  EXPECT_SAYS("There is no file 'absent.hdr'");
+}
+
+}  // namespace
+}  // namespace alabaster::hd::description

@@ -1,0 +1,269 @@
+// What a description makes of a scene, compared with values worked out by hand.
+#include <cmath>
+
+#include "delegate/api/render_delegate.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+class LoadSceneTest : public SceneFiles {
+ protected:
+  const RenderSettingsDescription& settings(const SceneFile& file) const {
+    return scene.GetAllRenderSettings().at(file.settings);
+  }
+  const MaterialNode& surface(const std::string& material_name) const {
+    for (const auto& [path, network] : scene.GetMaterials())
+      if (path.str().ends_with(material_name)) return network.nodes.at(network.terminals.at("surface").upstreamNode);
+    throw std::runtime_error("no material " + material_name);
+  }
+  const host::MeshDescription& only_mesh() const { return scene.GetMeshes().begin()->second; }
+  float light_number(const Path& path, const char* name) const {
+    return static_cast<float>(scene.GetLights().at(path).parameters.at(name).number_or(-1));
+  }
+};
+
+void expect_near(const Vec3d& a, const Vec3d& b, double tolerance) {
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], tolerance) << "component " << i;
+}
+
+TEST_F(LoadSceneTest, BareModelIsFramedAndLit) {
+  const SceneFile file = load("patch.gltf");
+  ASSERT_TRUE(file.ok) << errors();
+  EXPECT_EQ(file.notes, (std::vector<std::string>{"no camera: framed the scene", "no light: added a soft dome"}));
+  EXPECT_EQ(scene.GetLights().size(), 1u);
+  EXPECT_EQ(scene.GetLights().begin()->second.type, Token("domeLight"));
+  // Every corner is inside the film, and the two widest apart use most of one of its dimensions.
+  const host::CameraDescription& camera = scene.GetCameras().at(settings(file).camera);
+  const Matrix4d to_camera = camera.transform.inverse();
+  const double tan_y = 0.024 / 2 / 0.050, tan_x = tan_y * 1280 / 720;
+  double widest = 0;
+  for (const Vec3d& corner : {Vec3d(-1, -1, 0), Vec3d(1, -1, 0), Vec3d(1, 1, 0), Vec3d(-1, 1, 0)}) {
+    const Vec3d p = corner * to_camera;
+    ASSERT_LT(p.z, 0);
+    const double used = std::max(std::abs(p.x / -p.z) / tan_x, std::abs(p.y / -p.z) / tan_y);
+    EXPECT_LE(used, 1);
+    widest = std::max(widest, used);
+  }
+  EXPECT_NEAR(widest, 0.86, 1e-6);  // the margin
+}
+
+TEST_F(LoadSceneTest, ModelsOwnCameraAndLightAreKept) {
+  const SceneFile file = load("lit.gltf");
+  ASSERT_TRUE(file.ok) << errors();
+  EXPECT_TRUE(file.notes.empty());
+  ASSERT_EQ(scene.GetCameras().size(), 1u);
+  EXPECT_EQ(settings(file).camera, scene.GetCameras().begin()->first);
+  EXPECT_EQ(scene.GetLights().size(), 1u);
+}
+
+TEST_F(LoadSceneTest, MaterialsAreSetReplacedAndMade) {
+  write("image.png", "not read here");
+  const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "materials": [{"match": "sk*", "set": {"roughness": 0.25, "baseColor": [0.5, 0.25, 0.125]}},
+                  {"name": "wax", "set": {"scatterDistance": [0.01, 0.02, 0.03]}},
+                  {"match": "wax", "set": {"baseColor": {"file": "image.png", "colorSpace": "raw", "wrap": "clamp"}}}],
+    "meshes": [{"match": "patch", "material": "wax", "visible": false}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  EXPECT_EQ(surface("_skin").parameters.at("roughness"), Value(0.25f));
+  EXPECT_EQ(surface("_skin").parameters.at("baseColor"), Value(Vec3f(0.5f, 0.25f, 0.125f)));
+  EXPECT_TRUE(surface("_skin").parameters.count("metallic")) << "set keeps what the model said";
+  const MaterialNetwork& wax = scene.GetMaterials().at("/materials/wax");
+  const MaterialNode& wax_surface = surface("/wax");
+  EXPECT_EQ(wax_surface.parameters.at("scatterDistance"), Value(Vec3f(0.01f, 0.02f, 0.03f)));
+  const MaterialNode& texture = wax.nodes.at(wax_surface.inputConnections.at("baseColor")[0].upstreamNode);
+  EXPECT_EQ(texture.nodeTypeId, Token("AlabasterTexture"));
+  EXPECT_EQ(texture.parameters.at("file").get<AssetPath>()->resolved, (folder_ / "image.png").string());
+  EXPECT_EQ(texture.parameters.at("sourceColorSpace").text_or(""), "raw");
+  EXPECT_EQ(texture.parameters.at("wrapT").text_or(""), "clamp");
+  EXPECT_EQ(only_mesh().material, Path("/materials/wax"));
+  EXPECT_FALSE(only_mesh().visible);
+
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "materials": [{"match": "skin", "replace": {"roughness": 1}}]})")
+                  .ok)
+      << errors();
+  EXPECT_EQ(surface("_skin").parameters.size(), 1u) << "replace forgets what the model said";
+}
+
+TEST_F(LoadSceneTest, SubdivisionOfAMesh) {
+  const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "meshes": [{"match": "patch", "scheme": "loop", "refineLevel": 3, "interpolateBoundary": "edgeOnly",
+      "creases": [{"points": [0, 1, 2], "sharpness": 2.5}, {"points": [2, 0]}],
+      "corners": [{"point": 3, "sharpness": 4}], "faceVaryingLinearInterpolation": "all"}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  const host::MeshDescription& mesh = only_mesh();
+  EXPECT_EQ(mesh.topology.scheme, Token("loop"));
+  EXPECT_EQ(mesh.displayStyle.refineLevel, 3);
+  EXPECT_EQ(mesh.subdivTags.creaseIndices, (Array<int32_t>{0, 1, 2, 2, 0}));
+  EXPECT_EQ(mesh.subdivTags.creaseLengths, (Array<int32_t>{3, 2}));
+  EXPECT_EQ(mesh.subdivTags.creaseWeights, (Array<float>{2.5f, 10.0f}));
+  EXPECT_EQ(mesh.subdivTags.cornerIndices, (Array<int32_t>{3}));
+  EXPECT_EQ(mesh.subdivTags.cornerWeights, (Array<float>{4.0f}));
+  EXPECT_EQ(mesh.subdivTags.interpolateBoundary, Token("edgeOnly"));
+  EXPECT_EQ(mesh.subdivTags.faceVaryingLinearInterpolation, Token("all"));
+}
+
+TEST_F(LoadSceneTest, TransformsComposeAsWritten) {
+  // (1,-1,0) scaled by 2 -> (2,-2,0); 90 degrees about z -> (2,2,0); moved -> (12,2,0).
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf",
+    "transform": {"translate": [10, 0, 0], "rotate": [0, 0, 90], "scale": [2, 2, 2]}}]})")
+                  .ok);
+  expect_near(Vec3d(1, -1, 0) * only_mesh().transform, Vec3d(12, 2, 0), 1e-12);
+  // x before y: (0,1,0) about x by 90 -> (0,0,1); about y by 90 -> (1,0,0).
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf", "transform": {"rotate": [90, 90, 0]}}]})").ok);
+  expect_near(Vec3d(0, 1, 0) * only_mesh().transform, Vec3d(1, 0, 0), 1e-12);
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf", "transform": [1,0,0,0, 0,1,0,0, 0,0,1,0, 3,4,5,1]}]})").ok);
+  expect_near(Vec3d(0) * only_mesh().transform, Vec3d(3, 4, 5), 1e-12);
+}
+
+TEST_F(LoadSceneTest, TheSameModelTwice) {
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"},
+    {"file": "patch.gltf", "transform": {"translate": [5, 0, 0]}}]})")
+                  .ok);
+  EXPECT_EQ(scene.GetMeshes().size(), 2u);
+}
+
+TEST_F(LoadSceneTest, LightsInUsdLuxTerms) {
+  const SceneFile file = describe(R"({"lights": [
+    {"name": "key", "type": "rectLight", "position": [0, 4, 0], "target": [0, 0, 0], "width": 2, "intensity": 8,
+     "exposure": 1.5, "color": [1, 0.5, 0.25], "normalize": true},
+    {"name": "bulb", "type": "sphereLight", "treatAsPoint": true, "transform": {"translate": [1, 2, 3]}},
+    {"name": "sun", "type": "distantLight", "angle": 0},
+    {"match": "ke?", "intensity": 9}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  const host::LightDescription& key = scene.GetLights().at("/lights/key");
+  EXPECT_EQ(key.type, Token("rectLight"));
+  expect_near(Vec3d(0, 0, -1) * key.transform, Vec3d(0, 3, 0), 1e-12);  // one unit along its -z: downwards
+  EXPECT_EQ(light_number("/lights/key", "intensity"), 9);
+  EXPECT_EQ(light_number("/lights/key", "exposure"), 1.5f);
+  EXPECT_EQ(key.parameters.at("color"), Value(Vec3f(1, 0.5f, 0.25f)));
+  EXPECT_EQ(key.parameters.at("normalize"), Value(true));
+  EXPECT_EQ(light_number("/lights/bulb", "radius"), 0);
+  expect_near(scene.GetLights().at("/lights/bulb").transform.translation(), Vec3d(1, 2, 3), 0);
+}
+
+TEST_F(LoadSceneTest, CameraInMillimetres) {
+  const SceneFile file = describe(R"({"camera": {"lookAt": {"eye": [0, 0, 5], "target": [0, 0, 0]}, "focalLength": 85,
+    "horizontalAperture": 24, "fStop": 2, "focusDistance": 5, "clippingRange": [0.1, 100]}})");
+  ASSERT_TRUE(file.ok) << errors();
+  const auto& p = scene.GetCameras().at(settings(file).camera).parameters;
+  EXPECT_FLOAT_EQ(p.at("focalLength").get_or(0.0f), 0.085f);
+  EXPECT_FLOAT_EQ(p.at("horizontalAperture").get_or(0.0f), 0.024f);
+  EXPECT_FLOAT_EQ(p.at("verticalAperture").get_or(0.0f), 0.024f);
+  EXPECT_EQ(p.at("fStop"), Value(2.0f));
+  EXPECT_EQ(p.at("clippingRange"), Value(Vec2f(0.1f, 100)));
+  const Matrix4d& m = scene.GetCameras().at(settings(file).camera).transform;
+  expect_near(Vec3d(0, 0, -5) * m, Vec3d(0, 0, 0), 1e-12);
+  expect_near(Vec3d(1, 0, 0) * m, Vec3d(1, 0, 5), 1e-12);
+}
+
+TEST_F(LoadSceneTest, CameraOfTheModelWithAnotherLens) {
+  const SceneFile file = describe(R"({"gltf": [{"file": "lit.gltf"}], "camera": {"use": "front", "fStop": 4}})");
+  ASSERT_TRUE(file.ok) << errors();
+  const host::CameraDescription& camera = scene.GetCameras().at(settings(file).camera);
+  expect_near(camera.transform.translation(), Vec3d(0, 0, 5), 1e-6);
+  EXPECT_EQ(camera.parameters.at("fStop"), Value(4.0f));
+  EXPECT_TRUE(camera.parameters.count("focalLength")) << "the model's lens";
+}
+
+TEST_F(LoadSceneTest, ProductsOfOneSizeShareARender) {
+  const SceneFile file =
+      describe(R"({"settings": {"resolution": [640, 480], "samples": 7, "frame": 3, "seed": 4294967295},
+    "products": [{"file": "a.exr", "aovs": ["color", "depth", "primId"], "dataType": "float"},
+                 {"file": "b.png", "view": "ACES", "exposure": -1},
+                 {"file": "c.png", "resolution": [64, 48], "crop": [1, 2, 3, 4]}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  const RenderSettingsDescription& first = settings(file);
+  EXPECT_EQ(first.width, 640);
+  EXPECT_EQ(first.height, 480);
+  EXPECT_EQ(first.frame, 3);
+  EXPECT_EQ(first.settings.at("samples").number_or(0), 7);
+  EXPECT_EQ(first.settings.at("seed").number_or(0), 4294967295.0);
+  ASSERT_EQ(first.products.size(), 2u);
+  EXPECT_EQ(first.products[0].file, (folder_ / "a.exr").string());
+  ASSERT_EQ(first.products[0].vars.size(), 3u);
+  EXPECT_EQ(first.products[0].vars[0].dataType, Token("float"));
+  EXPECT_EQ(first.products[0].vars[2].dataType, Token("int"));
+  EXPECT_EQ(first.products[1].view, "ACES");
+  EXPECT_EQ(first.products[1].exposure, -1);
+  ASSERT_EQ(file.further_settings.size(), 1u);
+  const RenderSettingsDescription& second = scene.GetAllRenderSettings().at(file.further_settings[0]);
+  EXPECT_EQ(second.width, 64);
+  EXPECT_EQ(second.crop, (Rect2i{1, 2, 3, 4}));
+}
+
+TEST_F(LoadSceneTest, OverridesComeLast) {
+  write("sky.hdr", "not read here");
+  write("base.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"samples": 9}})");
+  const SceneFile file =
+      load("base.json", {.overrides = {"samples=3", "subsurface=lambert", "materials/skin.roughness=0.125",
+                                       "materials/skin.baseColor=[0.1,0.2,0.3]", "lights/lamp.intensity=5",
+                                       "meshes/patch.visible=false", "camera.fStop=8"},
+                         .dome = (folder_ / "sky.hdr").string() + ",0.5"});
+  ASSERT_TRUE(file.ok) << errors();
+  EXPECT_EQ(settings(file).settings.at("samples").number_or(0), 3);
+  EXPECT_EQ(settings(file).settings.at("subsurface").text_or(""), "lambert");
+  EXPECT_EQ(surface("_skin").parameters.at("roughness"), Value(0.125f));
+  EXPECT_EQ(surface("_skin").parameters.at("baseColor"), Value(Vec3f(0.1f, 0.2f, 0.3f)));
+  EXPECT_FALSE(only_mesh().visible);
+  EXPECT_EQ(scene.GetCameras().at(settings(file).camera).parameters.at("fStop"), Value(8.0f));
+  EXPECT_EQ(light_number("/lights/dome", "intensity"), 0.5f);
+  EXPECT_EQ(scene.GetLights().at("/lights/dome").parameters.at("texture:file").get<AssetPath>()->resolved,
+            (folder_ / "sky.hdr").string());
+}
+
+TEST_F(LoadSceneTest, DomeByColour) {
+  ASSERT_TRUE(describe(R"({"lights": [{"name": "sky", "type": "domeLight"}]})", {.dome = "0.1,0.2,0.3,4"}).ok);
+  ASSERT_EQ(scene.GetLights().size(), 1u) << "the dome replaces the scene's";
+  EXPECT_EQ(scene.GetLights().at("/lights/dome").parameters.at("color"), Value(Vec3f(0.1f, 0.2f, 0.3f)));
+  EXPECT_EQ(light_number("/lights/dome", "intensity"), 4);
+}
+
+// A triangle instanced by M * S * R * T within an outer instancer: every instance must be in the frame.
+TEST_F(LoadSceneTest, FramingFollowsNestedInstances) {
+  host::MeshDescription mesh;
+  mesh.topology.faceVertexCounts = {3};
+  mesh.topology.faceVertexIndices = {0, 1, 2};
+  mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.instancer = "/inner";
+  scene.SetMesh("/mesh", mesh);
+  host::InstancerDescription inner, outer;
+  inner.parent = "/outer";
+  inner.primvars["hydra:instanceScales"] = Array<Vec3f>{{1, 1, 1}, {2, 2, 2}};
+  inner.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}, {3, 0, 0}};
+  inner.indices["/mesh"] = {0, 1};
+  outer.transform.setTranslation(Vec3d(0, 0, -7));
+  // A quarter turn about y: x goes to -z.
+  const float h = std::sqrt(0.5f);
+  outer.primvars["hydra:instanceRotations"] = Array<Quatf>{Quatf(1, 0, 0, 0), Quatf(h, 0, h, 0)};
+  outer.indices["/inner"] = {0, 1};
+  scene.SetInstancer("/inner", inner);
+  scene.SetInstancer("/outer", outer);
+  const SceneFile file = describe("{}");
+  ASSERT_TRUE(file.ok) << errors();
+  const Matrix4d to_camera = scene.GetCameras().at(settings(file).camera).transform.inverse();
+  const double tan_y = 0.024 / 2 / 0.050, tan_x = tan_y * 1280 / 720;
+  double widest = 0;
+  // Point (1,0,0) of each instance, by hand: small and large, straight and turned, all moved by -7 in z.
+  for (const Vec3d& corner : {Vec3d(1, 0, -7), Vec3d(5, 0, -7), Vec3d(0, 0, -8), Vec3d(0, 0, -12), Vec3d(0, 0, -7),
+                              Vec3d(3, 2, -7), Vec3d(0, 2, -10)}) {
+    const Vec3d p = corner * to_camera;
+    ASSERT_LT(p.z, 0);
+    widest = std::max({widest, std::abs(p.x / -p.z) / tan_x, std::abs(p.y / -p.z) / tan_y});
+  }
+  EXPECT_NEAR(widest, 0.86, 0.02) << "all of it, and not from farther than needed";
+}
+
+TEST_F(LoadSceneTest, SchemasAreEmbedded) {
+  for (const char* name : {"disney_material", "lights", "camera", "render_settings", "render_description"}) {
+    ASSERT_NE(SchemaText(name), nullptr) << name;
+    std::ifstream file(std::string(ALABASTER_SOURCE_DIR) + "/schemas/" + name + ".json");
+    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    EXPECT_EQ(SchemaText(name), text) << name;
+  }
+  EXPECT_EQ(SchemaText("nothing"), nullptr);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::description
