@@ -162,7 +162,7 @@ class EmbreeInstancedScene final : public InstancedScene {
     if (!scene_.get()) return;
     objects_.reserve(instances.size());
     for (size_t i = 0; i < instances.size(); ++i) add(instances[i], static_cast<unsigned>(i));
-    rtcJoinCommitScene(scene_.get());
+    rtcCommitScene(scene_.get());
   }
 
   bool intersect(const Ray& ray, TriangleHit* hit) const override {
@@ -221,7 +221,7 @@ std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<Trac
     rtcSetSceneProgressMonitorFunction(object->get(), &continue_build, &monitor);
   }
   // Joining builds with the workers of the caller's arena, not with all of the process.
-  rtcJoinCommitScene(object->get());
+  rtcCommitScene(object->get());
   if (monitor.stopped) return nullptr;
   rtcSetSceneProgressMonitorFunction(object->get(), nullptr, nullptr);
   return object;
