@@ -3,9 +3,6 @@
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surface.h>
 #include <opensubdiv/bfr/tessellation.h>
-#include <opensubdiv/far/error.h>
-#include <opensubdiv/far/topologyDescriptor.h>
-#include <opensubdiv/far/topologyRefinerFactory.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -13,13 +10,15 @@
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
+#include <string>
+
+#include "core/geometry/subdivision_topology.h"
 
 namespace alabaster {
 namespace {
 
 namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
-namespace Sdc = OpenSubdiv::Sdc;
 
 using SurfaceFactory =
     Bfr::RefinerSurfaceFactory<Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
@@ -32,151 +31,14 @@ size_t at(int i) {
   return static_cast<size_t>(i);
 }
 
-// OpenSubdiv's callbacks are global and print unless they are set; ours hand the text to the build on the same thread.
-thread_local std::string* g_messages = nullptr;
-
-void keep_message(const char* text) {
-  if (!g_messages || !text) return;
-  if (!g_messages->empty()) *g_messages += "; ";
-  *g_messages += text;
-}
-
-class MessageCapture {
- public:
-  MessageCapture() {
-    static std::once_flag once;
-    std::call_once(once, [] {
-      Far::SetErrorCallback([](Far::ErrorType, const char* text) { keep_message(text); });
-      Far::SetWarningCallback([](const char* text) { keep_message(text); });
-    });
-    g_messages = &text_;
-  }
-  ~MessageCapture() { g_messages = nullptr; }
-  MessageCapture(const MessageCapture&) = delete;
-  MessageCapture& operator=(const MessageCapture&) = delete;
-  const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
-Sdc::SchemeType scheme_type(SubdivisionScheme scheme) {
-  if (scheme == SubdivisionScheme::loop) return Sdc::SCHEME_LOOP;
-  if (scheme == SubdivisionScheme::bilinear) return Sdc::SCHEME_BILINEAR;
-  return Sdc::SCHEME_CATMARK;
-}
-
-Sdc::Options::VtxBoundaryInterpolation boundary_option(BoundaryRule rule) {
-  switch (rule) {
-    case BoundaryRule::none:
-      return Sdc::Options::VTX_BOUNDARY_NONE;
-    case BoundaryRule::edge_only:
-      return Sdc::Options::VTX_BOUNDARY_EDGE_ONLY;
-    case BoundaryRule::edge_and_corner:
-      break;
-  }
-  return Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER;
-}
-
-Sdc::Options::FVarLinearInterpolation face_varying_option(FaceVaryingRule rule) {
-  switch (rule) {
-    case FaceVaryingRule::all:
-      return Sdc::Options::FVAR_LINEAR_ALL;
-    case FaceVaryingRule::none:
-      return Sdc::Options::FVAR_LINEAR_NONE;
-    case FaceVaryingRule::boundaries:
-      return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
-    case FaceVaryingRule::corners_only:
-      return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
-    case FaceVaryingRule::corners_plus2:
-      return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
-    case FaceVaryingRule::corners_plus1:
-      break;
-  }
-  return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
-}
-
-Sdc::Options scheme_options(const Cage& cage) {
-  Sdc::Options options;
-  options.SetVtxBoundaryInterpolation(boundary_option(cage.boundary_rule));
-  options.SetFVarLinearInterpolation(face_varying_option(cage.face_varying_rule));
-  options.SetCreasingMethod(cage.crease_method == CreaseMethod::chaikin ? Sdc::Options::CREASE_CHAIKIN
-                                                                        : Sdc::Options::CREASE_UNIFORM);
-  options.SetTriangleSubdivision(cage.triangle_subdivision == TriangleSubdivision::smooth
-                                     ? Sdc::Options::TRI_SUB_SMOOTH
-                                     : Sdc::Options::TRI_SUB_CATMARK);
+// Bfr isolates extraordinary points by so many levels of subdivision and approximates what is left. Where samples lie
+// closer to them than that, its default of 2 is off by a percent of a face at level 3.
+Bfr::SurfaceFactory::Options surface_options(int level) {
+  constexpr int kLeastIsolation = 4;  // for the tangents at low levels
+  Bfr::SurfaceFactory::Options options;
+  options.SetApproxLevelSmooth(std::max(level, kLeastIsolation));
+  options.SetApproxLevelSharp(std::max(level, options.GetApproxLevelSharp()));
   return options;
-}
-
-// A face-varying value for each corner. Where the cage gives no indices, corners of one point that have equal values
-// share one: the rule acts on seams, and a host that flattened its values did not mean a seam at every edge.
-std::vector<int> face_varying_indices(const Cage& cage) {
-  if (!cage.uv.indices.empty()) return cage.uv.indices;
-  std::vector<int> indices(cage.face_vertex_indices.size());
-  std::vector<int> latest(cage.points.size(), -1), earlier(indices.size(), -1);  // corners of a point, as chains
-  for (size_t corner = 0; corner < indices.size(); ++corner) {
-    const size_t point = at(cage.face_vertex_indices[corner]);
-    int match = latest[point];
-    while (match >= 0 && cage.uv.values[at(match)] != cage.uv.values[corner]) match = earlier[at(match)];
-    indices[corner] = match >= 0 ? match : static_cast<int>(corner);
-    if (match >= 0) continue;
-    earlier[corner] = latest[point];
-    latest[point] = static_cast<int>(corner);
-  }
-  return indices;
-}
-
-// Creases as vertex pairs with one sharpness each.
-struct CreasePairs {
-  std::vector<int> vertices;
-  std::vector<float> sharpnesses;
-};
-
-CreasePairs crease_pairs(const Cage& cage) {
-  CreasePairs pairs;
-  const bool per_crease = cage.crease_sharpnesses.size() == cage.crease_lengths.size();
-  size_t first = 0, edge = 0;
-  for (size_t crease = 0; crease < cage.crease_lengths.size(); ++crease) {
-    const size_t length = at(cage.crease_lengths[crease]);
-    for (size_t i = first; i + 1 < first + length; ++i, ++edge) {
-      pairs.vertices.push_back(cage.crease_indices[i]);
-      pairs.vertices.push_back(cage.crease_indices[i + 1]);
-      pairs.sharpnesses.push_back(cage.crease_sharpnesses[per_crease ? crease : edge]);
-    }
-    first += length;
-  }
-  return pairs;
-}
-
-std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage) {
-  const CreasePairs creases = crease_pairs(cage);
-  Far::TopologyDescriptor topology;
-  topology.numVertices = static_cast<int>(cage.points.size());
-  topology.numFaces = static_cast<int>(cage.face_vertex_counts.size());
-  topology.numVertsPerFace = cage.face_vertex_counts.data();
-  topology.vertIndicesPerFace = cage.face_vertex_indices.data();
-  topology.numCreases = static_cast<int>(creases.sharpnesses.size());
-  topology.creaseVertexIndexPairs = creases.vertices.data();
-  topology.creaseWeights = creases.sharpnesses.data();
-  topology.numCorners = static_cast<int>(cage.corner_indices.size());
-  topology.cornerVertexIndices = cage.corner_indices.data();
-  topology.cornerWeights = cage.corner_sharpnesses.data();
-  topology.numHoles = static_cast<int>(cage.hole_indices.size());
-  topology.holeIndices = cage.hole_indices.data();
-  topology.isLeftHanded = cage.left_handed;
-  std::vector<int> uv_indices;
-  Far::TopologyDescriptor::FVarChannel channel;
-  if (!cage.uv.empty() && cage.uv.interpolation == Interpolation::face_varying) {
-    uv_indices = face_varying_indices(cage);
-    channel.numValues = static_cast<int>(cage.uv.values.size());
-    channel.valueIndices = uv_indices.data();
-    topology.numFVarChannels = 1;
-    topology.fvarChannels = &channel;
-  }
-  using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  Factory::Options options(scheme_type(cage.scheme), scheme_options(cage));
-  options.validateFullTopology = true;
-  return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(topology, options));
 }
 
 // How faces of one size are cut: samples on the boundary first (corner 0, edge 0, corner 1, ...), then the interior.
@@ -227,7 +89,7 @@ class LimitTessellator {
   LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, int level)
       : cage_(cage),
         base_(refiner.GetLevel(0)),
-        factory_(refiner, Bfr::SurfaceFactory::Options()),
+        factory_(refiner, surface_options(level)),
         segments_(1u << level),
         vertex_uvs_(!cage.uv.empty() && cage.uv.interpolation == Interpolation::vertex),
         face_uvs_(!cage.uv.empty() && !vertex_uvs_) {
@@ -409,9 +271,9 @@ class LimitTessellator {
 
   void write_normal(uint32_t index, const Vec3d& du, const Vec3d& dv) {
     const Vec3d n = cross(du, dv);
-    // Derivatives vanish or align at some extraordinary and degenerate points; a sine below single precision's noise
-    // says nothing of the tangent plane.
-    constexpr double kMinSine2 = 1e-10;
+    // Derivatives vanish or align at some extraordinary and degenerate points: with a sine this small, rounding and the
+    // approximation turn the normal by more than the neighbouring triangles are off.
+    constexpr double kMinSine2 = 1e-6;
     const bool usable = dot(n, n) > kMinSine2 * dot(du, du) * dot(dv, dv);
     degenerate_[index] = !usable;
     mesh_.normals[index] = usable ? Vec3f(normalize(n)) : Vec3f(0, 0, 0);
@@ -480,15 +342,14 @@ class LimitTessellator {
 
 std::optional<Mesh> tessellate_limit_surface(const Cage& cage, int level, const std::string& where,
                                              const DiagnosticSink& sink) {
-  const MessageCapture messages;
-  const auto refiner = make_refiner(cage);
+  std::string messages;
+  const auto refiner = make_refiner(cage, &messages);
   if (!refiner) {
     report(sink, Severity::error, "mesh.subdivision.topology", where,
-           "OpenSubdiv refuses this topology (" + messages.text() + "); drawn unrefined");
+           "OpenSubdiv refuses this topology (" + messages + "); drawn unrefined");
     return std::nullopt;
   }
-  if (!messages.text().empty())
-    report(sink, Severity::warning, "mesh.subdivision.topology", where, "OpenSubdiv: " + messages.text());
+  if (!messages.empty()) report(sink, Severity::warning, "mesh.subdivision.topology", where, "OpenSubdiv: " + messages);
   return LimitTessellator(cage, *refiner, level).run();
 }
 

@@ -1,0 +1,137 @@
+#include "core/geometry/mesh.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/cages.h"
+
+namespace alabaster {
+namespace {
+
+Cage polygon_cage(const std::vector<Vec3f>& points) {
+  Cage cage;
+  cage.points = points;
+  cage.face_vertex_counts = {static_cast<int>(points.size())};
+  for (size_t i = 0; i < points.size(); ++i) cage.face_vertex_indices.push_back(static_cast<int>(i));
+  return cage;
+}
+
+Vec3f doubled_area(const Mesh& mesh, size_t t) {
+  const auto& c = mesh.triangles[t];
+  return cross(mesh.points[c[1]] - mesh.points[c[0]], mesh.points[c[2]] - mesh.points[c[0]]);
+}
+
+// All triangles face the polygon's way and their areas add up to its own: nothing folds over.
+void expect_exact_cover(const Cage& cage, const Vec3f& doubled) {
+  const Mesh mesh = build_mesh(cage, {}, {});
+  ASSERT_EQ(mesh.triangles.size(), cage.points.size() - 2);
+  Vec3f sum(0, 0, 0);
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    EXPECT_GE(dot(doubled_area(mesh, t), doubled), 0);
+    sum += doubled_area(mesh, t);
+  }
+  EXPECT_NEAR(length(sum - doubled), 0, 1e-5f * length(doubled));
+}
+
+TEST(Triangulation, ConcavePolygonsDoNotFoldOver) {
+  expect_exact_cover(polygon_cage({{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {1, 1, 0}}), {0, 0, 2});  // dart, notch at 3
+  expect_exact_cover(polygon_cage({{1, 1, 0}, {0, 0, 0}, {2, 1, 0}, {0, 2, 0}}), {0, 0, 2});  // notch at 0
+  const std::vector<Vec3f> comb = {{0, 0, 0}, {7, 0, 0}, {7, 3, 0}, {6, 3, 0}, {6, 1, 0}, {5, 1, 0},
+                                   {5, 3, 0}, {4, 3, 0}, {4, 1, 0}, {3, 1, 0}, {3, 3, 0}, {0, 3, 0}};
+  expect_exact_cover(polygon_cage(comb), {0, 0, 34});
+  // The other way round, and in another plane.
+  std::vector<Vec3f> turned;
+  for (auto p = comb.rbegin(); p != comb.rend(); ++p) turned.emplace_back(p->x, p->x - p->y, p->y);
+  Vec3f doubled(0, 0, 0);
+  for (size_t i = 0; i < turned.size(); ++i) doubled += cross(turned[i], turned[(i + 1) % turned.size()]);
+  expect_exact_cover(polygon_cage(turned), doubled);
+  std::vector<Vec3f> star;
+  for (int i = 0; i < 300; ++i) {
+    const float angle = kTwoPi * static_cast<float>(i) / 300, radius = i % 2 ? 1.0f : 0.3f;
+    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 5.0f);
+  }
+  doubled = Vec3f(0, 0, 300 * 0.3f * std::sin(kTwoPi / 300));
+  expect_exact_cover(polygon_cage(star), doubled);
+}
+
+TEST(Triangulation, CollinearCornersAreCovered) {
+  expect_exact_cover(polygon_cage({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 0.5f, 0}, {0, 2, 0}}), {0, 0, 5});
+}
+
+TEST(Triangulation, ConvexPolygonsAreFansFromTheirFirstCorner) {
+  const Mesh mesh = build_mesh(test::cube_cage(), {}, {});
+  ASSERT_EQ(mesh.triangles.size(), 12u);
+  EXPECT_EQ(mesh.triangles[0], (std::array<uint32_t, 3>{0, 2, 3}));
+  EXPECT_EQ(mesh.triangles[1], (std::array<uint32_t, 3>{0, 3, 1}));
+  EXPECT_EQ(mesh.triangle_face[11], 5);
+  EXPECT_TRUE(mesh.normals.empty());  // scheme none: flat
+  EXPECT_TRUE(mesh.closed);
+  EXPECT_EQ(mesh.bounds.lower, Vec3f(-1, -1, -1));
+  EXPECT_EQ(mesh.bounds.upper, Vec3f(1, 1, 1));
+}
+
+TEST(Mesh, SmoothNormalsAreWeightedByArea) {
+  for (float scale : {0x1p-20f, 1.0f, 0x1p20f}) {
+    Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
+    for (Vec3f& p : cage.points) p = Vec3f(p.x * 3, p.y * 2, p.z) * scale;
+    const Mesh mesh = build_mesh(cage, {}, {});
+    // Areas of the faces along x, y, z: 2 x 1, 3 x 1, 3 x 2.
+    const Vec3f expected = normalize(Vec3f(2, 3, 6));
+    EXPECT_NEAR(length(mesh.normals[7] - expected), 0, 1e-6f);
+    EXPECT_NEAR(length(mesh.normals[0] + expected), 0, 1e-6f);
+  }
+}
+
+TEST(Mesh, AuthoredAttributesAreFoundThroughTheirIndices) {
+  Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
+  cage.normals = {Interpolation::face_varying, {{0, 0, 1}, {0, 1, 0}}, std::vector<int>(24, 1)};
+  cage.normals.indices[2] = 0;
+  cage.uv = {Interpolation::vertex, {}, {}};
+  for (int i = 0; i < 8; ++i) cage.uv.values.emplace_back(static_cast<float>(i), 0.0f);
+  cage.face_material = {0, 3, 0, 0, 0, 0};
+  const Mesh mesh = build_mesh(cage, {}, {});
+  EXPECT_EQ(mesh.normal_triangles[0], (std::array<uint32_t, 3>{1, 1, 0}));
+  EXPECT_EQ(mesh.normals[0], Vec3f(0, 0, 1));
+  EXPECT_TRUE(mesh.uv_triangles.empty());
+  EXPECT_EQ(mesh.triangle_material[2], 3);
+  EXPECT_EQ(mesh.triangle_material[4], 0);
+}
+
+TEST(Mesh, WeldJoinsEqualBitsOnly) {
+  const float next = std::nextafter(1.0f, 2.0f);
+  EXPECT_EQ(weld_by_position({{1, 0, 2}, {next, 0, 2}, {1, -0.0f, 2}, {next, 0, 2}, {0, 1, 2}}),
+            (std::vector<int>{0, 1, 0, 1, 4}));
+  EXPECT_TRUE(weld_by_position({}).empty());
+}
+
+TEST(Mesh, ClosedMeansEveryEdgeIsPairedAfterWelding) {
+  Cage split = test::cube_cage();  // every face with points of its own
+  std::vector<Vec3f> points;
+  for (int& i : split.face_vertex_indices) {
+    points.push_back(split.points[static_cast<size_t>(i)]);
+    i = static_cast<int>(points.size()) - 1;
+  }
+  split.points = points;
+  EXPECT_TRUE(build_mesh(split, {}, {}).closed);
+  split.points[0].x = std::nextafter(split.points[0].x, 0.0f);
+  EXPECT_FALSE(build_mesh(split, {}, {}).closed);
+  Cage open = test::cube_cage();
+  open.hole_indices = {2};
+  EXPECT_FALSE(build_mesh(open, {}, {}).closed);
+  EXPECT_FALSE(build_mesh(test::grid_cage(2), {}, {}).closed);
+  EXPECT_FALSE(build_mesh(Cage(), {}, {}).closed);
+  // Two cubes that touch along an edge: four faces meet there.
+  Cage pair = test::cube_cage();
+  for (const Vec3f& p : test::cube_cage().points) pair.points.push_back(p + Vec3f(2, 2, 0));
+  for (int i : test::cube_cage().face_vertex_indices) pair.face_vertex_indices.push_back(i + 8);
+  pair.face_vertex_counts.assign(12, 4);
+  EXPECT_TRUE(build_mesh(pair, {}, {}).closed);
+  // A flap on an edge: three faces there.
+  Cage flap = test::cube_cage();
+  flap.points.emplace_back(5.0f, 5.0f, 5.0f);
+  flap.face_vertex_counts.push_back(3);
+  flap.face_vertex_indices.insert(flap.face_vertex_indices.end(), {5, 7, 8});
+  EXPECT_FALSE(build_mesh(flap, {}, {}).closed);
+}
+
+}  // namespace
+}  // namespace alabaster
