@@ -1,0 +1,114 @@
+#include "delegate/host/frame_recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "testenv/unit/delegate/sync/stage.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+struct Folder {
+  std::string path;
+  Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "alabaster_record_XXXXXX").string();
+    path = mkdtemp(pattern.data());
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+};
+
+RenderSettingsDescription settings_for(const std::string& file, int samples) {
+  RenderSettingsDescription settings;
+  settings.camera = "/camera";
+  settings.width = 24;
+  settings.height = 16;
+  settings.settings = {{"samples", samples}};
+  settings.products.push_back({.file = file, .vars = {}, .dataType = {}, .colorSpace = {}});
+  return settings;
+}
+
+TEST(FrameRecorder, RendersAndWritesItsProducts) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 2));
+  int told = 0;
+  RecordOptions options;
+  options.progress = [&](const RecordProgress& p) {
+    ++told;
+    EXPECT_EQ(p.samples_total, 2u);
+  };
+  const RecordResult result = RecordFrame(stage.index.get(), &stage.scene, "/settings", options);
+  EXPECT_EQ(result.status, RecordStatus::done);
+  ASSERT_EQ(result.written.size(), 1u);
+  EXPECT_TRUE(std::filesystem::exists(result.written[0]));
+  EXPECT_GE(told, 1);
+  for (const char* key : {"phase.sync.wall", "phase.sync.cpu", "phase.render.wall", "phase.write.wall"})
+    EXPECT_TRUE(result.stats.count(key)) << key;
+  EXPECT_EQ(result.stats.at("samplesTotal").number_or(0), 2);
+  EXPECT_FALSE(stage.index->Has("/settings/buffer_color")) << "its buffers are gone";
+  EXPECT_TRUE(stage.delegate->GetRenderSetting("renderSettingsPrimPath").empty());
+}
+
+TEST(FrameRecorder, RefusesBeforeRenderingWhatCannotSucceed) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  const auto record = [&](const Path& settings) {
+    return RecordFrame(stage.index.get(), &stage.scene, settings, {}).status;
+  };
+  EXPECT_EQ(record("/nowhere"), RecordStatus::input_failed);
+  RenderSettingsDescription settings = settings_for(folder.path + "/frame.exr", 1);
+  settings.width = 0;
+  stage.scene.SetRenderSettings("/size", settings);
+  EXPECT_EQ(record("/size"), RecordStatus::input_failed);
+  stage.scene.SetRenderSettings("/file", settings_for(folder.path + "/no/such/folder/frame.exr", 1));
+  EXPECT_EQ(record("/file"), RecordStatus::output_failed);
+  settings = settings_for(folder.path + "/frame.exr", 1);
+  settings.camera = "/nowhere";
+  stage.scene.SetRenderSettings("/camera_missing", settings);
+  EXPECT_EQ(record("/camera_missing"), RecordStatus::render_failed);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+}
+
+TEST(FrameRecorder, CancelEndsSoonAndWritesWhatThereIs) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1 << 20));
+  std::atomic<bool> cancel{false};
+  RecordOptions options;
+  options.cancel = &cancel;
+  std::chrono::steady_clock::time_point asked;
+  std::thread user([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    asked = std::chrono::steady_clock::now();
+    cancel = true;
+  });
+  const RecordResult result = RecordFrame(stage.index.get(), &stage.scene, "/settings", options);
+  const auto over = std::chrono::steady_clock::now();
+  user.join();
+  EXPECT_EQ(result.status, RecordStatus::interrupted);
+  EXPECT_EQ(result.written.size(), 1u);
+  EXPECT_LT(std::chrono::duration<double>(over - asked).count(), 2.0) << "generous: the machine may be busy";
+  EXPECT_FALSE(stage.delegate->IsStopped());
+}
+
+TEST(FrameRecorder, CancelBeforeItBeginsWritesNothing) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 4));
+  const std::atomic<bool> cancel{true};
+  RecordOptions options;
+  options.cancel = &cancel;
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", options).status, RecordStatus::interrupted);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+}
+
+}  // namespace
+}  // namespace alabaster::hd::host

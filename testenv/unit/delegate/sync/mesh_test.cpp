@@ -1,0 +1,258 @@
+// Meshes through Sync: everything that can be wrong with one, and what must not cost a rebuild.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+#include "testenv/unit/delegate/sync/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+struct Fault {
+  const char* name;
+  std::function<void(host::MeshDescription&)> break_it;
+};
+
+const std::vector<Fault>& faults() {
+  using Mesh = host::MeshDescription;
+  static const std::vector<Fault> all{
+      {"unknown scheme", [](Mesh& m) { m.topology.scheme = "octagonal"; }},
+      {"unknown orientation", [](Mesh& m) { m.topology.orientation = "upwards"; }},
+      {"unknown boundary rule", [](Mesh& m) { m.subdivTags.interpolateBoundary = "maybe"; }},
+      {"unknown face-varying rule", [](Mesh& m) { m.subdivTags.faceVaryingLinearInterpolation = "maybe"; }},
+      {"unknown crease method", [](Mesh& m) { m.subdivTags.creaseMethod = "maybe"; }},
+      {"unknown triangle rule", [](Mesh& m) { m.subdivTags.triangleSubdivision = "maybe"; }},
+      {"crease of one point",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0};
+         m.subdivTags.creaseLengths = {1};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease lengths beyond indices",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {7};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease length negative",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {-2};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease weights missing",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {2};
+       }},
+      {"crease index not on the mesh",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 99};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease that is no edge",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 2};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease weight negative",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {-3};
+       }},
+      {"crease weight not finite",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {kNan};
+       }},
+      {"corner index not on the mesh",
+       [](Mesh& m) {
+         m.subdivTags.cornerIndices = {-5};
+         m.subdivTags.cornerWeights = {1};
+       }},
+      {"corner weights missing", [](Mesh& m) { m.subdivTags.cornerIndices = {1}; }},
+      {"hole out of range",
+       [](Mesh& m) {
+         m.topology.holeIndices = {-1, 17};
+       }},
+      {"all faces holes", [](Mesh& m) { m.topology.holeIndices = {0}; }},
+      {"face of two",
+       [](Mesh& m) {
+         m.topology.faceVertexCounts = {2};
+         m.topology.faceVertexIndices = {0, 1};
+       }},
+      {"face count negative", [](Mesh& m) { m.topology.faceVertexCounts = {-4}; }},
+      {"face index negative",
+       [](Mesh& m) {
+         m.topology.faceVertexIndices = {0, 1, 2, -3};
+       }},
+      {"face index beyond the points",
+       [](Mesh& m) {
+         m.topology.faceVertexIndices = {0, 1, 2, 1000000};
+       }},
+      {"counts do not sum up",
+       [](Mesh& m) {
+         m.topology.faceVertexCounts = {4, 4};
+       }},
+      {"too many indices", [](Mesh& m) { m.topology.faceVertexIndices = {0, 1, 2, 3, 0, 1}; }},
+      {"repeated index",
+       [](Mesh& m) {
+         m.topology.faceVertexIndices = {0, 0, 0, 0};
+       }},
+      {"no topology", [](Mesh& m) { m.topology = {}; }},
+      {"no points", [](Mesh& m) { m.primvars.clear(); }},
+      {"empty points", [](Mesh& m) { m.primvars["points"].value = Array<Vec3f>(); }},
+      {"short points",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
+       }},
+      {"points of another type",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<float>{1, 2, 3};
+       }},
+      {"points not finite",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<Vec3f>{{kNan, 0, 0}, {kInf, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+       }},
+      {"points huge",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<Vec3f>{{3e38f, 0, 0}, {-3e38f, 0, 0}, {1, 3e38f, 0}, {0, 1, 0}};
+       }},
+      {"normals too few",
+       [](Mesh& m) {
+         m.primvars["normals"].value = Array<Vec3f>{{0, 0, 1}};
+       }},
+      {"normals of another type",
+       [](Mesh& m) {
+         m.primvars["normals"].value = Array<int32_t>{1, 2};
+       }},
+      {"st constant",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}};
+         m.primvars["st"].interpolation = Interpolation::constant;
+       }},
+      {"st too many",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}};
+         m.primvars["st"].interpolation = Interpolation::faceVarying;
+       }},
+      {"st indices out of range",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 1}};
+         m.primvars["st"].interpolation = Interpolation::faceVarying;
+         m.primvars["st"].indices = {0, 1, 2, -1};
+       }},
+      {"st indices too few",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 1}};
+         m.primvars["st"].interpolation = Interpolation::faceVarying;
+         m.primvars["st"].indices = {0};
+       }},
+      {"subset faces out of range",
+       [](Mesh& m) {
+         m.topology.geomSubsets = {{"/s", "/material", {-1, 0, 5}}};
+       }},
+      {"refine level absurd", [](Mesh& m) { m.displayStyle.refineLevel = -3; }},
+      {"transform singular", [](Mesh& m) { m.transform.makeIdentity(), m.transform[0][0] = 0; }},
+      {"transform not finite", [](Mesh& m) { m.transform[3][0] = static_cast<double>(kNan); }},
+  };
+  return all;
+}
+
+TEST(MeshSync, SurvivesEveryFaultAlone) {
+  for (const char* scheme : {"none", "catmullClark", "loop", "bilinear"}) {
+    Stage stage({{"samples", 1}});
+    stage.add_basic_scene();
+    for (const Fault& fault : faults()) {
+      host::MeshDescription mesh = Stage::quad();
+      mesh.topology.scheme = scheme;
+      mesh.displayStyle.refineLevel = 1;
+      fault.break_it(mesh);
+      stage.scene.SetMesh(Path("/" + std::string(fault.name)), mesh);
+    }
+    RenderBuffer* buffer = stage.add_buffer("/b", 4, 4, Format::float32vec4);
+    stage.index->SyncAll();
+    EXPECT_EQ(stage.count("delegate.exception"), 0u) << scheme;
+    const auto pass = stage.delegate->CreateRenderPass();
+    EXPECT_TRUE(Stage::finish(*pass, Stage::state_for(4, 4, "color", buffer))) << scheme;
+    EXPECT_EQ(pass->GetState(), PassState::converged);
+  }
+}
+
+TEST(MeshSync, AFaultyMeshIsMendedByTheNextEdit) {
+  Stage stage;
+  for (const Fault& fault : faults()) {
+    host::MeshDescription mesh = Stage::quad();
+    fault.break_it(mesh);
+    stage.scene.SetMesh("/m", mesh);
+    stage.index->SyncAll();
+    stage.scene.SetMesh("/m", Stage::quad());
+    const std::string text = stage.dump();
+    EXPECT_NE(text.find("instance /m prim 0 instance 0\n  transform ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, "
+                        "0, 1))\n  mesh points 4 triangles 2 "),
+              std::string::npos)
+        << fault.name << "\n"
+        << text;
+  }
+}
+
+TEST(MeshSync, SubsetsBindTheirMaterialsAndRebindingRefinesNothing) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.faceVertexCounts = {3, 3};
+  mesh.topology.faceVertexIndices = {0, 1, 2, 0, 2, 3};
+  mesh.topology.geomSubsets = {{"/s0", "/red", {1}}, {"/s1", Path(), {0}}, {"/s2", "/green", {}}};
+  mesh.material = "/grey";
+  for (const char* name : {"/red", "/green", "/grey", "/blue"}) stage.scene.SetMaterial(name, {});
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("  material 0 /grey\n  material 1 /red\n"), std::string::npos)
+      << "subsets without material or faces take no slot";
+  const double refined = stage.stat("sync.refineSeconds");
+  mesh.topology.geomSubsets[0].materialId = "/blue";
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("  material 0 /grey\n  material 1 /blue\n"), std::string::npos);
+  EXPECT_EQ(stage.stat("sync.refineSeconds"), refined);
+}
+
+TEST(MeshSync, ARemovedPrimvarIsGone) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("uvs yes"), std::string::npos);
+  mesh.primvars.erase("st");
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("uvs no"), std::string::npos);
+}
+
+TEST(MeshSync, StopEndsBuildingAndRestartTakesItUpAgain) {
+  Stage stage;
+  stage.scene.SetMesh("/m", Stage::quad());
+  stage.delegate->Stop();
+  EXPECT_EQ(stage.dump().find("instance /m"), std::string::npos);
+  stage.delegate->Restart();
+  EXPECT_NE(stage.dump().find("instance /m"), std::string::npos);
+}
+
+TEST(MeshSync, RefinementLevelAndScheme) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.scheme = "catmullClark";
+  mesh.displayStyle.refineLevel = 2;
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("mesh points 25 triangles 32 normals yes"), std::string::npos) << stage.dump();
+  mesh.topology.scheme = "none";
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("mesh points 4 triangles 2 "), std::string::npos) << "nothing to refine";
+}
+
+}  // namespace
+}  // namespace alabaster::hd
