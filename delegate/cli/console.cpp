@@ -100,7 +100,7 @@ void Console::end_progress() {
   const std::lock_guard lock(mutex_);
   if (bar_shown_) std::fputs("\n", stderr);
   bar_shown_ = false;
-  tenths_shown_ = 0;
+  tenths_shown_ = -1;
 }
 
 }  // namespace alabaster::cli

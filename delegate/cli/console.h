@@ -18,7 +18,7 @@ class Console {
   void note(const std::string& text);
   void error(const std::string& where, const std::string& text);
 
-  /// A bar that redraws itself on a terminal, else a line at every tenth.
+  /// A bar that redraws itself on a terminal, else a line at the start and at every tenth.
   void progress(const hd::host::RecordProgress& progress);
   /// The bar has had its last word; what follows starts on a new line.
   void end_progress();
@@ -32,7 +32,7 @@ class Console {
   const bool quiet_, terminal_;
   mutable std::mutex mutex_;
   bool bar_shown_ = false;
-  int tenths_shown_ = 0;
+  int tenths_shown_ = -1;
   std::string last_error_place_;
 };
 

@@ -21,6 +21,11 @@ json dictionary_to_json(const hd::Dictionary& dictionary) {
   return object;
 }
 
+double value_number(const hd::Dictionary& dictionary, const std::string& key) {
+  const auto found = dictionary.find(key);
+  return found == dictionary.end() ? 0 : found->second.number_or(0);
+}
+
 json version_lines() {
   json lines = json::array();
   std::istringstream text(AlabasterVersions());
@@ -65,8 +70,7 @@ void RunStats::add_render(const hd::RenderSettingsDescription& settings, const h
 
 double RunStats::total(const std::string& key) const {
   double sum = 0;
-  for (const hd::Dictionary& stats : stats_)
-    if (const auto found = stats.find(key); found != stats.end()) sum += found->second.number_or(0);
+  for (const hd::Dictionary& stats : stats_) sum += value_number(stats, key);
   return sum;
 }
 
@@ -98,7 +102,8 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
                   {"events", count("walk.events")},
                   {"exits", count("walk.exits")},
                   {"lost", count("walk.lost")}};
-  out["samples"] = count("numCompletedSamples");
+  out["samples"] = {{"perPixel", stats_.empty() ? 0 : value_number(stats_.front(), "numCompletedSamples")},
+                    {"total", count("rays.camera")}};
   out["peakMemoryBytes"] = peak_memory_bytes();
   out["delegate"] = json::array();
   for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_to_json(stats));

@@ -165,8 +165,9 @@ class Checker {
       const bool contains_other = std::any_of(all.begin(), all.end(), [&](const Violation& o) {
         return o.steps.size() > v.steps.size() && begins_with(o.steps, v.steps);
       });
-      const bool is_choice = std::find(choices.begin(), choices.end(), v.steps) != choices.end();
-      return inside_choice || (contains_other && !is_choice);
+      const bool is_choice = v.text.find("anyOf") != std::string::npos;
+      const bool at_choice = std::find(choices.begin(), choices.end(), v.steps) != choices.end();
+      return inside_choice || (!is_choice && (at_choice || contains_other));
     });
     std::set<std::vector<std::string>> told;
     for (const Violation& v : found)

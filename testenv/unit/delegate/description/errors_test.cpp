@@ -1,12 +1,8 @@
 // Every fault of a description is named with its place and a way out.
-#include <thread>
-
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::hd::description {
 namespace {
-
-using ::testing::Test;
 
 #define EXPECT_SAYS(text) EXPECT_NE(errors().find(text), std::string::npos) << "said: " << errors()
 
@@ -63,7 +59,7 @@ TEST_F(DescriptionErrors, MatchesNothing) {
   EXPECT_SAYS("No mesh matches 'pat'. Did you mean 'patch'?");
   EXPECT_FALSE(describe(R"({"lights": [{"match": "*", "intensity": 1}]})").ok);
   EXPECT_SAYS("The scene has none.");
-  EXPECT_FALSE(load("lit.gltf", {.camera = "frnt"}).ok);
+  EXPECT_FALSE(load("lit.gltf", with_camera("frnt")).ok);
   EXPECT_SAYS("No camera matches 'frnt'. Did you mean 'front'?");
 }
 
@@ -99,17 +95,17 @@ TEST_F(DescriptionErrors, Files) {
 }
 
 TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {
-  EXPECT_FALSE(load("patch.gltf", {.overrides = {"materials/skin.rougness=0.1"}}).ok);
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/skin.rougness=0.1"})).ok);
   EXPECT_SAYS("materials/skin.rougness=0.1: Unknown key 'rougness'. Did you mean 'roughness'?");
-  EXPECT_FALSE(load("patch.gltf", {.overrides = {"samples=many"}}).ok);
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"samples=many"})).ok);
   EXPECT_SAYS("expected a whole number from 1");
-  EXPECT_FALSE(load("patch.gltf", {.overrides = {"samples"}}).ok);
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"samples"})).ok);
   EXPECT_SAYS("write key=value");
-  EXPECT_FALSE(load("patch.gltf", {.overrides = {"material/skin.roughness=1"}}).ok);
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"material/skin.roughness=1"})).ok);
   EXPECT_SAYS("Did you mean 'materials'?");
-  EXPECT_FALSE(load("patch.gltf", {.overrides = {"materials/skin=1"}}).ok);
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/skin=1"})).ok);
   EXPECT_SAYS("names no parameter");
-  EXPECT_FALSE(load("patch.gltf", {.dome = "absent.hdr,2"}).ok);
+  EXPECT_FALSE(load("patch.gltf", with_dome("absent.hdr,2")).ok);
   EXPECT_SAYS("There is no file 'absent.hdr'");
 }
 

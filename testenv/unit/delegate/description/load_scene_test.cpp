@@ -196,11 +196,11 @@ TEST_F(LoadSceneTest, ProductsOfOneSizeShareARender) {
 TEST_F(LoadSceneTest, OverridesComeLast) {
   write("sky.hdr", "not read here");
   write("base.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"samples": 9}})");
-  const SceneFile file =
-      load("base.json", {.overrides = {"samples=3", "subsurface=lambert", "materials/skin.roughness=0.125",
-                                       "materials/skin.baseColor=[0.1,0.2,0.3]", "lights/lamp.intensity=5",
-                                       "meshes/patch.visible=false", "camera.fStop=8"},
-                         .dome = (folder_ / "sky.hdr").string() + ",0.5"});
+  LoadOptions options = with_overrides({"samples=3", "subsurface=lambert", "materials/skin.roughness=0.125",
+                                        "materials/skin.baseColor=[0.1,0.2,0.3]", "lights/lamp.intensity=5",
+                                        "meshes/patch.visible=false", "camera.fStop=8"});
+  options.dome = (folder_ / "sky.hdr").string() + ",0.5";
+  const SceneFile file = load("base.json", options);
   ASSERT_TRUE(file.ok) << errors();
   EXPECT_EQ(settings(file).settings.at("samples").number_or(0), 3);
   EXPECT_EQ(settings(file).settings.at("subsurface").text_or(""), "lambert");
@@ -214,7 +214,7 @@ TEST_F(LoadSceneTest, OverridesComeLast) {
 }
 
 TEST_F(LoadSceneTest, DomeByColour) {
-  ASSERT_TRUE(describe(R"({"lights": [{"name": "sky", "type": "domeLight"}]})", {.dome = "0.1,0.2,0.3,4"}).ok);
+  ASSERT_TRUE(describe(R"({"lights": [{"name": "sky", "type": "domeLight"}]})", with_dome("0.1,0.2,0.3,4")).ok);
   ASSERT_EQ(scene.GetLights().size(), 1u) << "the dome replaces the scene's";
   EXPECT_EQ(scene.GetLights().at("/lights/dome").parameters.at("color"), Value(Vec3f(0.1f, 0.2f, 0.3f)));
   EXPECT_EQ(light_number("/lights/dome", "intensity"), 4);

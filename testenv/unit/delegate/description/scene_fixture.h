@@ -39,6 +39,22 @@ inline std::string patch_gltf(bool with_camera, bool with_light) {
          extra + "}";
 }
 
+inline LoadOptions with_overrides(std::vector<std::string> overrides) {
+  LoadOptions options;
+  options.overrides = std::move(overrides);
+  return options;
+}
+inline LoadOptions with_camera(const std::string& camera) {
+  LoadOptions options;
+  options.camera = camera;
+  return options;
+}
+inline LoadOptions with_dome(const std::string& dome) {
+  LoadOptions options;
+  options.dome = dome;
+  return options;
+}
+
 class SceneFiles : public ::testing::Test {
  protected:
   void SetUp() override {
