@@ -28,15 +28,13 @@ Array<T> pull_array(SceneDelegate& scene, const Path& id, const char* name, cons
   return {};
 }
 
-Matrix4d rotation_matrix(Quatf q) {
-  const float norm = q.length();
+// In double: a unit quaternion rounded to float is not quite a rotation.
+Matrix4d rotation_matrix(const Quatf& rotation) {
+  Imath::Quatd q(static_cast<double>(rotation.r), Vec3d(rotation.v));
+  const double norm = q.length();
   if (!(norm > 0)) return {};
   q /= norm;
-  const Imath::M44f m = q.toMatrix44();  // Imath's is for row vectors
-  Matrix4d out;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) out[i][j] = static_cast<double>(m[i][j]);
-  return out;
+  return q.toMatrix44();  // Imath's is for row vectors
 }
 
 // p * M * S * R * T

@@ -27,7 +27,8 @@ RenderSettingsDescription settings_for(const std::string& file, int samples) {
   settings.width = 24;
   settings.height = 16;
   settings.settings = {{"samples", samples}};
-  settings.products.push_back({.file = file, .vars = {}, .dataType = {}, .colorSpace = {}});
+  settings.products.resize(1);
+  settings.products[0].file = file;
   return settings;
 }
 

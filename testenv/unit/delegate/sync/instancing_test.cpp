@@ -12,7 +12,7 @@ namespace {
 struct Placed {
   std::string name;
   int id = 0;
-  Vec3d origin, x;  // images of (0,0,0) and (1,0,0)
+  Vec3d origin{0, 0, 0}, x{0, 0, 0};  // images of (0,0,0) and (1,0,0)
 };
 
 std::vector<Placed> placed_instances(Stage& stage) {

@@ -49,7 +49,8 @@ TEST(Parameters, EveryMaterialParameterOfTheSchemaArrives) {
   Stage stage;
   std::map<Token, Value> parameters;
   std::map<std::string, std::string> expected;
-  for (const auto& [name, property] : schema_properties("disney_material").items()) {
+  const json schema = schema_properties("disney_material");
+  for (const auto& [name, property] : schema.items()) {
     const Probe p = probe(property);
     parameters[name] = p.value;
     expected[name] = p.text;
@@ -69,7 +70,8 @@ TEST(Parameters, MaterialDefaultsAreTheSchemas) {
   Stage stage;
   stage.scene.SetMesh("/mesh", Stage::quad());
   const std::string text = stage.dump();
-  for (const auto& [name, property] : schema_properties("disney_material").items()) {
+  const json schema = schema_properties("disney_material");
+  for (const auto& [name, property] : schema.items()) {
     const json& d = property.at("default");
     const Value value = d.is_array() ? Value(Vec3f(d[0], d[1], d[2])) : Value(d.get<float>());
     EXPECT_NE(text.find("\n  " + name + " " + value.to_string() + "\n"), std::string::npos) << name;
@@ -107,7 +109,8 @@ TEST(Parameters, EveryCameraParameterOfTheSchemaArrives) {
   Stage stage;
   host::CameraDescription camera;
   std::map<std::string, std::string> expected;
-  for (const auto& [name, property] : schema_properties("camera").items()) {
+  const json schema = schema_properties("camera");
+  for (const auto& [name, property] : schema.items()) {
     if (name == "projection" || name == "clippingRange") continue;
     const Probe p = probe(property);
     camera.parameters[name] = p.value;
@@ -153,7 +156,9 @@ TEST(Parameters, WrongOnesAreReportedWithARemedy) {
   EXPECT_EQ(stage.count("parameter.type"), 1u);
   for (const Diagnostic& d : stage.take_diagnostics()) {
     EXPECT_EQ(d.where, "/m");
-    if (d.code == "material.parameter") EXPECT_NE(d.text.find("'roughness'"), std::string::npos) << d.text;
+    if (d.code == "material.parameter") {
+      EXPECT_NE(d.text.find("'roughness'"), std::string::npos) << d.text;
+    }
   }
   stage.delegate->SetRenderSetting("samples", 0);
   EXPECT_EQ(stage.count("parameter.range"), 1u);
