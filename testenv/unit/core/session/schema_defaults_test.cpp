@@ -75,9 +75,11 @@ TEST(SchemaDefaults, DisneyMaterialIsClampedToTheSchemasRanges) {
       if (!limit) continue;
       const float beyond = std::string(which) == "minimum" ? *limit - 1 : *limit + 1;
       DisneyParameters given;
-      for (float* f : disney_fields(&given).at(name)) *f = beyond;
+      const auto given_fields = disney_fields(&given);
+      for (float* f : given_fields.at(name)) *f = beyond;
       DisneyParameters clamped = clamp_to_ranges(given);
-      for (const float* f : disney_fields(&clamped).at(name)) EXPECT_FLOAT_EQ(*f, *limit) << name << " " << which;
+      const auto clamped_fields = disney_fields(&clamped);
+      for (const float* f : clamped_fields.at(name)) EXPECT_FLOAT_EQ(*f, *limit) << name << " " << which;
     }
   }
 }
