@@ -112,6 +112,16 @@ class MeshCheck {
       check_indices(primitive["indices"], first->count, element + ".indices");
     check_index_count(primitive, first ? first->count : 0, element);
     check_texture_sets(primitive, element);
+    check_variants(primitive, element);
+  }
+
+  void check_variants(const Json& primitive, const std::string& element) {
+    if (!primitive.contains("extensions") || !primitive["extensions"].contains("KHR_materials_variants")) return;
+    std::set<size_t> seen;
+    for (const Json& mapping : primitive["extensions"]["KHR_materials_variants"]["mappings"])
+      for (const Json& variant : mapping["variants"])
+        if (!seen.insert(variant.get<size_t>()).second)
+          report_.warning("mesh.variants", element, "maps variant " + variant.dump() + " twice");
   }
 
   void check_attribute(const std::string& name, const AccessorView& view, const std::string& place) {

@@ -150,7 +150,8 @@ bool read_container(const std::string& file, size_t max_bytes, Report& report, C
     report.error("file", "", reason);
     return false;
   }
-  if (bytes->size() >= 4 && read_u32(bytes->data()) == kMagic) return read_glb(*bytes, report, container);
+  container->is_glb = bytes->size() >= 4 && read_u32(bytes->data()) == kMagic;
+  if (container->is_glb) return read_glb(*bytes, report, container);
   if (bytes->empty()) {
     report.error("json.syntax", "", "the file is empty; export it again");
     return false;

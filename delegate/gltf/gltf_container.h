@@ -15,6 +15,7 @@ using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
 
 struct Container {
   Json root;
+  bool is_glb = false;
   Bytes binary_chunk;  // null: none
 };
 

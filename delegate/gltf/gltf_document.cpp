@@ -86,6 +86,9 @@ bool read_document(const std::string& file, size_t max_bytes, Report& report, Do
   if (report.failed()) return false;
   check_version(root, report);
   if (report.failed()) return false;
+  if (container.is_glb && !container.binary_chunk && root.contains("buffers"))
+    report.warning("glb.no_binary", "buffers",
+                   "the GLB has no binary chunk: its buffers lie outside or are base64 text");
   load_buffers(root, container.binary_chunk, max_bytes, report, document);
   if (report.failed()) return false;
   load_accessors(root, report, document);

@@ -12,9 +12,9 @@ namespace {
 
 bool is_png_or_jpeg(const uint8_t* data, size_t size) {
   constexpr uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  constexpr uint8_t kJpeg[] = {0xff, 0xd8, 0xff};
-  return (size >= sizeof kPng && std::memcmp(data, kPng, sizeof kPng) == 0) ||
-         (size >= sizeof kJpeg && std::memcmp(data, kJpeg, sizeof kJpeg) == 0);
+  if (size >= sizeof kPng && std::memcmp(data, kPng, sizeof kPng) == 0) return true;
+  // JPEG: start of image, then another marker (0xC0 to 0xFE)
+  return size >= 4 && data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff && data[3] >= 0xc0 && data[3] != 0xff;
 }
 
 constexpr const char* kWrongKind = "is neither PNG nor JPEG, so textures that use it are left out; convert the image";
@@ -46,7 +46,7 @@ class ImageLoader {
     if (bytes.size() > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
     left_ -= bytes.size();
     AssetPath asset;
-    asset.authored = document_.file + "#images[" + std::to_string(index) + "]";
+    asset.authored = std::filesystem::path(document_.file).filename().string() + "#" + element_name("images", index);
     asset.bytes = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
     return asset;
   }

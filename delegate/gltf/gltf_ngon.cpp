@@ -15,6 +15,9 @@ Imath::V3d newell_normal(const std::vector<Imath::V3d>& polygon) {
   return normal;
 }
 
+// Shortest run that two quads written one after the other could have made.
+constexpr size_t kSuspectRun = 4;
+
 // Whether every corner turns the same way about the polygon's mean normal. Nearly straight corners fail: two quads
 // joined along an edge have them where the edge ends, polygons that a modeller made seldom do.
 bool is_convex(const std::vector<Imath::V3d>& polygon) {
@@ -130,7 +133,7 @@ std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, cons
       ++end;
     }
     const size_t run = end - first;
-    if (run <= 2 || is_convex(corners)) {
+    if (run < kSuspectRun || is_convex(corners)) {
       polygons.push_back(uint32_t(run));
     } else {
       for (size_t left = run; left > 0; left -= std::min<size_t>(left, 2))

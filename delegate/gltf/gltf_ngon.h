@@ -19,8 +19,10 @@ struct Cage {
 };
 
 /// Polygons of a triangle list: how many triangles each takes, in order. Writers promise that neighbouring polygons
-/// never share their first index, but some break it; so a run of more than two triangles counts as one polygon only if
-/// it is convex, as the encoding requires of polygons, and is cut into quads otherwise.
+/// never share their first index, but some break it. Mostly such polygons do not chain, which tells them apart. Two
+/// quads that do chain look like one hexagon: a run of four or more triangles counts as one polygon only if it is
+/// convex, and is cut into quads otherwise. (Pentagons of real cages are often neither flat nor convex: they are
+/// believed.)
 std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points);
 
 /// Decodes the polygons of `triangles` and welds: vertices that were split for their normals or texture coordinates

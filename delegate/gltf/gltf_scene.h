@@ -1,8 +1,10 @@
 // glTF 2.0 (.gltf, .glb) as a scene: reads a document, checks all of it before trusting any of it, and describes it
 // through a RetainedSceneDelegate.
 //
-// Paths: /gltf/<stem>/nodes/<index>_<name>/<mesh primitive index>, /materials/<index>_<name>, /cameras/..., /lights/...
-// (below the `root` given). Units: metres as in glTF; cameras and lights likewise.
+// Paths, below the `root` given: /gltf/<stem>/nodes/<index>_<name>/<mesh primitive index>, /materials/<index>_<name>,
+// and /cameras/<index>_<name>, /lights/<index>_<name> by the index and name of the node that holds them. A mesh of
+// several nodes lies below the first of them, placed by that node's /instancer. Units: metres as in glTF; cameras and
+// lights likewise.
 #pragma once
 
 #include "delegate/host/retained_scene_delegate.h"

@@ -206,7 +206,8 @@ const Schema& lights_schema() {
 const Schema& document_schema() {
   static const Schema asset{{text("version", nullptr, true), text("minVersion"), text("generator"), text("copyright")},
                             {}};
-  static const Schema buffer{{text("name"), text("uri"), integer("byteLength", 1, kMostInteger, true)}, {}};
+  static const Schema buffer{{text("name"), text("uri"), integer("byteLength", 1, kMostInteger, true)},
+                             {object("EXT_meshopt_compression", kMarker)}};
   static const Schema view{
       {text("name"), reference("buffer", "buffers", true), integer("byteOffset", 0, kMostInteger),
        integer("byteLength", 1, kMostInteger, true), integer("byteStride", 1, 2147483647), integer("target", 0, 65535)},

@@ -121,6 +121,7 @@ class StructureCheck {
         return error(element, "must be an integer");
       value = int64_t(number);
     }
+    if (!integral) value = number;  // tinygltf keeps the integers of extensions in 32 bits
     if (number >= property.minimum && number <= property.maximum) return;
     const std::string text = value.dump() + " is out of range";
     if (property.harmless) return report_.warning("value.range", element, text + "; the nearest legal value is taken");

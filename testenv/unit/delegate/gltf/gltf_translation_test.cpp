@@ -1,0 +1,136 @@
+// Small documents of our own and the text of what they become (testenv/translate). To regenerate after a wanted change,
+// run with ALABASTER_UPDATE_EXPECTED=1 and read the difference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/gltf_testing.h"
+
+namespace alabaster::hd::gltf::testing {
+namespace {
+
+const std::string kFolder = std::string(ALABASTER_SOURCE_DIR) + "/testenv/translate/";
+
+Loaded load_own(const std::string& topic, const GltfOptions& options = {}) {
+  return load(kFolder + topic + ".gltf", options);
+}
+
+class GltfTranslation : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(GltfTranslation, MatchesTheExpectedText) {
+  const Loaded loaded = load_own(GetParam());
+  ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+  const std::string text = text_of(*loaded.scene), file = kFolder + GetParam() + ".expected.txt";
+  if (std::getenv("ALABASTER_UPDATE_EXPECTED")) std::ofstream(file) << text;
+  EXPECT_EQ(text, read_text(file));
+}
+
+INSTANTIATE_TEST_SUITE_P(Topics, GltfTranslation,
+                         ::testing::Values("nodes", "modes", "ngons", "materials", "lights_cameras", "texture"));
+
+Vec3d transformed(const Vec3d& p, const Matrix4d& m) {
+  Vec3d result;
+  m.multVecMatrix(p, result);
+  return result;
+}
+
+void expect_near(const Vec3d& a, const Vec3d& b) {
+  EXPECT_LT((a - b).length(), 1e-12) << Value(a).to_string();
+}
+
+// By hand: scale (2,3,4), a third of a turn about (1,1,1) ((x,y,z) -> (z,x,y)), translation (1,2,3); then the parent, a
+// quarter turn about z ((x,y,z) -> (-y,x,z)) and translation (10,20,30).
+TEST(GltfTransforms, ScaleRotateTranslateThenParent) {
+  const Loaded loaded = load_own("nodes");
+  const Matrix4d& world = loaded.scene->GetMeshes().at("/gltf/nodes/nodes/1_child_with_slash/0").transform;
+  expect_near(transformed({0, 0, 0}, world), {10 - 2, 20 + 1, 30 + 3});
+  expect_near(transformed({1, 0, 0}, world), {10 - 4, 20 + 1, 30 + 3});
+  expect_near(transformed({0, 1, 0}, world), {10 - 2, 20 + 1, 30 + 6});
+  expect_near(transformed({0, 0, 1}, world), {10 - 2, 20 + 5, 30 + 3});
+}
+
+TEST(GltfTransforms, OptionTransformComesLastAndRootNamesThePrims) {
+  GltfOptions options;
+  options.transform.setTranslation(Vec3d(100, 0, 0));
+  options.root = "/set";
+  const Loaded loaded = load_own("nodes", options);
+  ASSERT_EQ(loaded.summary.meshes.size(), 2u);
+  for (const Path& id : loaded.summary.meshes) EXPECT_TRUE(id.has_prefix("/set/gltf/nodes")) << id.str();
+  expect_near(
+      transformed({0, 0, 0}, loaded.scene->GetMeshes().at("/set/gltf/nodes/nodes/1_child_with_slash/0").transform),
+      {108, 21, 33});
+  const auto& instancer = loaded.scene->GetInstancers().at("/set/gltf/nodes/nodes/3_left/instancer");
+  const auto* transforms = instancer.primvars.at("hydra:instanceTransforms").get<Array<Matrix4d>>();
+  ASSERT_NE(transforms, nullptr);
+  ASSERT_EQ(transforms->size(), 2u);
+  expect_near(transformed({1, 0, 0}, (*transforms)[0]), {100, 0, 0});
+  expect_near(transformed({1, 0, 0}, (*transforms)[1]), {99, 0, 0});
+}
+
+// Every triangle of a strip and of a fan faces the way the specification's formula says: here all towards +z.
+TEST(GltfModes, StripAndFanKeepTheirWinding) {
+  const Loaded loaded = load_own("modes");
+  EXPECT_TRUE(loaded.says(Severity::warning, "points and lines are not drawn"));
+  EXPECT_EQ(loaded.scene->GetMeshes().size(), 3u);
+  const auto& strip = loaded.scene->GetMeshes().at("/gltf/modes/nodes/0/2").topology;
+  EXPECT_EQ(strip.faceVertexIndices, (Array<int32_t>{0, 1, 2, 1, 3, 2, 2, 3, 4}));
+  const auto& fan = loaded.scene->GetMeshes().at("/gltf/modes/nodes/0/3").topology;
+  EXPECT_EQ(fan.faceVertexIndices, (Array<int32_t>{1, 2, 0, 2, 3, 0, 3, 4, 0}));
+  const auto& list = loaded.scene->GetMeshes().at("/gltf/modes/nodes/0/1").topology;
+  EXPECT_EQ(list.faceVertexIndices, (Array<int32_t>{0, 1, 2}));  // five indices: the last two make no triangle
+}
+
+TEST(GltfNgons, SeamsStayInTextureSpaceAndPointsAreWelded) {
+  const Loaded loaded = load_own("ngons");
+  const host::MeshDescription& mesh = loaded.scene->GetMeshes().begin()->second;
+  EXPECT_EQ(mesh.topology.faceVertexCounts, (Array<int32_t>{4, 4, 5, 3}));
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points").size(), 9u);  // 13 vertices, 4 of them twice
+  const auto& st = mesh.primvars.at("st");
+  EXPECT_EQ(st.interpolation, Interpolation::faceVarying);
+  // 8 corners of the quads; the pentagon's two at the first quad agree with it, its other three are new
+  EXPECT_EQ(primvar<Array<Vec2f>>(mesh, "st").size(), 11u);
+}
+
+// Of a hexagon and two quads that share their first index and chain, only geometry can tell.
+TEST(GltfNgons, ChainedQuadsAreTwoPolygonsAndHexagonsOne) {
+  Json document = Json::parse(read_text(kFolder + "ngons.gltf"));
+  const auto load_fan = [&](const std::vector<Vec3f>& points) {
+    std::string binary;
+    for (const Vec3f& p : points) binary.append(reinterpret_cast<const char*>(&p), sizeof p);
+    for (uint16_t i = 1; i + 1 < uint16_t(points.size()); ++i)
+      for (const uint16_t index : {uint16_t(0), i, uint16_t(i + 1)})
+        binary.append(reinterpret_cast<const char*>(&index), sizeof index);
+    const size_t split = points.size() * sizeof(Vec3f);
+    document["buffers"] = {{{"byteLength", binary.size()}}};
+    document["bufferViews"] = {{{"buffer", 0}, {"byteLength", split}},
+                               {{"buffer", 0}, {"byteOffset", split}, {"byteLength", binary.size() - split}}};
+    document["accessors"] = {
+        {{"bufferView", 0}, {"componentType", 5126}, {"type", "VEC3"}, {"count", points.size()}},
+        {{"bufferView", 1}, {"componentType", 5123}, {"type", "SCALAR"}, {"count", (points.size() - 2) * 3}}};
+    Json& primitive = document["meshes"][0]["primitives"][0];
+    primitive["attributes"] = {{"POSITION", 0}};
+    primitive["indices"] = 1;
+    const TemporaryFolder folder;
+    const Loaded loaded = load(folder.write("fan.glb", make_glb(document.dump(), binary)));
+    EXPECT_TRUE(loaded.summary.ok) << loaded.said();
+    return loaded.scene->GetMeshes().begin()->second.topology.faceVertexCounts;
+  };
+  std::vector<Vec3f> hexagon;
+  for (int i = 0; i < 6; ++i)
+    hexagon.emplace_back(float(std::cos(i * 1.0471975512)), float(std::sin(i * 1.0471975512)), 0.0f);
+  EXPECT_EQ(load_fan(hexagon), (Array<int32_t>{6}));
+  EXPECT_EQ(load_fan({{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}}), (Array<int32_t>{4, 4}));
+}
+
+// Image space has v down, ours up; a quarter turn and half scale as in the extension's own example.
+TEST(GltfTextures, TransformIsAppliedBeforeTurningVUp) {
+  const Loaded loaded = load_own("texture");
+  ASSERT_EQ(loaded.scene->GetMeshes().size(), 1u) << loaded.said();
+  const auto& st = primvar<Array<Vec2f>>(loaded.scene->GetMeshes().begin()->second, "st");
+  ASSERT_EQ(st.size(), 3u);
+  const Vec2f expected[] = {{0, 0}, {0, 0.5f}, {0.5f, 0}};  // uv (0,0) (1,0) (0,1)
+  for (size_t i = 0; i < 3; ++i) EXPECT_LT((st[i] - expected[i]).length(), 1e-6f) << Value(st[i]).to_string();
+}
+
+}  // namespace
+}  // namespace alabaster::hd::gltf::testing
