@@ -18,7 +18,8 @@ void check_version(const Json& root, Report& report) {
     const bool parsed = std::sscanf(version.c_str(), "%4d.%4d%n", &major, &minor, &length) == 2;
     const std::string element = element_name("asset", name);
     if (!parsed || size_t(length) != version.size()) {
-      report.error("version", element, "'" + version.substr(0, 40) + "' is not a version; write \"2.0\"");
+      report.error("version", element,
+                   std::string("'").append(version, 0, 40).append("' is not a version; write \"2.0\""));
     } else if (major != 2 || (minor > 0 && std::string_view(name) == "minVersion")) {
       report.error("version", element, "glTF " + version + " is not read, only 2.0; convert the file");
     }

@@ -50,7 +50,9 @@ std::string clean_name(const std::string& text) {
 }
 
 std::string prim_name(size_t index, const std::string& name) {
-  return std::to_string(index) + (name.empty() ? "" : "_" + clean_name(name));
+  std::string text = std::to_string(index);
+  if (!name.empty()) text.append("_").append(clean_name(name));
+  return text;
 }
 
 int disney_parameter_components(const std::string& name) {

@@ -131,8 +131,9 @@ class StructureCheck {
   void check_text(const Json& value, const std::string& element, const Property& property) {
     if (!value.is_string()) return error(element, "must be a string");
     const std::string text = value.get<std::string>();
-    if (property.target && std::string_view(property.target).find("|" + text + "|") == std::string_view::npos)
-      error(element, "'" + text.substr(0, 60) + "' is not one of " + property.target);
+    if (property.target &&
+        std::string_view(property.target).find(std::string("|").append(text).append("|")) == std::string_view::npos)
+      error(element, std::string("'").append(text, 0, 60).append("' is not one of ").append(property.target));
   }
 
   void check_array(Json& value, const std::string& element, const Property& property) {
