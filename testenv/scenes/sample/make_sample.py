@@ -171,10 +171,11 @@ def pebble(rx, ry, rz, seed):
     return mesh
 
 
-def ground(size):
+def ground():
+    """A floor that sweeps up into a backdrop behind the subject."""
     mesh = Mesh()
-    rows = [[(x * size, 0.0, z * size) for x in (-1, -0.3, 0.3, 1)] for z in (1, 0.3, -0.3, -1)]
-    mesh.add_grid(rows)
+    profile = [(1.6, 0.0), (0.6, 0.0), (-0.2, 0.0), (-0.75, 0.0), (-1.15, 0.12), (-1.35, 0.55), (-1.4, 1.6)]  # z, y
+    mesh.add_grid([[(x, y, z) for x in (-2.2, -0.8, 0.8, 2.2)] for z, y in profile])
     return mesh
 
 
@@ -237,7 +238,7 @@ def build():
                                                   (0.024, 0.014, 0.020, -0.128, 0.050, 0.9)]):
         mesh = doc.add_mesh("pebble_%d" % k, pebble(rx, ry, rz, 7 + k), stone)
         doc.add_node("pebble_%d" % k, mesh, placed(turn, at=(x, ry * 0.93, z)))
-    doc.add_node("ground", doc.add_mesh("ground", ground(8.0), slate))
+    doc.add_node("ground", doc.add_mesh("ground", ground(), slate))
     doc.write_glb(HERE / "sample.glb")
 
 
