@@ -14,7 +14,7 @@
 
 namespace alabaster {
 
-/// What can be asked for. Averaged: color, alpha, normal, albedo, diffuse parts. Closest sample: depth and ids.
+/// What can be asked for. Averaged: color, alpha, normal, albedo. Closest sample: depth and ids.
 enum class Aov { color, alpha, depth, camera_depth, normal, albedo, prim_id, instance_id, element_id, sample_count };
 inline constexpr int kAovCount = 10;
 constexpr uint32_t aov_bit(Aov a) {

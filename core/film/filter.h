@@ -9,7 +9,7 @@ namespace alabaster {
 enum class PixelFilter { box, triangle, gaussian, blackman_harris };
 
 /// Offset from the pixel centre in pixels. Supports: box 1 wide, triangle 2, gaussian 3 (sigma .5),
-/// blackman_harris 3.3.
+/// blackman_harris 3.
 Vec2f sample_pixel_filter(PixelFilter filter, const Vec2f& u);
 
 }  // namespace alabaster

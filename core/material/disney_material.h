@@ -12,7 +12,6 @@ struct DisneyMaterial {
   std::string name;
   DisneyParameters constants;                     // already clamped
   std::shared_ptr<const Texture> base_color_map;  // multiplies constants.base_color; null: none
-  /// Roulette, bias and method of the walk are render settings; what belongs to the material is its scatter_distance.
 
   /// Reads each texture once. The result is clamped.
   DisneyParameters evaluate(const Vec2f& uv) const;

@@ -92,9 +92,9 @@ bool RenderSession::State::render_tile(const RenderRequest& request, const PathC
   size_t pixel = 0;
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
-      if (!may_go_on()) return false;
       const uint32_t seed = pixel_seed(x, y, settings.frame, settings.seed);
       for (uint32_t s = range.begin; s < range.end; ++s) {
+        if (!may_go_on()) return false;
         const PixelSampler sampler(seed, s);
         const auto u = sampler.draw(Dimension::film_lens, 0);
         const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
@@ -139,7 +139,12 @@ void RenderSession::State::work(const RenderRequest& request, const PassSchedule
     const PathContext context{*request.scene, camera, settings, counters};
     // Released also when an exception passes: nobody may wait for a tile that nobody works on.
     const TileRelease release{tile_passes[tile], pass};
-    if (stop_requested || !render_tile(request, context, schedule[pass], static_cast<int>(tile))) return;
+    try {
+      if (stop_requested || !render_tile(request, context, schedule[pass], static_cast<int>(tile))) return;
+    } catch (...) {
+      stop_requested = true;  // before the tile is released: the others end, too
+      throw;
+    }
     tile_done(counters, thread_cpu_seconds() - cpu, tiles, items);
   }
 }
@@ -153,16 +158,7 @@ void RenderSession::State::run_workers(const RenderRequest& request) {
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_for(
-        0, arena.max_concurrency(),
-        [&](int) {
-          try {
-            work(request, schedule);
-          } catch (...) {
-            stop_requested = true;  // the others end, too
-            throw;
-          }
-        },
-        tbb::simple_partitioner());
+        0, arena.max_concurrency(), [&](int) { work(request, schedule); }, tbb::simple_partitioner());
   });
 }
 
@@ -173,6 +169,8 @@ void RenderSession::State::render(const RenderRequest& request) {
     run_workers(request);
   } catch (const std::exception& e) {
     error = std::string("rendering failed: ") + e.what();
+  } catch (...) {
+    error = "rendering failed";
   }
   const std::lock_guard lock(mutex);
   progress.state = !error.empty()   ? SessionState::failed
