@@ -85,7 +85,7 @@ TEST(DomeLight, BadTexelsAreCleaned) {
   EXPECT_TRUE(light.sample({0, 0, 0}, {0.2f, 0.7f}));
 }
 
-// What a plane gets on average over its orientations, both sides together, is 2 pi mean; one side, half of it.
+// The irradiance of a plane, averaged over its orientations.
 TEST(DomeLight, ImportanceIsPiTimesTheMeanOverTheSphere) {
   LightDescription d = dome(2, {Rgb(1.0f), Rgb(3.0f), Rgb(0.0f), Rgb(0.0f)});
   EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).importance({0, 0, 0}), kPi, 1e-6);  // mean 1
