@@ -76,7 +76,7 @@ void add_mesh_emission(const PathContext& context, const PathVertex& v, const Tr
   float weight = 1;
   if (path->scatter_pdf > 0)
     weight = power_heuristic(path->scatter_pdf,
-                             context.scene.lights.mesh_light_pdf(hit.instance, hit.triangle, path->ray.dir, hit.t));
+                             context.scene.lights.mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
   path->radiance += path->throughput * v.material.emission * weight;
 }
 

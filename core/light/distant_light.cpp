@@ -65,9 +65,10 @@ std::optional<LightHit> DistantLight::intersect(const Ray& ray) const {
   return hit;
 }
 
-float DistantLight::power(float scene_radius) const {
-  const double disk = kPiDouble * scene_radius * scene_radius;
-  return representable_power(radiance_, is_delta() ? disk : disk * 2 * kPiDouble * one_minus_cos_);
+// pi sin^2 of the half angle, or of a right angle for wider cones.
+double DistantLight::importance(const Vec3f& /*p*/) const {
+  const double c = std::min(static_cast<double>(one_minus_cos_), 1.0);
+  return representable_importance(radiance_, is_delta() ? 1 : kPiDouble * c * (2 - c));
 }
 
 }  // namespace alabaster

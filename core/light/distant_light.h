@@ -12,8 +12,7 @@ class DistantLight {
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// A delta is never hit.
   std::optional<LightHit> intersect(const Ray& ray) const;
-  /// What enters a sphere of that radius.
-  float power(float scene_radius) const;
+  double importance(const Vec3f& p) const;
   bool is_delta() const { return one_minus_cos_ == 0; }
 
  private:

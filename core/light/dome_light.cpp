@@ -141,9 +141,8 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
   return hit;
 }
 
-float DomeLight::power(float scene_radius) const {
-  const double disk = kPiDouble * scene_radius * scene_radius;
-  return representable_power(texture_ ? scale_ * mean_ : scale_, 4 * kPiDouble * disk);
+double DomeLight::importance(const Vec3f& /*p*/) const {
+  return representable_importance(texture_ ? scale_ * mean_ : scale_, kPiDouble);
 }
 
 }  // namespace alabaster

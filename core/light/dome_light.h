@@ -23,8 +23,7 @@ class DomeLight {
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// Always hits, at infinity, unless the dome is black or the direction is zero.
   std::optional<LightHit> intersect(const Ray& ray) const;
-  /// What enters a sphere of that radius.
-  float power(float scene_radius) const;
+  double importance(const Vec3f& p) const;
 
  private:
   Rgb texel(int x, int y) const;

@@ -5,8 +5,13 @@
 // 6. a scene that needs it.
 //
 // The functions (see rect_light.h): a constructor from (LightDescription, render origin), sample(p, u),
-// intersect(ray) and power(scene_radius). A light whose surface is in the ray-traced scene (MeshLight) has pdf() in
-// place of intersect().
+// intersect(ray) and importance(p). A light whose surface is in the ray-traced scene (MeshLight) has pdf() in place of
+// intersect().
+//
+// importance(p) guides the choice of light (light_choice.h): an estimate of the irradiance, as luminance, that the
+// light gives at p on a plane facing it, unoccluded. Any estimate is right that is finite, positive wherever sample(p,
+// .) may give light, and of one formula everywhere in space; it decides only the noise. It must not change when all
+// lengths do by 2^k.
 //
 // Everything is in render space. pdfs are per solid angle at the reference point.
 #pragma once

@@ -19,11 +19,9 @@ Rgb emission(const LightDescription& description) {
                          description.intensity * std::exp2(static_cast<double>(description.exposure)));
 }
 
-float representable_power(const Rgb& radiance, double scale) {
+double representable_importance(const Rgb& radiance, double scale) {
   if (is_black(radiance) || !(scale > 0)) return 0;
-  using Limits = std::numeric_limits<float>;
-  const double power = static_cast<double>(luminance(radiance)) * scale;
-  return static_cast<float>(std::clamp<double>(power, Limits::min(), Limits::max()));
+  return std::clamp(static_cast<double>(luminance(radiance)) * scale, 0x1p-1000, 0x1p+960);
 }
 
 }  // namespace alabaster

@@ -65,8 +65,9 @@ Rgb emission(const LightDescription& description);
 /// Light given as double to the float that is stored: black if any channel is not finite.
 Rgb finite_or_black(const Rgb& color, double scale);
 
-/// A power for the choice of light: 0 for none, else positive and finite even where the product over- or underflows.
-float representable_power(const Rgb& radiance, double scale);
+/// Luminance of radiance * scale for the choice of light: 0 where either is (or the scale is NaN), else positive, and
+/// finite even in sums, where the product over- or underflows.
+double representable_importance(const Rgb& radiance, double scale);
 
 inline Vec3f to_float(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};

@@ -1,13 +1,10 @@
 #include "core/light/mesh_light.h"
 
-#include <limits>
-
+#include "core/math/bounds.h"
 #include "core/sampling/warp.h"
 
 namespace alabaster {
 namespace {
-
-constexpr double kPiDouble = 3.14159265358979323846;
 
 // Twice the area, along the normal.
 Vec3d area_vector(const MeshLight::Triangle& t) {
@@ -21,13 +18,21 @@ MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const s
     : instance_(instance), triangles_(std::move(triangles)) {
   std::vector<double> powers(triangles_.size());
   double largest = 0;
+  Bounds bounds;
   for (size_t i = 0; i < triangles_.size(); ++i) {
     Triangle& t = triangles_[i];
     t.radiance = finite_or_black(t.radiance, 1);
     const double area = 0.5 * length(area_vector(t));
     powers[i] = std::isfinite(area) ? area * static_cast<double>(luminance(t.radiance)) : 0;
     largest = std::max(largest, powers[i]);
-    power_ += 2 * kPiDouble * powers[i];
+    power_ += powers[i];
+    if (powers[i] > 0)
+      for (const Vec3f& p : {t.p0, t.p1, t.p2}) bounds.extend(p);
+  }
+  if (power_ > 0) {
+    const Vec3d diagonal = Vec3d(bounds.upper) - Vec3d(bounds.lower);
+    center_ = Vec3d(bounds.lower) + diagonal * 0.5;
+    squared_radius_ = 0.25 * dot(diagonal, diagonal);
   }
   std::vector<float> weights(triangles_.size(), 0.0f);
   for (size_t i = 0; i < weights.size() && largest > 0; ++i) weights[i] = static_cast<float>(powers[i] / largest);
@@ -72,10 +77,11 @@ float MeshLight::pdf(uint32_t triangle_id, const Vec3f& wi, float t) const {
   return entry == ~0u ? 0 : pdf_of_entry(entry, Vec3d(wi), t);
 }
 
-float MeshLight::power(float /*scene_radius*/) const {
-  if (!(power_ > 0)) return 0;
-  using Limits = std::numeric_limits<float>;
-  return static_cast<float>(std::clamp<double>(power_, Limits::min(), Limits::max()));
+// All of it at the distance of its bounding sphere's far side at right angles, with the mean |cos| of 1/2 of triangles
+// that face anywhere.
+double MeshLight::importance(const Vec3f& p) const {
+  const Vec3d d = center_ - Vec3d(p);
+  return power_ > 0 ? representable_importance(Rgb(1.0f), 0.5 * power_ / (dot(d, d) + squared_radius_)) : 0;
 }
 
 }  // namespace alabaster

@@ -21,7 +21,7 @@ class MeshLight {
   /// pdf of sampling the point where a ray from `p` with unit `wi` met triangle `triangle_id` at distance t; 0 for
   /// triangles that are never chosen or not of this light.
   float pdf(uint32_t triangle_id, const Vec3f& wi, float t) const;
-  float power(float scene_radius) const;
+  double importance(const Vec3f& p) const;
   uint32_t instance() const { return instance_; }
 
  private:
@@ -31,7 +31,9 @@ class MeshLight {
   std::vector<Triangle> triangles_;
   std::vector<uint32_t> index_of_triangle_;  // mesh triangle -> entry, or ~0u
   Distribution1D distribution_;              // by area times luminance
-  double power_ = 0;
+  double power_ = 0;                         // sum of area times luminance
+  Vec3d center_{0, 0, 0};                    // of the bounds of the triangles that give light
+  double squared_radius_ = 0;
 };
 
 }  // namespace alabaster

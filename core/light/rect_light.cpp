@@ -118,8 +118,15 @@ std::optional<LightHit> RectLight::intersect(const Ray& ray) const {
   return hit;
 }
 
-float RectLight::power(float /*scene_radius*/) const {
-  return representable_power(radiance_, static_cast<double>(kPi) * area_);
+// What a disk of the same area gives on its axis at the distance of the centre, L A / (d^2 + A / pi), times the cosine
+// at the light, softened by the light's size: near the plane, the nearest part of the rectangle is still overhead.
+double RectLight::importance(const Vec3f& p) const {
+  const Vec3d d = center_ - Vec3d(p);
+  const double z = -dot(d, n_);
+  if (!(z > 0)) return 0;
+  const double d2 = dot(d, d), size = half_width_ + half_height_;
+  const double cosine = (z + size) / (std::sqrt(d2) + size);
+  return representable_importance(radiance_, area_ * cosine / (d2 + area_ * static_cast<double>(kInvPi)));
 }
 
 }  // namespace alabaster

@@ -17,7 +17,8 @@ class RectLight {
   /// Empty for points behind or in the plane of the light.
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   std::optional<LightHit> intersect(const Ray& ray) const;
-  float power(float scene_radius) const;
+  /// 0 exactly behind and in the plane.
+  double importance(const Vec3f& p) const;
 
  private:
   /// The rectangle as seen from a point: edges of the projection and distance of its plane.

@@ -21,6 +21,14 @@ double one_minus_cos_sphere(double r, double d) {
   return sin2 / (1 + std::sqrt((d - r) * (d + r)) / d);
 }
 
+// The library's own need not give cbrt(8^k x) = 2^k cbrt(x) to the last bit, and the unit of length would show.
+double cube_root(double x) {
+  int exponent = 0;
+  const double mantissa = std::frexp(x, &exponent);
+  const int thirds = static_cast<int>(std::floor(exponent / 3.0));
+  return std::ldexp(std::cbrt(std::ldexp(mantissa, exponent - 3 * thirds)), thirds);
+}
+
 double pdf_outside(double r, double d) {
   return 1 / (2 * kPiDouble * one_minus_cos_sphere(r, d));
 }
@@ -35,11 +43,23 @@ SpotCone::SpotCone(float inner, float outer, const Vec3d& axis)
 float SpotCone::attenuation(const Vec3d& direction) const {
   if (inner_ >= 2) return 1;
   const Vec3d apart = direction - axis_;
-  const double one_minus_cos = 0.5 * dot(apart, apart);
+  return attenuation_at(0.5 * dot(apart, apart));
+}
+
+float SpotCone::attenuation_at(double one_minus_cos) const {
   if (one_minus_cos <= inner_) return outer_ > 0 ? 1.0f : 0.0f;
   if (one_minus_cos >= outer_) return 0;
   const double ramp = (outer_ - one_minus_cos) / (outer_ - inner_);
   return static_cast<float>(ramp * ramp);
+}
+
+float SpotCone::largest_attenuation(const Vec3d& direction, double sin_half_angle) const {
+  if (inner_ >= 2) return 1;
+  // Directions of rays are rounded to float: what they meet may be off by that.
+  constexpr double kRounding = 0x1p-20;
+  const double off_axis = std::atan2(length(cross(direction, axis_)), dot(direction, axis_));
+  const double s = std::sin(0.5 * std::max(0.0, off_axis - std::asin(sin_half_angle) - kRounding));
+  return attenuation_at(2 * s * s);
 }
 
 double SpotCone::mean() const {
@@ -53,7 +73,7 @@ SphereLight::SphereLight(const LightDescription& description, const Vec3d& rende
   center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
   const Vec3d axis = transform_vector(Vec3d(0, 0, -1), m);
   cone_ = SpotCone(description.cone_inner, description.cone_outer, axis * (1 / length(axis)));
-  const double scale = std::cbrt(std::abs(linear_determinant(m)));
+  const double scale = cube_root(std::abs(linear_determinant(m)));
   if (!description.treat_as_point) radius_ = scale * std::abs(static_cast<double>(description.radius));
   if (!std::isfinite(dot(center_, center_)) || !std::isfinite(dot(axis, axis)) || !std::isfinite(radius_)) {
     radius_ = 0;
@@ -131,9 +151,15 @@ std::optional<LightHit> SphereLight::intersect(const Ray& ray) const {
   return hit;
 }
 
-float SphereLight::power(float /*scene_radius*/) const {
-  const double spread = 4 * kPiDouble * cone_.mean();
-  return representable_power(radiance_, is_delta() ? spread : spread * kPiDouble * radius_ * radius_);
+// I / d^2 for a point, pi L (r / d)^2 for a sphere wholly above the horizon (inside it, pi L), dimmed by the spot.
+double SphereLight::importance(const Vec3f& p) const {
+  const Vec3d from_center = Vec3d(p) - center_;
+  const double d2 = dot(from_center, from_center), r2 = radius_ * radius_;
+  if (!is_delta() && !(d2 > r2)) return representable_importance(radiance_, kPiDouble * cone_.mean());
+  if (!(d2 > 0)) return 0;
+  const double d = std::sqrt(d2);
+  const float spot = cone_.largest_attenuation(from_center * (1 / d), radius_ / d);
+  return representable_importance(radiance_, spot * (is_delta() ? 1 : kPiDouble * r2) / d2);
 }
 
 }  // namespace alabaster

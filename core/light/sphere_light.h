@@ -14,10 +14,15 @@ class SpotCone {
   SpotCone(float inner, float outer, const Vec3d& axis);
   /// `direction`: unit, away from the light.
   float attenuation(const Vec3d& direction) const;
+  /// The largest attenuation among the directions within an angle (below 90 degrees) of `direction`; it errs by
+  /// rounding only upwards, so that 0 is a proof.
+  float largest_attenuation(const Vec3d& direction, double sin_half_angle) const;
   /// Mean attenuation over the sphere of directions.
   double mean() const;
 
  private:
+  float attenuation_at(double one_minus_cos) const;
+
   Vec3d axis_{0, 0, -1};
   double inner_ = 2, outer_ = 2;  // 1 - cos
 };
@@ -31,7 +36,8 @@ class SphereLight {
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// A point is never hit.
   std::optional<LightHit> intersect(const Ray& ray) const;
-  float power(float scene_radius) const;
+  /// 0 only where no part of the sphere sends light.
+  double importance(const Vec3f& p) const;
   bool is_delta() const { return radius_ == 0; }
 
  private:

@@ -100,7 +100,7 @@ void add_lights(const SceneDescription& description, const DiagnosticSink& sink,
       visible.push_back(true);
       snapshot->features.emissive_meshes = true;
     }
-  snapshot->lights = LightSet(std::move(lights), std::move(visible), snapshot->radius > 0 ? snapshot->radius : 1.0f);
+  snapshot->lights = LightSet(std::move(lights), std::move(visible));
 }
 
 template <class T>

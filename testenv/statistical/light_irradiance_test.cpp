@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 40;  // in this file
+constexpr int kTests = 48;  // in this file
 constexpr double kPiDouble = 3.14159265358979323846;
 
 struct Plane {
@@ -152,6 +152,29 @@ TEST(LightIrradiance, MeshIsLambertsFormula) {
   expect(irradiance(light, plane, 100000, 600), lambert_polygon(plane, corners), "mesh");
 }
 
+// A light set as one light: its choice draws numbers of its own.
+struct Choosing {
+  const LightSet& set;
+  mutable Rng rng;
+  Choosing(const LightSet& lights, uint64_t seed) : set(lights), rng(seed, 2) {}
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return set.sample(p, rng.uniform(), u); }
+};
+
+// One sample of a light and one of the cosine, weighed by the power heuristic.
+double weighed_irradiance(const LightSet& set, const Plane& plane, Rng& rng) {
+  const float choice = rng.uniform();
+  double value = 0;
+  if (const auto s = set.sample(plane.p, choice, uniform2(rng)); s && s->wi.z > 0) {
+    const float weight = s->delta ? 1.0f : power_heuristic(s->pdf, s->wi.z * kInvPi);
+    value += static_cast<double>(s->radiance.r * s->wi.z / s->pdf * weight);
+  }
+  const Vec3f w = sample_cosine_hemisphere(uniform2(rng));
+  const float pdf = pdf_cosine_hemisphere(w);
+  const auto weigh = [&](float light_pdf) { return power_heuristic(pdf, light_pdf); };
+  if (pdf > 0) value += static_cast<double>(set.emitted({plane.p, w}, true, false, weigh).r * kPi);
+  return value;
+}
+
 // Sampling lights and sampling directions, weighed by the power heuristic, give the sum of the closed forms: it does
 // only if the pdfs, with the choice of light in them, agree on both sides.
 TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
@@ -173,8 +196,8 @@ TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
   black.intensity = 0;
   const Vec3d o(0, 0, 0);
   const LightSet set(
-      {RectLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)}, {},
-      4);
+      {RectLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)},
+      {});
   const Plane plane{{0, 0, 0}, {0, 0, 1}};
   const std::array<Vec3d, 4> corners = {Vec3d(-1.5, -1.5, 2), Vec3d(1.5, -1.5, 2), Vec3d(1.5, 1.5, 2),
                                         Vec3d(-1.5, 1.5, 2)};
@@ -183,18 +206,74 @@ TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
                           kPiDouble * sin_sun * sin_sun;
   Rng rng(700, 1);
   RunningStatistics e;
-  for (int i = 0; i < 200000; ++i) {
-    const float choice = rng.uniform();
-    double value = 0;
-    if (const auto s = set.sample(plane.p, choice, uniform2(rng)); s && s->wi.z > 0)
-      value += static_cast<double>(s->radiance.r * s->wi.z / s->pdf * power_heuristic(s->pdf, s->wi.z * kInvPi));
-    const Vec3f w = sample_cosine_hemisphere(uniform2(rng));
-    const float pdf = pdf_cosine_hemisphere(w);
-    const auto weigh = [&](float light_pdf) { return power_heuristic(pdf, light_pdf); };
-    if (pdf > 0) value += static_cast<double>(set.emitted({plane.p, w}, true, false, weigh).r * kPi);
-    e.add(value);
-  }
+  for (int i = 0; i < 200000; ++i) e.add(weighed_irradiance(set, plane, rng));
   expect(e, expected, "light set");
+}
+
+// A small bright rect, a point and a dim dome: at each point the sum of the closed forms, whether another light
+// outshines the rest there or the rect is turned away.
+TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
+  LightDescription rect;
+  rect.light_to_world = translation(0, 0, 1);
+  rect.width = rect.height = 0.2f;
+  rect.intensity = 1000;
+  LightDescription point;
+  point.type = LightType::sphere;
+  point.treat_as_point = true;
+  point.intensity = 0.5f;
+  point.light_to_world = translation(20, 0, 1.5);
+  LightDescription dome;
+  dome.type = LightType::dome;
+  dome.intensity = 0.01f;
+  const Vec3d o(0, 0, 0);
+  const LightSet set({RectLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
+  const std::array<Vec3d, 4> corners = {Vec3d(-0.1, -0.1, 1), Vec3d(0.1, -0.1, 1), Vec3d(0.1, 0.1, 1),
+                                        Vec3d(-0.1, 0.1, 1)};
+  uint64_t seed = 710;
+  for (const Plane& plane : {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{20, 0.1f, 1.25f}, {0, 0, 1}},
+                             Plane{{1000, 2000, 0}, {0, 0, 1}}, Plane{{0, 0, 0.99f}, {0, 0, 1}}}) {
+    const Vec3d to_point = Vec3d(20, 0, 1.5) - Vec3d(plane.p);
+    const double d = length(to_point);
+    const double from_rect = plane.p.z < 1 ? 1000 * lambert_polygon(plane, corners) : 0;
+    const double expected = from_rect + 0.5 * to_point.z / (d * d * d) + 0.01 * kPiDouble;
+    expect(irradiance(Choosing{set, seed}, plane, 100000, seed), expected, "chosen lights");
+    Rng rng(++seed, 1);
+    RunningStatistics weighed;
+    for (int i = 0; i < 100000; ++i) weighed.add(weighed_irradiance(set, plane, rng));
+    expect(weighed, expected, "weighed");
+    ++seed;
+  }
+}
+
+// Why the choice is made at the point: a key light of 0.3 beside a sky over a ground of 20. By power the sky, which
+// enters a sphere about all of the ground, gets nearly all samples; the key gives nearly all of the light.
+TEST(LightIrradiance, ChoosingAtThePointPays) {
+  LightDescription key;
+  key.light_to_world = translation(0, 0, 0.8);
+  key.width = key.height = 0.3f;
+  key.intensity = 34;
+  LightDescription sky;
+  sky.type = LightType::dome;
+  sky.intensity = 0.06f;
+  const RectLight rect(key, Vec3d(0, 0, 0));
+  const DomeLight dome(sky, Vec3d(0, 0, 0));
+  const LightSet set({rect, dome}, {});
+  const double key_power = 34 * kPiDouble * 0.09, sky_power = 4 * kPiDouble * 0.06 * kPiDouble * 200;
+  const auto key_share = static_cast<float>(0.75 * key_power / (key_power + sky_power) + 0.125);
+  const Plane plane{{0.1f, 0.1f, 0}, {0, 0, 1}};
+  Rng rng(730, 1);
+  RunningStatistics by_power;
+  for (int i = 0; i < 100000; ++i) {
+    const bool at_key = rng.uniform() < key_share;
+    const Vec2f u = uniform2(rng);
+    const auto s = at_key ? rect.sample(plane.p, u) : dome.sample(plane.p, u);
+    const float pdf = s ? s->pdf * (at_key ? key_share : 1 - key_share) : 1;
+    by_power.add(s ? static_cast<double>(s->radiance.r * std::max(0.0f, s->wi.z) / pdf) : 0.0);
+  }
+  const auto at_point = irradiance(Choosing{set, 731}, plane, 100000, 731);
+  const double gain = by_power.variance() / at_point.variance();
+  RecordProperty("gain", std::to_string(gain));
+  EXPECT_GT(gain, 20);
 }
 
 // Why the rect light samples solid angles: the variance of irradiance, against drawing points of its area.

@@ -60,11 +60,15 @@ TEST(DistantLight, VeryNarrowConesAreDeltas) {
   EXPECT_FALSE(DistantLight(distant(1e-4f), Vec3d(0, 0, 0)).is_delta());
 }
 
-TEST(DistantLight, PowerIsWhatEntersTheScene) {
-  EXPECT_NEAR(DistantLight(distant(0), Vec3d(0, 0, 0)).power(2), 4 * kPi, 1e-5f);
-  LightDescription d = distant(1);
-  d.normalize = true;
-  EXPECT_NEAR(DistantLight(d, Vec3d(0, 0, 0)).power(2), 4 * kPi, 1e-3f);
+TEST(DistantLight, ImportanceIsTheIrradianceOfAFacingPlane) {
+  const Vec3f p(1, 2, 3);
+  EXPECT_NEAR(DistantLight(distant(0), Vec3d(0, 0, 0)).importance(p), 1, 1e-6);
+  for (float angle : {0.53f, 30.0f, 180.0f}) {
+    LightDescription d = distant(angle);
+    d.normalize = true;
+    EXPECT_NEAR(DistantLight(d, Vec3d(0, 0, 0)).importance(p), 1, 1e-5);
+  }
+  EXPECT_NEAR(DistantLight(distant(300), Vec3d(0, 0, 0)).importance(p), kPi, 1e-5) << "all of the hemisphere";
 }
 
 }  // namespace

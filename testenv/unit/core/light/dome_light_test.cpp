@@ -81,15 +81,17 @@ TEST(DomeLight, BadTexelsAreCleaned) {
   const DomeLight light(dome(2, {Rgb(inf, nan, -3), Rgb(1.0f)}), Vec3d(0, 0, 0));
   EXPECT_EQ(seen(light, {1, 0, 0}), Rgb(65504, 0, 0));
   EXPECT_EQ(seen(light, {-1, 0, 0}), Rgb(1.0f));
-  EXPECT_TRUE(std::isfinite(light.power(1)));
+  EXPECT_TRUE(std::isfinite(light.importance({0, 0, 0})));
   EXPECT_TRUE(light.sample({0, 0, 0}, {0.2f, 0.7f}));
 }
 
-TEST(DomeLight, PowerIsTheMeanOverTheSphere) {
+// The irradiance of a plane, averaged over its orientations.
+TEST(DomeLight, ImportanceIsPiTimesTheMeanOverTheSphere) {
   LightDescription d = dome(2, {Rgb(1.0f), Rgb(3.0f), Rgb(0.0f), Rgb(0.0f)});
-  EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).power(1), 4 * kPi * kPi, 1e-4f);  // mean 1
+  EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).importance({0, 0, 0}), kPi, 1e-6);  // mean 1
   d.texture = nullptr;
-  EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).power(2), 16 * kPi * kPi, 1e-3f);
+  d.color = Rgb(0, 1, 0);
+  EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).importance({1, 2, 3}), 0.7152 * kPi, 1e-6);
 }
 
 TEST(DomeLight, OneTexelIsAConstantDome) {

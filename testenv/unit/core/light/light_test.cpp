@@ -67,8 +67,8 @@ std::optional<LightHit> intersect(const Light& light, const Ray& ray) {
       },
       light);
 }
-float power(const Light& light, float radius) {
-  return std::visit([&](const auto& l) { return l.power(radius); }, light);
+double importance(const Light& light, const Vec3f& p) {
+  return std::visit([&](const auto& l) { return l.importance(p); }, light);
 }
 
 void expect_sane(const LightSample& s) {
@@ -129,6 +129,7 @@ TEST(Lights, DoNotDependOnTheUnitOfLength) {
         const Vec3f p(6 * rng.uniform() - 3, 6 * rng.uniform() - 3, 6 * rng.uniform() - 3);
         const float x = rng.uniform();
         const Vec2f u(x, rng.uniform());
+        EXPECT_EQ(importance(a, p), importance(b, p * scale));
         const auto s = sample(a, p, u), t = sample(b, p * scale, u);
         ASSERT_EQ(s.has_value(), t.has_value());
         if (!s) continue;
@@ -143,6 +144,31 @@ TEST(Lights, DoNotDependOnTheUnitOfLength) {
         EXPECT_EQ(hit->t * scale, scaled_hit->t);
       }
     }
+  }
+}
+
+// A light that may give light somewhere must be choosable there, or the picture lacks it.
+TEST(Lights, ImportanceIsPositiveWhereverThereIsLight) {
+  Rng rng(4, 1);
+  size_t kind = 0;
+  for (LightDescription d : some_of_each()) {
+    d.color = Rgb(0, 0, 1e-30f);
+    const Light light = make(d, Vec3d(0, 0, 0));
+    int lit = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const float reach = i % 2 == 0 ? 6.0f : 1e6f;
+      const Vec3f p(reach * (rng.uniform() - 0.5f), reach * (rng.uniform() - 0.5f), reach * (rng.uniform() - 0.5f));
+      const float x = rng.uniform();
+      const auto s = sample(light, p, {x, rng.uniform()});
+      const double w = importance(light, p);
+      EXPECT_TRUE(std::isfinite(w) && w >= 0);
+      if (s) {
+        EXPECT_GT(w, 0) << kind << " at " << p;
+        ++lit;
+      }
+    }
+    EXPECT_GT(lit, 500) << kind;
+    ++kind;
   }
 }
 
@@ -164,11 +190,11 @@ TEST(Lights, AreFreeOfTheRenderOrigin) {
 
 void expect_dark(const LightDescription& d, const char* why) {
   const Light light = make(d, Vec3d(0, 0, 0));
-  EXPECT_EQ(power(light, 10), 0) << why;
   Rng rng(3, 1);
   for (int i = 0; i < 50; ++i) {
     const Vec3f p(rng.uniform() - 0.5f, rng.uniform() - 0.5f, rng.uniform() - 5.5f);
     const float x = rng.uniform();
+    EXPECT_EQ(importance(light, p), 0) << why;
     EXPECT_FALSE(sample(light, p, {x, rng.uniform()})) << why;
     EXPECT_FALSE(intersect(light, {p, {0, 0, 1}})) << why;
   }
@@ -230,6 +256,7 @@ TEST(Lights, BadPointsAndRaysGiveNothingBad) {
     const Light light = make(d, Vec3d(0, 0, 0));
     for (const Vec3f& p : {Vec3f(kNaN, 0, 0), Vec3f(0, kInf, 0), Vec3f(3e38f, 3e38f, 3e38f), Vec3f(1, 2, 3),
                            Vec3f(0, 4, 0), Vec3f(0, 4.5f, 0), Vec3f(0, 0, 0)}) {
+      EXPECT_TRUE(importance(light, p) >= 0 && std::isfinite(importance(light, p)));
       for (const Vec2f& u : {Vec2f(0, 0), Vec2f(0x1.fffffep-1f, 0x1.fffffep-1f), Vec2f(0.5f, 0.5f), Vec2f(0, 0.75f)})
         if (const auto s = sample(light, p, u)) expect_sane(*s);
       for (const Vec3f& w :

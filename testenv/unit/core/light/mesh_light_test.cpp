@@ -38,7 +38,8 @@ TEST(MeshLight, DensityIsAreaToSolidAngle) {
   EXPECT_NEAR(light.pdf(0, {0, 0, -1}, 1), 0.4f, 1e-6f) << "both sides";
   EXPECT_EQ(light.pdf(2, {0, 0, 1}, 1), 0) << "not of this light";
   EXPECT_EQ(light.pdf(0, {1, 0, 0}, 1), 0) << "edge-on";
-  EXPECT_NEAR(light.power(1), 2 * kPi * 2.5f, 1e-4f);
+  // Bounds (0,0,-2) to (2,2,1): half of area times luminance over the squared distance and radius.
+  EXPECT_NEAR(light.importance({1, 1, 9.5f}), 0.5 * 2.5 / (100 + 4.25), 1e-6);
 }
 
 TEST(MeshLight, TrianglesWithoutLightOrAreaAreNeverChosen) {
@@ -60,7 +61,7 @@ TEST(MeshLight, TrianglesWithoutLightOrAreaAreNeverChosen) {
   for (uint32_t id : {0u, 1u, 2u, 4u, 5u}) EXPECT_EQ(light.pdf(id, {0, 0, 1}, 1), 0);
   EXPECT_FALSE(MeshLight(0, {}, {}).sample({0, 0, 0}, {0, 0}));
   EXPECT_FALSE(MeshLight(0, {sliver}, {0}).sample({0, 0, 0}, {0, 0}));
-  EXPECT_EQ(MeshLight(0, {sliver}, {0}).power(1), 0);
+  EXPECT_EQ(MeshLight(0, {sliver}, {0}).importance({0, 0, 0}), 0);
 }
 
 }  // namespace

@@ -47,11 +47,25 @@ TEST(RectLight, SizesTimesScaleAndNormalize) {
   EXPECT_TRUE(light.intersect({{2.9f, 0.9f, -1}, {0, 0, 1}}));
   EXPECT_FALSE(light.intersect({{3.1f, 0.9f, -1}, {0, 0, 1}}));
   EXPECT_FALSE(light.intersect({{2.9f, 1.1f, -1}, {0, 0, 1}}));
-  EXPECT_NEAR(light.power(1), 12 * kPi, 1e-4f);
   d.normalize = true;
   const RectLight normalized(d, Vec3d(0, 0, 0));
-  EXPECT_NEAR(normalized.power(1), kPi, 1e-5f);
   EXPECT_NEAR(normalized.intersect({{0, 0, -1}, {0, 0, 1}})->radiance.r, 1.0f / 12, 1e-7f);
+}
+
+// Solid angles of squares seen straight on, 4 asin(a^2 / (a^2 + z^2)) for half edge a, are what is estimated.
+TEST(RectLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
+  const RectLight light({}, Vec3d(0, 0, 0));
+  for (double z : {0.01, 0.3, 1.0, 30.0, 1e4}) {
+    const double solid_angle = 4 * std::asin(0.25 / (0.25 + z * z));
+    const double importance = light.importance({0, 0, static_cast<float>(-z)});
+    EXPECT_GT(importance, 0.45 * solid_angle) << z;
+    EXPECT_LT(importance, 1.05 * solid_angle) << z;
+  }
+  EXPECT_GT(light.importance({0.45f, 0.45f, -0.01f}), 0.5) << "overhead, if not its centre";
+  EXPECT_LT(light.importance({100, 0, -0.01f}), 0.05 * light.importance({0, 0, -100})) << "grazing";
+  EXPECT_GT(light.importance({100, 0, -0.01f}), 0);
+  EXPECT_EQ(light.importance({100, 0, 0}), 0);
+  EXPECT_EQ(light.importance({0, 0, 1}), 0);
 }
 
 // The random numbers' square covers the rectangle without folding: corners go to corners, from near and far.

@@ -57,20 +57,22 @@ TEST(SphereLight, PointFallsOffWithTheSquareOfTheDistance) {
   EXPECT_EQ(s->radiance, Rgb(0.5f));
   EXPECT_FALSE(light.sample({0, 0, 0}, {0.1f, 0.9f}));
   EXPECT_FALSE(light.intersect({{0, 0, -4}, {0, 0, 1}}));
-  EXPECT_NEAR(light.power(1), 4 * kPi * 8, 1e-3f);
+  EXPECT_NEAR(light.importance({0, 0, -4}), 0.5, 1e-7);
   d.treat_as_point = false;
   d.radius = 0;
   EXPECT_EQ(SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, -4}, {0, 0})->radiance, Rgb(0.5f));
 }
 
-TEST(SphereLight, NormalizeKeepsThePower) {
+TEST(SphereLight, NormalizeKeepsWhatItGives) {
   LightDescription d = sphere();
   d.normalize = true;
   d.light_to_world = Matrix4d(3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1);
   for (float radius : {0.01f, 1.0f, 50.0f}) {
     d.radius = radius;
-    EXPECT_NEAR(SphereLight(d, Vec3d(0, 0, 0)).power(1), kPi, 1e-5f);
+    // pi L (r / d)^2 with L = 1 / (4 pi r^2), wherever outside.
+    EXPECT_NEAR(SphereLight(d, Vec3d(0, 0, 0)).importance({0, 0, 200}) * 160000, 1, 1e-5);
   }
+  EXPECT_NEAR(SphereLight(sphere(), Vec3d(0, 0, 0)).importance({0.1f, 0.2f, 0.3f}), kPi, 1e-6) << "inside";
 }
 
 float spot(float inner, float outer, float degrees) {
@@ -119,6 +121,25 @@ TEST(SphereLight, SpotTurnsWithTheLight) {
   EXPECT_TRUE(light.sample({-2, 0, 0}, {0, 0}));
   EXPECT_FALSE(light.sample({2, 0, 0}, {0, 0}));
   EXPECT_FALSE(light.sample({0, 0, -2}, {0, 0}));
+  EXPECT_GT(light.importance({-2, 0, 0}), 0);
+  EXPECT_EQ(light.importance({2, 0, 0}), 0);
+  EXPECT_EQ(light.importance({0, 0, -2}), 0);
+}
+
+// The cone's edge (20 degrees) widened by what the sphere fills (30 degrees at twice its radius).
+TEST(SphereLight, ImportanceReachesAsFarAsTheSpotOfEveryPart) {
+  LightDescription d = sphere();
+  d.cone_inner = 10;
+  d.cone_outer = 20;
+  const SphereLight light(d, Vec3d(0, 0, 0));
+  const auto at = [](double degrees) {
+    const double a = degrees * 3.14159265358979 / 180;
+    return Vec3f(Vec3d(std::sin(a), 0, -std::cos(a)));
+  };
+  EXPECT_NEAR(light.importance(at(0)), kPi / 4, 1e-6);
+  EXPECT_NEAR(light.importance(at(39)), kPi / 4, 1e-6) << "within the inner cone of some part";
+  EXPECT_GT(light.importance(at(49.9)), 0);
+  EXPECT_EQ(light.importance(at(50.1)), 0);
 }
 
 }  // namespace
