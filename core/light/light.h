@@ -9,9 +9,8 @@
 // intersect().
 //
 // importance(p) guides the choice of light (light_choice.h): an estimate of the irradiance, as luminance, that the
-// light gives at p on a plane facing it, unoccluded. Any estimate is right that is finite, positive wherever sample(p,
-// .) may give light, and of one formula everywhere in space; it decides only the noise. It must not change when all
-// lengths do by 2^k.
+// light gives at p on a plane facing it, unoccluded. It decides only the noise, as long as it is finite, positive
+// wherever sample(p, .) may give light, and unchanged when all lengths change by 2^k.
 //
 // Everything is in render space. pdfs are per solid angle at the reference point.
 #pragma once
