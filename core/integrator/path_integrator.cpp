@@ -109,14 +109,16 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   const Medium medium =
       make_medium(entry.material.base_color, entry.material.scatter_distance, context.settings.walk.inversion);
   const Frame inward = frame_from_normal(-entry.frame.n);
+  const float scale = max_component(path->throughput);
+  if (!(scale > 0)) return false;
   const WalkEntry walk_entry{offset_point(entry.hit.p_object, -entry.hit.ng_object, entry.hit.offset_object),
-                             -entry.hit.ng, inward};
+                             -entry.hit.ng, inward, path->throughput * (1 / scale)};
   const auto u = sampler.draw(Dimension::subsurface, path->depth);
   Rng rng = sampler.stream(Dimension::subsurface, path->depth);
   const WalkSpace space{instance.prototype->object.get(), instance.world_to_object, instance.prototype->mesh.bounds};
   const auto exit = random_walk(space, walk_entry, medium, context.settings.walk, {u[0], u[1]}, rng, context.counters);
   if (!exit) return false;
-  path->throughput *= exit->throughput;
+  path->throughput = exit->throughput * scale;
 
   const SurfaceHit hit = surface_on_side(instance, exit->hit, exit->direction);
   const Frame frame = frame_from_normal(hit.ns);

@@ -56,7 +56,9 @@ std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& ent
                                     const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
                                     RenderCounters& counters) {
   MeshTracer tracer(space, entry.p);
-  const auto end = run_walk_loop(tracer, sample_walk_entry(entry, u_entry), medium, settings, rng, counters);
+  const Rgb& t0 = entry.throughput;
+  const auto end =
+      run_walk_loop(tracer, sample_walk_entry(entry, u_entry), medium, settings, rng, counters, {t0.r, t0.g, t0.b});
   if (!end) return std::nullopt;
   const ChannelValues& t = end->throughput;
   return WalkExit{end->hit,

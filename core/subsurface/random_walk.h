@@ -43,13 +43,15 @@ struct WalkEntry {
   Vec3f p;             // object space, already offset to the inner side of the surface (offset_point)
   Vec3f ng_inward;     // unit, world: geometric normal pointing into the medium
   Frame frame_inward;  // world: n is the shading normal pointing into the medium; the entry lobe is about it
+  Rgb throughput{
+      1.0f};  // of the path so far, relative to its largest channel: weighs the channels from the first segment
 };
 
 struct WalkExit {
-  TriangleHit hit;  // where it left; ids are of the ObjectScene
-  Vec3f direction;  // unit, world: of the last segment (towards the surface, from inside)
-  Rgb throughput{0.0f};
-  uint32_t events = 0;  // scattering events; 0: crossed without scattering
+  TriangleHit hit;       // where it left; ids are of the ObjectScene
+  Vec3f direction;       // unit, world: of the last segment (towards the surface, from inside)
+  Rgb throughput{0.0f};  // WalkEntry's times the walk's
+  uint32_t events = 0;   // scattering events; 0: crossed without scattering
 };
 
 /// Direction in which a walk enters, unit, world. The lobe is the cosine hemisphere about the shading normal.

@@ -134,14 +134,17 @@ struct WalkLoopExit {
 ///   bool intersect(dir, tmax, Hit*)          nearest surface within tmax, both in world units
 ///   double exit_distance(hit)                distance through the medium to it
 ///   bool advance(dir, t)                     moves; false if that left the body without crossing its surface
+/// `throughput` is what the path brings to the walk, relative to its largest channel: the weights go on from it, as the
+/// paper's do, so that no walk follows a channel that the path has already lost.
 /// Segment is ChromaticSegment; tests put a wrong one here to see that they notice.
 template <class Segment = ChromaticSegment, class Tracer>
 std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk_loop(Tracer& tracer, Vec3f direction, const Medium& medium,
                                                                 const WalkSettings& settings, Rng& rng,
-                                                                RenderCounters& counters) {
+                                                                RenderCounters& counters,
+                                                                ChannelValues throughput = {1, 1, 1}) {
   const WalkMedium walk_medium(medium);
-  ChannelValues throughput{};
-  for (size_t c = 0; c < 3; ++c) throughput[c] = medium.active[c] ? 1 : 0;
+  for (size_t c = 0; c < 3; ++c)
+    if (!medium.active[c]) throughput[c] = 0;
   const auto note_weight = [&] {
     counters.max_walk_weight = std::max(counters.max_walk_weight, max_value(throughput));
   };

@@ -206,14 +206,14 @@ def build():
     rose = doc.add_texture("petal", png(192, 192, petal_colour))
     petal_material = doc.add_material("petal", {
         "baseColor": [1.0, 1.0, 1.0], "roughness": 0.42, "specular": 0.7, "sheen": 0.2,
-        "scatterDistance": [0.0050, 0.0026, 0.0022]}, texture=rose)
+        "scatterDistance": [0.00050, 0.00022, 0.00020]}, texture=rose)
     pod_material = doc.add_material("pod", {
-        "baseColor": [0.62, 0.66, 0.20], "roughness": 0.4, "scatterDistance": [0.0030, 0.0032, 0.0010]})
+        "baseColor": [0.62, 0.66, 0.20], "roughness": 0.4, "scatterDistance": [0.0016, 0.0018, 0.0006]})
     stamen_material = doc.add_material("stamen", {
-        "baseColor": [0.95, 0.72, 0.22], "roughness": 0.5, "scatterDistance": [0.0022, 0.0014, 0.0006]})
+        "baseColor": [0.95, 0.72, 0.22], "roughness": 0.5, "scatterDistance": [0.0006, 0.0004, 0.0002]})
     stone = doc.add_material("alabaster", {
         "baseColor": [0.93, 0.90, 0.84], "roughness": 0.22, "clearcoat": 0.3, "clearcoatGloss": 0.85,
-        "scatterDistance": [0.0100, 0.0080, 0.0062]})
+        "scatterDistance": [0.0075, 0.0052, 0.0036]})
     slate = doc.add_material("ground", {"baseColor": [0.115, 0.105, 0.10], "roughness": 0.42, "specular": 0.8})
 
     # Whorls from the outside in: count, length, half width, lean, curl, cup, radius of the ring, height.
@@ -234,8 +234,8 @@ def build():
         at = (0.0115 * math.cos(a), 0.017, -0.0115 * math.sin(a))
         doc.add_node("stamen_%d" % k, filament, placed(a, random.uniform(-0.12, 0.25), random.uniform(0.8, 1.12), at))
 
-    for k, (rx, ry, rz, x, z, turn) in enumerate([(0.031, 0.017, 0.024, 0.118, 0.062, 0.5), (0.019, 0.0125, 0.017, 0.070, 0.102, -0.4),
-                                                  (0.024, 0.014, 0.020, -0.128, 0.050, 0.9)]):
+    for k, (rx, ry, rz, x, z, turn) in enumerate([(0.031, 0.020, 0.026, 0.150, 0.040, 0.5), (0.021, 0.0150, 0.018, 0.096, 0.112, -0.4),
+                                                  (0.026, 0.018, 0.022, -0.132, 0.070, 0.9)]):
         mesh = doc.add_mesh("pebble_%d" % k, pebble(rx, ry, rz, 7 + k), stone)
         doc.add_node("pebble_%d" % k, mesh, placed(turn, at=(x, ry * 0.93, z)))
     doc.add_node("ground", doc.add_mesh("ground", ground(), slate))
