@@ -13,12 +13,14 @@ struct ScatterValue {
   float pdf = 0;
 };
 
-/// Shadow rays stop this fraction short of the sampled point, so that a light's own surface does not shade it.
-inline constexpr float kShadowRayFraction = 1 - 0x1p-12f;
+/// A shadow ray to a point on an emissive mesh stops this fraction short of it, so that the light does not shade
+/// itself. Lights that are no geometry need no such margin.
+inline constexpr float kMeshLightFraction = 1 - 0x1p-12f;
 
-inline bool is_occluded(const PathContext& context, const Vec3f& p, const Vec3f& wi, float distance) {
+inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightSample& light) {
   ++context.counters.shadow_rays;
-  return context.scene.top->occluded({p, wi, distance * kShadowRayFraction});
+  return context.scene.top->occluded(
+      {p, light.wi, light.on_mesh ? light.distance * kMeshLightFraction : light.distance});
 }
 
 /// Light scattered at `p` (already offset to the outer side) from one sampled light. `scatter(wi)` gives the
@@ -29,7 +31,7 @@ Rgb direct_light(const PathContext& context, const Vec3f& p, const std::array<fl
   if (!light) return Rgb(0.0f);
   const ScatterValue value = scatter(light->wi);
   if (is_black(value.f_cos)) return Rgb(0.0f);
-  if (is_occluded(context, p, light->wi, light->distance)) return Rgb(0.0f);
+  if (is_occluded(context, p, *light)) return Rgb(0.0f);
   const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, value.pdf);
   return value.f_cos * light->radiance * (weight / light->pdf);
 }

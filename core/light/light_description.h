@@ -21,6 +21,7 @@ struct LightSample {
   Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
   float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
+  bool on_mesh = false;  // the point lies on geometry: a shadow ray must stop short of it
 };
 
 /// What intersect() gives. ray.dir need not be unit and ray.tmax is not looked at (LightSet does).

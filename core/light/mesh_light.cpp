@@ -63,6 +63,7 @@ std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u) con
   if (!(distance > 0)) return std::nullopt;
   const Vec3d wi = to_light * (1 / distance);
   LightSample s;
+  s.on_mesh = true;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
   s.radiance = t.radiance;

@@ -206,14 +206,14 @@ def build():
     rose = doc.add_texture("petal", png(192, 192, petal_colour))
     petal_material = doc.add_material("petal", {
         "baseColor": [1.0, 1.0, 1.0], "roughness": 0.42, "specular": 0.7, "sheen": 0.2,
-        "scatterDistance": [0.00050, 0.00022, 0.00020]}, texture=rose)
+        "scatterDistance": [0.00052, 0.00034, 0.00032]}, texture=rose)
     pod_material = doc.add_material("pod", {
         "baseColor": [0.62, 0.66, 0.20], "roughness": 0.4, "scatterDistance": [0.0016, 0.0018, 0.0006]})
     stamen_material = doc.add_material("stamen", {
         "baseColor": [0.95, 0.72, 0.22], "roughness": 0.5, "scatterDistance": [0.0006, 0.0004, 0.0002]})
     stone = doc.add_material("alabaster", {
         "baseColor": [0.93, 0.90, 0.84], "roughness": 0.22, "clearcoat": 0.3, "clearcoatGloss": 0.85,
-        "scatterDistance": [0.0075, 0.0052, 0.0036]})
+        "scatterDistance": [0.0050, 0.0044, 0.0036]})
     slate = doc.add_material("ground", {"baseColor": [0.115, 0.105, 0.10], "roughness": 0.42, "specular": 0.8})
 
     # Whorls from the outside in: count, length, half width, lean, curl, cup, radius of the ring, height.
