@@ -123,7 +123,7 @@ class Recording {
       recording_->delegate_->SetRenderSetting(kSettingsPath, recording_->settings_);
     }
     ~Borrowed() {
-      for (const auto& [aov, path] : recording_->buffers_) quietly([&] { recording_->scene_->Remove(path); });
+      for (const auto& buffer : recording_->buffers_) quietly([&] { recording_->scene_->Remove(buffer.second); });
       quietly([&] { recording_->delegate_->SetRenderSetting(kSettingsPath, previous_); });
       if (recording_->delegate_->IsStopped()) recording_->delegate_->Restart();
     }
