@@ -1,6 +1,8 @@
 // Meshes through Sync: everything that can be wrong with one, and what must not cost a rebuild.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -266,6 +268,27 @@ TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
   for (const Diagnostic& d : stage.take_diagnostics())
     if (d.code == "mesh.open") where.push_back(d.where);
   EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
+}
+
+// Walls are unions, and CPU is shared out: meshes that are synced together never add up to more than went by.
+TEST(MeshSync, SecondsOfMeshesSyncedTogetherCountOnce) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.scheme = "catmullClark";
+  mesh.displayStyle.refineLevel = 6;
+  for (int i = 0; i < 12; ++i) stage.scene.SetMesh(Path("/m" + std::to_string(i)), mesh);
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu = std::clock();  // of the process
+  stage.index->SyncAll();
+  const double process = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const char* phase : {"sync.refine", "sync.bvh"}) {
+    EXPECT_GT(stage.stat((phase + std::string("WallSeconds")).c_str()), 0) << phase;
+    EXPECT_LE(stage.stat((phase + std::string("WallSeconds")).c_str()), wall) << phase;
+    EXPECT_GT(stage.stat((phase + std::string("Seconds")).c_str()), 0) << phase;
+  }
+  constexpr double kTick = 2e-6;  // of std::clock
+  EXPECT_LE(stage.stat("sync.refineSeconds") + stage.stat("sync.bvhSeconds"), process + kTick);
 }
 
 TEST(MeshSync, ARemovedPrimvarIsGone) {
