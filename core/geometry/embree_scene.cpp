@@ -32,12 +32,17 @@ class TraceDevice {
   bool failed() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
 
  private:
-  static void on_error(void* self, RTCError code, const char* text) {
+  // Called from within Embree, which no exception may cross.
+  static void on_error(void* self, RTCError code, const char* text) noexcept {
     // A build that its caller stopped is not a fault.
     if (code == RTC_ERROR_CANCELLED) return;
-    report(static_cast<TraceDevice*>(self)->sink_, Severity::error,
-           code == RTC_ERROR_OUT_OF_MEMORY ? "trace.memory" : "trace.embree", "Embree",
-           std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")");
+    try {
+      report(static_cast<TraceDevice*>(self)->sink_, Severity::error,
+             code == RTC_ERROR_OUT_OF_MEMORY ? "trace.memory" : "trace.embree", "Embree",
+             std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")");
+    } catch (...) {
+      // Memory has run out altogether; the build still ends in null.
+    }
   }
 
   DiagnosticSink sink_;
@@ -170,10 +175,10 @@ class EmbreeInstancedScene final : public InstancedScene {
       : scene_(std::move(device)) {
     if (!scene_.get()) return;
     objects_.reserve(instances.size());
-    for (size_t i = 0; i < instances.size(); ++i) add(instances[i], static_cast<unsigned>(i));
-    rtcCommitScene(scene_.get());
+    for (size_t i = 0; i < instances.size() && !failed_; ++i) failed_ = !add(instances[i], static_cast<unsigned>(i));
+    if (!failed_) rtcCommitScene(scene_.get());
   }
-  bool failed() const { return scene_.failed(); }
+  bool failed() const { return scene_.failed() || failed_; }
 
   bool intersect(const Ray& ray, TriangleHit* hit) const override { return intersect_scene(scene_.get(), ray, hit); }
 
@@ -192,10 +197,10 @@ class EmbreeInstancedScene final : public InstancedScene {
   }
 
  private:
-  void add(const InstancePlacement& placement, unsigned index) {
-    if (!placement.object) return;
+  bool add(const InstancePlacement& placement, unsigned index) {
+    if (!placement.object) return true;
     RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_INSTANCE);
-    if (!geometry) return;
+    if (!geometry) return false;
     // Every ObjectScene comes from build_object_scene.
     rtcSetGeometryInstancedScene(geometry, static_cast<const EmbreeObjectScene&>(*placement.object).get());
     // Embree's columns are the images of the axes and of the origin: the rows of our row-vector matrices.
@@ -206,10 +211,12 @@ class EmbreeInstancedScene final : public InstancedScene {
     rtcAttachGeometryByID(scene_.get(), geometry, index);
     rtcReleaseGeometry(geometry);
     objects_.push_back(placement.object);
+    return !scene_.failed();
   }
 
   std::vector<std::shared_ptr<const ObjectScene>> objects_;  // keep-alive: outlive the scene that refers to them
   SceneHandle scene_;
+  bool failed_ = false;
 };
 
 }  // namespace
