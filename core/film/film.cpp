@@ -51,6 +51,20 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(p
   if (aovs & kClosestAovs) closest_.resize(pixels);
 }
 
+size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
+  size_t bytes = sizeof(decltype(samples_)::value_type) + sizeof(decltype(color_)::value_type);
+  if (aovs & aov_bit(Aov::normal)) bytes += sizeof(decltype(normal_)::value_type);
+  if (aovs & aov_bit(Aov::albedo)) bytes += sizeof(decltype(albedo_)::value_type);
+  if (aovs & kClosestAovs) bytes += sizeof(Closest);
+  return bytes;
+}
+
+size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
+  if (data_window.empty()) return 0;
+  return static_cast<size_t>(data_window.width()) * static_cast<size_t>(data_window.height()) *
+         FilmTile::bytes_per_pixel(aovs);
+}
+
 void FilmTile::add(size_t pixel, const FilmSample& s) {
   ++samples_[pixel];
   auto& c = color_[pixel];

@@ -60,6 +60,8 @@ class FilmTile {
   /// aov_components() values of a pixel: averages, or what the closest sample brought.
   void resolve(size_t pixel, Aov aov, float* out) const;
   int32_t resolve_int(size_t pixel, Aov aov) const;
+  /// Of the accumulators that these AOVs need.
+  static size_t bytes_per_pixel(uint32_t aovs);
 
  private:
   struct Closest {
@@ -71,6 +73,9 @@ class FilmTile {
   std::vector<std::array<double, 3>> normal_, albedo_;
   std::vector<Closest> closest_;
 };
+
+/// Bytes of a Film of this window, but for a few per tile: known before it is allocated.
+size_t film_bytes(const PixelRect& data_window, uint32_t aovs);
 
 /// Accumulators of a data window, in tiles. Workers accumulate privately and store a tile at a time; readers copy a
 /// tile at a time under that tile's lock: neither waits for a whole pass.

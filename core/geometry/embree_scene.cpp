@@ -16,7 +16,9 @@ class TraceDevice {
       rtcSetDeviceErrorFunction(device_, &TraceDevice::on_error, this);
     else
       report(sink_, Severity::error, "trace.device", "Embree",
-             "the ray tracing device could not be made; this processor may lack SSE4.2");
+             "the ray tracing device could not be made (code " +
+                 std::to_string(static_cast<int>(rtcGetDeviceError(nullptr))) +
+                 "); this processor may lack SSE4.2, or memory ran out");
   }
   ~TraceDevice() {
     if (device_) rtcReleaseDevice(device_);
@@ -25,14 +27,22 @@ class TraceDevice {
   TraceDevice& operator=(const TraceDevice&) = delete;
 
   RTCDevice get() const { return device_; }
+  /// Whether Embree refused anything that this thread asked of it since the last call. What it was has been reported.
+  /// Embree keeps one error per thread; work that the thread takes up while it waits for a build asks for its own.
+  bool failed() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
 
  private:
-  static void on_error(void* self, RTCError code, const char* text) {
+  // Called from within Embree, which no exception may cross.
+  static void on_error(void* self, RTCError code, const char* text) noexcept {
     // A build that its caller stopped is not a fault.
     if (code == RTC_ERROR_CANCELLED) return;
-    report(static_cast<TraceDevice*>(self)->sink_, Severity::error,
-           code == RTC_ERROR_OUT_OF_MEMORY ? "trace.memory" : "trace.embree", "Embree",
-           std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")");
+    try {
+      report(static_cast<TraceDevice*>(self)->sink_, Severity::error,
+             code == RTC_ERROR_OUT_OF_MEMORY ? "trace.memory" : "trace.embree", "Embree",
+             std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")");
+    } catch (...) {
+      // Memory has run out altogether; the build still ends in null.
+    }
   }
 
   DiagnosticSink sink_;
@@ -44,8 +54,9 @@ namespace {
 // Owns an Embree scene and, through it, the device that it lives on.
 class SceneHandle {
  public:
-  explicit SceneHandle(std::shared_ptr<TraceDevice> device)
-      : device_(std::move(device)), scene_(device_->get() ? rtcNewScene(device_->get()) : nullptr) {
+  explicit SceneHandle(std::shared_ptr<TraceDevice> device) : device_(std::move(device)) {
+    device_->failed();  // what others left behind is not ours
+    scene_ = rtcNewScene(device_->get());
     if (!scene_) return;
     // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
     // triangles trace a quarter slower.
@@ -60,10 +71,11 @@ class SceneHandle {
 
   RTCScene get() const { return scene_; }
   RTCDevice device() const { return device_->get(); }
+  bool failed() const { return !scene_ || device_->failed(); }
 
  private:
   std::shared_ptr<TraceDevice> device_;
-  RTCScene scene_;
+  RTCScene scene_ = nullptr;
 };
 
 RTCRay to_embree(const Ray& ray) {
@@ -130,6 +142,7 @@ class EmbreeObjectScene final : public ObjectScene {
     return points_ * sizeof(Vec3f) + triangles_ * (3 * sizeof(uint32_t) + kHierarchyBytesPerTriangle);
   }
   RTCScene get() const { return scene_.get(); }
+  bool failed() const { return scene_.failed(); }
 
  private:
   static bool fill(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const void* data, size_t stride,
@@ -162,16 +175,15 @@ class EmbreeInstancedScene final : public InstancedScene {
       : scene_(std::move(device)) {
     if (!scene_.get()) return;
     objects_.reserve(instances.size());
-    for (size_t i = 0; i < instances.size(); ++i) add(instances[i], static_cast<unsigned>(i));
-    rtcCommitScene(scene_.get());
+    for (size_t i = 0; i < instances.size() && !failed_; ++i) failed_ = !add(instances[i], static_cast<unsigned>(i));
+    if (!failed_) rtcCommitScene(scene_.get());
   }
+  bool failed() const { return scene_.failed() || failed_; }
 
-  bool intersect(const Ray& ray, TriangleHit* hit) const override {
-    return scene_.get() && intersect_scene(scene_.get(), ray, hit);
-  }
+  bool intersect(const Ray& ray, TriangleHit* hit) const override { return intersect_scene(scene_.get(), ray, hit); }
 
   bool occluded(const Ray& ray) const override {
-    if (!scene_.get() || !is_traceable(ray)) return false;
+    if (!is_traceable(ray)) return false;
     RTCRay query = to_embree(ray);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -185,10 +197,10 @@ class EmbreeInstancedScene final : public InstancedScene {
   }
 
  private:
-  void add(const InstancePlacement& placement, unsigned index) {
-    if (!placement.object) return;
+  bool add(const InstancePlacement& placement, unsigned index) {
+    if (!placement.object) return true;
     RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_INSTANCE);
-    if (!geometry) return;
+    if (!geometry) return false;
     // Every ObjectScene comes from build_object_scene.
     rtcSetGeometryInstancedScene(geometry, static_cast<const EmbreeObjectScene&>(*placement.object).get());
     // Embree's columns are the images of the axes and of the origin: the rows of our row-vector matrices.
@@ -199,16 +211,19 @@ class EmbreeInstancedScene final : public InstancedScene {
     rtcAttachGeometryByID(scene_.get(), geometry, index);
     rtcReleaseGeometry(geometry);
     objects_.push_back(placement.object);
+    return !scene_.failed();
   }
 
   std::vector<std::shared_ptr<const ObjectScene>> objects_;  // keep-alive: outlive the scene that refers to them
   SceneHandle scene_;
+  bool failed_ = false;
 };
 
 }  // namespace
 
 std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink) {
-  return std::make_shared<TraceDevice>(sink);
+  auto device = std::make_shared<TraceDevice>(sink);
+  return device->get() ? device : nullptr;
 }
 
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
@@ -223,14 +238,15 @@ std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<Trac
   }
   // Waits in the caller's task arena; rtcJoinCommitScene would move the build to an arena of Embree's own.
   rtcCommitScene(object->get());
-  if (monitor.stopped) return nullptr;
+  if (object->failed() || monitor.stopped) return nullptr;
   rtcSetSceneProgressMonitorFunction(object->get(), nullptr, nullptr);
   return object;
 }
 
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances) {
-  return std::make_shared<EmbreeInstancedScene>(device, instances);
+  auto scene = std::make_shared<EmbreeInstancedScene>(device, instances);
+  return scene->failed() ? nullptr : scene;
 }
 
 }  // namespace alabaster

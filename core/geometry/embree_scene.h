@@ -16,6 +16,7 @@ namespace alabaster {
 
 /// Owns the Embree device. One per delegate; outlives what is built with it (held by shared_ptr inside).
 class TraceDevice;
+/// Null if Embree has none to give (reported).
 std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink);
 
 struct TriangleHit {
@@ -35,7 +36,7 @@ class ObjectScene {
 };
 /// `cancelled` (may be empty) is asked while building, from any of its threads and not always at a time; when it
 /// returns true the build stops and null is returned. The mesh is copied. Builds with the threads of the caller's task
-/// arena. Null also when memory runs out (reported). A mesh without triangles is never hit.
+/// arena. Null also when memory runs out or Embree refuses (reported). A mesh without triangles is never hit.
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,
                                                       const std::function<bool()>& cancelled);
 
@@ -53,6 +54,7 @@ class InstancedScene {
   virtual size_t memory_bytes() const = 0;
 };
 /// A placement without an object, and one whose transform is not finite, is never hit; the others keep their indices.
+/// Null when memory runs out or Embree refuses (reported).
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances);
 

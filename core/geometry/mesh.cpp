@@ -168,7 +168,7 @@ int affordable_level(const Cage& cage, const RefinementOptions& options, const D
     report(sink, Severity::warning, "mesh.subdivision.memory", options.where,
            "subdivision level " + std::to_string(capped) + " wanted, level " + std::to_string(level) +
                " used: the next would need more than " + std::to_string(options.memory_limit >> 20) +
-               " MiB; raise the memory limit or lower the level");
+               " MiB; lower refineLevel to silence this, or split the mesh to refine it further");
   return level;
 }
 

@@ -13,12 +13,6 @@ struct Affine {
   Vec3f vector(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
   /// Applies the transpose of the linear part: with the inverse map this carries normals (unnormalised).
   Vec3f transpose_vector(const Vec3f& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
-  /// Bound of the linear part's growth of coordinates (max column sum of absolute values).
-  float linear_bound() const {
-    return std::max(
-        std::abs(x.x) + std::abs(y.x) + std::abs(z.x),
-        std::max(std::abs(x.y) + std::abs(y.y) + std::abs(z.y), std::abs(x.z) + std::abs(y.z) + std::abs(z.z)));
-  }
 };
 
 inline Affine to_affine(const Matrix4d& m) {
@@ -44,7 +38,8 @@ inline Vec3d transform_vector(const Vec3d& v, const Matrix4d& m) {
           v.x * m[0][2] + v.y * m[1][2] + v.z * m[2][2]};
 }
 
-/// True when every entry is finite, the last column is (0,0,0,1) and the linear part is invertible.
+/// True when every entry is finite, the last column is (0,0,0,1) and the linear part is invertible: in double and in
+/// the float that inner loops use (a scale of 1e300 or 1e-60 is neither).
 bool is_valid_affine(const Matrix4d& m);
 
 }  // namespace alabaster

@@ -28,7 +28,8 @@ bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink) {
   if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
   if (is_valid_affine(d.object_to_world)) return true;
   report(sink, Severity::warning, "instance.transform", d.name,
-         "the transform is not finite, not affine or not invertible: the instance is left out; check its scale");
+         "the transform is not finite, not affine or not invertible in single precision: the instance is left out; "
+         "check its scale");
   return false;
 }
 

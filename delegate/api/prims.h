@@ -26,7 +26,8 @@ class ALABASTER_API Instancer {
   Path id_;
 };
 
-/// Common to R-, S- and Bprims. Sync converts what is dirty and leaves *bits clean (or what is still dirty).
+/// Common to R-, S- and Bprims. Sync converts what is dirty and leaves *bits clean (or what is still dirty). What the
+/// scene delegate throws is reported; *bits stay as they were, and the next Sync tries again.
 /// Finalize comes exactly once, before destruction.
 class ALABASTER_API Prim {
  public:
@@ -75,7 +76,8 @@ class ALABASTER_API RenderBuffer : public Bprim {
   /// Makes Map show what has been rendered so far. Any thread.
   virtual void Resolve() = 0;
   /// The pixels as last resolved, alive until the matching Unmap whatever happens to the buffer meanwhile. Null if
-  /// nothing is allocated. Any thread; nests.
+  /// nothing is allocated. Any thread; nests. Pixels still mapped when their buffer is destroyed can be unmapped no
+  /// more: they live until the delegate dies. Unmap before destroying.
   virtual const void* Map() = 0;
   virtual void Unmap() = 0;
   virtual bool IsMapped() const = 0;

@@ -43,7 +43,7 @@ class ALABASTER_API RenderDelegate {
   virtual void DestroyBprim(Bprim* prim) = 0;
   virtual void DestroyInstancer(Instancer* instancer) = 0;
 
-  virtual std::unique_ptr<RenderPass> CreateRenderPass() = 0;  // dies before the delegate
+  virtual std::unique_ptr<RenderPass> CreateRenderPass() = 0;  // dies before the delegate; null: failed (reported)
   virtual RenderParam* GetRenderParam() = 0;
   virtual void CommitResources() = 0;
 
@@ -58,8 +58,12 @@ class ALABASTER_API RenderDelegate {
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
   /// cpuSeconds, rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
-  /// walk.safetyCap, walk.maxWeight, nonfiniteSamples, rejectedRays, error; sync.refineSeconds, sync.bvhSeconds (CPU),
-  /// sync.commitSeconds.
+  /// walk.safetyCap, walk.maxWeight, nonfiniteSamples, rejectedRays, error; and of Sync, since the delegate was made:
+  /// - sync.refineWallSeconds, sync.bvhWallSeconds: wall time during which at least one mesh was being refined, or its
+  ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
+  /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in
+  ///   proportion to the meshes in each while both go on. A render that continues meanwhile is in it;
+  /// - sync.commitSeconds: wall time of CommitResources.
   virtual Dictionary GetRenderStats() const = 0;
 
   // Background control: legal at any time, also before the first render.

@@ -1,13 +1,13 @@
 #include "delegate/host/frame_recorder.h"
 
-#include <sys/resource.h>
-
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <ctime>
 #include <set>
 #include <thread>
+
+#include "delegate/sync/process_usage.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -18,13 +18,13 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-double process_cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+/// For destructors: what cannot be tidied up is left, and the host goes on.
+template <class Body>
+void quietly(const Body& body) noexcept {
+  try {
+    body();
+  } catch (...) {
+  }
 }
 
 /// Wall and CPU seconds of one phase, noted in the statistics when it ends.
@@ -32,8 +32,10 @@ class Phase {
  public:
   Phase(Dictionary* stats, std::string name) : stats_(stats), name_("phase." + std::move(name)) {}
   ~Phase() {
-    (*stats_)[name_ + ".wall"] = seconds_since(wall_);
-    (*stats_)[name_ + ".cpu"] = process_cpu_seconds() - cpu_;
+    quietly([&] {
+      (*stats_)[name_ + ".wall"] = seconds_since(wall_);
+      (*stats_)[name_ + ".cpu"] = sync::process_cpu_seconds() - cpu_;
+    });
   }
   Phase(const Phase&) = delete;
   Phase& operator=(const Phase&) = delete;
@@ -42,7 +44,7 @@ class Phase {
   Dictionary* stats_;
   std::string name_;
   Clock::time_point wall_ = Clock::now();
-  double cpu_ = process_cpu_seconds();
+  double cpu_ = sync::process_cpu_seconds();
 };
 
 /// Stops the delegate as soon as the host cancels, while the calling thread is inside Sync.
@@ -98,23 +100,55 @@ class Recording {
   Recording(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings, const RecordOptions& options)
       : index_(index), scene_(scene), delegate_(index->GetRenderDelegate()), settings_(settings), options_(options) {}
 
-  RecordResult run() {
-    if (!prepare()) return std::move(result_);
-    const Value previous = delegate_->GetRenderSetting(kSettingsPath);
-    delegate_->SetRenderSetting(kSettingsPath, settings_);
-    allocate();
-    sync();
-    if (!cancelled()) render();
-    collect_stats();
-    if (result_.status == RecordStatus::done || (result_.status == RecordStatus::interrupted && rendered_)) write();
-    for (const auto& [aov, path] : buffers_) scene_->Remove(path);
-    delegate_->SetRenderSetting(kSettingsPath, previous);
-    if (delegate_->IsStopped()) delegate_->Restart();
+  /// The net under record(): the host's callbacks, memory and threads may all fail.
+  RecordResult run() noexcept {
+    try {
+      record();
+    } catch (const std::exception& e) {
+      refuse_exception(e.what());
+    } catch (...) {
+      refuse_exception("unknown reason");
+    }
     return std::move(result_);
   }
 
  private:
   static constexpr const char* kSettingsPath = "renderSettingsPrimPath";
+
+  /// What a recording changes in host and delegate, put back however it ends.
+  class Borrowed {
+   public:
+    explicit Borrowed(Recording* recording)
+        : recording_(recording), previous_(recording->delegate_->GetRenderSetting(kSettingsPath)) {
+      recording_->delegate_->SetRenderSetting(kSettingsPath, recording_->settings_);
+    }
+    ~Borrowed() {
+      for (const auto& buffer : recording_->buffers_) quietly([&] { recording_->scene_->Remove(buffer.second); });
+      quietly([&] { recording_->delegate_->SetRenderSetting(kSettingsPath, previous_); });
+      if (recording_->delegate_->IsStopped()) recording_->delegate_->Restart();
+    }
+    Borrowed(const Borrowed&) = delete;
+    Borrowed& operator=(const Borrowed&) = delete;
+
+   private:
+    Recording* recording_;
+    Value previous_;
+  };
+
+  void record() {
+    if (!prepare()) return;
+    const Borrowed borrowed(this);
+    allocate();
+    if (!sync()) return;
+    if (!cancelled()) render();
+    collect_stats();
+    if (result_.status == RecordStatus::done || (result_.status == RecordStatus::interrupted && rendered_)) write();
+  }
+
+  void refuse_exception(const char* what) noexcept {
+    result_.status = RecordStatus::render_failed;
+    quietly([&] { report("record.exception", std::string("failed: ") + what); });
+  }
 
   bool refuse(RecordStatus status, const char* code, const std::string& text) {
     result_.status = status;
@@ -171,10 +205,11 @@ class Recording {
     return result_.status == RecordStatus::interrupted;
   }
 
-  void sync() {
+  bool sync() {
     const Phase phase(&phases_, "sync");
     const CancelWatch watch(options_.cancel, delegate_);
-    index_->SyncAll();
+    return index_->SyncAll() || refuse(RecordStatus::render_failed, "record.sync",
+                                       "the scene could not be synced: memory or threads ran out");
   }
 
   RenderPassState pass_state() const {
@@ -201,6 +236,10 @@ class Recording {
     const Phase phase(&phases_, "render");
     started_ = Clock::now();
     const std::unique_ptr<RenderPass> pass = delegate_->CreateRenderPass();
+    if (!pass) {
+      refuse(RecordStatus::render_failed, "record.pass", "the delegate made no render pass");
+      return;
+    }
     const RenderPassState state = pass_state();
     pass->Execute(state);
     double told = 0;

@@ -33,7 +33,9 @@ struct RecordResult {
 };
 
 /// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
-/// name (color if there is no product), syncs, renders to convergence and writes the products.
+/// name (color if there is no product), syncs, renders to convergence and writes the products. Throws nothing, not even
+/// what the callbacks of `options` throw: that fails the recording. However it ends, its render buffers are removed and
+/// the delegate's settings are as before.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 

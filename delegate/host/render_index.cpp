@@ -21,6 +21,25 @@ struct Entry {
   bool visible = true;  // of an rprim, as last pulled
 };
 
+/// A host that throws here throws once more when the prim asks: and the prim reports it.
+bool pull_visible(const Entry& entry, const Path& id) {
+  try {
+    return entry.scene->GetVisible(id);
+  } catch (...) {
+    return true;
+  }
+}
+
+/// Runs what may run out of memory or threads; false if it did.
+template <class Body>
+bool succeeds(const Body& body) noexcept {
+  try {
+    return body();
+  } catch (...) {
+    return false;
+  }
+}
+
 /// One prim of a Sync: its bits are read before and written after the parallel part, so that the tracker needs no lock.
 struct Work {
   Path id;
@@ -51,13 +70,14 @@ struct RenderIndex::State {
   void sync_one(Work& work) const;
   tbb::task_arena& sync_arena();
   void sync_kind(Kind kind, const Token& type, bool parallel);
+  void sync_dirty();
 };
 
 bool RenderIndex::State::insert(const Path& id, const Entry& entry) {
-  entries.emplace(id, entry);
   DirtyBits bits = dirty::kAll;
   if (entry.prim) bits = entry.prim->GetInitialDirtyBitsMask();
   tracker.MarkDirty(id, bits);
+  entries.emplace(id, entry);  // last: whoever fails before it has entered nothing
   return true;
 }
 
@@ -85,7 +105,7 @@ void RenderIndex::State::destroy(const Entry& entry) {
   if (entry.kind == Kind::rprim) {
     auto* rprim = static_cast<Rprim*>(entry.prim);
     path_of_prim_id.erase(rprim->GetPrimId());
-    free_prim_ids.insert(rprim->GetPrimId());
+    succeeds([&] { return free_prim_ids.insert(rprim->GetPrimId()).second; });  // else the number is lost, no more
     delegate->DestroyRprim(rprim);
   } else if (entry.kind == Kind::sprim) {
     delegate->DestroySprim(static_cast<Sprim*>(entry.prim));
@@ -110,7 +130,7 @@ void RenderIndex::State::sync_one(Work& work) const {
   if (entry.kind == Kind::instancer) return entry.instancer->Sync(entry.scene, param, &work.bits);
   if (entry.kind != Kind::rprim) return entry.prim->Sync(entry.scene, param, &work.bits);
 
-  if (work.bits & dirty::kVisibility) entry.visible = entry.scene->GetVisible(work.id);
+  if (work.bits & dirty::kVisibility) entry.visible = pull_visible(entry, work.id);
   if (entry.visible) return entry.prim->Sync(entry.scene, param, &work.bits);
   // Nobody sees it: its geometry is pulled and refined only when somebody does.
   DirtyBits now = work.bits & dirty::kVisibility;
@@ -157,27 +177,43 @@ bool RenderIndex::InsertRprim(const Token& type, SceneDelegate* scene, const Pat
   if (Has(id)) return false;
   Rprim* prim = state_->delegate->CreateRprim(type, id);
   if (!prim) return false;
-  prim->SetPrimId(state_->take_prim_id(id));
-  return state_->insert(id, {.kind = Kind::rprim, .type = type, .scene = scene, .prim = prim});
+  const auto entered = [&] {
+    prim->SetPrimId(state_->take_prim_id(id));
+    return state_->insert(id, {.kind = Kind::rprim, .type = type, .scene = scene, .prim = prim});
+  };
+  if (succeeds(entered)) return true;
+  state_->delegate->DestroyRprim(prim);
+  return false;
 }
 
 bool RenderIndex::InsertSprim(const Token& type, SceneDelegate* scene, const Path& id) {
   if (Has(id)) return false;
   Sprim* prim = state_->delegate->CreateSprim(type, id);
-  return prim && state_->insert(id, {.kind = Kind::sprim, .type = type, .scene = scene, .prim = prim});
+  if (!prim) return false;
+  const Entry entry{.kind = Kind::sprim, .type = type, .scene = scene, .prim = prim};
+  if (succeeds([&] { return state_->insert(id, entry); })) return true;
+  state_->delegate->DestroySprim(prim);
+  return false;
 }
 
 bool RenderIndex::InsertBprim(const Token& type, SceneDelegate* scene, const Path& id) {
   if (Has(id)) return false;
   Bprim* prim = state_->delegate->CreateBprim(type, id);
-  return prim && state_->insert(id, {.kind = Kind::bprim, .type = type, .scene = scene, .prim = prim});
+  if (!prim) return false;
+  const Entry entry{.kind = Kind::bprim, .type = type, .scene = scene, .prim = prim};
+  if (succeeds([&] { return state_->insert(id, entry); })) return true;
+  state_->delegate->DestroyBprim(prim);
+  return false;
 }
 
 bool RenderIndex::InsertInstancer(SceneDelegate* scene, const Path& id) {
   if (Has(id)) return false;
   Instancer* instancer = state_->delegate->CreateInstancer(id);
-  return instancer &&
-         state_->insert(id, {.kind = Kind::instancer, .type = Token(), .scene = scene, .instancer = instancer});
+  if (!instancer) return false;
+  const Entry entry{.kind = Kind::instancer, .type = Token(), .scene = scene, .instancer = instancer};
+  if (succeeds([&] { return state_->insert(id, entry); })) return true;
+  state_->delegate->DestroyInstancer(instancer);
+  return false;
 }
 
 void RenderIndex::Remove(const Path& id) {
@@ -217,19 +253,25 @@ RenderDelegate* RenderIndex::GetRenderDelegate() const {
   return state_->delegate;
 }
 
-void RenderIndex::SyncAll() {
+void RenderIndex::State::sync_dirty() {
+  for (const Token& type : delegate->GetSupportedBprimTypes()) sync_kind(Kind::bprim, type, false);
+  // Materials decode images: worth all threads. Other Sprims are cheap, and hosts expect them one at a time.
+  for (const Token& type : delegate->GetSupportedSprimTypes()) sync_kind(Kind::sprim, type, type == Token("material"));
+  sync_kind(Kind::instancer, Token(), false);
+  for (const Token& type : delegate->GetSupportedRprimTypes()) sync_kind(Kind::rprim, type, true);
+}
+
+bool RenderIndex::SyncAll() {
   State& s = *state_;
+  bool synced = true;
   if (s.queued || s.synced_version != s.tracker.GetVersion()) {
     s.queued = false;
     s.synced_version = s.tracker.GetVersion();
-    for (const Token& type : s.delegate->GetSupportedBprimTypes()) s.sync_kind(Kind::bprim, type, false);
-    // Materials decode images: worth all threads. Other Sprims are cheap, and hosts expect them one at a time.
-    for (const Token& type : s.delegate->GetSupportedSprimTypes())
-      s.sync_kind(Kind::sprim, type, type == Token("material"));
-    s.sync_kind(Kind::instancer, Token(), false);
-    for (const Token& type : s.delegate->GetSupportedRprimTypes()) s.sync_kind(Kind::rprim, type, true);
+    synced = succeeds([&] { return s.sync_dirty(), true; });
+    s.queued = s.queued || !synced;
   }
   s.delegate->CommitResources();
+  return synced;
 }
 
 }  // namespace alabaster::hd::host

@@ -27,7 +27,7 @@ class ALABASTER_API RenderIndex {
   RenderIndex(const RenderIndex&) = delete;
   RenderIndex& operator=(const RenderIndex&) = delete;
 
-  /// False if the delegate does not know the type, or the id is taken.
+  /// False if the delegate does not know the type, the id is taken, or memory ran out.
   bool InsertRprim(const Token& type, SceneDelegate* scene, const Path& id);
   bool InsertSprim(const Token& type, SceneDelegate* scene, const Path& id);
   bool InsertBprim(const Token& type, SceneDelegate* scene, const Path& id);
@@ -43,8 +43,9 @@ class ALABASTER_API RenderIndex {
   RenderDelegate* GetRenderDelegate() const;
 
   /// Bprims, Sprims (type by type), instancers, Rprims (in parallel), then CommitResources. Invisible rprims are
-  /// skipped but for their visibility; their other bits stay queued.
-  void SyncAll();
+  /// skipped but for their visibility; their other bits stay queued. False if memory or threads ran out: what was not
+  /// synced stays dirty for the next call.
+  bool SyncAll();
 
  private:
   struct State;

@@ -34,16 +34,16 @@ void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::Diag
 
 void CameraPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
-  guarded(param.sink(), GetId().str(), [&] {
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
     if (*bits & dirty::kTransform) camera_.camera_to_world = scene->GetTransform(GetId());
     if (*bits & dirty::kParams) pull_parameters(*scene, GetId(), param.sink(), &camera_);
     param.post(GetId(), CameraRecord{camera_});
   });
-  *bits = dirty::kClean;
+  if (synced) *bits = dirty::kClean;
 }
 
 void CameraPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).post(GetId(), {});
+  SceneParam::of(param).remove(GetId());
 }
 
 }  // namespace alabaster::hd::sync

@@ -35,6 +35,15 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
   };
 }
 
+void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept {
+  try {
+    alabaster::report(sink, alabaster::Severity::error, "delegate.exception", std::string(where),
+                      std::string("failed: ") + what + "; what was there before is kept");
+  } catch (...) {
+    // Memory has run out altogether.
+  }
+}
+
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known) {
   std::string nearest;
   size_t fewest = name.size() / 2 + 1;

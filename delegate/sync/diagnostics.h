@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/diagnostics/report.h"
@@ -16,17 +17,19 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host);
 /// The name in `known` that is fewest edits away from `name`; empty if none is near (more than half of it differs).
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
 
+/// Reports what an entry point caught; gives up quietly where not even a report can be made.
+void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept;
+
 /// Runs a boundary entry point. An exception becomes a report and false.
 template <class F>
-bool guarded(const alabaster::DiagnosticSink& sink, const std::string& where, F&& body) {
+bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& body) noexcept {
   try {
     body();
     return true;
   } catch (const std::exception& e) {
-    alabaster::report(sink, alabaster::Severity::error, "delegate.exception", where,
-                      std::string("failed: ") + e.what() + "; what was there before is kept");
+    report_exception(sink, where, e.what());
   } catch (...) {
-    alabaster::report(sink, alabaster::Severity::error, "delegate.exception", where, "failed for an unknown reason");
+    report_exception(sink, where, "unknown reason");
   }
   return false;
 }

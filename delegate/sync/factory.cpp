@@ -13,7 +13,13 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   auto device = colors ? make_trace_device(sink) : nullptr;
   if (!device) return nullptr;  // both have told why
   auto param = std::make_shared<hd::sync::SceneParam>(sink, std::move(device), std::move(colors));
-  return new hd::sync::RenderDelegateImpl(std::make_shared<hd::sync::RenderCore>(std::move(param), settings));
+  auto delegate = std::make_unique<hd::sync::RenderDelegateImpl>(
+      std::make_shared<hd::sync::RenderCore>(std::move(param), settings));
+  // Lists made at the first call are made here, where failing is still an answer.
+  delegate->GetSupportedRprimTypes();
+  delegate->GetSupportedSprimTypes();
+  delegate->GetSupportedBprimTypes();
+  return delegate.release();
 }
 
 }  // namespace
@@ -25,7 +31,8 @@ hd::RenderDelegate* CreateAlabasterRenderDelegate(uint32_t abi_version, const hd
   if (abi_version != hd::kAbiVersion) return nullptr;  // the options' layout is not known either
   const hd::DelegateOptions defaults;
   const hd::DelegateOptions& used = options ? *options : defaults;
-  const DiagnosticSink sink = hd::sync::core_sink(used.diagnostics);
+  DiagnosticSink sink;  // empty should it be what fails
+  hd::sync::guarded({}, "CreateAlabasterRenderDelegate", [&] { sink = hd::sync::core_sink(used.diagnostics); });
   hd::sync::guarded(sink, "CreateAlabasterRenderDelegate", [&] { delegate = create(used, sink); });
   return delegate;
 }

@@ -78,7 +78,7 @@ std::shared_ptr<const std::vector<Matrix4d>> pull_points(SceneDelegate& scene, c
 
 void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
-  guarded(param.sink(), GetId().str(), [&] {
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
     if (*bits & dirty::kTransform) record_.transform = scene->GetInstancerTransform(GetId());
     if (*bits & dirty::kPrimvar) {
       auto points = pull_points(*scene, GetId(), param.sink());
@@ -91,11 +91,11 @@ void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyB
           record_.parent.empty() ? Array<int32_t>() : scene->GetInstanceIndices(record_.parent, GetId());
     param.post(GetId(), record_);
   });
-  *bits = dirty::kClean;
+  if (synced) *bits = dirty::kClean;
 }
 
 void InstancerPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).post(GetId(), {});
+  SceneParam::of(param).remove(GetId());
 }
 
 }  // namespace alabaster::hd::sync

@@ -20,7 +20,7 @@ std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id
 
 void LightPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
-  guarded(param.sink(), GetId().str(), [&] {
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
     if (*bits & dirty::kTransform) light_.light_to_world = scene->GetTransform(GetId());
     if (*bits & dirty::kParams) {
       const alabaster::LightDescription defaults;
@@ -35,11 +35,11 @@ void LightPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits*
       light_.texture = pull_texture(*scene, GetId(), param);
     param.post(GetId(), LightRecord{light_});
   });
-  *bits = dirty::kClean;
+  if (synced) *bits = dirty::kClean;
 }
 
 void LightPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).post(GetId(), {});
+  SceneParam::of(param).remove(GetId());
 }
 
 }  // namespace alabaster::hd::sync

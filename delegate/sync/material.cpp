@@ -120,18 +120,18 @@ class MaterialReader {
 
 void MaterialPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
-  guarded(param.sink(), GetId().str(), [&] {
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
     if (!(*bits & (dirty::kResource | dirty::kParams))) return;
     MaterialNetwork network = scene->GetMaterialResource(GetId());
     if (network_ && *network_ == network) return;
-    network_ = std::move(network);
-    param.post(GetId(), MaterialRecord{MaterialReader(GetId(), *network_, param).read()});
+    param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read()});
+    network_ = std::move(network);  // last: a network counts as known once it is posted
   });
-  *bits = dirty::kClean;
+  if (synced) *bits = dirty::kClean;
 }
 
 void MaterialPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).post(GetId(), {});
+  SceneParam::of(param).remove(GetId());
 }
 
 }  // namespace alabaster::hd::sync

@@ -76,7 +76,6 @@ bool MeshPrim::build(SceneParam& param) {
   std::shared_ptr<MeshPrototype> prototype;
   bool finished = true;
   param.run([&] {
-    const double start = thread_seconds();
     if (param.cancelled()) {
       finished = false;
       return;
@@ -86,12 +85,13 @@ bool MeshPrim::build(SceneParam& param) {
     RefinementOptions options;
     options.level = std::clamp(pulled_.style.refineLevel, 0, 8);
     options.where = where;
-    prototype->mesh = build_mesh(cage, options, param.sink());
-    const double refined = thread_seconds();
-    param.times.refine += refined - start;
+    {
+      const SyncClock::Running running(&param.clock, SyncPhase::refine);
+      prototype->mesh = build_mesh(cage, options, param.sink());
+    }
+    const SyncClock::Running running(&param.clock, SyncPhase::bvh);
     if (!prototype->mesh.triangles.empty())
       prototype->object = build_object_scene(param.device(), prototype->mesh, [&param] { return param.cancelled(); });
-    param.times.bvh += thread_seconds() - refined;
     finished = !param.cancelled() || prototype->object;
   });
   if (!finished) return false;
@@ -102,7 +102,7 @@ bool MeshPrim::build(SceneParam& param) {
 void MeshPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
   DirtyBits left = dirty::kClean;
-  guarded(param.sink(), GetId().str(), [&] {
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
     pull(*scene, *bits);
     if (shape_changed_) {
       if (build(param))
@@ -115,11 +115,11 @@ void MeshPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* 
     record_.materials = slot_materials(pulled_.topology, material_);
     param.post(GetId(), record_);
   });
-  *bits = left;
+  if (synced) *bits = left;
 }
 
 void MeshPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).post(GetId(), {});
+  SceneParam::of(param).remove(GetId());
 }
 
 }  // namespace alabaster::hd::sync

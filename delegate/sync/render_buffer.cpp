@@ -211,12 +211,16 @@ RenderBufferPrim::RenderBufferPrim(const Path& id, std::shared_ptr<SceneParam> p
 
 // A mapping outlives its buffer: the delegate keeps what a host may still read.
 RenderBufferPrim::~RenderBufferPrim() {
-  for (auto& store : state_->mapped_stores()) param_->keep(std::move(store));
+  guarded(param_->sink(), GetId().str(), [&] {
+    for (auto& store : state_->mapped_stores()) param_->keep(std::move(store));
+  });
 }
 
 void RenderBufferPrim::Sync(SceneDelegate* scene, RenderParam*, DirtyBits* bits) {
-  if (*bits & dirty::kDescription) Allocate(scene->GetRenderBufferDescriptor(GetId()));
-  *bits = dirty::kClean;
+  const bool synced = guarded(param_->sink(), GetId().str(), [&] {
+    if (*bits & dirty::kDescription) Allocate(scene->GetRenderBufferDescriptor(GetId()));
+  });
+  if (synced) *bits = dirty::kClean;
 }
 
 void RenderBufferPrim::Finalize(RenderParam*) {}

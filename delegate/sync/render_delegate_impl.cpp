@@ -7,7 +7,7 @@
 namespace alabaster::hd::sync {
 
 RenderDelegateImpl::~RenderDelegateImpl() {
-  core_->stop();  // also what a host forgot to end
+  RenderDelegateImpl::Stop();  // also what a host forgot to end
 }
 
 const std::vector<Token>& RenderDelegateImpl::GetSupportedRprimTypes() const {
@@ -26,31 +26,36 @@ const std::vector<Token>& RenderDelegateImpl::GetSupportedBprimTypes() const {
 }
 
 Rprim* RenderDelegateImpl::CreateRprim(const Token& type, const Path& id) {
-  return type == Token("mesh") ? new MeshPrim(id) : nullptr;
+  return answer<Rprim*>("CreateRprim", [&](Rprim*& prim) {
+    if (type == Token("mesh")) prim = new MeshPrim(id);
+  });
 }
 
 Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
-  if (type == Token("camera")) return new CameraPrim(id);
-  if (type == Token("material")) return new MaterialPrim(id);
-  if (type == Token("rectLight")) return new LightPrim(id, LightType::rect);
-  if (type == Token("sphereLight")) return new LightPrim(id, LightType::sphere);
-  if (type == Token("distantLight")) return new LightPrim(id, LightType::distant);
-  if (type == Token("domeLight")) return new LightPrim(id, LightType::dome);
-  return nullptr;
+  return answer<Sprim*>("CreateSprim", [&](Sprim*& prim) {
+    if (type == Token("camera")) prim = new CameraPrim(id);
+    if (type == Token("material")) prim = new MaterialPrim(id);
+    if (type == Token("rectLight")) prim = new LightPrim(id, LightType::rect);
+    if (type == Token("sphereLight")) prim = new LightPrim(id, LightType::sphere);
+    if (type == Token("distantLight")) prim = new LightPrim(id, LightType::distant);
+    if (type == Token("domeLight")) prim = new LightPrim(id, LightType::dome);
+  });
 }
 
 Bprim* RenderDelegateImpl::CreateBprim(const Token& type, const Path& id) {
-  if (type == Token("renderSettings")) return new RenderSettingsPrim(id);
-  if (type == Token("renderBuffer")) return new RenderBufferPrim(id, core_->param);
-  return nullptr;
+  return answer<Bprim*>("CreateBprim", [&](Bprim*& prim) {
+    if (type == Token("renderSettings")) prim = new RenderSettingsPrim(id);
+    if (type == Token("renderBuffer")) prim = new RenderBufferPrim(id, core_->param);
+  });
 }
 
 Instancer* RenderDelegateImpl::CreateInstancer(const Path& id) {
-  return new InstancerPrim(id);
+  return answer<Instancer*>("CreateInstancer", [&](Instancer*& instancer) { instancer = new InstancerPrim(id); });
 }
 
 std::unique_ptr<RenderPass> RenderDelegateImpl::CreateRenderPass() {
-  return std::make_unique<RenderPassImpl>(core_);
+  return answer<std::unique_ptr<RenderPass>>("CreateRenderPass",
+                                             [&](auto& pass) { pass = std::make_unique<RenderPassImpl>(core_); });
 }
 
 void RenderDelegateImpl::CommitResources() {
@@ -61,37 +66,55 @@ void RenderDelegateImpl::SetRenderSetting(const Token& key, const Value& value) 
   guarded(core_->param->sink(), "SetRenderSetting", [&] { core_->set_setting(key, value); });
 }
 
+Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
+  return answer<Value>("GetRenderSetting", [&](Value& value) { value = core_->setting(key); });
+}
+
 std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescriptors() const {
-  std::vector<RenderSettingDescriptor> descriptors;
-  const RenderSettings defaults;
-  for (const SettingParameter& parameter : setting_parameters()) {
-    RenderSettingDescriptor d;
-    d.name = parameter.name;
-    d.key = parameter.name;
-    d.defaultValue = get_setting(parameter, defaults);
-    if (parameter.choices.empty()) {
-      d.minimum = static_cast<int64_t>(parameter.minimum);
-      d.maximum = static_cast<int64_t>(parameter.maximum);
+  return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [&](auto& descriptors) {
+    const RenderSettings defaults;
+    for (const SettingParameter& parameter : setting_parameters()) {
+      RenderSettingDescriptor d;
+      d.name = parameter.name;
+      d.key = parameter.name;
+      d.defaultValue = get_setting(parameter, defaults);
+      if (parameter.choices.empty()) {
+        d.minimum = static_cast<int64_t>(parameter.minimum);
+        d.maximum = static_cast<int64_t>(parameter.maximum);
+      }
+      d.choices = parameter.choices;
+      d.documentation = parameter.documentation;
+      d.effect = SettingEffect::restart;
+      descriptors.push_back(std::move(d));
     }
-    d.choices = parameter.choices;
-    d.documentation = parameter.documentation;
-    d.effect = SettingEffect::restart;
-    descriptors.push_back(std::move(d));
-  }
-  return descriptors;
+  });
+}
+
+void RenderDelegateImpl::Pause() {
+  guarded(core_->param->sink(), "Pause", [&] { core_->pause(); });
+}
+
+void RenderDelegateImpl::Resume() {
+  guarded(core_->param->sink(), "Resume", [&] { core_->resume(); });
+}
+
+void RenderDelegateImpl::Stop() {
+  guarded(core_->param->sink(), "Stop", [&] { core_->stop(); });
+}
+
+void RenderDelegateImpl::Restart() {
+  guarded(core_->param->sink(), "Restart", [&] { core_->restart(); });
 }
 
 AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) const {
-  return default_aov_descriptor(aov);
+  return answer<AovDescriptor>("GetDefaultAovDescriptor", [&](auto& d) { d = default_aov_descriptor(aov); });
 }
 
 Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary&) {
-  Value answer;
-  guarded(core_->param->sink(), "InvokeCommand", [&] {
-    if (command == Token("dumpScene")) answer = core_->dump();
-    if (command == Token("requirements")) answer = core_->requirements();
+  return answer<Value>("InvokeCommand", [&](Value& value) {
+    if (command == Token("dumpScene")) value = core_->dump();
+    if (command == Token("requirements")) value = core_->requirements();
   });
-  return answer;
 }
 
 }  // namespace alabaster::hd::sync

@@ -29,22 +29,30 @@ class RenderDelegateImpl final : public RenderDelegate {
   void CommitResources() override;
 
   void SetRenderSetting(const Token& key, const Value& value) override;
-  Value GetRenderSetting(const Token& key) const override { return core_->setting(key); }
+  Value GetRenderSetting(const Token& key) const override;
   std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const override;
   uint32_t GetRenderSettingsVersion() const override { return core_->settings_version(); }
   Dictionary GetRenderStats() const override;
 
-  void Pause() override { core_->pause(); }
-  void Resume() override { core_->resume(); }
+  void Pause() override;
+  void Resume() override;
   bool IsPaused() const override { return core_->is_paused(); }
-  void Stop() override { core_->stop(); }
-  void Restart() override { core_->restart(); }
+  void Stop() override;
+  void Restart() override;
   bool IsStopped() const override { return core_->is_stopped(); }
 
   AovDescriptor GetDefaultAovDescriptor(const Token& aov) const override;
   Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
 
  private:
+  /// Runs an entry point behind the net that no exception slips through; answers with what it made so far.
+  template <class Result, class Body>
+  Result answer(const char* entry, Body&& body) const {
+    Result result{};
+    guarded(core_->param->sink(), entry, [&] { body(result); });
+    return result;
+  }
+
   std::shared_ptr<RenderCore> core_;
 };
 

@@ -1,7 +1,5 @@
 #include "delegate/sync/render_param.h"
 
-#include <ctime>
-
 namespace alabaster::hd::sync {
 
 SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
@@ -51,6 +49,10 @@ void SceneParam::post(const Path& id, Record record) {
   ++edits_;
 }
 
+void SceneParam::remove(const Path& id) noexcept {
+  guarded(sink_, id.str(), [&] { post(id, {}); });
+}
+
 std::vector<Edit> SceneParam::take_edits() {
   std::vector<Edit> all;
   for (Shard& shard : shards_) {
@@ -68,12 +70,6 @@ std::vector<Edit> SceneParam::take_edits() {
 void SceneParam::keep(std::shared_ptr<const void> mapped) {
   const std::lock_guard lock(mutex_);
   kept_.push_back(std::move(mapped));
-}
-
-double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 }  // namespace alabaster::hd::sync

@@ -11,6 +11,7 @@
 #include "delegate/api/prims.h"
 #include "delegate/sync/diagnostics.h"
 #include "delegate/sync/records.h"
+#include "delegate/sync/sync_clock.h"
 
 namespace alabaster::hd::sync {
 
@@ -44,17 +45,17 @@ class SceneParam final : public RenderParam {
 
   // The edit transaction.
   void post(const Path& id, Record record);
+  /// The prim is gone. Never throws: Finalize is the last that is heard of a prim.
+  void remove(const Path& id) noexcept;
   bool has_edits() const { return edits_.load() != 0; }
   /// All edits since the last call; those of one prim in the order in which it posted them.
   std::vector<Edit> take_edits();
 
-  /// Keeps what a host may still have mapped when its buffer died.
+  /// Keeps what a host may still have mapped when its buffer died: nothing can be unmapped any more, so it is kept
+  /// until the delegate dies.
   void keep(std::shared_ptr<const void> mapped);
 
-  struct Times {
-    std::atomic<double> refine{0}, bvh{0};  // CPU seconds of the syncing threads
-  };
-  Times times;
+  SyncClock clock;
 
  private:
   struct Shard {
@@ -80,8 +81,5 @@ class SceneParam final : public RenderParam {
   uint32_t arena_threads_ = 0;
   std::vector<std::shared_ptr<const void>> kept_;
 };
-
-/// CPU seconds of the calling thread.
-double thread_seconds();
 
 }  // namespace alabaster::hd::sync

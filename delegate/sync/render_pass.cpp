@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "delegate/sync/pixel_format.h"
+#include "delegate/sync/process_usage.h"
 
 namespace alabaster::hd::sync {
 
@@ -25,6 +26,29 @@ bool is_reasonable(const Framing& framing) {
          near_zero(framing.displayMax.y) && near_zero(static_cast<float>(d.minX)) &&
          near_zero(static_cast<float>(d.minY)) && near_zero(static_cast<float>(d.maxX)) &&
          near_zero(static_cast<float>(d.maxY)) && std::isfinite(framing.pixelAspectRatio);
+}
+
+// The film, and each bound buffer twice: what it shows and what is being resolved (or the host's copy).
+double frame_bytes(const PassInputs& in) {
+  uint32_t aovs = 0;
+  double bytes = 0;
+  for (const auto& binding : in.bindings) {
+    aovs |= aov_bit(binding.aov);
+    const RenderBufferDescriptor buffer = binding.buffer->wanted();
+    bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
+  }
+  return bytes + (aovs ? static_cast<double>(film_bytes(in.framed.data_window, aovs)) : 0.0);
+}
+
+// Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
+std::string memory_fault(const PassInputs& in) {
+  const double needed = frame_bytes(in), physical = static_cast<double>(physical_memory_bytes());
+  if (physical <= 0 || needed <= physical) return {};
+  const auto gigabytes = [](double bytes) { return std::to_string(static_cast<int64_t>(std::ceil(bytes / 1e9))); };
+  return "a frame of " + std::to_string(in.framed.data_window.width()) + " x " +
+         std::to_string(in.framed.data_window.height()) + " pixels needs " + gigabytes(needed) +
+         " GB and this machine has " + gigabytes(physical) +
+         " GB: choose a smaller size, fewer AOVs, or render it in parts with a data window (crop)";
 }
 
 }  // namespace
@@ -60,6 +84,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
     in.error = "the framing exceeds 2^20 pixels";
   else if (state.framing.valid())
     in.framed = frame_camera(*parameters, state.framing, state.windowPolicy);
+  if (in.error.empty()) in.error = memory_fault(in);
   if (!in.error.empty()) faults->push_back({alabaster::Severity::error, "pass.failed", camera.str(), in.error});
   return in;
 }
@@ -219,11 +244,25 @@ RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)
 }
 
 RenderPassImpl::~RenderPassImpl() {
-  control_->halt();
+  guarded(core_->param->sink(), "render pass", [&] { control_->halt(); });
 }
 
 void RenderPassImpl::Execute(const RenderPassState& state) {
-  if (!guarded(core_->param->sink(), "render pass", [&] { control_->execute(state); })) control_->abandon();
+  const auto& sink = core_->param->sink();
+  if (!guarded(sink, "render pass", [&] { control_->execute(state); }))
+    guarded(sink, "render pass", [&] { control_->abandon(); });
+}
+
+PassState RenderPassImpl::GetState() const {
+  PassState state = PassState::failed;
+  guarded(core_->param->sink(), "render pass", [&] { state = control_->state(); });
+  return state;
+}
+
+bool RenderPassImpl::WaitForConvergence(double seconds) {
+  bool over = false;
+  guarded(core_->param->sink(), "render pass", [&] { over = control_->wait(seconds); });
+  return over;
 }
 
 }  // namespace alabaster::hd::sync

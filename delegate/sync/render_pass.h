@@ -76,8 +76,8 @@ class RenderPassImpl final : public RenderPass {
   ~RenderPassImpl() override;
   void Execute(const RenderPassState& state) override;
   bool IsConverged() const override { return control_->is_converged(); }
-  PassState GetState() const override { return control_->state(); }
-  bool WaitForConvergence(double seconds) override { return control_->wait(seconds); }
+  PassState GetState() const override;
+  bool WaitForConvergence(double seconds) override;
 
  private:
   std::shared_ptr<RenderCore> core_;

@@ -4,15 +4,15 @@ namespace alabaster::hd::sync {
 
 void RenderSettingsPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
-  guarded(param.sink(), GetId().str(), [&] {
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
     if (*bits & (dirty::kParams | dirty::kDescription))
       param.post(GetId(), SettingsRecord{scene->GetRenderSettings(GetId())});
   });
-  *bits = dirty::kClean;
+  if (synced) *bits = dirty::kClean;
 }
 
 void RenderSettingsPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).post(GetId(), {});
+  SceneParam::of(param).remove(GetId());
 }
 
 }  // namespace alabaster::hd::sync

@@ -1,16 +1,9 @@
-#include <sys/resource.h>
-
+#include "delegate/sync/process_usage.h"
 #include "delegate/sync/render_delegate_impl.h"
 #include "delegate/sync/render_pass.h"
 
 namespace alabaster::hd::sync {
 namespace {
-
-int64_t peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<int64_t>(usage.ru_maxrss) * 1024;  // Linux counts kilobytes
-}
 
 const char* state_name(PassState state) {
   switch (state) {
@@ -83,8 +76,12 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     const auto snapshot = core_->snapshot();
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
     stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
-    stats["sync.refineSeconds"] = core_->param->times.refine.load();
-    stats["sync.bvhSeconds"] = core_->param->times.bvh.load();
+    const auto refine = core_->param->clock.seconds(SyncPhase::refine);
+    const auto bvh = core_->param->clock.seconds(SyncPhase::bvh);
+    stats["sync.refineSeconds"] = refine.cpu;
+    stats["sync.refineWallSeconds"] = refine.wall;
+    stats["sync.bvhSeconds"] = bvh.cpu;
+    stats["sync.bvhWallSeconds"] = bvh.wall;
     stats["sync.commitSeconds"] = core_->commit_seconds();
     const auto passes = core_->passes();
     if (!passes.empty()) add_progress(*passes.back(), &stats);

@@ -1,5 +1,7 @@
 #include "delegate/sync/scene_translation.h"
 
+#include <algorithm>
+
 namespace alabaster::hd::sync {
 namespace {
 
@@ -9,6 +11,18 @@ const DisneyMaterial* find_material(const Records& records, const Path& path) {
   const auto found = records.find(path);
   const auto* record = found == records.end() ? nullptr : std::get_if<MaterialRecord>(&found->second);
   return record ? record->material.get() : nullptr;
+}
+
+// Whether a material that any triangle has scatters below its surface.
+bool scatters(const InstanceDescription& instance) {
+  const auto& materials = instance.materials;
+  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return false;
+  const auto& slots = instance.prototype->mesh.triangle_material;
+  if (slots.empty()) return materials.front()->scatters();
+  return std::any_of(slots.begin(), slots.end(), [&](int32_t slot) {
+    const auto i = static_cast<size_t>(slot);
+    return materials[i < materials.size() ? i : 0]->scatters();
+  });
 }
 
 }  // namespace
@@ -91,6 +105,7 @@ struct SceneTranslator::Run {
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id));
+    check_closed(instance);
     if (mesh.instancer.empty()) {
       instance.object_to_world = mesh.transform;
       add(std::move(instance), mesh);
@@ -103,6 +118,13 @@ struct SceneTranslator::Run {
       instance.instance_id = static_cast<int32_t>(i);
       add(instance, mesh);
     }
+  }
+
+  void check_closed(const InstanceDescription& instance) {
+    if (instance.prototype->mesh.closed || !scatters(instance)) return;
+    translator.report_once("mesh.open", Path(instance.name),
+                           "subsurface scattering in a mesh that is not closed: light that leaves through its holes is "
+                           "lost (counted in walk.lost); close the mesh, or bind a material without scatterDistance");
   }
 
   void add(InstanceDescription instance, const MeshRecord& mesh) {

@@ -29,6 +29,14 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
   EXPECT_EQ(film.resolve_float(Aov::depth)[0], 1.0f);
 }
 
+// A film's tiles hold: 4 bytes of count, 4 doubles of color, 3 of normal, 3 of albedo, 6 words of the closest sample.
+TEST(Film, BytesAreKnownBeforehand) {
+  EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * 36);
+  EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (36 + 24));
+  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u), (size_t(1) << 40) * (36 + 24 + 24 + 24));
+  EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~0u), 0u);
+}
+
 TEST(Film, TilesCoverTheWindowOnce) {
   const PixelRect window{-7, 3, 70, 41};
   const Film film(window, 0);

@@ -1,10 +1,15 @@
 #include "core/geometry/embree_scene.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <tbb/task_arena.h>
+#include <unistd.h>
 #include <xmmintrin.h>
 
 #include <atomic>
+#include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <thread>
@@ -147,6 +152,41 @@ TEST_F(EmbreeScene, BuildStaysInTheArenaOfItsCaller) {
   });
   EXPECT_GT(asked, 1);
   EXPECT_EQ(elsewhere, 0);
+}
+
+// Runs in a process of its own, which it leaves with what it found.
+enum Outcome { kBuilt = 0, kNull = 1, kNullAndReported = 2 };
+
+template <class Build>
+[[noreturn]] void build_in_little_memory(size_t spare_bytes, test::RecordingSink& sink, const Build& build) {
+  size_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlim_t limit = pages * static_cast<size_t>(sysconf(_SC_PAGESIZE)) + spare_bytes;
+  const rlimit limits{limit, limit};
+  setrlimit(RLIMIT_AS, &limits);
+  tbb::task_arena arena(1);
+  bool built = false;
+  arena.execute([&] { built = build(); });
+  std::_Exit(built ? kBuilt : sink.has("trace.memory") ? kNullAndReported : kNull);
+}
+
+TEST_F(EmbreeScene, ABuildThatMemoryDoesNotSufficeForIsNullAndReported) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  std::puts("skipped: sanitizers end the process when memory runs out");
+#else
+  testing::FLAGS_gtest_death_test_style = "threadsafe";
+  // 524288 triangles: 9.4 MB of buffers fit, the 16.8 MB of references that the build begins with do not.
+  const Mesh mesh = build_mesh(test::grid_cage(512), {}, {});
+  EXPECT_EXIT(build_in_little_memory(size_t(20) << 20, sink_, [&] { return build(mesh) != nullptr; }),
+              testing::ExitedWithCode(kNullAndReported), "");
+  const std::vector<InstancePlacement> placements(100000, {cube(), {}});
+  // 600 bytes and more for each of them; there may not even be enough left to report it with.
+  EXPECT_EXIT(
+      build_in_little_memory(size_t(16) << 20, sink_,
+                             [&] { return build_instanced_scene(device_, placements) != nullptr; }),
+      [](int status) { return WIFEXITED(status) && WEXITSTATUS(status) != kBuilt; }, "");
+  EXPECT_NE(build(mesh), nullptr) << "with memory enough";
+#endif
 }
 
 TEST_F(EmbreeScene, LeavesTheFloatingPointModeOfTheHostAlone) {

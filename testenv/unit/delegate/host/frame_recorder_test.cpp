@@ -76,6 +76,29 @@ TEST(FrameRecorder, RefusesBeforeRenderingWhatCannotSucceed) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 }
 
+TEST(FrameRecorder, ThrowsNothingThatItsHostThrowsAndTidiesUp) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 2));
+  stage.delegate->SetRenderSetting("renderSettingsPrimPath", "/before");
+  std::vector<std::string> codes;
+  RecordOptions options;
+  options.progress = [](const RecordProgress&) { throw std::runtime_error("no terminal"); };
+  options.diagnostics = [&](const Diagnostic& d) {
+    codes.push_back(d.code);
+    throw 7;
+  };
+  RecordResult result;
+  EXPECT_NO_THROW(result = RecordFrame(stage.index.get(), &stage.scene, "/settings", options));
+  EXPECT_EQ(result.status, RecordStatus::render_failed);
+  EXPECT_EQ(codes, std::vector<std::string>{"record.exception"});
+  EXPECT_FALSE(stage.index->Has("/settings/buffer_color")) << "its buffers are gone";
+  EXPECT_EQ(stage.delegate->GetRenderSetting("renderSettingsPrimPath").text_or(""), "/before");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::done) << "as if new";
+}
+
 TEST(FrameRecorder, CancelEndsSoonAndWritesWhatThereIs) {
   const Folder folder;
   Stage stage;

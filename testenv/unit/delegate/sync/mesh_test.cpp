@@ -1,6 +1,8 @@
 // Meshes through Sync: everything that can be wrong with one, and what must not cost a rebuild.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -162,6 +164,7 @@ const std::vector<Fault>& faults() {
        }},
       {"refine level absurd", [](Mesh& m) { m.displayStyle.refineLevel = -3; }},
       {"transform singular", [](Mesh& m) { m.transform.makeIdentity(), m.transform[0][0] = 0; }},
+      {"transform beyond float", [](Mesh& m) { m.transform.setScale(1e300); }},
       {"transform not finite", [](Mesh& m) { m.transform[3][0] = static_cast<double>(kNan); }},
   };
   return all;
@@ -220,6 +223,72 @@ TEST(MeshSync, SubsetsBindTheirMaterialsAndRebindingRefinesNothing) {
   stage.scene.SetMesh("/m", mesh);
   EXPECT_NE(stage.dump().find("  material 0 /grey\n  material 1 /blue\n"), std::string::npos);
   EXPECT_EQ(stage.stat("sync.refineSeconds"), refined);
+}
+
+TEST(MeshSync, AScaleBeyondFloatIsReportedByName) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.transform.setScale(1e300);
+  stage.scene.SetMesh("/huge", mesh);
+  stage.index->SyncAll();
+  ASSERT_EQ(stage.count("instance.transform"), 1u);
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == "instance.transform") EXPECT_EQ(d.where, "/huge");
+}
+
+MaterialNetwork scattering() {
+  MaterialNetwork network;
+  MaterialNode node;
+  node.nodeTypeId = "AlabasterDisney";
+  node.parameters["scatterDistance"] = Vec3f(0.1f);
+  network.nodes["/wax/surface"] = node;
+  network.terminals["surface"].upstreamNode = "/wax/surface";
+  return network;
+}
+
+TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
+  Stage stage;
+  stage.scene.SetMaterial("/wax", scattering());
+  host::MeshDescription open = Stage::quad();
+  stage.scene.SetMesh("/plain", open);
+  open.material = "/wax";
+  host::MeshDescription closed = open;
+  closed.topology.faceVertexCounts = {3, 3, 3, 3};
+  closed.topology.faceVertexIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  closed.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  stage.scene.SetMesh("/closed", closed);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("mesh.open"), 0u);
+  stage.scene.SetMesh("/a", open);
+  stage.index->SyncAll();
+  ASSERT_EQ(stage.count("mesh.open"), 1u);
+  stage.scene.SetMesh("/b", open);
+  stage.index->SyncAll();
+  std::vector<std::string> where;
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == "mesh.open") where.push_back(d.where);
+  EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
+}
+
+// Walls are unions, and CPU is shared out: meshes that are synced together never add up to more than went by.
+TEST(MeshSync, SecondsOfMeshesSyncedTogetherCountOnce) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.scheme = "catmullClark";
+  mesh.displayStyle.refineLevel = 6;
+  for (int i = 0; i < 12; ++i) stage.scene.SetMesh(Path("/m" + std::to_string(i)), mesh);
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu = std::clock();  // of the process
+  stage.index->SyncAll();
+  const double process = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const char* phase : {"sync.refine", "sync.bvh"}) {
+    EXPECT_GT(stage.stat((phase + std::string("WallSeconds")).c_str()), 0) << phase;
+    EXPECT_LE(stage.stat((phase + std::string("WallSeconds")).c_str()), wall) << phase;
+    EXPECT_GT(stage.stat((phase + std::string("Seconds")).c_str()), 0) << phase;
+  }
+  constexpr double kTick = 2e-6;  // of std::clock
+  EXPECT_LE(stage.stat("sync.refineSeconds") + stage.stat("sync.bvhSeconds"), process + kTick);
 }
 
 TEST(MeshSync, ARemovedPrimvarIsGone) {

@@ -109,7 +109,10 @@ TEST(RenderPass, ACameraMoveRestartsWithoutANewScene) {
 TEST(RenderPass, TransformAndMaterialEditsRefineNothing) {
   Shot s;
   const double refined = s.stage.stat("sync.refineSeconds"), built = s.stage.stat("sync.bvhSeconds");
+  const double refined_wall = s.stage.stat("sync.refineWallSeconds");
   EXPECT_GT(refined, 0);
+  EXPECT_GT(refined_wall, 0);
+  EXPECT_GT(s.stage.stat("sync.bvhWallSeconds"), 0);
   host::MeshDescription mesh = Stage::quad();
   mesh.transform[3][2] = -1;
   mesh.material = "/nowhere";
@@ -117,6 +120,7 @@ TEST(RenderPass, TransformAndMaterialEditsRefineNothing) {
   s.stage.index->SyncAll();
   EXPECT_EQ(s.stage.stat("sync.refineSeconds"), refined);
   EXPECT_EQ(s.stage.stat("sync.bvhSeconds"), built);
+  EXPECT_EQ(s.stage.stat("sync.refineWallSeconds"), refined_wall);
   EXPECT_EQ(s.stage.count("mesh.material"), 1u);
 }
 
@@ -133,6 +137,22 @@ TEST(RenderPass, FailuresConvergeAndSayWhy) {
   EXPECT_TRUE(s.finish());
   EXPECT_EQ(s.pass->GetState(), PassState::converged);
   EXPECT_EQ(s.stage.text_stat("error"), "");
+}
+
+// 2^40 pixels of 36 bytes: about 40 TB.
+TEST(RenderPass, AFrameBeyondTheMachinesMemoryIsRefused) {
+  Shot s;
+  s.state.framing.displayMax = {1 << 20, 1 << 20};
+  s.state.framing.dataWindow = {0, 0, 1 << 20, 1 << 20};
+  s.pass->Execute(s.state);
+  EXPECT_TRUE(s.pass->IsConverged());
+  EXPECT_EQ(s.pass->GetState(), PassState::failed);
+  EXPECT_NE(s.stage.text_stat("error").find("1048576 x 1048576 pixels needs 39583 GB"), std::string::npos)
+      << s.stage.text_stat("error");
+  EXPECT_EQ(s.stage.count("pass.failed"), 1u);
+  s.state.framing.dataWindow = {0, 0, 8, 8};  // a part of it is no trouble
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(s.pass->GetState(), PassState::converged);
 }
 
 TEST(RenderPass, NothingToDrawConvergesAtOnce) {
