@@ -2,8 +2,11 @@
 
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -95,6 +98,35 @@ RTCRay to_embree(const Ray& ray) {
   return r;
 }
 
+// How a placement carries rays into object space: coordinates there stay below stretch * coordinates + shift.
+struct Growth {
+  float stretch = 0, shift = 0;
+
+  // As Embree inverts, adjoint over determinant, all in float: what under- or overflows here does so there.
+  static Growth of(const Affine& m) {
+    const Vec3f columns[] = {cross(m.y, m.z), cross(m.z, m.x), cross(m.x, m.y)};
+    const float determinant = dot(m.x, columns[0]), size = std::abs(determinant);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    if (!(size > 1e-37f && size < 1e37f)) return {kInfinity, kInfinity};
+    Growth growth;
+    for (const Vec3f& column : columns) {
+      const Vec3f c = column * (1 / determinant);
+      const float stretch = std::abs(c.x) + std::abs(c.y) + std::abs(c.z), shift = std::abs(dot(m.t, c));
+      if (!std::isfinite(stretch) || !std::isfinite(shift)) return {kInfinity, kInfinity};
+      growth.include({stretch, shift});
+    }
+    return growth;
+  }
+  void include(const Growth& other) {
+    stretch = std::max(stretch, other.stretch);
+    shift = std::max(shift, other.shift);
+  }
+  bool allows(float origin, float direction) const {
+    return origin * stretch + shift < kTraceLimit && direction * stretch < kTraceLimit;
+  }
+  bool allows(const Ray& ray) const { return allows(max_abs_component(ray.org), max_abs_component(ray.dir)); }
+};
+
 bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit) {
   if (!is_traceable(ray)) return false;
   RTCRayHit query;
@@ -180,10 +212,12 @@ class EmbreeInstancedScene final : public InstancedScene {
   }
   bool failed() const { return scene_.failed() || failed_; }
 
-  bool intersect(const Ray& ray, TriangleHit* hit) const override { return intersect_scene(scene_.get(), ray, hit); }
+  bool intersect(const Ray& ray, TriangleHit* hit) const override {
+    return growth_.allows(ray) && intersect_scene(scene_.get(), ray, hit);
+  }
 
   bool occluded(const Ray& ray) const override {
-    if (!is_traceable(ray)) return false;
+    if (!growth_.allows(ray) || !is_traceable(ray)) return false;
     RTCRay query = to_embree(ray);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
@@ -198,7 +232,8 @@ class EmbreeInstancedScene final : public InstancedScene {
 
  private:
   bool add(const InstancePlacement& placement, unsigned index) {
-    if (!placement.object) return true;
+    const Growth growth = Growth::of(placement.object_to_world);
+    if (!placement.object || !growth.allows(0, 1)) return true;
     RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_INSTANCE);
     if (!geometry) return false;
     // Every ObjectScene comes from build_object_scene.
@@ -211,15 +246,21 @@ class EmbreeInstancedScene final : public InstancedScene {
     rtcAttachGeometryByID(scene_.get(), geometry, index);
     rtcReleaseGeometry(geometry);
     objects_.push_back(placement.object);
+    growth_.include(growth);
     return !scene_.failed();
   }
 
+  Growth growth_;                                            // of all instances together
   std::vector<std::shared_ptr<const ObjectScene>> objects_;  // keep-alive: outlive the scene that refers to them
   SceneHandle scene_;
   bool failed_ = false;
 };
 
 }  // namespace
+
+bool is_traceable(const Affine& object_to_world, float distance) {
+  return Growth::of(object_to_world).allows(distance, 1);
+}
 
 std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink) {
   auto device = std::make_shared<TraceDevice>(sink);

@@ -53,16 +53,24 @@ class InstancedScene {
   virtual bool occluded(const Ray& ray) const = 0;
   virtual size_t memory_bytes() const = 0;
 };
-/// A placement without an object, and one whose transform is not finite, is never hit; the others keep their indices.
+/// A placement without an object, and one that is not traceable, is never hit; the others keep their indices. Rays that
+/// a placement would carry beyond what Embree takes miss everything: leave out what is not traceable from afar.
 /// Null when memory runs out or Embree refuses (reported).
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances);
 
+/// What Embree may be given lies below this; it aborts from 1.8e18 on.
+inline constexpr float kTraceLimit = 1e17f;
+
 /// True if Embree may be given this ray.
 inline bool is_traceable(const Ray& ray) {
-  constexpr float kLimit = 1e17f;
-  return max_abs_component(ray.org) < kLimit && max_abs_component(ray.dir) < kLimit && ray.tmax >= 0 &&
+  return max_abs_component(ray.org) < kTraceLimit && max_abs_component(ray.dir) < kTraceLimit && ray.tmax >= 0 &&
          is_finite(ray.org) && is_finite(ray.dir);
 }
+
+/// True if every ray of unit direction that starts within `distance` of the origin may be traced through this
+/// placement: Embree inverts it in float, and aborts as well when the ray is too large in object space. False for what
+/// is flat or huge or tiny beyond floats.
+bool is_traceable(const Affine& object_to_world, float distance);
 
 }  // namespace alabaster

@@ -138,7 +138,9 @@ class StructureCheck {
 
   void check_array(Json& value, const std::string& element, const Property& property) {
     if (!value.is_array()) return error(element, "must be an array");
-    if (value.empty()) return report_.warning("structure.empty", element, "is empty; leave it out");
+    // Of a list, an empty one is harmless; a matrix or colour without its numbers is not one.
+    if (value.empty() && property.min_items <= 1)
+      return report_.warning("structure.empty", element, "is empty; leave it out");
     if (value.size() < property.min_items || value.size() > property.max_items)
       return error(element,
                    "has " + std::to_string(value.size()) + " values, not " +

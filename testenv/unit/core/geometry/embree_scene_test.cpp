@@ -8,6 +8,7 @@
 #include <xmmintrin.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -122,6 +123,47 @@ TEST_F(EmbreeScene, BadRaysMissInsteadOfAborting) {
   TriangleHit hit;
   EXPECT_FALSE(scene->intersect({{0, 0, 5}, {0, 0, 0}}, &hit));  // no direction: traceable, and misses
   EXPECT_FALSE(scene->intersect({{0, 0, 5}, {0, 0, -1}, 0.0f}, &hit));
+}
+
+Affine scaled(float x, float y, float z) {
+  return {{x, 0, 0}, {0, y, 0}, {0, 0, z}, {0, 0, 0}};
+}
+
+// Embree carries rays into object space and aborts if they are too large there: what it would make of a placement must
+// be known before.
+TEST_F(EmbreeScene, ExtremePlacementsMissInsteadOfAborting) {
+  const auto object = cube();
+  for (int exponent = -45; exponent <= 38; ++exponent) {
+    const auto s = static_cast<float>(std::pow(10.0, exponent));
+    for (Affine placement : {scaled(s, s, s), scaled(s, -1, 1), scaled(1, 1, s), scaled(s, 1, 1 / s)})
+      for (float shift : {0.0f, 3.0f, 1e16f}) {
+        placement.t.x = shift;
+        const auto scene = build_instanced_scene(device_, {{object, placement}, {object, {}}});
+        for (float distance : {0.0f, 5.0f, 1e5f, 9e16f})
+          for (const Vec3f& direction : {Vec3f(0, 0, -1), Vec3f(0.6f, 0, -0.8f), Vec3f(9e16f, 1, 1), Vec3f(0, s, s)}) {
+            const Ray ray{direction * (distance > 0 ? -distance / max_abs_component(direction) : 0.0f), direction};
+            TriangleHit hit;
+            EXPECT_EQ(scene->intersect(ray, &hit), scene->occluded(ray)) << exponent;
+          }
+      }
+  }
+}
+
+TEST_F(EmbreeScene, TraceablePlacementsAreTracedFromTheDistancePromised) {
+  const auto object = cube();
+  for (int exponent = -12; exponent <= 12; ++exponent) {
+    const auto s = static_cast<float>(std::pow(10.0, exponent));
+    ASSERT_TRUE(is_traceable(scaled(s, s, s), 1000 * s)) << exponent;
+    const auto scene = build_instanced_scene(device_, {{object, scaled(s, s, s)}});
+    TriangleHit hit;
+    ASSERT_TRUE(scene->intersect({{0.25f * s, 0.5f * s, 1000 * s}, {0, 0, -1}}, &hit)) << exponent;
+    EXPECT_NEAR(hit.t / s, 999, 0.01f);
+  }
+  EXPECT_FALSE(is_traceable(scaled(1e-20f, 1, 1), 1));
+  EXPECT_FALSE(is_traceable(scaled(1e-10f, 1, 1), 1e8f));
+  EXPECT_TRUE(is_traceable(scaled(1e-10f, 1, 1), 1e6f));
+  EXPECT_FALSE(is_traceable(scaled(1e-15f, 1e-15f, 1e-15f), 0));  // no inverse in floats
+  EXPECT_FALSE(is_traceable(scaled(1e15f, 1e15f, 1e15f), 0));
 }
 
 TEST_F(EmbreeScene, BuildStopsWhenCancelled) {

@@ -1,0 +1,71 @@
+#include "core/scene/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "testenv/support/cages.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+Matrix4d scaled(double x, double y, double z) {
+  Matrix4d m;
+  m[0][0] = x;
+  m[1][1] = y;
+  m[2][2] = z;
+  return m;
+}
+
+// Two unit spheres, the second under a transform that spoils it: what is left is the first alone, as if the other had
+// never been there, and the report names it.
+TEST(Scene, InstancesThatCannotBeTracedAreLeftOutAndReported) {
+  const auto device = make_trace_device({});
+  auto prototype = std::make_shared<MeshPrototype>();
+  prototype->mesh = testing::sphere_mesh(1, 8, true);
+  prototype->object = build_object_scene(device, prototype->mesh, {});
+  const auto material = std::make_shared<DisneyMaterial>();
+  Matrix4d far, projective;
+  far[3][1] = 1e18;
+  projective[0][3] = 1;
+  for (const Matrix4d& spoilt :
+       {scaled(1e-30, 1, 1), scaled(1e-15, 1e-15, 1e-15), scaled(1e-300, 1, 1), scaled(0, 1, 1), scaled(1e18, 1, 1),
+        scaled(1e300, 1, 1), scaled(std::numeric_limits<double>::quiet_NaN(), 1, 1), far, projective}) {
+    SceneDescription description;
+    description.instances = {{prototype, Matrix4d(), {material}, 7, 0, "/good"},
+                             {prototype, spoilt, {material}, 8, 0, "/spoilt"}};
+    test::RecordingSink sink;
+    const auto snapshot = compile_snapshot(description, 1, device, sink.sink());
+    ASSERT_TRUE(snapshot);
+    ASSERT_EQ(snapshot->instances.size(), 1u) << spoilt;
+    EXPECT_EQ(snapshot->instances[0].prim_id, 7);
+    ASSERT_EQ(sink.all().size(), 1u) << spoilt;
+    EXPECT_EQ(sink.all()[0].code, "instance.transform");
+    EXPECT_EQ(sink.all()[0].where, "/spoilt");
+    TriangleHit hit;
+    const Vec3d eye = Vec3d(0, 0, 5) - snapshot->origin;
+    EXPECT_TRUE(snapshot->top->intersect({Vec3f(eye), {0, 0, -1}}, &hit)) << spoilt;
+  }
+}
+
+// A scene has no natural unit: only what is small beside the rest is left out.
+TEST(Scene, WholeScenesMayBeTinyOrHuge) {
+  const auto device = make_trace_device({});
+  auto prototype = std::make_shared<MeshPrototype>();
+  prototype->mesh = testing::sphere_mesh(1, 8, true);
+  prototype->object = build_object_scene(device, prototype->mesh, {});
+  for (const double s : {1e-12, 1e-6, 1.0, 1e6, 1e12}) {
+    SceneDescription description;
+    description.instances = {{prototype, scaled(s, s, s), {std::make_shared<DisneyMaterial>()}, 0, 0, "/sphere"}};
+    test::RecordingSink sink;
+    const auto snapshot = compile_snapshot(description, 1, device, sink.sink());
+    EXPECT_TRUE(sink.all().empty()) << s;
+    ASSERT_EQ(snapshot->instances.size(), 1u) << s;
+    TriangleHit hit;
+    EXPECT_TRUE(snapshot->top->intersect({Vec3f(0, 0, float(900 * s)), {0, 0, -1}}, &hit)) << s;
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
