@@ -13,9 +13,6 @@ namespace alabaster::hd::sync {
 /// Core's sink over the host's; what the host's throws is swallowed. Empty for an empty sink.
 alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host);
 
-/// The name in `known` that is fewest edits away from `name`; empty if none is near (more than half of it differs).
-std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
-
 /// Runs a boundary entry point. An exception becomes a report and false.
 template <class F>
 bool guarded(const alabaster::DiagnosticSink& sink, const std::string& where, F&& body) {
