@@ -11,9 +11,9 @@ namespace {
 
 TEST(AovNames, AreTheSchemas) {
   const auto schema = nlohmann::json::parse(description::SchemaText("render_description"));
-  EXPECT_EQ(schema["properties"]["products"]["items"]["properties"]["aovs"]["items"]["enum"]
-                .get<std::vector<std::string>>(),
-            ProductAovs());
+  EXPECT_EQ(
+      schema["properties"]["products"]["items"]["properties"]["aovs"]["items"]["enum"].get<std::vector<std::string>>(),
+      ProductAovs());
 }
 
 TEST(AovNames, AreTheDelegates) {

@@ -89,8 +89,8 @@ inline ProductImage frame() {
 
 inline std::vector<RenderVar> all_vars() {
   std::vector<RenderVar> vars;
-  for (const char* name :
-       {"color", "alpha", "depth", "cameraDepth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
+  for (const char* name : {"color", "alpha", "depth", "cameraDepth", "normal", "albedo", "primId", "instanceId",
+                           "elementId", "sampleCount"})
     vars.push_back({name, name, "half"});
   return vars;
 }
