@@ -12,7 +12,7 @@ struct RenderArguments {
   std::string scene;
   std::vector<std::string> outputs;
   std::string camera, dome, ocio;
-  std::optional<double> time;
+  std::string time;  // a frame number
   std::string size;  // "1280x720"
   std::string crop;  // "x0,y0,x1,y1"
   std::string samples, seed, threads, max_depth, subsurface, inversion;

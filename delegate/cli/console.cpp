@@ -51,7 +51,7 @@ hd::DiagnosticSink Console::sink() {
 void Console::show(const hd::Diagnostic& d) {
   const std::lock_guard lock(mutex_);
   const bool error = d.severity == hd::Severity::error;
-  if (error) last_error_place_ = d.where;
+  if (error) last_error_ = d;
   if (quiet_ && !error) return;
   const char* kind = error ? "error: " : d.severity == hd::Severity::warning ? "warning: " : "";
   print_line(kind + (d.where.empty() ? "" : d.where + ": ") + d.text);
@@ -66,9 +66,9 @@ void Console::error(const std::string& where, const std::string& text) {
   show({hd::Severity::error, "cli", where, text});
 }
 
-std::string Console::last_error_place() const {
+hd::Diagnostic Console::last_error() const {
   const std::lock_guard lock(mutex_);
-  return last_error_place_;
+  return last_error_;
 }
 
 void Console::print_line(const std::string& text) {

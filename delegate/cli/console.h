@@ -22,8 +22,8 @@ class Console {
   void progress(const hd::host::RecordProgress& progress);
   /// The bar has had its last word; what follows starts on a new line.
   void end_progress();
-  /// Where the last error was, as its sink reported it; empty if there was none.
-  std::string last_error_place() const;
+  /// The last error that was reported; with empty texts if there was none.
+  hd::Diagnostic last_error() const;
 
  private:
   void show(const hd::Diagnostic& diagnostic);
@@ -33,7 +33,7 @@ class Console {
   mutable std::mutex mutex_;
   bool bar_shown_ = false;
   int tenths_shown_ = -1;
-  std::string last_error_place_;
+  hd::Diagnostic last_error_;
 };
 
 }  // namespace alabaster::cli

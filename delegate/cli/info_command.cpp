@@ -88,12 +88,13 @@ int run_info(const InfoArguments& arguments) {
   SceneSession session;
   hd::description::LoadOptions options;
   options.overrides = arguments.overrides;
-  if (!session.load(arguments.scene, options, console.sink())) return kInput;
+  if (!session.load(arguments.scene, options, console.sink())) return load_failure(console.last_error(), options);
+  if (!session.choose_colors("", console.sink())) return kInput;
   print_geometry(session.scene);
   print_materials(session.scene);
   print_lights_and_cameras(session);
   std::fflush(stdout);
-  if (!session.start(session.file.color_config, console.sink())) return kRender;
+  if (!session.start(console.sink())) return kRender;
   session.index()->SyncAll();
   const std::string requirements = session.delegate()->InvokeCommand("requirements", {}).text_or("");
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");

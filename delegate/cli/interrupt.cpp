@@ -10,10 +10,12 @@ namespace {
 
 std::atomic<bool> g_interrupted{false};
 std::atomic<bool> g_worth_saving{false};
+std::atomic<bool> g_writing{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
 void on_signal(int) {
   if (g_worth_saving && !g_interrupted.exchange(true)) return;
+  if (g_writing) return;
   constexpr char kText[] = "\ninterrupted\n";
   [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, kText, sizeof kText - 1);
   _exit(kInterrupted);
@@ -32,6 +34,10 @@ void catch_interrupts() {
 
 void set_worth_saving(bool worth_saving) {
   g_worth_saving = worth_saving;
+}
+
+void set_writing(bool writing) {
+  g_writing = writing;
 }
 
 const std::atomic<bool>& interrupted() {

@@ -20,7 +20,7 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   c->add_option("--camera", a->camera, "Camera to look through")->type_name("NAME");
-  c->add_option("--time", a->time, "Frame number")->type_name("T")->check(CLI::NonNegativeNumber);
+  c->add_option("--time", a->time, "Frame number, whole")->type_name("N");
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
   c->add_option("--crop", a->crop, "Part to render, in pixels, y down")->type_name("X0,Y0,X1,Y1");
   c->add_option("--spp", a->samples, "Samples per pixel")->type_name("N");

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <filesystem>
-#include <regex>
+#include <map>
 
 namespace alabaster::cli {
 namespace {
@@ -15,20 +16,38 @@ bool is_exr(const hd::RenderProduct& product) {
   return extension == ".exr";
 }
 
-hd::RenderVar var_of(const std::string& aov) {
-  static const std::map<std::string, const char*> types{{"depth", "float"},   {"cameraDepth", "float"},
-                                                        {"primId", "int"},    {"instanceId", "int"},
-                                                        {"elementId", "int"}, {"sampleCount", "int"}};
-  const auto found = types.find(aov);
-  return {aov, aov, found == types.end() ? "half" : found->second};
-}
-
 void add_layers(const std::vector<std::string>& aovs, hd::RenderProduct* product) {
-  if (product->vars.empty()) product->vars.push_back(var_of("color"));
+  if (product->vars.empty()) product->vars.push_back(hd::host::UsualRenderVar("color"));
   for (const std::string& aov : aovs) {
     const auto same = [&](const hd::RenderVar& var) { return var.aov == hd::Token(aov); };
-    if (std::none_of(product->vars.begin(), product->vars.end(), same)) product->vars.push_back(var_of(aov));
+    if (std::none_of(product->vars.begin(), product->vars.end(), same))
+      product->vars.push_back(hd::host::UsualRenderVar(aov));
   }
+}
+
+// Numbers with one of `separators` between them; none if anything else is in `text` or a number does not fit.
+template <class Number>
+std::vector<Number> parse_numbers(const std::string& text, const std::string& separators) {
+  std::vector<Number> numbers;
+  const char *at = text.data(), *end = at + text.size();
+  while (true) {
+    const auto [next, error] = std::from_chars(at, end, numbers.emplace_back());
+    if (error != std::errc()) return {};
+    if (next == end) return numbers;
+    if (separators.find(*next) == std::string::npos) return {};
+    at = next + 1;
+  }
+}
+
+std::string unknown_aov(const std::vector<std::string>& aovs) {
+  const std::vector<std::string>& known = hd::host::ProductAovs();
+  for (const std::string& aov : aovs) {
+    if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
+    std::string names;
+    for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
+    return "--aov: there is no '" + aov + "'; known are " + names + ".";
+  }
+  return "";
 }
 
 }  // namespace
@@ -41,6 +60,8 @@ std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std
   const bool any_exr = std::any_of(products.begin(), products.end(), is_exr);
   const bool any_display = !std::all_of(products.begin(), products.end(), is_exr);
   const bool display_options = !a.display.empty() || !a.view.empty() || !a.look.empty() || a.exposure;
+  *error = unknown_aov(a.aovs);
+  if (!error->empty()) return {};
   if (products.empty()) {
     *error = "Nothing to write: add -o FILE, or products to the render description.";
   } else if (!a.aovs.empty() && !any_exr) {
@@ -65,15 +86,35 @@ std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std
   return products;
 }
 
-std::string size_value(const std::string& text) {
-  std::smatch m;
-  static const std::regex pattern("([0-9]+)[xX]([0-9]+)");
-  return std::regex_match(text, m, pattern) ? "[" + m[1].str() + "," + m[2].str() + "]" : "";
+std::optional<hd::Vec2i> parse_size(const std::string& text) {
+  const auto numbers = parse_numbers<int>(text, "xX");
+  if (numbers.size() != 2) return std::nullopt;
+  for (const int side : numbers)
+    if (side < 1 || side > 65536) return std::nullopt;
+  return hd::Vec2i(numbers[0], numbers[1]);
 }
 
-std::string crop_value(const std::string& text) {
-  static const std::regex pattern("-?[0-9]+(,-?[0-9]+){3}");
-  return std::regex_match(text, pattern) ? "[" + text + "]" : "";
+std::optional<hd::Rect2i> parse_crop(const std::string& text) {
+  const auto numbers = parse_numbers<int>(text, ",");
+  if (numbers.size() != 4) return std::nullopt;
+  return hd::Rect2i{numbers[0], numbers[1], numbers[2], numbers[3]};
+}
+
+std::optional<uint32_t> parse_frame(const std::string& text) {
+  const auto numbers = parse_numbers<uint32_t>(text, "");
+  return numbers.size() == 1 ? std::optional(numbers[0]) : std::nullopt;
+}
+
+std::string same_file_twice(const std::vector<std::string>& files) {
+  std::map<std::string, std::string> spelt;  // by what it is in the file system
+  for (const std::string& file : files) {
+    std::error_code error;
+    std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
+    if (error) path = std::filesystem::path(file).lexically_normal();
+    const auto [other, is_new] = spelt.emplace(path.string(), file);
+    if (!is_new) return "'" + other->second + "' and '" + file + "' are the same file: give each its own name.";
+  }
+  return "";
 }
 
 }  // namespace alabaster::cli

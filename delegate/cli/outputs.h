@@ -11,8 +11,13 @@ namespace alabaster::cli {
 std::vector<hd::RenderProduct> make_products(const RenderArguments& arguments,
                                              const std::vector<hd::RenderProduct>& existing, std::string* error);
 
-/// "1280x720" and "x0,y0,x1,y1" as the value of a description's resolution and crop: "[1280,720]". Empty if malformed.
-std::string size_value(const std::string& text);
-std::string crop_value(const std::string& text);
+/// "1280x720" with sides of 1 to 65536, and "x0,y0,x1,y1". Empty if malformed.
+std::optional<hd::Vec2i> parse_size(const std::string& text);
+std::optional<hd::Rect2i> parse_crop(const std::string& text);
+/// A frame number, 0 to 4294967295. Empty if malformed.
+std::optional<uint32_t> parse_frame(const std::string& text);
+
+/// What is wrong, if two of `files` are one and the same file, however they are spelt; else empty.
+std::string same_file_twice(const std::vector<std::string>& files);
 
 }  // namespace alabaster::cli

@@ -1,7 +1,6 @@
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <set>
-#include <sstream>
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
@@ -9,6 +8,7 @@
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/host/atomic_file.h"
 
 namespace alabaster::cli {
 namespace {
@@ -27,7 +27,7 @@ class RenderCommand {
     if (code == kDone) code = load();
     if (code == kDone) code = plan_products();
     if (code != kDone) return code;
-    if (!session_.start(colors().ocio, console_.sink())) return kRender;
+    if (!session_.start(console_.sink())) return kRender;
     code = render();
     if (const int stats_code = write_stats(code); code == kDone) code = stats_code;
     if (code == kDone) summarize();
@@ -40,14 +40,22 @@ class RenderCommand {
     return kUsage;
   }
 
-  hd::host::OutputColors colors() const { return {a_.ocio.empty() ? session_.file.color_config : a_.ocio}; }
-
   // What can be refused without reading the scene.
   int check_arguments() {
-    if (!a_.size.empty() && size_value(a_.size).empty())
-      return usage_error("--size", "'" + a_.size + "' is no resolution: write for example 1280x720.");
-    if (!a_.crop.empty() && crop_value(a_.crop).empty())
-      return usage_error("--crop", "'" + a_.crop + "' is no rectangle: write four whole numbers, x0,y0,x1,y1.");
+    if (!a_.size.empty() && !parse_size(a_.size))
+      return usage_error("--size",
+                         "'" + a_.size + "' is no resolution: write for example 1280x720, up to 65536x65536.");
+    if (!a_.crop.empty() && !parse_crop(a_.crop))
+      return usage_error("--crop", "'" + a_.crop +
+                                       "' is no rectangle: write four whole numbers, x0,y0,x1,y1, each within "
+                                       "-2147483648 to 2147483647.");
+    if (!a_.time.empty() && !parse_frame(a_.time))
+      return usage_error("--time", "'" + a_.time + "' is no frame: write a whole number from 0 to 4294967295.");
+    if (a_.exposure && !(std::abs(*a_.exposure) <= 64))
+      return usage_error("--exposure", "expected a number of stops from -64 to 64.");
+    std::vector<std::string> files = a_.outputs;
+    if (!a_.stats.empty()) files.push_back(a_.stats);
+    if (const std::string problem = same_file_twice(files); !problem.empty()) return usage_error("render", problem);
     if (!a_.stats.empty()) {
       const fs::path folder = fs::path(a_.stats).parent_path();
       std::error_code error;
@@ -64,9 +72,15 @@ class RenderCommand {
     // A config named by the scene is not known yet, so names of displays are checked later.
     for (hd::RenderProduct product : products) {
       product.display = product.view = product.look = "";
-      if (!hd::host::CheckProduct(product, {}, console_.sink())) return kOutput;
+      if (!hd::host::CheckProduct(product, {"built-in"}, console_.sink())) return product_failure();
     }
     return kDone;
+  }
+
+  // A product that makes no sense is as wrong as what it was asked with; one that cannot be written is output.
+  int product_failure() const {
+    if (console_.last_error().code != "product.invalid") return kOutput;
+    return a_.outputs.empty() ? kInput : kUsage;
   }
 
   hd::description::LoadOptions load_options() const {
@@ -74,9 +88,10 @@ class RenderCommand {
     const auto add = [&](const char* key, const std::string& value) {
       if (!value.empty()) options.overrides.push_back(std::string(key) + "=" + value);
     };
-    if (a_.time) add("frame", std::to_string(static_cast<uint64_t>(*a_.time)));
-    add("resolution", size_value(a_.size));
-    add("crop", crop_value(a_.crop));
+    if (const auto frame = parse_frame(a_.time)) add("frame", std::to_string(*frame));
+    if (const auto size = parse_size(a_.size))
+      add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
+    if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
     add("samples", a_.samples);
     add("seed", a_.seed);
     add("threads", a_.threads);
@@ -94,15 +109,10 @@ class RenderCommand {
     const hd::description::LoadOptions options = load_options();
     const bool ok = session_.load(a_.scene, options, console_.sink());
     stats_.set_load(watch.wall(), watch.cpu());
-    if (!ok) {
-      // What the command line asked for carries its own text as the place: a fault there is one of usage.
-      std::set<std::string> asked(options.overrides.begin(), options.overrides.end());
-      asked.insert("camera " + a_.camera);
-      asked.insert("dome " + a_.dome);
-      return asked.count(console_.last_error_place()) ? kUsage : kInput;
-    }
+    if (!ok) return load_failure(console_.last_error(), options);
+    if (!session_.choose_colors(a_.ocio, console_.sink())) return kInput;
     for (const std::string& note : session_.file.notes) console_.note("note: " + note);
-    if (a_.time) console_.note("note: scenes do not move yet; --time only numbers the frame");
+    if (!a_.time.empty()) console_.note("note: scenes do not move yet; --time only numbers the frame");
     return kDone;
   }
 
@@ -125,6 +135,7 @@ class RenderCommand {
     std::string problem;
     const auto products = make_products(a_, described, &problem);
     if (!problem.empty()) return usage_error("render", problem);
+    if (const int code = check_names(products); code != kDone) return code;
     size_t next = 0;
     for (const hd::Path& path : settings_paths()) {
       hd::RenderSettingsDescription settings = a_.outputs.empty() ? all.at(path) : first;
@@ -133,40 +144,56 @@ class RenderCommand {
                                products.begin() + static_cast<std::ptrdiff_t>(next + count));
       next += count;
       override_size(&settings);
+      if (!a_.crop.empty() && is_outside(settings))
+        return usage_error("--crop", "'" + a_.crop + "' lies wholly outside the frame of " +
+                                         std::to_string(settings.width) + "x" + std::to_string(settings.height) + ".");
       for (const hd::RenderProduct& product : settings.products)
-        if (!hd::host::CheckProduct(product, colors(), console_.sink())) return kOutput;
+        if (!hd::host::CheckProduct(product, session_.colors(), console_.sink())) return product_failure();
       session_.scene.SetRenderSettings(path, std::move(settings));
     }
     return kDone;
   }
 
+  // Those of -o have been checked before the scene was read.
+  int check_names(const std::vector<hd::RenderProduct>& products) {
+    std::vector<std::string> files;
+    for (const hd::RenderProduct& product : products) files.push_back(product.file);
+    std::string problem = same_file_twice(files);
+    if (!problem.empty()) {
+      console_.error(a_.scene, problem);
+      return kInput;
+    }
+    if (!a_.stats.empty()) files.push_back(a_.stats);
+    problem = same_file_twice(files);
+    return problem.empty() ? kDone : usage_error("--stats", problem);
+  }
+
+  static bool is_outside(const hd::RenderSettingsDescription& s) {
+    return s.crop && (s.crop->minX >= s.width || s.crop->minY >= s.height || s.crop->maxX <= 0 || s.crop->maxY <= 0);
+  }
+
   // --size and --crop have gone into the first settings while loading; they outrank what single products ask for.
   void override_size(hd::RenderSettingsDescription* settings) const {
-    if (!a_.size.empty()) {
-      std::istringstream text(a_.size);
-      char separator = 'x';
-      text >> settings->width >> separator >> settings->height;
+    if (const auto size = parse_size(a_.size)) {
+      settings->width = size->x;
+      settings->height = size->y;
     }
-    if (!a_.crop.empty()) {
-      std::istringstream text(a_.crop);
-      char separator = ',';
-      hd::Rect2i c;
-      text >> c.minX >> separator >> c.minY >> separator >> c.maxX >> separator >> c.maxY;
-      settings->crop = c;
-    }
+    if (const auto crop = parse_crop(a_.crop)) settings->crop = crop;
   }
 
   int render() {
     int code = kDone;
     for (const hd::Path& path : settings_paths()) {
       hd::host::RecordOptions options;
-      options.colors = colors();
+      set_writing(false);
+      options.colors = session_.colors();
       options.cancel = &interrupted();
       options.diagnostics = console_.sink();
       options.progress = [this](const hd::host::RecordProgress& progress) {
         if (progress.fraction > 0) set_worth_saving(true);
         console_.progress(progress);
       };
+      options.writing = [] { set_writing(true); };
       const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
       console_.end_progress();
       stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
@@ -203,8 +230,12 @@ class RenderCommand {
     for (const hd::RenderSettingDescriptor& descriptor : session_.delegate()->GetRenderSettingDescriptors())
       settings[descriptor.key.str()] = value_to_json(session_.delegate()->GetRenderSetting(descriptor.key));
     const char* status = code == kDone ? "done" : code == kInterrupted ? "interrupted" : "failed";
-    std::string problem;
-    if (write_text_file(a_.stats, stats_.to_json(a_.scene, status, settings).dump(2) + "\n", &problem)) return kDone;
+    const std::string text = stats_.to_json(a_.scene, status, settings).dump(2) + "\n";
+    set_writing(true);
+    const std::string problem =
+        hd::host::WriteFileAtomically(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
+                                      code == kInterrupted ? hd::host::Flush::none : hd::host::Flush::disk);
+    if (problem.empty()) return kDone;
     console_.error(a_.stats, "The statistics cannot be written: " + problem + ".");
     return kOutput;
   }

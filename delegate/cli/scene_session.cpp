@@ -1,5 +1,9 @@
 #include "delegate/cli/scene_session.h"
 
+#include <algorithm>
+
+#include "delegate/cli/exit_codes.h"
+
 namespace alabaster::cli {
 
 SceneSession::~SceneSession() {
@@ -14,15 +18,28 @@ bool SceneSession::load(const std::string& name, const hd::description::LoadOpti
   return file.ok;
 }
 
-bool SceneSession::start(const std::string& ocio, const hd::DiagnosticSink& sink) {
+bool SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink) {
+  colors_.ocio = asked.empty() ? file.color_config : asked;
+  return !hd::host::DescribeColors(colors_, sink).empty();
+}
+
+bool SceneSession::start(const hd::DiagnosticSink& sink) {
   hd::DelegateOptions options;
   options.diagnostics = sink;
-  if (!ocio.empty()) options.settings["ocio"] = ocio;
+  if (!colors_.ocio.empty()) options.settings["ocio"] = colors_.ocio;
   delegate_.reset(CreateAlabasterRenderDelegate(hd::kAbiVersion, &options));
   if (!delegate_) return false;
   index_ = std::make_unique<hd::host::RenderIndex>(delegate_.get());
   scene.Populate(index_.get());
   return true;
+}
+
+int load_failure(const hd::Diagnostic& error, const hd::description::LoadOptions& options) {
+  std::vector<std::string> asked = options.overrides;
+  asked.push_back("camera " + options.camera);
+  asked.push_back("dome " + options.dome);
+  const bool by_command = std::find(asked.begin(), asked.end(), error.where) != asked.end();
+  return by_command && !error.code.starts_with("asset.") ? kUsage : kInput;
 }
 
 }  // namespace alabaster::cli

@@ -1,11 +1,5 @@
 #include "delegate/cli/stats_file.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
 #include <sstream>
 
 #include "delegate/cli/stopwatch.h"
@@ -86,13 +80,11 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
   out["settings"] = settings;
   out["resolutions"] = resolutions_;
   out["files"] = written_;
-  out["seconds"] = {{"load", {{"wall", load_wall_}, {"cpu", load_cpu_}}},
-                    {"sync", phase("sync")},
-                    {"refine", {{"cpu", total("sync.refineSeconds")}}},
-                    {"build", {{"cpu", total("sync.bvhSeconds")}}},
-                    {"commit", {{"wall", total("sync.commitSeconds")}}},
-                    {"render", phase("render")},
-                    {"write", phase("write")}};
+  out["phases"] = {{"load", {{"wall", load_wall_}, {"cpu", load_cpu_}}},
+                   {"refine", {{"wall", total("sync.refineWallSeconds")}, {"cpu", total("sync.refineSeconds")}}},
+                   {"build", {{"wall", total("sync.bvhWallSeconds")}, {"cpu", total("sync.bvhSeconds")}}},
+                   {"render", phase("render")},
+                   {"write", phase("write")}};
   out["rays"] = {{"camera", count("rays.camera")},
                  {"bounce", count("rays.bounce")},
                  {"shadow", count("rays.shadow")},
@@ -104,31 +96,10 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
                   {"lost", count("walk.lost")}};
   out["samples"] = {{"perPixel", stats_.empty() ? 0 : value_number(stats_.front(), "numCompletedSamples")},
                     {"total", count("rays.camera")}};
-  out["peakMemoryBytes"] = peak_memory_bytes();
+  out["peakMemory"] = peak_memory_bytes();
   out["delegate"] = json::array();
   for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_to_json(stats));
   return out;
-}
-
-bool write_text_file(const std::string& file, const std::string& text, std::string* error) {
-  const std::filesystem::path path(file);
-  const std::string temporary =
-      path.parent_path() / ("." + path.filename().string() + "." + std::to_string(getpid()) + ".tmp");
-  std::FILE* out = std::fopen(temporary.c_str(), "wb");
-  bool ok = out != nullptr && std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  int reason = errno;
-  if (out && std::fclose(out) != 0) {
-    reason = ok ? errno : reason;
-    ok = false;
-  }
-  if (ok && std::rename(temporary.c_str(), file.c_str()) != 0) {
-    reason = errno;
-    ok = false;
-  }
-  if (ok) return true;
-  *error = std::strerror(reason);
-  if (out) std::remove(temporary.c_str());
-  return false;
 }
 
 }  // namespace alabaster::cli

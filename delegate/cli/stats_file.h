@@ -1,4 +1,16 @@
-// The --stats file: what a render cost, as JSON.
+// The --stats file: what a render cost, as JSON:
+//   versions    [text]              of Alabaster and what it is built on
+//   scene       text                as given
+//   status      "done", "interrupted" or "failed"
+//   settings    {name: value}       every render setting as it was in effect
+//   resolutions [[width, height]]   of each render
+//   files       [text]              that were written
+//   phases      {load, refine, build, render, write: {wall, cpu}}   seconds; cpu of all threads together
+//   rays        {camera, bounce, shadow, walk}
+//   walks       {count, segments, events, exits, lost}
+//   samples     {perPixel, total}
+//   peakMemory  bytes               of the process
+//   delegate    [{name: value}]     RenderDelegate::GetRenderStats of each render, and the recorder's phases
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -27,8 +39,5 @@ class RunStats {
 };
 
 nlohmann::json value_to_json(const hd::Value& value);
-
-/// Writes under a temporary name in the same folder and renames. False: *error says why.
-bool write_text_file(const std::string& file, const std::string& text, std::string* error);
 
 }  // namespace alabaster::cli

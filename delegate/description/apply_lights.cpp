@@ -23,7 +23,7 @@ bool set_parameter(const Reader& reader, const std::string& pointer, const std::
                                       (*types)[0].get<std::string>() + ".");
   if (name == "texture:file") {
     const std::string file = value;
-    const AssetPath asset = file.empty() ? AssetPath() : reader.asset(pointer, file);
+    const AssetPath asset = file.empty() ? AssetPath() : reader.image(pointer, file);
     if (!file.empty() && asset.resolved.empty()) return false;
     light->parameters[name] = asset;
     return true;

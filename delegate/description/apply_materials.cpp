@@ -29,7 +29,7 @@ Path surface_of(const MaterialNetwork& network) {
 
 bool set_texture(const Reader& reader, const std::string& pointer, const json& texture, const std::string& parameter,
                  const Path& surface, MaterialNetwork* network) {
-  const AssetPath file = reader.asset(pointer + "/file", texture["file"]);
+  const AssetPath file = reader.image(pointer + "/file", texture["file"]);
   if (file.resolved.empty()) return false;
   const Path path = surface.append(parameter + "_texture");
   MaterialNode node;

@@ -1,4 +1,5 @@
 #include "delegate/description/description_reader.h"
+#include "delegate/host/product_writer.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -27,9 +28,9 @@ WindowPolicy policy_of(const std::string& name) {
 }
 
 RenderVar var_of(const std::string& aov, const std::string& data_type) {
-  const bool id = aov == "primId" || aov == "instanceId" || aov == "elementId" || aov == "sampleCount";
-  const bool wide = aov == "depth" || aov == "cameraDepth" || data_type == "float";
-  return {aov, aov, id ? "int" : wide ? "float" : "half"};
+  RenderVar var = host::UsualRenderVar(aov);
+  if (data_type == "float" && var.dataType == Token("half")) var.dataType = "float";
+  return var;
 }
 
 }  // namespace

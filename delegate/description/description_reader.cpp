@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/texture/image_reader.h"
 #include "delegate/description/name_match.h"
 
 namespace alabaster::hd::description {
@@ -56,11 +57,27 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
   const std::string resolved = resolve(file);
   std::error_code error;
   if (!std::filesystem::is_regular_file(resolved, error)) {
-    fail(pointer, "There is no file '" + resolved + "'. Relative names start from " +
-                      (folder_.empty() ? "the working folder." : "the folder of the description."));
+    if (*state_.sink)
+      (*state_.sink)({Severity::error, "asset.missing", place(pointer),
+                      "There is no file '" + resolved + "'. Relative names start from " +
+                          (folder_.empty() ? "the working folder." : "the folder of the description.")});
     return {};
   }
   return {file, resolved, nullptr};
+}
+
+AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
+  AssetPath found = asset(pointer, file);
+  if (found.resolved.empty()) return found;
+  std::string problem;
+  TextureSource source;
+  source.path = found.resolved;
+  const auto image =
+      open_image(source, std::numeric_limits<size_t>::max(), [&](const alabaster::Diagnostic& d) { problem = d.text; });
+  if (image) return found;
+  if (*state_.sink)
+    (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});
+  return {};
 }
 
 Value to_value(const json& value) {

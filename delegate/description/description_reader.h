@@ -52,8 +52,10 @@ class Reader {
   void warn(const std::string& pointer, const std::string& text) const;
   /// A file's name as the description means it.
   std::string resolve(const std::string& file) const;
-  /// An existing image file; empty after an error.
+  /// An existing file; empty after an error.
   AssetPath asset(const std::string& pointer, const std::string& file) const;
+  /// One that is an image of a kind that can be read; empty after an error.
+  AssetPath image(const std::string& pointer, const std::string& file) const;
 
  private:
   const JsonDocument& document_;

@@ -21,6 +21,20 @@ std::string lower_extension(const std::string& file) {
   return extension;
 }
 
+bool has_instances(const host::RetainedSceneDelegate& scene, const Path& prototype, const Path& instancer) {
+  const auto found = scene.GetInstancers().find(instancer);
+  if (found == scene.GetInstancers().end()) return instancer.empty();
+  const auto indices = found->second.indices.find(prototype);
+  return indices != found->second.indices.end() && !indices->second.empty();
+}
+
+bool draws_anything(const host::RetainedSceneDelegate& scene) {
+  return std::any_of(scene.GetMeshes().begin(), scene.GetMeshes().end(), [&](const auto& entry) {
+    const auto& [path, mesh] = entry;
+    return mesh.visible && !mesh.topology.faceVertexCounts.empty() && has_instances(scene, path, mesh.instancer);
+  });
+}
+
 class Loader {
  public:
   Loader(host::RetainedSceneDelegate* scene, const DiagnosticSink& sink, SceneFile* result)
@@ -36,7 +50,11 @@ class Loader {
       if (!apply_override(assignment)) return false;
     if (!options.dome.empty() && !replace_domes(options.dome)) return false;
     if (!options.camera.empty() && !choose_camera(options.camera)) return false;
-    return complete_scene(&state_);
+    if (!complete_scene(&state_)) return false;
+    if (!draws_anything(*state_.scene) && sink_)
+      sink_({Severity::warning, "scene.empty", file,
+             "There is nothing to draw: no visible mesh with faces. Name a model under \"gltf\"."});
+    return true;
   }
 
  private:
@@ -47,6 +65,8 @@ class Loader {
 
   bool load_file(const std::string& file) {
     std::error_code error;
+    if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+      return fail("scene.kind", file, "It is not a regular file. A scene is a .gltf, .glb or .json file.");
     if (!std::filesystem::is_regular_file(file, error))
       return fail("scene.missing", file, "There is no such file. Check the name and the working folder.");
     const std::string extension = lower_extension(file);

@@ -1,4 +1,4 @@
-// Names as people type them: globs over prims, and the nearest known name to a wrong one.
+// Names as people type them: globs over prims, and what to say about a wrong one.
 #pragma once
 
 #include <string>
@@ -8,10 +8,7 @@
 
 namespace alabaster::hd::description {
 
-/// The candidate with the smallest edit distance (letter case costs less than a letter); empty if there is none.
-std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
-
-/// " Did you mean 'roughness'?" or, with no candidate, nothing.
+/// " Did you mean 'roughness'?" or, with no name near enough, nothing.
 std::string suggestion(const std::string& name, const std::vector<std::string>& candidates);
 
 /// The name that the author of a model gave: of "/gltf/bust/materials/2_skin" it is "skin", of the mesh primitive

@@ -30,7 +30,7 @@ int open_temporary(const std::filesystem::path& file, std::string& name) {
   return -1;
 }
 
-int write_all(int handle, std::span<const uint8_t> bytes) {
+int write_all(int handle, std::span<const uint8_t> bytes, Flush flush) {
   constexpr size_t kLargestWrite = size_t(1) << 30;  // Linux transfers at most 2^31 - 4096 bytes at once
   while (!bytes.empty()) {
     const ssize_t written = ::write(handle, bytes.data(), std::min(bytes.size(), kLargestWrite));
@@ -38,7 +38,7 @@ int write_all(int handle, std::span<const uint8_t> bytes) {
     if (written < 0) return errno;
     bytes = bytes.subspan(size_t(written));
   }
-  return ::fsync(handle) == 0 ? 0 : errno;
+  return flush == Flush::none || ::fsync(handle) == 0 ? 0 : errno;
 }
 
 /// The rename itself must reach the disk too. A folder that cannot be synced (some network file systems) is no failure.
@@ -52,18 +52,18 @@ void sync_folder(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::string WriteFileAtomically(const std::string& file, std::span<const uint8_t> bytes) {
+std::string WriteFileAtomically(const std::string& file, std::span<const uint8_t> bytes, Flush flush) {
   std::string temporary;
   const int handle = open_temporary(file, temporary);
   if (handle < 0) return reason_of(errno);
-  int error = write_all(handle, bytes);
+  int error = write_all(handle, bytes, flush);
   if (::close(handle) != 0 && error == 0) error = errno;
   if (error == 0 && ::rename(temporary.c_str(), file.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(temporary.c_str());
     return reason_of(error);
   }
-  sync_folder(file);
+  if (flush == Flush::disk) sync_folder(file);
   return {};
 }
 

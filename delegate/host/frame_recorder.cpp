@@ -1,5 +1,8 @@
 #include "delegate/host/frame_recorder.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
@@ -172,6 +175,11 @@ class Recording {
     if (window_.empty() || !(description_.pixelAspectRatio > 0))
       return refuse(RecordStatus::input_failed, "record.framing",
                     "the crop must not be empty and pixelAspectRatio must be positive");
+    if (window_.minX >= description_.width || window_.minY >= description_.height || window_.maxX <= 0 ||
+        window_.maxY <= 0)
+      return refuse(RecordStatus::input_failed, "record.crop",
+                    "the crop lies wholly outside the frame of " + std::to_string(description_.width) + " x " +
+                        std::to_string(description_.height) + " pixels");
     std::set<std::string> aovs;
     for (const RenderProduct& product : description_.products) {
       if (!CheckProduct(product, options_.colors, options_.diagnostics)) {
@@ -257,6 +265,7 @@ class Recording {
     result_.stats = delegate_->GetRenderStats();  // while the pass lives
     if (options_.progress) options_.progress(progress());
     rendered_ = true;
+    if (options_.writing) options_.writing();
     read_pixels();
   }
 
@@ -275,29 +284,41 @@ class Recording {
     return p;
   }
 
+  // Every AOV at once; an interrupted render must not keep anyone waiting.
   void read_pixels() {
-    for (const auto& [aov, path] : buffers_) {
-      auto* buffer = static_cast<RenderBuffer*>(index_->GetBprim(path));
-      std::vector<uint8_t> bytes;
-      const Vec2i size = buffer ? buffer->ResolveTo(&bytes, true) : Vec2i(0, 0);
-      if (size != Vec2i(window_.width(), window_.height())) {
-        if (result_.status == RecordStatus::done)
-          refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + aov + "' has no pixels");
-        continue;
-      }
-      const Format format = buffer->GetFormat();
-      AovPixels pixels;
-      pixels.components = FormatComponents(format);
-      pixels.integer = format == Format::int32;
-      if (pixels.integer) {
-        pixels.ints.resize(bytes.size() / sizeof(int32_t));
-        std::memcpy(pixels.ints.data(), bytes.data(), bytes.size());
-      } else {
-        pixels.floats.resize(bytes.size() / sizeof(float));
-        std::memcpy(pixels.floats.data(), bytes.data(), bytes.size());
-      }
-      image_.aovs[aov] = std::move(pixels);
+    std::vector<std::pair<std::string, AovPixels>> read;
+    for (const auto& [aov, path] : buffers_) read.emplace_back(aov, AovPixels());
+    tbb::task_arena arena;
+    arena.execute([&] {
+      tbb::parallel_for(size_t(0), read.size(), [&](size_t i) {
+        auto* buffer = static_cast<RenderBuffer*>(index_->GetBprim(buffers_.at(read[i].first)));
+        if (buffer) read[i].second = pixels_of(*buffer);
+      });
+    });
+    for (auto& [aov, pixels] : read) {
+      if (pixels.components > 0)
+        image_.aovs[aov] = std::move(pixels);
+      else if (result_.status == RecordStatus::done)
+        refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + aov + "' has no pixels");
     }
+  }
+
+  // Without components if it has no pixels.
+  AovPixels pixels_of(RenderBuffer& buffer) const {
+    AovPixels pixels;
+    std::vector<uint8_t> bytes;
+    if (buffer.ResolveTo(&bytes, true) != Vec2i(window_.width(), window_.height())) return pixels;
+    const Format format = buffer.GetFormat();
+    pixels.components = FormatComponents(format);
+    pixels.integer = format == Format::int32;
+    if (pixels.integer) {
+      pixels.ints.resize(bytes.size() / sizeof(int32_t));
+      std::memcpy(pixels.ints.data(), bytes.data(), bytes.size());
+    } else {
+      pixels.floats.resize(bytes.size() / sizeof(float));
+      std::memcpy(pixels.floats.data(), bytes.data(), bytes.size());
+    }
+    return pixels;
   }
 
   void collect_stats() {
@@ -313,8 +334,6 @@ class Recording {
     image_.incomplete = result_.status == RecordStatus::interrupted;
     Dictionary& m = image_.metadata;
     m["capDate"] = utc_now();
-    const std::string versions = AlabasterVersions();
-    m["Software"] = "Alabaster " + versions.substr(0, versions.find('\n'));
     m["alabaster/camera"] = description_.camera.str();
     m["alabaster/frame"] = description_.frame;
     for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
@@ -326,16 +345,11 @@ class Recording {
   }
 
   void write() {
-    {
-      const Phase phase(&result_.stats, "write");
-      describe_image();
-      for (const RenderProduct& product : description_.products) {
-        if (WriteProduct(product, image_, options_.colors, options_.diagnostics))
-          result_.written.push_back(product.file);
-        else if (result_.status == RecordStatus::done)
-          result_.status = RecordStatus::output_failed;
-      }
-    }
+    const Phase phase(&result_.stats, "write");
+    describe_image();
+    result_.written = WriteProducts(description_.products, image_, options_.colors, options_.diagnostics);
+    if (result_.written.size() < description_.products.size() && result_.status == RecordStatus::done)
+      result_.status = RecordStatus::output_failed;
   }
 
   RenderIndex* index_;

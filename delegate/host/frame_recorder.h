@@ -23,6 +23,7 @@ struct RecordOptions {
   const std::atomic<bool>* cancel =
       nullptr;  // polled at least every 20 ms; when set, what there is is written, marked incomplete
   std::function<void(const RecordProgress&)> progress;  // from the calling thread, about ten times a second
+  std::function<void()> writing;  // from the calling thread, once, when rendering is over and files are to be written
   DiagnosticSink diagnostics;
 };
 

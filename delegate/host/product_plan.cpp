@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <set>
 
+#include "delegate/host/product_writer.h"
+
 namespace alabaster::hd::host {
 namespace {
 
@@ -11,18 +13,14 @@ struct KnownAov {
   const char* name;
   const char* layer;     // of the usual channel names; empty: none
   const char* suffixes;  // one letter per component; empty: the layer is the channel's whole name
-  bool is_color, is_integer, full_precision;
+  bool is_color, is_integer, full_precision, is_distance = false;
 };
 constexpr KnownAov kAovs[] = {
-    {"color", "", "RGBA", true, false, false},
-    {"alpha", "", "A", false, false, false},
-    {"depth", "", "Z", false, false, true},
-    {"normal", "N", "XYZ", false, false, false},
-    {"albedo", "albedo", "RGB", true, false, false},
-    {"primId", "primId", "", false, true, true},
-    {"instanceId", "instanceId", "", false, true, true},
-    {"elementId", "elementId", "", false, true, true},
-    {"sampleCount", "sampleCount", "", false, true, true},
+    {"color", "", "RGBA", true, false, false},         {"alpha", "", "A", false, false, false},
+    {"depth", "depth", "Z", false, false, true},       {"cameraDepth", "", "Z", false, false, true, true},
+    {"normal", "N", "XYZ", false, false, false},       {"albedo", "albedo", "RGB", true, false, false},
+    {"primId", "primId", "", false, true, true},       {"instanceId", "instanceId", "", false, true, true},
+    {"elementId", "elementId", "", false, true, true}, {"sampleCount", "sampleCount", "", false, true, true},
 };
 
 const KnownAov* find_aov(const Token& name) {
@@ -33,7 +31,7 @@ const KnownAov* find_aov(const Token& name) {
 
 std::string known_aov_names() {
   std::string names;
-  for (const KnownAov& aov : kAovs) names += (names.empty() ? "" : ", ") + std::string(aov.name);
+  for (const std::string& name : ProductAovs()) names += (names.empty() ? "" : ", ") + name;
   return names;
 }
 
@@ -75,10 +73,11 @@ std::vector<PlannedChannel> channels_of(const RenderVar& var, const KnownAov& ao
   const std::string layer = usual ? aov.layer : var.name;
   std::vector<PlannedChannel> channels;
   const std::string suffixes = aov.suffixes;
-  if (suffixes.empty()) channels.push_back({layer, var.aov, 0, false, store});
+  if (suffixes.empty()) channels.push_back({layer, var.aov, 0, false, aov.is_distance, store});
   for (size_t i = 0; i < suffixes.size(); ++i) {
     const bool color = aov.is_color && suffixes[i] != 'A';
-    channels.push_back({(layer.empty() ? "" : layer + ".") + suffixes[i], var.aov, int(i), color, store});
+    channels.push_back(
+        {(layer.empty() ? "" : layer + ".") + suffixes[i], var.aov, int(i), color, aov.is_distance, store});
   }
   return channels;
 }
@@ -138,6 +137,21 @@ bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan
 }
 
 }  // namespace
+
+const std::vector<std::string>& ProductAovs() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const KnownAov& aov : kAovs) all.emplace_back(aov.name);
+    return all;
+  }();
+  return names;
+}
+
+RenderVar UsualRenderVar(const std::string& aov) {
+  const KnownAov* known = find_aov(aov);
+  const char* type = !known ? "half" : known->is_integer ? "int" : known->full_precision ? "float" : "half";
+  return {aov, aov, type};
+}
 
 bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error) {
   plan = {};

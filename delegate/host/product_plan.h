@@ -9,16 +9,19 @@ enum class FileKind { exr, png, tiff, jpeg };
 enum class ChannelStore { half, float32, uint32, uint8, uint16 };
 
 /// One channel of the file. Usual names, as compositors know them:
-///   color -> R G B A; alpha -> A; depth -> Z; normal -> N.X N.Y N.Z; albedo -> albedo.R albedo.G albedo.B;
-///   primId, instanceId, elementId, sampleCount -> those names.
+///   color -> R G B A; alpha -> A; cameraDepth -> Z; depth -> depth.Z; normal -> N.X N.Y N.Z; albedo -> albedo.R
+///   albedo.G albedo.B; primId, instanceId, elementId, sampleCount -> those names.
 /// A RenderVar named otherwise than its AOV gives a layer: name.R, name.Z, ...; for ids and counts the name itself.
-/// Depth and sample counts are never half. Ids are uint32, of which -1 (nothing hit) becomes 4294967295, or with data
-/// type "float" float32, where -1 stays -1 and ids are exact up to 2^24; half would merge neighbouring ids.
+/// Z is what compositors take it for: the distance along the view in world units, 1e10 where nothing was hit (as Cycles
+/// writes it); depth.Z is Hydra's clip depth, 0 near to 1 far. Depths and sample counts are never half. Ids are uint32,
+/// of which -1 (nothing hit) becomes 4294967295, or with data type "float" float32, where -1 stays -1 and ids are exact
+/// up to 2^24; half would merge neighbouring ids.
 struct PlannedChannel {
   std::string name;
   Token aov;
   int component = 0;
-  bool is_color = false;  // goes through the colour transform, with its neighbours
+  bool is_color = false;     // goes through the colour transform, with its neighbours
+  bool is_distance = false;  // 0 means that nothing was hit
   ChannelStore store = ChannelStore::half;
 };
 

@@ -2,24 +2,26 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <half.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
+#include <mutex>
 
 #include "core/color/color_config.h"
 #include "delegate/host/atomic_file.h"
+#include "delegate/host/product_pixels.h"
 #include "delegate/host/product_plan.h"
 
 namespace alabaster::hd::host {
 namespace {
 
-constexpr float kLargestHalf = 65504.0f;
-constexpr int kRowsAtOnce = 64;
+/// Of rows that are encoded together: enough for every thread, and little beside the frame itself.
+constexpr size_t kStripBytes = size_t(64) << 20;
 
 bool fail(const DiagnosticSink& sink, const char* code, const std::string& where, std::string text) {
   if (sink) sink({Severity::error, code, where, std::move(text)});
@@ -105,10 +107,10 @@ void set_attributes(const ProductImage& image, const OutputTransform& out, FileK
   }
   spec.attribute("colorSpace", out.description);
   if (image.incomplete) spec.attribute("alabaster/incomplete", 1);
-  std::string program = "Alabaster";
-  if (const auto version = image.metadata.find("alabaster/version"); version != image.metadata.end())
-    if (const auto* text = version->second.get<std::string>()) program += " " + *text;
-  spec.attribute("Software", program);
+  if (!image.metadata.contains("Software")) {
+    const std::string versions = AlabasterVersions();
+    spec.attribute("Software", "Alabaster " + versions.substr(0, versions.find('\n')));
+  }
   if (kind == FileKind::exr) return;
 
   // The other formats have no free attributes (PNG: only texts): one description holds them all.
@@ -150,7 +152,10 @@ void set_windows(const Framing& framing, OIIO::ImageSpec& spec) {
   spec.full_height = std::max(1, int(std::lround(framing.displayMax.y)) - spec.full_y);
 }
 
-/// PNG, TIFF and JPEG hold the data window alone: viewers disagree about offsets.
+constexpr int kPngNoFilter = 8;  // libpng's PNG_FILTER_NONE
+
+/// PNG, TIFF and JPEG hold the data window alone: viewers disagree about offsets. Somebody waits for an incomplete
+/// image, so it is not compressed: no scheme is as fast as none.
 OIIO::ImageSpec make_spec(const ProductPlan& plan, const ProductImage& image, const OutputTransform& out) {
   const Rect2i& window = image.framing.dataWindow;
   OIIO::ImageSpec spec(window.width(), window.height(), int(plan.channels.size()), type_of(plan.channels[0].store));
@@ -167,122 +172,27 @@ OIIO::ImageSpec make_spec(const ProductPlan& plan, const ProductImage& image, co
   switch (plan.kind) {
     case FileKind::exr:
       set_windows(image.framing, spec);
-      spec.attribute("compression", "zip");
+      spec.attribute("compression", image.incomplete ? "none" : "zip");
       break;
     case FileKind::jpeg:
       spec.attribute("compression", "jpeg:95");
       spec.attribute("jpeg:subsampling", "4:4:4");
       break;
     case FileKind::tiff:
-      spec.attribute("compression", "zip");
+      spec.attribute("compression", image.incomplete ? "none" : "zip");
       break;
     case FileKind::png:
+      if (!image.incomplete) break;
+      spec.attribute("png:compressionLevel", 0);
+      spec.attribute("png:filter", kPngNoFilter);
       break;
   }
   return spec;
 }
 
-// ---- pixels ---------------------------------------------------------------------------------------------------------
-
-/// A number in [0, 1) that depends on the pixel of the full frame alone, so that crops and re-renders agree (PCG's
-/// output permutation, O'Neill 2014, over a multiplicative mix of the position).
-float dither_of(int x, int y, int channel) {
-  uint32_t h = uint32_t(x) * 0x9e3779b1u ^ uint32_t(y) * 0x85ebca77u ^ uint32_t(channel + 1) * 0xc2b2ae3du;
-  h = h * 747796405u + 2891336453u;
-  h = ((h >> ((h >> 28) + 4)) ^ h) * 277803737u;
-  h = (h >> 22) ^ h;
-  return float(h >> 8) * 0x1p-24f;
-}
-
-template <class T>
-void put(uint8_t*& out, T value) {
-  std::memcpy(out, &value, sizeof value);
-  out += sizeof value;
-}
-
-/// Fills strips of the file: one row of AOVs at a time, converted, then stored channel by channel.
-class RowEncoder {
- public:
-  RowEncoder(const ProductPlan& plan, const ProductImage& image, const ColorTransform& transform)
-      : plan_(plan), image_(image), transform_(transform), width_(size_t(image.framing.dataWindow.width())) {
-    for (const PlannedChannel& channel : plan.channels) {
-      if (!channel.is_color || converted_.contains(channel.aov.str())) continue;
-      converted_[channel.aov.str()].resize(4 * width_);
-    }
-  }
-
-  void encode(int row, uint8_t*& out) {
-    for (auto& [name, rgba] : converted_) convert(image_.aovs.at(name), size_t(row), rgba);
-    for (size_t x = 0; x < width_; ++x)
-      for (const PlannedChannel& channel : plan_.channels) store(channel, x, row, out);
-  }
-
- private:
-  // EXR keeps its colour premultiplied, as compositors expect. PNG and TIFF hold straight colour, and what an eye sees
-  // of it is what the view makes of the straight colour. JPEG, without alpha, is the frame over black: its
-  // premultiplied colour.
-  void convert(const AovPixels& pixels, size_t row, std::vector<float>& rgba) const {
-    const size_t components = size_t(pixels.components);
-    const bool straight = components == 4 && (plan_.kind == FileKind::png || plan_.kind == FileKind::tiff);
-    const float* in = pixels.floats.data() + row * width_ * components;
-    for (size_t x = 0; x < width_; ++x) {
-      const float alpha = components == 4 ? in[components * x + 3] : 1.0f;
-      const float scale = straight && alpha > 0 && alpha < 1 ? 1 / alpha : 1.0f;
-      for (size_t c = 0; c < 3; ++c) rgba[4 * x + c] = in[components * x + c] * scale;
-      rgba[4 * x + 3] = 1;
-    }
-    // Unconverted colours keep their full float range; but a NaN in a file spreads through every filter after it.
-    if (!transform_.is_noop()) return transform_.apply(rgba.data(), width_);
-    for (float& v : rgba) v = std::isfinite(v) ? v : 0.0f;
-  }
-
-  float value_of(const PlannedChannel& channel, const AovPixels& pixels, size_t x, int row) const {
-    if (channel.is_color) return converted_.at(channel.aov.str())[4 * x + size_t(channel.component)];
-    const size_t at = (size_t(row) * width_ + x) * size_t(pixels.components) + size_t(channel.component);
-    return pixels.integer ? float(pixels.ints[at]) : pixels.floats[at];
-  }
-
-  void store(const PlannedChannel& channel, size_t x, int row, uint8_t*& out) const {
-    const AovPixels& pixels = image_.aovs.at(channel.aov.str());
-    if (channel.store == ChannelStore::uint32) {
-      const size_t at = (size_t(row) * width_ + x) * size_t(pixels.components);
-      return put(out, pixels.integer ? uint32_t(pixels.ints[at]) : count_of(pixels.floats[at]));
-    }
-    const float v = value_of(channel, pixels, x, row);
-    switch (channel.store) {
-      case ChannelStore::half:
-        return put(out, Imath::half(std::clamp(v, -kLargestHalf, kLargestHalf)));
-      case ChannelStore::uint8:
-        return put(out, uint8_t(quantise(v, 255, channel, x, row)));
-      case ChannelStore::uint16:
-        return put(out, uint16_t(quantise(v, 65535, channel, x, row)));
-      default:
-        return put(out, v);
-    }
-  }
-
-  static uint32_t count_of(float v) { return v >= 0 && v < 4294967040.0f ? uint32_t(v + 0.5f) : UINT32_MAX; }
-
-  /// 8-bit colours are dithered against banding; exact levels (black, white) stay exact, for only what lies between two
-  /// levels can go either way.
-  float quantise(float v, float levels, const PlannedChannel& channel, size_t x, int row) const {
-    const float scaled = (v > 0 ? std::min(v, 1.0f) : 0.0f) * levels;  // a NaN is black
-    const Rect2i& window = image_.framing.dataWindow;
-    const bool dithers = channel.is_color && channel.store == ChannelStore::uint8 && plan_.display_referred;
-    const float threshold = dithers ? dither_of(window.minX + int(x), window.minY + row, channel.component) : 0.5f;
-    return std::min(std::floor(scaled + threshold), levels);
-  }
-
-  const ProductPlan& plan_;
-  const ProductImage& image_;
-  const ColorTransform& transform_;
-  size_t width_;
-  std::map<std::string, std::vector<float>> converted_;  // one RGBA row for each colour AOV
-};
-
 /// Encodes the whole file in memory: OpenImageIO's PNG writer does not notice a full disk and its JPEG writer ends the
 /// process, so the bytes are put on the disk by code that does neither. Empty on success, else the reason.
-std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, RowEncoder& rows,
+std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, const RowEncoder& rows,
                    std::vector<unsigned char>& file) {
   constexpr const char* kNames[] = {"x.exr", "x.png", "x.tif", "x.jpg"};
   const char* name = kNames[int(plan.kind)];
@@ -291,12 +201,11 @@ std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, RowEnco
   if (!output) return "OpenImageIO has no writer for it: " + OIIO::geterror();
   output->set_ioproxy(&memory);
   if (!output->open(name, spec)) return output->geterror();
-  const size_t row_bytes = spec.scanline_bytes(true);
-  std::vector<uint8_t> strip(row_bytes * size_t(std::min(kRowsAtOnce, spec.height)));
-  for (int y = 0; y < spec.height; y += kRowsAtOnce) {
-    const int end = std::min(y + kRowsAtOnce, spec.height);
-    uint8_t* at = strip.data();
-    for (int row = y; row < end; ++row) rows.encode(row, at);
+  const int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
+  std::vector<uint8_t> strip(rows.row_bytes() * size_t(rows_at_once));
+  for (int y = 0; y < spec.height; y += rows_at_once) {
+    const int end = std::min(y + rows_at_once, spec.height);
+    rows.encode(y, end, strip.data());
     const bool good = output->write_scanlines(
         spec.y + y, spec.y + end, 0, plan.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format, strip.data());
     if (!good) return output->geterror();
@@ -369,8 +278,10 @@ bool CheckProduct(const RenderProduct& product, const OutputColors& colors, cons
   }
 }
 
-bool WriteProduct(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
-                  const DiagnosticSink& sink) {
+namespace {
+
+bool write_product(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
+                   const DiagnosticSink& sink) {
   try {
     ProductPlan plan;
     std::string error;
@@ -383,12 +294,13 @@ bool WriteProduct(const RenderProduct& product, const ProductImage& image, const
       const auto xy = out.config->chromaticities(product.colorSpace);
       spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), xy.data());
     }
-    RowEncoder rows(plan, image, *out.transform);
+    const RowEncoder rows(plan, image, *out.transform);
     std::vector<unsigned char> file;
+    if (image.incomplete) file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);  // not compressed
     error = encode(spec, plan, rows, file);
     if (!error.empty())
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
-    error = WriteFileAtomically(product.file, file);
+    error = WriteFileAtomically(product.file, file, image.incomplete ? Flush::none : Flush::disk);
     if (!error.empty())
       return fail(sink, "product.write", product.file,
                   error + "; check the folder, its permissions and the space on the disk, or write elsewhere");
@@ -398,6 +310,33 @@ bool WriteProduct(const RenderProduct& product, const ProductImage& image, const
   } catch (const std::exception& e) {
     return fail(sink, "product.write", product.file, std::string(e.what()) + "; check the product's settings");
   }
+}
+
+}  // namespace
+
+bool WriteProduct(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
+                  const DiagnosticSink& sink) {
+  return !WriteProducts({product}, image, colors, sink).empty();
+}
+
+std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products, const ProductImage& image,
+                                       const OutputColors& colors, const DiagnosticSink& sink) {
+  std::mutex mutex;
+  const DiagnosticSink one_at_a_time = [&](const Diagnostic& diagnostic) {
+    const std::lock_guard lock(mutex);
+    if (sink) sink(diagnostic);
+  };
+  std::vector<char> written(products.size(), 0);
+  // An arena of its own: the host's may be busy or limited to one thread.
+  tbb::task_arena arena;
+  arena.execute([&] {
+    tbb::parallel_for(size_t(0), products.size(),
+                      [&](size_t i) { written[i] = write_product(products[i], image, colors, one_at_a_time); });
+  });
+  std::vector<std::string> files;
+  for (size_t i = 0; i < products.size(); ++i)
+    if (written[i]) files.push_back(products[i].file);
+  return files;
 }
 
 std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink) {

@@ -27,13 +27,24 @@ struct OutputColors {
   std::string ocio;  // config path; empty: $OCIO or the built-in one
 };
 
+/// The AOVs that products can hold.
+ALABASTER_API const std::vector<std::string>& ProductAovs();
+/// An AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half.
+ALABASTER_API RenderVar UsualRenderVar(const std::string& aov);
+
 /// Checks a product before any rendering is done: known ending, folder exists and is writable, data type fits, known
 /// AOVs, colour space or display and view known to the config. False + report otherwise.
 ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
 
-/// False + report (file, reason, remedy) on failure; no partial file is left under the final name.
+/// False + report (file, reason, remedy) on failure; no partial file is left under the final name. An incomplete image
+/// is written as fast as can be, for somebody waits: not compressed, and not flushed to the disk.
 ALABASTER_API bool WriteProduct(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
                                 const DiagnosticSink& sink);
+/// Several products at once, each as WriteProduct does. The files that were written, in the order of `products`; `sink`
+/// is called by one thread at a time.
+ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products,
+                                                     const ProductImage& image, const OutputColors& colors,
+                                                     const DiagnosticSink& sink);
 
 /// What `alabaster ocio` prints: the config's origin, spaces, displays, views, looks; as lines of text.
 ALABASTER_API std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink);

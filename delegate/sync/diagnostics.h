@@ -14,9 +14,6 @@ namespace alabaster::hd::sync {
 /// Core's sink over the host's; what the host's throws is swallowed. Empty for an empty sink.
 alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host);
 
-/// The name in `known` that is fewest edits away from `name`; empty if none is near (more than half of it differs).
-std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
-
 /// Reports what an entry point caught; gives up quietly where not even a report can be made.
 void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept;
 

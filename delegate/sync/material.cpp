@@ -1,5 +1,6 @@
 #include "core/material/disney_material.h"
 
+#include "delegate/host/nearest_name.h"
 #include "delegate/sync/parameters.h"
 #include "delegate/sync/prims.h"
 
@@ -59,7 +60,7 @@ class MaterialReader {
       }
       names.emplace_back(parameter.name);
     }
-    const std::string nearest = nearest_name(name.str(), names);
+    const std::string nearest = host::NearestName(name.str(), names);
     warn("material.parameter", "parameter '" + name.str() + "' is not known and ignored" +
                                    (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
   }

@@ -92,7 +92,7 @@ TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
   const Outcome folder = run(quick({"-o", "absent/a.exr"}));
   EXPECT_EQ(folder.code, 5);
   EXPECT_HAS(folder.err, "absent");
-  EXPECT_EQ(run(quick({"-o", "a.xyz"})).code, 5);
+  EXPECT_EQ(run(quick({"-o", "a.xyz"})).code, 2);
   EXPECT_EQ(run(quick({"-o", "a.png", "--view", "no such view"})).code, 5);
   EXPECT_EQ(run(quick({"-o", "a.exr", "--stats", "absent/s.json"})).code, 5);
 }
@@ -116,10 +116,117 @@ TEST_F(ProgramTest, RendersFilesAndStatistics) {
   EXPECT_EQ(stats["status"], "done");
   EXPECT_EQ(stats["settings"]["samples"], 2);
   EXPECT_EQ(stats["rays"]["camera"], 32 * 24 * 2);
-  EXPECT_GT(stats["seconds"]["load"]["wall"], 0);
-  EXPECT_GT(stats["seconds"]["render"]["wall"], 0);
-  EXPECT_GT(stats["peakMemoryBytes"], 1 << 20);
   EXPECT_EQ(stats["files"].size(), 2u);
+  EXPECT_EQ(exr->spec().get_string_attribute("Software"), "Alabaster 0.1.0");
+  EXPECT_GE(exr->spec().channelindex("depth.Z"), 0);
+}
+
+// Other programs read these keys.
+TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
+  ASSERT_EQ(run(quick({"-o", "a.exr", "--stats", "s.json"})).code, 0);
+  std::ifstream file(folder_ / "s.json");
+  const nlohmann::json stats = nlohmann::json::parse(file);
+  const auto keys = [](const nlohmann::json& object) {
+    std::vector<std::string> names;  // in alphabetical order
+    for (const auto& [name, value] : object.items()) names.push_back(name);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(keys(stats), (Names{"delegate", "files", "peakMemory", "phases", "rays", "resolutions", "samples", "scene",
+                                "settings", "status", "versions", "walks"}));
+  EXPECT_EQ(keys(stats["phases"]), (Names{"build", "load", "refine", "render", "write"}));
+  for (const auto& [name, phase] : stats["phases"].items()) {
+    EXPECT_EQ(keys(phase), (Names{"cpu", "wall"})) << name;
+    for (const char* key : {"cpu", "wall"}) EXPECT_GE(phase[key].get<double>(), 0) << name;
+  }
+  for (const char* name : {"load", "render", "write"}) EXPECT_GT(stats["phases"][name]["wall"], 0) << name;
+  EXPECT_EQ(keys(stats["rays"]), (Names{"bounce", "camera", "shadow", "walk"}));
+  EXPECT_EQ(keys(stats["walks"]), (Names{"count", "events", "exits", "lost", "segments"}));
+  EXPECT_EQ(keys(stats["samples"]), (Names{"perPixel", "total"}));
+  EXPECT_GT(stats["peakMemory"], 1 << 20);
+}
+
+TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
+  for (const std::vector<std::string>& twice :
+       std::vector<std::vector<std::string>>{{"-o", "a.exr", "-o", "a.exr"},
+                                             {"-o", "a.exr", "-o", "../" + folder_.filename().string() + "/a.exr"},
+                                             {"-o", "a.exr", "-o", (folder_ / "." / "a.exr").string()},
+                                             {"-o", "a.exr", "--stats", "./a.exr"}}) {
+    const Outcome outcome = run(quick(twice));
+    EXPECT_EQ(outcome.code, 2) << twice.back();
+    EXPECT_HAS(outcome.err, "'a.exr' and '" + twice.back() + "' are the same file");
+  }
+  write("scene.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "one.exr"}, {"file": "./one.exr"}]})");
+  const Outcome described = run({"render", "scene.json"});
+  EXPECT_EQ(described.code, 3);
+  EXPECT_HAS(described.err, "are the same file");
+  write("single.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "one.exr"}]})");
+  EXPECT_EQ(run({"render", "single.json", "--stats", "one.exr"}).code, 2);
+  EXPECT_FALSE(exists("a.exr") || exists("one.exr"));
+}
+
+TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"--aov", "shadow"}, "sampleCount"},
+      {{"--time", "nan"}, "--time: 'nan' is no frame"},
+      {{"--time", "1e300"}, "whole number"},
+      {{"--time", "1.5"}, "whole number"},
+      {{"--time", "-1"}, ""},
+      {{"--size", "0x0"}, "--size: '0x0' is no resolution"},
+      {{"--crop", "0,0,99999999999,4"}, "--crop: "},
+      {{"--crop", "32,0,40,24"}, "--crop: '32,0,40,24' lies wholly outside the frame of 32x24"},
+      {{"--crop", "4,4,4,8"}, "The crop is empty"},
+      {{"-o", "b.gif"}, ".jpg"},
+      {{"-o", "b.png", "--exposure", "nan"}, "--exposure"},
+      {{"-o", "b.png", "--exposure", "bright"}, "--exposure"},
+      {{"--set", "materials/skin.glow=1"}, "Unknown key 'glow'"}};
+  for (const auto& [flags, said] : cases) {
+    std::vector<std::string> words{"-o", "a.exr"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const Outcome outcome = run(quick(words));
+    EXPECT_EQ(outcome.code, 2) << flags.back();
+    EXPECT_HAS(outcome.err, said);
+    const size_t first = outcome.err.find("error: ");
+    const size_t second = first == std::string::npos ? first : outcome.err.find("error: ", first + 1);
+    EXPECT_EQ(second, std::string::npos) << "once: " << outcome.err;
+  }
+  const Outcome info = run({"info", "patch.gltf", "--set", "materials/skin.rougness=1"});
+  EXPECT_EQ(info.code, 2);
+  EXPECT_FALSE(exists("a.exr"));
+}
+
+TEST_F(ProgramTest, WrongFilesAreInputErrors) {
+  const Outcome folder = run({"render", ".", "-o", "a.exr"}), device = run({"info", "/dev/null"});
+  EXPECT_EQ(folder.code, 3);
+  EXPECT_HAS(folder.err, "is not a regular file");
+  EXPECT_EQ(device.code, 3);
+  EXPECT_HAS(device.err, "is not a regular file");
+  EXPECT_EQ(run(quick({"-o", "a.exr", "--ocio", "absent.ocio"})).code, 3);
+  write("ocio.json", R"({"gltf": [{"file": "lit.gltf"}], "ocio": "broken.ocio"})");
+  write("broken.ocio", "nonsense");
+  EXPECT_EQ(run({"render", "ocio.json", "-o", "a.exr"}).code, 3);
+  EXPECT_EQ(run({"info", "ocio.json"}).code, 3);
+  write("sky.hdr", "no image");
+  write("dome.json", R"({"gltf": [{"file": "lit.gltf"}],
+    "lights": [{"name": "sky", "type": "domeLight", "texture:file": "sky.hdr"}]})");
+  const Outcome described = run({"render", "dome.json", "-o", "a.exr"});
+  EXPECT_EQ(described.code, 3);
+  EXPECT_HAS(described.err, "dome.json:2 /lights/0/texture:file: ");
+  EXPECT_EQ(run(quick({"-o", "a.exr", "--dome", "sky.hdr"})).code, 3);
+  EXPECT_EQ(run(quick({"-o", "a.exr", "--dome", "absent.hdr"})).code, 3);
+  write("crop.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"resolution": [8, 8], "crop": [8, 0, 9, 8]}})");
+  const Outcome crop = run({"render", "crop.json", "-o", "a.exr"});
+  EXPECT_EQ(crop.code, 3);
+  EXPECT_HAS(crop.err, "wholly outside the frame");
+  EXPECT_FALSE(exists("a.exr"));
+}
+
+TEST_F(ProgramTest, AnEmptySceneIsDrawnWithAWarning) {
+  write("empty.json", "{}");
+  const Outcome empty = run({"render", "empty.json", "-o", "a.exr", "--size", "8x8", "--spp", "1"});
+  EXPECT_EQ(empty.code, 0) << empty.err;
+  EXPECT_HAS(empty.err, "warning: empty.json: There is nothing to draw");
+  EXPECT_EQ(run(quick({"-o", "a.exr"})).err.find("nothing to draw"), std::string::npos);
 }
 
 TEST_F(ProgramTest, QuietSaysNothing) {
@@ -192,6 +299,23 @@ TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
     EXPECT_EQ(nlohmann::json::parse(file)["status"], "interrupted");
   }
   EXPECT_LT(best, 0.2);
+}
+
+// However often it is asked to end, and wherever it is then: whole files and no temporary ones.
+TEST_F(ProgramTest, ImpatienceLeavesNoTemporaryFile) {
+  for (int attempt = 0; attempt < 6; ++attempt) {
+    Program program(folder_, {"render", "patch.gltf", "--size", "640x480", "--spp", "1000000", "-o", "a.exr", "-o",
+                              "a.png", "--stats", "s.json"});
+    ASSERT_TRUE(program.wait_for("samples", 30)) << program.err();
+    program.interrupt();
+    for (int again = 0; again < 60; ++again) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1 + attempt));
+      if (again >= 8 * attempt) program.interrupt();
+    }
+    EXPECT_EQ(program.wait(), 130);
+    for (const auto& entry : std::filesystem::directory_iterator(folder_))
+      EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  }
 }
 
 TEST_F(ProgramTest, InterruptedRenderKeepsThePreviousFileWholeWhenNothingIsThere) {

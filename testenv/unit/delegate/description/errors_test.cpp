@@ -92,6 +92,13 @@ TEST_F(DescriptionErrors, Files) {
   EXPECT_FALSE(load("scene.obj").ok);
   EXPECT_SAYS("known are .gltf, .glb and .json");
   EXPECT_FALSE(load(".").ok);
+  EXPECT_SAYS("not a regular file");
+}
+
+TEST_F(DescriptionErrors, FarNamesAreNotSuggested) {
+  EXPECT_FALSE(describe(R"({"wallpaper": 1})").ok);
+  EXPECT_SAYS("Unknown key 'wallpaper'.");
+  EXPECT_EQ(errors().find("Did you mean"), std::string::npos) << errors();
 }
 
 TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {

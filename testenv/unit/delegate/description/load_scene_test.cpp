@@ -58,7 +58,7 @@ TEST_F(LoadSceneTest, ModelsOwnCameraAndLightAreKept) {
 }
 
 TEST_F(LoadSceneTest, MaterialsAreSetReplacedAndMade) {
-  write("image.png", "not read here");
+  write_image("image.png");
   const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
     "materials": [{"match": "sk*", "set": {"roughness": 0.25, "baseColor": [0.5, 0.25, 0.125]}},
                   {"name": "wax", "set": {"scatterDistance": [0.01, 0.02, 0.03]}},
@@ -194,7 +194,7 @@ TEST_F(LoadSceneTest, ProductsOfOneSizeShareARender) {
 }
 
 TEST_F(LoadSceneTest, OverridesComeLast) {
-  write("sky.hdr", "not read here");
+  write_image("sky.hdr");
   write("base.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"samples": 9}})");
   LoadOptions options = with_overrides({"samples=3", "subsurface=lambert", "materials/skin.roughness=0.125",
                                         "materials/skin.baseColor=[0.1,0.2,0.3]", "lights/lamp.intensity=5",

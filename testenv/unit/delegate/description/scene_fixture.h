@@ -78,6 +78,11 @@ class SceneFiles : public ::testing::Test {
     return folder_ / name;
   }
 
+  /// One grey pixel, as Radiance files hold it; images are known by what is in them, whatever their name.
+  std::string write_image(const std::string& name) const {
+    return write(name, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81");
+  }
+
   SceneFile load(const std::string& name, const LoadOptions& options = {}) {
     diagnostics.clear();
     return LoadScene(

@@ -70,6 +70,10 @@ TEST(FrameRecorder, RefusesBeforeRenderingWhatCannotSucceed) {
   stage.scene.SetRenderSettings("/file", settings_for(folder.path + "/no/such/folder/frame.exr", 1));
   EXPECT_EQ(record("/file"), RecordStatus::output_failed);
   settings = settings_for(folder.path + "/frame.exr", 1);
+  settings.crop = Rect2i{24, 0, 30, 16};
+  stage.scene.SetRenderSettings("/crop", settings);
+  EXPECT_EQ(record("/crop"), RecordStatus::input_failed) << "the frame ends at 24";
+  settings = settings_for(folder.path + "/frame.exr", 1);
   settings.camera = "/nowhere";
   stage.scene.SetRenderSettings("/camera_missing", settings);
   EXPECT_EQ(record("/camera_missing"), RecordStatus::render_failed);

@@ -76,6 +76,7 @@ inline ProductImage frame() {
   image.framing.pixelAspectRatio = 1;
   image.aovs["color"] = floats(4, [](int i, int c) { return c == 3 ? 1.0f : 0.013f * float(i) + 0.31f * float(c); });
   image.aovs["depth"] = floats(1, [](int i, int) { return 1000.1f + float(i) * 1e-3f; });
+  image.aovs["cameraDepth"] = floats(1, [](int i, int) { return i == 0 ? 0.0f : 5000.1f + float(i) * 1e-3f; });
   image.aovs["normal"] = floats(3, [](int i, int c) { return c == 2 ? -1.0f : float(i) / 64; });
   image.aovs["albedo"] = floats(3, [](int i, int c) { return float(i * 3 + c) / 128; });
   image.aovs["alpha"] = floats(1, [](int, int) { return 1.0f; });
@@ -88,8 +89,8 @@ inline ProductImage frame() {
 
 inline std::vector<RenderVar> all_vars() {
   std::vector<RenderVar> vars;
-  for (const char* name :
-       {"color", "alpha", "depth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount"})
+  for (const char* name : {"color", "alpha", "depth", "cameraDepth", "normal", "albedo", "primId", "instanceId",
+                           "elementId", "sampleCount"})
     vars.push_back({name, name, "half"});
   return vars;
 }

@@ -1,0 +1,148 @@
+#include "delegate/host/product_pixels.h"
+
+#include <half.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/color/color_config.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+constexpr float kLargestHalf = 65504.0f;
+
+/// A number in [0, 1) that depends on the pixel of the full frame alone, so that crops and re-renders agree (PCG's
+/// output permutation, O'Neill 2014, over a multiplicative mix of the position).
+float dither_of(int x, int y, int channel) {
+  uint32_t h = uint32_t(x) * 0x9e3779b1u ^ uint32_t(y) * 0x85ebca77u ^ uint32_t(channel + 1) * 0xc2b2ae3du;
+  h = h * 747796405u + 2891336453u;
+  h = ((h >> ((h >> 28) + 4)) ^ h) * 277803737u;
+  h = (h >> 22) ^ h;
+  return float(h >> 8) * 0x1p-24f;
+}
+
+size_t bytes_of(ChannelStore store) {
+  switch (store) {
+    case ChannelStore::uint8:
+      return 1;
+    case ChannelStore::half:
+    case ChannelStore::uint16:
+      return 2;
+    default:
+      return 4;
+  }
+}
+
+uint32_t count_of(float v) {
+  return v >= 0 && v < 4294967040.0f ? uint32_t(v + 0.5f) : UINT32_MAX;
+}
+
+float quantise(float v, float levels, float threshold) {
+  const float scaled = (v > 0 ? std::min(v, 1.0f) : 0.0f) * levels;  // a NaN is black
+  return std::min(std::floor(scaled + threshold), levels);
+}
+
+}  // namespace
+
+RowEncoder::RowEncoder(const ProductPlan& plan, const ProductImage& image, const ColorTransform& transform)
+    : plan_(plan), image_(image), transform_(transform), width_(size_t(image.framing.dataWindow.width())) {
+  for (const PlannedChannel& channel : plan.channels) {
+    const AovPixels* pixels = &image.aovs.at(channel.aov.str());
+    const auto found = std::find(colors_.begin(), colors_.end(), pixels);
+    const size_t color = size_t(found - colors_.begin());
+    if (channel.is_color && found == colors_.end()) colors_.push_back(pixels);
+    columns_.push_back({&channel, pixels, color, pixel_bytes_});
+    pixel_bytes_ += bytes_of(channel.store);
+  }
+}
+
+void RowEncoder::encode(int begin, int end, uint8_t* out) const {
+  constexpr int kRowsOfATask = 4;
+  tbb::parallel_for(tbb::blocked_range<int>(begin, end, kRowsOfATask), [&](const tbb::blocked_range<int>& rows) {
+    Scratch scratch(colors_.size(), std::vector<float>(4 * width_));
+    for (int row = rows.begin(); row < rows.end(); ++row)
+      encode_row(row, scratch, out + size_t(row - begin) * row_bytes());
+  });
+}
+
+void RowEncoder::encode_row(int row, Scratch& scratch, uint8_t* out) const {
+  for (size_t i = 0; i < colors_.size(); ++i) convert(*colors_[i], size_t(row), scratch[i]);
+  for (const Column& column : columns_) store(column, row, scratch, out + column.offset);
+}
+
+// EXR keeps its colour premultiplied, as compositors expect. PNG and TIFF hold straight colour, and what an eye sees
+// of it is what the view makes of the straight colour. JPEG, without alpha, is the frame over black: its premultiplied
+// colour.
+void RowEncoder::convert(const AovPixels& pixels, size_t row, std::vector<float>& rgba) const {
+  const size_t components = size_t(pixels.components);
+  const bool straight = components == 4 && (plan_.kind == FileKind::png || plan_.kind == FileKind::tiff);
+  const float* in = pixels.floats.data() + row * width_ * components;
+  for (size_t x = 0; x < width_; ++x) {
+    const float alpha = components == 4 ? in[components * x + 3] : 1.0f;
+    const float scale = straight && alpha > 0 && alpha < 1 ? 1 / alpha : 1.0f;
+    for (size_t c = 0; c < 3; ++c) rgba[4 * x + c] = in[components * x + c] * scale;
+    rgba[4 * x + 3] = 1;
+  }
+  // Unconverted colours keep their full float range; but a NaN in a file spreads through every filter after it.
+  if (!transform_.is_noop()) return transform_.apply(rgba.data(), width_);
+  for (float& v : rgba) v = std::isfinite(v) ? v : 0.0f;
+}
+
+template <class Value>
+void RowEncoder::store_as(const Column& column, int row, uint8_t* out, const Value& value) const {
+  const PlannedChannel& channel = *column.channel;
+  const auto put = [&](size_t x, auto v) { std::memcpy(out + x * pixel_bytes_, &v, sizeof v); };
+  // 8-bit colours are dithered against banding; exact levels (black, white) stay exact, for only what lies between two
+  // levels can go either way.
+  const Rect2i& window = image_.framing.dataWindow;
+  const bool dithers = channel.is_color && channel.store == ChannelStore::uint8 && plan_.display_referred;
+  const auto threshold = [&](size_t x) {
+    return dithers ? dither_of(window.minX + int(x), window.minY + row, channel.component) : 0.5f;
+  };
+  for (size_t x = 0; x < width_; ++x) switch (channel.store) {
+      case ChannelStore::half:
+        put(x, Imath::half(std::clamp(value(x), -kLargestHalf, kLargestHalf)));
+        break;
+      case ChannelStore::uint8:
+        put(x, uint8_t(quantise(value(x), 255, threshold(x))));
+        break;
+      case ChannelStore::uint16:
+        put(x, uint16_t(quantise(value(x), 65535, threshold(x))));
+        break;
+      case ChannelStore::uint32:
+        put(x, count_of(value(x)));
+        break;
+      case ChannelStore::float32:
+        put(x, value(x));
+        break;
+    }
+}
+
+void RowEncoder::store(const Column& column, int row, const Scratch& scratch, uint8_t* out) const {
+  const PlannedChannel& channel = *column.channel;
+  const AovPixels& pixels = *column.pixels;
+  const size_t components = size_t(pixels.components), component = size_t(channel.component);
+  const size_t first = size_t(row) * width_ * components + component;
+  if (channel.is_color) {
+    const float* rgba = scratch[column.color].data() + component;
+    store_as(column, row, out, [=](size_t x) { return rgba[4 * x]; });
+  } else if (pixels.integer && channel.store == ChannelStore::uint32) {
+    for (size_t x = 0; x < width_; ++x)
+      std::memcpy(out + x * pixel_bytes_, &pixels.ints[first + x * components], sizeof(uint32_t));
+  } else if (pixels.integer) {
+    const int32_t* in = pixels.ints.data() + first;
+    store_as(column, row, out, [=](size_t x) { return float(in[x * components]); });
+  } else if (channel.is_distance) {
+    const float* in = pixels.floats.data() + first;
+    store_as(column, row, out, [=](size_t x) { return in[x * components] > 0 ? in[x * components] : kFarAway; });
+  } else {
+    const float* in = pixels.floats.data() + first;
+    store_as(column, row, out, [=](size_t x) { return in[x * components]; });
+  }
+}
+
+}  // namespace alabaster::hd::host
