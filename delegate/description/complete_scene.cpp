@@ -2,6 +2,7 @@
 
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
+#include "delegate/description/soft_dome.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -93,11 +94,8 @@ bool any_emission(const host::RetainedSceneDelegate& scene) {
 
 void complete_lights(LoadState* state) {
   if (!state->scene->GetLights().empty() || any_emission(*state->scene)) return;
-  host::LightDescription dome;
-  dome.type = "domeLight";
-  dome.parameters["color"] = Vec3f(1, 1, 1);
-  dome.parameters["intensity"] = 1.0f;
-  state->scene->SetLight("/lights/default_dome", std::move(dome));
+  const Matrix4d camera = state->scene->GetCameras().at(state->settings.camera).transform;
+  state->scene->SetLight("/lights/default_dome", soft_dome(camera));
   state->result->notes.push_back("no light: added a soft dome");
 }
 
