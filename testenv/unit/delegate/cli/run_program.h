@@ -26,6 +26,7 @@ class Program {
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     const std::string out = folder / "stdout.txt", err = folder / "stderr.txt", where = folder;
+    for (const std::string& earlier : {out, err}) std::filesystem::remove(earlier);  // wait_for must not see its words
     pid_ = fork();
     if (pid_ != 0) return;
     const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
