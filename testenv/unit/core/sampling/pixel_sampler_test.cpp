@@ -67,7 +67,7 @@ TEST(PixelSampler, BlocksAreIndependent) {
   std::set<float> seen;
   size_t drawn = 0;
   for (int x = 0; x < 8; ++x)
-    for (auto purpose : {Dimension::film_lens, Dimension::bsdf, Dimension::light, Dimension::roulette})
+    for (auto purpose : {Dimension::film_lens, Dimension::bsdf, Dimension::light, Dimension::exit_light})
       for (uint32_t depth = 0; depth < 8; ++depth) {
         for (float u : PixelSampler(pixel_seed(x, 0, 0, 0), 0).draw(purpose, depth)) seen.insert(u);
         drawn += 4;

@@ -232,8 +232,11 @@ TEST(MeshSync, AScaleBeyondFloatIsReportedByName) {
   stage.scene.SetMesh("/huge", mesh);
   stage.index->SyncAll();
   ASSERT_EQ(stage.count("instance.transform"), 1u);
-  for (const Diagnostic& d : stage.take_diagnostics())
-    if (d.code == "instance.transform") EXPECT_EQ(d.where, "/huge");
+  for (const Diagnostic& d : stage.take_diagnostics()) {
+    if (d.code == "instance.transform") {
+      EXPECT_EQ(d.where, "/huge");
+    }
+  }
 }
 
 MaterialNetwork scattering() {
