@@ -1,5 +1,6 @@
-// Next-event estimation: one light, one direction, weighed against the sampling of the lobe by the power heuristic.
-// The other half of the weight is taken where a lobe's ray meets a light (path_integrator.cpp, add_light_emission).
+// Next-event estimation: one direction for each sampled light, weighed against the sampling of the lobe by the power
+// heuristic. The other half of the weight is taken where a lobe's ray meets a light (path_integrator.cpp,
+// add_light_emission).
 #pragma once
 
 #include "core/integrator/path_integrator.h"
@@ -23,17 +24,18 @@ inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightS
       {p, light.wi, light.on_mesh ? light.distance * kMeshLightFraction : light.distance});
 }
 
-/// Light scattered at `p` (already offset to the outer side) from one sampled light. `scatter(wi)` gives the
-/// ScatterValue for a unit direction in render space; a zero value costs no ray.
+/// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. `scatter(wi)`
+/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray.
 template <class Scatter>
 Rgb direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter) {
-  const auto light = context.scene.lights.sample(p, u[0], {u[1], u[2]});
-  if (!light) return Rgb(0.0f);
-  const ScatterValue value = scatter(light->wi);
-  if (is_black(value.f_cos)) return Rgb(0.0f);
-  if (is_occluded(context, p, *light)) return Rgb(0.0f);
-  const float weight = light->delta ? 1.0f : power_heuristic(light->pdf, value.pdf);
-  return value.f_cos * light->radiance * (weight / light->pdf);
+  Rgb sum(0.0f);
+  context.scene.lights.sample_lights(p, u, [&](const LightSample& light) {
+    const ScatterValue value = scatter(light.wi);
+    if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
+    const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
+    sum += value.f_cos * light.radiance * (weight / light.pdf);
+  });
+  return sum;
 }
 
 }  // namespace alabaster

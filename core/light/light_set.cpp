@@ -4,8 +4,10 @@
 
 namespace alabaster {
 
-LightSet::LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera)
-    : lights_(std::move(lights)), visible_to_camera_(std::move(visible_to_camera)) {
+LightSet::LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera, size_t sample_all_up_to)
+    : sample_all_(lights.size() <= sample_all_up_to),
+      lights_(std::move(lights)),
+      visible_to_camera_(std::move(visible_to_camera)) {
   visible_to_camera_.resize(lights_.size(), true);
   for (size_t i = 0; i < lights_.size(); ++i)
     if (const auto* mesh = std::get_if<MeshLight>(&lights_[i]))
@@ -16,9 +18,19 @@ LightSet::LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camer
 std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u) const {
   const auto chosen = LightChoice(lights_, p).choose(u_light);
   if (!chosen) return std::nullopt;
-  auto s = std::visit([&](const auto& light) { return light.sample(p, u); }, lights_[chosen->index]);
+  auto s = sample_light(chosen->index, p, u);
   if (s) s->pdf *= chosen->probability;
   return s;
+}
+
+std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u) const {
+  return std::visit([&](const auto& light) { return light.sample(p, u); }, lights_[i]);
+}
+
+Vec2f LightSet::shifted(const Vec2f& u, size_t i) {
+  const auto wrap = [](float x) { return std::min(x - std::floor(x), kOneMinusEpsilon); };
+  const auto n = static_cast<float>(i);
+  return {wrap(u.x + n * 0.7548776662f), wrap(u.y + n * 0.5698402910f)};
 }
 
 std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray) const {
@@ -37,7 +49,8 @@ float LightSet::mesh_light_pdf(const Ray& ray, float t, uint32_t instance, uint3
                                       std::pair<uint32_t, uint32_t>(instance, 0));
   if (found == mesh_light_of_instance_.end() || found->first != instance) return 0;
   const float pdf = std::get<MeshLight>(lights_[found->second]).pdf(triangle, ray.dir, t);
-  return pdf > 0 ? pdf * choice_probability(found->second, ray.org) : 0;
+  if (!(pdf > 0) || sample_all_) return pdf;
+  return pdf * choice_probability(found->second, ray.org);
 }
 
 }  // namespace alabaster

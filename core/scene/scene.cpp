@@ -111,7 +111,8 @@ void add_lights(const SceneDescription& description, const DiagnosticSink& sink,
       visible.push_back(true);
       snapshot->features.emissive_meshes = true;
     }
-  snapshot->lights = LightSet(std::move(lights), std::move(visible));
+  constexpr size_t kSampleAllUpTo = 4;
+  snapshot->lights = LightSet(std::move(lights), std::move(visible), kSampleAllUpTo);
 }
 
 template <class T>
