@@ -143,7 +143,7 @@ class Recording {
     const Borrowed borrowed(this);
     allocate();
     if (!sync()) return;
-    if (!cancelled()) render();
+    if (!cancelled() && have_buffers()) render();
     collect_stats();
     if (result_.status == RecordStatus::done || (result_.status == RecordStatus::interrupted && rendered_)) write();
   }
@@ -172,9 +172,10 @@ class Recording {
     if (description_.width < 1 || description_.height < 1 || description_.width > 65536 || description_.height > 65536)
       return refuse(RecordStatus::input_failed, "record.resolution", "width and height must lie in 1..65536");
     window_ = description_.crop.value_or(Rect2i{0, 0, description_.width, description_.height});
-    if (window_.empty() || !(description_.pixelAspectRatio > 0))
+    const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
+    if (!fits(window_.minX, window_.maxX) || !fits(window_.minY, window_.maxY) || !(description_.pixelAspectRatio > 0))
       return refuse(RecordStatus::input_failed, "record.framing",
-                    "the crop must not be empty and pixelAspectRatio must be positive");
+                    "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio must be positive");
     if (window_.minX >= description_.width || window_.minY >= description_.height || window_.maxX <= 0 ||
         window_.maxY <= 0)
       return refuse(RecordStatus::input_failed, "record.crop",
@@ -218,6 +219,18 @@ class Recording {
     const CancelWatch watch(options_.cancel, delegate_);
     return index_->SyncAll() || refuse(RecordStatus::render_failed, "record.sync",
                                        "the scene could not be synced: memory or threads ran out");
+  }
+
+  // A delegate refuses buffers that are too large, and says so: rendering without them would be for nothing.
+  bool have_buffers() {
+    for (const auto& [aov, path] : buffers_) {
+      const auto* buffer = static_cast<RenderBuffer*>(index_->GetBprim(path));
+      if (!buffer || buffer->GetWidth() != window_.width() || buffer->GetHeight() != window_.height())
+        return refuse(RecordStatus::input_failed, "record.buffer",
+                      "AOV '" + aov + "' cannot have " + std::to_string(window_.width()) + " x " +
+                          std::to_string(window_.height()) + " pixels; lower the resolution or render a crop");
+    }
+    return true;
   }
 
   RenderPassState pass_state() const {

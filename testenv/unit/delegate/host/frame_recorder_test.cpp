@@ -77,6 +77,14 @@ TEST(FrameRecorder, RefusesBeforeRenderingWhatCannotSucceed) {
   settings.camera = "/nowhere";
   stage.scene.SetRenderSettings("/camera_missing", settings);
   EXPECT_EQ(record("/camera_missing"), RecordStatus::render_failed);
+  settings = settings_for(folder.path + "/frame.exr", 1);
+  settings.crop = Rect2i{-2000000000, 0, 2000000000, 4};
+  stage.scene.SetRenderSettings("/crop", settings);
+  EXPECT_EQ(record("/crop"), RecordStatus::input_failed);
+  settings = settings_for(folder.path + "/frame.exr", 1);
+  settings.width = settings.height = 65536;  // more than a buffer may hold
+  stage.scene.SetRenderSettings("/huge", settings);
+  EXPECT_EQ(record("/huge"), RecordStatus::input_failed);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 }
 
