@@ -206,7 +206,7 @@ def build():
     rose = doc.add_texture("petal", png(192, 192, petal_colour))
     petal_material = doc.add_material("petal", {
         "baseColor": [1.0, 1.0, 1.0], "roughness": 0.42, "specular": 0.7, "sheen": 0.2,
-        "scatterDistance": [0.00052, 0.00034, 0.00032]}, texture=rose)
+        "scatterDistance": [0.00042, 0.00024, 0.00023]}, texture=rose)
     pod_material = doc.add_material("pod", {
         "baseColor": [0.62, 0.66, 0.20], "roughness": 0.4, "scatterDistance": [0.0016, 0.0018, 0.0006]})
     stamen_material = doc.add_material("stamen", {
