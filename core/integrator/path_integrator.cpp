@@ -1,9 +1,9 @@
 #include "core/integrator/path_integrator.h"
 
-#include "core/geometry/surface_hit.h"
 #include "core/integrator/direct_light.h"
+#include "core/integrator/path_state.h"
+#include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
-#include "core/sampling/warp.h"
 
 namespace alabaster {
 namespace {
@@ -11,39 +11,11 @@ namespace {
 // Roulette starts here: earlier vertices carry most of the picture.
 constexpr uint32_t kRouletteDepth = 3;
 
-struct PathState {
-  Ray ray;
-  Rgb throughput{1.0f};
-  Rgb radiance{0.0f};
-  float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
-  uint32_t depth = 0;
-};
-
-// A point on a surface as seen along a ray: all normals on the viewer's side.
-struct PathVertex {
-  const Instance* instance = nullptr;
-  SurfaceHit hit;
-  Frame frame;  // about the shading normal, bent so that the viewer is above it
-  Vec3f outer;  // ray origin on the viewer's side
-  DisneyParameters material;
-};
-
 // An interpolated normal may turn away from the viewer at a silhouette; it is bent back until the viewer is just above.
 Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
   constexpr float kLeastCosine = 0.01f;
   const float cosine = dot(ns, wo);
   return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
-}
-
-// The hit with all normals on the side that `towards` leaves to.
-SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& towards) {
-  SurfaceHit hit = surface_hit(instance.prototype->mesh, triangle, instance.object_to_world, instance.world_to_object);
-  if (dot(hit.ng, towards) < 0) {
-    hit.ng = -hit.ng;
-    hit.ns = -hit.ns;
-    hit.ng_object = -hit.ng_object;
-  }
-  return hit;
 }
 
 PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle) {
@@ -98,46 +70,6 @@ bool survives_roulette(float u, PathState* path) {
   const float survival = std::min(1.0f, max_component(path->throughput));
   if (!(u < survival)) return false;
   path->throughput *= 1 / survival;
-  return true;
-}
-
-// Chiang, Kutz, Burley 2016, section 4: the view-dependent term weighs the entry, the light-dependent term the exit,
-// for light sampling and for the continued path alike. The path goes on from where the walk left.
-bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
-                           PathState* path) {
-  const Instance& instance = *entry.instance;
-  const Medium medium =
-      make_medium(entry.material.base_color, entry.material.scatter_distance, context.settings.walk.inversion);
-  const Frame inward = frame_from_normal(-entry.frame.n);
-  const float scale = max_component(path->throughput);
-  if (!(scale > 0)) return false;
-  const WalkEntry walk_entry{offset_point(entry.hit.p_object, -entry.hit.ng_object, entry.hit.offset_object),
-                             -entry.hit.ng, inward, path->throughput * (1 / scale)};
-  const auto u = sampler.draw(Dimension::subsurface, path->depth);
-  Rng rng = sampler.stream(Dimension::subsurface, path->depth);
-  const WalkSpace space{instance.prototype->object.get(), instance.world_to_object, instance.prototype->mesh.bounds};
-  const auto exit = random_walk(space, walk_entry, medium, context.settings.walk, {u[0], u[1]}, rng, context.counters);
-  if (!exit) return false;
-  path->throughput = exit->throughput * scale;
-
-  const SurfaceHit hit = surface_on_side(instance, exit->hit, exit->direction);
-  const Frame frame = frame_from_normal(hit.ns);
-  const Vec3f outer = offset_point(hit.p, hit.ng, hit.offset);
-  const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
-    const float cosine = dot(wi, frame.n);
-    if (!(cosine > 0) || !(dot(wi, hit.ng) > 0)) return {};
-    return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
-  };
-  path->radiance +=
-      path->throughput * direct_light(context, outer, sampler.draw(Dimension::exit_light, path->depth), exit_lobe);
-
-  const auto u_exit = sampler.draw(Dimension::exit_bsdf, path->depth);
-  const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u_exit[0], u_exit[1]}));
-  const ScatterValue value = exit_lobe(wi);
-  if (!(value.pdf > 0)) return false;
-  path->throughput *= value.f_cos * (1 / value.pdf);
-  path->scatter_pdf = value.pdf;
-  path->ray = {outer, wi};
   return true;
 }
 
