@@ -137,7 +137,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
 }  // namespace
 
 PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings) {
-  const bool subsurface = features.subsurface && settings.subsurface == SubsurfaceMode::walk;
+  const bool subsurface = features.subsurface && settings.subsurface != SubsurfaceMode::lambert;
   if (subsurface) return features.emissive_meshes ? trace_path<true, true> : trace_path<true, false>;
   return features.emissive_meshes ? trace_path<false, true> : trace_path<false, false>;
 }

@@ -12,8 +12,9 @@
 namespace alabaster {
 
 enum class SubsurfaceMode {
-  lambert,  // scatter distances are taken as zero: the 2015 diffuse
-  walk,     // path-traced random walk
+  lambert,    // scatter distances are taken as zero: the 2015 diffuse
+  walk,       // path-traced random walk, with the shortcuts that pay
+  reference,  // the walk without any shortcut: the yardstick
 };
 
 struct IntegratorSettings {
