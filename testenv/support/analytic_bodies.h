@@ -7,14 +7,14 @@ namespace alabaster::testing {
 
 struct BodyHit {
   double t = 0;
-  int side = 0;  // slab: 0 the side entered through, 1 the other
+  int side = 0;  // slab and edge: 0 the side entered through, 1 the other
 };
 
 inline Vec3d to_double(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 
-/// 0 <= z <= thickness, entered at z = 0; infinite thickness: a half-space.
+/// 0 <= z <= thickness, entered at the origin; infinite thickness: a half-space.
 class SlabTracer {
  public:
   using Hit = BodyHit;
@@ -23,18 +23,45 @@ class SlabTracer {
 
   static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) const {
-    if (direction.z < 0) *hit = {z_ / -static_cast<double>(direction.z), 0};
-    if (direction.z > 0) *hit = {(thickness_ - z_) / direction.z, 1};
+    if (direction.z < 0) *hit = {p_.z / -static_cast<double>(direction.z), 0};
+    if (direction.z > 0) *hit = {(thickness_ - p_.z) / direction.z, 1};
     return direction.z != 0 && hit->t <= tmax;
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
   bool advance(const Vec3f& direction, float t) {
-    z_ += static_cast<double>(direction.z) * t;
+    p_ += to_double(direction) * t;
+    return true;
+  }
+  const Vec3d& position() const { return p_; }
+
+ private:
+  double thickness_;
+  Vec3d p_{0, 0, 0};
+};
+
+/// The quarter space x >= 0, z >= 0, entered through z = 0 at a distance from its edge.
+class EdgeTracer {
+ public:
+  using Hit = BodyHit;
+
+  explicit EdgeTracer(double distance) : p_(distance, 0, 0) {}
+
+  static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
+  bool intersect(const Vec3f& direction, float tmax, Hit* hit) const {
+    hit->t = std::numeric_limits<double>::infinity();
+    if (direction.z < 0) *hit = {p_.z / -static_cast<double>(direction.z), 0};
+    if (direction.x < 0 && p_.x < hit->t * -static_cast<double>(direction.x))
+      *hit = {p_.x / -static_cast<double>(direction.x), 1};
+    return hit->t <= tmax;
+  }
+  double exit_distance(const Hit& hit) const { return hit.t; }
+  bool advance(const Vec3f& direction, float t) {
+    p_ += to_double(direction) * t;
     return true;
   }
 
  private:
-  double thickness_, z_ = 0;
+  Vec3d p_;
 };
 
 /// The ellipsoid x = scale * (unit sphere), entered at scale * pole. A sphere when all scales are equal.

@@ -1,5 +1,6 @@
 #include "testenv/support/transport_solution.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -79,12 +80,22 @@ double solve_sphere_on(int cells, double radius, double one_minus_alpha) {
   return 1 - 4 * one_minus_alpha * integral / (radius * radius);
 }
 
-constexpr int kCells = 150;
+/// Second order in h: each pair of grids gives a limit, and two limits the error.
+class Limit {
+ public:
+  static constexpr int kCells[3] = {75, 150, 300};
 
-/// Second order in h: two grids give the limit and its error.
-double extrapolate(double coarse, double fine) {
-  return fine + (fine - coarse) / 3;
-}
+  void add(double on_grid) {
+    previous_limit_ = limit_;
+    limit_ = on_grid + (on_grid - on_grid_) / 3;
+    on_grid_ = on_grid;
+  }
+  double value() const { return limit_; }
+  double error() const { return std::abs(limit_ - previous_limit_); }
+
+ private:
+  double on_grid_ = 0, limit_ = 0, previous_limit_ = 0;
+};
 
 }  // namespace
 
@@ -97,16 +108,19 @@ double sphere_zero_scatter(double radius) {
 }
 
 SlabAnswer solve_slab(double thickness, double one_minus_alpha) {
-  const SlabAnswer coarse = solve_slab_on(kCells, thickness, one_minus_alpha);
-  const SlabAnswer fine = solve_slab_on(2 * kCells, thickness, one_minus_alpha);
-  return {extrapolate(coarse.reflectance, fine.reflectance), extrapolate(coarse.transmittance, fine.transmittance),
-          std::abs(fine.reflectance - coarse.reflectance)};
+  Limit reflectance, transmittance;
+  for (const int cells : Limit::kCells) {
+    const SlabAnswer answer = solve_slab_on(cells, thickness, one_minus_alpha);
+    reflectance.add(answer.reflectance);
+    transmittance.add(answer.transmittance);
+  }
+  return {reflectance.value(), transmittance.value(), std::max(reflectance.error(), transmittance.error())};
 }
 
 SphereAnswer solve_sphere(double radius, double one_minus_alpha) {
-  const double coarse = solve_sphere_on(kCells, radius, one_minus_alpha);
-  const double fine = solve_sphere_on(2 * kCells, radius, one_minus_alpha);
-  return {extrapolate(coarse, fine), std::abs(fine - coarse)};
+  Limit albedo;
+  for (const int cells : Limit::kCells) albedo.add(solve_sphere_on(cells, radius, one_minus_alpha));
+  return {albedo.value(), albedo.error()};
 }
 
 }  // namespace alabaster::testing

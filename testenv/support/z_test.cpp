@@ -20,6 +20,16 @@ void RunningStatistics::add(double x) {
   sum_squares_ += delta * (x - mean_);
 }
 
+void RunningStatistics::merge(const RunningStatistics& other) {
+  if (other.count_ == 0) return;
+  max_ = count_ == 0 ? other.max_ : std::max(max_, other.max_);
+  const auto own = static_cast<double>(count_), others = static_cast<double>(other.count_);
+  const double delta = other.mean_ - mean_;
+  mean_ += delta * (others / (own + others));
+  sum_squares_ += other.sum_squares_ + delta * delta * (own * others / (own + others));
+  count_ += other.count_;
+}
+
 double RunningStatistics::variance() const {
   return count_ < 2 ? 0 : sum_squares_ / static_cast<double>(count_ - 1);
 }

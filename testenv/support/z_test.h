@@ -14,6 +14,8 @@ double sidak_level(double significance, int number_of_tests);
 class RunningStatistics {
  public:
   void add(double x);
+  /// As if all of the other's values had been added (Chan, Golub and LeVeque 1979).
+  void merge(const RunningStatistics& other);
   uint64_t count() const { return count_; }
   double mean() const { return mean_; }
   /// Unbiased; 0 for fewer than two values.

@@ -1,0 +1,73 @@
+// What the tables share: how fine to measure, Markdown, and the score. A table may hold any number of comparisons with
+// theory; all of them together are one family of tests (Sidak), so that a long report does not fail by chance.
+#pragma once
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "testenv/support/z_test.h"
+
+namespace alabaster::testing {
+
+/// printf into a string.
+[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...);
+
+/// A measured mean and its standard error.
+struct Estimate {
+  double mean = 0, sigma = 0;
+  Estimate(double m, double s) : mean(m), sigma(s) {}
+  Estimate(const RunningStatistics& values) : Estimate(values.mean(), values.standard_error()) {}
+  std::string text() const;  // "0.50012 ± 0.00020"
+};
+
+class Report {
+ public:
+  /// `sigma`: the standard error that a table should reach for a quantity between 0 and 1.
+  explicit Report(double sigma) : sigma_(sigma) {}
+
+  double sigma() const { return sigma_; }
+  /// Walks that bring the standard error of a quantity of this variance down to `factor` times sigma().
+  uint64_t walks_for(double variance, double factor = 1) const;
+
+  void heading(const std::string& title);
+  void paragraph(const std::string& words);
+  void columns(const std::vector<std::string>& names);
+  void row(const std::vector<std::string>& cells);
+
+  /// z of a comparison, as a cell; noted for the verdict. `slack`: known bound of the error of `expected`.
+  std::string z(const Estimate& measured, double expected, double slack = 0);
+  /// The same for a share of walks (each counts 0 or 1): with the standard error that theory gives it, which rare
+  /// events need; "-", and not noted, where fewer than ten are expected.
+  std::string z_share(const RunningStatistics& walks, double expected, double slack = 0);
+  /// z of the difference of two independent measurements.
+  std::string z_between(const Estimate& measured, const Estimate& other) {
+    return z({measured.mean - other.mean, std::hypot(measured.sigma, other.sigma)}, 0);
+  }
+  /// Something that holds or not; a failure is printed and ends in a non-zero verdict.
+  void require(bool holds, const std::string& what);
+
+  /// Prints how many comparisons there were and how far off the worst is. True: the family of them passes at the
+  /// level 0.001, and everything required holds.
+  bool verdict();
+
+ private:
+  double sigma_, worst_ = 0;
+  int comparisons_ = 0, above_three_ = 0, failures_ = 0;
+};
+
+/// One table: what it is called on the command line, and what prints it.
+struct Table {
+  const char* name;
+  void (*print)(Report& report);
+};
+
+void print_slab_albedo(Report& report);
+void print_radial_profile(Report& report);
+void print_chromatic_weights(Report& report);
+void print_analytic_bodies(Report& report);
+void print_mesh_bodies(Report& report);
+void print_rendered_bodies(Report& report);
+void print_extremes(Report& report);
+
+}  // namespace alabaster::testing

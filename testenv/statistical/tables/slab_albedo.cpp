@@ -1,0 +1,96 @@
+// What albedo each inversion obtains on a half-space, and what its walks cost.
+#include <limits>
+
+#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/walks.h"
+#include "testenv/support/albedo_table.h"
+
+namespace alabaster::testing {
+namespace {
+
+constexpr AlbedoInversion kInversions[] = {AlbedoInversion::chiang2016, AlbedoInversion::exact,
+                                           AlbedoInversion::van_de_hulst};
+
+struct Obtained {
+  RunningStatistics walked;
+  double theory = 0;  // of the half-space; for a white one less what the safety cap takes
+  double events = 0, expected_events = 0;
+  double rays = 0;
+  uint64_t capped = 0, walks = 0;
+};
+
+/// Of a white half-space's walks, the share that is still inside after n events: (4/sqrt 3) / sqrt(pi n), from
+/// 1 - A -> (4/sqrt 3) sqrt(1 - alpha) by a Tauberian theorem.
+double white_walks_inside_after(double events) {
+  return 4 / std::sqrt(3 * 3.14159265358979323846 * events);
+}
+
+Obtained obtain(Report& report, double complement, uint32_t seed) {
+  Obtained result;
+  const double albedo = half_space_albedo(complement);
+  WalkSettings settings;
+  double loss = 0;
+  if (complement > 0)
+    settings.safety_cap = std::numeric_limits<uint32_t>::max();  // every walk ends by itself
+  else
+    loss = white_walks_inside_after(settings.safety_cap);
+  result.theory = albedo - loss;
+  const WalkTotals totals = walk_bodies([] { return SlabTracer(); }, unit_medium(complement), settings,
+                                        report.walks_for(result.theory * (1 - result.theory)), seed);
+  result.walked = totals.out[0];
+  result.walks = totals.counters.walks;
+  result.events = totals.events.mean();
+  result.expected_events = complement > 0 ? (1 - albedo) / complement : std::numeric_limits<double>::infinity();
+  result.rays = static_cast<double>(totals.counters.walk_rays) / static_cast<double>(result.walks);
+  result.capped = totals.counters.walk_safety_cap;
+  return result;
+}
+
+void print_cost(Report& report, const std::vector<std::vector<Obtained>>& rows) {
+  report.heading("Cost: scattering events and rays per walk in a half-space");
+  report.paragraph(
+      "Theory: a collision absorbs 1 - alpha of a walk and 1 - A of all walks is absorbed, so there are\n"
+      "(1 - A)/(1 - alpha) events a walk. A = 1 has no finite mean: the number is that of walks capped at 1e6 events.");
+  report.columns({"A asked", "chiang2016: events", "theory", "rays", "exact: events", "theory", "rays"});
+  for (size_t a = 0; a < rows.size(); ++a) {
+    std::vector<std::string> cells = {text("%g", kAlbedoTable[a].albedo)};
+    for (size_t i = 0; i < 2; ++i) {
+      const Obtained& o = rows[a][i];
+      cells.push_back(text("%.2f", o.events));
+      cells.push_back(text("%.2f", o.expected_events));
+      cells.push_back(text("%.2f", o.rays));
+    }
+    report.row(cells);
+  }
+}
+
+}  // namespace
+
+void print_slab_albedo(Report& report) {
+  report.heading("Albedo asked and obtained, half-space");
+  report.paragraph(
+      "Walked by the renderer's loop, ± one standard error; theory: Chandrasekhar's H function (1960) at the\n"
+      "inversion's alpha. At A = 1 the safety cap of 1e6 events takes 4/sqrt(3 pi 1e6) = 0.00130 of a half-space's\n"
+      "walks under `exact` and `vanDeHulst` (alpha = 1); theory is less by that. All other rows run without a cap.");
+  report.columns({"A asked", "chiang2016", "theory", "z", "exact", "theory", "z", "vanDeHulst", "theory", "z"});
+  std::vector<std::vector<Obtained>> rows;
+  uint32_t seed = 1000;
+  for (const AlbedoRow& row : kAlbedoTable) {
+    std::vector<std::string> cells = {text("%g", row.albedo)};
+    rows.emplace_back();
+    for (const AlbedoInversion inversion : kInversions) {
+      const Obtained o = obtain(report, one_minus_alpha(row.albedo, inversion), ++seed);
+      cells.push_back(Estimate(o.walked).text());
+      cells.push_back(text("%.6f", o.theory));
+      cells.push_back(report.z_share(o.walked, o.theory));
+      report.require(o.walked.standard_error() < 1.3 * report.sigma(), text("standard error at A = %g", row.albedo));
+      if (o.expected_events < std::numeric_limits<double>::infinity())
+        report.require(o.capped == 0, text("no walk capped at A = %g", row.albedo));
+      rows.back().push_back(o);
+    }
+    report.row(cells);
+  }
+  print_cost(report, rows);
+}
+
+}  // namespace alabaster::testing

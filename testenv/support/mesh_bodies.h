@@ -1,0 +1,31 @@
+// Closed meshes whose volume and surface follow exactly from their triangles, and points on them: what walks on real
+// geometry are held against.
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/embree_scene.h"
+
+namespace alabaster::testing {
+
+/// Axis-parallel box about the origin. Triangles 0, 1 are its top (+y), 2, 3 its bottom.
+Mesh box_mesh(const Vec3f& half_extents);
+/// About the y axis; not convex. `segments` around, half as many across the tube.
+Mesh torus_mesh(float radius, float tube_radius, int segments);
+
+/// Of the triangles themselves, in double.
+double mesh_area(const Mesh& mesh);
+double mesh_volume(const Mesh& mesh);  // of a closed mesh wound counter-clockwise from outside
+
+/// Points distributed uniformly over a mesh's surface.
+class SurfaceSampler {
+ public:
+  explicit SurfaceSampler(const Mesh& mesh);
+  /// Triangle and barycentric coordinates; `u` in [0,1)^3.
+  TriangleHit sample(const std::array<float, 3>& u) const;
+
+ private:
+  std::vector<double> area_up_to_;  // of the triangles up to and including this one
+};
+
+}  // namespace alabaster::testing
