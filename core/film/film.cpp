@@ -1,6 +1,7 @@
 #include "core/film/film.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace alabaster {
@@ -12,10 +13,23 @@ struct AovInfo {
   bool integer;
 };
 // In the order of enum Aov.
-constexpr AovInfo kAovs[kAovCount] = {{"color", 4, false},       {"alpha", 1, false},     {"depth", 1, false},
-                                      {"cameraDepth", 1, false}, {"normal", 3, false},    {"albedo", 3, false},
-                                      {"primId", 1, true},       {"instanceId", 1, true}, {"elementId", 1, true},
-                                      {"sampleCount", 1, true}};
+constexpr AovInfo kAovs[kAovCount] = {{"color", 4, false},
+                                      {"alpha", 1, false},
+                                      {"depth", 1, false},
+                                      {"cameraDepth", 1, false},
+                                      {"normal", 3, false},
+                                      {"albedo", 3, false},
+                                      {"primId", 1, true},
+                                      {"instanceId", 1, true},
+                                      {"elementId", 1, true},
+                                      {"sampleCount", 1, true},
+                                      {"diffuse", 3, false},
+                                      {"subsurface", 3, false},
+                                      {"subsurfaceSingle", 3, false},
+                                      {"subsurfaceMultiple", 3, false},
+                                      {"subsurfaceUnscattered", 3, false},
+                                      {"specular", 3, false},
+                                      {"emission", 3, false}};
 
 const AovInfo& info(Aov a) {
   return kAovs[static_cast<size_t>(a)];
@@ -23,6 +37,31 @@ const AovInfo& info(Aov a) {
 
 constexpr uint32_t kClosestAovs = aov_bit(Aov::depth) | aov_bit(Aov::camera_depth) | aov_bit(Aov::prim_id) |
                                   aov_bit(Aov::instance_id) | aov_bit(Aov::element_id);
+
+Rgb layer_of(const LightLayers& layers, Aov aov) {
+  switch (aov) {
+    case Aov::diffuse:
+      return layers.diffuse;
+    case Aov::subsurface:
+      return layers.unscattered + layers.single + layers.multiple;
+    case Aov::subsurface_single:
+      return layers.single;
+    case Aov::subsurface_multiple:
+      return layers.multiple;
+    case Aov::subsurface_unscattered:
+      return layers.unscattered;
+    case Aov::specular:
+      return layers.specular;
+    default:
+      return layers.emission;
+  }
+}
+
+void accumulate(const Rgb& value, std::array<double, 3>* sum) {
+  (*sum)[0] += value.r;
+  (*sum)[1] += value.g;
+  (*sum)[2] += value.b;
+}
 
 }  // namespace
 
@@ -49,6 +88,8 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(p
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
   if (aovs & kClosestAovs) closest_.resize(pixels);
+  for (int i = 0; i < kAovCount; ++i)
+    if (const auto aov = static_cast<Aov>(i); aovs & kLayerAovs & aov_bit(aov)) layers_.push_back({aov, Sums(pixels)});
 }
 
 size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
@@ -56,6 +97,7 @@ size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
   if (aovs & aov_bit(Aov::normal)) bytes += sizeof(decltype(normal_)::value_type);
   if (aovs & aov_bit(Aov::albedo)) bytes += sizeof(decltype(albedo_)::value_type);
   if (aovs & kClosestAovs) bytes += sizeof(Closest);
+  bytes += static_cast<size_t>(std::popcount(aovs & kLayerAovs)) * sizeof(Sums::value_type);
   return bytes;
 }
 
@@ -65,7 +107,7 @@ size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
          FilmTile::bytes_per_pixel(aovs);
 }
 
-void FilmTile::add(size_t pixel, const FilmSample& s) {
+void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
   ++samples_[pixel];
   auto& c = color_[pixel];
   c[0] += s.color.r;
@@ -78,12 +120,9 @@ void FilmTile::add(size_t pixel, const FilmSample& s) {
     n[1] += s.normal.y;
     n[2] += s.normal.z;
   }
-  if (!albedo_.empty()) {
-    auto& a = albedo_[pixel];
-    a[0] += s.albedo.r;
-    a[1] += s.albedo.g;
-    a[2] += s.albedo.b;
-  }
+  if (!albedo_.empty()) accumulate(s.albedo, &albedo_[pixel]);
+  if (layers)
+    for (LayerPlane& plane : layers_) accumulate(layer_of(*layers, plane.aov), &plane.sums[pixel]);
   if (!closest_.empty() && s.distance < closest_[pixel].distance)
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
 }
@@ -114,7 +153,9 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
       *out = closest_.empty() ? 0.0f : closest_[pixel].camera_depth;
       break;
     default:
-      *out = 0;
+      std::fill_n(out, aov_components(aov), 0.0f);
+      for (const LayerPlane& plane : layers_)
+        if (plane.aov == aov) average(plane.sums, 0, 3);
   }
 }
 

@@ -14,12 +14,35 @@
 
 namespace alabaster {
 
-/// What can be asked for. Averaged: color, alpha, normal, albedo. Closest sample: depth and ids.
-enum class Aov { color, alpha, depth, camera_depth, normal, albedo, prim_id, instance_id, element_id, sample_count };
-inline constexpr int kAovCount = 10;
+/// What can be asked for. Averaged: color, alpha, normal, albedo, the layers of light. Closest sample: depth and ids.
+enum class Aov {
+  color,
+  alpha,
+  depth,
+  camera_depth,
+  normal,
+  albedo,
+  prim_id,
+  instance_id,
+  element_id,
+  sample_count,
+  diffuse,  // from here on layers: see LightLayers
+  subsurface,
+  subsurface_single,
+  subsurface_multiple,
+  subsurface_unscattered,
+  specular,
+  emission
+};
+inline constexpr int kAovCount = 17;
 constexpr uint32_t aov_bit(Aov a) {
   return 1u << static_cast<uint32_t>(a);
 }
+/// The AOVs that need LightLayers.
+inline constexpr uint32_t kLayerAovs = aov_bit(Aov::diffuse) | aov_bit(Aov::subsurface) |
+                                       aov_bit(Aov::subsurface_single) | aov_bit(Aov::subsurface_multiple) |
+                                       aov_bit(Aov::subsurface_unscattered) | aov_bit(Aov::specular) |
+                                       aov_bit(Aov::emission);
 
 /// "color", "depth", ... ; components per pixel (color 4: premultiplied RGBA); whether values are int32.
 const char* aov_name(Aov a);
@@ -48,6 +71,16 @@ struct FilmSample {
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
 };
 
+/// A sample's color by what sent the light to the camera. The layers add up to color but for float rounding.
+struct LightLayers {
+  Rgb diffuse{0.0f};      // scattered at the first surface by its diffuse and sheen lobes
+  Rgb specular{0.0f};     // by its specular and clearcoat lobes
+  Rgb unscattered{0.0f};  // came through the body from the first surface without scattering in it,
+  Rgb single{0.0f};       // with one scattering event,
+  Rgb multiple{0.0f};     // with two or more
+  Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
+};
+
 /// Accumulators of one tile. Only the planes that the requested AOVs need exist.
 class FilmTile {
  public:
@@ -55,7 +88,8 @@ class FilmTile {
   FilmTile(size_t pixels, uint32_t aovs);
 
   /// `pixel`: row-major within the tile. Order matters to the last bit: one tile's samples come in sample order.
-  void add(size_t pixel, const FilmSample& sample);
+  /// `layers` of the sample: null where none of kLayerAovs was asked for.
+  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
   /// aov_components() values of a pixel: averages, or what the closest sample brought.
   void resolve(size_t pixel, Aov aov, float* out) const;
@@ -64,13 +98,19 @@ class FilmTile {
   static size_t bytes_per_pixel(uint32_t aovs);
 
  private:
+  using Sums = std::vector<std::array<double, 3>>;
+  struct LayerPlane {
+    Aov aov;
+    Sums sums;
+  };
   struct Closest {
     float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
     int32_t prim_id = -1, instance_id = -1, element_id = -1;
   };
   std::vector<uint32_t> samples_;
   std::vector<std::array<double, 4>> color_;  // sums, premultiplied
-  std::vector<std::array<double, 3>> normal_, albedo_;
+  Sums normal_, albedo_;
+  std::vector<LayerPlane> layers_;  // those that were asked for
   std::vector<Closest> closest_;
 };
 

@@ -25,16 +25,24 @@ inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightS
 }
 
 /// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. `scatter(wi)`
-/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray.
-template <class Scatter>
-Rgb direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter) {
-  Rgb sum(0.0f);
+/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(wi, light)` for
+/// each light that arrives.
+template <class Scatter, class Add>
+void for_direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter,
+                      const Add& add) {
   context.scene.lights.sample_lights(p, u, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    sum += value.f_cos * light.radiance * (weight / light.pdf);
+    add(light.wi, value.f_cos * light.radiance * (weight / light.pdf));
   });
+}
+
+/// Its sum.
+template <class Scatter>
+Rgb direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter) {
+  Rgb sum(0.0f);
+  for_direct_light(context, p, u, scatter, [&](const Vec3f&, const Rgb& light) { sum += light; });
   return sum;
 }
 

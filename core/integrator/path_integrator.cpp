@@ -1,6 +1,7 @@
 #include "core/integrator/path_integrator.h"
 
 #include "core/integrator/direct_light.h"
+#include "core/integrator/layer_split.h"
 #include "core/integrator/path_state.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
@@ -82,16 +83,25 @@ bool scatter_at_surface(const PathVertex& v, const BsdfSample& sample, PathState
   return true;
 }
 
-template <bool kSubsurface>
-bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path) {
+template <bool kSubsurface, bool kLayers>
+bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
+             LayerSplit* split) {
+  const bool splits = kLayers && path->depth == 0;
+  if (splits) split->emission = path->radiance;
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0) || !(dot(wi_world, v.hit.ng) > 0)) return {};
     return {bsdf.eval(wi) * wi.z, bsdf.pdf(wi)};
   };
-  path->radiance +=
-      path->throughput * direct_light(context, v.outer, sampler.draw(Dimension::light, path->depth), local_lobes);
+  Rgb direct(0.0f);
+  for_direct_light(context, v.outer, sampler.draw(Dimension::light, path->depth), local_lobes,
+                   [&](const Vec3f& wi, const Rgb& light) {
+                     direct += light;
+                     if (splits) split->add_local(path->throughput * light, bsdf.specular_share(v.frame.to_local(wi)));
+                   });
+  path->radiance += path->throughput * direct;
+  if (splits) split->gathered = path->radiance, split->scattered = true;
 
   const auto u = sampler.draw(Dimension::bsdf, path->depth);
   const auto sample = bsdf.sample(u[0], {u[1], u[2]});
@@ -100,19 +110,22 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   if (kSubsurface && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
     goes_on = scatter_below_surface(context, sampler, v, path);
+    if (splits) split->below = true, split->events = path->walk_events;
   } else {
     goes_on = scatter_at_surface(v, *sample, path);
+    if (splits) split->specular_share = bsdf.specular_share(sample->wi);
   }
   ++path->depth;
   return goes_on && !is_black(path->throughput) && survives_roulette(u[3], path);
 }
 
-template <bool kSubsurface, bool kMeshLights>
+template <bool kSubsurface, bool kMeshLights, bool kLayers>
 FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler) {
   FilmSample out;
   out.distance = std::numeric_limits<float>::infinity();
   PathState path;
   path.ray = camera_ray;
+  LayerSplit split;
   while (true) {
     ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
@@ -126,20 +139,26 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;
-    if (!scatter<kSubsurface>(context, sampler, vertex, &path)) break;
+    if (!scatter<kSubsurface, kLayers>(context, sampler, vertex, &path, kLayers ? &split : nullptr)) break;
   }
   out.color = path.radiance;
+  if (kLayers) *context.layers = split.finish(path.radiance);
   // A backdrop that the camera sees is part of the picture.
   if (out.alpha == 0 && (context.scene.features.visible_background || !is_black(path.radiance))) out.alpha = 1;
   return out;
 }
 
+template <bool kLayers>
+PathIntegrator select_variant(const SceneFeatures& features, const IntegratorSettings& settings) {
+  const bool subsurface = features.subsurface && settings.subsurface != SubsurfaceMode::lambert;
+  if (subsurface) return features.emissive_meshes ? trace_path<true, true, kLayers> : trace_path<true, false, kLayers>;
+  return features.emissive_meshes ? trace_path<false, true, kLayers> : trace_path<false, false, kLayers>;
+}
+
 }  // namespace
 
-PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings) {
-  const bool subsurface = features.subsurface && settings.subsurface != SubsurfaceMode::lambert;
-  if (subsurface) return features.emissive_meshes ? trace_path<true, true> : trace_path<true, false>;
-  return features.emissive_meshes ? trace_path<false, true> : trace_path<false, false>;
+PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings, bool layers) {
+  return layers ? select_variant<true>(features, settings) : select_variant<false>(features, settings);
 }
 
 }  // namespace alabaster

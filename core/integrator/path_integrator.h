@@ -29,13 +29,14 @@ struct PathContext {
   const Camera& camera;
   const IntegratorSettings& settings;
   RenderCounters& counters;
+  LightLayers* layers = nullptr;  // of the sample, for integrators that were selected with layers
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space.
 using PathIntegrator = FilmSample (*)(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler);
 
 /// The variant that can do what the scene requires and nothing else: chosen once per render, so that the loop never
-/// asks.
-PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings);
+/// asks. `layers`: it also fills PathContext::layers; color is the same to the bit with and without.
+PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings, bool layers);
 
 }  // namespace alabaster

@@ -12,6 +12,7 @@ struct PathState {
   Rgb radiance{0.0f};
   float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
   uint32_t depth = 0;
+  uint32_t walk_events = 0;  // of the last subsurface walk; any other carrier of light counts as many
 };
 
 // A point on a surface as seen along a ray: all normals on the viewer's side.

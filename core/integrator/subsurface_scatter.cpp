@@ -13,7 +13,7 @@ struct SubsurfaceExit {
   TriangleHit hit;       // ids are of the instance's prototype
   Vec3f direction;       // unit, world: from inside towards the surface
   Rgb throughput{0.0f};  // of the path up to here, without the exit lobe
-  uint32_t events = 0;   // scattering events; 0: crossed without scattering
+  uint32_t events = 0;   // scattering events: 0 crossed without scattering, 1, or 2 for all that is more
 };
 
 std::optional<SubsurfaceExit> walk_to_exit(const PathContext& context, const PixelSampler& sampler,
@@ -64,7 +64,9 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
                            PathState* path) {
   const auto exit = walk_to_exit(context, sampler, entry, *path);
-  return exit && leave_surface(context, sampler, *exit, path);
+  if (!exit) return false;
+  path->walk_events = exit->events;
+  return leave_surface(context, sampler, *exit, path);
 }
 
 }  // namespace alabaster

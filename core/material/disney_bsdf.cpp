@@ -50,6 +50,17 @@ Rgb DisneyBsdf::eval(const Vec3f& wi) const {
   return f;
 }
 
+// Never above one: eval adds the same terms to something that is not negative, and rounding is monotonic.
+Rgb DisneyBsdf::specular_share(const Vec3f& wi) const {
+  const Rgb all = eval(wi);
+  Rgb share(0.0f);
+  if (is_black(all)) return share;
+  if (probability_[index(Lobe::specular)] > 0) share += specular_.eval(wo_, wi);
+  if (probability_[index(Lobe::clearcoat)] > 0) share += clearcoat_.eval(wo_, wi);
+  for (int c = 0; c < 3; ++c) share[c] = all[c] > 0 ? share[c] / all[c] : 0;
+  return share;
+}
+
 float DisneyBsdf::pdf(const Vec3f& wi) const {
   if (!(wo_.z > 0 && wi.z > 0)) return 0;
   // Diffuse and sheen are sampled alike.

@@ -36,6 +36,9 @@ class DisneyBsdf {
   DisneyBsdf(const DisneyParameters& parameters, const Vec3f& wo);
 
   Rgb eval(const Vec3f& wi) const;
+  /// The part of eval(wi) that specular and clearcoat have, per channel in [0,1]; 0 where eval is 0. The rest is
+  /// diffuse and sheen.
+  Rgb specular_share(const Vec3f& wi) const;
   /// Sum of probability times pdf over the local lobes: integrates to 1 - P(subsurface) less what specular samples lose
   /// below the horizon.
   float pdf(const Vec3f& wi) const;

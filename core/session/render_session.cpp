@@ -86,7 +86,8 @@ bool RenderSession::State::may_go_on() {
 bool RenderSession::State::render_tile(const RenderRequest& request, const PathContext& context,
                                        const SampleRange& range, int tile) {
   const RenderSettings& settings = request.settings;
-  const PathIntegrator trace = select_path_integrator(request.scene->features, context.settings);
+  const PathIntegrator trace =
+      select_path_integrator(request.scene->features, context.settings, context.layers != nullptr);
   const PixelRect rect = film->tile_rect(tile);
   FilmTile pixels = film->load_tile(tile);
   size_t pixel = 0;
@@ -104,8 +105,9 @@ bool RenderSession::State::render_tile(const RenderRequest& request, const PathC
         if (!is_finite(sample.color)) {
           ++context.counters.nonfinite_samples;
           sample.color = Rgb(0.0f);
+          if (context.layers) *context.layers = {};
         }
-        pixels.add(pixel, sample);
+        pixels.add(pixel, sample, context.layers);
       }
     }
   film->store_tile(tile, std::move(pixels));
@@ -136,7 +138,9 @@ void RenderSession::State::work(const RenderRequest& request, const PassSchedule
     for (uint32_t done; (done = tile_passes[tile].load()) != pass && !stop_requested;) tile_passes[tile].wait(done);
     const double cpu = thread_cpu_seconds();
     RenderCounters counters;
-    const PathContext context{*request.scene, camera, settings, counters};
+    LightLayers layers;
+    const PathContext context{*request.scene, camera, settings, counters,
+                              request.aovs & kLayerAovs ? &layers : nullptr};
     // Released also when an exception passes: nobody may wait for a tile that nobody works on.
     const TileRelease release{tile_passes[tile], pass};
     try {

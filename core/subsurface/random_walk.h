@@ -51,7 +51,9 @@ struct WalkExit {
   TriangleHit hit;       // where it left; ids are of the ObjectScene
   Vec3f direction;       // unit, world: of the last segment (towards the surface, from inside)
   Rgb throughput{0.0f};  // WalkEntry's times the walk's
-  uint32_t events = 0;   // scattering events; 0: crossed without scattering
+  /// Scattering events; 0: crossed without scattering. Sorts the light into unscattered, single (1) and multiple
+  /// (>= 2), so a step that stands for many events must count at least two.
+  uint32_t events = 0;
 };
 
 /// Direction in which a walk enters, unit, world. The lobe is the cosine hemisphere about the shading normal.

@@ -37,7 +37,10 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("--exposure", a->exposure, "Stops, before the view")->type_name("STOPS");
   c->add_option("--ocio", a->ocio, "OpenColorIO config; else the scene's, $OCIO, or the built-in one")
       ->type_name("FILE");
-  c->add_option("--aov", a->aovs, "Further layer of every .exr: depth, normal, albedo, primId, ...; several times")
+  c->add_option("--aov", a->aovs,
+                "Further layer of every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
+                "...; several "
+                "times")
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

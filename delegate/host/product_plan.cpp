@@ -16,11 +16,23 @@ struct KnownAov {
   bool is_color, is_integer, full_precision, is_distance = false;
 };
 constexpr KnownAov kAovs[] = {
-    {"color", "", "RGBA", true, false, false},         {"alpha", "", "A", false, false, false},
-    {"depth", "depth", "Z", false, false, true},       {"cameraDepth", "", "Z", false, false, true, true},
-    {"normal", "N", "XYZ", false, false, false},       {"albedo", "albedo", "RGB", true, false, false},
-    {"primId", "primId", "", false, true, true},       {"instanceId", "instanceId", "", false, true, true},
-    {"elementId", "elementId", "", false, true, true}, {"sampleCount", "sampleCount", "", false, true, true},
+    {"color", "", "RGBA", true, false, false},
+    {"alpha", "", "A", false, false, false},
+    {"depth", "depth", "Z", false, false, true},
+    {"cameraDepth", "", "Z", false, false, true, true},
+    {"normal", "N", "XYZ", false, false, false},
+    {"albedo", "albedo", "RGB", true, false, false},
+    {"primId", "primId", "", false, true, true},
+    {"instanceId", "instanceId", "", false, true, true},
+    {"elementId", "elementId", "", false, true, true},
+    {"sampleCount", "sampleCount", "", false, true, true},
+    {"diffuse", "diffuse", "RGB", true, false, false},
+    {"subsurface", "subsurface", "RGB", true, false, false},
+    {"subsurfaceSingle", "subsurfaceSingle", "RGB", true, false, false},
+    {"subsurfaceMultiple", "subsurfaceMultiple", "RGB", true, false, false},
+    {"subsurfaceUnscattered", "subsurfaceUnscattered", "RGB", true, false, false},
+    {"specular", "specular", "RGB", true, false, false},
+    {"emission", "emission", "RGB", true, false, false},
 };
 
 const KnownAov* find_aov(const Token& name) {

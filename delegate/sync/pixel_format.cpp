@@ -76,6 +76,13 @@ AovDescriptor default_aov_descriptor(const Token& name) {
       return described(Format::float32vec4, Vec4f(0, 0, 0, 0));
     case Aov::normal:
     case Aov::albedo:
+    case Aov::diffuse:
+    case Aov::subsurface:
+    case Aov::subsurface_single:
+    case Aov::subsurface_multiple:
+    case Aov::subsurface_unscattered:
+    case Aov::specular:
+    case Aov::emission:
       return described(Format::float32vec3, Vec3f(0, 0, 0));
     case Aov::depth:
       return described(Format::float32, 1.0f);

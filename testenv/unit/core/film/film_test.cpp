@@ -29,11 +29,13 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
   EXPECT_EQ(film.resolve_float(Aov::depth)[0], 1.0f);
 }
 
-// A film's tiles hold: 4 bytes of count, 4 doubles of color, 3 of normal, 3 of albedo, 6 words of the closest sample.
+// A film's tiles hold: 4 bytes of count, 4 doubles of color, 3 of normal, 3 of albedo, 3 of each of the 7 layers, 6
+// words of the closest sample.
 TEST(Film, BytesAreKnownBeforehand) {
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * 36);
   EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (36 + 24));
-  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u), (size_t(1) << 40) * (36 + 24 + 24 + 24));
+  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u), (size_t(1) << 40) * (36 + 24 + 24 + 7 * 24 + 24));
+  EXPECT_EQ(film_bytes({0, 0, 10, 7}, aov_bit(Aov::specular) | aov_bit(Aov::emission)), 70u * (36 + 2 * 24));
   EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~0u), 0u);
 }
 
@@ -71,6 +73,27 @@ TEST(Film, UnrequestedPlanesResolveToBackground) {
   film.store_tile(0, std::move(tile));
   EXPECT_EQ(film.resolve_int(Aov::prim_id)[0], -1);
   EXPECT_EQ(film.resolve_float(Aov::normal), (std::vector<float>{0, 0, 0}));
+}
+
+TEST(Film, KeepsTheLayersThatWereAskedFor) {
+  Film film({0, 0, 1, 1}, aov_bit(Aov::subsurface) | aov_bit(Aov::subsurface_single) | aov_bit(Aov::emission));
+  FilmTile tile = film.load_tile(0);
+  LightLayers layers;
+  layers.diffuse = Rgb(64);
+  layers.unscattered = {1, 0, 0};
+  layers.single = {0, 2, 0};
+  layers.multiple = {0, 0, 4};
+  layers.emission = {8, 16, 32};
+  tile.add(0, sample(1, 1, 3), &layers);
+  tile.add(0, sample(1, 1, 3), &layers);
+  layers = {};
+  tile.add(0, sample(1, 1, 3), &layers);
+  tile.add(0, sample(1, 1, 3), &layers);
+  film.store_tile(0, std::move(tile));
+  EXPECT_EQ(film.resolve_float(Aov::subsurface), (std::vector<float>{0.5f, 1, 2}));
+  EXPECT_EQ(film.resolve_float(Aov::subsurface_single), (std::vector<float>{0, 1, 0}));
+  EXPECT_EQ(film.resolve_float(Aov::emission), (std::vector<float>{4, 8, 16}));
+  EXPECT_EQ(film.resolve_float(Aov::diffuse), (std::vector<float>{0, 0, 0}));
 }
 
 TEST(Film, NamesRoundTrip) {

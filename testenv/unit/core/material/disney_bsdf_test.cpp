@@ -142,6 +142,25 @@ TEST(DisneyBsdf, MetalsHaveNoDiffuse) {
   }
 }
 
+TEST(DisneyBsdf, SpecularShareIsWhatSpecularAndClearcoatAddToEval) {
+  Rng rng(23, 4);
+  int shared = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const DisneyParameters p = random_parameters(rng);
+    const Vec3f wo = random_direction(rng), wi = random_direction(rng);
+    const DisneyBsdf bsdf(p, wo);
+    const Rgb all = bsdf.eval(wi), share = bsdf.specular_share(wi);
+    const Rgb glossy =
+        DisneySpecular::from(p).eval(wo, wi) + DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss).eval(wo, wi);
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_TRUE(share[c] >= 0 && share[c] <= 1) << i;
+      ASSERT_NEAR(share[c] * all[c], glossy[c], 1e-6f * all[c]) << i;
+      shared += share[c] > 0.01f && share[c] < 0.99f;
+    }
+  }
+  EXPECT_GT(shared, 10000) << "both kinds of lobe were at work";
+}
+
 // Each channel on its own: a channel that does not scatter is the plain diffuse to the last bit, one that does is the
 // plain one less its first term.
 TEST(DisneyBsdf, ScatterDistanceTakesTheLambertTermOfItsChannelOnly) {

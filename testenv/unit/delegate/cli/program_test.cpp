@@ -121,6 +121,38 @@ TEST_F(ProgramTest, RendersFilesAndStatistics) {
   EXPECT_GE(exr->spec().channelindex("depth.Z"), 0);
 }
 
+TEST_F(ProgramTest, LayersOfLightAddUpToTheColorInTheFile) {
+  const std::vector<std::string> layers{"diffuse", "subsurface", "specular", "emission"};
+  write("scene.json", R"({"gltf": [{"file": "patch.gltf"}], "lights": [{"name": "sky", "type": "domeLight"}],
+    "materials": [{"match": "*", "set": {"metallic": 0, "scatterDistance": [0.3, 0.1, 0], "emission": [0.5, 0.25, 0]}}],
+    "products": [{"file": "a.exr", "dataType": "float",
+                  "aovs": ["color", "diffuse", "subsurface", "subsurfaceSingle", "specular", "emission"]}]})");
+  const Outcome done = run({"render", "scene.json", "--size", "32x24", "--spp", "4"});
+  ASSERT_EQ(done.code, 0) << done.err;
+  const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
+  ASSERT_TRUE(exr) << OIIO::geterror();
+  const OIIO::ImageSpec spec = exr->spec();
+  std::vector<float> pixels(spec.image_pixels() * size_t(spec.nchannels));
+  ASSERT_TRUE(exr->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, pixels.data()));
+  EXPECT_GE(spec.channelindex("subsurfaceSingle.B"), 0);
+  const auto total = [&](const std::string& name) {
+    double sum = 0;
+    const int channel = spec.channelindex(name);
+    EXPECT_GE(channel, 0) << name;
+    for (size_t i = size_t(channel); i < pixels.size(); i += size_t(spec.nchannels)) sum += double(pixels[i]);
+    return sum;
+  };
+  for (const std::string channel : {"R", "G", "B"}) {
+    double sum = 0;
+    for (const std::string& layer : layers) sum += total(layer + "." + channel);
+    EXPECT_NEAR(sum, total(channel), 1e-6 * sum) << channel;
+  }
+  EXPECT_GT(total("diffuse.B"), 0);
+  EXPECT_EQ(total("subsurface.B"), 0);
+  EXPECT_GT(total("specular.B"), 0);
+  EXPECT_GT(total("emission.R"), 0);
+}
+
 // Other programs read these keys.
 TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   ASSERT_EQ(run(quick({"-o", "a.exr", "--stats", "s.json"})).code, 0);
