@@ -15,12 +15,13 @@ struct RenderCounters {
   uint64_t walk_events = 0;  // scattering events
   uint64_t walk_exits = 0;
   uint64_t walk_roulette_ends = 0;
-  uint64_t walk_lost = 0;          // segments that found no surface in an open mesh: their energy is lost
+  uint64_t walk_lost = 0;          // walks that left an open mesh through a hole: their energy is lost
   uint64_t walk_safety_cap = 0;    // walks ended by the safety cap: must stay zero
   uint64_t rejected_rays = 0;      // rays that were not finite and never reached Embree
   uint64_t nonfinite_samples = 0;  // samples whose radiance was not finite: dropped, and counted here
   uint64_t samples = 0;
   double max_walk_weight = 0;
+  double walk_lost_energy = 0;  // of what was lost in walks, each walk counting 1: over walks, the share that is lost
 
   uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + walk_rays; }
 
@@ -39,6 +40,7 @@ struct RenderCounters {
     nonfinite_samples += o.nonfinite_samples;
     samples += o.samples;
     max_walk_weight = std::max(max_walk_weight, o.max_walk_weight);
+    walk_lost_energy += o.walk_lost_energy;
   }
 };
 

@@ -22,6 +22,7 @@ Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
 PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle) {
   PathVertex v;
   v.instance = &context.scene.instances[triangle.instance];
+  v.triangle = triangle;
   const Vec3f wo = -ray.dir;
   v.hit = surface_on_side(*v.instance, triangle, wo);
   v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.dpdu);
@@ -83,6 +84,19 @@ bool scatter_at_surface(const PathVertex& v, const BsdfSample& sample, PathState
   return true;
 }
 
+// The ray came to the vertex through the medium; it has no lobes on that side.
+template <bool kLayers>
+bool scatter_within(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
+                    LayerSplit* split) {
+  const bool splits = kLayers && path->depth == 0;
+  if (splits) split->emission = split->gathered = path->radiance, split->scattered = true;
+  const float u_roulette = sampler.draw(Dimension::bsdf, path->depth)[3];
+  const bool goes_on = scatter_below_surface(context, sampler, v, true, path);
+  if (splits) split->below = true, split->events = path->walk_events;
+  ++path->depth;
+  return goes_on && !is_black(path->throughput) && survives_roulette(u_roulette, path);
+}
+
 template <bool kSubsurface, bool kLayers>
 bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
              LayerSplit* split) {
@@ -109,7 +123,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   bool goes_on = false;
   if (kSubsurface && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
-    goes_on = scatter_below_surface(context, sampler, v, path);
+    goes_on = scatter_below_surface(context, sampler, v, false, path);
     if (splits) split->below = true, split->events = path->walk_events;
   } else {
     goes_on = scatter_at_surface(v, *sample, path);
@@ -139,7 +153,11 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;
-    if (!scatter<kSubsurface, kLayers>(context, sampler, vertex, &path, kLayers ? &split : nullptr)) break;
+    LayerSplit* layers = kLayers ? &split : nullptr;
+    const bool within = kSubsurface && is_within_medium(vertex, path);
+    if (!(within ? scatter_within<kLayers>(context, sampler, vertex, &path, layers)
+                 : scatter<kSubsurface, kLayers>(context, sampler, vertex, &path, layers)))
+      break;
   }
   out.color = path.radiance;
   if (kLayers) *context.layers = split.finish(path.radiance);

@@ -18,6 +18,7 @@ struct PathState {
 // A point on a surface as seen along a ray: all normals on the viewer's side.
 struct PathVertex {
   const Instance* instance = nullptr;
+  TriangleHit triangle;
   SurfaceHit hit;
   Frame frame;  // about the shading normal, bent so that the viewer is above it
   Vec3f outer;  // ray origin on the viewer's side

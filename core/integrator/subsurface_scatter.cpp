@@ -16,22 +16,54 @@ struct SubsurfaceExit {
   uint32_t events = 0;   // scattering events: 0 crossed without scattering, 1, or 2 for all that is more
 };
 
+/// Just below the vertex, in the space of the walk.
+Vec3f below_surface(const PathVertex& v) {
+  const WalkSet* set = v.instance->walk.set;
+  if (!set) return offset_point(v.hit.p_object, -v.hit.ng_object, v.hit.offset_object);
+  const WalkSet::Member& member = set->members[v.instance->member];
+  const SurfaceHit hit = surface_hit(*member.mesh, v.triangle, member.to_set, member.to_object);
+  return offset_point(hit.p, -v.hit.ng, hit.offset);
+}
+
+Vec3f render_to_walk(const Instance& instance, const Vec3f& p) {
+  return instance.walk.set ? p - instance.walk.set->origin : instance.world_to_object.point(p);
+}
+
+bool leaves_shell(const PathVertex& v, const Vec3f& direction) {
+  return leaves(v.instance->prototype->mesh, *v.instance->shells, v.triangle.triangle,
+                v.instance->world_to_object.vector(direction));
+}
+
+WalkEntry walk_entry(const PathVertex& v, bool within, const PathState& path) {
+  WalkEntry entry{below_surface(v), -v.hit.ng, frame_from_normal(-v.frame.n)};
+  if (within) {
+    // The viewer's side of the surface is the inner one.
+    entry = {render_to_walk(*v.instance, path.ray.org), v.hit.ng, frame_from_normal(v.frame.n)};
+    entry.direction = path.ray.dir;
+  } else if (v.instance->walk.set) {
+    entry.from_behind = leaves_shell(v, path.ray.dir);
+  }
+  return entry;
+}
+
 std::optional<SubsurfaceExit> walk_to_exit(const PathContext& context, const PixelSampler& sampler,
-                                           const PathVertex& entry, const PathState& path) {
-  const Instance& instance = *entry.instance;
+                                           const PathVertex& vertex, bool within, const PathState& path) {
+  const Instance& instance = *vertex.instance;
   const Medium medium =
-      make_medium(entry.material.base_color, entry.material.scatter_distance, context.settings.walk.inversion);
-  const Frame inward = frame_from_normal(-entry.frame.n);
+      make_medium(vertex.material.base_color, vertex.material.scatter_distance, context.settings.walk.inversion);
   const float scale = max_component(path.throughput);
   if (!(scale > 0)) return std::nullopt;
-  const WalkEntry walk_entry{offset_point(entry.hit.p_object, -entry.hit.ng_object, entry.hit.offset_object),
-                             -entry.hit.ng, inward, path.throughput * (1 / scale)};
+  WalkEntry entry = walk_entry(vertex, within, path);
+  entry.throughput = path.throughput * (1 / scale);
   const auto u = sampler.draw(Dimension::subsurface, path.depth);
   Rng rng = sampler.stream(Dimension::subsurface, path.depth);
-  const WalkSpace space{instance.prototype->object.get(), instance.world_to_object, instance.prototype->mesh.bounds};
-  const auto exit = random_walk(space, walk_entry, medium, context.settings.walk, {u[0], u[1]}, rng, context.counters);
+  const auto exit =
+      random_walk(instance.walk, entry, medium, context.settings.walk, {u[0], u[1]}, rng, context.counters);
   if (!exit) return std::nullopt;
-  return SubsurfaceExit{&instance, exit->hit, exit->direction, exit->throughput * scale, exit->events};
+  const Instance* left = &instance;
+  if (const WalkSet* set = instance.walk.set)
+    left = &context.scene.instances[set->members[exit->hit.instance].instance];
+  return SubsurfaceExit{left, exit->hit, exit->direction, exit->throughput * scale, exit->events};
 }
 
 /// The exit lobe: light sampling, and the direction in which the path goes on.
@@ -62,11 +94,21 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 }  // namespace
 
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
-                           PathState* path) {
-  const auto exit = walk_to_exit(context, sampler, entry, *path);
+                           bool within, PathState* path) {
+  const auto exit = walk_to_exit(context, sampler, entry, within, *path);
   if (!exit) return false;
   path->walk_events = exit->events;
   return leave_surface(context, sampler, *exit, path);
+}
+
+bool is_within_medium(const PathVertex& vertex, const PathState& path) {
+  const Instance& instance = *vertex.instance;
+  if (!instance.shells || !vertex.material.scatters() || vertex.material.metallic == 1) return false;
+  // Of a set the first surface that is met may be one that the ray enters.
+  if (instance.walk.set && path.depth == 0)
+    return instance.walk.set->contains(render_to_walk(instance, path.ray.org), path.ray.dir, nullptr);
+  return !(instance.shells->flags(vertex.triangle.triangle) & (MeshShells::kOpen | MeshShells::kInner)) &&
+         leaves_shell(vertex, path.ray.dir);
 }
 
 }  // namespace alabaster

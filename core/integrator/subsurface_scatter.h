@@ -8,7 +8,12 @@ namespace alabaster {
 /// Chiang, Kutz, Burley 2016, section 4: the view-dependent term weighs the entry (already in the path's throughput),
 /// the light-dependent term the exit, for light sampling and for the continued path alike. Adds the light that meets
 /// the exit, and sends the path on from there. False: the path ends.
+/// `within`: the path's ray came to the vertex through the medium, and the walk starts where the ray did.
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
-                           PathState* path);
+                           bool within, PathState* path);
+
+/// Whether the path's ray met the vertex from within its medium: the inner side of a closed shell, whichever way the
+/// mesh winds. A camera may stand in there, and bodies may overlap that do not scatter as one.
+bool is_within_medium(const PathVertex& vertex, const PathState& path);
 
 }  // namespace alabaster

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/scene/scattering.h"
+
 namespace alabaster {
 namespace {
 
@@ -141,6 +143,11 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
 
 }  // namespace
 
+const MeshShells& MeshPrototype::shells() const {
+  std::call_once(shells_once_, [&] { shells_ = find_shells(mesh, *object); });
+  return shells_;
+}
+
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,
                                                       const DiagnosticSink& sink) {
@@ -174,7 +181,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
     placements.push_back({d->prototype->object, snapshot->instances.back().object_to_world});
   }
   snapshot->top = build_instanced_scene(device, placements);
-  if (!snapshot->top) return nullptr;
+  if (!snapshot->top || !prepare_scattering(drawn, device, snapshot.get())) return nullptr;
   snapshot->memory_bytes += snapshot->top->memory_bytes();
   keep_alive(drawn, snapshot.get());
   add_lights(description, sink, snapshot.get());

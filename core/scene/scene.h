@@ -4,13 +4,17 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/mesh.h"
+#include "core/geometry/shells.h"
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
+#include "core/subsurface/random_walk.h"
+#include "core/subsurface/walk_set.h"
 
 namespace alabaster {
 
@@ -18,6 +22,13 @@ namespace alabaster {
 struct MeshPrototype {
   Mesh mesh;
   std::shared_ptr<const ObjectScene> object;
+
+  /// Found when first asked for, which is when a material that scatters meets the mesh. Any thread.
+  const MeshShells& shells() const;
+
+ private:
+  mutable std::once_flag shells_once_;
+  mutable MeshShells shells_;
 };
 
 struct InstanceDescription {
@@ -27,6 +38,8 @@ struct InstanceDescription {
   int32_t prim_id = 0;
   int32_t instance_id = 0;  // flattened, innermost fastest; 0 when not instanced
   std::string name;         // prim path, for reports
+  /// Instances that scatter and name the same set do so as one body; empty: each for itself.
+  std::string subsurface_set = {};
 };
 
 struct SceneDescription {
@@ -50,6 +63,9 @@ struct Instance {
   Affine world_to_object;
   std::vector<const DisneyMaterial*> materials;  // by slot, at least one
   int32_t prim_id = 0, instance_id = 0;
+  const MeshShells* shells = nullptr;  // null: no material of it scatters
+  WalkSpace walk;                      // where walks that enter here go on
+  uint32_t member = 0;                 // of walk.set
 
   /// The material of a triangle; slots beyond the list use the first.
   const DisneyMaterial& material(uint32_t triangle) const {
@@ -71,6 +87,7 @@ struct SceneSnapshot {
   LightSet lights;
   size_t memory_bytes = 0;
 
+  std::vector<std::shared_ptr<const WalkSet>> walk_sets;         // keep-alive
   std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
 };

@@ -1,7 +1,8 @@
-// The tracer that random_walk_loop.h asks for, over the mesh of an object.
+// The tracers that random_walk_loop.h asks for: over the mesh of an object, and over the union of several shells.
 #pragma once
 
 #include "core/subsurface/random_walk.h"
+#include "core/subsurface/walk_set.h"
 
 namespace alabaster {
 
@@ -30,10 +31,7 @@ class MeshTracer {
   double exit_distance(const Hit& hit) const { return hit.t; }
   bool advance(const Vec3f& direction, float t) {
     p_ += space_.world_to_object.vector(direction) * std::max(0.0f, t - step_back_);
-    if (space_.bounds.empty()) return is_finite(p_);
-    const Vec3f &lower = space_.bounds.lower, &upper = space_.bounds.upper;
-    return p_.x >= lower.x && p_.y >= lower.y && p_.z >= lower.z && p_.x <= upper.x && p_.y <= upper.y &&
-           p_.z <= upper.z;
+    return space_.bounds.empty() ? is_finite(p_) : space_.bounds.contains(p_);
   }
 
  private:
@@ -41,6 +39,60 @@ class MeshTracer {
 
   const WalkSpace& space_;
   Vec3f p_;
+  float step_back_ = 0;
+};
+
+/// Traces a walk's segments in the union of the closed shells of a set. It keeps no depth that could go wrong: it
+/// passes what it enters, and what it leaves is the end of the medium unless a shell contains the far side.
+///
+/// An open shell has the medium on one side, unbounded: a walk that entered it from behind (`from_behind`) leaves it to
+/// there, and passes it the other way.
+class SetTracer {
+ public:
+  using Hit = TriangleHit;
+
+  SetTracer(const WalkSet& set, const Vec3f& p, bool from_behind) : set_(set), p_(p), from_behind_(from_behind) {}
+
+  bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
+    const float rounding = kRounding * (max_abs_component(p_) + tmax);
+    Vec3f from = p_;
+    float passed = 0;
+    step_back_ = 0;
+    for (int i = 0; i < kMaxCrossings; ++i) {
+      if (!set_.scene->intersect({from, direction, tmax - passed + rounding}, hit)) return false;
+      passed += hit->t;
+      const Crossed crossed = set_.cross(*hit, direction);
+      if (ends_medium(crossed, direction, set_.members[hit->instance])) {
+        hit->t = passed;
+        if (passed <= tmax) return true;
+        step_back_ = rounding;
+        return false;
+      }
+      if (!(passed <= tmax)) return false;
+      from = crossed.beyond;
+    }
+    return false;
+  }
+  double exit_distance(const Hit& hit) const { return hit.t; }
+  bool advance(const Vec3f& direction, float t) {
+    p_ += direction * std::max(0.0f, t - step_back_);
+    return set_.bounds.contains(p_);
+  }
+
+ private:
+  // Twice through a member's transform: see MeshTracer for what this is.
+  static constexpr float kRounding = 32 * 0x1p-23f;
+
+  bool ends_medium(const Crossed& crossed, const Vec3f& direction, const WalkSet::Member& member) const {
+    if (crossed.flags & MeshShells::kInner) return false;
+    const bool behind = crossed.flags & MeshShells::kOpen && from_behind_;
+    if (crossed.leaves == behind) return false;
+    return !set_.contains(crossed.beyond, direction, &member);
+  }
+
+  const WalkSet& set_;
+  Vec3f p_;
+  bool from_behind_;
   float step_back_ = 0;
 };
 

@@ -13,10 +13,13 @@ Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u) {
 std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& entry, const Medium& medium,
                                     const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
                                     RenderCounters& counters) {
-  MeshTracer tracer(space, entry.p);
   const Rgb& t0 = entry.throughput;
+  const auto walk = [&](auto tracer) {
+    const Vec3f direction = entry.direction ? *entry.direction : sample_walk_entry(entry, u_entry);
+    return run_walk_loop(tracer, direction, medium, settings, rng, counters, {t0.r, t0.g, t0.b});
+  };
   const auto end =
-      run_walk_loop(tracer, sample_walk_entry(entry, u_entry), medium, settings, rng, counters, {t0.r, t0.g, t0.b});
+      space.set ? walk(SetTracer(*space.set, entry.p, entry.from_behind)) : walk(MeshTracer(space, entry.p));
   if (!end) return std::nullopt;
   const ChannelValues& t = end->throughput;
   return WalkExit{end->hit,

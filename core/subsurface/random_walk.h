@@ -29,26 +29,32 @@ struct WalkSettings {
   uint32_t safety_cap = 1000000;
 };
 
+struct WalkSet;
+
 /// The space a walk lives in: positions in the object space of one mesh, directions and distances of the world, so that
-/// scatter distances stay world distances under any affine instance transform.
+/// scatter distances stay world distances under any affine instance transform. Or positions in the space of a set.
 struct WalkSpace {
   const ObjectScene* object = nullptr;
   Affine world_to_object;  // only its linear part is used
-  /// Of the object, in its space: a walk that scatters outside them has left through an open mesh and ends there.
+  /// In the object's space: a walk that scatters outside them has left through an open mesh and ends there.
   /// Empty: not known; such a walk then goes on until it is absorbed.
   Bounds bounds;
+  const WalkSet* set = nullptr;  // not null: this is the body, and nothing above is used
 };
 
 struct WalkEntry {
-  Vec3f p;             // object space, already offset to the inner side of the surface (offset_point)
+  Vec3f p;             // in the walk's space, already offset to the inner side of the surface (offset_point)
   Vec3f ng_inward;     // unit, world: geometric normal pointing into the medium
   Frame frame_inward;  // world: n is the shading normal pointing into the medium; the entry lobe is about it
   Rgb throughput{
       1.0f};  // of the path so far, relative to its largest channel: weighs the channels from the first segment
+  /// Unit, world: the path came to p through the medium already, and goes on this way. Else the entry lobe is sampled.
+  std::optional<Vec3f> direction = {};
+  bool from_behind = false;  // into a set, through the inner side of an open shell: the medium is on its outer side
 };
 
 struct WalkExit {
-  TriangleHit hit;       // where it left; ids are of the ObjectScene
+  TriangleHit hit;       // where it left; ids are of the ObjectScene, or of the set's members
   Vec3f direction;       // unit, world: of the last segment (towards the surface, from inside)
   Rgb throughput{0.0f};  // WalkEntry's times the walk's
   /// Scattering events; 0: crossed without scattering. Sorts the light into unscattered, single (1) and multiple

@@ -150,6 +150,7 @@ std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk_loop(Tracer& tracer, 
   };
   ++counters.walks;
   if (!(max_value(throughput) > 0)) return std::nullopt;
+  const double entering = throughput[0] + throughput[1] + throughput[2];
 
   for (uint32_t events = 0; events < settings.safety_cap; ++events) {
     const Segment segment(walk_medium, throughput, settings.weights);
@@ -164,6 +165,8 @@ std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk_loop(Tracer& tracer, 
     }
     if (!(t < std::numeric_limits<float>::infinity()) || !tracer.advance(direction, t)) {
       ++counters.walk_lost;
+      const ChannelValues lost = std::isfinite(t) ? segment.scatter_throughput(t) : segment.exit_throughput(t);
+      counters.walk_lost_energy += (lost[0] + lost[1] + lost[2]) / entering;
       return std::nullopt;
     }
     ++counters.walk_events;

@@ -133,9 +133,11 @@ nlohmann::json measure(const Case& c, const RenderRequest& base, testing::SceneB
   recorded.top = std::make_shared<RecordingTop>(request.scene->top, &rays);
   std::vector<std::shared_ptr<MeshPrototype>> wrapped;
   for (auto& instance : recorded.instances) {
-    wrapped.push_back(std::make_shared<MeshPrototype>(*instance.prototype));
+    wrapped.push_back(std::make_shared<MeshPrototype>());
+    wrapped.back()->mesh = instance.prototype->mesh;
     wrapped.back()->object = std::make_shared<RecordingObject>(instance.prototype->object, &rays);
     instance.prototype = wrapped.back().get();
+    instance.walk.object = wrapped.back()->object.get();
   }
   RenderRequest recording = request;
   recording.scene = std::make_shared<SceneSnapshot>(recorded);

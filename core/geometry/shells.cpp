@@ -1,0 +1,330 @@
+#include "core/geometry/shells.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace alabaster {
+namespace {
+
+using Triple = std::array<uint32_t, 3>;
+
+// Sets of triangles, each triangle with its winding relative to the first of its set (union-find with parity).
+class Surfaces {
+ public:
+  explicit Surfaces(size_t count) : parent_(count), turned_(count, 0) {
+    for (size_t i = 0; i < count; ++i) parent_[i] = static_cast<uint32_t>(i);
+  }
+
+  uint32_t root(uint32_t t) {
+    uint32_t top = t;
+    uint8_t turned = 0;
+    for (; parent_[top] != top; top = parent_[top]) turned ^= turned_[top];
+    // All of the way now points to the top.
+    while (parent_[t] != top && t != top) {
+      const uint32_t next = parent_[t];
+      const uint8_t step = turned_[t];
+      parent_[t] = top;
+      turned_[t] = turned;
+      turned ^= step;
+      t = next;
+    }
+    return top;
+  }
+  bool is_turned(uint32_t t) { return root(t) != t && turned_[t]; }
+
+  /// False: a and b are already one surface, and `turned` contradicts it, as on a Moebius strip.
+  bool join(uint32_t a, uint32_t b, bool turned) {
+    const uint32_t ra = root(a), rb = root(b);
+    const bool apart = (is_turned(a) != is_turned(b)) != turned;
+    if (ra == rb) return !apart;
+    parent_[std::max(ra, rb)] = std::min(ra, rb);
+    turned_[std::max(ra, rb)] = apart;
+    return true;
+  }
+
+ private:
+  std::vector<uint32_t> parent_;
+  std::vector<uint8_t> turned_;  // against the parent
+};
+
+struct Edge {
+  uint64_t points;
+  uint32_t triangle;
+  bool ascending;  // as this triangle runs along it
+  bool operator<(const Edge& o) const { return points != o.points ? points < o.points : triangle < o.triangle; }
+};
+
+struct Shell {
+  double volume = 0;           // signed, by the winding of the first triangle
+  std::vector<uint32_t> some;  // a few of its triangles
+  uint32_t count = 0;
+};
+
+class ShellFinder {
+ public:
+  ShellFinder(const Mesh& mesh, const ObjectScene& object)
+      : mesh_(mesh), object_(object), surfaces_(mesh.triangles.size()), kind_(mesh.triangles.size(), kSingle) {}
+
+  MeshShells find() {
+    weld();
+    merge_coincident();
+    join_by_edges();
+    number_shells();
+    orient();
+    write_flags();
+    if (out_.any_closed) {
+      find_cavities();
+      out_.overlapping = !walls_.empty() || overlaps();
+    }
+    auto& flags = out_.triangle_flags;
+    if (std::all_of(flags.begin(), flags.end(), [](uint8_t f) { return f == 0; })) flags = {};
+    return std::move(out_);
+  }
+
+ private:
+  enum Kind : uint8_t { kSingle, kCopy, kBackToBack, kDegenerate };
+  static constexpr uint32_t kNone = ~0u;
+
+  void weld() {
+    const std::vector<int> first = weld_by_position(mesh_.points);
+    corners_.reserve(mesh_.triangles.size());
+    for (const auto& t : mesh_.triangles) {
+      corners_.push_back(
+          {static_cast<uint32_t>(first[t[0]]), static_cast<uint32_t>(first[t[1]]), static_cast<uint32_t>(first[t[2]])});
+      const Triple& c = corners_.back();
+      if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) kind_[corners_.size() - 1] = kDegenerate;
+    }
+  }
+
+  void merge_coincident() {
+    std::vector<std::pair<Triple, uint32_t>> sorted;
+    sorted.reserve(corners_.size());
+    for (uint32_t t = 0; t < corners_.size(); ++t) {
+      Triple key = corners_[t];
+      std::sort(key.begin(), key.end());
+      if (kind_[t] == kSingle) sorted.emplace_back(key, t);
+    }
+    tbb::parallel_sort(sorted.begin(), sorted.end());
+    for (size_t i = 0, end = 0; i < sorted.size(); i = end) {
+      for (end = i; end < sorted.size() && sorted[end].first == sorted[i].first; ++end) {
+      }
+      if (end - i > 1) merge(&sorted[i], end - i);
+    }
+  }
+
+  void merge(const std::pair<Triple, uint32_t>* group, size_t count) {
+    const auto is_even = [&](size_t i) { return even_permutation(corners_[group[i].second]); };
+    size_t even = 0;
+    for (size_t i = 0; i < count; ++i) even += is_even(i) ? 1 : 0;
+    if (2 * even == count) {
+      for (size_t i = 0; i < count; ++i) kind_[group[i].second] = kBackToBack;
+      return;
+    }
+    const bool majority = 2 * even > count;
+    uint32_t kept = kNone;
+    for (size_t i = 0; i < count; ++i)
+      if (kept == kNone && is_even(i) == majority) kept = group[i].second;
+    for (size_t i = 0; i < count; ++i) {
+      if (group[i].second == kept) continue;
+      kind_[group[i].second] = kCopy;
+      surfaces_.join(kept, group[i].second, is_even(i) != majority);
+    }
+  }
+
+  static bool even_permutation(const Triple& c) {
+    return (c[0] < c[1] && c[1] < c[2]) || (c[1] < c[2] && c[2] < c[0]) || (c[2] < c[0] && c[0] < c[1]);
+  }
+
+  void join_by_edges() {
+    std::vector<Edge> edges;
+    edges.reserve(3 * corners_.size());
+    for (uint32_t t = 0; t < corners_.size(); ++t) {
+      if (kind_[t] == kCopy || kind_[t] == kDegenerate) continue;
+      for (size_t i = 0; i < 3; ++i) {
+        const uint64_t a = corners_[t][i], b = corners_[t][(i + 1) % 3];
+        edges.push_back({a < b ? a << 32 | b : b << 32 | a, t, a < b});
+      }
+    }
+    tbb::parallel_sort(edges.begin(), edges.end());
+    for (size_t i = 0, end = 0; i < edges.size(); i = end) {
+      for (end = i; end < edges.size() && edges[end].points == edges[i].points; ++end) {
+      }
+      join_at_edge(&edges[i], end - i);
+    }
+  }
+
+  void join_at_edge(const Edge* edge, size_t count) {
+    std::array<const Edge*, 2> pair{};
+    size_t single = 0;
+    const Edge* back_to_back = nullptr;
+    for (size_t i = 0; i < count; ++i) {
+      if (kind_[edge[i].triangle] == kBackToBack) {
+        if (back_to_back) surfaces_.join(back_to_back->triangle, edge[i].triangle, false);
+        back_to_back = &edge[i];
+      } else if (single++ < 2) {
+        pair[single - 1] = &edge[i];
+      }
+    }
+    if (single % 2 == 1) {
+      ++out_.open_edges;
+      for (size_t i = 0; i < count; ++i) torn_.push_back(edge[i].triangle);
+    }
+    if (single == 2 && !surfaces_.join(pair[0]->triangle, pair[1]->triangle, pair[0]->ascending == pair[1]->ascending))
+      torn_.push_back(pair[0]->triangle);
+    if (single > 0 && back_to_back) walls_.push_back(back_to_back->triangle);
+  }
+
+  void number_shells() {
+    shell_.assign(corners_.size(), kNone);
+    for (uint32_t t = 0; t < corners_.size(); ++t) {
+      if (kind_[t] == kDegenerate) continue;
+      const uint32_t root = surfaces_.root(t);
+      if (shell_[root] == kNone) {
+        shell_[root] = static_cast<uint32_t>(shells_.size());
+        shells_.emplace_back();
+      }
+      shell_[t] = shell_[root];
+      Shell& shell = shells_[shell_[t]];
+      if (std::has_single_bit(++shell.count) && shell.some.size() < kProbes) shell.some.push_back(t);
+    }
+    open_.assign(shells_.size(), false);
+    inner_.assign(shells_.size(), false);
+    for (uint32_t t = 0; t < corners_.size(); ++t)
+      if (kind_[t] == kBackToBack) open_[shell_[t]] = true;
+    for (uint32_t t : torn_) open_[shell_[t]] = true;
+    for (uint32_t t : walls_) inner_[shell_[t]] = true;
+  }
+
+  // About the centre of the mesh, so that digits do not go where it stands.
+  void orient() {
+    const Vec3d centre(mesh_.bounds.center());
+    for (uint32_t t = 0; t < corners_.size(); ++t) {
+      if (kind_[t] != kSingle) continue;
+      const auto p = [&](size_t i) { return Vec3d(mesh_.points[corners_[t][i]]) - centre; };
+      const double volume = dot(p(0), cross(p(1), p(2)));
+      shells_[shell_[t]].volume += surfaces_.is_turned(t) ? -volume : volume;
+    }
+  }
+
+  void write_flags() {
+    out_.triangle_flags.assign(corners_.size(), 0);
+    for (uint32_t t = 0; t < corners_.size(); ++t) {
+      if (kind_[t] == kDegenerate) continue;
+      const uint32_t s = shell_[t];
+      uint8_t& flags = out_.triangle_flags[t];
+      if (surfaces_.is_turned(t) != (shells_[s].volume < 0)) flags |= MeshShells::kReversed;
+      if (inner_[s])
+        flags = MeshShells::kInner;
+      else if (open_[s])
+        flags |= MeshShells::kOpen;
+      (open_[s] ? out_.any_open : out_.any_closed) |= !inner_[s];
+    }
+  }
+
+  // The point `beyond` triangle t on its outer side, and the way out.
+  Vec3f outside(uint32_t t, const Vec2f& u, Vec3f* out) const {
+    const float root = std::sqrt(u.x);
+    TriangleHit hit;
+    hit.triangle = t;
+    hit.u = 1 - root;
+    hit.v = u.y * root;
+    const SurfaceHit s = surface_hit(mesh_, hit, Affine(), Affine());
+    *out = out_.flags(t) & MeshShells::kReversed ? -s.ng_object : s.ng_object;
+    return offset_point(s.p_object, *out, s.offset_object);
+  }
+
+  // The closed shells that contain p; those of `except` do not count.
+  int winding(const Vec3f& p, const Vec3f& direction, uint32_t except) const {
+    return winding_number(mesh_, out_, object_, p, direction, [&](uint32_t t) { return shell_[t] != except; });
+  }
+
+  bool is_nested(uint32_t s) const {
+    for (uint32_t t : shells_[s].some) {
+      Vec3f out;
+      const Vec3f p = outside(t, {4.0f / 9, 0.5f}, &out);  // the centroid
+      if (winding(p, out, s) < 1) return false;
+    }
+    return true;
+  }
+
+  // What the largest shell winds like is how the mesh is meant.
+  void find_cavities() {
+    uint32_t largest = kNone;
+    const auto closed = [&](uint32_t s) { return !open_[s] && !inner_[s]; };
+    for (uint32_t s = 0; s < shells_.size(); ++s)
+      if (closed(s) && (largest == kNone || std::abs(shells_[s].volume) > std::abs(shells_[largest].volume)))
+        largest = s;
+    std::vector<bool> cavity(shells_.size(), false);
+    for (uint32_t s = 0; s < shells_.size(); ++s)
+      cavity[s] = largest != kNone && closed(s) && shells_[s].volume * shells_[largest].volume < 0 && is_nested(s);
+    for (uint32_t t = 0; t < corners_.size(); ++t)
+      if (shell_[t] != kNone && cavity[shell_[t]]) out_.triangle_flags[t] ^= MeshShells::kReversed;
+  }
+
+  bool overlaps() const {
+    constexpr size_t kSamples = 4096;
+    std::vector<double> area(corners_.size() + 1, 0);
+    for (size_t t = 0; t < corners_.size(); ++t) {
+      const auto& c = corners_[t];
+      const Vec3d p(mesh_.points[c[0]]);
+      area[t + 1] = area[t] + length(cross(Vec3d(mesh_.points[c[1]]) - p, Vec3d(mesh_.points[c[2]]) - p));
+    }
+    if (!(area.back() > 0)) return false;
+    for (size_t i = 0; i < kSamples; ++i) {
+      const double at = area.back() * (static_cast<double>(i) + 0.5) / kSamples;
+      const auto above = std::upper_bound(area.begin(), area.end(), at);
+      const auto t = static_cast<uint32_t>(above - area.begin() - 1);
+      if (t >= corners_.size() || kind_[t] == kDegenerate || out_.flags(t) & MeshShells::kInner) continue;
+      const double u = (at - area[t]) / (*above - area[t]);
+      Vec3f out;
+      const Vec3f p = outside(t, {static_cast<float>(u), radical_inverse(static_cast<uint32_t>(i))}, &out);
+      if (winding(p, out, kNone) > 0) return true;
+    }
+    return false;
+  }
+
+  static float radical_inverse(uint32_t i) {
+    float value = 0, digit = 0.5f;
+    for (; i; i >>= 1, digit *= 0.5f) value += static_cast<float>(i & 1) * digit;
+    return value;
+  }
+
+  static constexpr size_t kProbes = 8;
+
+  const Mesh& mesh_;
+  const ObjectScene& object_;
+  std::vector<Triple> corners_;  // welded
+  Surfaces surfaces_;
+  std::vector<Kind> kind_;              // of triangles
+  std::vector<uint32_t> torn_, walls_;  // a triangle of each surface that has an open edge; that continues in another
+  std::vector<uint32_t> shell_;         // of triangles
+  std::vector<Shell> shells_;
+  std::vector<bool> open_, inner_;  // of shells
+  MeshShells out_;
+};
+
+}  // namespace
+
+MeshShells find_shells(const Mesh& mesh, const ObjectScene& object) {
+  return ShellFinder(mesh, object).find();
+}
+
+Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction) {
+  const SurfaceHit s = surface_hit(mesh, hit, Affine(), Affine());
+  const float side = dot(s.ng_object, direction) >= 0 ? 1.0f : -1.0f;
+  return {shells.flags(hit.triangle), leaves(mesh, shells, hit.triangle, direction),
+          offset_point(s.p_object, s.ng_object * side, s.offset_object)};
+}
+
+bool leaves(const Mesh& mesh, const MeshShells& shells, uint32_t triangle, const Vec3f& direction) {
+  const auto& c = mesh.triangles[triangle];
+  const Vec3f p = mesh.points[c[0]];
+  // In double: the product of three lengths, of which a scene may have large and small ones.
+  const double along = dot(Vec3d(direction), cross(Vec3d(mesh.points[c[1]] - p), Vec3d(mesh.points[c[2]] - p)));
+  return (along >= 0) != ((shells.flags(triangle) & MeshShells::kReversed) != 0);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,74 @@
+// The shells of a mesh: which way is out, whatever the winding says, and where there is no inside. Subsurface walks
+// ask; other meshes never pay for it.
+#pragma once
+
+#include "core/geometry/embree_scene.h"
+#include "core/geometry/surface_hit.h"
+
+namespace alabaster {
+
+/// A shell is what hangs together by edges that two triangles share, after welding points by position. A closed one has
+/// no other edges. Out is where its signed volume says, so that neither a mesh turned inside out nor single turned
+/// faces matter; except that a shell inside another one that winds the other way is a cavity, and out is into it.
+/// Triangles that lie on each other count once; two that lie back to back are a wall within a body where other
+/// triangles continue them, else an open sheet.
+struct MeshShells {
+  enum Flag : uint8_t {
+    kReversed = 1,  // winds clockwise seen from outside
+    kOpen = 2,      // of a shell that is not closed: has no inside
+    kInner = 4,     // a wall within a body: no surface to light
+  };
+  std::vector<uint8_t> triangle_flags;  // empty: closed shells that wind outward, all of them
+  size_t open_edges = 0;
+  bool any_open = false, any_closed = false;
+  /// Some surface lies inside a closed shell of the same mesh, or is a wall: the body is the union of its shells. Found
+  /// by 4096 points spread over the area: an overlap of less than that share may be overlooked.
+  bool overlapping = false;
+
+  uint8_t flags(uint32_t triangle) const { return triangle_flags.empty() ? uint8_t(0) : triangle_flags[triangle]; }
+};
+
+/// `object` traces `mesh`. A function of the mesh alone, for any number of threads; scaling it by 2^k changes nothing.
+MeshShells find_shells(const Mesh& mesh, const ObjectScene& object);
+
+/// Whether a line in direction `direction` (object space) leaves the triangle's shell there, or enters it. Of an open
+/// shell the outer side is the one that is out if little is missing; for a plane it is where it winds
+/// counter-clockwise.
+bool leaves(const Mesh& mesh, const MeshShells& shells, uint32_t triangle, const Vec3f& direction);
+
+/// The surface that a line has just met, and a point beyond it to trace on from.
+struct Crossed {
+  uint8_t flags = 0;  // MeshShells::Flag
+  bool leaves = false;
+  Vec3f beyond{0, 0, 0};
+
+  /// +1 leaves a closed shell, -1 enters one, 0 for open shells and walls within.
+  int crossing() const { return flags & (MeshShells::kOpen | MeshShells::kInner) ? 0 : leaves ? 1 : -1; }
+};
+
+/// In object space.
+Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction);
+
+/// A line that has crossed so many surfaces is not followed further.
+inline constexpr int kMaxCrossings = 4096;
+
+/// How many closed shells contain `p` (object space), by the balance of crossings along a line from it: a cavity takes
+/// one away. `counts(triangle)`: whether its shell is asked for.
+template <class Counts>
+int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, Vec3f p,
+                   const Vec3f& direction, const Counts& counts) {
+  int winding = 0;
+  TriangleHit hit;
+  for (int i = 0; i < kMaxCrossings && object.intersect({p, direction}, &hit); ++i) {
+    const Crossed crossed = cross_surface(mesh, shells, hit, direction);
+    if (counts(hit.triangle)) winding += crossed.crossing();
+    p = crossed.beyond;
+  }
+  return winding;
+}
+inline int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, const Vec3f& p,
+                          const Vec3f& direction) {
+  return winding_number(mesh, shells, object, p, direction, [](uint32_t) { return true; });
+}
+
+}  // namespace alabaster

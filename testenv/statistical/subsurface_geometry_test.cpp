@@ -1,0 +1,343 @@
+// Subsurface scattering on the geometry that artists have: sets and overlaps are their union, open meshes lose only
+// what is counted, inverted meshes look like sound ones, and a camera may stand in the medium.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/scene_builder.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::MeanError;
+using testing::SceneBuilder;
+
+constexpr int kTests = 40;           // the family that Sidak's correction is for
+constexpr double kExit = 41.0 / 42;  // mass of the exit lobe: 1 - 1/42
+
+DisneyParameters medium_only(float albedo, float scatter_distance) {
+  DisneyParameters p;
+  p.base_color = Rgb(albedo);
+  p.roughness = 0;
+  p.ior = 1;
+  p.specular = 0;
+  p.scatter_distance = Rgb(scatter_distance);
+  return p;
+}
+
+// An axis-aligned box, each side of `steps` by `steps` quads.
+Mesh box_mesh(const Vec3f& lower, const Vec3f& upper, int steps = 1) {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool top : {false, true}) {
+      const auto first = static_cast<uint32_t>(mesh.points.size());
+      const auto n = static_cast<uint32_t>(steps + 1);
+      for (int j = 0; j <= steps; ++j)
+        for (int i = 0; i <= steps; ++i) {
+          Vec3f p;
+          const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+          p[axis] = top ? upper[axis] : lower[axis];
+          p[u] = i == steps ? upper[u]
+                            : lower[u] + (upper[u] - lower[u]) * static_cast<float>(i) / static_cast<float>(steps);
+          p[v] = j == steps ? upper[v]
+                            : lower[v] + (upper[v] - lower[v]) * static_cast<float>(j) / static_cast<float>(steps);
+          mesh.points.push_back(p);
+        }
+      for (uint32_t j = 0; j + 1 < n; ++j)
+        for (uint32_t i = 0; i + 1 < n; ++i) {
+          const uint32_t a = first + j * n + i, b = a + 1, c = a + n + 1, d = a + n;
+          for (std::array<uint32_t, 3> t : {std::array<uint32_t, 3>{a, b, c}, {a, c, d}}) {
+            if (!top) std::swap(t[1], t[2]);
+            mesh.triangles.push_back(t);
+          }
+        }
+    }
+  for (const Vec3f& p : mesh.points) mesh.bounds.extend(p);
+  mesh.closed = true;
+  return mesh;
+}
+
+Mesh merged(Mesh a, const Mesh& b) {
+  const auto first = static_cast<uint32_t>(a.points.size());
+  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+  for (auto t : b.triangles) a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  a.bounds.extend(b.bounds);
+  return a;
+}
+
+Mesh turned(Mesh mesh) {
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  for (Vec3f& n : mesh.normals) n = -n;
+  return mesh;
+}
+
+Mesh without_triangles(Mesh mesh, const std::function<bool(const Vec3f& centroid)>& gone) {
+  std::erase_if(mesh.triangles, [&](const auto& t) {
+    return gone((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0f);
+  });
+  mesh.closed = false;
+  return mesh;
+}
+
+RenderRequest request_of(SceneBuilder* b, const CameraParameters& camera, uint32_t samples, int size = 32) {
+  RenderRequest request;
+  request.scene = b->snapshot();
+  request.camera = camera;
+  request.width = request.height = size;
+  request.data_window = {0, 0, size, size};
+  request.settings.samples = samples;
+  request.settings.filter = PixelFilter::box;
+  return request;
+}
+
+// Two films of the same scene, each pixel its own experiment: the means agree in each of four quarters.
+bool same_quarters(const Film& a, const Film& b, std::string* report) {
+  const auto x = a.resolve_float(Aov::color), y = b.resolve_float(Aov::color);
+  const int size = a.data_window().width();
+  testing::RunningStatistics quarter[4];
+  for (int i = 0; i < size * size; ++i) {
+    const size_t q = (i % size < size / 2 ? 0u : 1u) + (i / size < size / 2 ? 0u : 2u);
+    quarter[q].add(x[4 * static_cast<size_t>(i) + 1] - y[4 * static_cast<size_t>(i) + 1]);
+  }
+  bool same = true;
+  for (const auto& statistics : quarter) {
+    const auto result = testing::z_test(statistics, 0, {.number_of_tests = kTests});
+    same &= result.passed;
+    *report += result.report + "\n";
+  }
+  return same;
+}
+
+void expect_same(const Film& a, const Film& b, const char* what) {
+  std::string report;
+  EXPECT_TRUE(same_quarters(a, b, &report)) << what << "\n" << report;
+}
+
+// ---- unions
+
+// A bar lit from the side; light travels through it along x.
+RenderRequest bar(const std::function<void(SceneBuilder*)>& add, uint32_t seed) {
+  SceneBuilder b;
+  add(&b);
+  LightDescription key;
+  key.type = LightType::sphere;
+  key.radius = 0.4f;
+  key.intensity = 40;
+  key.light_to_world.setTranslation(Vec3d(-2, 1.0, 0.5));
+  b.add(key);
+  RenderRequest request = request_of(&b, testing::look_at({1, 2, 2.5}, {1, 0.3, 0.3}, 40), 64, 24);
+  request.settings.seed = seed;
+  request.settings.max_depth = 1;  // one walk from where the light enters to where it is seen
+  return request;
+}
+
+const DisneyParameters kWax = medium_only(0.9f, 0.6f);
+
+std::shared_ptr<const Film> whole_bar() {
+  return testing::render(bar(
+      [](SceneBuilder* b) {
+        b->add(b->prototype(box_mesh({0, 0, 0}, {2, 0.6f, 0.6f})), b->material(kWax));
+      },
+      0));
+}
+
+TEST(Union, OverlappingMembersOfASetAreOneBody) {
+  const auto set = testing::render(bar(
+      [](SceneBuilder* b) {
+        const auto material = b->material(kWax);
+        // The second one is a cube that its instance stretches and mirrors.
+        b->add(b->prototype(box_mesh({0, 0, 0}, {1.2f, 0.6f, 0.6f})), material);
+        b->add(b->prototype(box_mesh({0, 0, 0}, {1, 1, 1})), material,
+               Matrix4d(-1.2, 0, 0, 0, 0, 0.6, 0, 0, 0, 0, 0.6, 0, 2, 0, 0, 1));
+        for (auto& instance : b->description.instances) instance.subsurface_set = "bar";
+      },
+      1));
+  expect_same(*set, *whole_bar(), "set");
+}
+
+TEST(Union, OverlappingShellsOfAMeshAreOneBody) {
+  const auto shells = testing::render(bar(
+      [](SceneBuilder* b) {
+        b->add(b->prototype(
+                   merged(box_mesh({0, 0, 0}, {1.2f, 0.6f, 0.6f}), turned(box_mesh({0.7f, 0, 0}, {2, 0.6f, 0.6f})))),
+               b->material(kWax));
+      },
+      2));
+  expect_same(*shells, *whole_bar(), "shells");
+}
+
+TEST(Union, TouchingBodiesPassTheLightOn) {
+  const auto touching = testing::render(bar(
+      [](SceneBuilder* b) {
+        const auto material = b->material(kWax);
+        b->add(b->prototype(box_mesh({0, 0, 0}, {1, 0.6f, 0.6f}, 3)), material);
+        b->add(b->prototype(box_mesh({1, 0, 0}, {2, 0.6f, 0.6f}, 2)), material);
+        for (auto& instance : b->description.instances) instance.subsurface_set = "bar";
+      },
+      3));
+  expect_same(*touching, *whole_bar(), "touching members");
+  const auto walled = testing::render(bar(
+      [](SceneBuilder* b) {
+        b->add(b->prototype(merged(box_mesh({0, 0, 0}, {1, 0.6f, 0.6f}, 2), box_mesh({1, 0, 0}, {2, 0.6f, 0.6f}, 2))),
+               b->material(kWax));
+      },
+      4));
+  expect_same(*walled, *whole_bar(), "welded wall");
+}
+
+TEST(Union, DuplicatedFacesAreOne) {
+  const auto twice = testing::render(bar(
+      [](SceneBuilder* b) {
+        const Mesh one = box_mesh({0, 0, 0}, {2, 0.6f, 0.6f});
+        b->add(b->prototype(merged(one, one)), b->material(kWax));
+      },
+      5));
+  expect_same(*twice, *whole_bar(), "duplicated");
+}
+
+// That these tests would notice: by object the light stops at the seam.
+TEST(Union, WithoutASetEachObjectScattersForItself) {
+  const auto apart = testing::render(bar(
+      [](SceneBuilder* b) {
+        const auto material = b->material(kWax);
+        b->add(b->prototype(box_mesh({0, 0, 0}, {1, 0.6f, 0.6f})), material);
+        b->add(b->prototype(box_mesh({1, 0, 0}, {2, 0.6f, 0.6f})), material);
+      },
+      6));
+  std::string report;
+  EXPECT_FALSE(same_quarters(*apart, *whole_bar(), &report)) << report;
+}
+
+// Two white boxes that overlap to a longer one. Every passage through a surface takes 1/42: of a set there is one.
+SceneBuilder white_pair(bool set) {
+  SceneBuilder b;
+  const auto box = b.prototype(box_mesh({-1, -1, -1}, {1, 1, 1}, 4));
+  for (const double x : {-0.5, 0.5})
+    b.add(box, b.material(medium_only(1, 0.3f)), Matrix4d().setTranslation(Vec3d(x, 0, 0)));
+  if (set)
+    for (auto& instance : b.description.instances) instance.subsurface_set = "pair";
+  b.add(testing::constant_dome(1, false));
+  return b;
+}
+
+// Without a set each walk starts anew where it leaves one body within the other: nothing is lost but the passages.
+TEST(Union, WhiteOverlapsStayWhite) {
+  for (const bool set : {true, false}) {
+    SceneBuilder b = white_pair(set);
+    RenderRequest request = request_of(&b, testing::look_at({0, 0, 9}, {0, 0, 0}, 12), 16);
+    request.settings.max_depth = 1000;
+    RenderProgress progress;
+    const MeanError m = testing::film_mean(*testing::render(request, &progress), 1);
+    if (set)
+      EXPECT_NEAR(m.mean, kExit, 3 * m.standard_error + 1e-6);
+    else
+      EXPECT_NEAR(m.mean, kExit, 0.03);
+    EXPECT_EQ(progress.counters.walk_lost, 0u) << "set " << set;
+  }
+}
+
+// ---- orientation
+
+TEST(Orientation, AnInvertedMeshLooksLikeASoundOne) {
+  const auto picture = [](bool inverted, uint32_t seed) {
+    SceneBuilder b;
+    const Mesh sphere = testing::sphere_mesh(1, 24, true);
+    b.add(b.prototype(inverted ? turned(sphere) : sphere), b.material(medium_only(0.8f, 0.3f)));
+    LightDescription key;
+    key.type = LightType::sphere;
+    key.radius = 0.4f;
+    key.intensity = 40;
+    key.light_to_world.setTranslation(Vec3d(-2, 2, 1));
+    b.add(key);
+    RenderRequest request = request_of(&b, testing::look_at({0, 0, 4}, {0, 0, 0}, 35), 64);
+    request.settings.seed = seed;
+    return testing::render(request);
+  };
+  expect_same(*picture(false, 0), *picture(true, 1), "inverted");
+}
+
+// ---- open meshes
+
+TEST(OpenMesh, APlaneIsAHalfSpace) {
+  for (const float albedo : {0.5f, 0.9f}) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::plane_mesh(40)), b.material(medium_only(albedo, 0.02f)));
+    b.add(testing::constant_dome(1, false));
+    CameraParameters camera = testing::look_at({0, 5, 0}, {0, 0, 0}, 30);
+    camera.orthographic = true;
+    camera.horizontal_aperture = camera.vertical_aperture = 2;
+    RenderProgress progress;
+    const MeanError m = testing::film_mean(*testing::render(request_of(&b, camera, 24), &progress), 1);
+    EXPECT_NEAR(m.mean, albedo * kExit, 3 * m.standard_error);
+    EXPECT_EQ(progress.counters.walk_lost, 0u);
+    // From below it is one as well.
+    b.description.instances[0].object_to_world = Matrix4d().setScale(Vec3d(1, -1, 1));
+    const MeanError below = testing::film_mean(*testing::render(request_of(&b, camera, 24), &progress), 1);
+    EXPECT_NEAR(below.mean, albedo * kExit, 3 * below.standard_error);
+  }
+}
+
+// White and open: what does not come back is what the counter says, to the last walk.
+TEST(OpenMesh, WhatIsLostIsCounted) {
+  SceneBuilder b;
+  const float hole = 0.9f;  // cosine of its half angle: a cap of 5 % of the sphere
+  b.add(b.prototype(without_triangles(testing::sphere_mesh(1, 96, false), [&](const Vec3f& c) { return c.y > hole; })),
+        b.material(medium_only(1, 0.3f)));
+  b.add(testing::constant_dome(1, false));
+  CameraParameters camera = testing::look_at({0, -5, 0}, {0, 0, 0}, 30);
+  camera.orthographic = true;
+  camera.horizontal_aperture = camera.vertical_aperture = 0.05f;
+  RenderRequest request = request_of(&b, camera, 64);
+  request.settings.max_depth = 1;  // one walk a sample
+  RenderProgress progress;
+  const MeanError m = testing::film_mean(*testing::render(request, &progress), 1);
+  const auto& n = progress.counters;
+  const double lost = n.walk_lost_energy / static_cast<double>(n.walks);
+  EXPECT_GT(lost, 0.002);
+  EXPECT_LT(lost, 0.05) << "from opposite a hole of 5 % less than that escapes";
+  EXPECT_NEAR(m.mean, kExit * (1 - lost), 3 * m.standard_error + 1e-6);
+  EXPECT_EQ(n.walks, n.walk_exits + n.walk_lost + n.walk_roulette_ends);
+}
+
+// ---- camera within
+
+TEST(CameraWithin, WhiteStaysWhite) {
+  for (const bool inverted : {false, true}) {
+    SceneBuilder b;
+    const Mesh sphere = testing::sphere_mesh(1, 32, true);
+    b.add(b.prototype(inverted ? turned(sphere) : sphere), b.material(medium_only(1, 0.2f)));
+    b.add(testing::constant_dome(1, false));
+    RenderProgress progress;
+    const MeanError m = testing::film_mean(
+        *testing::render(request_of(&b, testing::look_at({0.3, 0.1, 0.2}, {1, 0, 0}, 90), 32), &progress), 1);
+    EXPECT_NEAR(m.mean, kExit, 3 * m.standard_error + 1e-6);
+    EXPECT_EQ(progress.counters.walk_lost, 0u);
+  }
+}
+
+// In a set, where the first surface that is met belongs to a body that is entered.
+TEST(CameraWithin, ASetIsOneBody) {
+  SceneBuilder b = white_pair(true);
+  RenderProgress progress;
+  const MeanError m = testing::film_mean(
+      *testing::render(request_of(&b, testing::look_at({-1.2, 0, 0}, {1, 0.1, 0.1}, 40), 32), &progress), 1);
+  EXPECT_NEAR(m.mean, kExit, 3 * m.standard_error + 1e-6);
+}
+
+TEST(CameraWithin, MovingThroughTheSurfaceIsHarmless) {
+  for (const double z : {1.5, 1.01, 1.0001, 1.0, 0.9999, 0.99, 0.5}) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(medium_only(0.8f, 0.3f)));
+    b.add(testing::constant_dome(1, false));
+    RenderProgress progress;
+    const MeanError m = testing::film_mean(
+        *testing::render(request_of(&b, testing::look_at({0, 0, z}, {0, 0, -1}, 50), 16), &progress), 1);
+    EXPECT_EQ(progress.counters.nonfinite_samples, 0u) << z;
+    EXPECT_GT(m.mean, 0.6) << z;
+    EXPECT_LT(m.mean, 1) << z;
+  }
+}
+
+}  // namespace
+}  // namespace alabaster

@@ -1,0 +1,208 @@
+#include "core/geometry/shells.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/cages.h"
+
+namespace alabaster {
+namespace {
+
+// The cube of cages.h moved and scaled; `turned`: wound the other way.
+Cage box(const Vec3f& centre, float half, bool turned = false) {
+  Cage cage = test::cube_cage();
+  for (Vec3f& p : cage.points) p = p * half + centre;
+  if (turned) std::reverse(cage.face_vertex_indices.begin(), cage.face_vertex_indices.end());
+  return cage;
+}
+
+Cage both(Cage a, const Cage& b) {
+  const int first = static_cast<int>(a.points.size());
+  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+  for (int i : b.face_vertex_indices) a.face_vertex_indices.push_back(i + first);
+  a.face_vertex_counts.insert(a.face_vertex_counts.end(), b.face_vertex_counts.begin(), b.face_vertex_counts.end());
+  return a;
+}
+
+struct Found {
+  Mesh mesh;
+  MeshShells shells;
+  std::shared_ptr<const ObjectScene> object;
+
+  /// Triangles that have all of the flags.
+  size_t count(uint8_t flags) const {
+    size_t n = 0;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) n += (shells.flags(t) & flags) == flags ? 1 : 0;
+    return n;
+  }
+  int winding(const Vec3f& p, const Vec3f& direction = {0.3f, 0.2f, 0.9f}) const {
+    return winding_number(mesh, shells, *object, p, direction);
+  }
+};
+
+Found find(const Cage& cage) {
+  static const auto device = make_trace_device({});
+  Found found;
+  found.mesh = build_mesh(cage, {}, {});
+  found.object = build_object_scene(device, found.mesh, {});
+  found.shells = find_shells(found.mesh, *found.object);
+  return found;
+}
+
+TEST(Shells, ASoundMeshHasNothingToSay) {
+  for (const Cage& cage : {box({5, 0, 0}, 1), test::octahedron_cage(), test::pentagon_prism_cage()}) {
+    const Found f = find(cage);
+    EXPECT_TRUE(f.shells.triangle_flags.empty());
+    EXPECT_FALSE(f.shells.overlapping);
+    EXPECT_FALSE(f.shells.any_open);
+    EXPECT_EQ(f.shells.open_edges, 0u);
+  }
+}
+
+TEST(Shells, OutIsOutWhateverTheWinding) {
+  const Found inverted = find(box({5, 0, 0}, 1, true));
+  EXPECT_EQ(inverted.count(MeshShells::kReversed), 12u);
+  EXPECT_EQ(inverted.winding({5.1f, 0.2f, 0}), 1);
+  EXPECT_EQ(inverted.winding({3, 0.2f, 0}, {1, 0.01f, 0.02f}), 0);
+  Cage cage = box({5, 0, 0}, 1);
+  std::swap(cage.face_vertex_indices[5], cage.face_vertex_indices[7]);  // turns the second face
+  const Found turned = find(cage);
+  EXPECT_EQ(turned.count(MeshShells::kReversed), 2u);
+  EXPECT_EQ(turned.shells.flags(2) & turned.shells.flags(3), MeshShells::kReversed);
+  EXPECT_EQ(turned.winding({5.1f, 0.2f, 0}), 1);
+}
+
+TEST(Shells, SplitPointsAreWelded) {
+  Cage split = box({0, 0, 0}, 1);
+  std::vector<Vec3f> points;
+  for (int& i : split.face_vertex_indices) {
+    points.push_back(split.points[static_cast<size_t>(i)]);
+    i = static_cast<int>(points.size()) - 1;
+  }
+  split.points = points;
+  EXPECT_TRUE(find(split).shells.triangle_flags.empty());
+}
+
+TEST(Shells, HolesMakeAShellOpenAndLeaveTheOthersClosed) {
+  Cage cage = both(box({0, 0, 0}, 1), box({5, 0, 0}, 1));
+  cage.hole_indices = {2};
+  const Found f = find(cage);
+  EXPECT_TRUE(f.shells.any_open);
+  EXPECT_EQ(f.shells.open_edges, 4u);
+  EXPECT_EQ(f.count(MeshShells::kOpen), 10u);
+  EXPECT_EQ(f.winding({0.1f, 0.2f, 0}), 0) << "an open shell contains nothing";
+  EXPECT_EQ(f.winding({5.1f, 0.2f, 0}), 1);
+}
+
+TEST(Shells, AShellWithinThatWindsTheOtherWayIsACavity) {
+  for (const bool inverted : {false, true}) {
+    const Found hollow = find(both(box({0, 0, 0}, 2, inverted), box({0, 0, 0}, 1, !inverted)));
+    EXPECT_EQ(hollow.winding({0.1f, 0.2f, 0}), 0);
+    EXPECT_EQ(hollow.winding({1.5f, 0.2f, 0}), 1);
+    EXPECT_FALSE(hollow.shells.overlapping);
+    const Found solid = find(both(box({0, 0, 0}, 2, inverted), box({0, 0, 0}, 1, inverted)));
+    EXPECT_EQ(solid.winding({0.1f, 0.2f, 0}), 2);
+    EXPECT_TRUE(solid.shells.overlapping);
+  }
+  // Beside each other, one of them inside out: both are solid.
+  const Found pair = find(both(box({0, 0, 0}, 2), box({6, 0, 0}, 1, true)));
+  EXPECT_EQ(pair.winding({6.1f, 0.2f, 0}), 1);
+  EXPECT_EQ(pair.count(MeshShells::kReversed), 12u);
+}
+
+TEST(Shells, OverlapsAreFound) {
+  EXPECT_TRUE(find(both(box({0, 0, 0}, 1), box({1.5f, 0.1f, 0.2f}, 1))).shells.overlapping);
+  EXPECT_TRUE(find(both(box({0, 0, 0}, 1), box({1.99f, 1.9f, 0.2f}, 1, true))).shells.overlapping);
+  EXPECT_FALSE(find(both(box({0, 0, 0}, 1), box({2.01f, 0.1f, 0.2f}, 1))).shells.overlapping);
+  // A bar that folds back through itself: one shell, wound twice around where it does.
+  Cage bar = box({0, 0, 0}, 1);
+  for (size_t i = 0; i < 8; ++i)
+    if (bar.points[i].x > 0 && bar.points[i].y > 0) bar.points[i] = Vec3f(-3, -3, bar.points[i].z);
+  EXPECT_EQ(find(bar).shells.any_open, false);
+}
+
+TEST(Shells, CoincidentTrianglesAreOne) {
+  const Found twice = find(both(box({0, 0, 0}, 1), box({0, 0, 0}, 1)));
+  EXPECT_TRUE(twice.shells.triangle_flags.empty());
+  EXPECT_FALSE(twice.shells.overlapping);
+  EXPECT_EQ(twice.winding({0.1f, 0.2f, 0}), 1);
+  const Found thrice = find(both(both(box({0, 0, 0}, 1), box({0, 0, 0}, 1, true)), box({0, 0, 0}, 1)));
+  EXPECT_EQ(thrice.count(MeshShells::kReversed), 12u);
+  EXPECT_EQ(thrice.winding({0.1f, 0.2f, 0}), 1);
+}
+
+// Two cubes that touch in a face: what is between them is no surface.
+TEST(Shells, BackToBackTrianglesWithinABodyAreAWall) {
+  Cage cage = both(box({-1, 0, 0}, 1), box({1, 0, 0}, 1));
+  const Found f = find(cage);
+  EXPECT_EQ(f.count(MeshShells::kInner) + f.count(0), f.mesh.triangles.size() + 4u);
+  EXPECT_EQ(f.count(MeshShells::kInner), 4u);
+  EXPECT_TRUE(f.shells.overlapping);
+  EXPECT_FALSE(f.shells.any_open);
+  EXPECT_EQ(f.winding({-1.1f, 0.2f, 0}, {1, 0.01f, 0.02f}), 1);
+}
+
+TEST(Shells, ATwoSidedSheetHasNoInside) {
+  Cage sheet = test::grid_cage(3), back = sheet;
+  std::reverse(back.face_vertex_indices.begin(), back.face_vertex_indices.end());
+  // Split each face alike, so that the triangles lie on each other.
+  const auto triangles = [](const Cage& cage) {
+    Cage t = cage;
+    t.face_vertex_counts.clear(), t.face_vertex_indices.clear();
+    for (size_t i = 0; i < cage.face_vertex_indices.size(); i += 4) {
+      std::array<int, 4> q;
+      std::copy_n(cage.face_vertex_indices.begin() + static_cast<long>(i), 4, q.begin());
+      std::rotate(q.begin(), std::min_element(q.begin(), q.end()), q.end());
+      for (int v : {q[0], q[1], q[2], q[0], q[2], q[3]}) t.face_vertex_indices.push_back(v);
+      t.face_vertex_counts.insert(t.face_vertex_counts.end(), {3, 3});
+    }
+    return t;
+  };
+  const Found f = find(both(triangles(sheet), triangles(back)));
+  EXPECT_TRUE(f.mesh.closed) << "every edge is shared by an even number of faces";
+  EXPECT_EQ(f.count(MeshShells::kOpen), f.mesh.triangles.size());
+}
+
+TEST(Shells, OneSidedSurfacesAreOpen) {
+  Cage strip;  // a Moebius strip, closed by a disc: no edge is open, yet there is no inside
+  constexpr int kSteps = 16;
+  for (int i = 0; i < kSteps; ++i) {
+    const float a = kTwoPi * static_cast<float>(i) / kSteps;
+    for (const float w : {-0.3f, 0.3f})
+      strip.points.emplace_back((1 + w * std::cos(a / 2)) * std::cos(a), (1 + w * std::cos(a / 2)) * std::sin(a),
+                                w * std::sin(a / 2));
+  }
+  strip.points.emplace_back(0.0f, 0.0f, 3.0f);
+  const auto at = [](int i, int side) { return 2 * (i % kSteps) + (i < kSteps ? side : 1 - side); };
+  for (int i = 0; i < kSteps; ++i) {
+    strip.face_vertex_counts.push_back(4);
+    for (int v : {at(i, 0), at(i, 1), at(i + 1, 1), at(i + 1, 0)}) strip.face_vertex_indices.push_back(v);
+  }
+  for (int i = 0; i < 2 * kSteps; ++i) {
+    const auto rim = [&](int k) { return 2 * (k % kSteps) + (k / kSteps) % 2; };
+    strip.face_vertex_counts.push_back(3);
+    for (int v : {rim(i), rim(i + 1), 2 * kSteps}) strip.face_vertex_indices.push_back(v);
+  }
+  const Found f = find(strip);
+  EXPECT_EQ(f.shells.open_edges, 0u);
+  EXPECT_TRUE(f.shells.any_open);
+}
+
+TEST(Shells, ScaleChangesNothing) {
+  for (const int k : {-40, 40}) {
+    const float s = std::ldexp(1.0f, k);
+    const Found f = find(both(box({0, 0, 0}, 2 * s), box({0, 0, 0}, s, true)));
+    EXPECT_TRUE(f.shells.triangle_flags.empty());
+    EXPECT_FALSE(f.shells.overlapping);
+    EXPECT_TRUE(find(both(box({0, 0, 0}, s), box({1.5f * s, 0, 0}, s))).shells.overlapping);
+  }
+}
+
+TEST(Shells, RubbishIsTaken) {
+  EXPECT_TRUE(find(Cage()).shells.triangle_flags.empty());
+  Cage flat = test::cube_cage();
+  for (Vec3f& p : flat.points) p = Vec3f(1, 1, 1);
+  EXPECT_FALSE(find(flat).shells.overlapping);
+}
+
+}  // namespace
+}  // namespace alabaster
