@@ -12,7 +12,8 @@ struct RenderCounters {
   uint64_t shadow_rays = 0;
   uint64_t walk_rays = 0;  // segments of subsurface walks that were traced
   uint64_t walks = 0;
-  uint64_t walk_events = 0;  // scattering events
+  uint64_t walk_events = 0;        // scattering events
+  uint64_t walk_sphere_steps = 0;  // jumps through the interior: each stands for many events
   uint64_t walk_exits = 0;
   uint64_t walk_roulette_ends = 0;
   uint64_t walk_lost = 0;          // walks that left an open mesh through a hole: their energy is lost
@@ -32,6 +33,7 @@ struct RenderCounters {
     walk_rays += o.walk_rays;
     walks += o.walks;
     walk_events += o.walk_events;
+    walk_sphere_steps += o.walk_sphere_steps;
     walk_exits += o.walk_exits;
     walk_roulette_ends += o.walk_roulette_ends;
     walk_lost += o.walk_lost;

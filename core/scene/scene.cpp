@@ -1,5 +1,7 @@
 #include "core/scene/scene.h"
 
+#include "core/scene/distance_grids.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -184,6 +186,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   if (!snapshot->top || !prepare_scattering(drawn, device, snapshot.get())) return nullptr;
   snapshot->memory_bytes += snapshot->top->memory_bytes();
   keep_alive(drawn, snapshot.get());
+  add_distance_grids(snapshot.get());
   add_lights(description, sink, snapshot.get());
   return snapshot;
 }

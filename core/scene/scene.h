@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/distance_grid.h"
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/mesh.h"
 #include "core/geometry/shells.h"
@@ -25,8 +26,11 @@ struct MeshPrototype {
 
   /// Found when first asked for, which is when a material that scatters meets the mesh. Any thread.
   const MeshShells& shells() const;
+  /// Likewise, where sphere steps pay; null if the mesh has none (build_distance_grid).
+  const DistanceGrid* distances() const { return distances_.get(mesh); }
 
  private:
+  mutable LazyDistanceGrid distances_;
   mutable std::once_flag shells_once_;
   mutable MeshShells shells_;
 };

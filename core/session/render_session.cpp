@@ -35,6 +35,9 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   out.subsurface = s.subsurface;
   out.walk.inversion = s.inversion;
   out.walk.weights = s.walk_weights;
+  const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
+  out.walk.guiding = shortcuts && s.walk_guiding;
+  out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
   return out;
 }
 

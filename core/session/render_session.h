@@ -31,6 +31,8 @@ struct RenderSettings {
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
   AlbedoInversion inversion = AlbedoInversion::exact;
   WalkWeights walk_weights = WalkWeights::throughput;
+  bool walk_guiding = true;
+  bool walk_sphere_steps = true;
   PixelFilter filter = PixelFilter::blackman_harris;
   bool operator==(const RenderSettings&) const = default;
 };

@@ -29,8 +29,11 @@ class MeshTracer {
     return false;
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
+  bool bounds_distance() const { return space_.distances != nullptr; }
+  double distance_bound() const { return space_.distances->bound(p_) * space_.distance_scale; }
   bool advance(const Vec3f& direction, float t) {
     p_ += space_.world_to_object.vector(direction) * std::max(0.0f, t - step_back_);
+    step_back_ = 0;
     return space_.bounds.empty() ? is_finite(p_) : space_.bounds.contains(p_);
   }
 

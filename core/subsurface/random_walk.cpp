@@ -4,6 +4,17 @@
 #include "core/subsurface/random_walk_loop.h"
 
 namespace alabaster {
+
+WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings) {
+  WalkShortcuts use;
+  for (int c = 0; c < 3; ++c) {
+    if (!medium.active[c]) continue;
+    use.guiding |= settings.guiding && DiffusionModes::is_guided(medium.one_minus_alpha[c]);
+    use.sphere_steps |= settings.sphere_steps && medium.one_minus_alpha[c] < kSphereStepsPayBelow;
+  }
+  return use;
+}
+
 Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u) {
   const Vec3f direction = entry.frame_inward.to_world(sample_cosine_hemisphere(u));
   const float inward = dot(direction, entry.ng_inward);
@@ -16,7 +27,7 @@ std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& ent
   const Rgb& t0 = entry.throughput;
   const auto walk = [&](auto tracer) {
     const Vec3f direction = entry.direction ? *entry.direction : sample_walk_entry(entry, u_entry);
-    return run_walk_loop(tracer, direction, medium, settings, rng, counters, {t0.r, t0.g, t0.b});
+    return run_walk(tracer, {direction, entry.ng_inward, {t0.r, t0.g, t0.b}}, medium, settings, rng, counters);
   };
   const auto end =
       space.set ? walk(SetTracer(*space.set, entry.p, entry.from_behind)) : walk(MeshTracer(space, entry.p));

@@ -4,12 +4,14 @@
 // Distances are sampled for one channel, chosen with probability proportional to the throughput (times alpha in the
 // paper's own weights), and the estimators of the channels are combined by the balance heuristic (one-sample MIS).
 // Termination is by roulette on the largest channel of the throughput: unbiased, no bounce cap. A safety cap of 1e6
-// events guards against broken geometry and is counted.
+// events guards against broken geometry and is counted. The shortcuts, guiding and sphere steps, are no part of the
+// paper: random_walk_loop.h.
 #pragma once
 
 #include <optional>
 
 #include "core/diagnostics/counters.h"
+#include "core/geometry/distance_grid.h"
 #include "core/geometry/embree_scene.h"
 #include "core/math/bounds.h"
 #include "core/math/frame.h"
@@ -26,6 +28,8 @@ enum class WalkWeights {
 struct WalkSettings {
   AlbedoInversion inversion = AlbedoInversion::exact;
   WalkWeights weights = WalkWeights::throughput;
+  bool guiding = true;       // Dwivedi guiding, where it pays; affects noise only
+  bool sphere_steps = true;  // jumps through the interior, where they pay; their bias is below 1e-4 of the albedo
   uint32_t safety_cap = 1000000;
 };
 
@@ -39,6 +43,9 @@ struct WalkSpace {
   /// In the object's space: a walk that scatters outside them has left through an open mesh and ends there.
   /// Empty: not known; such a walk then goes on until it is absorbed.
   Bounds bounds;
+  /// Of the object, for sphere steps; null: none are taken.
+  const DistanceGrid* distances = nullptr;
+  float distance_scale = 1;      // world distance >= this times object distance
   const WalkSet* set = nullptr;  // not null: this is the body, and nothing above is used
 };
 

@@ -1,117 +1,37 @@
 // The walk itself, over anything that can trace a segment: a mesh in random_walk.cpp, bodies with a closed-form answer
 // in the tests. Throughput is carried in double precision: at A = 0.9999 an event takes 2e-9 of it, which float would
 // lose.
+//
+// Two shortcuts, each compiled into loops of its own, so that a walk asks for neither if it takes neither:
+//
+// Guiding (guided_segment.h) draws what the plain walk draws, from better densities.
+//
+// Sphere steps. Let J(x) be what a particle emitted isotropically at x will bring out. It satisfies
+// J(x) = alpha Int sigma_t exp(-sigma_t r)/(4 pi r^2) J(y) dy + what leaves from x without scattering. Plane waves
+// exp(kappa w.x), |w| = 1, solve the equation of the infinite medium when alpha atanh(kappa/sigma_t) = kappa/sigma_t
+// (Case and Zweifel 1967, section 4.6), and so does every superposition of them, i.e. every solution of
+// Laplace(J) = kappa^2 J. Inside a body J is such a solution plus modes that die off within a mean free path or so of
+// the surface. Its mean over a sphere of radius R is J(x) sinh(kappa R)/(kappa R) (Courant and Hilbert, vol. II,
+// chapter IV, section 3), wherefore a particle that is about to be emitted isotropically may be emitted from a uniform
+// point of the sphere instead, its throughput times kappa R/sinh(kappa R), per channel. At kappa = 0 (white) that is
+// the mean value property of harmonic functions. The sphere must stay kSphereMargin mean free paths, of the channel
+// that has the longest, away from every surface; how a channel came to be there does not matter, as J is a property of
+// the point. This is the walk on spheres (Muller 1956) with a killing rate. What the margin costs: testenv/statistical.
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <limits>
 #include <optional>
 
-#include "core/sampling/warp.h"
-#include "core/subsurface/random_walk.h"
+#include "core/subsurface/chromatic_segment.h"
+#include "core/subsurface/guided_segment.h"
 
 namespace alabaster {
 
-/// One value per colour channel, in double.
-using ChannelValues = std::array<double, 3>;
+/// Mean free paths that a sphere step keeps from every surface. Less is faster and biased: at 1, white bodies obtain
+/// 5e-4 too much; at 1.5, what is left could not be told from noise of 1e-4.
+inline constexpr double kSphereMargin = 1.5;
 
-inline double max_value(const ChannelValues& v) {
-  return std::max(v[0], std::max(v[1], v[2]));
-}
-
-/// A medium as the loop wants it: alpha in double, from whichever of alpha and 1 - alpha carries more digits, and each
-/// channel's extinction above the clearest one's. Ratios of transmittances need no more than that excess: it saves an
-/// exponential where channels differ and all of them where they are alike.
-struct WalkMedium {
-  ChannelValues sigma_t{}, alpha{}, excess{};
-
-  explicit WalkMedium(const Medium& medium) {
-    double clearest = std::numeric_limits<double>::infinity();
-    for (int c = 0; c < 3; ++c) {
-      const auto i = static_cast<size_t>(c);
-      sigma_t[i] = medium.sigma_t[c];
-      alpha[i] = medium.alpha[c] < 0.5f ? medium.alpha[c] : 1.0 - medium.one_minus_alpha[c];
-      if (medium.active[c]) clearest = std::min(clearest, sigma_t[i]);
-    }
-    for (size_t c = 0; c < 3; ++c) excess[c] = medium.active[c] ? sigma_t[c] - clearest : 0;
-  }
-};
-
-/// Distance sampling of one segment (Chiang, Kutz, Burley 2016, section 3): a channel is chosen with probability w_c, a
-/// distance from p_c(t) = sigma_c exp(-sigma_c t), and the estimators of all channels share it by the balance
-/// heuristic. The pdf of scattering at t is sum_c w_c p_c(t); the probability of passing a surface at t is sum_c w_c
-/// exp(-sigma_c t).
-///
-/// Paper's weights, w ~ T alpha: the sum of T after a scatter equals the sum of T alpha before it. w ~ T: the sum of T
-/// never grows, neither by a scatter nor by an exit. Neither pdf can underflow: the chosen channel's exp(-sigma t) is
-/// at least 2^-24, the smallest number that it was drawn from.
-class ChromaticSegment {
- public:
-  ChromaticSegment(const WalkMedium& medium, const ChannelValues& throughput, WalkWeights weights)
-      : medium_(medium), throughput_(throughput), weights_(throughput) {
-    if (weights == WalkWeights::throughput_times_albedo) {
-      for (size_t c = 0; c < 3; ++c) weights_[c] *= medium.alpha[c];
-      // Where nothing scatters the paper's weights vanish, yet light crosses a thin body: then w ~ T.
-      if (!(sum() >= std::numeric_limits<float>::min())) weights_ = throughput;
-    }
-    sum_ = sum();
-  }
-
-  /// World distance to the next event; infinite if the chosen channel has no extinction.
-  float sample_distance(Rng& rng) const {
-    const size_t c = choose_channel(rng.uniform() * sum_);
-    const float optical_depth = -std::log(1 - rng.uniform());
-    if (!(medium_.sigma_t[c] > 0)) return std::numeric_limits<float>::infinity();
-    return static_cast<float>(optical_depth / medium_.sigma_t[c]);
-  }
-
-  /// Throughput after scattering at distance t (finite).
-  ChannelValues scatter_throughput(double t) const {
-    ChannelValues collided = relative_transmittance(t);
-    for (size_t c = 0; c < 3; ++c) collided[c] *= medium_.sigma_t[c];
-    ChannelValues result = combine(collided);
-    for (size_t c = 0; c < 3; ++c) result[c] *= medium_.alpha[c];
-    return result;
-  }
-
-  /// Throughput after crossing distance t (finite) to a surface.
-  ChannelValues exit_throughput(double t) const { return combine(relative_transmittance(t)); }
-
- private:
-  double sum() const { return weights_[0] + weights_[1] + weights_[2]; }
-
-  /// exp(-sigma_t t) up to a common factor.
-  ChannelValues relative_transmittance(double t) const {
-    ChannelValues result{};
-    for (size_t c = 0; c < 3; ++c) result[c] = medium_.excess[c] > 0 ? std::exp(-medium_.excess[c] * t) : 1;
-    return result;
-  }
-
-  size_t choose_channel(double u) const {
-    size_t chosen = 0;
-    for (size_t c = 0; c < 3; ++c) {
-      if (!(weights_[c] > 0)) continue;
-      chosen = c;
-      if (u < weights_[c]) break;
-      u -= weights_[c];
-    }
-    return chosen;
-  }
-
-  /// T_c f_c / sum_j w_j f_j, w normalised.
-  ChannelValues combine(const ChannelValues& f) const {
-    const double pdf = weights_[0] * f[0] + weights_[1] * f[1] + weights_[2] * f[2];
-    ChannelValues result{};
-    if (pdf > 0)
-      for (size_t c = 0; c < 3; ++c) result[c] = throughput_[c] * (f[c] * sum_ / pdf);
-    return result;
-  }
-
-  const WalkMedium& medium_;
-  ChannelValues throughput_, weights_;
-  double sum_ = 0;
-};
+/// A channel with a smaller 1 - alpha (A > 0.7) walks long enough inside for sphere steps to pay.
+inline constexpr float kSphereStepsPayBelow = 0.024f;
 
 /// True with probability q, exact to 2^-56: survival is as near to one as 1 - 2e-9 and is asked a million times.
 inline bool survives(double q, Rng& rng) {
@@ -121,71 +41,245 @@ inline bool survives(double q, Rng& rng) {
   return drawn != whole ? drawn < whole : rng.uniform() < scaled - whole;
 }
 
+/// How a walk begins. `throughput` is what the path brings to it, relative to its largest channel: the weights go on
+/// from it, as the paper's do, so that no walk follows a channel that the path has already lost.
+struct WalkStart {
+  Vec3f direction;  // unit
+  Vec3f inward;     // unit, normal of the entry surface: what guiding is about
+  ChannelValues throughput{1, 1, 1};
+};
+
 template <class Hit>
 struct WalkLoopExit {
   Hit hit;
   Vec3f direction;  // of the last segment
   ChannelValues throughput{};
-  uint32_t events = 0;
+  uint32_t events = 0;  // scattering events; a sphere step counts as one
 };
 
-/// Walks from where `tracer` stands until the surface is met. A tracer keeps the position and has:
+struct WalkShortcuts {
+  bool guiding = false, sphere_steps = false;
+};
+
+/// A tracer that can say how far the nearest surface is at least, in world units: sphere steps need one.
+template <class Tracer>
+concept BoundsDistance = requires(const Tracer& tracer) {
+  tracer.distance_bound();
+};
+
+/// A walk from where `tracer` stands until the surface is met. A tracer keeps the position and has:
 ///   Hit                                      what it says of a surface point
 ///   bool intersect(dir, tmax, Hit*)          nearest surface within tmax, both in world units
 ///   double exit_distance(hit)                distance through the medium to it
 ///   bool advance(dir, t)                     moves; false if that left the body without crossing its surface
-/// `throughput` is what the path brings to the walk, relative to its largest channel: the weights go on from it, as the
-/// paper's do, so that no walk follows a channel that the path has already lost.
-/// Segment is ChromaticSegment; tests put a wrong one here to see that they notice.
-template <class Segment = ChromaticSegment, class Tracer>
-std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk_loop(Tracer& tracer, Vec3f direction, const Medium& medium,
-                                                                const WalkSettings& settings, Rng& rng,
-                                                                RenderCounters& counters,
-                                                                ChannelValues throughput = {1, 1, 1}) {
-  const WalkMedium walk_medium(medium);
-  for (size_t c = 0; c < 3; ++c)
-    if (!medium.active[c]) throughput[c] = 0;
-  const auto note_weight = [&] {
-    counters.max_walk_weight = std::max(counters.max_walk_weight, max_value(throughput));
-  };
-  ++counters.walks;
-  if (!(max_value(throughput) > 0)) return std::nullopt;
-  const double entering = throughput[0] + throughput[1] + throughput[2];
+/// Segment is ChromaticSegment or GuidedSegment; tests put wrong ones here to see that they notice.
+template <WalkShortcuts kShortcuts, class Segment, class Tracer>
+class WalkLoop {
+ public:
+  using Exit = WalkLoopExit<typename Tracer::Hit>;
 
-  for (uint32_t events = 0; events < settings.safety_cap; ++events) {
-    const Segment segment(walk_medium, throughput, settings.weights);
-    const float t = segment.sample_distance(rng);
-    ++counters.walk_rays;
-    typename Tracer::Hit hit{};
-    if (tracer.intersect(direction, t, &hit)) {
-      throughput = segment.exit_throughput(tracer.exit_distance(hit));
-      note_weight();
-      ++counters.walk_exits;
-      return WalkLoopExit<typename Tracer::Hit>{hit, direction, throughput, events};
+  WalkLoop(Tracer& tracer, const WalkStart& start, const Medium& medium, const WalkSettings& settings, Rng& rng,
+           RenderCounters& counters)
+      : tracer_(tracer),
+        settings_(settings),
+        rng_(rng),
+        counters_(counters),
+        medium_(medium),
+        modes_(medium_, medium),
+        guide_(start.inward),
+        direction_(start.direction),
+        throughput_(start.throughput) {
+    for (size_t c = 0; c < 3; ++c)
+      if (!medium.active[c]) throughput_[c] = 0;
+    entering_ = sum_of(throughput_);
+  }
+
+  std::optional<Exit> run() {
+    ++counters_.walks;
+    if (!(max_value(throughput_) > 0)) return std::nullopt;
+    while (events_ < settings_.safety_cap) {
+      const auto exit = step();
+      if (exit) return exit;
+      if (ended_) return std::nullopt;
     }
-    if (!(t < std::numeric_limits<float>::infinity()) || !tracer.advance(direction, t)) {
-      ++counters.walk_lost;
-      const ChannelValues lost = std::isfinite(t) ? segment.scatter_throughput(t) : segment.exit_throughput(t);
-      counters.walk_lost_energy += (lost[0] + lost[1] + lost[2]) / entering;
+    ++counters_.walk_safety_cap;
+    return std::nullopt;
+  }
+
+ private:
+  struct Nothing {
+    template <class... Anything>
+    explicit Nothing(const Anything&...) {}
+  };
+  using Modes = std::conditional_t<kShortcuts.guiding || kShortcuts.sphere_steps, DiffusionModes, Nothing>;
+  using Guide = std::conditional_t<kShortcuts.guiding, WalkGuide, Nothing>;
+
+  /// One segment, and what follows a scattering event at its end.
+  std::optional<Exit> step() {
+    Segment segment = make_segment();
+    const float t = sample(segment);
+    ++counters_.walk_rays;
+    typename Tracer::Hit hit{};
+    if (tracer_.intersect(direction_, t, &hit)) {
+      throughput_ = segment.exit_throughput(tracer_.exit_distance(hit));
+      note_weight();
+      ++counters_.walk_exits;
+      return Exit{hit, direction_, throughput_, events_};
+    }
+    if (!(t < std::numeric_limits<float>::infinity()) || !move(direction_, t)) {
+      lose(segment, t);
       return std::nullopt;
     }
-    ++counters.walk_events;
-    throughput = segment.scatter_throughput(t);
+    ++counters_.walk_events;
+    ++events_;
+    throughput_ = segment.scatter_throughput(t);
     note_weight();
-    // Roulette on the largest channel: unbiased, and where alpha < 1 it is what ends the walk.
-    const double q = max_value(throughput);
-    if (q < 1) {
-      if (!survives(q, rng)) {
-        ++counters.walk_roulette_ends;
-        return std::nullopt;
-      }
-      for (double& channel : throughput) channel /= q;
-    }
-    const float u = rng.uniform();
-    direction = sample_uniform_sphere({u, rng.uniform()});
+    if (!survives_roulette()) return std::nullopt;
+    if constexpr (kShortcuts.sphere_steps) take_sphere_steps();
+    if constexpr (kShortcuts.guiding) measure_thickness();
+    return std::nullopt;
   }
-  ++counters.walk_safety_cap;
-  return std::nullopt;
+
+  /// Through an open mesh, scattering outside it; without extinction, nowhere.
+  void lose(const Segment& segment, float t) {
+    ended_ = true;
+    ++counters_.walk_lost;
+    const bool scatters = t < std::numeric_limits<float>::infinity();
+    const ChannelValues lost =
+        scatters ? segment.scatter_throughput(t) : segment.exit_throughput(std::numeric_limits<float>::max());
+    counters_.walk_lost_energy += sum_of(lost) / entering_;
+  }
+
+  Segment make_segment() const {
+    if constexpr (kShortcuts.guiding)
+      return Segment(GuidedState{medium_, modes_, guide_, settings_.weights}, throughput_);
+    else
+      return Segment(medium_, throughput_, settings_.weights);
+  }
+
+  float sample(Segment& segment) {
+    if constexpr (kShortcuts.guiding) {
+      return segment.sample(events_ == 0, &direction_, rng_);
+    } else {
+      if (events_ > 0) direction_ = draw_isotropic();
+      return segment.sample_distance(rng_);
+    }
+  }
+
+  Vec3f draw_isotropic() {
+    const float u = rng_.uniform();
+    return sample_uniform_sphere({u, rng_.uniform()});
+  }
+
+  bool move(const Vec3f& direction, double t) {
+    if constexpr (kShortcuts.guiding) guide_.advance(direction, t);
+    return tracer_.advance(direction, static_cast<float>(t));
+  }
+
+  void note_weight() { counters_.max_walk_weight = std::max(counters_.max_walk_weight, max_value(throughput_)); }
+
+  /// On the largest channel: unbiased, and where alpha < 1 it is what ends the walk.
+  bool survives_roulette() {
+    const double q = max_value(throughput_);
+    if (q >= 1) return true;
+    if (!survives(q, rng_)) {
+      ++counters_.walk_roulette_ends;
+      ended_ = true;
+      return false;
+    }
+    for (double& channel : throughput_) channel /= q;
+    return true;
+  }
+
+  void take_sphere_steps() {
+    while (events_ < settings_.safety_cap) {
+      double mfp = 0;
+      for (size_t c = 0; c < 3; ++c)
+        if (throughput_[c] > 0) mfp = std::max(mfp, 1 / medium_.sigma_t[c]);
+      const double radius = tracer_.distance_bound() - kSphereMargin * mfp;
+      // A smaller sphere gains less than an ordinary event.
+      if (!(radius > mfp)) return;
+      jump(radius);
+      ++counters_.walk_sphere_steps;
+      ++events_;
+      note_weight();
+      if (!survives_roulette()) return;
+    }
+  }
+
+  void jump(double radius) {
+    if constexpr (kShortcuts.guiding) {
+      move(guided_jump({medium_, modes_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
+    } else {
+      move(draw_isotropic(), radius);
+      for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(modes_.kappa[c] * radius);
+    }
+  }
+
+  /// Once per walk, and only when it has become deep enough for the opposite side to matter: along the inward normal.
+  void measure_thickness() {
+    if (thickness_known_ || ended_) return;
+    double mfp = 0, reach = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      if (!(throughput_[c] > 0)) continue;
+      mfp = std::max(mfp, 1 / medium_.sigma_t[c]);
+      // Beyond, the share of the opposite side is below exp(-8).
+      if (modes_.guided[c]) reach = std::max(reach, 8 / modes_.kappa[c]);
+    }
+    if (!(guide_.depth() > mfp)) return;
+    thickness_known_ = true;
+    typename Tracer::Hit hit{};
+    ++counters_.walk_rays;
+    if (tracer_.intersect(-guide_.outward().n, static_cast<float>(reach), &hit))
+      guide_.set_thickness(guide_.depth() + tracer_.exit_distance(hit));
+  }
+
+  Tracer& tracer_;
+  const WalkSettings& settings_;
+  Rng& rng_;
+  RenderCounters& counters_;
+  const WalkMedium medium_;
+  const Modes modes_;
+  Guide guide_;
+  Vec3f direction_;
+  ChannelValues throughput_;
+  double entering_ = 0;  // sum of the throughput at the start
+  uint32_t events_ = 0;
+  bool ended_ = false, thickness_known_ = false;
+};
+
+/// The plain walk: no shortcut whatever the settings say.
+template <class Segment = ChromaticSegment, class Tracer>
+std::optional<WalkLoopExit<typename Tracer::Hit>> run_plain_walk(Tracer& tracer, const WalkStart& start,
+                                                                 const Medium& medium, const WalkSettings& settings,
+                                                                 Rng& rng, RenderCounters& counters) {
+  return WalkLoop<WalkShortcuts{}, Segment, Tracer>(tracer, start, medium, settings, rng, counters).run();
+}
+
+/// Which shortcuts pay in this medium, of those that the settings allow.
+WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings);
+
+/// The walk with the shortcuts that pay; sphere steps only where the tracer can bound distances.
+template <class Tracer>
+std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk(Tracer& tracer, const WalkStart& start, const Medium& medium,
+                                                           const WalkSettings& settings, Rng& rng,
+                                                           RenderCounters& counters) {
+  const WalkShortcuts use = useful_shortcuts(medium, settings);
+  if constexpr (BoundsDistance<Tracer>) {
+    if (use.sphere_steps && tracer.bounds_distance()) {
+      if (use.guiding)
+        return WalkLoop<WalkShortcuts{true, true}, GuidedSegment, Tracer>(tracer, start, medium, settings, rng,
+                                                                          counters)
+            .run();
+      return WalkLoop<WalkShortcuts{false, true}, ChromaticSegment, Tracer>(tracer, start, medium, settings, rng,
+                                                                            counters)
+          .run();
+    }
+  }
+  if (use.guiding)
+    return WalkLoop<WalkShortcuts{true, false}, GuidedSegment, Tracer>(tracer, start, medium, settings, rng, counters)
+        .run();
+  return run_plain_walk(tracer, start, medium, settings, rng, counters);
 }
 
 }  // namespace alabaster

@@ -101,6 +101,9 @@ const std::vector<SettingParameter>& setting_parameters() {
        0,
        0,
        {"throughput", "throughputTimesAlbedo"}},
+      {"walkGuiding", "Walks are guided back to the surface where that pays. Affects noise only.", &S::walk_guiding},
+      {"walkSphereSteps", "Walks jump through the interior where that pays. Bias below 1e-4 of the albedo.",
+       &S::walk_sphere_steps},
       {"filter", "Pixel filter.", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
   };
   return table;
@@ -144,6 +147,11 @@ ParameterFault set_setting(const SettingParameter& parameter, const Value& value
           const ParameterFault fault = read_number(value, parameter.minimum, parameter.maximum, &read);
           if (fault != ParameterFault::type) settings->*member = static_cast<uint32_t>(read);
           return fault;
+        } else if constexpr (std::is_same_v<Member, bool>) {
+          const double read = value.number_or(std::numeric_limits<double>::quiet_NaN());
+          if (std::isnan(read)) return ParameterFault::type;
+          settings->*member = read != 0;
+          return ParameterFault::none;
         } else {
           return set_word(parameter, value, &(settings->*member)) ? ParameterFault::none : ParameterFault::type;
         }
@@ -157,6 +165,8 @@ Value get_setting(const SettingParameter& parameter, const RenderSettings& setti
         using Member = std::decay_t<decltype(settings.*member)>;
         if constexpr (std::is_same_v<Member, uint32_t>)
           return static_cast<int64_t>(settings.*member);
+        else if constexpr (std::is_same_v<Member, bool>)
+          return settings.*member;
         else
           return parameter.choices[static_cast<size_t>(settings.*member)];
       },

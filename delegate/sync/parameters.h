@@ -27,12 +27,12 @@ std::span<const Parameter<DisneyParameters>> material_parameters();          // 
 std::span<const Parameter<alabaster::LightDescription>> light_parameters();  // schemas/lights.json, but texture:file
 std::span<const Parameter<CameraParameters>> camera_parameters();  // schemas/camera.json, but projection, clippingRange
 
-/// A render setting: an integer or one of a few words.
+/// A render setting: an integer, a switch, or one of a few words.
 struct SettingParameter {
   const char* name;
   const char* documentation;
-  std::variant<uint32_t RenderSettings::*, SubsurfaceMode RenderSettings::*, AlbedoInversion RenderSettings::*,
-               WalkWeights RenderSettings::*, PixelFilter RenderSettings::*>
+  std::variant<uint32_t RenderSettings::*, bool RenderSettings::*, SubsurfaceMode RenderSettings::*,
+               AlbedoInversion RenderSettings::*, WalkWeights RenderSettings::*, PixelFilter RenderSettings::*>
       member;
   double minimum = 0, maximum = 0;        // of integers
   std::vector<std::string> choices = {};  // of words, in the order of the enumeration

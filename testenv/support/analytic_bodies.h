@@ -28,6 +28,8 @@ class SlabTracer {
     return direction.z != 0 && hit->t <= tmax;
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
+  static bool bounds_distance() { return true; }
+  double distance_bound() const { return std::min(p_.z, thickness_ - p_.z); }
   bool advance(const Vec3f& direction, float t) {
     p_ += to_double(direction) * t;
     return true;
@@ -55,10 +57,13 @@ class EdgeTracer {
     return hit->t <= tmax;
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
+  static bool bounds_distance() { return true; }
+  double distance_bound() const { return std::min(p_.x, p_.z); }
   bool advance(const Vec3f& direction, float t) {
     p_ += to_double(direction) * t;
     return true;
   }
+  const Vec3d& position() const { return p_; }
 
  private:
   Vec3d p_;
@@ -90,6 +95,7 @@ class EllipsoidTracer {
     return true;
   }
   double path_length() const { return path_length_; }
+  const Vec3d& position() const { return p_; }
 
  private:
   Vec3d inverse_scale_, p_;
@@ -99,8 +105,13 @@ class EllipsoidTracer {
 /// A sphere entered at its pole z = -radius; by symmetry every entry point is the same.
 class SphereTracer : public EllipsoidTracer {
  public:
-  explicit SphereTracer(double radius) : EllipsoidTracer({radius, radius, radius}, {0, 0, -1}) {}
+  explicit SphereTracer(double radius) : EllipsoidTracer({radius, radius, radius}, {0, 0, -1}), radius_(radius) {}
+  static bool bounds_distance() { return true; }
+  double distance_bound() const { return std::max(0.0, radius_ - length(position())); }
   static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
+
+ private:
+  double radius_;
 };
 
 /// A grey medium of extinction 1.
@@ -115,13 +126,24 @@ inline Medium unit_medium(double complement) {
   return medium;
 }
 
-/// One walk from the entry's cosine lobe.
+inline WalkStart start_of(const WalkEntry& entry, Rng& rng) {
+  const float u = rng.uniform();
+  return {sample_walk_entry(entry, {u, rng.uniform()}), entry.ng_inward, {1, 1, 1}};
+}
+
+/// One plain walk from the entry's cosine lobe.
 template <class Segment = ChromaticSegment, class Tracer>
 std::optional<WalkLoopExit<BodyHit>> walk_body(Tracer& tracer, const WalkEntry& entry, const Medium& medium,
                                                const WalkSettings& settings, Rng& rng, RenderCounters& counters) {
-  const float u = rng.uniform();
-  const Vec3f direction = sample_walk_entry(entry, {u, rng.uniform()});
-  return run_walk_loop<Segment>(tracer, direction, medium, settings, rng, counters);
+  return run_plain_walk<Segment>(tracer, start_of(entry, rng), medium, settings, rng, counters);
+}
+
+/// The same with the shortcuts that the settings allow and that pay.
+template <class Tracer>
+std::optional<WalkLoopExit<BodyHit>> walk_body_with_shortcuts(Tracer& tracer, const WalkEntry& entry,
+                                                              const Medium& medium, const WalkSettings& settings,
+                                                              Rng& rng, RenderCounters& counters) {
+  return run_walk(tracer, start_of(entry, rng), medium, settings, rng, counters);
 }
 
 }  // namespace alabaster::testing

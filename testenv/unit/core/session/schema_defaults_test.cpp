@@ -100,8 +100,10 @@ TEST(SchemaDefaults, RenderSettingsHaveTheStructsDefaults) {
   EXPECT_EQ(choice("subsurface"), static_cast<int>(s.subsurface));
   EXPECT_EQ(p["inversion"]["default"], s.inversion == AlbedoInversion::exact ? "exact" : "?");
   EXPECT_EQ(choice("walkWeights"), static_cast<int>(s.walk_weights));
+  EXPECT_EQ(p["walkGuiding"]["default"], s.walk_guiding);
+  EXPECT_EQ(p["walkSphereSteps"]["default"], s.walk_sphere_steps);
   EXPECT_EQ(choice("filter"), static_cast<int>(s.filter));
-  EXPECT_EQ(p.size(), 9u);
+  EXPECT_EQ(p.size(), 11u);
 }
 
 TEST(SchemaDefaults, LightsHaveTheStructsDefaults) {

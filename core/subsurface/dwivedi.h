@@ -1,0 +1,76 @@
+// Guiding towards a plane surface after Dwivedi 1982, "A new importance-biasing scheme for deep-penetration Monte
+// Carlo" (in rendering: Krivanek and d'Eon 2014, "A Zero-Variance-Based Sampling Scheme for Monte Carlo Subsurface
+// Scattering").
+//
+// Deep inside a half-space of isotropic scatterers the light that a particle will still bring out falls as
+// exp(-kappa z) with depth z, kappa = sigma_t/nu0, where nu0 >= 1 is Case's discrete eigenvalue: 1 = alpha nu0
+// atanh(1/nu0). Sampling in proportion to that, with mu the cosine to the outward normal:
+//   direction  p(mu) = 1/((nu0 - mu) ln((nu0 + 1)/(nu0 - 1)))   distance  sigma' = sigma_t (1 - mu/nu0).
+// Here all is written in x = 1/nu0, which is 0 without absorption and nears 1 in the dark.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace alabaster {
+
+/// 1/nu0 and what comes with it.
+struct DwivediMode {
+  double x = 0;      // 1/nu0 = tanh(theta)
+  double theta = 0;  // atanh(x)
+  double alpha = 1;  // x/theta: of the medium that x belongs to
+};
+
+inline DwivediMode dwivedi_mode_at(double theta) {
+  const double x = std::tanh(theta);
+  return {x, theta, theta > 0 ? x / theta : 1};
+}
+
+/// Solves alpha atanh(x) = x for 1 - alpha in [0,1]; relative error of x below 1e-8 wherever x < 0.9999. Without
+/// scattering (1 - alpha = 1) there is no such mode: x = 1.
+inline DwivediMode dwivedi_mode(double one_minus_alpha) {
+  const double c = one_minus_alpha, alpha = 1 - c;
+  if (!(alpha > 0)) return {1, std::numeric_limits<double>::infinity(), 0};
+  // x^2 as a series in c, its last two terms chosen for x = 1 and a level tangent at c = 1; the series itself is right
+  // to c^4.
+  const double guess = std::sqrt(c * (3 + c * (-2.4 + c * (24.0 / 350 + c * (0.0628 + c * 0.2686)))));
+  constexpr double kSeriesIsEnough = 1e-2;
+  if (c < kSeriesIsEnough) return dwivedi_mode_at(std::atanh(guess));
+  // Newton's method in theta, alpha theta = tanh(theta), where the root stays simple as x nears 1. Dark media have
+  // theta = 1/alpha.
+  constexpr double kDark = 0.95;
+  double theta = guess < kDark ? std::atanh(guess) : 1 / alpha;
+  for (int i = 0; i < 3; ++i) {
+    const double tangent = std::tanh(theta);
+    theta -= (tangent - alpha * theta) / (1 - tangent * tangent - alpha);
+  }
+  return dwivedi_mode_at(theta);
+}
+
+/// Density of mu on [-1,1]: p(mu) = x/(2 theta (1 - x mu)); 1/2 for x = 0.
+inline double pdf_dwivedi(double mu, const DwivediMode& mode) {
+  return 0.5 * mode.alpha / (1 - mode.x * mu);
+}
+
+/// Its inverse distribution function, u in [0,1]; x > 0 and not tiny (cancellation: absolute error 1e-16/x).
+inline double sample_dwivedi(double u, const DwivediMode& mode) {
+  const double mu = (1 - (1 + mode.x) * std::exp(-2 * mode.theta * u)) / mode.x;
+  return std::fmin(std::fmax(mu, -1.0), 1.0);
+}
+
+/// x/sinh(x), x >= 0: 1 at 0, 0 where sinh overflows.
+inline double x_over_sinh(double x) {
+  return x > 1e-4 ? x / std::sinh(x) : 1 - x * x / 6;
+}
+
+/// Inverse distribution function of the density proportional to exp(x mu) on [-1,1], x >= 0.
+inline double sample_exponential_cosine(double u, double x) {
+  const double mu = x > 1e-4 ? 1 + std::log(u + (1 - u) * std::exp(-2 * x)) / x : 2 * u - 1;
+  return std::fmin(std::fmax(mu, -1.0), 1.0);
+}
+/// That density over the uniform one, 1/2: exp(x mu) x/sinh(x).
+inline double exponential_cosine_factor(double mu, double x) {
+  return x > 1e-4 ? 2 * x * std::exp(x * (mu - 1)) / -std::expm1(-2 * x) : std::exp(x * mu);
+}
+
+}  // namespace alabaster

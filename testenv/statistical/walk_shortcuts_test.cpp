@@ -1,0 +1,268 @@
+// The shortcuts of the walk, guiding and sphere steps, against the answers that hold without them.
+#include <gtest/gtest.h>
+
+#include "testenv/support/analytic_bodies.h"
+#include "testenv/support/chi_square.h"
+#include "testenv/support/transport_solution.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster::testing {
+namespace {
+
+WalkSettings with(bool guiding, bool sphere_steps) {
+  WalkSettings settings;
+  settings.guiding = guiding;
+  settings.sphere_steps = sphere_steps;
+  return settings;
+}
+const WalkSettings kShortcuts[] = {with(true, false), with(false, true), with(true, true)};
+
+struct Outcome {
+  RunningStatistics out[3];          // per channel, whichever way out
+  RunningStatistics through;         // channel 0 out of side 1
+  RunningStatistics beyond_edge[3];  // out of side 0 half a unit or more to one side: as lit across a shadow's edge
+  RenderCounters counters;
+};
+
+/// Walks in copies of `body`; `run` makes one walk from a tracer and a start.
+template <class Tracer, class Run>
+Outcome walk_many(const Tracer& body, const Run& run, int paths, uint64_t seed) {
+  Outcome outcome;
+  Rng rng(seed, 78);
+  for (int i = 0; i < paths; ++i) {
+    Tracer tracer = body;
+    const WalkStart start = start_of(SlabTracer::entry(), rng);
+    const std::optional<WalkLoopExit<BodyHit>> end = run(tracer, start, rng, outcome.counters);
+    const double side = end ? end->hit.side : 0;
+    const bool beyond = end && side == 0 && tracer.position().x + end->direction.x * end->hit.t > 0.5;
+    for (size_t c = 0; c < 3; ++c) {
+      outcome.out[c].add(end ? end->throughput[c] : 0);
+      outcome.beyond_edge[c].add(beyond ? end->throughput[c] : 0);
+    }
+    outcome.through.add(end && side == 1 ? end->throughput[0] : 0);
+  }
+  EXPECT_EQ(outcome.counters.walk_lost, 0u);
+  EXPECT_EQ(outcome.counters.walk_safety_cap, 0u);
+  return outcome;
+}
+
+template <class Tracer>
+Outcome walk_many(const Tracer& body, const Medium& medium, const WalkSettings& settings, int paths, uint64_t seed) {
+  const auto run = [&](Tracer& tracer, const WalkStart& start, Rng& rng, RenderCounters& counters) {
+    return run_walk(tracer, start, medium, settings, rng, counters);
+  };
+  return walk_many(body, run, paths, seed);
+}
+
+void expect_mean(const RunningStatistics& values, double expected, int number_of_tests, double slack = 1e-6) {
+  const ZTestResult result = z_test(values, expected, {0.01, number_of_tests, slack});
+  EXPECT_TRUE(result.passed) << result.report;
+}
+
+/// Two runs that should have the same mean.
+void expect_same_mean(const RunningStatistics& a, const RunningStatistics& b, int number_of_tests) {
+  const double error = std::hypot(a.standard_error(), b.standard_error());
+  const double z = std::abs(a.mean() - b.mean()) / error;
+  EXPECT_GT(std::erfc(z / std::sqrt(2.0)), sidak_level(0.01, number_of_tests))
+      << a.mean() << " against " << b.mean() << " +- " << error;
+}
+
+const Rgb kScatterDistance(1.0f, 0.35f, 0.2f);
+const Rgb kSkin(0.9f, 0.6f, 0.45f), kPaleSkin(0.95f, 0.75f, 0.6f), kMarble(0.99f, 0.97f, 0.9f);
+
+Medium medium_of(const Rgb& albedo) {
+  return make_medium(albedo, kScatterDistance, AlbedoInversion::exact);
+}
+
+TEST(Dwivedi, SamplerDrawsFromItsPdf) {
+  constexpr double kComplements[] = {1.2e-5, 2.1e-3, 0.12, 0.4, 0.69};  // guided at all: 1e-5 .. 0.7
+  for (const double complement : kComplements) {
+    const DwivediMode mode = dwivedi_mode(complement);
+    ChiSquareOptions options;
+    options.number_of_tests = 5;
+    options.pole_exponent = 3;
+    const auto sample = [&](Rng& rng) -> std::optional<Vec3f> {
+      const double mu = sample_dwivedi(rng.uniform(), mode);
+      return direction_at(Frame(), mu, rng);
+    };
+    const auto result = chi_square_sphere(
+        sample, [&](const Vec3f& w) { return static_cast<float>(pdf_dwivedi(w.z, mode) / kTwoPi); }, options);
+    EXPECT_TRUE(result.passed) << complement << "\n" << result.report;
+    // The pdf of a slightly darker medium is told apart, where the lobe is one at all.
+    if (complement < 1e-2) continue;
+    const DwivediMode other = dwivedi_mode(complement * 1.3);
+    EXPECT_FALSE(
+        chi_square_sphere(
+            sample, [&](const Vec3f& w) { return static_cast<float>(pdf_dwivedi(w.z, other) / kTwoPi); }, options)
+            .passed)
+        << complement;
+  }
+}
+
+TEST(Dwivedi, JumpsLandWithTheirPdf) {
+  for (const double reach : {0.0, 0.3, 2.0, 9.0}) {
+    ChiSquareOptions options;
+    options.number_of_tests = 4;
+    options.pole_exponent = 2;
+    const auto result = chi_square_sphere(
+        [&](Rng& rng) -> std::optional<Vec3f> {
+          const double mu = sample_exponential_cosine(rng.uniform(), reach);
+          return direction_at(Frame(), mu, rng);
+        },
+        [&](const Vec3f& w) {
+          return static_cast<float>(exponential_cosine_factor(w.z, reach)) * pdf_uniform_sphere();
+        },
+        options);
+    EXPECT_TRUE(result.passed) << reach << "\n" << result.report;
+  }
+}
+
+TEST(WalkShortcuts, HalfSpaceObtainsItsAlbedo) {
+  uint64_t seed = 200;
+  for (const Rgb& albedo : {kSkin, kPaleSkin, kMarble})
+    for (const WalkSettings& settings : kShortcuts) {
+      if (albedo == kMarble && !settings.sphere_steps) continue;  // long
+      const Outcome walked = walk_many(SlabTracer(), medium_of(albedo), settings, 60000, ++seed);
+      SCOPED_TRACE(seed);
+      for (int c = 0; c < 3; ++c) expect_mean(walked.out[c], albedo[c], 24, settings.sphere_steps ? 1e-4 : 1e-6);
+      EXPECT_EQ(walked.counters.walk_sphere_steps > 0, settings.sphere_steps);
+    }
+}
+
+TEST(WalkShortcuts, WhiteHalfSpaceEndsAtLast) {
+  // Without sphere steps such a walk has no finite mean length.
+  const Outcome walked = walk_many(SlabTracer(), medium_of(Rgb(1.0f)), {}, 20000, 220);
+  double total = 0;
+  for (const RunningStatistics& channel : walked.out) {
+    expect_mean(channel, 1, 3);
+    total += channel.mean();
+  }
+  EXPECT_NEAR(total, 3, 1e-9);
+  EXPECT_LT(static_cast<double>(walked.counters.walk_rays), 60.0 * 20000);
+}
+
+TEST(WalkShortcuts, LightAcrossAShadowEdgeIsThePlainWalks) {
+  uint64_t seed = 230;
+  const Outcome plain = walk_many(SlabTracer(), medium_of(kSkin), with(false, false), 60000, ++seed);
+  for (const WalkSettings& settings : kShortcuts) {
+    const Outcome walked = walk_many(SlabTracer(), medium_of(kSkin), settings, 60000, ++seed);
+    for (int c = 0; c < 3; ++c) expect_same_mean(walked.beyond_edge[c], plain.beyond_edge[c], 9);
+  }
+}
+
+TEST(WalkShortcuts, ThinSlabReflectsAndTransmitsWhatItShould) {
+  uint64_t seed = 240;
+  for (const double albedo : {0.5, 0.9})
+    for (const double thickness : {1.0, 4.0, 8.0})
+      for (const WalkSettings& settings : kShortcuts) {
+        const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
+        const SlabAnswer answer = solve_slab(thickness, complement);
+        const Outcome walked = walk_many(SlabTracer(thickness), unit_medium(complement), settings, 40000, ++seed);
+        SCOPED_TRACE(albedo * 100 + thickness);
+        const double slack = answer.error + (settings.sphere_steps ? 1e-4 : 0);
+        expect_mean(walked.through, answer.transmittance, 36, slack);
+        expect_mean(walked.out[0], answer.reflectance + answer.transmittance, 36, 2 * slack);
+      }
+}
+
+TEST(WalkShortcuts, AThinSlabsTransmissionGainsFromTheBackwardShare) {
+  // Guided towards the entry surface alone, transmission would be many times noisier than unguided.
+  const double complement = one_minus_alpha(0.5, AlbedoInversion::exact);
+  const Outcome plain = walk_many(SlabTracer(8), unit_medium(complement), with(false, false), 60000, 280);
+  const Outcome guided = walk_many(SlabTracer(8), unit_medium(complement), with(true, false), 60000, 281);
+  const auto cost = [](const Outcome& o) { return o.through.variance() * static_cast<double>(o.counters.walk_rays); };
+  EXPECT_LT(cost(guided), cost(plain));
+}
+
+TEST(WalkShortcuts, SphereIsTheIntegralEquations) {
+  uint64_t seed = 290;
+  for (const double radius : {1.0, 6.0})
+    for (const double albedo : {0.5, 0.95})
+      for (const WalkSettings& settings : kShortcuts) {
+        const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
+        const SphereAnswer answer = solve_sphere(radius, complement);
+        RunningStatistics out;
+        RenderCounters counters;
+        Rng rng(++seed, 78);
+        for (int i = 0; i < 40000; ++i) {
+          SphereTracer tracer(radius);
+          const auto end =
+              walk_body_with_shortcuts(tracer, SphereTracer::entry(), unit_medium(complement), settings, rng, counters);
+          out.add(end ? end->throughput[0] : 0);
+        }
+        SCOPED_TRACE(radius * 100 + albedo);
+        expect_mean(out, answer.albedo, 12, answer.error + (settings.sphere_steps ? 3e-4 : 0));
+      }
+}
+
+TEST(WalkShortcuts, EdgeIsThePlainWalks) {
+  const Outcome plain = walk_many(EdgeTracer(1), medium_of(kSkin), with(false, false), 60000, 310);
+  uint64_t seed = 311;
+  for (const WalkSettings& settings : kShortcuts) {
+    const Outcome walked = walk_many(EdgeTracer(1), medium_of(kSkin), settings, 60000, ++seed);
+    for (int c = 0; c < 3; ++c) expect_same_mean(walked.out[c], plain.out[c], 12);
+    expect_same_mean(walked.through, plain.through, 12);
+  }
+}
+
+TEST(WalkShortcuts, PapersWeightsAreRightToo) {
+  WalkSettings settings = with(true, true);
+  settings.weights = WalkWeights::throughput_times_albedo;
+  const Outcome walked = walk_many(SlabTracer(), medium_of(kSkin), settings, 60000, 320);
+  for (int c = 0; c < 3; ++c) expect_mean(walked.out[c], kSkin[c], 3, 1e-4);
+}
+
+TEST(WalkShortcuts, WeightsStayBelowTheirBoundWhereGuidingIsWrong) {
+  // Channels far apart, in slabs whose other side the walk must leave by.
+  const Medium medium = make_medium({0.9f, 0.3f, 0.6f}, {1.0f, 0.02f, 0.1f}, AlbedoInversion::exact);
+  for (const double thickness : {0.1, 1.0, 5.0}) {
+    const Outcome walked = walk_many(SlabTracer(thickness), medium, {}, 30000, 330);
+    EXPECT_LE(walked.counters.max_walk_weight, WalkGuide::kLargestSum);
+    EXPECT_GT(walked.counters.max_walk_weight, 1);
+  }
+}
+
+TEST(WalkShortcuts, ExtremesGiveNoNan) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const Rgb distances[] = {{1e-38f, 1.0f, infinity}, {1e-45f, 3e38f, 1.0f}, {1e-30f, 1e30f, 0.0f}, Rgb(1e-4f)};
+  const Rgb albedos[] = {Rgb(0.1f), Rgb(1.0f), {1e-38f, 0.5f, 1.0f}, {0.9f, 0.99f, 0.8f}};
+  Rng rng(340, 78);
+  for (const Rgb& distance : distances)
+    for (const Rgb& albedo : albedos) {
+      RenderCounters counters;
+      WalkSettings settings;
+      settings.safety_cap = 2000;
+      const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
+      for (int i = 0; i < 500; ++i) {
+        SphereTracer tracer(1);
+        const auto end = walk_body_with_shortcuts(tracer, SphereTracer::entry(), medium, settings, rng, counters);
+        if (!end) continue;
+        for (const double channel : end->throughput) ASSERT_TRUE(std::isfinite(channel) && channel >= 0);
+      }
+      EXPECT_EQ(counters.walk_lost, 0u);
+    }
+}
+
+/// Weighs each segment as if it had been a tenth longer.
+class WrongGuidedSegment : public GuidedSegment {
+ public:
+  using GuidedSegment::GuidedSegment;
+  ChannelValues scatter_throughput(double t) const { return GuidedSegment::scatter_throughput(1.1 * t); }
+  ChannelValues exit_throughput(double t) const { return GuidedSegment::exit_throughput(1.1 * t); }
+};
+
+TEST(WalkShortcuts, AWrongPdfIsNoticed) {
+  const Medium medium = medium_of(kSkin);
+  const auto run = [&](SlabTracer& tracer, const WalkStart& start, Rng& rng, RenderCounters& counters) {
+    return WalkLoop<WalkShortcuts{true, false}, WrongGuidedSegment, SlabTracer>(tracer, start, medium, {}, rng,
+                                                                                counters)
+        .run();
+  };
+  const Outcome walked = walk_many(SlabTracer(), run, 60000, 350);
+  int failures = 0;
+  for (int c = 0; c < 3; ++c) failures += z_test(walked.out[c], kSkin[c], {1e-6, 3, 0}).passed ? 0 : 1;
+  EXPECT_GT(failures, 0);
+}
+
+}  // namespace
+}  // namespace alabaster::testing
