@@ -125,4 +125,22 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
   return s;
 }
 
+Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfaceHit& side,
+                      const Affine& object_to_render) {
+  if (mesh.normals.empty()) return Vec3f(0, 0, 0);
+  const Corners& points = mesh.triangles[hit.triangle];
+  const Corners& normals = mesh.normal_triangles.empty() ? points : mesh.normal_triangles[hit.triangle];
+  const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+  const bool reversed =
+      dot(mesh.normals[normals[0]] + mesh.normals[normals[1]] + mesh.normals[normals[2]], side.ng_object) < 0;
+  Vec3f shift(0, 0, 0);
+  for (size_t i = 0; i < 3; ++i) {
+    const Vec3f n = reversed ? -mesh.normals[normals[i]] : mesh.normals[normals[i]];
+    // Below the tangent plane of the vertex: up to it. A normal that leans over the facet's horizon is no guide.
+    const float depth = dot(mesh.points[points[i]] - side.p_object, n);
+    if (depth > 0 && dot(n, side.ng_object) > 0) shift += n * (weights[i] * depth / dot(n, n));
+  }
+  return object_to_render.vector(shift);
+}
+
 }  // namespace alabaster

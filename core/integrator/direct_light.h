@@ -3,7 +3,7 @@
 // add_light_emission).
 #pragma once
 
-#include "core/integrator/path_integrator.h"
+#include "core/integrator/path_state.h"
 #include "core/sampling/mis.h"
 
 namespace alabaster {
@@ -38,11 +38,43 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const std::arr
   });
 }
 
+/// Whether nothing lies between the facet and the curved surface over it: where bodies touch, light must not slip
+/// through what is between them.
+inline bool stands_free(const PathContext& context, const Departure& from) {
+  ++context.counters.shadow_rays;
+  return !context.scene.top->occluded({from.flat, from.curved - from.flat, 1});
+}
+
+/// Origin of a ray in direction `wi`.
+inline Vec3f origin_of(const PathContext& context, const Departure& from, const Vec3f& wi) {
+  return from.wedge > 0 && !from.is_above(wi) && stands_free(context, from) ? from.curved : from.flat;
+}
+
+/// The same for both origins. The wedge is small where the mesh is fine, and lights are sampled from there as seldom.
+template <class Scatter, class Add>
+void for_direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
+                      const Scatter& scatter, const Add& add) {
+  const auto above = [&](const Vec3f& wi) { return from.is_above(wi) ? scatter(wi) : ScatterValue(); };
+  for_direct_light(context, from.flat, u, above, add);
+  const float chance = std::min(1.0f, 8 * from.wedge);
+  if (!(u[3] < chance)) return;
+  std::optional<bool> free;
+  const auto below = [&](const Vec3f& wi) {
+    const ScatterValue value = from.is_above(wi) ? ScatterValue() : scatter(wi);
+    if (is_black(value.f_cos)) return ScatterValue();
+    if (!free) free = stands_free(context, from);
+    return *free ? value : ScatterValue();
+  };
+  for_direct_light(context, from.curved, u, below,
+                   [&](const Vec3f& wi, const Rgb& light) { add(wi, light * (1 / chance)); });
+}
+
 /// Its sum.
 template <class Scatter>
-Rgb direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter) {
+Rgb direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
+                 const Scatter& scatter) {
   Rgb sum(0.0f);
-  for_direct_light(context, p, u, scatter, [&](const Vec3f&, const Rgb& light) { sum += light; });
+  for_direct_light(context, from, u, scatter, [&](const Vec3f&, const Rgb& light) { sum += light; });
   return sum;
 }
 

@@ -26,7 +26,7 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   const Vec3f wo = -ray.dir;
   v.hit = surface_on_side(*v.instance, triangle, wo);
   v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.dpdu);
-  v.outer = offset_point(v.hit.p, v.hit.ng, v.hit.offset);
+  v.departure = depart(*v.instance, triangle, v.hit, v.frame.n);
   v.material = v.instance->material(triangle.triangle).evaluate(v.hit.uv);
   return v;
 }
@@ -75,13 +75,11 @@ bool survives_roulette(float u, PathState* path) {
   return true;
 }
 
-bool scatter_at_surface(const PathVertex& v, const BsdfSample& sample, PathState* path) {
+void scatter_at_surface(const PathContext& context, const PathVertex& v, const BsdfSample& sample, PathState* path) {
   const Vec3f wi = v.frame.to_world(sample.wi);
-  if (!(dot(wi, v.hit.ng) > 0)) return false;
   path->throughput *= sample.f * (sample.wi.z / sample.pdf);
   path->scatter_pdf = sample.pdf;
-  path->ray = {v.outer, wi};
-  return true;
+  path->ray = {origin_of(context, v.departure, wi), wi};
 }
 
 // The ray came to the vertex through the medium; it has no lobes on that side.
@@ -105,11 +103,11 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
-    if (!(wi.z > 0) || !(dot(wi_world, v.hit.ng) > 0)) return {};
+    if (!(wi.z > 0)) return {};
     return {bsdf.eval(wi) * wi.z, bsdf.pdf(wi)};
   };
   Rgb direct(0.0f);
-  for_direct_light(context, v.outer, sampler.draw(Dimension::light, path->depth), local_lobes,
+  for_direct_light(context, v.departure, sampler.draw(Dimension::light, path->depth), local_lobes,
                    [&](const Vec3f& wi, const Rgb& light) {
                      direct += light;
                      if (splits) split->add_local(path->throughput * light, bsdf.specular_share(v.frame.to_local(wi)));
@@ -120,13 +118,13 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const auto u = sampler.draw(Dimension::bsdf, path->depth);
   const auto sample = bsdf.sample(u[0], {u[1], u[2]});
   if (!sample) return false;
-  bool goes_on = false;
+  bool goes_on = true;
   if (kSubsurface && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
     goes_on = scatter_below_surface(context, sampler, v, false, path);
     if (splits) split->below = true, split->events = path->walk_events;
   } else {
-    goes_on = scatter_at_surface(v, *sample, path);
+    scatter_at_surface(context, v, *sample, path);
     if (splits) split->specular_share = bsdf.specular_share(sample->wi);
   }
   ++path->depth;

@@ -15,13 +15,26 @@ struct PathState {
   uint32_t walk_events = 0;  // of the last subsurface walk; any other carrier of light counts as many
 };
 
+/// Where light leaves a facet with a smooth normal. Directions above the facet leave from it. Those that only the lobe
+/// about the smooth normal knows, in the wedge below the facet's horizon, leave from the curved surface that the facet
+/// stands for (curvature_shift): else the facets would show as dark steps where the light grazes them. Each direction
+/// has one origin, so light sampling and lobe sampling estimate the same.
+struct Departure {
+  Vec3f flat;             // ray origin at the facet
+  Vec3f curved{0, 0, 0};  // and for the wedge
+  Vec3f ng;
+  float wedge = 0;  // sine of the angle between facet and lobe; 0: nothing stands out over the facet
+
+  bool is_above(const Vec3f& wi) const { return dot(wi, ng) > 0; }
+};
+
 // A point on a surface as seen along a ray: all normals on the viewer's side.
 struct PathVertex {
   const Instance* instance = nullptr;
   TriangleHit triangle;
   SurfaceHit hit;
-  Frame frame;  // about the shading normal, bent so that the viewer is above it
-  Vec3f outer;  // ray origin on the viewer's side
+  Frame frame;          // about the shading normal, bent so that the viewer is above it
+  Departure departure;  // on the viewer's side
   DisneyParameters material;
 };
 
@@ -34,6 +47,16 @@ inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& t
     hit.ng_object = -hit.ng_object;
   }
   return hit;
+}
+
+/// `hit`: normals on the side that is left to; `n`: what the lobe is about.
+inline Departure depart(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Vec3f& n) {
+  Departure d;
+  d.flat = offset_point(hit.p, hit.ng, hit.offset);
+  d.ng = hit.ng;
+  d.curved = d.flat + curvature_shift(instance.prototype->mesh, triangle, hit, instance.object_to_world);
+  if (d.curved != d.flat) d.wedge = length(cross(hit.ng, n));
+  return d;
 }
 
 }  // namespace alabaster

@@ -72,14 +72,14 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   path->throughput = exit.throughput;
   const SurfaceHit hit = surface_on_side(*exit.instance, exit.hit, exit.direction);
   const Frame frame = frame_from_normal(hit.ns);
-  const Vec3f outer = offset_point(hit.p, hit.ng, hit.offset);
+  const Departure departure = depart(*exit.instance, exit.hit, hit, frame.n);
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
-    if (!(cosine > 0) || !(dot(wi, hit.ng) > 0)) return {};
+    if (!(cosine > 0)) return {};
     return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
   };
   path->radiance +=
-      path->throughput * direct_light(context, outer, sampler.draw(Dimension::exit_light, path->depth), exit_lobe);
+      path->throughput * direct_light(context, departure, sampler.draw(Dimension::exit_light, path->depth), exit_lobe);
 
   const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);
   const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u[0], u[1]}));
@@ -87,7 +87,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   if (!(value.pdf > 0)) return false;
   path->throughput *= value.f_cos * (1 / value.pdf);
   path->scatter_pdf = value.pdf;
-  path->ray = {outer, wi};
+  path->ray = {origin_of(context, departure, wi), wi};
   return true;
 }
 

@@ -339,5 +339,70 @@ TEST(CameraWithin, MovingThroughTheSurfaceIsHarmless) {
   }
 }
 
+// ---- smooth normals
+
+// Mean colour of what is covered: silhouettes of coarse meshes are smaller, which is no fault of the shading.
+double covered_mean(const Film& film) {
+  const auto color = film.resolve_float(Aov::color);
+  double sum = 0, coverage = 0;
+  for (size_t i = 0; i < color.size(); i += 4) {
+    sum += color[i + 1];
+    coverage += color[i + 3];
+  }
+  return sum / coverage;
+}
+
+std::shared_ptr<const Film> smooth_sphere(int rings, const DisneyParameters& material, bool furnace) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::sphere_mesh(1, rings, true)), b.material(material));
+  LightDescription sun;
+  sun.type = LightType::distant;
+  sun.intensity = 3;
+  sun.light_to_world = Matrix4d(0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 1);  // from +x
+  b.add(furnace ? testing::constant_dome(1, false) : sun);
+  return testing::render(request_of(&b, testing::look_at({0, 0, 8}, {0, 0, 0}, 15), 64, 48));
+}
+
+TEST(SmoothNormals, ACoarseSphereIsAsBrightAsAFineOne) {
+  for (const float scatter_distance : {0.0f, 0.05f}) {
+    DisneyParameters material = medium_only(0.8f, scatter_distance);
+    const double fine = covered_mean(*smooth_sphere(96, material, false));
+    for (const int rings : {8, 16, 32}) {
+      const double coarse = covered_mean(*smooth_sphere(rings, material, false));
+      EXPECT_NEAR(coarse / fine, 1, 0.02) << rings << " rings, scatterDistance " << scatter_distance;
+    }
+  }
+}
+
+TEST(SmoothNormals, WhiteStaysWhite) {
+  for (const float scatter_distance : {0.0f, 0.05f})
+    for (const int rings : {8, 32}) {
+      // Of the lambertian lobe the view takes (1-.5F_V), of both the exit takes 1/42; (1-.5F_V) is what a fine sphere
+      // says.
+      const double fine = covered_mean(*smooth_sphere(96, medium_only(1, scatter_distance), true));
+      const double coarse = covered_mean(*smooth_sphere(rings, medium_only(1, scatter_distance), true));
+      EXPECT_NEAR(coarse / fine, 1, 0.01) << rings << " rings, scatterDistance " << scatter_distance;
+    }
+}
+
+// A lamp below a thin floor does not light the ball that rests on it.
+TEST(SmoothNormals, NoLightLeaksWhereSurfacesTouch) {
+  for (const float scatter_distance : {0.0f, 0.05f}) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::sphere_mesh(1, 8, true)), b.material(medium_only(0.8f, scatter_distance)));
+    b.add(b.prototype(testing::plane_mesh(40)), b.material(medium_only(0, 0)),
+          Matrix4d().setTranslation(Vec3d(0, -1, 0)));
+    LightDescription lamp;
+    lamp.type = LightType::sphere;
+    lamp.radius = 0.5f;
+    lamp.intensity = 1000;
+    lamp.light_to_world.setTranslation(Vec3d(0, -2.5, 0));
+    b.add(lamp);
+    const MeanError m =
+        testing::film_mean(*testing::render(request_of(&b, testing::look_at({0, -0.5, 6}, {0, -0.5, 0}, 20), 64)), 1);
+    EXPECT_EQ(m.mean, 0) << "scatterDistance " << scatter_distance;
+  }
+}
+
 }  // namespace
 }  // namespace alabaster
