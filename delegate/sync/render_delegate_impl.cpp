@@ -78,7 +78,7 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
       d.name = parameter.name;
       d.key = parameter.name;
       d.defaultValue = get_setting(parameter, defaults);
-      if (parameter.choices.empty()) {
+      if (parameter.maximum > parameter.minimum) {
         d.minimum = static_cast<int64_t>(parameter.minimum);
         d.maximum = static_cast<int64_t>(parameter.maximum);
       }

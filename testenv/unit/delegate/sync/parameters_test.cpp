@@ -136,7 +136,11 @@ TEST(Parameters, RenderSettingsAreTheSchemas) {
     ASSERT_TRUE(schema.contains(name)) << name;
     const json& property = schema.at(name);
     EXPECT_EQ(stage.delegate->GetRenderSetting(d.key), d.defaultValue) << name;
-    if (d.choices.empty()) {
+    if (property.at("type") == "boolean") {
+      ASSERT_TRUE(d.defaultValue.get<bool>()) << name;
+      EXPECT_TRUE(d.minimum.empty() && d.maximum.empty()) << name;
+      EXPECT_EQ(*d.defaultValue.get<bool>(), property.at("default").get<bool>()) << name;
+    } else if (d.choices.empty()) {
       EXPECT_EQ(d.defaultValue.number_or(-1), property.at("default").get<double>()) << name;
       EXPECT_EQ(d.minimum.number_or(-1), property.at("minimum").get<double>()) << name;
       EXPECT_EQ(d.maximum.number_or(-1), property.at("maximum").get<double>()) << name;
