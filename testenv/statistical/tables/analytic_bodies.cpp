@@ -16,7 +16,7 @@ void print_slabs(Report& report, uint32_t seed) {
     for (const double thickness : {1.0, 4.0, 10.0}) {
       const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
       const SlabAnswer answer = solve_slab(thickness, complement);
-      const WalkTotals t = walk_bodies([&] { return SlabTracer(thickness); }, unit_medium(complement), {},
+      const WalkTotals t = walk_bodies([&] { return SlabTracer(thickness); }, unit_medium(complement), plain_walk(),
                                        report.walks_for(0.25), ++seed);
       report.row({text("%g", albedo), text("%g", thickness), Estimate(t.back).text(), text("%.6f", answer.reflectance),
                   report.z_share(t.back, answer.reflectance, answer.error), Estimate(t.through).text(),
@@ -42,7 +42,7 @@ void print_spheres(Report& report, uint32_t seed) {
     for (const double albedo : kAlbedos) {
       const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
       const SphereAnswer answer = solve_sphere(radius, complement);
-      const WalkTotals t = walk_bodies([&] { return SphereTracer(radius); }, unit_medium(complement), {},
+      const WalkTotals t = walk_bodies([&] { return SphereTracer(radius); }, unit_medium(complement), plain_walk(),
                                        report.walks_for(answer.albedo * (1 - answer.albedo)), ++seed);
       cells.push_back(Estimate(t.out[0]).text());
       cells.push_back(text("%.5f", answer.albedo));
@@ -75,7 +75,7 @@ void print_chords(Report& report, uint32_t seed) {
     const auto walk = [&](Rng& rng, ChordTotals& totals) {
       SphereTracer tracer(radius);
       RenderCounters counters;
-      const auto end = walk_body(tracer, SphereTracer::entry(), unit_medium(0), {}, rng, counters);
+      const auto end = walk_body(tracer, SphereTracer::entry(), unit_medium(0), plain_walk(), rng, counters);
       totals.length.add(tracer.path_length() / chord);
       totals.collisions.add(end->events / chord);
     };
@@ -99,7 +99,7 @@ void print_edges(Report& report, uint32_t seed) {
   constexpr Row kRows[] = {{0.8, 1, .9243}, {0.95, 1, .9928}, {0.5, 1, 0}, {0.8, 0.25, 0}, {0.8, 4, 0}};
   for (const Row& row : kRows) {
     const WalkTotals t = walk_bodies([&] { return EdgeTracer(row.distance); },
-                                     unit_medium(one_minus_alpha(row.albedo, AlbedoInversion::exact)), {},
+                                     unit_medium(one_minus_alpha(row.albedo, AlbedoInversion::exact)), plain_walk(),
                                      report.walks_for(0.08), ++seed);
     const Estimate albedo = t.out[0];
     report.row({text("%g", row.albedo), text("%g", row.distance), albedo.text(),

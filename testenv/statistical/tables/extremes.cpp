@@ -21,7 +21,7 @@ void print_dark_channel(Report& report, uint32_t seed) {
     Rgb distances;
     for (int c = 0; c < 3; ++c) distances[c] = static_cast<float>(1 / distance_scale(static_cast<double>(albedos[c])));
     const Medium medium = make_medium(albedos, distances, AlbedoInversion::exact);
-    const WalkTotals t = walk_bodies([] { return SlabTracer(); }, medium, {}, report.walks_for(0.25), ++seed);
+    const WalkTotals t = walk_bodies([] { return SlabTracer(); }, medium, plain_walk(), report.walks_for(0.25), ++seed);
     const Estimate ratio(t.out[1].mean() / asked, t.out[1].standard_error() / asked);
     report.row({text("%g", asked), text("%.4g", 1 - exact_complement(asked)),
                 text("%.4g", 1 - one_minus_alpha(asked, AlbedoInversion::chiang2016)), ratio.text(),
@@ -39,8 +39,8 @@ void print_clear_sphere(Report& report, uint32_t seed) {
   constexpr double kTau = 1e-3;
   for (const double albedo : {0.2, 0.5}) {
     const double expected = exact_complement(albedo) * 4 / 3 * kTau;
-    const WalkTotals t = walk_bodies([] { return SphereTracer(kTau); }, unit_medium(exact_complement(albedo)), {},
-                                     report.walks_for(0.25, 0.3), ++seed);
+    const WalkTotals t = walk_bodies([] { return SphereTracer(kTau); }, unit_medium(exact_complement(albedo)),
+                                     plain_walk(), report.walks_for(0.25, 0.3), ++seed);
     const double lost = 1 - t.out[0].mean();
     const double sigma = std::sqrt(expected / static_cast<double>(t.out[0].count()));
     const Estimate ratio(lost / expected, sigma / expected);
@@ -50,11 +50,6 @@ void print_clear_sphere(Report& report, uint32_t seed) {
 
 /// Distances four decades apart in one body: each channel must be what it is alone, and weights must be bounded.
 void print_mixed_distances(Report& report, uint32_t seed) {
-  struct Weights {
-    const char* name;
-    WalkWeights weights;
-  };
-  constexpr Weights kWeights[] = {{"T alpha", WalkWeights::throughput_times_albedo}, {"T", WalkWeights::throughput}};
   struct Mixture {
     Rgb albedo, distance;
     float radius;
@@ -62,20 +57,25 @@ void print_mixed_distances(Report& report, uint32_t seed) {
   const Mixture mixtures[] = {{{0.9f, 0.9f, 0.01f}, {0.01f, 0.01f, 100.0f}, 0.05f},
                               {{0.9f, 0.5f, 0.2f}, {0.01f, 1.0f, 100.0f}, 0.05f},
                               {{0.99f, 0.01f, 0.5f}, {100.0f, 0.01f, 1.0f}, 0.3f}};
+  struct Choice {
+    const char* name;
+    WalkSettings settings;
+  };
+  const Choice choices[] = {{"T alpha", plain_walk(WalkWeights::throughput_times_albedo)},
+                            {"T", plain_walk()},
+                            {"T, shortcuts", WalkSettings()}};
   report.heading("Extremes: scatter distances four decades apart in a thin sphere");
   report.paragraph(
       "Each channel of a chromatic walk against that channel alone (integral equation). Largest throughput: `T` is\n"
-      "bounded by 3; `T alpha`, the paper's, by 3 max(alpha) / alpha_c at an exit.");
+      "bounded by 3, guided too by a constant; `T alpha`, the paper's, by 3 max(alpha) / alpha_c at an exit.");
   report.columns({"A, d, radius", "weights", "red", "theory", "z", "green", "theory", "z", "blue", "theory", "z",
                   "largest T", "bound"});
   for (const Mixture& m : mixtures)
-    for (const Weights& choice : kWeights) {
+    for (const Choice& choice : choices) {
       const Medium medium = make_medium(m.albedo, m.distance, AlbedoInversion::exact);
       const auto radius = static_cast<double>(m.radius);
-      WalkSettings settings;
-      settings.weights = choice.weights;
       const WalkTotals t =
-          walk_bodies([&] { return SphereTracer(radius); }, medium, settings, report.walks_for(0.25), ++seed);
+          walk_bodies([&] { return SphereTracer(radius); }, medium, choice.settings, report.walks_for(0.25), ++seed);
       std::vector<std::string> cells = {
           text("(%g, %g, %g), (%g, %g, %g), %g", static_cast<double>(m.albedo.r), static_cast<double>(m.albedo.g),
                static_cast<double>(m.albedo.b), static_cast<double>(m.distance.r), static_cast<double>(m.distance.g),
@@ -89,9 +89,11 @@ void print_mixed_distances(Report& report, uint32_t seed) {
         brightest = std::max(brightest, 1 - complement);
         cells.push_back(Estimate(t.out[c]).text());
         cells.push_back(text("%.5f", answer.albedo));
-        cells.push_back(report.z(t.out[c], answer.albedo, answer.error + 1e-6));
+        cells.push_back(report.z(t.out[c], answer.albedo, answer.error + (choice.settings.sphere_steps ? 1e-4 : 1e-6)));
       }
-      const double bound = choice.weights == WalkWeights::throughput ? 3 : 3 * brightest / darkest;
+      double bound = 3;
+      if (choice.settings.guiding) bound = WalkGuide::kLargestSum;
+      if (choice.settings.weights == WalkWeights::throughput_times_albedo) bound = 3 * brightest / darkest;
       cells.push_back(text("%.3f", t.counters.max_walk_weight));
       cells.push_back(text("%.3f", bound));
       report.require(t.counters.max_walk_weight <= bound * (1 + 1e-6), "weights stay within their bound");

@@ -53,7 +53,7 @@ MeshTotals walk_mesh(const Body& body, const Medium& medium, uint64_t walks, uin
     const float u = rng.uniform();
     const Vec2f u_entry(u, rng.uniform());
     const uint64_t before = totals.counters.walk_events;
-    const auto exit = random_walk(space, entry, medium, {}, u_entry, rng, totals.counters);
+    const auto exit = random_walk(space, entry, medium, plain_walk(), u_entry, rng, totals.counters);
     const double weight = exit ? static_cast<double>(exit->throughput.r) : 0;
     totals.out.add(weight);
     totals.collisions.add(static_cast<double>(totals.counters.walk_events - before));
@@ -186,7 +186,7 @@ void print_edges(Report& report, const std::shared_ptr<TraceDevice>& device, uin
       const uint64_t walks = report.walks_for(0.08);
       const MeshTotals mesh = walk_mesh(box, medium, walks, ++seed, on_top(half, distance - half.x));
       const WalkTotals lab =
-          walk_bodies([&] { return EdgeTracer(static_cast<double>(distance)); }, medium, {}, walks, ++seed);
+          walk_bodies([&] { return EdgeTracer(static_cast<double>(distance)); }, medium, plain_walk(), walks, ++seed);
       require_nothing_lost(report, mesh, "edge");
       report.row({text("%g", albedo), text("%g", static_cast<double>(distance)), Estimate(mesh.out).text(),
                   Estimate(lab.out[0]).text(), report.z_between(mesh.out, lab.out[0])});

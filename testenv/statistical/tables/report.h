@@ -64,7 +64,8 @@ struct Table {
 
 void print_slab_albedo(Report& report);
 void print_radial_profile(Report& report);
-void print_chromatic_weights(Report& report);
+void print_chromatic_walks(Report& report);
+void print_shortcuts(Report& report);
 void print_analytic_bodies(Report& report);
 void print_mesh_bodies(Report& report);
 void print_rendered_bodies(Report& report);

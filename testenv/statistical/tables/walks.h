@@ -51,14 +51,23 @@ struct WalkTotals {
   }
 };
 
-/// Walks in a body of analytic_bodies.h; `make_tracer()` puts a tracer at the entry point.
+/// The walk without shortcuts, as in the paper.
+inline WalkSettings plain_walk(WalkWeights weights = WalkWeights::throughput) {
+  WalkSettings settings;
+  settings.weights = weights;
+  settings.guiding = settings.sphere_steps = false;
+  return settings;
+}
+
+/// Walks in a body of analytic_bodies.h, with the shortcuts of the settings; `make_tracer()` puts a tracer at the entry
+/// point.
 template <class MakeTracer>
 WalkTotals walk_bodies(const MakeTracer& make_tracer, const Medium& medium, const WalkSettings& settings,
                        uint64_t count, uint32_t seed) {
   return run_chunks<WalkTotals>(count, seed, [&](Rng& rng, WalkTotals& totals) {
     auto tracer = make_tracer();
     const uint64_t before = totals.counters.walk_events;
-    const auto end = walk_body(tracer, tracer.entry(), medium, settings, rng, totals.counters);
+    const auto end = walk_body_with_shortcuts(tracer, tracer.entry(), medium, settings, rng, totals.counters);
     totals.add(end ? &*end : nullptr, static_cast<double>(totals.counters.walk_events - before));
   });
 }
