@@ -10,7 +10,9 @@ struct RenderCounters {
   uint64_t camera_rays = 0;
   uint64_t bounce_rays = 0;
   uint64_t shadow_rays = 0;
-  uint64_t walk_rays = 0;  // segments of subsurface walks that were traced
+  uint64_t walk_rays = 0;   // segments of subsurface walks that were traced
+  uint64_t probe_rays = 0;  // of normalized diffusion
+  uint64_t probe_hits = 0;  // surfaces that they met
   uint64_t walks = 0;
   uint64_t walk_events = 0;        // scattering events
   uint64_t walk_sphere_steps = 0;  // jumps through the interior: each stands for many events
@@ -24,13 +26,15 @@ struct RenderCounters {
   double max_walk_weight = 0;
   double walk_lost_energy = 0;  // of what was lost in walks, each walk counting 1: over walks, the share that is lost
 
-  uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + walk_rays; }
+  uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + walk_rays + probe_rays; }
 
   void add(const RenderCounters& o) {
     camera_rays += o.camera_rays;
     bounce_rays += o.bounce_rays;
     shadow_rays += o.shadow_rays;
     walk_rays += o.walk_rays;
+    probe_rays += o.probe_rays;
+    probe_hits += o.probe_hits;
     walks += o.walks;
     walk_events += o.walk_events;
     walk_sphere_steps += o.walk_sphere_steps;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <memory_resource>
 #include <vector>
 
 #include "core/geometry/mesh.h"
@@ -32,6 +33,9 @@ class ObjectScene {
   virtual ~ObjectScene() = default;
   /// Nearest hit with t in [0, ray.tmax]; false if none. Both sides of a triangle are hit.
   virtual bool intersect(const Ray& ray, TriangleHit* hit) const = 0;
+  /// Every hit with t in [0, ray.tmax], by t, then by triangle, whatever the hierarchy looks like: replaces what `hits`
+  /// held.
+  virtual void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const = 0;
   virtual size_t memory_bytes() const = 0;
 };
 /// `cancelled` (may be empty) is asked while building, from any of its threads and not always at a time; when it

@@ -83,19 +83,19 @@ void scatter_at_surface(const PathContext& context, const PathVertex& v, const B
 }
 
 // The ray came to the vertex through the medium; it has no lobes on that side.
-template <bool kLayers>
+template <SubsurfaceMode kMode, bool kLayers>
 bool scatter_within(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
                     LayerSplit* split) {
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = split->gathered = path->radiance, split->scattered = true;
   const float u_roulette = sampler.draw(Dimension::bsdf, path->depth)[3];
-  const bool goes_on = scatter_below_surface(context, sampler, v, true, path);
+  const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, true, path);
   if (splits) split->below = true, split->events = path->walk_events;
   ++path->depth;
   return goes_on && !is_black(path->throughput) && survives_roulette(u_roulette, path);
 }
 
-template <bool kSubsurface, bool kLayers>
+template <SubsurfaceMode kMode, bool kLayers>
 bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
              LayerSplit* split) {
   const bool splits = kLayers && path->depth == 0;
@@ -119,9 +119,9 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const auto sample = bsdf.sample(u[0], {u[1], u[2]});
   if (!sample) return false;
   bool goes_on = true;
-  if (kSubsurface && sample->lobe == Lobe::subsurface) {
+  if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
-    goes_on = scatter_below_surface(context, sampler, v, false, path);
+    goes_on = scatter_below_surface<kMode>(context, sampler, v, false, path);
     if (splits) split->below = true, split->events = path->walk_events;
   } else {
     scatter_at_surface(context, v, *sample, path);
@@ -131,7 +131,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   return goes_on && !is_black(path->throughput) && survives_roulette(u[3], path);
 }
 
-template <bool kSubsurface, bool kMeshLights, bool kLayers>
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler) {
   FilmSample out;
   out.distance = std::numeric_limits<float>::infinity();
@@ -147,15 +147,21 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
     if (!found) break;
 
     PathVertex vertex = make_vertex(context, path.ray, hit);
-    if (!kSubsurface) vertex.material.scatter_distance = Rgb(0.0f);
+    if (kMode == SubsurfaceMode::lambert) vertex.material.scatter_distance = Rgb(0.0f);
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;
     LayerSplit* layers = kLayers ? &split : nullptr;
-    const bool within = kSubsurface && is_within_medium(vertex, path);
-    if (!(within ? scatter_within<kLayers>(context, sampler, vertex, &path, layers)
-                 : scatter<kSubsurface, kLayers>(context, sampler, vertex, &path, layers)))
-      break;
+    // A profile knows no way through the medium, only ways into it.
+    constexpr bool kWalks = kMode != SubsurfaceMode::lambert && kMode != SubsurfaceMode::diffusion;
+    bool goes_on = false;
+    if constexpr (kWalks) {
+      goes_on = is_within_medium(vertex, path) ? scatter_within<kMode, kLayers>(context, sampler, vertex, &path, layers)
+                                               : scatter<kMode, kLayers>(context, sampler, vertex, &path, layers);
+    } else {
+      goes_on = scatter<kMode, kLayers>(context, sampler, vertex, &path, layers);
+    }
+    if (!goes_on) break;
   }
   out.color = path.radiance;
   if (kLayers) *context.layers = split.finish(path.radiance);
@@ -164,11 +170,23 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   return out;
 }
 
+template <SubsurfaceMode kMode, bool kLayers>
+PathIntegrator select_for_lights(const SceneFeatures& features) {
+  return features.emissive_meshes ? trace_path<kMode, true, kLayers> : trace_path<kMode, false, kLayers>;
+}
+
 template <bool kLayers>
 PathIntegrator select_variant(const SceneFeatures& features, const IntegratorSettings& settings) {
-  const bool subsurface = features.subsurface && settings.subsurface != SubsurfaceMode::lambert;
-  if (subsurface) return features.emissive_meshes ? trace_path<true, true, kLayers> : trace_path<true, false, kLayers>;
-  return features.emissive_meshes ? trace_path<false, true, kLayers> : trace_path<false, false, kLayers>;
+  switch (features.subsurface ? settings.subsurface : SubsurfaceMode::lambert) {
+    case SubsurfaceMode::walk:
+    case SubsurfaceMode::reference:  // differs in its settings
+      return select_for_lights<SubsurfaceMode::walk, kLayers>(features);
+    case SubsurfaceMode::diffusion:
+      return select_for_lights<SubsurfaceMode::diffusion, kLayers>(features);
+    case SubsurfaceMode::lambert:
+      break;
+  }
+  return select_for_lights<SubsurfaceMode::lambert, kLayers>(features);
 }
 
 }  // namespace

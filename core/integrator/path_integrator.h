@@ -15,6 +15,7 @@ enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse
   walk,       // path-traced random walk, with the shortcuts that pay
   reference,  // the walk without any shortcut: the yardstick
+  diffusion,  // Burley's profile over the distance between entry and exit
 };
 
 struct IntegratorSettings {

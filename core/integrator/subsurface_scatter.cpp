@@ -3,6 +3,7 @@
 #include "core/integrator/direct_light.h"
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
+#include "core/subsurface/normalized_diffusion.h"
 
 namespace alabaster {
 namespace {
@@ -15,6 +16,9 @@ struct SubsurfaceExit {
   Rgb throughput{0.0f};  // of the path up to here, without the exit lobe
   uint32_t events = 0;   // scattering events: 0 crossed without scattering, 1, or 2 for all that is more
 };
+
+/// A profile stands for all numbers of events at once.
+constexpr uint32_t kEventsOfProfile = 2;
 
 /// Just below the vertex, in the space of the walk.
 Vec3f below_surface(const PathVertex& v) {
@@ -66,6 +70,28 @@ std::optional<SubsurfaceExit> walk_to_exit(const PathContext& context, const Pix
   return SubsurfaceExit{left, exit->hit, exit->direction, exit->throughput * scale, exit->events};
 }
 
+std::optional<SubsurfaceExit> diffuse_to_exit(const PathContext& context, const PixelSampler& sampler,
+                                              const PathVertex& v, const PathState& path) {
+  const Instance& instance = *v.instance;
+  const DiffusionSpace space{instance.prototype->object.get(), &instance.prototype->mesh, instance.world_to_object};
+  const DiffusionEntry entry{v.triangle,
+                             v.hit.p_object,
+                             v.hit.ng,
+                             v.hit.ng_object,
+                             v.hit.offset,
+                             path.throughput,
+                             v.material.base_color,
+                             v.material.scatter_distance};
+  Rng rng = sampler.stream(Dimension::subsurface, path.depth);
+  const auto exit =
+      sample_diffusion_exit(space, entry, sampler.draw(Dimension::subsurface, path.depth), rng, context.counters);
+  if (!exit) return std::nullopt;
+  Vec3f outward = exit->outward;
+  if (const MeshShells* shells = instance.shells; shells && !(shells->flags(exit->hit.triangle) & MeshShells::kOpen))
+    if (!leaves(*space.mesh, *shells, exit->hit.triangle, instance.world_to_object.vector(outward))) outward = -outward;
+  return SubsurfaceExit{&instance, exit->hit, outward, exit->throughput, kEventsOfProfile};
+}
+
 /// The exit lobe: light sampling, and the direction in which the path goes on.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
                    PathState* path) {
@@ -93,13 +119,20 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 
 }  // namespace
 
+template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
                            bool within, PathState* path) {
-  const auto exit = walk_to_exit(context, sampler, entry, within, *path);
+  const auto exit = kMode == SubsurfaceMode::diffusion ? diffuse_to_exit(context, sampler, entry, *path)
+                                                       : walk_to_exit(context, sampler, entry, within, *path);
   if (!exit) return false;
   path->walk_events = exit->events;
   return leave_surface(context, sampler, *exit, path);
 }
+
+template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const PathVertex&,
+                                                          bool, PathState*);
+template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext&, const PixelSampler&,
+                                                               const PathVertex&, bool, PathState*);
 
 bool is_within_medium(const PathVertex& vertex, const PathState& path) {
   const Instance& instance = *vertex.instance;

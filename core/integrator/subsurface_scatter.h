@@ -7,8 +7,10 @@ namespace alabaster {
 
 /// Chiang, Kutz, Burley 2016, section 4: the view-dependent term weighs the entry (already in the path's throughput),
 /// the light-dependent term the exit, for light sampling and for the continued path alike. Adds the light that meets
-/// the exit, and sends the path on from there. False: the path ends.
-/// `within`: the path's ray came to the vertex through the medium, and the walk starts where the ray did.
+/// the exit, and sends the path on from there. False: the path ends. For every mode but lambert.
+/// `within`: the path's ray came to the vertex through the medium, and the walk starts where the ray did; never so for
+/// diffusion.
+template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
                            bool within, PathState* path);
 

@@ -88,7 +88,8 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
   out["rays"] = {{"camera", count("rays.camera")},
                  {"bounce", count("rays.bounce")},
                  {"shadow", count("rays.shadow")},
-                 {"walk", count("rays.walk")}};
+                 {"walk", count("rays.walk")},
+                 {"probe", count("rays.probe")}};
   out["walks"] = {{"count", count("walk.count")},
                   {"segments", count("rays.walk")},
                   {"events", count("walk.events")},

@@ -83,12 +83,12 @@ const std::vector<SettingParameter>& setting_parameters() {
       {"threads", "Threads for rendering and for Sync; 0 uses all cores. The picture does not depend on it.",
        &S::threads, 0, 4096},
       {"subsurface",
-       "How scatterDistance is rendered: not at all (lambert), by random walks (walk), or by walks without any "
-       "shortcut (reference).",
+       "How scatterDistance is rendered: not at all (lambert), by random walks (walk), by walks without any shortcut "
+       "(reference), or by normalized diffusion (diffusion).",
        &S::subsurface,
        0,
        0,
-       {"lambert", "walk", "reference"}},
+       {"lambert", "walk", "reference", "diffusion"}},
       {"inversion",
        "How the single-scattering albedo is found from baseColor.",
        &S::inversion,

@@ -35,6 +35,8 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["rays.bounce"] = count(c.bounce_rays);
   s["rays.shadow"] = count(c.shadow_rays);
   s["rays.walk"] = count(c.walk_rays);
+  s["rays.probe"] = count(c.probe_rays);
+  s["probe.hits"] = count(c.probe_hits);
   s["walk.count"] = count(c.walks);
   s["walk.events"] = count(c.walk_events);
   s["walk.exits"] = count(c.walk_exits);

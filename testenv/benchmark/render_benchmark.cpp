@@ -37,6 +37,9 @@ class RecordingObject : public ObjectScene {
     rays_->push_back({ray, inner_.get(), false});
     return inner_->intersect(ray, hit);
   }
+  void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const override {
+    inner_->intersect_all(ray, hits);  // no mode measured here asks
+  }
   size_t memory_bytes() const override { return inner_->memory_bytes(); }
 
  private:

@@ -51,6 +51,35 @@ TEST_F(EmbreeScene, HitIsTheTriangleWithItsBarycentrics) {
   EXPECT_GT(object->memory_bytes(), 0u);
 }
 
+TEST_F(EmbreeScene, AllHitsComeInOrderAndOnce) {
+  Mesh mesh;
+  for (const float z : {3.0f, 1.0f, 2.0f, 1.0f}) {  // two coincide
+    const auto first = static_cast<uint32_t>(mesh.points.size());
+    mesh.points.insert(mesh.points.end(), {{0, 0, z}, {4, 0, z}, {0, 4, z}});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  const auto object = build(mesh);
+  std::pmr::vector<TriangleHit> hits(7);
+  const auto triangles = [&](const Ray& ray) {
+    object->intersect_all(ray, &hits);
+    std::vector<uint32_t> found;
+    for (const auto& h : hits) found.push_back(h.triangle);
+    return found;
+  };
+  EXPECT_EQ(triangles({{1, 2, 0}, {0, 0, 0.5f}}), (std::vector<uint32_t>{1, 3, 2, 0}));
+  EXPECT_FLOAT_EQ(hits[2].t, 4);
+  EXPECT_FLOAT_EQ(hits[2].u, 0.25f);
+  EXPECT_FLOAT_EQ(hits[2].v, 0.5f);
+  EXPECT_EQ(triangles({{1, 2, 0}, {0, 0, 1}, 2.0f}), (std::vector<uint32_t>{1, 3, 2}));
+  EXPECT_EQ(triangles({{1, 2, 9}, {0, 0, -1}}), (std::vector<uint32_t>{0, 2, 1, 3}));
+  EXPECT_TRUE(triangles({{3, 3, 0}, {0, 0, 1}}).empty());
+  EXPECT_TRUE(triangles({{kNaN, 2, 0}, {0, 0, 1}}).empty());
+  // The nearest alone is found as ever.
+  TriangleHit hit;
+  EXPECT_TRUE(object->intersect({{1, 2, 0}, {0, 0, 1}}, &hit));
+  EXPECT_FLOAT_EQ(hit.t, 1);
+}
+
 // Four instances in a row along x, each of another kind; hand-computed distances.
 TEST_F(EmbreeScene, InstancesAreFoundUnderTheirTransforms) {
   const auto object = cube();

@@ -43,6 +43,7 @@ class UnitSphereScene final : public ObjectScene {
     hit->t = static_cast<float>(t);
     return true;
   }
+  void intersect_all(const Ray&, std::pmr::vector<TriangleHit>*) const override { FAIL() << "a walk never asks"; }
   size_t memory_bytes() const override { return 0; }
 };
 
@@ -50,6 +51,7 @@ class UnitSphereScene final : public ObjectScene {
 class EmptyScene final : public ObjectScene {
  public:
   bool intersect(const Ray&, TriangleHit*) const override { return false; }
+  void intersect_all(const Ray&, std::pmr::vector<TriangleHit>* hits) const override { hits->clear(); }
   size_t memory_bytes() const override { return 0; }
 };
 

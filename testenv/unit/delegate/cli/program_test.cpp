@@ -172,7 +172,7 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
     for (const char* key : {"cpu", "wall"}) EXPECT_GE(phase[key].get<double>(), 0) << name;
   }
   for (const char* name : {"load", "render", "write"}) EXPECT_GT(stats["phases"][name]["wall"], 0) << name;
-  EXPECT_EQ(keys(stats["rays"]), (Names{"bounce", "camera", "shadow", "walk"}));
+  EXPECT_EQ(keys(stats["rays"]), (Names{"bounce", "camera", "probe", "shadow", "walk"}));
   EXPECT_EQ(keys(stats["walks"]), (Names{"count", "events", "exits", "lost", "segments"}));
   EXPECT_EQ(keys(stats["samples"]), (Names{"perPixel", "total"}));
   EXPECT_GT(stats["peakMemory"], 1 << 20);

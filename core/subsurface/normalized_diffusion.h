@@ -1,0 +1,82 @@
+// Normalized diffusion: subsurface scattering as a profile over the distance between entry and exit (Burley 2015,
+// section 4; Christensen and Burley 2015). What the paper's walk is measured against.
+//
+//   R(r) = A (e^{-r/d} + e^{-r/3d}) / (8 pi d r)        Int_plane R = A;  CDF 1 - e^{-r/d}/4 - 3 e^{-r/3d}/4
+//
+// r is the straight distance between the two points and d the scatter distance: Chiang, Kutz, Burley 2016 give the walk
+// sigma_t = 1/(d s) so that its profile is this one. The lobe is the integral of R over the whole surface of the
+// object.
+//
+// Sampling (King, Kulla, Conty, Fajardo 2013): a probe parallel to the normal or one of two tangents at the entry, at a
+// distance from it that follows the profile, and every hit along it. Only the end of the probe is new. R falls with r,
+// so it is a stack of uniform balls:
+//
+//   R(r)/A = Int_r^inf p(s)/(pi s^2) ds,   p(s) = -pi s^2 R'(s)/A = (1/8d) [(1 + s/d) e^{-s/d} + (1 + s/3d) e^{-s/3d}]
+//
+// Sample the radius s of a ball from p (a mixture of scales d, in 1/4, and 3d, in 3/4; in each, half an exponential and
+// half a sum of two), a point uniform in the disk of that radius across the axis, and take the hits on the chord of the
+// ball through it. The disk's points then follow the profile, as King's do, but no radius is too far to be found, so
+// nothing is cut off; and the density with which axis k finds a surface point is P_k |N.V_k| R(r)/A, the same R for all
+// three. The balance heuristic over axes and channels is left with
+//
+//   throughput_c = T_c A_c R_c(r) / (Sum_j w_j R_j(r) Sum_k P_k |N.V_k|),   w ~ T A,
+//
+// at most Sum_j T_j A_j / min P for one hit. One hit of those found goes on, chosen in proportion to its largest
+// channel; it carries the weight of all.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/color/rgb.h"
+#include "core/diagnostics/counters.h"
+#include "core/geometry/embree_scene.h"
+#include "core/sampling/pixel_sampler.h"
+
+namespace alabaster {
+
+/// Share of the normal's axis; the two tangents have half of the rest each. King et al. use 1/2.
+inline constexpr double kNormalAxisProbability = 0.5;
+
+/// R(r)/A, per area. r > 0.
+double diffusion_profile(double r, double d);
+
+/// Share of the light that leaves within r on a plane.
+double diffusion_profile_cdf(double r, double d);
+
+/// The radius of a ball of the stack, by p(s) above. `u` in [0,1) is the number that moves it most; the largest radius
+/// that 24-bit numbers reach is 100 d, beyond which lie 1e-7 of the balls.
+double sample_diffusion_ball(double d, float u, Rng& rng);
+
+/// The object that light is spread over. Only the linear part of the map is used: distances are the world's.
+struct DiffusionSpace {
+  const ObjectScene* object = nullptr;
+  const Mesh* mesh = nullptr;  // what the object was built from
+  Affine world_to_object;
+};
+
+/// A point of the object's surface, seen from outside.
+struct DiffusionEntry {
+  TriangleHit hit;
+  Vec3f p_object;
+  Vec3f ng;                    // unit, world: geometric normal on the side that it is seen from
+  Vec3f ng_object;             // the same in object space
+  float offset = 0;            // world: what rounding can displace p by (SurfaceHit::offset)
+  Rgb throughput{1.0f};        // of the path so far
+  Rgb albedo{0.0f};            // A
+  Rgb scatter_distance{0.0f};  // d, world; a channel without one carries nothing
+};
+
+struct DiffusionExit {
+  TriangleHit hit;
+  Vec3f outward;         // unit, world: geometric normal, on the same side of the surface as the entry's
+  Rgb throughput{0.0f};  // the entry's times the profile's
+};
+
+/// Samples where the light leaves. Empty: the probe met nothing. `u`: 0 chooses axis and channel, 1 the ball, 2 and 3
+/// the point on its disk; the rest comes from `rng`. Balls so small that floats do not resolve them leave where they
+/// entered. May throw std::bad_alloc.
+std::optional<DiffusionExit> sample_diffusion_exit(const DiffusionSpace& space, const DiffusionEntry& entry,
+                                                   const std::array<float, 4>& u, Rng& rng, RenderCounters& counters);
+
+}  // namespace alabaster

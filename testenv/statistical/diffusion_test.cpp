@@ -1,0 +1,203 @@
+// Normalized diffusion, by the very probes that render, against integrals of its profile.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/chi_square.h"
+#include "testenv/support/diffusion_body.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::box_mesh;
+using testing::DiffusionBody;
+using testing::RunningStatistics;
+using testing::sample_exit;
+
+constexpr float kDistance = 0.7f;
+
+// Share of the balls that are smaller than s. The disk of radius s gets all of the smaller balls and (s/t)^2 of those
+// of radius t > s: CDF(s) = F(s) + pi s^2 R(s).
+double ball_cdf(double s, double d) {
+  return diffusion_profile_cdf(s, d) - M_PI * s * s * diffusion_profile(s, d);
+}
+
+TEST(DiffusionProfile, CdfIsTheIntegralOfTheProfile) {
+  double integral = 0;
+  constexpr double kStep = 1e-4;
+  for (double r = 0.5 * kStep; r < 5; r += kStep) {
+    integral += kStep * 2 * M_PI * r * diffusion_profile(r, kDistance);
+    ASSERT_NEAR(integral, diffusion_profile_cdf(r + 0.5 * kStep, kDistance), 1e-7);
+  }
+  EXPECT_NEAR(diffusion_profile_cdf(100, kDistance), 1, 1e-15);
+  EXPECT_NEAR(diffusion_profile_cdf(1e-12, 1) / 0.5e-12, 1, 1e-9) << "no cancellation near the entry";
+}
+
+// A ball, and a point on its disk, as cumulative probabilities: uniform in the square if the ball's radius is right.
+testing::SquareSampler ball_and_disk(double asked, double sampled) {
+  return [=](Rng& rng) -> std::optional<Vec2f> {
+    const double s = sample_diffusion_ball(sampled, rng.uniform(), rng);
+    return Vec2f(std::min(static_cast<float>(ball_cdf(s, asked)), kOneMinusEpsilon), rng.uniform());
+  };
+}
+
+// The radius of the disk's point, by the profile that it must follow.
+testing::SquareSampler radius_and_angle(double asked, double sampled) {
+  return [=](Rng& rng) -> std::optional<Vec2f> {
+    const double r = sample_diffusion_ball(sampled, rng.uniform(), rng) * std::sqrt(double(rng.uniform()));
+    return Vec2f(std::min(static_cast<float>(diffusion_profile_cdf(r, asked)), kOneMinusEpsilon), rng.uniform());
+  };
+}
+
+const testing::SquarePdf kUniform = [](const Vec2f&) { return 1.0f; };
+
+TEST(DiffusionProfile, BallsAndRadiiFollowIt) {
+  for (const auto& sampler : {ball_and_disk(kDistance, kDistance), radius_and_angle(kDistance, kDistance)}) {
+    const auto result = testing::chi_square_square(sampler, kUniform, {.number_of_tests = 2});
+    EXPECT_TRUE(result.passed) << result.report;
+  }
+}
+
+TEST(DiffusionProfile, AWrongProfileIsNoticed) {
+  constexpr double kWrong = 1.05 * kDistance;
+  for (const auto& sampler : {ball_and_disk(kDistance, kWrong), radius_and_angle(kDistance, kWrong)})
+    EXPECT_FALSE(testing::chi_square_square(sampler, kUniform).passed);
+}
+
+struct Channels {
+  RunningStatistics value[3];
+  RenderCounters counters;
+};
+
+Channels integrate(const DiffusionBody& body, const DiffusionEntry& entry, int samples, uint64_t seed) {
+  Channels out;
+  Rng rng(seed, 5);
+  for (int i = 0; i < samples; ++i) {
+    const auto exit = sample_exit(body, entry, rng, out.counters);
+    for (int c = 0; c < 3; ++c) out.value[c].add(exit ? exit->throughput[c] : 0);
+  }
+  return out;
+}
+
+void expect_channels(const Channels& found, const std::array<double, 3>& expected, int tests, double slack) {
+  for (size_t c = 0; c < 3; ++c) {
+    const auto result = testing::z_test(found.value[c], expected[c], {0.01, 3 * tests, slack});
+    EXPECT_TRUE(result.passed) << "channel " << c << ": " << result.report;
+  }
+}
+
+const Rgb kSkin(0.9f, 0.6f, 0.45f), kSkinDistance(1, 0.35f, 0.2f), kThroughput(0.8f, 1, 0.3f);
+
+// On a face far larger than d the profile's whole energy comes back: A per channel, whatever the others do.
+TEST(DiffusionPlane, EnergyIsTheAlbedo) {
+  const DiffusionBody slab(box_mesh({200, 150, 200}));
+  uint64_t seed = 1;
+  for (const Rgb& albedo : {kSkin, Rgb(1, 1, 0.01f), Rgb(0, 0.5f, 0.95f)}) {
+    DiffusionEntry entry = slab.entry({3, 200, 5}, {0.1f, -1, 0.2f}, albedo, kSkinDistance);
+    entry.throughput = kThroughput;
+    const Channels found = integrate(slab, entry, 200000, ++seed);
+    const Rgb expected = albedo * kThroughput;
+    expect_channels(found, {expected.r, expected.g, expected.b}, 3, 1e-6);
+  }
+}
+
+TEST(DiffusionPlane, AnEnergyOffByOnePercentIsNoticed) {
+  const DiffusionBody slab(box_mesh({200, 150, 200}));
+  const Channels found = integrate(slab, slab.entry({3, 200, 5}, {0, -1, 0}, kSkin, kSkinDistance), 200000, 9);
+  EXPECT_FALSE(testing::z_test(found.value[0], 1.01 * kSkin.r, {0.01, 3, 0}).passed);
+}
+
+// A plane with a small quad in the middle: what rounding can displace an entry by goes with the size of its triangle.
+Mesh target_mesh(float inner, float outer) {
+  Mesh mesh;
+  for (const float h : {inner, outer})
+    for (const Vec3f& corner : {Vec3f(-1, 0, -1), Vec3f(-1, 0, 1), Vec3f(1, 0, 1), Vec3f(1, 0, -1)})
+      mesh.points.push_back(corner * h);
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  for (uint32_t i = 0; i < 4; ++i) {
+    const uint32_t next = (i + 1) % 4;
+    mesh.triangles.push_back({i, 4 + i, 4 + next});
+    mesh.triangles.push_back({i, 4 + next, next});
+  }
+  return mesh;
+}
+
+// Exits on the plane: their radius against the CDF, and their angle. Grey exits all carry the same weight.
+testing::SquareSampler exits_on_plane(const DiffusionBody& plane, double d, RenderCounters* counters) {
+  const DiffusionEntry entry = plane.entry({2e-4f, 1, 1e-4f}, {0, -1, 0}, Rgb(0.6f), Rgb(kDistance));
+  return [=, &plane](Rng& rng) -> std::optional<Vec2f> {
+    const auto exit = sample_exit(plane, entry, rng, *counters);
+    if (!exit) return std::nullopt;
+    // Only the ball that floats do not resolve takes no axis.
+    const bool unresolved = exit->throughput.r < 0.61f;
+    EXPECT_NEAR(exit->throughput.r, unresolved ? 0.6 : 0.6 / kNormalAxisProbability, 1e-5);
+    const Vec3f p = plane.position(exit->hit) - entry.p_object;
+    const double angle = std::atan2(p.z, p.x) / (2 * M_PI) + 0.5;
+    return Vec2f(std::min(static_cast<float>(diffusion_profile_cdf(std::hypot(p.x, p.z), d)), kOneMinusEpsilon),
+                 std::min(static_cast<float>(angle), kOneMinusEpsilon));
+  };
+}
+
+TEST(DiffusionPlane, ExitsFollowTheProfile) {
+  const DiffusionBody plane(target_mesh(1e-3f, 100));
+  RenderCounters counters;
+  const testing::SquarePdf pdf = [](const Vec2f&) { return static_cast<float>(kNormalAxisProbability); };
+  const auto right = testing::chi_square_square(exits_on_plane(plane, kDistance, &counters), pdf);
+  EXPECT_TRUE(right.passed) << right.report;
+  EXPECT_GE(counters.probe_rays, 199990u);
+  EXPECT_NEAR(static_cast<double>(counters.probe_hits), 200000 * kNormalAxisProbability, 2000);
+  EXPECT_FALSE(testing::chi_square_square(exits_on_plane(plane, 1.05 * kDistance, &counters), pdf).passed);
+}
+
+// A cap of a sphere whose rim is the chord r away from its pole has the area pi r^2: seen from any of its points a
+// sphere is a disk of radius 2a wound up, and the lobe's integral over it is A CDF(2a). Curvature, all three axes,
+// second hits and chromatic weights take part. The slack is the area that facets cut off.
+TEST(DiffusionSphere, EnergyIsThatOfADiskOfItsDiameter) {
+  constexpr int kRings = 256;
+  uint64_t seed = 20;
+  for (const float radius : {0.15f, 1.0f, 6.0f}) {
+    const DiffusionBody sphere(testing::sphere_mesh(radius, kRings, true));
+    DiffusionEntry entry = sphere.entry({7, 20, 11}, {-7, -20, -11}, kSkin, kSkinDistance);
+    entry.throughput = kThroughput;
+    const Channels found = integrate(sphere, entry, 200000, ++seed);
+    std::array<double, 3> expected{};
+    for (int c = 0; c < 3; ++c)
+      expected[static_cast<size_t>(c)] =
+          double(kSkin[c]) * kThroughput[c] * diffusion_profile_cdf(2 * radius, kSkinDistance[c]);
+    expect_channels(found, expected, 3, 3e-4);
+    // At most Sum T A / min P a hit, and a line meets a sphere twice.
+    const double bound = dot(Vec3f(kSkin.r, kSkin.g, kSkin.b), Vec3f(kThroughput.r, kThroughput.g, kThroughput.b));
+    for (const auto& channel : found.value) EXPECT_LE(channel.max(), 2 * bound / 0.25);
+  }
+}
+
+// The same, through the renderer: in a constant dome a pixel shows A CDF(2a) (1 - .5 F_V)(41/42).
+TEST(DiffusionSphere, FurnaceThroughTheRenderer) {
+  constexpr float kScatterDistance = 0.4f;
+  testing::SceneBuilder b;
+  DisneyParameters p;
+  p.base_color = Rgb(0.7f);
+  p.roughness = 0;
+  p.ior = 1;
+  p.specular = 0;
+  p.scatter_distance = Rgb(kScatterDistance);
+  b.add(b.prototype(testing::sphere_mesh(1, 96, false)), b.material(p)).add(testing::constant_dome(1, false));
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({0, 0, 4}, {0, 0, 0}, 4);  // views within 8 degrees of normal
+  request.width = request.height = 32;
+  request.data_window = {0, 0, 32, 32};
+  request.settings.samples = 128;
+  request.settings.subsurface = SubsurfaceMode::diffusion;
+  RenderProgress progress;
+  const auto m = testing::film_mean(*testing::render(request, &progress), 1);
+  const double expected = 0.7 * diffusion_profile_cdf(2, kScatterDistance) * 41 / 42;
+  EXPECT_NEAR(m.mean, expected, 3 * m.standard_error + 1e-3) << "standard error " << m.standard_error;
+  EXPECT_EQ(progress.counters.nonfinite_samples, 0u);
+  EXPECT_GT(progress.counters.probe_hits, 0u);
+  EXPECT_EQ(progress.counters.walks, 0u);
+}
+
+}  // namespace
+}  // namespace alabaster

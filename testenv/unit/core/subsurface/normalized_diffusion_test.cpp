@@ -1,0 +1,205 @@
+#include "core/subsurface/normalized_diffusion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "testenv/support/diffusion_body.h"
+
+namespace alabaster {
+namespace {
+
+using testing::DiffusionBody;
+using testing::sample_exit;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+const Rgb kSkin(0.9f, 0.6f, 0.45f), kSkinDistance(0.1f, 0.04f, 0.02f);
+
+DiffusionBody ball(float radius) {
+  return DiffusionBody(testing::sphere_mesh(radius, 48, true));
+}
+DiffusionEntry ball_entry(const DiffusionBody& body, const Rgb& albedo, const Rgb& distance) {
+  return body.entry({7, 20, 11}, {-7, -20, -11}, albedo, distance);
+}
+
+TEST(NormalizedDiffusion, ExtremesAreFinite) {
+  const DiffusionBody body = ball(1);
+  RenderCounters counters;
+  Rng rng(1, 1);
+  for (const float d : {1e-38f, 1e-12f, 1e-6f, 1.0f, 1e6f, 1e12f, 1e20f, 3e38f, kInf})
+    for (const Rgb& distance : {Rgb(d), Rgb(d, 1, 0), Rgb(1e-3f, d, 1e3f)})
+      for (const Rgb& albedo : {Rgb(0.0f), Rgb(1.0f), Rgb(0, 1, 1e-6f)})
+        for (int i = 0; i < 500; ++i) {
+          const auto exit = sample_exit(body, ball_entry(body, albedo, distance), rng, counters);
+          if (!exit) continue;
+          ASSERT_TRUE(is_finite(exit->throughput)) << d;
+          EXPECT_GE(std::min(exit->throughput.r, std::min(exit->throughput.g, exit->throughput.b)), 0);
+          EXPECT_LE(max_component(exit->throughput), 3 * 2 / 0.25f);
+          EXPECT_NEAR(length(exit->outward), 1, 1e-5);
+          for (int c = 0; c < 3; ++c)
+            if (!(albedo[c] > 0 && distance[c] > 0)) {
+              EXPECT_EQ(exit->throughput[c], 0);
+            }
+        }
+}
+
+TEST(NormalizedDiffusion, BlackCarriesNothing) {
+  const DiffusionBody body = ball(1);
+  RenderCounters counters;
+  Rng rng(1, 1);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_FALSE(sample_exit(body, ball_entry(body, Rgb(0.0f), kSkinDistance), rng, counters));
+    EXPECT_FALSE(sample_exit(body, ball_entry(body, kSkin, Rgb(0.0f)), rng, counters));
+  }
+  EXPECT_EQ(counters.probe_rays, 0u);
+}
+
+// Too small for floats to resolve: it leaves where it entered, with the whole energy and no ray.
+TEST(NormalizedDiffusion, TheSmallestDistancesAreLambert) {
+  const DiffusionBody body = ball(1);
+  RenderCounters counters;
+  Rng rng(1, 1);
+  const DiffusionEntry entry = ball_entry(body, kSkin, Rgb(1e-12f));
+  for (int i = 0; i < 100; ++i) {
+    const auto exit = sample_exit(body, entry, rng, counters);
+    ASSERT_TRUE(exit);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(exit->throughput[c], kSkin[c], 1e-6);
+    EXPECT_EQ(exit->hit.triangle, entry.hit.triangle);
+    EXPECT_EQ(exit->outward, entry.ng);
+  }
+  EXPECT_EQ(counters.probe_rays, 0u);
+}
+
+// Near the limit of floats the probes still find their surface: energy is kept across it.
+TEST(NormalizedDiffusion, EnergyIsKeptWhereFloatsEnd) {
+  const DiffusionBody body(testing::box_mesh({1, 1, 1}));
+  RenderCounters counters;
+  for (const float d : {1e-7f, 1e-6f, 1e-5f, 1e-4f, 1e-3f}) {
+    Rng rng(2, 2);
+    double sum = 0;
+    constexpr int kSamples = 40000;
+    for (int i = 0; i < kSamples; ++i)
+      if (const auto exit = sample_exit(body, body.entry({0.31f, 5, 0.17f}, {0, -1, 0}, Rgb(1), Rgb(d)), rng, counters))
+        sum += exit->throughput.r;
+    // Either axis or none: variance at most 1.
+    EXPECT_NEAR(sum / kSamples, 1, 4 / std::sqrt(double(kSamples))) << d;
+  }
+}
+
+// Faces that a file holds twice are one surface.
+TEST(NormalizedDiffusion, CoincidentFacesAreOne) {
+  Mesh mesh = testing::box_mesh({1, 1, 1});
+  const DiffusionBody once(mesh);
+  mesh.triangles.insert(mesh.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
+  const DiffusionBody twice(mesh);
+  RenderCounters counters;
+  for (uint64_t i = 0; i < 5000; ++i) {
+    Rng rng_a(i, 3), rng_b(i, 3);
+    const Vec3f eye(0.9f, 5, 0.2f), down(0, -1, 0);
+    const auto a = sample_exit(once, once.entry(eye, down, kSkin, kSkinDistance), rng_a, counters);
+    const auto b = sample_exit(twice, twice.entry(eye, down, kSkin, kSkinDistance), rng_b, counters);
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (a) {
+      EXPECT_EQ(a->throughput, b->throughput);
+    }
+  }
+}
+
+// A body seen from inside, or wound inside out, leaves on the side that it was entered from.
+TEST(NormalizedDiffusion, ExitsAreOnTheSideOfTheEntry) {
+  const DiffusionBody body(testing::box_mesh({1, 1, 1}));
+  RenderCounters counters;
+  Rng rng(3, 3);
+  const DiffusionEntry outside = body.entry({0.3f, 5, 0.2f}, {0, -1, 0}, kSkin, kSkinDistance);
+  const DiffusionEntry inside = body.entry({0.3f, 0, 0.2f}, {0, 1, 0}, kSkin, kSkinDistance);
+  for (int i = 0; i < 100; ++i) {
+    if (const auto exit = sample_exit(body, outside, rng, counters)) {
+      EXPECT_GT(dot(exit->outward, body.position(exit->hit)), 0);
+    }
+    if (const auto exit = sample_exit(body, inside, rng, counters)) {
+      EXPECT_LT(dot(exit->outward, body.position(exit->hit)), 0);
+    }
+  }
+}
+
+// The same ellipsoid twice: as a mesh, and as a sphere under a stretching, mirroring transform.
+TEST(NormalizedDiffusion, DistancesAreWorldDistancesUnderNonUniformScale) {
+  const Vec3f scale(2, -0.5f, 5);
+  Mesh mesh = testing::sphere_mesh(1, 48, false);
+  const DiffusionBody instance(mesh, Matrix4d().setScale(Vec3d(scale)));
+  for (Vec3f& p : mesh.points) p *= scale;
+  const DiffusionBody scaled(mesh);
+  const Vec3f eye(7, 20, 11);
+  const DiffusionEntry a = instance.entry(eye, -eye, kSkin, Rgb(0.5f, 0.2f, 0.1f));
+  const DiffusionEntry b = scaled.entry(eye, -eye, kSkin, Rgb(0.5f, 0.2f, 0.1f));
+  ASSERT_EQ(a.hit.triangle, b.hit.triangle);
+  EXPECT_LT(length(a.ng - b.ng), 1e-5);
+  RenderCounters counters;
+  int different = 0, exits = 0;
+  for (uint64_t i = 0; i < 20000; ++i) {
+    Rng rng_a(i, 3), rng_b(i, 3);
+    const auto exit_a = sample_exit(instance, a, rng_a, counters), exit_b = sample_exit(scaled, b, rng_b, counters);
+    if (exit_a.has_value() != exit_b.has_value() || (exit_a && exit_a->hit.triangle != exit_b->hit.triangle)) {
+      ++different;  // decided by rounding at an edge
+      continue;
+    }
+    if (!exit_a) continue;
+    ++exits;
+    EXPECT_LT(length(instance.position(exit_a->hit) - scaled.position(exit_b->hit)), 1e-4);
+    EXPECT_LT(length(exit_a->outward - exit_b->outward), 1e-4);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(exit_a->throughput[c], exit_b->throughput[c], 1e-3);
+  }
+  EXPECT_LE(different, 20);
+  EXPECT_GT(exits, 8000);
+}
+
+RenderRequest skin_request(double s, testing::SceneBuilder* b) {
+  DisneyParameters p;
+  p.base_color = kSkin;
+  p.scatter_distance = Rgb(0.3f, 0.1f, 0.05f) * static_cast<float>(s);
+  b->add(b->prototype(testing::sphere_mesh(static_cast<float>(s), 24, true)), b->material(p));
+  LightDescription key;
+  key.type = LightType::sphere;
+  key.radius = static_cast<float>(0.25 * s);
+  key.intensity = 30;
+  key.light_to_world.setTranslation(Vec3d(2, 3, 1) * s);
+  b->add(key).add(testing::constant_dome(0.2f, true));
+  RenderRequest request;
+  request.scene = b->snapshot();
+  request.camera = testing::look_at(Vec3d(0, 1, 4) * s, {0, 0, 0}, 40);
+  request.width = request.height = 24;
+  request.data_window = {0, 0, 24, 24};
+  request.settings.samples = 4;
+  request.settings.subsurface = SubsurfaceMode::diffusion;
+  return request;
+}
+
+TEST(NormalizedDiffusion, PowersOfTwoChangeNothing) {
+  const auto picture = [](int exponent) {
+    testing::SceneBuilder b;
+    return testing::render(skin_request(std::ldexp(1.0, exponent), &b))->resolve_float(Aov::color);
+  };
+  const auto expected = picture(0);
+  for (const int exponent : {-20, -7, 1, 20}) EXPECT_EQ(picture(exponent), expected) << "2^" << exponent;
+}
+
+TEST(NormalizedDiffusion, BytesDoNotDependOnThreads) {
+  testing::SceneBuilder b;
+  RenderRequest request = skin_request(1, &b);
+  request.settings.threads = 1;
+  const auto one = testing::render(request)->resolve_float(Aov::color);
+  request.settings.threads = 3;
+  EXPECT_EQ(one, testing::render(request)->resolve_float(Aov::color));
+}
+
+TEST(NormalizedDiffusion, IsAModeOfItsOwn) {
+  testing::SceneBuilder b;
+  RenderRequest request = skin_request(1, &b);
+  const auto diffusion = testing::render(request)->resolve_float(Aov::color);
+  request.settings.subsurface = SubsurfaceMode::walk;
+  EXPECT_NE(diffusion, testing::render(request)->resolve_float(Aov::color));
+}
+
+}  // namespace
+}  // namespace alabaster
