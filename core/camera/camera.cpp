@@ -54,6 +54,14 @@ Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
   return ray;
 }
 
+PixelCone Camera::pixel_cone(const Vec3f& d) const {
+  const float side = std::min(std::abs(film_scale_.x), std::abs(film_scale_.y));
+  if (orthographic_) return {side, 0};
+  // Off the axis the film plane is seen at a slant and from farther away: radially it shrinks by cos^2.
+  const float cosine = dot(d, z_);
+  return {0, side * cosine * cosine};
+}
+
 float Camera::axial_depth(const Vec3f& p_render) const {
   return dot(origin_ - p_render, z_);
 }

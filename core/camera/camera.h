@@ -22,6 +22,12 @@ struct CameraParameters {
   bool orthographic = false;
 };
 
+/// What a pixel sees of a surface is at least `width` + `spread` times the distance wide, in its narrowest direction.
+struct PixelCone {
+  float width = 0;   // world units
+  float spread = 0;  // radians
+};
+
 /// Film coordinates: x right, y DOWN, in pixels of the full display window of width x height.
 class Camera {
  public:
@@ -30,6 +36,9 @@ class Camera {
 
   /// Unit direction. `lens` is used only with a lens. In render space.
   Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
+
+  /// Of a pixel that looks in unit direction `d`, render space, without filter and lens.
+  PixelCone pixel_cone(const Vec3f& d) const;
 
   /// Distance of a point along the camera's -z axis, world units.
   float axial_depth(const Vec3f& p_render) const;

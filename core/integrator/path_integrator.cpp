@@ -137,6 +137,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   out.distance = std::numeric_limits<float>::infinity();
   PathState path;
   path.ray = camera_ray;
+  if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   while (true) {
     ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
@@ -151,6 +152,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;
+    if (kMode == SubsurfaceMode::automatic) path.footprint.travel(hit.t);
     LayerSplit* layers = kLayers ? &split : nullptr;
     // A profile knows no way through the medium, only ways into it.
     constexpr bool kWalks = kMode != SubsurfaceMode::lambert && kMode != SubsurfaceMode::diffusion;
@@ -162,6 +164,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
       goes_on = scatter<kMode, kLayers>(context, sampler, vertex, &path, layers);
     }
     if (!goes_on) break;
+    if (kMode == SubsurfaceMode::automatic) path.footprint.scatter(path.scatter_pdf);
   }
   out.color = path.radiance;
   if (kLayers) *context.layers = split.finish(path.radiance);
@@ -183,6 +186,8 @@ PathIntegrator select_variant(const SceneFeatures& features, const IntegratorSet
       return select_for_lights<SubsurfaceMode::walk, kLayers>(features);
     case SubsurfaceMode::diffusion:
       return select_for_lights<SubsurfaceMode::diffusion, kLayers>(features);
+    case SubsurfaceMode::automatic:
+      return select_for_lights<SubsurfaceMode::automatic, kLayers>(features);
     case SubsurfaceMode::lambert:
       break;
   }

@@ -6,6 +6,18 @@
 
 namespace alabaster {
 
+/// The width of what one path stands for where it meets a surface: all paths of its pixel, then all that a lobe could
+/// have sent out in its stead, a sampled direction of density pdf standing for a solid angle 1/pdf (as in path
+/// differentials, Suykens and Willems 2001). Kept in mode `auto` only.
+struct Footprint {
+  PixelCone cone;
+
+  void travel(float distance) { cone.width += cone.spread * distance; }
+  void scatter(float pdf) {
+    cone.spread = std::sqrt(cone.spread * cone.spread + (pdf > 0 ? std::min(1 / pdf, kTwoPi) : kTwoPi));
+  }
+};
+
 struct PathState {
   Ray ray;
   Rgb throughput{1.0f};
@@ -13,6 +25,7 @@ struct PathState {
   float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
   uint32_t depth = 0;
   uint32_t walk_events = 0;  // of the last subsurface walk; any other carrier of light counts as many
+  Footprint footprint;
 };
 
 /// Where light leaves a facet with a smooth normal. Directions above the facet leave from it. Those that only the lobe

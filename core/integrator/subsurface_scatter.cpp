@@ -3,6 +3,7 @@
 #include "core/integrator/direct_light.h"
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
+#include "core/subsurface/lambert_limit.h"
 #include "core/subsurface/normalized_diffusion.h"
 
 namespace alabaster {
@@ -92,6 +93,46 @@ std::optional<SubsurfaceExit> diffuse_to_exit(const PathContext& context, const 
   return SubsurfaceExit{&instance, exit->hit, outward, exit->throughput, kEventsOfProfile};
 }
 
+/// Whether a ray of the entry's cosine lobe crosses `depth` without meeting the object's surface.
+bool is_thick(const PathContext& context, const PathVertex& v, float depth, const Vec2f& u) {
+  const Instance& instance = *v.instance;
+  const Vec3f direction = frame_from_normal(-v.hit.ng).to_world(sample_cosine_hemisphere(u));
+  const Ray ray{offset_point(v.hit.p_object, -v.hit.ng_object, v.hit.offset_object),
+                instance.world_to_object.vector(direction), depth};
+  ++context.counters.probe_rays;
+  TriangleHit hit;
+  return !instance.prototype->object->intersect(ray, &hit);
+}
+
+/// Where a pixel cannot tell them apart the walk is replaced by a Lambert reflection of the same energy: an exit at the
+/// entry. Both branches have weight one: the picture is their blend.
+std::optional<SubsurfaceExit> lambert_or_walk(const PathContext& context, const PixelSampler& sampler,
+                                              const PathVertex& v, const PathState& path) {
+  const AlbedoInversion inversion = context.settings.walk.inversion;
+  const Rgb& albedo = v.material.base_color;
+  const LambertLimit limit = lambert_limit(make_medium(albedo, v.material.scatter_distance, inversion));
+  const float probability = lambert_probability(path.footprint.cone.width, limit);
+  if (probability > 0) {
+    // Numbers of their own: what the walk does must not depend on what was asked here.
+    const auto u = sampler.draw(Dimension::subsurface_rung, path.depth);
+    if (u[0] < probability && is_thick(context, v, limit.opaque_depth * (1 + u[1]), {u[2], u[3]})) {
+      ++context.counters.lambert_exits;
+      const Rgb obtained(obtained_albedo(albedo.r, inversion), obtained_albedo(albedo.g, inversion),
+                         obtained_albedo(albedo.b, inversion));
+      return SubsurfaceExit{v.instance, v.triangle, v.hit.ng, path.throughput * obtained, kEventsOfProfile};
+    }
+  }
+  return walk_to_exit(context, sampler, v, false, path);
+}
+
+template <SubsurfaceMode kMode>
+std::optional<SubsurfaceExit> carry_to_exit(const PathContext& context, const PixelSampler& sampler,
+                                            const PathVertex& entry, bool within, const PathState& path) {
+  if constexpr (kMode == SubsurfaceMode::diffusion) return diffuse_to_exit(context, sampler, entry, path);
+  if (kMode == SubsurfaceMode::automatic && !within) return lambert_or_walk(context, sampler, entry, path);
+  return walk_to_exit(context, sampler, entry, within, path);
+}
+
 /// The exit lobe: light sampling, and the direction in which the path goes on.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
                    PathState* path) {
@@ -122,8 +163,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
                            bool within, PathState* path) {
-  const auto exit = kMode == SubsurfaceMode::diffusion ? diffuse_to_exit(context, sampler, entry, *path)
-                                                       : walk_to_exit(context, sampler, entry, within, *path);
+  const auto exit = carry_to_exit<kMode>(context, sampler, entry, within, *path);
   if (!exit) return false;
   path->walk_events = exit->events;
   return leave_surface(context, sampler, *exit, path);
@@ -132,6 +172,8 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
 template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const PathVertex&,
                                                           bool, PathState*);
 template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext&, const PixelSampler&,
+                                                               const PathVertex&, bool, PathState*);
+template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext&, const PixelSampler&,
                                                                const PathVertex&, bool, PathState*);
 
 bool is_within_medium(const PathVertex& vertex, const PathState& path) {

@@ -56,7 +56,7 @@ class Rng {
 };
 
 /// The purposes that draw numbers; a path vertex at depth d uses blocks (purpose, d).
-enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf, exit_light };
+enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf, exit_light, subsurface_rung };
 
 class PixelSampler {
  public:

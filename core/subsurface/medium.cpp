@@ -79,6 +79,19 @@ double one_minus_alpha(double albedo, AlbedoInversion inversion) {
   return invert_exact(a);
 }
 
+float obtained_albedo(float albedo, AlbedoInversion inversion) {
+  if (inversion == AlbedoInversion::exact) return static_cast<float>(clamp_albedo(albedo));
+  const double s = std::sqrt(one_minus_alpha(albedo, inversion));
+  // Van de Hulst's formula errs by 0.002; where it is told how much its inverse differs from the exact one, by 1e-9.
+  double a = 0, correction = 0;
+  for (int i = 0; i < 4; ++i) {
+    const double t = s + correction;
+    a = clamp_albedo((1 - t) * (1 - 0.139 * t) / (1 + 1.17 * t));
+    correction = std::sqrt(invert_van_de_hulst(a)) - std::sqrt(invert_exact(a));
+  }
+  return static_cast<float>(a);
+}
+
 double chandrasekhar_h(double mu, double one_minus_alpha) {
   if (!(mu > 0)) return 1;
   const double alpha = 1 - one_minus_alpha;

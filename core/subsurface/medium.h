@@ -24,6 +24,10 @@ double chandrasekhar_h(double mu, double one_minus_alpha);
 /// (Chandrasekhar 1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu). Slow; for tests and tables.
 double half_space_albedo(double one_minus_alpha);
 
+/// The albedo that a walk shows when asked for `albedo`: the same but for the inversions that err. Within 1e-6 of
+/// half_space_albedo(one_minus_alpha(albedo, inversion)), and fast.
+float obtained_albedo(float albedo, AlbedoInversion inversion);
+
 /// Eq. 2: s = 1.9 - A + 3.5 (A - 0.8)^2.
 double distance_scale(double albedo);
 

@@ -27,7 +27,7 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("--seed", a->seed, "Another noise pattern")->type_name("N");
   c->add_option("--threads", a->threads, "Render threads; 0: all cores")->type_name("N");
   c->add_option("--max-depth", a->max_depth, "Bounces between surfaces")->type_name("N");
-  c->add_option("--subsurface", a->subsurface, "lambert, walk, reference or diffusion")->type_name("MODE");
+  c->add_option("--subsurface", a->subsurface, "lambert, walk, reference, diffusion or auto")->type_name("MODE");
   c->add_option("--inversion", a->inversion, "chiang2016, exact or vanDeHulst")->type_name("NAME");
   c->add_option("--dome", a->dome, "Dome light: an image, or a colour as one or three numbers; then an intensity")
       ->type_name("FILE|COLOR[,I]");

@@ -84,11 +84,13 @@ const std::vector<SettingParameter>& setting_parameters() {
        &S::threads, 0, 4096},
       {"subsurface",
        "How scatterDistance is rendered: not at all (lambert), by random walks (walk), by walks without any shortcut "
-       "(reference), or by normalized diffusion (diffusion).",
+       "(reference), by normalized diffusion (diffusion), or by walks where a pixel can tell them from Lambert's "
+       "diffuse "
+       "(auto).",
        &S::subsurface,
        0,
        0,
-       {"lambert", "walk", "reference", "diffusion"}},
+       {"lambert", "walk", "reference", "diffusion", "auto"}},
       {"inversion",
        "How the single-scattering albedo is found from baseColor.",
        &S::inversion,

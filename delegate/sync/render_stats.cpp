@@ -37,6 +37,7 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["rays.walk"] = count(c.walk_rays);
   s["rays.probe"] = count(c.probe_rays);
   s["probe.hits"] = count(c.probe_hits);
+  s["walk.lambert"] = count(c.lambert_exits);
   s["walk.count"] = count(c.walks);
   s["walk.events"] = count(c.walk_events);
   s["walk.exits"] = count(c.walk_exits);

@@ -35,6 +35,25 @@ TEST(Camera, ApertureOffsetShiftsTheFilm) {
   expect_near(Camera(p, 300, 200, {0, 0, 0}).generate_ray({0, 100}, {0, 0}).dir, {0, 0, -1}, 1e-6f);
 }
 
+// What the rays through neighbouring pixels span, in the narrower direction.
+TEST(Camera, PixelConeIsTheDistanceOfNeighbouringRays) {
+  CameraParameters p = at({0, 0, 0});
+  for (const Vec2f& film : {Vec2f(150, 100), Vec2f(0, 100), Vec2f(20, 7)}) {
+    const Camera camera(p, 300, 200, {0, 0, 0});
+    const Vec3f d = camera.generate_ray(film, {0, 0}).dir;
+    const float x = length(camera.generate_ray(film + Vec2f(1, 0), {0, 0}).dir - d);
+    const float y = length(camera.generate_ray(film + Vec2f(0, 1), {0, 0}).dir - d);
+    const PixelCone cone = camera.pixel_cone(d);
+    EXPECT_EQ(cone.width, 0);
+    EXPECT_LE(cone.spread, 1.01f * std::min(x, y));
+    EXPECT_GE(cone.spread, 0.8f * std::min(x, y));
+  }
+  p.orthographic = true;
+  const PixelCone cone = Camera(p, 300, 100, {0, 0, 0}).pixel_cone({0, 0, -1});
+  EXPECT_FLOAT_EQ(cone.width, 0.12f);
+  EXPECT_EQ(cone.spread, 0);
+}
+
 TEST(Camera, LensRaysMeetInThePlaneOfFocus) {
   CameraParameters p = at({0, 0, 0});
   p.f_stop = 2;
