@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "core/color/color_config.h"
 
@@ -41,9 +42,12 @@ uint32_t count_of(float v) {
   return v >= 0 && v < 4294967040.0f ? uint32_t(v + 0.5f) : UINT32_MAX;
 }
 
-float quantise(float v, float levels, float threshold) {
-  const float scaled = (v > 0 ? std::min(v, 1.0f) : 0.0f) * levels;  // a NaN is black
-  return std::min(std::floor(scaled + threshold), levels);
+/// The level below v plus the threshold, in levels.
+template <class Level>
+Level quantise(float v, float threshold) {
+  constexpr auto kLevels = float(std::numeric_limits<Level>::max());
+  const float scaled = (v > 0 ? std::min(v, 1.0f) : 0.0f) * kLevels;  // a NaN is black
+  return Level(std::min(scaled + threshold, kLevels));
 }
 
 }  // namespace
@@ -95,31 +99,32 @@ void RowEncoder::convert(const AovPixels& pixels, size_t row, std::vector<float>
 template <class Value>
 void RowEncoder::store_as(const Column& column, int row, uint8_t* out, const Value& value) const {
   const PlannedChannel& channel = *column.channel;
-  const auto put = [&](size_t x, auto v) { std::memcpy(out + x * pixel_bytes_, &v, sizeof v); };
-  // 8-bit colours are dithered against banding; exact levels (black, white) stay exact, for only what lies between two
-  // levels can go either way.
-  const Rect2i& window = image_.framing.dataWindow;
-  const bool dithers = channel.is_color && channel.store == ChannelStore::uint8 && plan_.display_referred;
-  const auto threshold = [&](size_t x) {
-    return dithers ? dither_of(window.minX + int(x), window.minY + row, channel.component) : 0.5f;
-  };
-  for (size_t x = 0; x < width_; ++x) switch (channel.store) {
-      case ChannelStore::half:
-        put(x, Imath::half(std::clamp(value(x), -kLargestHalf, kLargestHalf)));
-        break;
-      case ChannelStore::uint8:
-        put(x, uint8_t(quantise(value(x), 255, threshold(x))));
-        break;
-      case ChannelStore::uint16:
-        put(x, uint16_t(quantise(value(x), 65535, threshold(x))));
-        break;
-      case ChannelStore::uint32:
-        put(x, count_of(value(x)));
-        break;
-      case ChannelStore::float32:
-        put(x, value(x));
-        break;
+  const auto put_all = [&](const auto& stored) {
+    for (size_t x = 0; x < width_; ++x) {
+      const auto v = stored(x);
+      std::memcpy(out + x * pixel_bytes_, &v, sizeof v);
     }
+  };
+  switch (channel.store) {
+    case ChannelStore::half:
+      return put_all([&](size_t x) { return Imath::half(std::clamp(value(x), -kLargestHalf, kLargestHalf)); });
+    case ChannelStore::uint8: {
+      // 8-bit colours are dithered against banding; exact levels (black, white) stay exact, for only what lies between
+      // two levels can go either way.
+      const Rect2i& window = image_.framing.dataWindow;
+      if (!channel.is_color || !plan_.display_referred)
+        return put_all([&](size_t x) { return quantise<uint8_t>(value(x), 0.5f); });
+      return put_all([&](size_t x) {
+        return quantise<uint8_t>(value(x), dither_of(window.minX + int(x), window.minY + row, channel.component));
+      });
+    }
+    case ChannelStore::uint16:
+      return put_all([&](size_t x) { return quantise<uint16_t>(value(x), 0.5f); });
+    case ChannelStore::uint32:
+      return put_all([&](size_t x) { return count_of(value(x)); });
+    case ChannelStore::float32:
+      return put_all([&](size_t x) { return value(x); });
+  }
 }
 
 void RowEncoder::store(const Column& column, int row, const Scratch& scratch, uint8_t* out) const {

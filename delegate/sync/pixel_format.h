@@ -8,8 +8,9 @@ namespace alabaster::hd::sync {
 
 /// How a value goes to a buffer: components that the buffer has and the AOV lacks become 0, a fourth 1; int -> float is
 /// a cast, float -> int rounds; unorm clamps to 0..1; not-a-number becomes 0 in unorm and int.
-void write_pixel(const float* values, int components, Format format, uint8_t* pixel);
-void write_pixel(int32_t value, Format format, uint8_t* pixel);
+/// `components` values for each of `count` pixels.
+void write_pixels(const float* values, int components, size_t count, Format format, uint8_t* pixels);
+void write_pixels(const int32_t* values, size_t count, Format format, uint8_t* pixels);
 
 /// `clear` as one pixel of `format`: components of a number or a vector.
 void write_clear(const Value& clear, Format format, uint8_t* pixel);

@@ -1,5 +1,6 @@
 #include "delegate/sync/render_buffer.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "delegate/sync/pixel_format.h"
@@ -25,22 +26,35 @@ size_t pixel_offset(const RenderBufferDescriptor& d, int x, int y_down) {
   return (row * static_cast<size_t>(d.dimensions.x) + static_cast<size_t>(x)) * FormatSize(d.format);
 }
 
-/// Calls write(index into the film's window, pixel) for every pixel that film and buffer share.
-template <class Write>
-void for_shared_pixels(const RenderBufferDescriptor& d, const BufferSource& source, std::vector<uint8_t>* pixels,
-                       const Write& write) {
+/// Puts what film and buffer share into the buffer, row by row. `write(values, count, out)` converts a run of pixels
+/// that lie side by side in both.
+template <class T, class Write>
+void write_shared_rows(const RenderBufferDescriptor& d, const BufferSource& source, const std::vector<T>& values,
+                       std::vector<uint8_t>* pixels, const Write& write) {
   const PixelRect& window = source.film->data_window();
-  for (int y = window.y0; y < window.y1; ++y) {
-    const int buffer_y = y + source.buffer_y;
-    if (buffer_y < 0 || buffer_y >= d.dimensions.y) continue;
-    for (int x = window.x0; x < window.x1; ++x) {
-      const int buffer_x = x + source.buffer_x;
-      if (buffer_x < 0 || buffer_x >= d.dimensions.x) continue;
-      const size_t index =
-          static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
-      write(index, pixels->data() + pixel_offset(d, buffer_x, buffer_y));
-    }
+  const int x0 = std::max(window.x0, -source.buffer_x), x1 = std::min(window.x1, d.dimensions.x - source.buffer_x);
+  const int y0 = std::max(window.y0, -source.buffer_y), y1 = std::min(window.y1, d.dimensions.y - source.buffer_y);
+  if (x0 >= x1) return;
+  const auto components = static_cast<size_t>(aov_components(source.aov));
+  const auto width = static_cast<size_t>(window.width());
+  for (int y = y0; y < y1; ++y) {
+    const size_t first = static_cast<size_t>(y - window.y0) * width + static_cast<size_t>(x0 - window.x0);
+    write(values.data() + first * components, static_cast<size_t>(x1 - x0),
+          pixels->data() + pixel_offset(d, x0 + source.buffer_x, y + source.buffer_y));
   }
+}
+
+bool covers_buffer(const RenderBufferDescriptor& d, const BufferSource& source) {
+  if (!source.film) return false;
+  const PixelRect& window = source.film->data_window();
+  return window.x0 + source.buffer_x <= 0 && window.y0 + source.buffer_y <= 0 &&
+         window.x1 + source.buffer_x >= d.dimensions.x && window.y1 + source.buffer_y >= d.dimensions.y;
+}
+
+void clear_pixels(const Value& clear, Format format, std::vector<uint8_t>* pixels) {
+  const size_t size = FormatSize(format);
+  write_clear(clear, format, pixels->data());
+  for (size_t at = size; at < pixels->size(); at += size) std::memcpy(pixels->data() + at, pixels->data(), size);
 }
 
 }  // namespace
@@ -97,20 +111,16 @@ std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBu
   store->pixels.resize(static_cast<size_t>(description.dimensions.x) * static_cast<size_t>(description.dimensions.y) *
                        size);
   if (store->pixels.empty()) return store;
-  write_clear(source.clear, description.format, store->pixels.data());
-  for (size_t at = size; at < store->pixels.size(); at += size)
-    std::memcpy(store->pixels.data() + at, store->pixels.data(), size);
+  if (!covers_buffer(description, source)) clear_pixels(source.clear, description.format, &store->pixels);
   if (!source.film) return store;
+  const Format format = description.format;
   if (aov_is_integer(source.aov)) {
-    const std::vector<int32_t> values = source.film->resolve_int(source.aov);
-    for_shared_pixels(description, source, &store->pixels,
-                      [&](size_t i, uint8_t* pixel) { write_pixel(values[i], description.format, pixel); });
+    write_shared_rows(description, source, source.film->resolve_int(source.aov), &store->pixels,
+                      [format](const int32_t* in, size_t n, uint8_t* out) { write_pixels(in, n, format, out); });
   } else {
     const int components = aov_components(source.aov);
-    const std::vector<float> values = source.film->resolve_float(source.aov);
-    for_shared_pixels(description, source, &store->pixels, [&](size_t i, uint8_t* pixel) {
-      write_pixel(values.data() + i * static_cast<size_t>(components), components, description.format, pixel);
-    });
+    write_shared_rows(description, source, source.film->resolve_float(source.aov), &store->pixels,
+                      [&](const float* in, size_t n, uint8_t* out) { write_pixels(in, components, n, format, out); });
   }
   return store;
 }
@@ -195,6 +205,7 @@ Vec2i BufferState::copy(std::vector<uint8_t>* out, bool y_down) const {
     *out = store->pixels;
   } else {
     const size_t row = store->pixels.size() / static_cast<size_t>(size.y);
+    out->reserve(store->pixels.size());
     for (size_t at = store->pixels.size(); at > 0; at -= row)
       out->insert(out->end(), store->pixels.data() + (at - row), store->pixels.data() + at);
   }
