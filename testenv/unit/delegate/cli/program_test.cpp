@@ -313,9 +313,15 @@ TEST_F(ProgramTest, OcioListsAndExports) {
 }
 
 // The promise is 0.2 s on an idle machine. One of three attempts must keep it: a loaded machine may stall the others.
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+constexpr double kAtOnce = 4;  // sanitizers slow everything down
+#else
+constexpr double kAtOnce = 0.2;
+#endif
+
 TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
   double best = 1e9;
-  for (int attempt = 0; attempt < 3 && best >= 0.2; ++attempt) {
+  for (int attempt = 0; attempt < 3 && best >= kAtOnce; ++attempt) {
     Program program(
         folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "1000000", "-o", "a.exr", "--stats", "s.json"});
     ASSERT_TRUE(program.wait_for("samples", 30)) << program.err();
@@ -332,7 +338,7 @@ TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
     std::ifstream file(folder_ / "s.json");
     EXPECT_EQ(nlohmann::json::parse(file)["status"], "interrupted");
   }
-  EXPECT_LT(best, 0.2);
+  EXPECT_LT(best, kAtOnce);
 }
 
 // However often it is asked to end, and wherever it is then: whole files and no temporary ones.

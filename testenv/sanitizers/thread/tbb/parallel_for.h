@@ -1,0 +1,47 @@
+// Only in builds with ThreadSanitizer. Debian's libtbb is not instrumented: the sanitizer sees its tasks on several
+// threads but nothing that orders them, and takes every hand-over of data for a race. Here the order that
+// tbb::parallel_for promises is told to it: what came before the loop happens before every task, and every task happens
+// before what follows the loop. Races between tasks of one loop stay visible.
+#pragma once
+
+#include_next <tbb/parallel_for.h>
+
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+
+namespace tbb {
+
+template <class Body>
+struct ordered_body {
+  const Body& body;
+  char* begin;
+  char* end;
+  template <class Range>
+  void operator()(Range&& range) const {
+    __tsan_acquire(begin);
+    body(range);
+    __tsan_release(end);
+  }
+};
+
+template <class Loop, class Body>
+void run_ordered(const Loop& loop, const Body& body) {
+  char begin = 0, end = 0;
+  __tsan_release(&begin);
+  loop(ordered_body<Body>{body, &begin, &end});
+  __tsan_acquire(&end);
+}
+
+template <class Range, class Body>
+void ordered_parallel_for(const Range& range, const Body& body) {
+  run_ordered([&](const auto& ordered) { tbb::parallel_for(range, ordered); }, body);
+}
+
+template <class Index, class Body, class... Partitioner>
+void ordered_parallel_for(Index first, Index last, const Body& body, Partitioner&&... partitioner) {
+  run_ordered([&](const auto& ordered) { tbb::parallel_for(first, last, ordered, partitioner...); }, body);
+}
+
+}  // namespace tbb
+
+#define parallel_for ordered_parallel_for
