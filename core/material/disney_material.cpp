@@ -3,9 +3,10 @@
 namespace alabaster {
 
 DisneyParameters DisneyMaterial::evaluate(const Vec2f& uv) const {
-  if (!base_color_map) return constants;
+  if (!base_color_map && !scatter_distance_map) return constants;
   DisneyParameters p = constants;
-  p.base_color *= base_color_map->rgb(uv);
+  if (base_color_map) p.base_color *= base_color_map->rgb(uv);
+  if (scatter_distance_map) p.scatter_distance *= scatter_distance_map->rgb(uv);
   return clamp_to_ranges(p);
 }
 

@@ -138,8 +138,10 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
   }
   for (const auto& m : snapshot->materials) {
     snapshot->features.subsurface |= m->scatters();
-    snapshot->features.textures |= m->base_color_map != nullptr;
-    if (m->base_color_map) snapshot->memory_bytes += m->base_color_map->memory_bytes();
+    for (const Texture* map : {m->base_color_map.get(), m->scatter_distance_map.get()}) {
+      snapshot->features.textures |= map != nullptr;
+      if (map) snapshot->memory_bytes += map->memory_bytes();
+    }
   }
 }
 

@@ -96,6 +96,9 @@ struct MaterialNode {
 /// HdMaterialNetwork2's shape. Terminal "surface" names the surface node.
 /// Node types: AlabasterDisney (parameters: schemas/disney_material.json) and AlabasterTexture (parameters: file
 /// AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, st Token; output rgb).
+/// baseColor and scatterDistance can be connected to a texture: the parameter's constant (1 if it is not given) times
+/// the texture's rgb. sourceColorSpace "auto" is sRGB or linear by the image's type for baseColor, raw for
+/// scatterDistance, whose texels are numbers.
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;
   std::map<Token, MaterialConnection> terminals;

@@ -42,7 +42,8 @@ bool set_texture(const Reader& reader, const std::string& pointer, const json& t
   node.parameters["st"] = Token("st");
   network->nodes[path] = std::move(node);
   MaterialNode& disney = network->nodes[surface];
-  disney.parameters[parameter] = Vec3f(1, 1, 1);  // the constant multiplies the texture
+  // The constant multiplies the texture.
+  disney.parameters[parameter] = texture.contains("scale") ? to_value(texture["scale"]) : Value(Vec3f(1, 1, 1));
   disney.inputConnections[parameter] = {{path, "rgb"}};
   return true;
 }

@@ -42,6 +42,33 @@ Token wrap_token(int wrap) {
 
 constexpr float kUnlimited = std::numeric_limits<float>::max();
 
+// What a scattering volume needs to have an extinction.
+bool attenuates(Extension volume) {
+  return number_or(volume, "attenuationDistance", 0, 0, double(kUnlimited)) > 0 &&
+         color_or(volume, "attenuationColor", Vec3f(1)) != Vec3f(1);
+}
+
+TextureUse use_in(Extension extension, const char* name) {
+  TextureUse use;
+  if (!extension || !extension->Has(name)) return use;
+  const tinygltf::Value& info = extension->Get(name);
+  use.index = info.Get("index").GetNumberAsInt();
+  if (info.Has("texCoord")) use.coordinates = info.Get("texCoord").GetNumberAsInt();
+  if (info.Has("extensions") && info.Get("extensions").Has("KHR_texture_transform"))
+    use.transform = &info.Get("extensions").Get("KHR_texture_transform");
+  return use;
+}
+
+TextureUse use_of(const tinygltf::TextureInfo& info) {
+  const auto transform = info.extensions.find("KHR_texture_transform");
+  return {info.index, info.texCoord, transform == info.extensions.end() ? nullptr : &transform->second};
+}
+
+bool same_coordinates(const TextureUse& a, const TextureUse& b) {
+  const bool same_transform = a.transform && b.transform ? *a.transform == *b.transform : a.transform == b.transform;
+  return a.coordinates == b.coordinates && same_transform;
+}
+
 class MaterialTranslator {
  public:
   MaterialTranslator(const Document& document, size_t index, const Path& id, Report& report)
@@ -59,11 +86,12 @@ class MaterialTranslator {
     set_subsurface();
     set_sheen();
     set_disney_extension();
+    set_textures();
     report_unread();
     MaterialNetwork network;
     const Path surface_id = id_.append("surface");
+    network.nodes = std::move(textures_);
     network.nodes[surface_id] = std::move(surface_);
-    if (has_texture_) network.nodes[id_.append("baseColor")] = std::move(texture_);
     network.terminals["surface"] = {surface_id, "surface"};
     return network;
   }
@@ -86,24 +114,33 @@ class MaterialTranslator {
     }
     set("metallic", metallic);
     set("roughness", roughness);
-    if (pbr.baseColorTexture.index >= 0) connect_texture(size_t(pbr.baseColorTexture.index));
   }
 
-  void connect_texture(size_t index) {
-    const tinygltf::Texture& texture = document_.model.textures[index];
+  void set_textures() {
+    connect_texture("baseColor", uses_.base_color, "sRGB");
+    connect_texture("scatterDistance", uses_.scatter_distance, "raw");
+    if (uses_.base_color.index >= 0 && uses_.scatter_distance.index >= 0 &&
+        !same_coordinates(uses_.base_color, uses_.scatter_distance))
+      report_.warning("material.texture", element_ + ".extensions.ALAB_materials_disney.scatterDistanceTexture",
+                      "is read by the texture coordinates of the base colour; give both the same");
+  }
+
+  void connect_texture(const char* input, const TextureUse& use, const char* color_space) {
+    if (use.index < 0) return;
+    const tinygltf::Texture& texture = document_.model.textures[size_t(use.index)];
     if (texture.source < 0 || document_.images[size_t(texture.source)].authored.empty()) return;  // reported
     int wrap_s = TINYGLTF_TEXTURE_WRAP_REPEAT, wrap_t = TINYGLTF_TEXTURE_WRAP_REPEAT;
     if (texture.sampler >= 0) {
       wrap_s = document_.model.samplers[size_t(texture.sampler)].wrapS;
       wrap_t = document_.model.samplers[size_t(texture.sampler)].wrapT;
     }
-    texture_.nodeTypeId = "AlabasterTexture";
-    texture_.parameters["file"] = document_.images[size_t(texture.source)];
-    texture_.parameters["sourceColorSpace"] = Token("sRGB");
-    texture_.parameters["wrapS"] = wrap_token(wrap_s);
-    texture_.parameters["wrapT"] = wrap_token(wrap_t);
-    surface_.inputConnections["baseColor"] = {{id_.append("baseColor"), "rgb"}};
-    has_texture_ = true;
+    MaterialNode& node = textures_[id_.append(input)];
+    node.nodeTypeId = "AlabasterTexture";
+    node.parameters["file"] = document_.images[size_t(texture.source)];
+    node.parameters["sourceColorSpace"] = Token(color_space);
+    node.parameters["wrapS"] = wrap_token(wrap_s);
+    node.parameters["wrapT"] = wrap_token(wrap_t);
+    surface_.inputConnections[input] = {{id_.append(input), "rgb"}};
   }
 
   void set_dielectric() {
@@ -143,7 +180,7 @@ class MaterialTranslator {
                              "needs KHR_materials_volume beside it; the surface is opaque");
     const double distance = number_or(volume, "attenuationDistance", 0, 0, double(kUnlimited));
     const Vec3f attenuation = color_or(volume, "attenuationColor", Vec3f(1));
-    if (!(distance > 0) || attenuation == Vec3f(1))
+    if (!attenuates(volume))
       return report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume",
                              "gives no extinction to scatter by; set attenuationDistance and attenuationColor");
     // The draft renamed the key; the later spelling counts.
@@ -154,12 +191,12 @@ class MaterialTranslator {
     base_color_ = albedo;
     set("baseColor", albedo);
     set("scatterDistance", d);
-    if (has_texture_) {
+    if (material_.pbrMetallicRoughness.baseColorTexture.index >= 0 && uses_.base_color.index < 0)
       report_.warning("material.scatter", element_ + ".pbrMetallicRoughness.baseColorTexture",
                       "the scattering volume is of one colour, so the texture is left out");
-      surface_.inputConnections.clear();
-      has_texture_ = false;
-    }
+    if (scatter->Has("multiscatterColorTexture"))
+      report_.info("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.multiscatterColorTexture",
+                   "colours the medium; how far light travels in it is that of the factor's colour everywhere");
     if (number_or(scatter, "scatterAnisotropy", 0, -1, 1) != 0)
       report_.info("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.scatterAnisotropy",
                    "is not read: the walk scatters isotropically, and scatterDistance is measured with that");
@@ -188,6 +225,7 @@ class MaterialTranslator {
     for (const std::string& key : disney->Keys()) {
       const tinygltf::Value& value = disney->Get(key);
       const std::string place = element_ + ".extensions.ALAB_materials_disney." + key;
+      if (key == "baseColorTexture" || key == "scatterDistanceTexture") continue;  // set_textures()
       const int components = disney_parameter_components(key);
       if (components == 0) {
         report_.error("material.disney", place,
@@ -216,9 +254,13 @@ class MaterialTranslator {
     for (const auto& [name, extension] : material_.extensions) {
       if (!extension.IsObject() || name == "ALAB_materials_disney") continue;
       for (const std::string& key : extension.Keys())
-        if (key.size() > 7 && key.compare(key.size() - 7, 7, "Texture") == 0)
+        if (is_texture(key) && key != "multiscatterColorTexture")  // of that set_subsurface() speaks
           report_.info("material.texture", element_ + ".extensions." + name + "." + key, "is not read");
     }
+  }
+
+  static bool is_texture(const std::string& key) {
+    return key.size() > 7 && key.compare(key.size() - 7, 7, "Texture") == 0;
   }
 
   const Document& document_;
@@ -227,11 +269,26 @@ class MaterialTranslator {
   Report& report_;
   const std::string element_;
   Vec3f base_color_{1};
-  MaterialNode surface_, texture_;
-  bool has_texture_ = false;
+  MaterialNode surface_;
+  std::map<Path, MaterialNode> textures_;
+  const TextureUses uses_ = textures_of(material_);
 };
 
 }  // namespace
+
+TextureUses textures_of(const tinygltf::Material& material) {
+  const Extension disney = find_extension(material, "ALAB_materials_disney");
+  const Extension scatter = find_extension(material, "KHR_materials_volume_scatter");
+  const Extension volume = find_extension(material, "KHR_materials_volume");
+  const bool scatters = scatter && volume && attenuates(volume);
+  TextureUses uses;
+  uses.scatter_distance = use_in(disney, "scatterDistanceTexture");
+  uses.base_color = use_in(disney, "baseColorTexture");
+  if (uses.base_color.index >= 0) return uses;
+  uses.base_color =
+      scatters ? use_in(scatter, "multiscatterColorTexture") : use_of(material.pbrMetallicRoughness.baseColorTexture);
+  return uses;
+}
 
 float scatter_distance(double attenuation_color, double attenuation_distance, double albedo) {
   if (attenuation_color <= 0 || attenuation_distance <= 0) return 0;

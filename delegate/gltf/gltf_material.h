@@ -17,8 +17,23 @@ namespace alabaster::hd::gltf {
 /// _volume with _volume_scatter: subsurface. baseColor = multiscatterColor, and the extinction of the volume,
 ///   sigma_t = -ln(attenuationColor) / attenuationDistance, fixes scatterDistance d by sigma_t = 1 / (d s(A)),
 ///   s(A) = 1.9 - A + 3.5 (A - .8)^2 (Chiang, Kutz, Burley 2016, eq. 3): d = 1 / (sigma_t s(A)), per channel.
-/// ALAB_materials_disney: parameters by the node's own names, over all of the above.
+///   multiscatterColorTexture (sRGB, a later draft's) multiplies baseColor; d stays that of the factor alone.
+/// ALAB_materials_disney: parameters by the node's own names, over all of the above; with baseColorTexture (sRGB) and
+///   scatterDistanceTexture (numbers, no conversion), which multiply their parameters, 1 by default.
 MaterialNetwork translate_material(const Document& document, size_t index, const Path& id, Report& report);
+
+/// A texture that is read, and by which coordinates.
+struct TextureUse {
+  int index = -1;  // in `textures`; -1: none
+  int coordinates = 0;
+  const tinygltf::Value* transform = nullptr;  // KHR_texture_transform; null: none
+};
+struct TextureUses {
+  TextureUse base_color, scatter_distance;
+  /// A mesh carries one set of coordinates: the base colour's if there is such a texture.
+  const TextureUse& of_coordinates() const { return base_color.index >= 0 ? base_color : scatter_distance; }
+};
+TextureUses textures_of(const tinygltf::Material& material);
 
 /// scatterDistance of one channel; 0 (Lambert) where light is attenuated at once. `attenuation_color` >= 1 (no
 /// attenuation) is taken as .999, since a walk must end.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_ngon.h"
 
 namespace alabaster::hd::gltf {
@@ -43,16 +44,16 @@ std::vector<Vec2f> read_st(const Document& document, const tinygltf::Primitive& 
   int set = 0;
   TextureTransform transform;
   if (primitive.material >= 0) {
-    const auto& texture = document.model.materials[size_t(primitive.material)].pbrMetallicRoughness.baseColorTexture;
-    set = texture.texCoord;
-    const auto found = texture.extensions.find("KHR_texture_transform");
-    if (found != texture.extensions.end()) {
-      set = int(number_at(found->second, "texCoord", 0, set));
+    const TextureUses textures = textures_of(document.model.materials[size_t(primitive.material)]);
+    const TextureUse& use = textures.of_coordinates();
+    set = use.coordinates;
+    if (use.transform) {
+      set = int(number_at(*use.transform, "texCoord", 0, set));
       for (int i = 0; i < 2; ++i) {
-        transform.offset[i] = number_at(found->second, "offset", i, 0);
-        transform.scale[i] = number_at(found->second, "scale", i, 1);
+        transform.offset[i] = number_at(*use.transform, "offset", i, 0);
+        transform.scale[i] = number_at(*use.transform, "scale", i, 1);
       }
-      transform.rotation = number_at(found->second, "rotation", 0, 0);
+      transform.rotation = number_at(*use.transform, "rotation", 0, 0);
     }
   }
   const AccessorView* accessor = find_attribute(document, primitive, "TEXCOORD_" + std::to_string(set));

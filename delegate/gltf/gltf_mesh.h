@@ -10,7 +10,7 @@ namespace alabaster::hd::gltf {
 
 /// Topology and primvars, without transform, material path and instancer. Empty if it holds no triangles (reported).
 ///
-/// "st" is the coordinate set that the material's base colour texture reads, with KHR_texture_transform applied and
+/// "st" is the coordinate set that the material's textures read (textures_of), with KHR_texture_transform applied and
 /// v turned upwards. Primitives with FB_ngon_encoding become catmullClark cages refined to `refine_level`, their
 /// normals left to refinement; all others are of scheme none with the normals as stored.
 std::optional<host::MeshDescription> translate_primitive(const Document& document, const tinygltf::Primitive& primitive,

@@ -85,6 +85,7 @@ const Schema& material_schema() {
       {factor("diffuseTransmissionFactor", 0, 1), object("diffuseTransmissionTexture", texture),
        color("diffuseTransmissionColorFactor", 1), object("diffuseTransmissionColorTexture", texture)},
       {}};
+  static const Schema disney{{object("baseColorTexture", texture), object("scatterDistanceTexture", texture)}, {}};
   static const Schema schema{
       {text("name"),
        object("pbrMetallicRoughness", pbr),
@@ -99,7 +100,7 @@ const Schema& material_schema() {
        object("KHR_materials_clearcoat", clearcoat), object("KHR_materials_sheen", sheen),
        object("KHR_materials_emissive_strength", strength), object("KHR_materials_volume", volume),
        object("KHR_materials_volume_scatter", scatter), object("KHR_materials_diffuse_transmission", diffuse),
-       object("ALAB_materials_disney", kMarker), object("KHR_materials_transmission", kMarker),
+       object("ALAB_materials_disney", disney), object("KHR_materials_transmission", kMarker),
        object("KHR_materials_anisotropy", kMarker), object("KHR_materials_dispersion", kMarker),
        object("KHR_materials_iridescence", kMarker), object("KHR_materials_pbrSpecularGlossiness", kMarker),
        object("KHR_materials_unlit", kMarker)}};

@@ -7,6 +7,17 @@
 namespace alabaster::hd::sync {
 namespace {
 
+/// A parameter that can be connected to a texture.
+struct TexturedInput {
+  const char* name;
+  std::shared_ptr<const Texture> DisneyMaterial::*map;
+  Rgb DisneyParameters::*constant;
+  const char* automatic_space;  // what "auto" means: numbers are never taken for sRGB
+};
+constexpr TexturedInput kTexturedInputs[] = {
+    {"baseColor", &DisneyMaterial::base_color_map, &DisneyParameters::base_color, "auto"},
+    {"scatterDistance", &DisneyMaterial::scatter_distance_map, &DisneyParameters::scatter_distance, "raw"}};
+
 /// Reads one network; everything it cannot draw is reported once, with what is drawn instead.
 class MaterialReader {
  public:
@@ -20,9 +31,10 @@ class MaterialReader {
     if (surface) {
       for (const auto& [name, value] : surface->parameters) read_parameter(name, value, &material->constants);
       for (const auto& [input, connections] : surface->inputConnections)
-        if (!connections.empty()) read_connection(input, connections.front(), material.get());
+        if (!connections.empty()) read_connection(*surface, input, connections.front(), material.get());
     }
     material->constants = clamp_to_ranges(material->constants);
+    if (!material->scatters()) material->scatter_distance_map = nullptr;  // nothing to multiply
     return material;
   }
 
@@ -65,7 +77,8 @@ class MaterialReader {
                                    (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
   }
 
-  void read_connection(const Token& input, const MaterialConnection& connection, DisneyMaterial* material) const {
+  void read_connection(const MaterialNode& surface, const Token& input, const MaterialConnection& connection,
+                       DisneyMaterial* material) const {
     const auto node = network_.nodes.find(connection.upstreamNode);
     if (node == network_.nodes.end() || !(node->second.nodeTypeId == Token("AlabasterTexture"))) {
       const std::string what = node == network_.nodes.end()
@@ -73,13 +86,19 @@ class MaterialReader {
                                    : "a node of unknown type '" + node->second.nodeTypeId.str() + "'";
       return warn("material.node", input.str() + " is connected to " + what + "; its constant is used");
     }
-    if (!(input == Token("baseColor")))
-      return warn("material.connection", "only baseColor can be textured; the connection of " + input.str() +
-                                             " is ignored and its constant used");
-    material->base_color_map = read_texture(node->second);
+    for (const TexturedInput& textured : kTexturedInputs)
+      if (input == Token(textured.name)) {
+        auto& map = material->*textured.map;
+        map = read_texture(node->second, textured.automatic_space);
+        // A constant that nobody gave must not scale the texture.
+        if (map && !surface.parameters.count(input)) material->constants.*textured.constant = Rgb(1.0f);
+        return;
+      }
+    warn("material.connection", "only baseColor and scatterDistance can be textured; the connection of " + input.str() +
+                                    " is ignored and its constant used");
   }
 
-  std::shared_ptr<const Texture> read_texture(const MaterialNode& node) const {
+  std::shared_ptr<const Texture> read_texture(const MaterialNode& node, const std::string& automatic_space) const {
     const auto parameter = [&](const char* name) {
       const auto found = node.parameters.find(name);
       return found == node.parameters.end() ? Value() : found->second;
@@ -93,7 +112,7 @@ class MaterialReader {
       return nullptr;
     }
     source.color_space = parameter("sourceColorSpace").text_or("auto");
-    if (source.color_space.empty()) source.color_space = "auto";
+    if (source.color_space.empty() || source.color_space == "auto") source.color_space = automatic_space;
     source.wrap_s = wrap(parameter("wrapS"));
     source.wrap_t = wrap(parameter("wrapT"));
     const std::string st = parameter("st").text_or("st");

@@ -77,7 +77,8 @@ std::string dump_scene(const Translation& translation, const Records& records) {
   }
   for (const auto& [name, material] : used)
     text += "material " + name + "\n" + parameter_lines(material_parameters(), material->constants) +
-            "  baseColor texture " + texture_text(material->base_color_map) + "\n";
+            "  baseColor texture " + texture_text(material->base_color_map) + "\n  scatterDistance texture " +
+            texture_text(material->scatter_distance_map) + "\n";
   for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
     const auto& light = translation.scene.lights[i];
     text += std::string(type_name(light.type)) + " " + translation.light_paths[i].str() + "\n" +
@@ -100,7 +101,7 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   line("emissive meshes", snapshot.features.emissive_meshes,
        first_material(translation, [](const DisneyMaterial& m) { return m.emits(); }));
   line("textures", snapshot.features.textures,
-       first_material(translation, [](const DisneyMaterial& m) { return m.base_color_map != nullptr; }));
+       first_material(translation, [](const DisneyMaterial& m) { return m.base_color_map || m.scatter_distance_map; }));
   std::string smooth;
   for (const auto& instance : translation.scene.instances)
     if (smooth.empty() && !instance.prototype->mesh.normals.empty()) smooth = instance.name;

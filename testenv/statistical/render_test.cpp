@@ -217,6 +217,79 @@ TEST(Furnace, ZeroScatterDistanceIsTheDiffuseBitForBit) {
   EXPECT_NE(picture(0, SubsurfaceMode::walk), picture(0.1f, SubsurfaceMode::walk));
 }
 
+// One value left of the middle, another right of it.
+class HalvesTexture : public Texture {
+ public:
+  HalvesTexture(const Rgb& left, const Rgb& right) : left_(left), right_(right) {}
+  Rgb rgb(const Vec2f& uv) const override { return uv.x < 0.5f ? left_ : right_; }
+  float alpha(const Vec2f&) const override { return 1; }
+  int width() const override { return 2; }
+  int height() const override { return 1; }
+  size_t memory_bytes() const override { return 0; }
+  Rgb texel(int x, int) const override { return x ? right_ : left_; }
+
+ private:
+  Rgb left_, right_;
+};
+
+// A convex body whose u grows with x, seen along z: light enters a medium where it is looked at, whatever the other
+// half is made of.
+RenderRequest body_request(const std::shared_ptr<const DisneyMaterial>& material) {
+  SceneBuilder b;
+  Mesh mesh = testing::sphere_mesh(1, 32, true);
+  for (const Vec3f& p : mesh.points) mesh.uvs.emplace_back(0.5f + 0.5f * p.x, 0.5f + 0.5f * p.y);
+  LightDescription key;
+  key.type = LightType::sphere;
+  key.radius = 0.25f;
+  key.intensity = 30;
+  key.light_to_world.setTranslation(Vec3d(2, 3, 1));
+  b.add(b.prototype(std::move(mesh)), material).add(testing::constant_dome(1, true)).add(key);
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({0, 0, 4}, {0, 0, 0}, 34);
+  request.width = request.height = 32;
+  request.data_window = {0, 0, 32, 32};
+  request.settings.samples = 8;
+  request.settings.filter = PixelFilter::box;
+  return request;
+}
+
+std::vector<float> textured_body(const Rgb& left, const Rgb& right, bool color_map) {
+  auto material = std::make_shared<DisneyMaterial>();
+  material->constants.base_color = color_map ? Rgb(1.0f) : Rgb(0.9f, 0.6f, 0.4f);
+  material->constants.scatter_distance = color_map ? Rgb(0.3f, 0.2f, 0.1f) : Rgb(1.0f);
+  (color_map ? material->base_color_map : material->scatter_distance_map) =
+      std::make_shared<HalvesTexture>(left, right);
+  return testing::render(body_request(material))->resolve_float(Aov::color);
+}
+
+void expect_halves(const Rgb& left, const Rgb& right, bool color_map) {
+  const auto both = textured_body(left, right, color_map);
+  const auto only_left = textured_body(left, left, color_map), only_right = textured_body(right, right, color_map);
+  ASSERT_NE(only_left, only_right);
+  for (size_t i = 0; i < both.size(); ++i) {
+    const size_t x = i / 4 % 32;
+    if (x == 15 || x == 16) continue;
+    ASSERT_EQ(both[i], (x < 16 ? only_left : only_right)[i]) << i;
+  }
+}
+
+TEST(Textured, EachHalfIsTheConstantBodyBitForBit) {
+  expect_halves({0.3f, 0.2f, 0.1f}, {0.05f, 0.1f, 0.4f}, false);
+  expect_halves({0.9f, 0.5f, 0.2f}, {0.2f, 0.8f, 1}, true);
+}
+
+TEST(Textured, ZeroInTheMapIsTheDiffuseOfItsChannelBitForBit) {
+  expect_halves({0.3f, 0.2f, 0.1f}, Rgb(0.0f), false);
+  expect_halves({0.3f, 0, 0.1f}, {0, 0.2f, 0}, false);
+  // Nothing scatters anywhere: as if there were neither map nor distance.
+  auto plain = std::make_shared<DisneyMaterial>();
+  plain->constants.base_color = {0.9f, 0.6f, 0.4f};
+  const RenderRequest request = body_request(plain);
+  ASSERT_FALSE(request.scene->features.subsurface);
+  EXPECT_EQ(testing::render(request)->resolve_float(Aov::color), textured_body(Rgb(0.0f), Rgb(0.0f), false));
+}
+
 // Scaling scene, camera, scatter distance and light sizes by 2^k changes no bit.
 TEST(Scale, PowersOfTwoChangeNothing) {
   const auto picture = [](int exponent) {

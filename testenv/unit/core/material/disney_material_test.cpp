@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "testenv/support/memory_texture.h"
+
 namespace alabaster {
 namespace {
 
@@ -34,6 +36,21 @@ TEST(DisneyMaterial, ReadsItsMapOnceAndMultiplies) {
   EXPECT_EQ(p.roughness, 0.3f);
   material.base_color_map = nullptr;
   EXPECT_EQ(material.evaluate({0.5f, 0.75f}).base_color, material.constants.base_color);
+}
+
+TEST(DisneyMaterial, ScatterDistanceMapMultipliesAndIsClamped) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  DisneyMaterial material;
+  material.constants.scatter_distance = {0.5f, 0.25f, 2};
+  const auto at = [&](const Rgb& texel) {
+    material.scatter_distance_map = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel});
+    return material.evaluate({0.5f, 0.5f}).scatter_distance;
+  };
+  EXPECT_EQ(at({1, 4, 0.5f}), Rgb(0.5f, 1, 1));
+  EXPECT_EQ(at({0, 1, 0}), Rgb(0, 0.25f, 0));
+  EXPECT_EQ(at({-1, nan, inf}), Rgb(0, 0, 0)) << "such a texel does not scatter";
+  EXPECT_EQ(material.evaluate({0.5f, 0.5f}).base_color, material.constants.base_color);
+  EXPECT_TRUE(material.scatters()) << "by its constants: some texel may";
 }
 
 TEST(DisneyMaterial, SaysWhatItDoes) {

@@ -86,6 +86,30 @@ TEST_F(LoadSceneTest, MaterialsAreSetReplacedAndMade) {
   EXPECT_EQ(surface("_skin").parameters.size(), 1u) << "replace forgets what the model said";
 }
 
+TEST_F(LoadSceneTest, ScatterDistanceCanBeATexture) {
+  write_image("image.png");
+  const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}], "materials": [
+    {"match": "skin", "set": {"scatterDistance": {"file": "image.png", "scale": [0.25, 0.5, 1]}}},
+    {"name": "wax", "set": {"scatterDistance": {"file": "image.png", "colorSpace": "sRGB"}}},
+    {"name": "plain", "set": {"scatterDistance": {"file": "image.png"}}},
+    {"match": "plain", "set": {"scatterDistance": [1, 2, 3]}}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  EXPECT_EQ(surface("_skin").parameters.at("scatterDistance"), Value(Vec3f(0.25f, 0.5f, 1)));
+  EXPECT_EQ(surface("/wax").parameters.at("scatterDistance"), Value(Vec3f(1, 1, 1)));
+  EXPECT_EQ(surface("/plain").parameters.at("scatterDistance"), Value(Vec3f(1, 2, 3)));
+  EXPECT_FALSE(surface("/plain").inputConnections.count("scatterDistance")) << "a constant takes the texture off";
+  const MaterialNode& texture = scene.GetMaterials()
+                                    .at("/materials/wax")
+                                    .nodes.at(surface("/wax").inputConnections.at("scatterDistance")[0].upstreamNode);
+  EXPECT_EQ(texture.parameters.at("sourceColorSpace").text_or(""), "sRGB");
+
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}], "materials": [{"match": "skin", "set":
+    {"scatterDistance": {"file": "none.exr"}}}]})")
+                   .ok);
+  EXPECT_NE(errors().find("/materials/0/set/scatterDistance/file"), std::string::npos) << errors();
+  EXPECT_NE(errors().find("none.exr"), std::string::npos) << errors();
+}
+
 TEST_F(LoadSceneTest, SubdivisionOfAMesh) {
   const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
     "meshes": [{"match": "patch", "scheme": "loop", "refineLevel": 3, "interpolateBoundary": "edgeOnly",

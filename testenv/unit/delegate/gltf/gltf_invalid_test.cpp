@@ -149,6 +149,11 @@ const std::vector<Case> kCases = {
        d["materials"][0]["extensions"]["ALAB_materials_disney"] = {{"scaterDistance", {1, 1, 1}}};
      },
      "did you mean 'scatterDistance'"},
+    {"Disney texture that does not exist",
+     [](Json& d) {
+       d["materials"][0]["extensions"]["ALAB_materials_disney"] = {{"scatterDistanceTexture", {{"index", 9}}}};
+     },
+     "ALAB_materials_disney.scatterDistanceTexture.index"},
     {"Disney parameter of the wrong type",
      [](Json& d) {
        d["materials"][0]["extensions"]["ALAB_materials_disney"] = {{"baseColor", 0.5}};

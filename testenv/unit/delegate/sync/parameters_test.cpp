@@ -191,6 +191,50 @@ TEST(Materials, UnknownNodesFallBackWithOneReport) {
   EXPECT_EQ(stage.count("material.surface"), 1u);
 }
 
+/// One grey pixel of 0.5, as Radiance files hold it.
+AssetPath grey_image(const std::string& name) {
+  const std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80";
+  return {name, name, std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
+}
+
+TEST(Materials, ScatterDistanceTakesATexture) {
+  const auto dump = [](const std::map<Token, Value>& parameters, const AssetPath& file, size_t reports) {
+    Stage stage;
+    MaterialNetwork network = disney(parameters);
+    network.nodes["/m/map"] = {"AlabasterTexture", {{"file", file}}, {}};
+    network.nodes["/m/surface"].inputConnections["scatterDistance"] = {{"/m/map", "rgb"}};
+    stage.scene.SetMaterial("/m", network);
+    host::MeshDescription mesh = Stage::quad();
+    mesh.material = "/m";
+    stage.scene.SetMesh("/mesh", mesh);
+    std::string text = stage.dump();
+    text += stage.delegate->InvokeCommand("requirements", {}).text_or("");
+    size_t said = 0;
+    for (const Diagnostic& d : stage.take_diagnostics()) said += d.code.starts_with("texture.");
+    EXPECT_EQ(said, reports);
+    return text;
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  };
+  const AssetPath grey = grey_image("grey.hdr");
+  const std::string scaled = dump({{"scatterDistance", Vec3f(2, 3, 4)}}, grey, 0);
+  has(scaled, "  scatterDistance (2, 3, 4)\n");
+  has(scaled, "  scatterDistance texture 1x1\n");
+  has(scaled, "subsurface: yes");
+  has(scaled, "textures: yes");
+  const std::string alone = dump({}, grey, 0);
+  has(alone, "  scatterDistance (1, 1, 1)\n");
+  has(alone, "  scatterDistance texture 1x1\n");
+  const std::string nothing = dump({{"scatterDistance", Vec3f(0, 0, 0)}}, grey, 0);
+  has(nothing, "  scatterDistance texture none\n");
+  has(nothing, "subsurface: no");
+  has(nothing, "textures: no");
+  const std::string absent = dump({}, {"none.exr", "none.exr", nullptr}, 1);
+  has(absent, "  scatterDistance (0, 0, 0)\n");
+  has(absent, "subsurface: no");
+}
+
 TEST(Materials, MayComeAfterAndGoBeforeTheMesh) {
   Stage stage;
   host::MeshDescription mesh = Stage::quad();
