@@ -91,8 +91,12 @@ RenderRequest mixed_request() {
   return request_of(&b, testing::look_at({0, 1.2, 3.5}, {0, 0.5, 0}, 40), 64, 16);
 }
 
-TEST(LightLayers, AddUpToTheColorOfEveryPixel) {
-  const auto film = testing::render(mixed_request());
+class LightLayersInMode : public ::testing::TestWithParam<SubsurfaceMode> {};
+
+TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
+  RenderRequest request = mixed_request();
+  request.settings.subsurface = GetParam();
+  const auto film = testing::render(request);
   const Aov parts[] = {Aov::diffuse, Aov::subsurface, Aov::specular, Aov::emission};
   const Aov walks[] = {Aov::subsurface_unscattered, Aov::subsurface_single, Aov::subsurface_multiple};
   for (int c = 0; c < 3; ++c) {
@@ -115,6 +119,18 @@ TEST(LightLayers, AddUpToTheColorOfEveryPixel) {
       ASSERT_LE(std::abs(subsurface_left[i]), 4 * 0x1p-24 * subsurface[i]) << i;
     }
   }
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, LightLayersInMode,
+                         ::testing::Values(SubsurfaceMode::walk, SubsurfaceMode::reference, SubsurfaceMode::diffusion,
+                                           SubsurfaceMode::automatic));
+
+// A profile stands for all numbers of events.
+TEST(LightLayers, DiffusionIsMultipleScattering) {
+  RenderRequest request = mixed_request();
+  request.settings.subsurface = SubsurfaceMode::diffusion;
+  const auto film = testing::render(request);
+  EXPECT_EQ(film->resolve_float(Aov::subsurface_multiple), film->resolve_float(Aov::subsurface));
 }
 
 TEST(LightLayers, DoNotChangeTheColor) {
