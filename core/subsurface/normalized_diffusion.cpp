@@ -9,8 +9,7 @@ namespace alabaster {
 namespace {
 
 constexpr double kPiDouble = 3.14159265358979323846;
-constexpr double kAxisProbability[3] = {kNormalAxisProbability, 0.5 * (1 - kNormalAxisProbability),
-                                        0.5 * (1 - kNormalAxisProbability)};
+constexpr double kAxisProbability[3] = {kNormalAxisProbability, kTangentAxisProbability, kTangentAxisProbability};
 
 /// An axis leaves surfaces to the others that it meets at a flatter angle: rounding decides whether a probe along the
 /// surface meets it. One of three orthogonal axes always has |N.V| >= 1/sqrt(3).

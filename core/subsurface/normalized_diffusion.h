@@ -35,8 +35,11 @@
 
 namespace alabaster {
 
-/// Share of the normal's axis; the two tangents have half of the rest each. King et al. use 1/2.
-inline constexpr double kNormalAxisProbability = 0.5;
+/// Share of the normal's axis; the two tangents have half of the rest each. King et al. use 1/2, and where a surface is
+/// flat every other probe is then in vain: 0.8 has half the variance on smooth bodies and the same on folded ones, at
+/// the price of a larger bound. This lies between.
+inline constexpr double kNormalAxisProbability = 0.7;
+inline constexpr double kTangentAxisProbability = 0.5 * (1 - kNormalAxisProbability);
 
 /// R(r)/A, per area. r > 0.
 double diffusion_profile(double r, double d);

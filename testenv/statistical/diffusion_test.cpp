@@ -168,7 +168,7 @@ TEST(DiffusionSphere, EnergyIsThatOfADiskOfItsDiameter) {
     expect_channels(found, expected, 3, 3e-4);
     // At most Sum T A / min P a hit, and a line meets a sphere twice.
     const double bound = dot(Vec3f(kSkin.r, kSkin.g, kSkin.b), Vec3f(kThroughput.r, kThroughput.g, kThroughput.b));
-    for (const auto& channel : found.value) EXPECT_LE(channel.max(), 2 * bound / 0.25);
+    for (const auto& channel : found.value) EXPECT_LE(channel.max(), 2 * bound / kTangentAxisProbability);
   }
 }
 

@@ -35,7 +35,7 @@ TEST(NormalizedDiffusion, ExtremesAreFinite) {
           if (!exit) continue;
           ASSERT_TRUE(is_finite(exit->throughput)) << d;
           EXPECT_GE(std::min(exit->throughput.r, std::min(exit->throughput.g, exit->throughput.b)), 0);
-          EXPECT_LE(max_component(exit->throughput), 3 * 2 / 0.25f);
+          EXPECT_LE(max_component(exit->throughput), 3 * 2 / kTangentAxisProbability);
           EXPECT_NEAR(length(exit->outward), 1, 1e-5);
           for (int c = 0; c < 3; ++c)
             if (!(albedo[c] > 0 && distance[c] > 0)) {
