@@ -11,11 +11,11 @@
 namespace alabaster {
 namespace {
 
-constexpr uint32_t kFar = 1u << 24;  // squared voxels, beyond any distance in a grid
+constexpr uint32_t kFar = 1u << 24;  // squared half voxels, beyond any distance in a grid
 
 struct Voxels {
   uint32_t size[3];
-  std::vector<uint32_t> squared;  // distance to the nearest occupied voxel, in voxels
+  std::vector<uint32_t> squared;  // distance from the centre to the nearest occupied voxel, in half voxels
 
   size_t index(uint32_t x, uint32_t y, uint32_t z) const { return (size_t(z) * size[1] + y) * size[0] + x; }
 };
@@ -80,38 +80,42 @@ class Rasterizer {
   Voxels* voxels_;
 };
 
-/// One line of the transform: out[i] = min_j line[j] + max(0, |i - j| - 1)^2, so that distances are those between the
-/// nearest points of two voxels. It is the usual transform of the minimum over each voxel and its neighbours.
+/// One line of the transform, in half voxels: out[i] = min_j line[j] + max(0, 2 |i - j| - 1)^2, so that distances are
+/// those from a voxel's centre to the nearest point of another voxel. It is the usual transform of parabolas that stand
+/// on the borders between voxels, or none where j = i.
 class LineTransform {
  public:
   void run(std::vector<uint32_t>* line) {
     const size_t n = line->size();
-    spread_.resize(n);
-    apex_.resize(n);
-    from_.resize(n);
-    for (size_t i = 0; i < n; ++i)
-      spread_[i] = std::min({(*line)[i > 0 ? i - 1 : 0], (*line)[i], (*line)[i + 1 < n ? i + 1 : i]});
+    border_.resize(n + 1);
+    apex_.resize(n + 1);
+    from_.resize(n + 1);
+    for (size_t i = 0; i <= n; ++i) border_[i] = std::min((*line)[i > 0 ? i - 1 : 0], (*line)[i < n ? i : n - 1]);
     const size_t parabolas = lower_envelope();
     if (parabolas == 0) return;
     size_t k = 0;
     for (size_t i = 0; i < n; ++i) {
-      while (k + 1 < parabolas && from_[k + 1] < static_cast<double>(i)) ++k;
-      const int64_t offset = static_cast<int64_t>(i) - static_cast<int64_t>(apex_[k]);
-      (*line)[i] = spread_[apex_[k]] + static_cast<uint32_t>(offset * offset);
+      const int64_t centre = 2 * static_cast<int64_t>(i);
+      while (k + 1 < parabolas && from_[k + 1] < static_cast<double>(centre)) ++k;
+      const int64_t offset = centre - position(apex_[k]);
+      (*line)[i] = std::min((*line)[i], border_[apex_[k]] + static_cast<uint32_t>(offset * offset));
     }
   }
 
  private:
-  double height(size_t i) const { return static_cast<double>(spread_[i]) + static_cast<double>(i * i); }
+  static int64_t position(size_t border) { return 2 * static_cast<int64_t>(border) - 1; }
+  double height(size_t border) const {
+    return static_cast<double>(border_[border]) + static_cast<double>(position(border) * position(border));
+  }
 
   size_t lower_envelope() {
     size_t count = 0;
-    for (size_t i = 0; i < spread_.size(); ++i) {
-      if (spread_[i] >= kFar) continue;
+    for (size_t i = 0; i < border_.size(); ++i) {
+      if (border_[i] >= kFar) continue;
       double crossing = -std::numeric_limits<double>::infinity();
       while (count > 0) {
         const size_t last = apex_[count - 1];
-        crossing = (height(i) - height(last)) / (2 * static_cast<double>(i - last));
+        crossing = (height(i) - height(last)) / (2 * static_cast<double>(position(i) - position(last)));
         if (crossing > from_[count - 1]) break;
         --count;
       }
@@ -123,7 +127,7 @@ class LineTransform {
     return count;
   }
 
-  std::vector<uint32_t> spread_;
+  std::vector<uint32_t> border_;
   std::vector<size_t> apex_;  // of the parabolas that are lowest somewhere
   std::vector<double> from_;  // where each begins to be
 };
@@ -180,7 +184,7 @@ std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32
   auto grid = std::make_shared<DistanceGrid>();
   grid->lower_ = mesh.bounds.lower;
   grid->voxels_per_unit_ = per_unit;
-  grid->units_per_step_ = 0.25f / per_unit;
+  grid->unit_per_voxel_ = 1 / per_unit;
   Voxels voxels{};
   for (int i = 0; i < 3; ++i) {
     const uint32_t n = std::min(resolution, static_cast<uint32_t>(extent[i] * per_unit) + 1);
@@ -196,7 +200,7 @@ std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32
                     [&](const tbb::blocked_range<size_t>& r) {
                       for (size_t i = r.begin(); i < r.end(); ++i)
                         grid->cells_[i] = static_cast<uint8_t>(
-                            std::min(255.0f, 4 * std::sqrt(static_cast<float>(voxels.squared[i])) * (1 - 0x1p-20f)));
+                            std::min(255.0f, 2 * std::sqrt(static_cast<float>(voxels.squared[i])) * (1 - 0x1p-20f)));
                     });
   return grid;
 }

@@ -21,12 +21,14 @@ float long_walks_mfp(const DisneyMaterial& material) {
 }
 
 bool has_room_for_spheres(const Instance& instance, float mfp) {
-  // A grid of 128 voxels bounds no distance below two voxels; deeper than this many mean free paths few walks go.
-  constexpr float kVoxelsAcross = 128, kDeep = 32;
+  // Measured (testenv/statistical/results/walk_efficiency.md): in a body less than this many mean free paths across
+  // from the middle, walks leave before spheres find room. A grid of 128 voxels bounds no distance below two; deeper
+  // than kDeep few walks go.
+  constexpr float kVoxelsAcross = 128, kRoom = 20, kDeep = 32;
   const Vec3f extent = instance.prototype->mesh.bounds.extent();
   const float thinnest = std::min(extent.x, std::min(extent.y, extent.z)) * instance.walk.distance_scale;
   const float voxel = max_component(extent) * instance.walk.distance_scale / kVoxelsAcross;
-  return 0.5f * thinnest > static_cast<float>(kSphereMargin + 1) * mfp && 2 * voxel < kDeep * mfp;
+  return 0.5f * thinnest > kRoom * mfp && 2 * voxel < kDeep * mfp;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 // its sign.
 #pragma once
 
+#include "core/math/elementary.h"
 #include "core/math/frame.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/chromatic_segment.h"
@@ -70,8 +71,9 @@ inline GuideTechnique draw_technique(const GuideShares& shares, size_t channel, 
 
 inline Vec3f direction_at(const Frame& frame, double cosine, Rng& rng) {
   const auto mu = static_cast<float>(cosine);
-  const float r = safe_sqrt(1 - mu * mu), phi = kTwoPi * rng.uniform();
-  return frame.to_world({r * std::cos(phi), r * std::sin(phi), mu});
+  const float r = safe_sqrt(1 - mu * mu);
+  const auto [sine, cosine_of_azimuth] = quick_sine_cosine_turns(rng.uniform());
+  return frame.to_world({r * cosine_of_azimuth, r * sine, mu});
 }
 
 /// What both kinds of guided move are given.
@@ -152,7 +154,7 @@ class GuidedSegment {
   }
 
   /// Of weights that a walk multiplies some ten times: float is precise enough, and faster.
-  static double exponential(double x) { return std::exp(static_cast<float>(std::max(x, -1000.0))); }
+  static double exponential(double x) { return quick_exp(static_cast<float>(std::max(x, -1000.0))); }
 
   GuidedState state_;
   ChannelValues throughput_;

@@ -17,7 +17,7 @@ class MeshTracer {
  public:
   using Hit = TriangleHit;
 
-  MeshTracer(const WalkSpace& space, const Vec3f& p) : space_(space), p_(p) {}
+  MeshTracer(const WalkSpace& space, const Vec3f& p) : space_(space), p_(p), entry_(p) {}
 
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
     const Vec3f d = space_.world_to_object.vector(direction);
@@ -30,7 +30,13 @@ class MeshTracer {
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
   bool bounds_distance() const { return space_.distances != nullptr; }
-  double distance_bound() const { return space_.distances->bound(p_) * space_.distance_scale; }
+  double distance_bound(double worthwhile) const {
+    // No surface is further than where the walk began: most never leave that neighbourhood, and need not look.
+    const Vec3f moved = p_ - entry_;
+    const double least = worthwhile / space_.distance_scale;
+    if (dot(moved, moved) < least * least) return 0;
+    return space_.distances->bound(p_) * space_.distance_scale;
+  }
   bool advance(const Vec3f& direction, float t) {
     p_ += space_.world_to_object.vector(direction) * std::max(0.0f, t - step_back_);
     step_back_ = 0;
@@ -41,7 +47,7 @@ class MeshTracer {
   static constexpr float kRounding = 4 * 0x1p-23f;
 
   const WalkSpace& space_;
-  Vec3f p_;
+  Vec3f p_, entry_;
   float step_back_ = 0;
 };
 

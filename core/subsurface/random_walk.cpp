@@ -6,13 +6,15 @@
 namespace alabaster {
 
 WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings) {
-  WalkShortcuts use;
+  float clearest = 2;  // of the channels' 1 - alpha
+  bool guided = false;
   for (int c = 0; c < 3; ++c) {
     if (!medium.active[c]) continue;
-    use.guiding |= settings.guiding && DiffusionModes::is_guided(medium.one_minus_alpha[c]);
-    use.sphere_steps |= settings.sphere_steps && medium.one_minus_alpha[c] < kSphereStepsPayBelow;
+    clearest = std::min(clearest, medium.one_minus_alpha[c]);
+    guided |= DiffusionModes::is_guided(medium.one_minus_alpha[c]);
   }
-  return use;
+  return {settings.guiding && guided && clearest > kGuidingPaysAbove,
+          settings.sphere_steps && clearest < kSphereStepsPayBelow};
 }
 
 Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u) {

@@ -29,7 +29,7 @@ struct WalkSettings {
   AlbedoInversion inversion = AlbedoInversion::exact;
   WalkWeights weights = WalkWeights::throughput;
   bool guiding = true;       // Dwivedi guiding, where it pays; affects noise only
-  bool sphere_steps = true;  // jumps through the interior, where they pay; their bias is below 1e-4 of the albedo
+  bool sphere_steps = true;  // jumps through the interior, where they pay; their bias is below 3e-4 of the albedo
   uint32_t safety_cap = 1000000;
 };
 

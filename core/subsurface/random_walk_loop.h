@@ -26,12 +26,16 @@
 
 namespace alabaster {
 
-/// Mean free paths that a sphere step keeps from every surface. Less is faster and biased: at 1, white bodies obtain
-/// 5e-4 too much; at 1.5, what is left could not be told from noise of 1e-4.
+/// Mean free paths that a sphere step keeps from every surface. Less is faster and biased; at 1.5
+/// half-spaces obtain 1.4e-4 +- 0.5e-4 too much (A = 0.99; testenv/statistical/results/walk_efficiency.md).
 inline constexpr double kSphereMargin = 1.5;
 
 /// A channel with a smaller 1 - alpha (A > 0.7) walks long enough inside for sphere steps to pay.
 inline constexpr float kSphereStepsPayBelow = 0.024f;
+
+/// Where the clearest channel has less (A > 0.97), walks are long in that channel, which guiding hardly helps, and
+/// every event pays for it.
+inline constexpr float kGuidingPaysAbove = 2e-4f;
 
 /// True with probability q, exact to 2^-56: survival is as near to one as 1 - 2e-9 and is asked a million times.
 inline bool survives(double q, Rng& rng) {
@@ -61,10 +65,11 @@ struct WalkShortcuts {
   bool guiding = false, sphere_steps = false;
 };
 
-/// A tracer that can say how far the nearest surface is at least, in world units: sphere steps need one.
+/// A tracer that can say how far the nearest surface is at least, in world units; if that is less than its argument,
+/// any lesser bound will do. Sphere steps need one.
 template <class Tracer>
 concept BoundsDistance = requires(const Tracer& tracer) {
-  tracer.distance_bound();
+  tracer.distance_bound(1.0);
 };
 
 /// A walk from where `tracer` stands until the surface is met. A tracer keeps the position and has:
@@ -167,8 +172,9 @@ class WalkLoop {
   }
 
   Vec3f draw_isotropic() {
-    const float u = rng_.uniform();
-    return sample_uniform_sphere({u, rng_.uniform()});
+    const float u = rng_.uniform(), z = 1 - 2 * u, r = 2 * safe_sqrt(u * (1 - u));
+    const auto [sine, cosine] = quick_sine_cosine_turns(rng_.uniform());
+    return {r * cosine, r * sine, z};
   }
 
   bool move(const Vec3f& direction, double t) {
@@ -196,8 +202,8 @@ class WalkLoop {
       double mfp = 0;
       for (size_t c = 0; c < 3; ++c)
         if (throughput_[c] > 0) mfp = std::max(mfp, 1 / medium_.sigma_t[c]);
-      const double radius = tracer_.distance_bound() - kSphereMargin * mfp;
-      // A smaller sphere gains less than an ordinary event.
+      // A radius below one mean free path gains less than an ordinary event.
+      const double bound = tracer_.distance_bound((kSphereMargin + 1) * mfp), radius = bound - kSphereMargin * mfp;
       if (!(radius > mfp)) return;
       jump(radius);
       ++counters_.walk_sphere_steps;

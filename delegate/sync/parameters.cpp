@@ -104,7 +104,7 @@ const std::vector<SettingParameter>& setting_parameters() {
        0,
        {"throughput", "throughputTimesAlbedo"}},
       {"walkGuiding", "Walks are guided back to the surface where that pays. Affects noise only.", &S::walk_guiding},
-      {"walkSphereSteps", "Walks jump through the interior where that pays. Bias below 1e-4 of the albedo.",
+      {"walkSphereSteps", "Walks jump through the interior where that pays. Bias below 3e-4 of the albedo.",
        &S::walk_sphere_steps},
       {"filter", "Pixel filter.", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
   };

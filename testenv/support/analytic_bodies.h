@@ -29,7 +29,7 @@ class SlabTracer {
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
   static bool bounds_distance() { return true; }
-  double distance_bound() const { return std::min(p_.z, thickness_ - p_.z); }
+  double distance_bound(double) const { return std::min(p_.z, thickness_ - p_.z); }
   bool advance(const Vec3f& direction, float t) {
     p_ += to_double(direction) * t;
     return true;
@@ -58,7 +58,7 @@ class EdgeTracer {
   }
   double exit_distance(const Hit& hit) const { return hit.t; }
   static bool bounds_distance() { return true; }
-  double distance_bound() const { return std::min(p_.x, p_.z); }
+  double distance_bound(double) const { return std::min(p_.x, p_.z); }
   bool advance(const Vec3f& direction, float t) {
     p_ += to_double(direction) * t;
     return true;
@@ -107,7 +107,7 @@ class SphereTracer : public EllipsoidTracer {
  public:
   explicit SphereTracer(double radius) : EllipsoidTracer({radius, radius, radius}, {0, 0, -1}), radius_(radius) {}
   static bool bounds_distance() { return true; }
-  double distance_bound() const { return std::max(0.0, radius_ - length(position())); }
+  double distance_bound(double) const { return std::max(0.0, radius_ - length(position())); }
   static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
 
  private:
