@@ -37,7 +37,7 @@ inline constexpr DirtyBits kAll = ~0u;
 // ------------------------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
-struct PrimvarDescriptor {
+struct PrimvarDescriptor {  // read of meshes: points, normals, st, subsurfaceSet (delegate/README.md)
   Token name;
   Interpolation interpolation = Interpolation::vertex;
   Token role;  // none | color | vector | normal | point | textureCoordinate

@@ -1,5 +1,6 @@
 #include "delegate/cli/stats_file.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "delegate/cli/stopwatch.h"
@@ -90,11 +91,10 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
                  {"shadow", count("rays.shadow")},
                  {"walk", count("rays.walk")},
                  {"probe", count("rays.probe")}};
-  out["walks"] = {{"count", count("walk.count")},
-                  {"segments", count("rays.walk")},
-                  {"events", count("walk.events")},
-                  {"exits", count("walk.exits")},
-                  {"lost", count("walk.lost")}};
+  out["walks"] = {
+      {"count", count("walk.count")},   {"segments", count("rays.walk")},
+      {"events", count("walk.events")}, {"exits", count("walk.exits")},
+      {"lost", count("walk.lost")},     {"lostShare", total("walk.lostEnergy") / std::max(1.0, total("walk.count"))}};
   out["samples"] = {{"perPixel", stats_.empty() ? 0 : value_number(stats_.front(), "numCompletedSamples")},
                     {"total", count("rays.camera")}};
   out["peakMemory"] = peak_memory_bytes();

@@ -7,7 +7,7 @@
 //   files       [text]              that were written
 //   phases      {load, refine, build, render, write: {wall, cpu}}   seconds; cpu of all threads together
 //   rays        {camera, bounce, shadow, walk}
-//   walks       {count, segments, events, exits, lost}
+//   walks       {count, segments, events, exits, lost, lostShare: energy lost in open meshes, of what entered}
 //   samples     {perPixel, total}
 //   peakMemory  bytes               of the process
 //   delegate    [{name: value}]     RenderDelegate::GetRenderStats of each render, and the recorder's phases

@@ -85,6 +85,9 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
                                                     found[1].str() + "'. Give the path of one.");
     mesh.material = found[0];
   }
+  if (entry.contains("subsurfaceSet"))
+    mesh.primvars["subsurfaceSet"] = {
+        Interpolation::constant, Token(), Token(entry["subsurfaceSet"].get<std::string>()), {}};
   mesh.visible = entry.value("visible", mesh.visible);
   if (entry.value("refineLevel", 0) > 0 && mesh.topology.scheme == Token("none"))
     reader.warn(pointer + "/refineLevel",

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstring>
 #include <ctime>
@@ -171,6 +172,10 @@ class Recording {
     description_ = found->second;
     if (description_.width < 1 || description_.height < 1 || description_.width > 65536 || description_.height > 65536)
       return refuse(RecordStatus::input_failed, "record.resolution", "width and height must lie in 1..65536");
+    if (!can_look())
+      return refuse(RecordStatus::input_failed, "record.camera",
+                    "the transform of camera " + description_.camera.str() +
+                        " is not finite or cannot be inverted: it may be scaled to zero");
     window_ = description_.crop.value_or(Rect2i{0, 0, description_.width, description_.height});
     const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
     if (!fits(window_.minX, window_.maxX) || !fits(window_.minY, window_.maxY) || !(description_.pixelAspectRatio > 0))
@@ -222,6 +227,14 @@ class Recording {
   }
 
   // A delegate refuses buffers that are too large, and says so: rendering without them would be for nothing.
+  // A camera that does not exist is the pass' to refuse.
+  bool can_look() const {
+    const auto camera = scene_->GetCameras().find(description_.camera);
+    if (camera == scene_->GetCameras().end()) return true;
+    const double determinant = camera->second.transform.determinant();
+    return std::isfinite(determinant) && determinant != 0;
+  }
+
   bool have_buffers() {
     for (const auto& [aov, path] : buffers_) {
       const auto* buffer = static_cast<RenderBuffer*>(index_->GetBprim(path));

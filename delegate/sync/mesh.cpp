@@ -20,6 +20,18 @@ PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const Token& na
   return pulled;
 }
 
+// A name for the whole mesh; empty: none.
+std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std::vector<PrimvarDescriptor>& descriptors,
+                                const alabaster::DiagnosticSink& sink) {
+  const PulledPrimvar pulled = pull_primvar(scene, id, "subsurfaceSet", descriptors);
+  if (!pulled.present) return {};
+  std::string name = pulled.value.text_or("");
+  if (name.empty() || pulled.interpolation != Interpolation::constant)
+    alabaster::report(sink, alabaster::Severity::warning, "mesh.subsurfaceSet", id.str(),
+                      "primvar subsurfaceSet must be constant and a name; the object scatters for itself");
+  return pulled.interpolation == Interpolation::constant ? name : std::string();
+}
+
 template <class T>
 void update(T* held, T now, bool* changed) {
   if (*held == now) return;
@@ -35,7 +47,7 @@ bool is_drawn_tag(const Token& tag) {
 }  // namespace
 
 // A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
-void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
+void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {
   if (bits & dirty::kTopology) {
     MeshTopology topology = scene.GetMeshTopology(GetId());
     shape_changed_ |= !same_shape(pulled_.topology, topology);
@@ -54,11 +66,12 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
     const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
     update(&pulled_.normals, pull_primvar(scene, GetId(), "normals", descriptors), &shape_changed_);
     update(&pulled_.st, pull_primvar(scene, GetId(), "st", descriptors), &shape_changed_);
+    record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
   }
 }
 
-void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits) {
-  pull_shape(scene, bits);
+void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {
+  pull_shape(scene, bits, sink);
   if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) tag_visible_ = is_drawn_tag(scene.GetRenderTag(GetId()));
   if (bits & dirty::kTransform) record_.transform = scene.GetTransform(GetId());
@@ -103,7 +116,7 @@ void MeshPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* 
   SceneParam& param = SceneParam::of(render_param);
   DirtyBits left = dirty::kClean;
   const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    pull(*scene, *bits);
+    pull(*scene, *bits, param.sink());
     if (shape_changed_) {
       if (build(param))
         shape_changed_ = false;

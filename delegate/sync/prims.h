@@ -20,8 +20,8 @@ class MeshPrim final : public Rprim {
   void Finalize(RenderParam* param) override;
 
  private:
-  void pull(SceneDelegate& scene, DirtyBits bits);
-  void pull_shape(SceneDelegate& scene, DirtyBits bits);
+  void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
+  void pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   bool build(SceneParam& param);
 
   PulledMesh pulled_;

@@ -17,6 +17,7 @@ struct MeshRecord {
   std::vector<Path> materials{Path()};  // by slot: the prim's, then those of its subsets; empty path: default
   Path instancer;
   Array<int32_t> instance_indices;
+  std::string subsurface_set;  // empty: each object scatters for itself
   bool operator==(const MeshRecord&) const = default;
 };
 

@@ -42,6 +42,7 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["walk.events"] = count(c.walk_events);
   s["walk.exits"] = count(c.walk_exits);
   s["walk.lost"] = count(c.walk_lost);
+  s["walk.lostEnergy"] = c.walk_lost_energy;
   s["walk.safetyCap"] = count(c.walk_safety_cap);
   s["walk.maxWeight"] = c.max_walk_weight;
   s["nonfiniteSamples"] = count(c.nonfinite_samples);

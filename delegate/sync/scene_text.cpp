@@ -32,6 +32,7 @@ std::string instance_text(const InstanceDescription& instance, const Path* mater
   text += "  mesh points " + std::to_string(mesh.points.size()) + " triangles " +
           std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
           yes_no(!mesh.uvs.empty()) + " closed " + yes_no(mesh.closed) + "\n";
+  if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   for (size_t i = 0; i < instance.materials.size(); ++i)
     text += "  material " + std::to_string(i) + " " + (materials[i].empty() ? "default" : materials[i].str()) + "\n";
   return text;
@@ -55,6 +56,17 @@ std::string camera_text(const Path& path, const CameraParameters& camera) {
   return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + "  projection " +
          (camera.orthographic ? "orthographic" : "perspective") + "\n" + parameter_lines(camera_parameters(), camera) +
          "  clippingRange " + Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n";
+}
+
+// "named skin: 3 objects, material /m/wax: 2 objects".
+std::string subsurface_sets(const Translation& translation) {
+  std::map<std::string, size_t> sizes;
+  for (const auto& instance : translation.scene.instances)
+    if (!instance.subsurface_set.empty()) ++sizes[instance.subsurface_set];
+  std::string text;
+  for (const auto& [name, size] : sizes)
+    text += (text.empty() ? "" : ", ") + name + ": " + std::to_string(size) + " objects";
+  return text;
 }
 
 std::string first_material(const Translation& translation, bool (*is)(const DisneyMaterial&)) {
@@ -98,6 +110,8 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   };
   line("subsurface", snapshot.features.subsurface,
        first_material(translation, [](const DisneyMaterial& m) { return m.scatters(); }));
+  const std::string sets = subsurface_sets(translation);
+  line("subsurface sets", !sets.empty(), sets);
   line("emissive meshes", snapshot.features.emissive_meshes,
        first_material(translation, [](const DisneyMaterial& m) { return m.emits(); }));
   line("textures", snapshot.features.textures,

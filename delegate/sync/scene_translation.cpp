@@ -106,6 +106,7 @@ struct SceneTranslator::Run {
     instance.name = path.str();
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id));
     check_closed(instance);
+    instance.subsurface_set = set_of(instance, mesh);
     if (mesh.instancer.empty()) {
       instance.object_to_world = mesh.transform;
       add(std::move(instance), mesh);
@@ -120,11 +121,22 @@ struct SceneTranslator::Run {
     }
   }
 
+  // Named sets and those of a material never meet. Of several materials the first that scatters says which.
+  static std::string set_of(const InstanceDescription& instance, const MeshRecord& mesh) {
+    if (mesh.subsurface_set.empty() || !scatters(instance)) return {};
+    if (mesh.subsurface_set != "byMaterial") return "named " + mesh.subsurface_set;
+    size_t slot = 0;
+    while (!instance.materials[slot]->scatters()) ++slot;
+    return "material " + mesh.materials[slot].str();
+  }
+
   void check_closed(const InstanceDescription& instance) {
     if (instance.prototype->mesh.closed || !scatters(instance)) return;
-    translator.report_once("mesh.open", Path(instance.name),
-                           "subsurface scattering in a mesh that is not closed: light that leaves through its holes is "
-                           "lost (counted in walk.lost); close the mesh, or bind a material without scatterDistance");
+    translator.report_once(
+        "mesh.open", Path(instance.name),
+        "subsurface scattering in a mesh that is not closed: the medium goes on behind it without "
+        "end, and light that does not come back is lost (stats: walk.lostEnergy); close the mesh, or "
+        "bind a material without scatterDistance");
   }
 
   void add(InstanceDescription instance, const MeshRecord& mesh) {
@@ -155,7 +167,8 @@ Translation SceneTranslator::translate(const Records& records) {
 bool same_scene(const Translation& a, const Translation& b) {
   const auto same_instance = [](const InstanceDescription& x, const InstanceDescription& y) {
     return x.prototype == y.prototype && x.object_to_world == y.object_to_world && x.materials == y.materials &&
-           x.prim_id == y.prim_id && x.instance_id == y.instance_id && x.name == y.name;
+           x.prim_id == y.prim_id && x.instance_id == y.instance_id && x.name == y.name &&
+           x.subsurface_set == y.subsurface_set;
   };
   return std::equal(a.scene.instances.begin(), a.scene.instances.end(), b.scene.instances.begin(),
                     b.scene.instances.end(), same_instance) &&

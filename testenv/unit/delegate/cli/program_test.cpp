@@ -76,6 +76,13 @@ TEST_F(ProgramTest, UsageErrorsEndWithTwo) {
 }
 
 TEST_F(ProgramTest, InputErrorsEndWithThree) {
+  std::string flat = hd::description::patch_gltf(true, true);
+  flat.replace(flat.find("\"translation\": [0, 0, 5]"), 24, "\"scale\": [0, 0, 0]");
+  write("flat.gltf", flat);
+  const Outcome camera = run({"render", "flat.gltf", "-o", "a.exr", "--camera", "front"});
+  EXPECT_EQ(camera.code, 3);
+  EXPECT_HAS(camera.err, "camera");
+  EXPECT_HAS(camera.err, "scaled to zero");
   const Outcome missing = run({"render", "absent.glb", "-o", "a.exr"});
   EXPECT_EQ(missing.code, 3);
   EXPECT_HAS(missing.err, "absent.glb: There is no such file");
@@ -173,7 +180,7 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
   }
   for (const char* name : {"load", "render", "write"}) EXPECT_GT(stats["phases"][name]["wall"], 0) << name;
   EXPECT_EQ(keys(stats["rays"]), (Names{"bounce", "camera", "probe", "shadow", "walk"}));
-  EXPECT_EQ(keys(stats["walks"]), (Names{"count", "events", "exits", "lost", "segments"}));
+  EXPECT_EQ(keys(stats["walks"]), (Names{"count", "events", "exits", "lost", "lostShare", "segments"}));
   EXPECT_EQ(keys(stats["samples"]), (Names{"perPixel", "total"}));
   EXPECT_GT(stats["peakMemory"], 1 << 20);
 }

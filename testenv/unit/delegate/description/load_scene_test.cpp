@@ -128,6 +128,15 @@ TEST_F(LoadSceneTest, SubdivisionOfAMesh) {
   EXPECT_EQ(mesh.subdivTags.faceVaryingLinearInterpolation, Token("all"));
 }
 
+TEST_F(LoadSceneTest, SubsurfaceSetOfAMesh) {
+  const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "meshes": [{"match": "patch", "subsurfaceSet": "body"}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  const host::PrimvarValue& set = only_mesh().primvars.at("subsurfaceSet");
+  EXPECT_EQ(set.interpolation, Interpolation::constant);
+  EXPECT_EQ(set.value.text_or(""), "body");
+}
+
 TEST_F(LoadSceneTest, TransformsComposeAsWritten) {
   // (1,-1,0) scaled by 2 -> (2,-2,0); 90 degrees about z -> (2,2,0); moved -> (12,2,0).
   ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf",

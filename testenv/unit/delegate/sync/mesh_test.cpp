@@ -305,6 +305,36 @@ TEST(MeshSync, ARemovedPrimvarIsGone) {
   EXPECT_NE(stage.dump().find("uvs no"), std::string::npos);
 }
 
+TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
+  Stage stage;
+  MaterialNetwork wax;
+  wax.nodes["/wax/surface"] = {"AlabasterDisney", {{"scatterDistance", Vec3f(1, 1, 1)}}, {}};
+  wax.terminals["surface"] = {"/wax/surface", "surface"};
+  stage.scene.SetMaterial("/wax", wax);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/wax";
+  const auto dump_with = [&](host::PrimvarValue value) {
+    mesh.primvars["subsurfaceSet"] = std::move(value);
+    stage.scene.SetMesh("/m", mesh);
+    return stage.dump();
+  };
+  EXPECT_NE(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet named body\n"),
+            std::string::npos);
+  EXPECT_NE(stage.delegate->InvokeCommand("requirements", {}).text_or("").find("subsurface sets: yes (named body: 1 "),
+            std::string::npos);
+  EXPECT_NE(
+      dump_with({Interpolation::constant, {}, std::string("byMaterial"), {}}).find("subsurfaceSet material /wax\n"),
+      std::string::npos);
+  EXPECT_EQ(stage.count("mesh.subsurfaceSet"), 0u);
+  for (const host::PrimvarValue& wrong : {host::PrimvarValue{Interpolation::vertex, {}, Token("body"), {}},
+                                          host::PrimvarValue{Interpolation::constant, {}, 3.0f, {}}})
+    EXPECT_EQ(dump_with(wrong).find("subsurfaceSet"), std::string::npos);
+  EXPECT_EQ(stage.count("mesh.subsurfaceSet"), 2u);
+  // An object that does not scatter is in no set.
+  mesh.material = Path();
+  EXPECT_EQ(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet"), std::string::npos);
+}
+
 TEST(MeshSync, StopEndsBuildingAndRestartTakesItUpAgain) {
   Stage stage;
   stage.scene.SetMesh("/m", Stage::quad());
