@@ -12,10 +12,15 @@ namespace alabaster::testing {
 namespace {
 
 constexpr Table kTables[] = {
-    {"slab_albedo", print_slab_albedo},         {"radial_profile", print_radial_profile},
-    {"chromatic_walks", print_chromatic_walks}, {"shortcuts", print_shortcuts},
-    {"analytic_bodies", print_analytic_bodies}, {"mesh_bodies", print_mesh_bodies},
-    {"rendered_bodies", print_rendered_bodies}, {"extremes", print_extremes},
+    {"slab_albedo", print_slab_albedo},
+    {"radial_profile", print_radial_profile},
+    {"diffusion_profile", print_diffusion_profile},
+    {"chromatic_walks", print_chromatic_walks},
+    {"shortcuts", print_shortcuts},
+    {"analytic_bodies", print_analytic_bodies},
+    {"mesh_bodies", print_mesh_bodies},
+    {"rendered_bodies", print_rendered_bodies},
+    {"extremes", print_extremes},
 };
 
 // Standard errors of quantities between 0 and 1.

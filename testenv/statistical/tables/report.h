@@ -64,6 +64,7 @@ struct Table {
 
 void print_slab_albedo(Report& report);
 void print_radial_profile(Report& report);
+void print_diffusion_profile(Report& report);
 void print_chromatic_walks(Report& report);
 void print_shortcuts(Report& report);
 void print_analytic_bodies(Report& report);

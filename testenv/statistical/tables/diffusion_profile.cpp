@@ -1,0 +1,89 @@
+// Normalized diffusion by the very probes that render, against its own formula.
+#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/walks.h"
+#include "testenv/support/diffusion_body.h"
+
+namespace alabaster::testing {
+namespace {
+
+constexpr int kDecades = 5;  // of r/d: below 0.01, then up to 100
+
+/// Of a box this many d_red to either side the profile's tail is 1e-9, and floats still resolve what is below 0.01 d.
+constexpr float kHalf = 60;
+
+/// Per channel: what leaves, in all and by decades of r/d.
+struct ProfileTotals {
+  RunningStatistics all[3], decade[3][kDecades];
+
+  void merge(const ProfileTotals& o) {
+    for (size_t c = 0; c < 3; ++c) {
+      all[c].merge(o.all[c]);
+      for (size_t i = 0; i < kDecades; ++i) decade[c][i].merge(o.decade[c][i]);
+    }
+  }
+};
+
+double decade_end(int decade) {
+  return 1e-2 * std::pow(10.0, decade);
+}
+
+ProfileTotals probe(const DiffusionBody& body, const DiffusionEntry& entry, uint64_t probes, uint32_t seed) {
+  const Vec3d start = to_double(body.position(entry.hit));
+  return run_chunks<ProfileTotals>(probes, seed, [&](Rng& rng, ProfileTotals& totals) {
+    RenderCounters counters;
+    const auto exit = sample_exit(body, entry, rng, counters);
+    const double r = exit ? length(to_double(body.position(exit->hit)) - start) : 0;
+    for (int c = 0; c < 3; ++c) {
+      const double weight = exit ? static_cast<double>(exit->throughput[c]) : 0;
+      const double x = r / static_cast<double>(entry.scatter_distance[c]);
+      totals.all[c].add(weight);
+      for (int i = 0; i < kDecades; ++i)
+        totals.decade[c][i].add(x < decade_end(i) && (i == 0 || x >= decade_end(i - 1)) ? weight : 0);
+    }
+  });
+}
+
+}  // namespace
+
+void print_diffusion_profile(Report& report) {
+  struct Case {
+    const char* name;
+    Rgb albedo;
+    Rgb distance;
+  };
+  const Case cases[] = {{"A = .2, .5, .95", {0.2f, 0.5f, 0.95f}, {1.0f, 1.0f, 1.0f}},
+                        {"skin", {0.9f, 0.6f, 0.45f}, {1.0f, 0.35f, 0.2f}}};
+  constexpr const char* kChannels[] = {"red", "green", "blue"};
+  report.heading("Normalized diffusion on a plane: probed / formula");
+  report.paragraph(
+      "R = A (e^(-r/d) + e^(-r/3d)) / (8 pi d r). Energy by decades of r/d, probed on a box 120 d wide, with z; what\n"
+      "leaves in all must be A.");
+  report.columns({"medium", "channel", "below .01", "z", "[.01,.1)", "z", "[.1,1)", "z", "[1,10)", "z", "[10,100)", "z",
+                  "all", "A", "z"});
+  uint32_t seed = 2500;
+  const DiffusionBody box(box_mesh({kHalf, kHalf, kHalf}));
+  for (const Case& k : cases) {
+    const DiffusionEntry entry = box.entry({3, 2 * kHalf, 5}, {0, -1, 0}, k.albedo, k.distance);
+    const ProfileTotals t = probe(box, entry, report.walks_for(0.25), ++seed);
+    for (size_t c = 0; c < 3; ++c) {
+      const int channel = static_cast<int>(c);
+      const auto albedo = static_cast<double>(k.albedo[channel]);
+      std::vector<std::string> cells = {k.name, kChannels[c]};
+      double from = 0;
+      for (int i = 0; i < kDecades; ++i) {
+        const double to = diffusion_profile_cdf(decade_end(i), 1);
+        const double expected = albedo * (to - from);
+        cells.push_back(text("%.5f / %.5f", t.decade[c][i].mean(), expected));
+        // A radius is known to 4e-5: what that shifts across a decade's end.
+        cells.push_back(report.z(t.decade[c][i], expected, 1e-4));
+        from = to;
+      }
+      cells.push_back(Estimate(t.all[c]).text());
+      cells.push_back(text("%g", albedo));
+      cells.push_back(report.z(t.all[c], albedo, 1e-5));
+      report.row(cells);
+    }
+  }
+}
+
+}  // namespace alabaster::testing
