@@ -9,12 +9,19 @@ namespace alabaster {
 /// How albedo A is inverted to the single-scattering albedo alpha.
 enum class AlbedoInversion {
   chiang2016,    // the paper's eq. 1: obtains 0.926 at A = 1
-  exact,         // rational fit of the inverse of Chandrasekhar's H-function result
+  exact,         // rational fit of the inverse of Chandrasekhar's H-function result, and of the transport equation's at
+                 // g != 0: within 2e-8 of the albedo asked at g = 0, within 2e-5 of it at any g
   van_de_hulst,  // A = (1-s)(1-.139 s)/(1+1.17 s), s = sqrt(1-alpha)
 };
 
-/// 1 - alpha for A in [0,1] (clamped; NaN -> A = 0). The complement is carried because alpha = 1 - 2e-9 has no float.
-double one_minus_alpha(double albedo, AlbedoInversion inversion);
+/// g beyond this is clamped: the albedo inversion was fitted and measured up to here.
+inline constexpr double kMaxScatterAnisotropy = 0.9;
+
+/// 1 - alpha for A in [0,1] and Henyey-Greenstein g in [-0.9, 0.9] (both clamped; NaN -> 0). The complement is carried
+/// because alpha = 1 - 2e-9 has no float. Only `exact` knows g: chiang2016 and van_de_hulst are inversions for
+/// isotropic scattering, which g turns into the medium alike by similarity, alpha' = alpha (1-g) / (1 - alpha g) (van
+/// de Hulst 1980, chapter 14). That alone is off by up to 0.003 in A for g > 0, by up to 0.026 for g < 0.
+double one_minus_alpha(double albedo, AlbedoInversion inversion, double g = 0);
 
 /// Chandrasekhar H-function for isotropic scattering, mu in [0,1], by the closed form
 /// ln H = -(mu/pi) Int_0^{pi/2} ln(1 - alpha t cot t) / (cos^2 t + mu^2 sin^2 t) dt. Slow; for tests and tables.
@@ -32,12 +39,17 @@ float obtained_albedo(float albedo, AlbedoInversion inversion);
 double distance_scale(double albedo);
 
 struct Medium {
-  Rgb sigma_t{0.0f};                       // 1/world unit, eq. 3: 1/(d s); channels that do not scatter have 0
+  Rgb sigma_t{0.0f};                       // 1/world unit: 1/(d s (1-g)); channels that do not scatter have 0
   Rgb alpha{0.0f};                         // single-scattering albedo
   Rgb one_minus_alpha{1.0f};               // carried separately: see above
   bool active[3] = {false, false, false};  // channels with scatter_distance > 0
+  float g = 0;                             // Henyey-Greenstein: mean cosine of scattering, in [-0.9, 0.9]
 };
 
-Medium make_medium(const Rgb& albedo, const Rgb& scatter_distance, AlbedoInversion inversion);
+/// Eq. 3 gives the reduced extinction, sigma_t (1-g) = 1/(d s): so scatterDistance keeps its meaning over g. At equal A
+/// and d the mean distance between entry and exit stays within 3 % for g in [0, 0.9] and A >= 0.5, falls by a fifth at
+/// A = 0.2, g = 0.9, and falls where light is thrown back at once, g < 0
+/// (testenv/statistical/results/anisotropy.md).
+Medium make_medium(const Rgb& albedo, const Rgb& scatter_distance, AlbedoInversion inversion, float g = 0);
 
 }  // namespace alabaster

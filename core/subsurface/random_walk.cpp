@@ -6,6 +6,7 @@
 namespace alabaster {
 
 WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings) {
+  if (medium.g != 0) return {};
   float clearest = 2;  // of the channels' 1 - alpha
   bool guided = false;
   for (int c = 0; c < 3; ++c) {

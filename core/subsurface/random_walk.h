@@ -1,6 +1,7 @@
 // Path-traced subsurface scattering: Chiang, Kutz, Burley 2016, sections 2 and 3.
 //
-// The walk enters through a cosine lobe, scatters isotropically, and leaves where a segment meets the surface.
+// The walk enters through a cosine lobe, scatters isotropically or as Henyey and Greenstein say, and leaves where a
+// segment meets the surface.
 // Distances are sampled for one channel, chosen with probability proportional to the throughput (times alpha in the
 // paper's own weights), and the estimators of the channels are combined by the balance heuristic (one-sample MIS).
 // Termination is by roulette on the largest channel of the throughput: unbiased, no bounce cap. A safety cap of 1e6

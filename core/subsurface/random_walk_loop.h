@@ -23,6 +23,7 @@
 
 #include "core/subsurface/chromatic_segment.h"
 #include "core/subsurface/guided_segment.h"
+#include "core/subsurface/henyey_greenstein.h"
 
 namespace alabaster {
 
@@ -78,9 +79,11 @@ concept BoundsDistance = requires(const Tracer& tracer) {
 ///   double exit_distance(hit)                distance through the medium to it
 ///   bool advance(dir, t)                     moves; false if that left the body without crossing its surface
 /// Segment is ChromaticSegment or GuidedSegment; tests put wrong ones here to see that they notice.
-template <WalkShortcuts kShortcuts, class Segment, class Tracer>
+/// Phase samples its phase function perfectly, so that directions weigh one; shortcuts are for isotropic scattering.
+template <WalkShortcuts kShortcuts, class Segment, class Tracer, class Phase = IsotropicPhase>
 class WalkLoop {
  public:
+  static_assert(std::is_same_v<Phase, IsotropicPhase> || !(kShortcuts.guiding || kShortcuts.sphere_steps));
   using Exit = WalkLoopExit<typename Tracer::Hit>;
 
   WalkLoop(Tracer& tracer, const WalkStart& start, const Medium& medium, const WalkSettings& settings, Rng& rng,
@@ -92,6 +95,7 @@ class WalkLoop {
         medium_(medium),
         modes_(medium_, medium),
         guide_(start.inward),
+        phase_(medium.g),
         direction_(start.direction),
         throughput_(start.throughput) {
     for (size_t c = 0; c < 3; ++c)
@@ -166,15 +170,14 @@ class WalkLoop {
     if constexpr (kShortcuts.guiding) {
       return segment.sample(events_ == 0, &direction_, rng_);
     } else {
-      if (events_ > 0) direction_ = draw_isotropic();
+      if (events_ > 0) direction_ = phase_.sample(direction_, draw());
       return segment.sample_distance(rng_);
     }
   }
 
-  Vec3f draw_isotropic() {
-    const float u = rng_.uniform(), z = 1 - 2 * u, r = 2 * safe_sqrt(u * (1 - u));
-    const auto [sine, cosine] = quick_sine_cosine_turns(rng_.uniform());
-    return {r * cosine, r * sine, z};
+  Vec2f draw() {
+    const float u = rng_.uniform();
+    return {u, rng_.uniform()};
   }
 
   bool move(const Vec3f& direction, double t) {
@@ -217,7 +220,7 @@ class WalkLoop {
     if constexpr (kShortcuts.guiding) {
       move(guided_jump({medium_, modes_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
     } else {
-      move(draw_isotropic(), radius);
+      move(phase_.sample(direction_, draw()), radius);
       for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(modes_.kappa[c] * radius);
     }
   }
@@ -247,6 +250,7 @@ class WalkLoop {
   const WalkMedium medium_;
   const Modes modes_;
   Guide guide_;
+  const Phase phase_;
   Vec3f direction_;
   ChannelValues throughput_;
   double entering_ = 0;  // sum of the throughput at the start
@@ -254,15 +258,19 @@ class WalkLoop {
   bool ended_ = false, thickness_known_ = false;
 };
 
-/// The plain walk: no shortcut whatever the settings say.
+/// The plain walk: no shortcut whatever the settings say. The phase function is chosen once per walk, so that isotropic
+/// media do not pay for others.
 template <class Segment = ChromaticSegment, class Tracer>
 std::optional<WalkLoopExit<typename Tracer::Hit>> run_plain_walk(Tracer& tracer, const WalkStart& start,
                                                                  const Medium& medium, const WalkSettings& settings,
                                                                  Rng& rng, RenderCounters& counters) {
-  return WalkLoop<WalkShortcuts{}, Segment, Tracer>(tracer, start, medium, settings, rng, counters).run();
+  constexpr WalkShortcuts kNone{};
+  if (medium.g == 0) return WalkLoop<kNone, Segment, Tracer>(tracer, start, medium, settings, rng, counters).run();
+  return WalkLoop<kNone, Segment, Tracer, HenyeyGreensteinPhase>(tracer, start, medium, settings, rng, counters).run();
 }
 
-/// Which shortcuts pay in this medium, of those that the settings allow.
+/// Which shortcuts pay in this medium, of those that the settings allow: none where scattering has a preferred
+/// direction.
 WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings);
 
 /// The walk with the shortcuts that pay; sphere steps only where the tracer can bound distances.

@@ -11,6 +11,10 @@ reweighted least squares (Lawson) on the linearised problem. Prints the coeffici
 """
 import numpy as np
 
+# The result: what core/subsurface/medium.cpp has. fit_anisotropic_inversion.py starts from it.
+P = (1, 1.90590733792, 0.722472222151, 0.00527736903751)
+Q = (1, 3.35007585287, 3.22823189382, 0.813263477961)
+
 
 def tanh_sinh(length, step=1 / 16, steps=72):
     x = step * np.arange(-steps, steps + 1)

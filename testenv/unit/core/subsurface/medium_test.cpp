@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "testenv/support/albedo_table.h"
+#include "testenv/support/anisotropic_half_space.h"
 
 namespace alabaster {
 namespace {
@@ -114,6 +115,83 @@ TEST(AlbedoInversion, FallsStrictly) {
       EXPECT_GT(one_minus_alpha(i / 1000.0, inversion), one_minus_alpha((i + 1) / 1000.0, inversion));
 }
 
+// The solver of the tests is right where the answer is known in closed form...
+TEST(AnisotropicHalfSpace, IsChandrasekharsWithoutAnisotropy) {
+  for (const double complement : {0.9, 0.5, 0.1, 1e-2, 1e-4})
+    EXPECT_NEAR(testing::anisotropic_half_space_albedo(complement, 0), half_space_albedo(complement), 2e-9);
+}
+
+// ... and where another method has been there: testenv/statistical/fit_anisotropic_inversion.py, 128 directions.
+TEST(AnisotropicHalfSpace, IsTheDiscreteOrdinatesSolution) {
+  constexpr double kKnown[][3] = {{-0.9, 0.5, 0.2502786709}, {-0.9, 0.01, 0.8475340929}, {-0.5, 0.1, 0.5468555899},
+                                  {0.3, 0.01, 0.7600990986}, {0.7, 0.1, 0.2768330240},   {0.7, 1e-4, 0.9587718126},
+                                  {0.9, 0.5, 0.0182542025},  {0.9, 0.01, 0.4934153756}};
+  for (const auto& [g, complement, albedo] : kKnown)
+    EXPECT_NEAR(testing::anisotropic_half_space_albedo(complement, g), albedo, 1e-7) << g << ' ' << complement;
+}
+
+TEST(AlbedoInversion, AnisotropicObtainsTheAlbedoAsked) {
+  double worst = 0, worst_relative = 0;
+  for (int i = -9; i <= 9; ++i)
+    for (const double albedo : {0.005, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99}) {
+      const double g = i / 10.0;
+      const double complement = one_minus_alpha(albedo, AlbedoInversion::exact, g);
+      const double error = std::abs(testing::anisotropic_half_space_albedo(complement, g) - albedo);
+      worst = std::max(worst, error);
+      worst_relative = std::max(worst_relative, error / std::min(albedo, 1 - albedo));
+    }
+  EXPECT_LT(worst, 2.1e-5);
+  EXPECT_LT(worst_relative, 4e-4);
+}
+
+TEST(AlbedoInversion, AnisotropicIsTheIsotropicOneAtZeroBitForBit) {
+  for (int i = 0; i <= 1000; ++i) {
+    const double a = i / 1000.0;
+    constexpr double p[4] = {1, 1.90590733792, 0.722472222151, 0.00527736903751};
+    constexpr double q[4] = {1, 3.35007585287, 3.22823189382, 0.813263477961};
+    const double s =
+        (1 - a) * (p[0] + a * (p[1] + a * (p[2] + a * p[3]))) / (q[0] + a * (q[1] + a * (q[2] + a * q[3])));
+    EXPECT_EQ(one_minus_alpha(a, AlbedoInversion::exact, 0), s * s);
+    EXPECT_EQ(one_minus_alpha(a, AlbedoInversion::exact, kNan), s * s);
+    EXPECT_EQ(one_minus_alpha(a, AlbedoInversion::chiang2016, 0),
+              std::exp(a * (-5.09406 + a * (2.61188 - a * 4.31805))));
+  }
+}
+
+TEST(AlbedoInversion, AnisotropicEndsAndOrder) {
+  for (int i = -18; i <= 18; ++i) {
+    const double g = i / 20.0;
+    EXPECT_EQ(one_minus_alpha(0, AlbedoInversion::exact, g), 1);
+    EXPECT_EQ(one_minus_alpha(1, AlbedoInversion::exact, g), 0);
+    for (const AlbedoInversion inversion : kInversions)
+      for (int k = 0; k < 1000; ++k)
+        ASSERT_GT(one_minus_alpha(k / 1000.0, inversion, g), one_minus_alpha((k + 1) / 1000.0, inversion, g)) << g;
+  }
+  for (const double beyond : {0.91, 7.0, kInfinity})
+    for (const double sign : {-1.0, 1.0})
+      EXPECT_EQ(one_minus_alpha(0.5, AlbedoInversion::exact, sign * beyond),
+                one_minus_alpha(0.5, AlbedoInversion::exact, sign * kMaxScatterAnisotropy));
+}
+
+TEST(AlbedoInversion, OthersKnowAnisotropyBySimilarity) {
+  // alpha' = alpha (1-g) / (1 - alpha g) is the isotropic medium that is alike.
+  for (const AlbedoInversion inversion : {AlbedoInversion::chiang2016, AlbedoInversion::van_de_hulst})
+    for (const double g : {-0.9, 0.3, 0.9})
+      for (const double albedo : {0.0, 0.2, 0.5, 0.8, 1.0}) {
+        const double alpha = 1 - one_minus_alpha(albedo, inversion, g);
+        const double alike = alpha * (1 - g) / (1 - alpha * g);
+        EXPECT_NEAR(1 - alike, one_minus_alpha(albedo, inversion), 1e-12);
+      }
+}
+
+TEST(AlbedoInversion, WhiteIsDiffusionAtEveryG) {
+  // 1 - A -> 4/sqrt(3) sqrt((1-alpha)/(1-g)), whatever the phase function.
+  for (const double g : {-0.9, -0.5, 0.3, 0.9}) {
+    const double s = std::sqrt(one_minus_alpha(1 - 1e-7, AlbedoInversion::exact, g) / (1 - g));
+    EXPECT_NEAR(4 / std::sqrt(3.0) * s / 1e-7, 1, 1e-5) << g;
+  }
+}
+
 TEST(DistanceScale, IsEquationTwo) {
   EXPECT_NEAR(distance_scale(0), 4.14, 1e-12);
   EXPECT_NEAR(distance_scale(0.2), 2.96, 1e-12);
@@ -134,6 +212,23 @@ TEST(MakeMedium, IsEquationThreePerChannel) {
     EXPECT_FLOAT_EQ(medium.one_minus_alpha[c], static_cast<float>(complement));
     EXPECT_FLOAT_EQ(medium.alpha[c], static_cast<float>(1 - complement));
   }
+}
+
+TEST(MakeMedium, AnisotropyKeepsTheReducedExtinction) {
+  const Rgb albedo(0.9f, 0.5f, 0.2f), distance(2.0f, 1.0f, 0.25f);
+  const Medium isotropic = make_medium(albedo, distance, AlbedoInversion::exact);
+  EXPECT_EQ(isotropic.g, 0);
+  for (const float g : {-0.9f, 0.3f, 0.9f}) {
+    const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact, g);
+    EXPECT_EQ(medium.g, g);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_FLOAT_EQ(medium.sigma_t[c] * (1 - g), isotropic.sigma_t[c]);
+      const double complement = one_minus_alpha(albedo[c], AlbedoInversion::exact, g);
+      EXPECT_FLOAT_EQ(medium.one_minus_alpha[c], static_cast<float>(complement));
+    }
+  }
+  EXPECT_EQ(make_medium(albedo, distance, AlbedoInversion::exact, 2.0f).g, static_cast<float>(kMaxScatterAnisotropy));
+  EXPECT_EQ(make_medium(albedo, distance, AlbedoInversion::exact, std::numeric_limits<float>::quiet_NaN()).g, 0);
 }
 
 TEST(MakeMedium, ChannelsWithoutADistanceDoNotScatter) {
