@@ -54,8 +54,8 @@ WalkEntry walk_entry(const PathVertex& v, bool within, const PathState& path) {
 std::optional<SubsurfaceExit> walk_to_exit(const PathContext& context, const PixelSampler& sampler,
                                            const PathVertex& vertex, bool within, const PathState& path) {
   const Instance& instance = *vertex.instance;
-  const Medium medium =
-      make_medium(vertex.material.base_color, vertex.material.scatter_distance, context.settings.walk.inversion);
+  const Medium medium = make_medium(vertex.material.base_color, vertex.material.scatter_distance,
+                                    context.settings.walk.inversion, vertex.material.scatter_anisotropy);
   const float scale = max_component(path.throughput);
   if (!(scale > 0)) return std::nullopt;
   WalkEntry entry = walk_entry(vertex, within, path);
@@ -110,8 +110,11 @@ std::optional<SubsurfaceExit> lambert_or_walk(const PathContext& context, const 
                                               const PathVertex& v, const PathState& path) {
   const AlbedoInversion inversion = context.settings.walk.inversion;
   const Rgb& albedo = v.material.base_color;
+  // Without g: the isotropic medium of the same A and d reaches as far (make_medium). What the other inversions obtain
+  // is known for it alone.
   const LambertLimit limit = lambert_limit(make_medium(albedo, v.material.scatter_distance, inversion));
-  const float probability = lambert_probability(path.footprint.cone.width, limit);
+  const bool known = v.material.scatter_anisotropy == 0 || inversion == AlbedoInversion::exact;
+  const float probability = known ? lambert_probability(path.footprint.cone.width, limit) : 0;
   if (probability > 0) {
     // Numbers of their own: what the walk does must not depend on what was asked here.
     const auto u = sampler.draw(Dimension::subsurface_rung, path.depth);

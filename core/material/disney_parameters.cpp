@@ -33,6 +33,7 @@ DisneyParameters clamp_to_ranges(const DisneyParameters& parameters) {
   p.clearcoat = clamped(p.clearcoat, 0, 1, defaults.clearcoat);
   p.clearcoat_gloss = clamped(p.clearcoat_gloss, 0, 1, defaults.clearcoat_gloss);
   p.scatter_distance = clamped(p.scatter_distance, kUnbounded, defaults.scatter_distance);
+  p.scatter_anisotropy = clamped(p.scatter_anisotropy, -0.9f, 0.9f, defaults.scatter_anisotropy);
   p.emission = clamped(p.emission, kUnbounded, defaults.emission);
   return p;
 }

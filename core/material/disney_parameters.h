@@ -20,8 +20,9 @@ struct DisneyParameters {
   float sheen_tint = 0.5f;
   float clearcoat = 0;
   float clearcoat_gloss = 1;
-  Rgb scatter_distance{0.0f};  // per channel, scene units; 0: Lambert in that channel
-  Rgb emission{0.0f};          // radiance
+  Rgb scatter_distance{0.0f};    // per channel, scene units; 0: Lambert in that channel
+  float scatter_anisotropy = 0;  // Henyey-Greenstein g of the scattering below the surface
+  Rgb emission{0.0f};            // radiance
 
   bool scatters() const { return max_component(scatter_distance) > 0; }
 };

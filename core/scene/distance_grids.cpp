@@ -12,7 +12,7 @@ float long_walks_mfp(const DisneyMaterial& material) {
   if (!material.scatters()) return 0;
   const DisneyParameters& p = material.constants;
   const Rgb albedo = material.base_color_map ? Rgb(1.0f) : p.base_color;
-  const Medium medium = make_medium(albedo, p.scatter_distance, AlbedoInversion::exact);
+  const Medium medium = make_medium(albedo, p.scatter_distance, AlbedoInversion::exact, p.scatter_anisotropy);
   if (!useful_shortcuts(medium, {}).sphere_steps) return 0;
   float mfp = 0;
   for (int c = 0; c < 3; ++c)

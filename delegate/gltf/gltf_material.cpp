@@ -187,7 +187,8 @@ class MaterialTranslator {
     const char* key = scatter->Has("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
     const Vec3f albedo = color_or(scatter, key, Vec3f(0));
     Vec3f d;
-    for (int c = 0; c < 3; ++c) d[c] = scatter_distance(double(attenuation[c]), distance, double(albedo[c]));
+    const double g = set_anisotropy(scatter);
+    for (int c = 0; c < 3; ++c) d[c] = scatter_distance(double(attenuation[c]), distance, double(albedo[c]), g);
     base_color_ = albedo;
     set("baseColor", albedo);
     set("scatterDistance", d);
@@ -197,12 +198,18 @@ class MaterialTranslator {
     if (scatter->Has("multiscatterColorTexture"))
       report_.info("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.multiscatterColorTexture",
                    "colours the medium; how far light travels in it is that of the factor's colour everywhere");
-    if (number_or(scatter, "scatterAnisotropy", 0, -1, 1) != 0)
-      report_.info("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.scatterAnisotropy",
-                   "is not read: the walk scatters isotropically, and scatterDistance is measured with that");
     if (!find_extension(material_, "KHR_materials_diffuse_transmission"))
       report_.info("material.scatter", element_,
                    "is drawn as dense, though it has no KHR_materials_diffuse_transmission");
+  }
+
+  double set_anisotropy(Extension scatter) {
+    const double authored = number_or(scatter, "scatterAnisotropy", 0, -1, 1), g = std::clamp(authored, -0.9, 0.9);
+    if (g != authored)
+      report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.scatterAnisotropy",
+                      "is beyond what can be rendered; 0.9 of its sign is taken");
+    if (g != 0) set("scatterAnisotropy", g);
+    return g;
   }
 
   void set_sheen() {
@@ -290,11 +297,11 @@ TextureUses textures_of(const tinygltf::Material& material) {
   return uses;
 }
 
-float scatter_distance(double attenuation_color, double attenuation_distance, double albedo) {
+float scatter_distance(double attenuation_color, double attenuation_distance, double albedo, double g) {
   if (attenuation_color <= 0 || attenuation_distance <= 0) return 0;
   const double sigma_t = -std::log(std::min(attenuation_color, 0.999)) / attenuation_distance;
   const double s = 1.9 - albedo + 3.5 * (albedo - 0.8) * (albedo - 0.8);
-  return float(1 / (sigma_t * s));
+  return float(1 / (sigma_t * (1 - g) * s));
 }
 
 MaterialNetwork translate_material(const Document& document, size_t index, const Path& id, Report& report) {

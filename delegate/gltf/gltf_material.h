@@ -15,8 +15,9 @@ namespace alabaster::hd::gltf {
 /// (colour
 ///   over luminance) nearest to sheenColorFactor's hue by least squares. Its roughness has no counterpart.
 /// _volume with _volume_scatter: subsurface. baseColor = multiscatterColor, and the extinction of the volume,
-///   sigma_t = -ln(attenuationColor) / attenuationDistance, fixes scatterDistance d by sigma_t = 1 / (d s(A)),
-///   s(A) = 1.9 - A + 3.5 (A - .8)^2 (Chiang, Kutz, Burley 2016, eq. 3): d = 1 / (sigma_t s(A)), per channel.
+///   sigma_t = -ln(attenuationColor) / attenuationDistance, fixes scatterDistance d by sigma_t (1-g) = 1 / (d s(A)),
+///   s(A) = 1.9 - A + 3.5 (A - .8)^2 (Chiang, Kutz, Burley 2016, eq. 3), per channel, so that the walk has the file's
+///   sigma_t again; g = scatterAnisotropy, at most 0.9 of either sign.
 ///   multiscatterColorTexture (sRGB, a later draft's) multiplies baseColor; d stays that of the factor alone.
 /// ALAB_materials_disney: parameters by the node's own names, over all of the above; with baseColorTexture (sRGB) and
 ///   scatterDistanceTexture (numbers, no conversion), which multiply their parameters, 1 by default.
@@ -37,6 +38,6 @@ TextureUses textures_of(const tinygltf::Material& material);
 
 /// scatterDistance of one channel; 0 (Lambert) where light is attenuated at once. `attenuation_color` >= 1 (no
 /// attenuation) is taken as .999, since a walk must end.
-float scatter_distance(double attenuation_color, double attenuation_distance, double albedo);
+float scatter_distance(double attenuation_color, double attenuation_distance, double albedo, double g);
 
 }  // namespace alabaster::hd::gltf

@@ -15,9 +15,11 @@ struct DisneyParameter {
   int components;
 };
 constexpr DisneyParameter kDisneyParameters[] = {
-    {"baseColor", 3}, {"metallic", 1},       {"roughness", 1},       {"anisotropic", 1}, {"specularTint", 1},
-    {"ior", 1},       {"specular", 1},       {"specularColor", 3},   {"sheen", 1},       {"sheenTint", 1},
-    {"clearcoat", 1}, {"clearcoatGloss", 1}, {"scatterDistance", 3}, {"emission", 3}};
+    {"baseColor", 3},       {"metallic", 1},          {"roughness", 1},
+    {"anisotropic", 1},     {"specularTint", 1},      {"ior", 1},
+    {"specular", 1},        {"specularColor", 3},     {"sheen", 1},
+    {"sheenTint", 1},       {"clearcoat", 1},         {"clearcoatGloss", 1},
+    {"scatterDistance", 3}, {"scatterAnisotropy", 1}, {"emission", 3}};
 
 // Levenshtein's distance.
 size_t edit_distance(std::string_view a, std::string_view b) {

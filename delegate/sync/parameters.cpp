@@ -20,7 +20,7 @@ bool set_word(const SettingParameter& parameter, const Value& value, Enum* out) 
 
 std::span<const Parameter<DisneyParameters>> material_parameters() {
   using P = DisneyParameters;
-  static const std::array<Parameter<P>, 14> table{{
+  static const std::array<Parameter<P>, 15> table{{
       {"baseColor", &P::base_color, 0, 1},
       {"metallic", &P::metallic, 0, 1},
       {"roughness", &P::roughness, 0, 1},
@@ -34,6 +34,7 @@ std::span<const Parameter<DisneyParameters>> material_parameters() {
       {"clearcoat", &P::clearcoat, 0, 1},
       {"clearcoatGloss", &P::clearcoat_gloss, 0, 1},
       {"scatterDistance", &P::scatter_distance, 0, kInfinity},
+      {"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9},
       {"emission", &P::emission, 0, kInfinity},
   }};
   return table;

@@ -41,6 +41,7 @@ std::map<std::string, std::vector<float*>> disney_fields(DisneyParameters* p) {
           {"clearcoat", {&p->clearcoat}},
           {"clearcoatGloss", {&p->clearcoat_gloss}},
           {"scatterDistance", rgb(&p->scatter_distance)},
+          {"scatterAnisotropy", {&p->scatter_anisotropy}},
           {"emission", rgb(&p->emission)}};
 }
 

@@ -67,6 +67,22 @@ TEST(GltfTransforms, OptionTransformComesLastAndRootNamesThePrims) {
   expect_near(transformed({1, 0, 0}, (*transforms)[1]), {99, 0, 0});
 }
 
+// A file may ask for more anisotropy than can be rendered: said, and the nearest taken.
+TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
+  Json document = Json::parse(read_text(kFolder + "materials.gltf"));
+  for (const auto& [authored, taken] : {std::pair(0.9, 0.9f), {-0.95, -0.9f}, {1.0, 0.9f}}) {
+    document["materials"][3]["extensions"]["KHR_materials_volume_scatter"]["scatterAnisotropy"] = authored;
+    const TemporaryFolder folder;
+    const Loaded loaded = load(folder.write("materials.gltf", document.dump()));
+    ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+    EXPECT_EQ(loaded.says(Severity::warning, "scatterAnisotropy is beyond"),
+              authored != double(taken) && authored != 0.9);
+    const MaterialNetwork& network = loaded.scene->GetMaterials().at("/gltf/materials/materials/3_draft");
+    const MaterialNode& node = network.nodes.at(network.terminals.at("surface").upstreamNode);
+    EXPECT_EQ(node.parameters.at("scatterAnisotropy"), Value(taken)) << authored;
+  }
+}
+
 // Every triangle of a strip and of a fan faces the way the specification's formula says: here all towards +z.
 TEST(GltfModes, StripAndFanKeepTheirWinding) {
   const Loaded loaded = load_own("modes");

@@ -55,7 +55,7 @@ TEST(Parameters, EveryMaterialParameterOfTheSchemaArrives) {
     parameters[name] = p.value;
     expected[name] = p.text;
   }
-  EXPECT_EQ(expected.size(), 14u);
+  EXPECT_EQ(expected.size(), 15u);
   stage.scene.SetMaterial("/m", disney(parameters));
   host::MeshDescription mesh = Stage::quad();
   mesh.material = "/m";

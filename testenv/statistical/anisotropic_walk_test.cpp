@@ -1,0 +1,195 @@
+// Henyey-Greenstein scattering: its sampler, and the renderer's walk with it against a deterministic solution, the
+// invariance of the mean path, and the white furnace.
+#include <gtest/gtest.h>
+
+#include "testenv/support/analytic_bodies.h"
+#include "testenv/support/anisotropic_half_space.h"
+#include "testenv/support/chi_square.h"
+#include "testenv/support/scene_builder.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster::testing {
+namespace {
+
+constexpr float kAsymmetries[] = {-0.9f, -0.5f, 0.0f, 0.3f, 0.7f, 0.9f};
+
+std::optional<Vec3f> scatter(const Vec3f& direction, float g, Rng& rng) {
+  return HenyeyGreensteinPhase(g).sample(direction, uniform2(rng));
+}
+
+ChiSquareResult test_phase(const Vec3f& direction, float g, float pdf_g, uint64_t seed) {
+  ChiSquareOptions options{.bins_x = 20, .bins_y = 30, .samples = 100000, .seed = seed, .number_of_tests = 12};
+  options.frame = frame_from_normal(g < 0 ? -direction : direction);  // the fine bins where it peaks
+  options.pole_exponent = 2;
+  return chi_square_sphere([&](Rng& rng) { return scatter(direction, g, rng); },
+                           [&](const Vec3f& w) { return pdf_henyey_greenstein(dot(direction, w), pdf_g); }, options);
+}
+
+TEST(HenyeyGreensteinChiSquare, DrawsFromItsPdf) {
+  uint64_t seed = 200;
+  for (const float g : kAsymmetries)
+    for (const Vec3f& direction : {Vec3f(0, 0, 1), normalize(Vec3f(0.3f, -0.8f, -0.2f))}) {
+      const ChiSquareResult result = test_phase(direction, g, g, ++seed);
+      EXPECT_TRUE(result.passed) << g << '\n' << result.report;
+    }
+}
+
+TEST(HenyeyGreensteinChiSquare, AWrongPdfFails) {
+  const Vec3f direction(0, 0, 1);
+  EXPECT_FALSE(test_phase(direction, 0.5f, 0.52f, 1).passed);
+  EXPECT_FALSE(test_phase(direction, 0.5f, -0.5f, 2).passed);
+  EXPECT_FALSE(test_phase(direction, 0.9f, 0.895f, 3).passed);
+  EXPECT_FALSE(test_phase(direction, 0.03f, 0.0f, 4).passed);
+}
+
+TEST(HenyeyGreensteinMoments, MeanCosineIsG) {
+  const Vec3f direction = normalize(Vec3f(-0.5f, 0.1f, 0.7f));
+  for (const float g : kAsymmetries) {
+    Rng rng(300, 1);
+    RunningStatistics cosine, squared;
+    for (int i = 0; i < 200000; ++i) {
+      const double c = dot(direction, *scatter(direction, g, rng));
+      cosine.add(c);
+      squared.add(1.5 * c * c - 0.5);
+    }
+    // Legendre moments are the powers of g.
+    const double first = g, second = first * first;
+    EXPECT_TRUE(z_test(cosine, first, {0.01, 12, 1e-6}).passed) << g << ' ' << cosine.mean();
+    EXPECT_TRUE(z_test(squared, second, {0.01, 12, 1e-6}).passed) << g << ' ' << squared.mean();
+  }
+}
+
+RunningStatistics walk_half_space(const Medium& medium, double events_per_walk, uint64_t seed) {
+  RunningStatistics out;
+  RenderCounters counters;
+  Rng rng(seed, 78);
+  const int paths = static_cast<int>(std::min(1.5e6 / events_per_walk, 1e5));
+  for (int i = 0; i < paths; ++i) {
+    SlabTracer tracer;
+    const auto end = walk_body(tracer, SlabTracer::entry(), medium, {}, rng, counters);
+    out.add(end ? end->throughput[0] : 0);
+  }
+  EXPECT_EQ(counters.walk_safety_cap + counters.walk_lost, 0u);
+  return out;
+}
+
+// The mean number of events of a walk is (1 - A)/(1 - alpha): each takes 1 - alpha, and 1 - A is taken in all.
+TEST(AnisotropicHalfSpace, WalkObtainsTheAlbedoAskedAtEveryG) {
+  uint64_t seed = 400;
+  for (const float g : kAsymmetries)
+    for (const float asked : {0.2f, 0.5f, 0.8f, 0.95f}) {
+      const Medium medium = make_medium(Rgb(asked), {0.3f, 0, 0}, AlbedoInversion::exact, g);
+      const double complement = medium.one_minus_alpha.r;
+      const RunningStatistics walked = walk_half_space(medium, (1 - asked) / complement, ++seed);
+      const ZTestResult result = z_test(walked, asked, {0.01, 24, 2e-5});
+      EXPECT_TRUE(result.passed) << "g " << g << ": " << result.report;
+    }
+}
+
+TEST(AnisotropicHalfSpace, SimilarityAloneIsNoticed) {
+  // van_de_hulst knows g by similarity only: at g = -0.9 it obtains 0.024 less than A = 0.5. The walk tells, and the
+  // solver says by how much.
+  const double complement = one_minus_alpha(0.5, AlbedoInversion::van_de_hulst, -0.9);
+  const double obtained = anisotropic_half_space_albedo(complement, -0.9);
+  EXPECT_GT(std::abs(obtained - 0.5), 0.02);
+  const Medium medium = make_medium(Rgb(0.5f), {0.3f, 0, 0}, AlbedoInversion::van_de_hulst, -0.9f);
+  const RunningStatistics walked = walk_half_space(medium, 3, 450);
+  EXPECT_FALSE(z_test(walked, 0.5).passed);
+  const ZTestResult result = z_test(walked, obtained, {0.01, 1, 1e-6});
+  EXPECT_TRUE(result.passed) << result.report;
+}
+
+TEST(AnisotropicHalfSpace, AWrongPhaseFunctionIsNoticed) {
+  Medium medium = make_medium(Rgb(0.8f), {0.3f, 0, 0}, AlbedoInversion::exact, 0.3f);
+  medium.g = 0.25f;
+  EXPECT_FALSE(z_test(walk_half_space(medium, 30, 451), 0.8).passed);
+}
+
+TEST(AnisotropicSphere, IsWhiteAndItsMeanPathDoesNotKnowG) {
+  // Blanco and Fournier 2003: without absorption the mean path is 4V/S = 4/3 radius whatever scatters inside.
+  constexpr double kRadius = 2;
+  uint64_t seed = 500;
+  for (const float g : kAsymmetries) {
+    Medium medium = unit_medium(0);
+    medium.g = g;
+    Rng rng(++seed, 78);
+    RenderCounters counters;
+    RunningStatistics lengths, collisions;
+    for (int i = 0; i < 40000; ++i) {
+      SphereTracer tracer(kRadius);
+      const auto end = walk_body(tracer, SphereTracer::entry(), medium, {}, rng, counters);
+      ASSERT_TRUE(end);
+      ASSERT_EQ(end->throughput[0], 1);
+      lengths.add(tracer.path_length());
+      collisions.add(end->events);
+    }
+    for (const RunningStatistics& values : {lengths, collisions}) {
+      const ZTestResult result = z_test(values, 4.0 / 3 * kRadius, {0.01, 12, 1e-5});
+      EXPECT_TRUE(result.passed) << g << ": " << result.report;
+    }
+  }
+}
+
+// Guiding and sphere steps follow the diffusion modes of isotropic scattering: with g they are not taken.
+TEST(AnisotropicSphere, TakesNoShortcut) {
+  const auto sphere_steps = [](float g) {
+    const Medium medium = make_medium(Rgb(0.95f), Rgb(0.05f), AlbedoInversion::exact, g);
+    RenderCounters counters;
+    for (uint64_t i = 0; i < 200; ++i) {
+      Rng rng(i, 79), plain_rng(i, 79);
+      SphereTracer tracer(1), plain_tracer(1);
+      const auto end = walk_body_with_shortcuts(tracer, SphereTracer::entry(), medium, {}, rng, counters);
+      const auto plain = walk_body(plain_tracer, SphereTracer::entry(), medium, {}, plain_rng, counters);
+      if (g == 0) continue;
+      EXPECT_EQ(end.has_value() ? end->events : 0, plain.has_value() ? plain->events : 0);
+    }
+    return counters.walk_sphere_steps;
+  };
+  EXPECT_GT(sphere_steps(0), 0u);
+  for (const float g : {-0.5f, 1e-3f, 0.7f}) EXPECT_EQ(sphere_steps(g), 0u);
+}
+
+RenderRequest sphere_picture(const DisneyParameters& parameters, double scale) {
+  SceneBuilder b;
+  b.add(b.prototype(sphere_mesh(static_cast<float>(scale), 48, false)), b.material(parameters));
+  b.add(constant_dome(1, false));
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = look_at({0, 0, 4 * scale}, {0, 0, 0}, 4);
+  request.width = request.height = 16;
+  request.data_window = {0, 0, 16, 16};
+  request.settings.samples = 64;
+  return request;
+}
+
+// Through the whole renderer: entry and exit lobe let 41/42 of a white body's light out again (F_V is nil at 8
+// degrees).
+TEST(AnisotropicRender, WhiteBodyReturnsEverythingAtEveryG) {
+  for (const float g : kAsymmetries) {
+    DisneyParameters p;
+    p.base_color = Rgb(1.0f);
+    p.roughness = 0;  // no retro-reflection
+    p.specular = 0;
+    p.scatter_distance = Rgb(0.3f, 0.2f, 0.4f);
+    p.scatter_anisotropy = g;
+    RenderProgress progress;
+    const MeanError m = film_mean(*render(sphere_picture(p, 1), &progress), 1);
+    EXPECT_NEAR(m.mean, 41.0 / 42, 3.5 * m.standard_error + 1e-6) << g;
+    EXPECT_EQ(progress.counters.walk_safety_cap + progress.counters.walk_lost, 0u);
+  }
+}
+
+TEST(AnisotropicRender, ScalingByPowersOfTwoChangesNoBit) {
+  const auto picture = [](double scale) {
+    DisneyParameters p;
+    p.base_color = {0.9f, 0.6f, 0.4f};
+    p.scatter_distance = Rgb(0.2f, 0.1f, 0.05f) * static_cast<float>(scale);
+    p.scatter_anisotropy = 0.7f;
+    return render(sphere_picture(p, scale))->resolve_float(Aov::color);
+  };
+  const auto original = picture(1);
+  for (const int exponent : {-20, 13}) EXPECT_EQ(picture(std::ldexp(1.0, exponent)), original);
+}
+
+}  // namespace
+}  // namespace alabaster::testing
