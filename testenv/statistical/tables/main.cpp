@@ -21,6 +21,7 @@ constexpr Table kTables[] = {
     {"mesh_bodies", print_mesh_bodies},
     {"rendered_bodies", print_rendered_bodies},
     {"extremes", print_extremes},
+    {"anisotropy", print_anisotropy},
 };
 
 // Standard errors of quantities between 0 and 1.

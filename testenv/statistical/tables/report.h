@@ -71,5 +71,6 @@ void print_analytic_bodies(Report& report);
 void print_mesh_bodies(Report& report);
 void print_rendered_bodies(Report& report);
 void print_extremes(Report& report);
+void print_anisotropy(Report& report);
 
 }  // namespace alabaster::testing
