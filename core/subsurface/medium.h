@@ -48,7 +48,7 @@ struct Medium {
 
 /// Eq. 3 gives the reduced extinction, sigma_t (1-g) = 1/(d s): so scatterDistance keeps its meaning over g. At equal A
 /// and d the mean distance between entry and exit stays within 3 % for g in [0, 0.9] and A >= 0.5, falls by a fifth at
-/// A = 0.2, g = 0.9, and falls where light is thrown back at once, g < 0
+/// A = 0.2, g = 0.9 and by more in darker media, and falls where light is thrown back at once, g < 0
 /// (testenv/statistical/results/anisotropy.md).
 Medium make_medium(const Rgb& albedo, const Rgb& scatter_distance, AlbedoInversion inversion, float g = 0);
 
