@@ -148,7 +148,10 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
     if (!found) break;
 
     PathVertex vertex = make_vertex(context, path.ray, hit);
-    if (kMode == SubsurfaceMode::lambert) vertex.material.scatter_distance = Rgb(0.0f);
+    if (kMode == SubsurfaceMode::lambert)
+      vertex.material.scatter_distance = Rgb(0.0f);
+    else if (vertex.material.scatters())
+      drop_unresolved_distances(&vertex);
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;

@@ -30,6 +30,12 @@ Vec3f below_surface(const PathVertex& v) {
   return offset_point(hit.p, -v.hit.ng, hit.offset);
 }
 
+/// How deep that is, in world units. It is taken from object space for sets as well: nothing else is near at hand, and
+/// it only has to be of that size.
+float depth_below_surface(const PathVertex& v) {
+  return std::abs(dot(v.instance->object_to_world.vector(v.hit.ng_object * v.hit.offset_object), v.hit.ng));
+}
+
 Vec3f render_to_walk(const Instance& instance, const Vec3f& p) {
   return instance.walk.set ? p - instance.walk.set->origin : instance.world_to_object.point(p);
 }
@@ -41,6 +47,7 @@ bool leaves_shell(const PathVertex& v, const Vec3f& direction) {
 
 WalkEntry walk_entry(const PathVertex& v, bool within, const PathState& path) {
   WalkEntry entry{below_surface(v), -v.hit.ng, frame_from_normal(-v.frame.n)};
+  entry.depth = depth_below_surface(v);
   if (within) {
     // The viewer's side of the surface is the inner one.
     entry = {render_to_walk(*v.instance, path.ray.org), v.hit.ng, frame_from_normal(v.frame.n)};
@@ -178,6 +185,13 @@ template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext
                                                                const PathVertex&, bool, PathState*);
 template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext&, const PixelSampler&,
                                                                const PathVertex&, bool, PathState*);
+
+void drop_unresolved_distances(PathVertex* v) {
+  const float depth = depth_below_surface(*v);
+  Rgb& distance = v->material.scatter_distance;
+  for (int c = 0; c < 3; ++c)
+    if (!is_resolved(distance[c], depth)) distance[c] = 0;
+}
 
 bool is_within_medium(const PathVertex& vertex, const PathState& path) {
   const Instance& instance = *vertex.instance;

@@ -14,6 +14,9 @@ template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
                            bool within, PathState* path);
 
+/// Scatter distances too small for walks to resolve at the vertex become zero: Lambert, in that channel.
+void drop_unresolved_distances(PathVertex* vertex);
+
 /// Whether the path's ray met the vertex from within its medium: the inner side of a closed shell, whichever way the
 /// mesh winds. A camera may stand in there, and bodies may overlap that do not scatter as one.
 bool is_within_medium(const PathVertex& vertex, const PathState& path);

@@ -19,8 +19,12 @@ class MeshTracer {
 
   MeshTracer(const WalkSpace& space, const Vec3f& p) : space_(space), p_(p), entry_(p) {}
 
+  /// The walk has come `distance` through the medium when it begins.
+  void start_below(float distance) { behind_ = distance; }
+
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
     const Vec3f d = space_.world_to_object.vector(direction);
+    tmax = std::max(0.0f, tmax - behind_);
     const float rounding = kRounding * (max_abs_component(p_) / length(d) + tmax);
     step_back_ = 0;
     if (!space_.object->intersect({p_, d, tmax + rounding}, hit)) return false;
@@ -28,7 +32,7 @@ class MeshTracer {
     step_back_ = rounding;
     return false;
   }
-  double exit_distance(const Hit& hit) const { return hit.t; }
+  double exit_distance(const Hit& hit) const { return hit.t + behind_; }
   bool bounds_distance() const { return space_.distances != nullptr; }
   double distance_bound(double worthwhile) const {
     // No surface is further than where the walk began: most never leave that neighbourhood, and need not look.
@@ -38,8 +42,8 @@ class MeshTracer {
     return space_.distances->bound(p_) * space_.distance_scale;
   }
   bool advance(const Vec3f& direction, float t) {
-    p_ += space_.world_to_object.vector(direction) * std::max(0.0f, t - step_back_);
-    step_back_ = 0;
+    p_ += space_.world_to_object.vector(direction) * std::max(0.0f, t - behind_ - step_back_);
+    step_back_ = behind_ = 0;
     return space_.bounds.empty() ? is_finite(p_) : space_.bounds.contains(p_);
   }
 
@@ -49,6 +53,7 @@ class MeshTracer {
   const WalkSpace& space_;
   Vec3f p_, entry_;
   float step_back_ = 0;
+  float behind_ = 0;  // of the first segment
 };
 
 /// Traces a walk's segments in the union of the closed shells of a set. It keeps no depth that could go wrong: it
@@ -62,7 +67,10 @@ class SetTracer {
 
   SetTracer(const WalkSet& set, const Vec3f& p, bool from_behind) : set_(set), p_(p), from_behind_(from_behind) {}
 
+  void start_below(float distance) { behind_ = distance; }  // as MeshTracer
+
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
+    tmax = std::max(0.0f, tmax - behind_);
     const float rounding = kRounding * (max_abs_component(p_) + tmax);
     Vec3f from = p_;
     float passed = 0;
@@ -82,9 +90,10 @@ class SetTracer {
     }
     return false;
   }
-  double exit_distance(const Hit& hit) const { return hit.t; }
+  double exit_distance(const Hit& hit) const { return hit.t + behind_; }
   bool advance(const Vec3f& direction, float t) {
-    p_ += direction * std::max(0.0f, t - step_back_);
+    p_ += direction * std::max(0.0f, t - behind_ - step_back_);
+    behind_ = 0;
     return set_.bounds.contains(p_);
   }
 
@@ -103,6 +112,7 @@ class SetTracer {
   Vec3f p_;
   bool from_behind_;
   float step_back_ = 0;
+  float behind_ = 0;  // of the first segment
 };
 
 }  // namespace alabaster

@@ -24,12 +24,23 @@ Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u) {
   return inward >= 0 ? direction : direction - entry.ng_inward * (2 * inward);
 }
 
+namespace {
+
+/// Distance from the surface to where the walk begins, along its direction. Grazing directions, which would have been
+/// long under way, count as if they rose by a sixteenth.
+float entry_distance(const WalkEntry& entry, const Vec3f& direction) {
+  return entry.depth / std::max(dot(direction, entry.ng_inward), 0x1p-4f);
+}
+
+}  // namespace
+
 std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& entry, const Medium& medium,
                                     const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
                                     RenderCounters& counters) {
   const Rgb& t0 = entry.throughput;
   const auto walk = [&](auto tracer) {
     const Vec3f direction = entry.direction ? *entry.direction : sample_walk_entry(entry, u_entry);
+    tracer.start_below(entry_distance(entry, direction));
     return run_walk(tracer, {direction, entry.ng_inward, {t0.r, t0.g, t0.b}}, medium, settings, rng, counters);
   };
   const auto end =

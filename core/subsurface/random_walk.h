@@ -58,6 +58,9 @@ struct WalkEntry {
       1.0f};  // of the path so far, relative to its largest channel: weighs the channels from the first segment
   /// Unit, world: the path came to p through the medium already, and goes on this way. Else the entry lobe is sampled.
   std::optional<Vec3f> direction = {};
+  /// World distance along ng_inward from the surface to p: medium that the walk has to cross, though nothing was traced
+  /// in it. Small against the mean free path: see is_resolved().
+  float depth = 0;
   bool from_behind = false;  // into a set, through the inner side of an open shell: the medium is on its outer side
 };
 
@@ -69,6 +72,14 @@ struct WalkExit {
   /// (>= 2), so a step that stands for many events must count at least two.
   uint32_t events = 0;
 };
+
+/// Whether walks can tell `scatter_distance` from zero where they begin `depth` below the surface. What scatters
+/// nearer than that does so at that depth: of the mean free paths' starts a share depth / mfp is off by as much, which
+/// is 2e-4 of the light at this limit.
+inline bool is_resolved(float scatter_distance, float depth) {
+  constexpr float kDepths = 64;
+  return scatter_distance > kDepths * depth;
+}
 
 /// Direction in which a walk enters, unit, world. The lobe is the cosine hemisphere about the shading normal.
 /// Directions of it that a tilted shading normal sends out of the body are mirrored in the surface: how much light
