@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <utility>
 
 namespace alabaster {
@@ -29,7 +30,8 @@ constexpr AovInfo kAovs[kAovCount] = {{"color", 4, false},
                                       {"subsurfaceMultiple", 3, false},
                                       {"subsurfaceUnscattered", 3, false},
                                       {"specular", 3, false},
-                                      {"emission", 3, false}};
+                                      {"emission", 3, false},
+                                      {"error", 1, false}};
 
 const AovInfo& info(Aov a) {
   return kAovs[static_cast<size_t>(a)];
@@ -108,8 +110,7 @@ size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
 }
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
-  ++samples_[pixel];
-  auto& c = color_[pixel];
+  auto& c = color_[pixel][samples_[pixel]++ & 1];
   c[0] += s.color.r;
   c[1] += s.color.g;
   c[2] += s.color.b;
@@ -127,6 +128,18 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers)
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
 }
 
+// Half the difference of the halves' means has the variance of their mean.
+float FilmTile::deviation(size_t pixel) const {
+  const uint32_t n = samples_[pixel];
+  if (n < 2) return 0;
+  double squares = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    const double half = (color_[pixel][0][c] / (n - n / 2) - color_[pixel][1][c] / (n / 2)) / 2;
+    squares += half * half / 3;
+  }
+  return static_cast<float>(std::sqrt(squares));
+}
+
 void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
   const double scale = samples_[pixel] > 0 ? 1.0 / samples_[pixel] : 0;
   const auto average = [&](const auto& sums, size_t first, size_t count) {
@@ -135,10 +148,13 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
   };
   switch (aov) {
     case Aov::color:
-      average(color_, 0, 4);
+      for (size_t i = 0; i < 4; ++i) out[i] = static_cast<float>((color_[pixel][0][i] + color_[pixel][1][i]) * scale);
       break;
     case Aov::alpha:
-      average(color_, 3, 1);
+      *out = static_cast<float>((color_[pixel][0][3] + color_[pixel][1][3]) * scale);
+      break;
+    case Aov::error:
+      *out = deviation(pixel);
       break;
     case Aov::normal:
       average(normal_, 0, 3);

@@ -32,9 +32,10 @@ enum class Aov {
   subsurface_multiple,
   subsurface_unscattered,
   specular,
-  emission
+  emission,
+  error  // of color: standard deviation, estimated from two halves (frame_error.h)
 };
-inline constexpr int kAovCount = 17;
+inline constexpr int kAovCount = 18;
 constexpr uint32_t aov_bit(Aov a) {
   return 1u << static_cast<uint32_t>(a);
 }
@@ -88,7 +89,8 @@ class FilmTile {
   FilmTile(size_t pixels, uint32_t aovs);
 
   /// `pixel`: row-major within the tile. Order matters to the last bit: one tile's samples come in sample order.
-  /// `layers` of the sample: null where none of kLayerAovs was asked for.
+  /// A pixel's samples must come from two independent sets in turn. `layers` of the sample: null where none of
+  /// kLayerAovs was asked for.
   void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
   /// aov_components() values of a pixel: averages, or what the closest sample brought.
@@ -107,8 +109,11 @@ class FilmTile {
     float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
     int32_t prim_id = -1, instance_id = -1, element_id = -1;
   };
+  float deviation(size_t pixel) const;
+
   std::vector<uint32_t> samples_;
-  std::vector<std::array<double, 4>> color_;  // sums, premultiplied
+  using Halves = std::array<std::array<double, 4>, 2>;
+  std::vector<Halves> color_;  // sums over even and over odd samples, premultiplied
   Sums normal_, albedo_;
   std::vector<LayerPlane> layers_;  // those that were asked for
   std::vector<Closest> closest_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -13,16 +14,38 @@ struct SampleRange {
 };
 using PassSchedule = std::vector<SampleRange>;
 
-/// Ranges that cover [0, samples) in order: 1, 1, 2, 4, 8, then 16 at a time.
-inline PassSchedule make_pass_schedule(uint32_t samples) {
+/// Ranges that cover `all` in order: from 0 on 1, 1, 2, 4, 8, then 16 at a time.
+inline PassSchedule make_pass_schedule(const SampleRange& all) {
   constexpr uint32_t kLargest = 16;
   PassSchedule schedule;
-  for (uint32_t begin = 0; begin < samples;) {
-    const uint32_t count = std::min({std::max(1u, begin), kLargest, samples - begin});
+  for (uint32_t begin = all.begin; begin < all.end;) {
+    const uint32_t count = std::min({std::max(1u, begin), kLargest, all.end - begin});
     schedule.push_back({begin, begin + count});
     begin += count;
   }
   return schedule;
+}
+
+/// Samples per pixel that bring the error from what it is after `done` to `target`, at most `most`: it falls with their
+/// square root.
+inline uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target) {
+  const double ratio = error / target;
+  return static_cast<uint32_t>(std::clamp(std::ceil(done * ratio * ratio), 1.0, static_cast<double>(most)));
+}
+
+/// A frame whose error decides is rendered in rounds that end here; without a target there is one round.
+inline uint32_t first_round_end(uint32_t most, double target) {
+  constexpr uint32_t kFirst = 16;
+  return target > 0 ? std::min(most, kFirst) : most;
+}
+
+/// The end of the round after `done`, or `done`: enough. No round more than doubles the samples, for a prediction from
+/// few of them is worth little, nor adds less than a thirty-second, for looking costs time, too.
+inline uint32_t next_round_end(uint32_t done, uint32_t most, double error, double target) {
+  if (!(target > 0) || error <= target || done >= most) return done;
+  const uint32_t wanted = samples_for_error(done, most, error, target);
+  const uint32_t least = done + std::max(2u, done / 32);
+  return std::min(most, std::clamp(wanted, least, 2 * done));
 }
 
 }  // namespace alabaster

@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -22,6 +23,13 @@ namespace alabaster {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// A render that runs out of time has these at least.
+constexpr uint32_t kLeastSamples = 2;
+
+double seconds_since(const Clock::time_point& start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 double thread_cpu_seconds() {
   timespec t{};
@@ -62,19 +70,25 @@ struct RenderSession::State {
   bool paused = false;
 
   std::atomic<bool> stop_requested{false};
+  std::atomic<bool> out_of_time{false};
+  double limit = 0;  // seconds; 0: none
   std::atomic<bool> pause_requested{false};
   std::thread driver;
 
   void render(const RenderRequest& request);
-  void run_workers(const RenderRequest& request);
+  void run_rounds(const RenderRequest& request);
+  void run_workers(const RenderRequest& request, const PassSchedule& schedule);
+  void look_at_error(const RenderRequest& request, uint32_t samples);
   void work(const RenderRequest& request, const PassSchedule& schedule);
   bool render_tile(const RenderRequest& request, const PathContext& context, const SampleRange& range, int tile);
   bool may_go_on();
+  bool time_is_over();
   void tile_done(const RenderCounters& counters, double cpu_seconds, size_t tiles, size_t items);
 
   std::atomic<size_t> next_item{0};
   std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
-  size_t finished_items = 0;                       // under mutex
+  size_t finished_items = 0;                       // of this round, under mutex
+  uint32_t passes_before = 0;                      // this round, under mutex
 };
 
 // Blocks while paused. False: stop.
@@ -84,6 +98,12 @@ bool RenderSession::State::may_go_on() {
   std::unique_lock lock(mutex);
   changed.wait(lock, [this] { return !paused || stop_requested; });
   return !stop_requested;
+}
+
+bool RenderSession::State::time_is_over() {
+  if (!(limit > 0)) return false;
+  if (!out_of_time.load(std::memory_order_relaxed) && seconds_since(started) >= limit) out_of_time = true;
+  return out_of_time.load(std::memory_order_relaxed);
 }
 
 bool RenderSession::State::render_tile(const RenderRequest& request, const PathContext& context,
@@ -97,9 +117,11 @@ bool RenderSession::State::render_tile(const RenderRequest& request, const PathC
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
       const uint32_t seed = pixel_seed(x, y, settings.frame, settings.seed);
+      // Even and odd samples are two sets that know nothing of each other: frame_error.h.
+      const std::array<uint32_t, 2> halves{hash_combine(seed, 0), hash_combine(seed, 1)};
       for (uint32_t s = range.begin; s < range.end; ++s) {
-        if (!may_go_on()) return false;
-        const PixelSampler sampler(seed, s);
+        if (!may_go_on() || (range.begin >= kLeastSamples && time_is_over())) return false;
+        const PixelSampler sampler(halves[s & 1], s >> 1);
         const auto u = sampler.draw(Dimension::film_lens, 0);
         const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
         const Vec2f film_position(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
@@ -123,7 +145,8 @@ void RenderSession::State::tile_done(const RenderCounters& counters, double cpu_
   progress.samples_done = progress.counters.samples;
   progress.cpu_seconds += cpu_seconds;
   ++finished_items;
-  progress.passes_done = static_cast<uint32_t>(finished_items >= items ? items / tiles : finished_items / tiles);
+  progress.passes_done =
+      passes_before + static_cast<uint32_t>(finished_items >= items ? items / tiles : finished_items / tiles);
 }
 
 // Work items are (pass, tile) in order. Passes overlap, so no worker idles at the end of one; a tile's passes do not:
@@ -156,8 +179,14 @@ void RenderSession::State::work(const RenderRequest& request, const PassSchedule
   }
 }
 
-void RenderSession::State::run_workers(const RenderRequest& request) {
-  const PassSchedule schedule = make_pass_schedule(request.settings.samples);
+void RenderSession::State::run_workers(const RenderRequest& request, const PassSchedule& schedule) {
+  next_item = 0;
+  tile_passes = std::vector<std::atomic<uint32_t>>(static_cast<size_t>(film->tile_count()));
+  {
+    const std::lock_guard lock(mutex);
+    finished_items = 0;
+    passes_before = progress.passes_done;
+  }
   // TBB prints a warning when an arena asks for more than the process may have: never ask.
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const auto threads =
@@ -169,11 +198,37 @@ void RenderSession::State::run_workers(const RenderRequest& request) {
   });
 }
 
+// One round, unless the error decides: then it is looked at when all tiles have the same samples, so that what it
+// decides does not depend on threads.
+void RenderSession::State::run_rounds(const RenderRequest& request) {
+  const RenderSettings& settings = request.settings;
+  SampleRange round{0, first_round_end(settings.samples, settings.target_error)};
+  while (round.begin < round.end) {
+    run_workers(request, make_pass_schedule(round));
+    look_at_error(request, round.end);
+    if (stop_requested || out_of_time) return;
+    const std::lock_guard lock(mutex);
+    const FrameError& noise = progress.noise;
+    round = {round.end, next_round_end(round.end, settings.samples, noise.known ? noise.relative_rmse : 1e9,
+                                       settings.target_error)};
+  }
+}
+
+// Predicts the total, too.
+void RenderSession::State::look_at_error(const RenderRequest& request, uint32_t samples) {
+  const FrameError noise = estimate_frame_error(*film);
+  const std::lock_guard lock(mutex);
+  progress.noise = noise;
+  if (request.settings.target_error > 0 && noise.known)
+    progress.samples_total = progress.pixels * samples_for_error(samples, request.settings.samples, noise.relative_rmse,
+                                                                 request.settings.target_error);
+}
+
 // Nothing may leave the driver thread: an exception there would end the host.
 void RenderSession::State::render(const RenderRequest& request) {
   std::string error;
   try {
-    run_workers(request);
+    run_rounds(request);
   } catch (const std::exception& e) {
     error = std::string("rendering failed: ") + e.what();
   } catch (...) {
@@ -184,7 +239,7 @@ void RenderSession::State::render(const RenderRequest& request) {
                    : stop_requested ? SessionState::stopped
                                     : SessionState::finished;
   progress.error = std::move(error);
-  progress.wall_seconds = std::chrono::duration<double>(Clock::now() - started).count();
+  progress.wall_seconds = seconds_since(started);
   changed.notify_all();
 }
 
@@ -203,17 +258,16 @@ void RenderSession::start(const RenderRequest& request) {
     s.progress = {};
     s.progress.state = SessionState::rendering;
     s.progress.scene_number = request.scene->number;
-    s.progress.samples_total = static_cast<uint64_t>(std::max(0, request.data_window.width())) *
-                               static_cast<uint64_t>(std::max(0, request.data_window.height())) *
-                               request.settings.samples;
+    s.progress.pixels = static_cast<uint64_t>(std::max(0, request.data_window.width())) *
+                        static_cast<uint64_t>(std::max(0, request.data_window.height()));
+    s.progress.samples_total = s.progress.pixels * request.settings.samples;
     s.started = Clock::now();
+    s.limit = std::max(0.0, static_cast<double>(request.settings.time_limit));
     s.paused = false;
-    s.finished_items = 0;
   }
   s.stop_requested = false;
+  s.out_of_time = false;
   s.pause_requested = false;
-  s.next_item = 0;
-  s.tile_passes = std::vector<std::atomic<uint32_t>>(static_cast<size_t>(s.film->tile_count()));
   s.driver = std::thread([&s, request] { s.render(request); });
 }
 
@@ -256,7 +310,10 @@ RenderProgress RenderSession::progress() const {
   const std::lock_guard lock(state_->mutex);
   RenderProgress p = state_->progress;
   if (p.state == SessionState::rendering || p.state == SessionState::paused)
-    p.wall_seconds = std::chrono::duration<double>(Clock::now() - state_->started).count();
+    p.wall_seconds = seconds_since(state_->started);
+  if (p.samples_total > 0) p.fraction = static_cast<double>(p.samples_done) / static_cast<double>(p.samples_total);
+  if (state_->limit > 0) p.fraction = std::max(p.fraction, p.wall_seconds / state_->limit);
+  p.fraction = p.state == SessionState::finished ? 1.0 : std::min(p.fraction, 1.0);
   return p;
 }
 

@@ -16,6 +16,7 @@
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/film/filter.h"
+#include "core/film/frame_error.h"
 #include "core/integrator/path_integrator.h"
 #include "core/scene/scene.h"
 
@@ -23,7 +24,9 @@ namespace alabaster {
 
 /// Names, ranges and defaults: schemas/render_settings.json (a test compares).
 struct RenderSettings {
-  uint32_t samples = 64;  // per pixel
+  uint32_t samples = 64;   // per pixel, at most
+  float target_error = 0;  // relative RMSE (core/film/frame_error.h) at which the render ends; 0: it is not asked
+  float time_limit = 0;    // seconds from start() after which it ends, two samples per pixel at least; 0: none
   uint32_t seed = 0;
   uint32_t frame = 0;
   uint32_t max_depth = 8;  // bounces between surfaces; a subsurface walk counts as one
@@ -51,11 +54,15 @@ enum class SessionState { idle, rendering, paused, stopped, finished, failed };
 struct RenderProgress {
   SessionState state = SessionState::idle;
   uint64_t scene_number = 0;
-  uint64_t samples_done = 0, samples_total = 0;  // camera samples of the whole frame
-  uint32_t passes_done = 0;                      // whole passes: every pixel has at least this many samples
+  uint64_t pixels = 0;
+  uint64_t samples_done = 0, samples_total = 0;  // camera samples of the whole frame; the total is a prediction where
+                                                 // an error or a time decides
+  double fraction = 0;       // of the work that is done, 0..1
+  uint32_t passes_done = 0;  // whole passes: every pixel has at least this many samples
   double wall_seconds = 0;
   double cpu_seconds = 0;   // of the render workers
   RenderCounters counters;  // as of the last finished tile
+  FrameError noise;         // as of the last time that it was looked at: at the end, and where it decides
   std::string error;        // of a failed render
 };
 

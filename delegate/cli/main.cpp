@@ -23,7 +23,11 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("--time", a->time, "Frame number, whole")->type_name("N");
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
   c->add_option("--crop", a->crop, "Part to render, in pixels, y down")->type_name("X0,Y0,X1,Y1");
-  c->add_option("--spp", a->samples, "Samples per pixel")->type_name("N");
+  c->add_option("--spp", a->samples, "Samples per pixel, at most")->type_name("N");
+  c->add_option("--target-error", a->target_error,
+                "Ends when the noise is below this relative RMSE (0.02: two per cent)")
+      ->type_name("E");
+  c->add_option("--time-limit", a->time_limit, "Ends after so many seconds of rendering")->type_name("S");
   c->add_option("--seed", a->seed, "Another noise pattern")->type_name("N");
   c->add_option("--threads", a->threads, "Render threads; 0: all cores")->type_name("N");
   c->add_option("--max-depth", a->max_depth, "Bounces between surfaces")->type_name("N");
@@ -39,8 +43,7 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
       ->type_name("FILE");
   c->add_option("--aov", a->aovs,
                 "Further layer of every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
-                "...; several "
-                "times")
+                "error, ...; several times")
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -92,7 +92,11 @@ class RenderCommand {
     if (const auto size = parse_size(a_.size))
       add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
-    add("samples", a_.samples);
+    // Where an error or a time decides, samples are only a bound.
+    const bool decided = !a_.target_error.empty() || !a_.time_limit.empty();
+    add("samples", a_.samples.empty() && decided ? "65536" : a_.samples);
+    add("targetError", a_.target_error);
+    add("timeLimit", a_.time_limit);
     add("seed", a_.seed);
     add("threads", a_.threads);
     add("maxDepth", a_.max_depth);
@@ -198,6 +202,7 @@ class RenderCommand {
       console_.end_progress();
       stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
+      say_error(result.stats);
       code = exit_code(result.status);
       if (code != kDone) break;
     }
@@ -206,6 +211,19 @@ class RenderCommand {
       if (written_.empty()) console_.note("interrupted: nothing was written");
     }
     return code;
+  }
+
+  void say_error(const hd::Dictionary& stats) {
+    const auto percent = [&](const char* key) {
+      const auto found = stats.find(key);
+      return found == stats.end() ? -1 : 100 * found->second.number_or(-1);
+    };
+    if (percent("error.relativeRmse") < 0) return;
+    char text[160];
+    std::snprintf(text, sizeof text, "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel",
+                  percent("error.relativeRmse"), percent("error.low"), percent("error.high"),
+                  stats.at("numCompletedSamples").number_or(0));
+    console_.note(text);
   }
 
   static int exit_code(RecordStatus status) {

@@ -97,6 +97,10 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
       {"lost", count("walk.lost")},     {"lostShare", total("walk.lostEnergy") / std::max(1.0, total("walk.count"))}};
   out["samples"] = {{"perPixel", stats_.empty() ? 0 : value_number(stats_.front(), "numCompletedSamples")},
                     {"total", count("rays.camera")}};
+  if (!stats_.empty() && stats_.front().contains("error.relativeRmse"))
+    out["error"] = {{"relativeRmse", value_number(stats_.front(), "error.relativeRmse")},
+                    {"low95", value_number(stats_.front(), "error.low")},
+                    {"high95", value_number(stats_.front(), "error.high")}};
   out["peakMemory"] = peak_memory_bytes();
   out["delegate"] = json::array();
   for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_to_json(stats));

@@ -365,6 +365,9 @@ class Recording {
     for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
       m["alabaster/" + setting.key.str()] = delegate_->GetRenderSetting(setting.key);
     m["alabaster/samplesDone"] = result_.stats["numCompletedSamples"];
+    for (const char* key : {"relativeRmse", "low", "high"})
+      if (const auto found = result_.stats.find(std::string("error.") + key); found != result_.stats.end())
+        m[std::string("alabaster/error/") + key] = found->second;
     m["alabaster/renderSeconds"] = result_.stats["totalClockTime"];
     m["alabaster/cpuSeconds"] = result_.stats["cpuSeconds"];
     m["alabaster/peakMemory"] = result_.stats["peakMemory"];

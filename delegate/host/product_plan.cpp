@@ -33,6 +33,7 @@ constexpr KnownAov kAovs[] = {
     {"subsurfaceUnscattered", "subsurfaceUnscattered", "RGB", true, false, false},
     {"specular", "specular", "RGB", true, false, false},
     {"emission", "emission", "RGB", true, false, false},
+    {"error", "error", "", false, false, true},
 };
 
 const KnownAov* find_aov(const Token& name) {

@@ -77,7 +77,12 @@ std::span<const Parameter<CameraParameters>> camera_parameters() {
 const std::vector<SettingParameter>& setting_parameters() {
   using S = RenderSettings;
   static const std::vector<SettingParameter> table{
-      {"samples", "Camera samples per pixel.", &S::samples, 1, 1048576},
+      {"samples", "Camera samples per pixel, at most.", &S::samples, 1, 1048576},
+      {"targetError", "Relative RMSE of the noise at which the render ends; 0: samples alone decide.", &S::target_error,
+       0, 1},
+      {"timeLimit",
+       "Seconds after which the render ends; 0: none. The one setting whose picture depends on the machine.",
+       &S::time_limit, 0, 31536000},
       {"seed", "Another seed gives another, equally good noise pattern.", &S::seed, 0, 4294967295.0},
       {"frame", "Frame number: decorrelates the noise of successive frames.", &S::frame, 0, 4294967295.0},
       {"maxDepth", "Bounces between surfaces; a subsurface walk counts as one.", &S::max_depth, 0, 1024},
@@ -150,6 +155,11 @@ ParameterFault set_setting(const SettingParameter& parameter, const Value& value
           const ParameterFault fault = read_number(value, parameter.minimum, parameter.maximum, &read);
           if (fault != ParameterFault::type) settings->*member = static_cast<uint32_t>(read);
           return fault;
+        } else if constexpr (std::is_same_v<Member, float>) {
+          double read = 0;
+          const ParameterFault fault = read_number(value, parameter.minimum, parameter.maximum, &read);
+          if (fault != ParameterFault::type) settings->*member = static_cast<float>(read);
+          return fault;
         } else if constexpr (std::is_same_v<Member, bool>) {
           const double read = value.number_or(std::numeric_limits<double>::quiet_NaN());
           if (std::isnan(read)) return ParameterFault::type;
@@ -168,7 +178,7 @@ Value get_setting(const SettingParameter& parameter, const RenderSettings& setti
         using Member = std::decay_t<decltype(settings.*member)>;
         if constexpr (std::is_same_v<Member, uint32_t>)
           return static_cast<int64_t>(settings.*member);
-        else if constexpr (std::is_same_v<Member, bool>)
+        else if constexpr (std::is_same_v<Member, bool> || std::is_same_v<Member, float>)
           return settings.*member;
         else
           return parameter.choices[static_cast<size_t>(settings.*member)];

@@ -27,14 +27,15 @@ std::span<const Parameter<DisneyParameters>> material_parameters();          // 
 std::span<const Parameter<alabaster::LightDescription>> light_parameters();  // schemas/lights.json, but texture:file
 std::span<const Parameter<CameraParameters>> camera_parameters();  // schemas/camera.json, but projection, clippingRange
 
-/// A render setting: an integer, a switch, or one of a few words.
+/// A render setting: a number, a switch, or one of a few words.
 struct SettingParameter {
   const char* name;
   const char* documentation;
-  std::variant<uint32_t RenderSettings::*, bool RenderSettings::*, SubsurfaceMode RenderSettings::*,
-               AlbedoInversion RenderSettings::*, WalkWeights RenderSettings::*, PixelFilter RenderSettings::*>
+  std::variant<uint32_t RenderSettings::*, float RenderSettings::*, bool RenderSettings::*,
+               SubsurfaceMode RenderSettings::*, AlbedoInversion RenderSettings::*, WalkWeights RenderSettings::*,
+               PixelFilter RenderSettings::*>
       member;
-  double minimum = 0, maximum = 0;        // of integers
+  double minimum = 0, maximum = 0;        // of numbers
   std::vector<std::string> choices = {};  // of words, in the order of the enumeration
 };
 const std::vector<SettingParameter>& setting_parameters();  // schemas/render_settings.json

@@ -98,6 +98,7 @@ AovDescriptor default_aov_descriptor(const Token& name) {
       return described(Format::float32, 1.0f);
     case Aov::alpha:
     case Aov::camera_depth:
+    case Aov::error:
       return described(Format::float32, 0.0f);
     case Aov::prim_id:
     case Aov::instance_id:

@@ -113,7 +113,6 @@ void PassControl::start(PassInputs next) {
   cancelled_ = false;
   failed_ = false;
   finish_seen_ = false;
-  samples_per_pixel_ = running_.settings.samples;
   {
     const std::lock_guard lock(error_mutex_);
     error_.clear();

@@ -45,7 +45,6 @@ class PassControl {
   PassState state() const;
   bool is_converged() const { return converged_; }
   RenderProgress progress() const { return session_->progress(); }
-  uint32_t samples_per_pixel() const { return samples_per_pixel_; }
   std::string error() const;
 
  private:
@@ -64,7 +63,6 @@ class PassControl {
   std::atomic<bool> cancelled_{false};
   bool finish_seen_ = false;
   std::atomic<bool> converged_{false}, failed_{false};
-  std::atomic<uint32_t> samples_per_pixel_{0};
   mutable std::mutex error_mutex_;
   std::string error_;
   std::vector<std::pair<std::string, std::string>> reported_;  // host thread: faults of the last Execute

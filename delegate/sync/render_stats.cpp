@@ -52,17 +52,21 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
 void add_progress(const PassControl& pass, Dictionary* stats) {
   Dictionary& s = *stats;
   const RenderProgress p = pass.progress();
-  const double fraction =
-      p.samples_total ? static_cast<double>(p.samples_done) / static_cast<double>(p.samples_total) : 0.0;
+  const uint64_t pixels = std::max(p.pixels, uint64_t(1));
   s["state"] = std::string(state_name(pass.state()));
-  s["fractionDone"] = pass.is_converged() ? 1.0 : fraction;
-  s["percentDone"] = pass.is_converged() ? 100.0 : 100.0 * fraction;
+  s["fractionDone"] = pass.is_converged() ? 1.0 : p.fraction;
+  s["percentDone"] = pass.is_converged() ? 100.0 : 100.0 * p.fraction;
   s["totalClockTime"] = p.wall_seconds;
   s["cpuSeconds"] = p.cpu_seconds;
   s["renderProgressAnnotation"] = std::to_string(p.passes_done) + " passes";
   s["passesDone"] = count(p.passes_done);
-  s["samplesTotal"] = count(pass.samples_per_pixel());
-  s["numCompletedSamples"] = count(static_cast<uint64_t>(fraction * pass.samples_per_pixel()));
+  s["samplesTotal"] = count(p.samples_total / pixels);
+  s["numCompletedSamples"] = count(p.samples_done / pixels);
+  if (p.noise.known) {
+    s["error.relativeRmse"] = p.noise.relative_rmse;
+    s["error.low"] = p.noise.low;
+    s["error.high"] = p.noise.high;
+  }
   add_counters(p.counters, stats);
   if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
 }

@@ -65,7 +65,7 @@ bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
 TEST(PassSchedule, CoversAllSamplesInOrder) {
   for (const uint32_t samples : {0u, 1u, 2u, 3u, 17u, 64u, 100u}) {
     uint32_t next = 0;
-    for (const auto& range : make_pass_schedule(samples)) {
+    for (const auto& range : make_pass_schedule({0, samples})) {
       EXPECT_EQ(range.begin, next);
       EXPECT_GT(range.end, range.begin);
       next = range.end;
@@ -82,6 +82,49 @@ TEST(RenderSession, BytesDoNotDependOnThreads) {
   for (const uint32_t threads : {2u, 3u, 8u}) {
     request.settings.threads = threads;
     EXPECT_TRUE(same_bytes(one, light(request))) << threads << " threads";
+  }
+}
+
+TEST(PassSchedule, RoundsApproachTheErrorAndNeverStandStill) {
+  EXPECT_EQ(first_round_end(64, 0), 64u);
+  EXPECT_EQ(next_round_end(64, 64, 1, 0), 64u) << "no target: one round";
+  EXPECT_EQ(next_round_end(16, 4096, 0.1, 0.01), 32u) << "at most twice as many";
+  EXPECT_EQ(next_round_end(1000, 4096, 0.011, 0.01), 1210u) << "as many as the error asks for";
+  EXPECT_EQ(next_round_end(1000, 4096, 0.0100001, 0.01), 1031u) << "but no tiny step";
+  EXPECT_EQ(next_round_end(1000, 1100, 0.02, 0.01), 1100u) << "never more than allowed";
+  EXPECT_EQ(next_round_end(1000, 4096, 0.01, 0.01), 1000u) << "enough";
+}
+
+TEST(RenderSession, TheErrorAskedEndsItAtTheSameBytesForAnyThreads) {
+  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
+  RenderRequest request = mixed_request(4096);
+  request.settings.target_error = 0.15f;
+  std::vector<float> first;
+  for (const uint32_t threads : {1u, 5u}) {
+    request.settings.threads = threads;
+    RenderProgress progress;
+    const auto film = testing::render(request, &progress);
+    EXPECT_TRUE(progress.noise.known);
+    EXPECT_LE(progress.noise.relative_rmse, 0.15);
+    EXPECT_GT(progress.samples_done, 16u * 72 * 72);
+    EXPECT_LT(progress.samples_done, 4096u * 72 * 72);
+    EXPECT_EQ(progress.fraction, 1);
+    const auto pixels = film->resolve_float(Aov::color);
+    EXPECT_TRUE(first.empty() || same_bytes(first, pixels));
+    first = pixels;
+  }
+}
+
+TEST(RenderSession, ATimeLimitEndsItWithTwoSamplesAtLeast) {
+  RenderRequest request = mixed_request(1000000);
+  for (const float limit : {0.0001f, 0.3f}) {
+    request.settings.time_limit = limit;
+    RenderProgress progress;
+    const auto film = testing::render(request, &progress);
+    EXPECT_EQ(progress.state, SessionState::finished);
+    EXPECT_LT(progress.wall_seconds, 20);
+    EXPECT_TRUE(progress.noise.known);
+    for (const int32_t n : film->resolve_int(Aov::sample_count)) ASSERT_GE(n, 2);
   }
 }
 

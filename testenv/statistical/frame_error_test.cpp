@@ -1,0 +1,155 @@
+// Does a frame know its own noise? Many small renders against a reference with 64 times their samples.
+#include "core/film/frame_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+using testing::SceneBuilder;
+
+constexpr uint32_t kSamples = 32;
+constexpr int kSize = 24;
+
+RenderRequest request_of(SceneBuilder& builder) {
+  RenderRequest request;
+  request.scene = builder.snapshot();
+  request.camera = testing::look_at({0, 1.2, 3}, {0, 0.5, 0}, 35);
+  request.width = request.height = kSize;
+  request.data_window = {0, 0, kSize, kSize};
+  request.settings.samples = kSamples;
+  return request;
+}
+
+LightDescription ball_light(float radius, float intensity) {
+  LightDescription key;
+  key.type = LightType::sphere;
+  key.radius = radius;
+  key.intensity = intensity;
+  key.light_to_world.setTranslation(Vec3d(2, 3, 1));
+  return key;
+}
+
+void add_ball_on_floor(SceneBuilder* b, const DisneyParameters& ball) {
+  b->add(b->prototype(testing::sphere_mesh(0.5f, 16, true)), b->material(ball),
+         Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
+  b->add(b->prototype(testing::plane_mesh(4)), b->material({}));
+}
+
+RenderRequest skin_under_dome() {
+  SceneBuilder b;
+  DisneyParameters skin;
+  skin.base_color = {0.9f, 0.6f, 0.45f};
+  skin.scatter_distance = {0.1f, 0.05f, 0.03f};
+  add_ball_on_floor(&b, skin);
+  b.add(testing::constant_dome(0.3f, true)).add(ball_light(0.3f, 20));
+  return request_of(b);
+}
+
+RenderRequest marble_in_hard_light() {
+  SceneBuilder b;
+  DisneyParameters marble;
+  marble.base_color = {0.95f, 0.93f, 0.88f};
+  marble.scatter_distance = {0.2f, 0.15f, 0.1f};
+  add_ball_on_floor(&b, marble);
+  b.add(ball_light(0.02f, 2000));
+  return request_of(b);
+}
+
+RenderRequest gloss_without_subsurface() {
+  SceneBuilder b;
+  DisneyParameters gloss;
+  gloss.metallic = 1;
+  gloss.roughness = 0.3f;
+  add_ball_on_floor(&b, gloss);
+  b.add(ball_light(0.3f, 20)).add(testing::constant_dome(0.1f, true));
+  return request_of(b);
+}
+
+struct Calibration {
+  int inside = 0, frames = 0;
+  double ratio = 0, ratio_sigma = 0;  // estimated over true squared error: mean, and the standard error of the mean
+};
+
+Calibration calibrate(RenderRequest request, int frames) {
+  RenderRequest converged = request;
+  converged.settings.samples = 64 * kSamples;
+  converged.settings.seed = 1000;
+  const auto film = testing::render(converged);
+  const std::vector<float> reference = film->resolve_float(Aov::color);
+  const double left = std::pow(estimate_frame_error(*film).relative_rmse, 2);  // noise of the reference
+
+  Calibration result;
+  double sum = 0, squares = 0;
+  for (int i = 0; i < frames; ++i) {
+    request.settings.seed = uint32_t(i);
+    const auto frame = testing::render(request);
+    const FrameError error = estimate_frame_error(*frame);
+    EXPECT_TRUE(error.known);
+    const double truth = relative_mse(frame->resolve_float(Aov::color), reference, kSize, kSize) - left;
+    result.inside += truth >= error.low * error.low && truth <= error.high * error.high ? 1 : 0;
+    const double ratio = error.relative_rmse * error.relative_rmse / truth;
+    sum += ratio;
+    squares += ratio * ratio;
+  }
+  result.frames = frames;
+  result.ratio = sum / frames;
+  result.ratio_sigma = std::sqrt((squares / frames - result.ratio * result.ratio) / (frames - 1));
+  return result;
+}
+
+TEST(FrameError, TheTrueErrorLiesInTheIntervalThatFramesReport) {
+  int inside = 0, frames = 0;
+  for (const RenderRequest& request : {skin_under_dome(), marble_in_hard_light(), gloss_without_subsurface()}) {
+    const Calibration c = calibrate(request, 20);
+    std::printf("inside %d of %d; estimated / true squared error %.3f +- %.3f\n", c.inside, c.frames, c.ratio,
+                c.ratio_sigma);
+    inside += c.inside;
+    frames += c.frames;
+    EXPECT_NEAR(c.ratio, 1, 4 * c.ratio_sigma);
+    EXPECT_LT(c.ratio_sigma, 0.1) << "or the comparison says nothing";
+  }
+  EXPECT_GE(inside, 50) << "of " << frames << ": below 57 +- 1.7, 95 %, by four sigma";
+}
+
+// Two halves that are not independent would not notice their common error.
+TEST(FrameError, HalvesThatShareTheirNumbersAreCaught) {
+  FilmTile tile(1, aov_bit(Aov::color) | aov_bit(Aov::error));
+  FilmSample sample;
+  for (int i = 0; i < 8; ++i) {
+    sample.color = Rgb(float(i / 2));
+    tile.add(0, sample);
+  }
+  float error = 1;
+  tile.resolve(0, Aov::error, &error);
+  EXPECT_EQ(error, 0);  // so a session that gave both halves the same numbers would fail the calibration above
+}
+
+TEST(FrameError, EndsTheRenderAtTheErrorAsked) {
+  RenderRequest request = skin_under_dome();
+  RenderRequest converged = request;
+  converged.settings.samples = 4096;
+  converged.settings.seed = 1000;
+  const auto reference = testing::render(converged)->resolve_float(Aov::color);
+  int good = 0;
+  for (uint32_t seed = 0; seed < 10; ++seed) {
+    request.settings.seed = seed;
+    request.settings.samples = 65536;
+    request.settings.target_error = 0.1f;
+    RenderProgress progress;
+    const auto film = testing::render(request, &progress);
+    EXPECT_EQ(progress.state, SessionState::finished);
+    EXPECT_LE(progress.noise.relative_rmse, 0.1);
+    EXPECT_LT(progress.samples_done, uint64_t(2000) * kSize * kSize);
+    const double truth = std::sqrt(relative_mse(film->resolve_float(Aov::color), reference, kSize, kSize));
+    good += truth > 0.08 && truth < 0.12 ? 1 : 0;
+  }
+  EXPECT_GE(good, 9);
+}
+
+}  // namespace
+}  // namespace alabaster
