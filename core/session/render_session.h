@@ -57,8 +57,8 @@ struct RenderProgress {
   uint64_t pixels = 0;
   uint64_t samples_done = 0, samples_total = 0;  // camera samples of the whole frame; the total is a prediction where
                                                  // an error or a time decides
-  double fraction = 0;       // of the work that is done, 0..1
-  uint32_t passes_done = 0;  // whole passes: every pixel has at least this many samples
+  double fraction = 0;                           // of the work that is done, 0..1
+  uint32_t passes_done = 0;                      // whole passes: every pixel has at least this many samples
   double wall_seconds = 0;
   double cpu_seconds = 0;   // of the render workers
   RenderCounters counters;  // as of the last finished tile
