@@ -7,28 +7,40 @@
 namespace alabaster {
 namespace {
 
-/// Longest mean free path (world) in a material where walks are long, 0 if none is. A texture may be white anywhere.
-float long_walks_mfp(const DisneyMaterial& material) {
-  if (!material.scatters()) return 0;
+struct MeanFreePaths {
+  float longest = 0;        // world; 0: nothing scatters
+  float of_long_walks = 0;  // the longest in a material where walks are long; 0: none is
+};
+
+/// A texture may be white anywhere.
+void extend(const DisneyMaterial& material, MeanFreePaths* paths) {
+  if (!material.scatters()) return;
   const DisneyParameters& p = material.constants;
   const Rgb albedo = material.base_color_map ? Rgb(1.0f) : p.base_color;
   const Medium medium = make_medium(albedo, p.scatter_distance, AlbedoInversion::exact, p.scatter_anisotropy);
-  if (!useful_shortcuts(medium, {}).sphere_steps) return 0;
   float mfp = 0;
   for (int c = 0; c < 3; ++c)
     if (medium.active[c] && medium.sigma_t[c] > 0) mfp = std::max(mfp, 1 / medium.sigma_t[c]);
-  return mfp;
+  paths->longest = std::max(paths->longest, mfp);
+  if (useful_shortcuts(medium, {}).sphere_steps) paths->of_long_walks = std::max(paths->of_long_walks, mfp);
 }
 
-bool has_room_for_spheres(const Instance& instance, float mfp) {
-  // Measured (testenv/statistical/results/walk_efficiency.md): in a body less than this many mean free paths across
-  // from the middle, walks leave before spheres find room. A grid of 128 voxels bounds no distance below two; deeper
-  // than kDeep few walks go.
-  constexpr float kVoxelsAcross = 128, kRoom = 20, kDeep = 32;
+/// World distance from the middle of an instance's bounds to their nearest side, at least.
+float half_thickness(const Instance& instance) {
   const Vec3f extent = instance.prototype->mesh.bounds.extent();
-  const float thinnest = std::min(extent.x, std::min(extent.y, extent.z)) * instance.walk.distance_scale;
-  const float voxel = max_component(extent) * instance.walk.distance_scale / kVoxelsAcross;
-  return 0.5f * thinnest > kRoom * mfp && 2 * voxel < kDeep * mfp;
+  return 0.5f * std::min(extent.x, std::min(extent.y, extent.z)) * instance.walk.distance_scale;
+}
+
+// Measured (testenv/statistical/results/walk_efficiency.md): in a body less than so many mean free paths across from
+// the middle, walks leave before spheres find room, and before guiding has saved what it costs.
+constexpr float kRoomForSpheres = 20, kRoomToGuide = 30;
+
+bool has_room_for_spheres(const Instance& instance, float mfp) {
+  // A grid of 128 voxels bounds no distance below two; deeper than kDeep few walks go.
+  constexpr float kVoxelsAcross = 128, kDeep = 32;
+  const float voxel =
+      max_component(instance.prototype->mesh.bounds.extent()) * instance.walk.distance_scale / kVoxelsAcross;
+  return half_thickness(instance) > kRoomForSpheres * mfp && 2 * voxel < kDeep * mfp;
 }
 
 }  // namespace
@@ -69,11 +81,12 @@ float least_stretch(const Affine& map) {
 void add_distance_grids(SceneSnapshot* snapshot) {
   std::set<const DistanceGrid*> counted;
   for (Instance& instance : snapshot->instances) {
-    float mfp = 0;
-    for (const DisneyMaterial* material : instance.materials) mfp = std::max(mfp, long_walks_mfp(*material));
-    if (!(mfp > 0) || instance.walk.set) continue;
+    MeanFreePaths paths;
+    for (const DisneyMaterial* material : instance.materials) extend(*material, &paths);
+    if (!(paths.longest > 0) || instance.walk.set) continue;
     instance.walk.distance_scale = least_stretch(instance.object_to_world);
-    if (!has_room_for_spheres(instance, mfp)) continue;
+    instance.walk.room_to_guide = half_thickness(instance) > kRoomToGuide * paths.longest;
+    if (!(paths.of_long_walks > 0) || !has_room_for_spheres(instance, paths.of_long_walks)) continue;
     const DistanceGrid* grid = instance.prototype->distances();
     instance.walk.distances = grid;
     if (grid && counted.insert(grid).second) snapshot->memory_bytes += grid->memory_bytes();

@@ -38,10 +38,12 @@ std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& ent
                                     const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
                                     RenderCounters& counters) {
   const Rgb& t0 = entry.throughput;
+  WalkSettings used = settings;
+  used.guiding &= space.room_to_guide;
   const auto walk = [&](auto tracer) {
     const Vec3f direction = entry.direction ? *entry.direction : sample_walk_entry(entry, u_entry);
     tracer.start_below(entry_distance(entry, direction));
-    return run_walk(tracer, {direction, entry.ng_inward, {t0.r, t0.g, t0.b}}, medium, settings, rng, counters);
+    return run_walk(tracer, {direction, entry.ng_inward, {t0.r, t0.g, t0.b}}, medium, used, rng, counters);
   };
   const auto end =
       space.set ? walk(SetTracer(*space.set, entry.p, entry.from_behind)) : walk(MeshTracer(space, entry.p));

@@ -47,6 +47,7 @@ struct WalkSpace {
   /// Of the object, for sphere steps; null: none are taken.
   const DistanceGrid* distances = nullptr;
   float distance_scale = 1;      // world distance >= this times object distance
+  bool room_to_guide = true;     // false: too few mean free paths across for guiding to pay
   const WalkSet* set = nullptr;  // not null: this is the body, and nothing above is used
 };
 
