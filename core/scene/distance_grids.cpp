@@ -33,14 +33,14 @@ float half_thickness(const Instance& instance) {
 
 // Measured (testenv/statistical/results/walk_efficiency.md): in a body less than so many mean free paths across from
 // the middle, walks leave before spheres find room, and before guiding has saved what it costs.
-constexpr float kRoomForSpheres = 20, kRoomToGuide = 30;
+constexpr float kRoom = 30;
 
 bool has_room_for_spheres(const Instance& instance, float mfp) {
   // A grid of 128 voxels bounds no distance below two; deeper than kDeep few walks go.
   constexpr float kVoxelsAcross = 128, kDeep = 32;
   const float voxel =
       max_component(instance.prototype->mesh.bounds.extent()) * instance.walk.distance_scale / kVoxelsAcross;
-  return half_thickness(instance) > kRoomForSpheres * mfp && 2 * voxel < kDeep * mfp;
+  return half_thickness(instance) > kRoom * mfp && 2 * voxel < kDeep * mfp;
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ void add_distance_grids(SceneSnapshot* snapshot) {
     for (const DisneyMaterial* material : instance.materials) extend(*material, &paths);
     if (!(paths.longest > 0) || instance.walk.set) continue;
     instance.walk.distance_scale = least_stretch(instance.object_to_world);
-    instance.walk.room_to_guide = half_thickness(instance) > kRoomToGuide * paths.longest;
+    instance.walk.room_to_guide = half_thickness(instance) > kRoom * paths.longest;
     if (!(paths.of_long_walks > 0) || !has_room_for_spheres(instance, paths.of_long_walks)) continue;
     const DistanceGrid* grid = instance.prototype->distances();
     instance.walk.distances = grid;
