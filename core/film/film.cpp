@@ -89,6 +89,7 @@ bool aov_from_name(const std::string& name, Aov* a) {
 FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(pixels) {
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
+  if (aovs & aov_bit(Aov::error)) even_.resize(pixels);
   if (aovs & kClosestAovs) closest_.resize(pixels);
   for (int i = 0; i < kAovCount; ++i)
     if (const auto aov = static_cast<Aov>(i); aovs & kLayerAovs & aov_bit(aov)) layers_.push_back({aov, Sums(pixels)});
@@ -98,6 +99,7 @@ size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
   size_t bytes = sizeof(decltype(samples_)::value_type) + sizeof(decltype(color_)::value_type);
   if (aovs & aov_bit(Aov::normal)) bytes += sizeof(decltype(normal_)::value_type);
   if (aovs & aov_bit(Aov::albedo)) bytes += sizeof(decltype(albedo_)::value_type);
+  if (aovs & aov_bit(Aov::error)) bytes += sizeof(decltype(even_)::value_type);
   if (aovs & kClosestAovs) bytes += sizeof(Closest);
   bytes += static_cast<size_t>(std::popcount(aovs & kLayerAovs)) * sizeof(Sums::value_type);
   return bytes;
@@ -110,7 +112,9 @@ size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
 }
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
-  auto& c = color_[pixel][samples_[pixel]++ & 1];
+  if (!even_.empty() && (samples_[pixel] & 1) == 0) accumulate(s.color, &even_[pixel]);
+  ++samples_[pixel];
+  auto& c = color_[pixel];
   c[0] += s.color.r;
   c[1] += s.color.g;
   c[2] += s.color.b;
@@ -131,10 +135,11 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers)
 // Half the difference of the halves' means has the variance of their mean.
 float FilmTile::deviation(size_t pixel) const {
   const uint32_t n = samples_[pixel];
-  if (n < 2) return 0;
+  if (n < 2 || even_.empty()) return 0;
   double squares = 0;
   for (size_t c = 0; c < 3; ++c) {
-    const double half = (color_[pixel][0][c] / (n - n / 2) - color_[pixel][1][c] / (n / 2)) / 2;
+    const double even = even_[pixel][c], odd = color_[pixel][c] - even;
+    const double half = (even / (n - n / 2) - odd / (n / 2)) / 2;
     squares += half * half / 3;
   }
   return static_cast<float>(std::sqrt(squares));
@@ -148,10 +153,10 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
   };
   switch (aov) {
     case Aov::color:
-      for (size_t i = 0; i < 4; ++i) out[i] = static_cast<float>((color_[pixel][0][i] + color_[pixel][1][i]) * scale);
+      average(color_, 0, 4);
       break;
     case Aov::alpha:
-      *out = static_cast<float>((color_[pixel][0][3] + color_[pixel][1][3]) * scale);
+      average(color_, 3, 1);
       break;
     case Aov::error:
       *out = deviation(pixel);

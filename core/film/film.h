@@ -89,8 +89,8 @@ class FilmTile {
   FilmTile(size_t pixels, uint32_t aovs);
 
   /// `pixel`: row-major within the tile. Order matters to the last bit: one tile's samples come in sample order.
-  /// A pixel's samples must come from two independent sets in turn. `layers` of the sample: null where none of
-  /// kLayerAovs was asked for.
+  /// With Aov::error a pixel's samples must come from two independent sets in turn. `layers` of the sample: null where
+  /// none of kLayerAovs was asked for.
   void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
   /// aov_components() values of a pixel: averages, or what the closest sample brought.
@@ -112,9 +112,9 @@ class FilmTile {
   float deviation(size_t pixel) const;
 
   std::vector<uint32_t> samples_;
-  using Halves = std::array<std::array<double, 4>, 2>;
-  std::vector<Halves> color_;  // sums over even and over odd samples, premultiplied
+  std::vector<std::array<double, 4>> color_;  // sums, premultiplied
   Sums normal_, albedo_;
+  Sums even_;                       // of color, over every other sample: for Aov::error
   std::vector<LayerPlane> layers_;  // those that were asked for
   std::vector<Closest> closest_;
 };

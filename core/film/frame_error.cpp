@@ -45,7 +45,7 @@ std::vector<double> squared_scales(const std::vector<float>& rgba, const Size& s
 FrameError estimate_frame_error(const Film& film) {
   FrameError error;
   const PixelRect& window = film.data_window();
-  if (window.empty()) return error;
+  if (window.empty() || !(film.aovs() & aov_bit(Aov::error))) return error;
   const std::vector<float> deviation = film.resolve_float(Aov::error);
   const std::vector<int32_t> samples = film.resolve_int(Aov::sample_count);
   if (std::any_of(samples.begin(), samples.end(), [](int32_t n) { return n < 2; })) return error;

@@ -1,7 +1,9 @@
 // How far a picture is from what it would converge to, told by the picture itself.
 //
-// A pixel's even and odd samples are two independent sets (core/session). Of their means a and b the picture shows
-// (a + b) / 2, whose variance is estimated without bias by (a - b)^2 / 4. One pixel tells little; thousands tell much.
+// Where it is asked (Aov::error, RenderSettings::target_error) a pixel's even and odd samples are two independent sets.
+// Of their means a and b the picture shows (a + b) / 2, whose variance is estimated without bias by (a - b)^2 / 4. One
+// pixel tells little; thousands tell much. Two sets are less evenly spread than one of twice the size: what asks for no
+// error does not pay for it.
 #pragma once
 
 #include "core/film/film.h"
@@ -14,7 +16,7 @@ namespace alabaster {
 inline constexpr double kErrorFloor = 0.05;
 
 struct FrameError {
-  bool known = false;  // false: not every pixel has two samples yet, or the frame is black
+  bool known = false;  // false: it was not asked, not every pixel has two samples yet, or the frame is black
   double relative_rmse = 0;
   /// 95 % of the frames that report this interval have their true error in it, if no light was missed altogether: what
   /// no sample has met yet, no estimate can know.

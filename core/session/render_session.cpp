@@ -113,15 +113,16 @@ bool RenderSession::State::render_tile(const RenderRequest& request, const PathC
       select_path_integrator(request.scene->features, context.settings, context.layers != nullptr);
   const PixelRect rect = film->tile_rect(tile);
   FilmTile pixels = film->load_tile(tile);
+  const bool in_halves = film->aovs() & aov_bit(Aov::error);
   size_t pixel = 0;
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
       const uint32_t seed = pixel_seed(x, y, settings.frame, settings.seed);
-      // Even and odd samples are two sets that know nothing of each other: frame_error.h.
       const std::array<uint32_t, 2> halves{hash_combine(seed, 0), hash_combine(seed, 1)};
       for (uint32_t s = range.begin; s < range.end; ++s) {
         if (!may_go_on() || (range.begin >= kLeastSamples && time_is_over())) return false;
-        const PixelSampler sampler(halves[s & 1], s >> 1);
+        // For an error estimate even and odd samples are two sets that know nothing of each other: frame_error.h.
+        const PixelSampler sampler = in_halves ? PixelSampler(halves[s & 1], s >> 1) : PixelSampler(seed, s);
         const auto u = sampler.draw(Dimension::film_lens, 0);
         const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
         const Vec2f film_position(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
@@ -254,7 +255,8 @@ void RenderSession::start(const RenderRequest& request) {
   State& s = *state_;
   {
     const std::lock_guard lock(s.mutex);
-    s.film = std::make_shared<Film>(request.data_window, request.aovs);
+    const bool asks_error = request.settings.target_error > 0;
+    s.film = std::make_shared<Film>(request.data_window, request.aovs | (asks_error ? aov_bit(Aov::error) : 0u));
     s.progress = {};
     s.progress.state = SessionState::rendering;
     s.progress.scene_number = request.scene->number;
@@ -311,6 +313,7 @@ RenderProgress RenderSession::progress() const {
   RenderProgress p = state_->progress;
   if (p.state == SessionState::rendering || p.state == SessionState::paused)
     p.wall_seconds = seconds_since(state_->started);
+  p.samples_total = std::max(p.samples_total, p.samples_done);
   if (p.samples_total > 0) p.fraction = static_cast<double>(p.samples_done) / static_cast<double>(p.samples_total);
   if (state_->limit > 0) p.fraction = std::max(p.fraction, p.wall_seconds / state_->limit);
   p.fraction = p.state == SessionState::finished ? 1.0 : std::min(p.fraction, 1.0);

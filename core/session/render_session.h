@@ -62,8 +62,8 @@ struct RenderProgress {
   double wall_seconds = 0;
   double cpu_seconds = 0;   // of the render workers
   RenderCounters counters;  // as of the last finished tile
-  FrameError noise;         // as of the last time that it was looked at: at the end, and where it decides
-  std::string error;        // of a failed render
+  FrameError noise;   // if it was asked: as of the last time that it was looked at, at the end or where it decides
+  std::string error;  // of a failed render
 };
 
 class RenderSession {

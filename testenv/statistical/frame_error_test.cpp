@@ -22,6 +22,7 @@ RenderRequest request_of(SceneBuilder& builder) {
   request.width = request.height = kSize;
   request.data_window = {0, 0, kSize, kSize};
   request.settings.samples = kSamples;
+  request.aovs |= aov_bit(Aov::error);
   return request;
 }
 

@@ -119,6 +119,7 @@ TEST(RenderSession, ATimeLimitEndsItWithTwoSamplesAtLeast) {
   RenderRequest request = mixed_request(1000000);
   for (const float limit : {0.0001f, 0.3f}) {
     request.settings.time_limit = limit;
+    request.aovs |= aov_bit(Aov::error);
     RenderProgress progress;
     const auto film = testing::render(request, &progress);
     EXPECT_EQ(progress.state, SessionState::finished);

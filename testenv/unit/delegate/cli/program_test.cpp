@@ -171,8 +171,8 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
     return names;
   };
   using Names = std::vector<std::string>;
-  EXPECT_EQ(keys(stats), (Names{"delegate", "error", "files", "peakMemory", "phases", "rays", "resolutions", "samples",
-                                "scene", "settings", "status", "versions", "walks"}));
+  EXPECT_EQ(keys(stats), (Names{"delegate", "files", "peakMemory", "phases", "rays", "resolutions", "samples", "scene",
+                                "settings", "status", "versions", "walks"}));
   EXPECT_EQ(keys(stats["phases"]), (Names{"build", "load", "refine", "render", "write"}));
   for (const auto& [name, phase] : stats["phases"].items()) {
     EXPECT_EQ(keys(phase), (Names{"cpu", "wall"})) << name;
@@ -346,6 +346,21 @@ TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
     EXPECT_EQ(nlohmann::json::parse(file)["status"], "interrupted");
   }
   EXPECT_LT(best, kAtOnce);
+}
+
+TEST_F(ProgramTest, TheErrorAskedIsReachedAndReported) {
+  Program program(folder_, {"render", "patch.gltf", "--size", "48x32", "--target-error", "0.1", "-o", "a.exr", "--aov",
+                            "error", "--stats", "s.json"});
+  ASSERT_EQ(program.wait(), 0) << program.err();
+  EXPECT_HAS(program.err(), "relative RMSE");
+  std::ifstream file(folder_ / "s.json");
+  const auto error = nlohmann::json::parse(file)["error"];
+  EXPECT_LE(error["relativeRmse"].get<double>(), 0.1);
+  EXPECT_LE(error["low95"].get<double>(), error["relativeRmse"].get<double>());
+  const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
+  ASSERT_TRUE(exr) << OIIO::geterror();
+  EXPECT_FLOAT_EQ(exr->spec().get_float_attribute("alabaster/error/relativeRmse"), error["relativeRmse"].get<float>());
+  EXPECT_GE(exr->spec().channelindex("error"), 0);
 }
 
 // However often it is asked to end, and wherever it is then: whole files and no temporary ones.
