@@ -3,7 +3,6 @@
 //   render_benchmark [--samples N] [--size N] [--out FILE.json]
 // Rays are recorded through wrappers of the two scene interfaces, then replayed in order; render and replay are timed
 // in the same process, single-threaded, by CPU time.
-#include <ctime>
 
 #include <cstdio>
 #include <fstream>
@@ -12,16 +11,11 @@
 #include <string>
 #include <utility>
 
+#include "testenv/support/cpu_time.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
 namespace {
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct RecordedRay {
   Ray ray;
@@ -108,14 +102,14 @@ SceneDescription describe(testing::SceneBuilder* builder, const std::shared_ptr<
 }
 
 double replay(const Recording& rays, const InstancedScene& top) {
-  const double begin = cpu_seconds();
+  const double begin = testing::cpu_seconds();
   size_t hits = 0;
   TriangleHit hit;
   for (const auto& r : rays)
     hits += r.object      ? r.object->intersect(r.ray, &hit)
             : r.occlusion ? top.occluded(r.ray)
                           : top.intersect(r.ray, &hit);
-  const double seconds = cpu_seconds() - begin;
+  const double seconds = testing::cpu_seconds() - begin;
   if (hits == rays.size() + 1) std::puts("");  // the hits are used: the loop cannot be dropped
   return seconds;
 }
@@ -127,9 +121,9 @@ nlohmann::json measure(const Case& c, const RenderRequest& base, testing::SceneB
   request.scene = builder->snapshot();
   RenderProgress progress;
   testing::render(request, &progress);  // warms caches
-  const double begin = cpu_seconds();
+  const double begin = testing::cpu_seconds();
   testing::render(request, &progress);
-  const double render_seconds = cpu_seconds() - begin;
+  const double render_seconds = testing::cpu_seconds() - begin;
 
   Recording rays;
   SceneSnapshot recorded = *request.scene;

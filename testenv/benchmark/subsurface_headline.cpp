@@ -5,7 +5,6 @@
 // Both modes render the same frames in turn, in one thread of one process, each repeat with another seed: time is CPU
 // time, variance is that of a pixel over the repeats. Bodies: a torus, and the dragon of the test assets if
 // ALABASTER_TEST_ASSETS names their folder. A second table holds mode `auto` against the walk, from near and from afar.
-#include <ctime>
 
 #include <cmath>
 #include <cstdio>
@@ -16,18 +15,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "testenv/support/cpu_time.h"
 #include "testenv/support/mesh_bodies.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
 namespace {
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// The one mesh of a .glb with 32-bit floats and 16-bit indices, as the test assets are.
 Mesh read_asset(const std::string& path) {
@@ -93,9 +87,9 @@ struct Measured {
 
   void add(const RenderRequest& request) {
     RenderProgress progress;
-    const double begin = cpu_seconds();
+    const double begin = testing::cpu_seconds();
     const auto film = testing::render(request, &progress);
-    seconds += cpu_seconds() - begin;
+    seconds += testing::cpu_seconds() - begin;
     counters.add(progress.counters);
     const auto color = film->resolve_float(Aov::color);
     values.resize(color.size());

@@ -117,8 +117,9 @@ TEST(FrameError, TheTrueErrorLiesInTheIntervalThatFramesReport) {
   EXPECT_GE(inside, 50) << "of " << frames << ": below 57 +- 1.7, 95 %, by four sigma";
 }
 
-// Two halves that are not independent would not notice their common error.
-TEST(FrameError, HalvesThatShareTheirNumbersAreCaught) {
+// Halves that agree show no error: given the same random numbers they always would, and the calibration above would
+// fail.
+TEST(FrameError, HalvesThatAgreeShowNone) {
   FilmTile tile(1, aov_bit(Aov::color) | aov_bit(Aov::error));
   FilmSample sample;
   for (int i = 0; i < 8; ++i) {
@@ -127,7 +128,7 @@ TEST(FrameError, HalvesThatShareTheirNumbersAreCaught) {
   }
   float error = 1;
   tile.resolve(0, Aov::error, &error);
-  EXPECT_EQ(error, 0);  // so a session that gave both halves the same numbers would fail the calibration above
+  EXPECT_EQ(error, 0);
 }
 
 TEST(FrameError, EndsTheRenderAtTheErrorAsked) {

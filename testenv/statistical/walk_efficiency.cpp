@@ -3,7 +3,6 @@
 // runs for minutes.
 //   walk_efficiency [--walks N] [--weights N] [--bias N]
 // Meshes: sss/*.glb in the folder that ALABASTER_TEST_ASSETS names.
-#include <sys/resource.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -13,18 +12,12 @@
 #include <string>
 
 #include "testenv/support/analytic_bodies.h"
+#include "testenv/support/cpu_time.h"
 #include "testenv/support/mesh_bodies.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster::testing {
 namespace {
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
 
 struct MediumCase {
   const char* name;
@@ -156,7 +149,7 @@ class MeshRun {
 
   void run(const WalkSettings& settings, int walks, uint64_t seed, Measured* out) const {
     Rng rng(seed, 3);
-    const double start = cpu_seconds();
+    const double start = testing::cpu_seconds();
     for (int i = 0; i < walks; ++i) {
       const auto exit = walk(entries_[static_cast<size_t>(i) % entries_.size()], settings, rng, out);
       out->uniform.add(exit ? exit->throughput : Rgb(0.0f));
@@ -166,7 +159,7 @@ class MeshRun {
       const bool lit = exit && exit_x(*exit) > edge_;
       out->edge.add(lit ? exit->throughput : Rgb(0.0f));
     }
-    out->seconds += cpu_seconds() - start;
+    out->seconds += testing::cpu_seconds() - start;
   }
 
  private:
