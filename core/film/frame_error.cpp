@@ -50,7 +50,8 @@ FrameError estimate_frame_error(const Film& film) {
   const std::vector<int32_t> samples = film.resolve_int(Aov::sample_count);
   if (std::any_of(samples.begin(), samples.end(), [](int32_t n) { return n < 2; })) return error;
   const auto scales = squared_scales(film.resolve_float(Aov::color), {window.width(), window.height()});
-  if (scales.empty()) return error;
+  error.known = true;
+  if (scales.empty()) return error;  // black: without light there is no noise
   const auto n = double(scales.size());
   double sum = 0, squares = 0;
   for (size_t i = 0; i < scales.size(); ++i) {
@@ -61,7 +62,6 @@ FrameError estimate_frame_error(const Film& film) {
   const double mean = sum / n;
   const double variance = n > 1 ? std::max(0.0, squares / n - mean * mean) / (n - 1) : mean * mean;
   const double reach = 1.96 * std::sqrt(2 * variance);
-  error.known = true;
   error.relative_rmse = std::sqrt(mean);
   error.low = std::sqrt(std::max(0.0, mean - reach));
   error.high = std::sqrt(mean + reach);

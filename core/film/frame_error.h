@@ -16,7 +16,7 @@ namespace alabaster {
 inline constexpr double kErrorFloor = 0.05;
 
 struct FrameError {
-  bool known = false;  // false: it was not asked, not every pixel has two samples yet, or the frame is black
+  bool known = false;  // false: it was not asked, or not every pixel has two samples yet. A black frame has no noise
   double relative_rmse = 0;
   /// 95 % of the frames that report this interval have their true error in it, if no light was missed altogether: what
   /// no sample has met yet, no estimate can know.

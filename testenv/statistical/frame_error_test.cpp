@@ -131,6 +131,18 @@ TEST(FrameError, HalvesThatAgreeShowNone) {
   EXPECT_EQ(error, 0);
 }
 
+TEST(FrameError, ABlackFrameEndsAtOnce) {
+  SceneBuilder b;
+  add_ball_on_floor(&b, {});
+  RenderRequest request = request_of(b);
+  request.settings.samples = 65536;
+  request.settings.target_error = 0.05f;
+  RenderProgress progress;
+  testing::render(request, &progress);
+  EXPECT_TRUE(progress.noise.known);
+  EXPECT_EQ(progress.samples_done, 16u * kSize * kSize);
+}
+
 TEST(FrameError, EndsTheRenderAtTheErrorAsked) {
   RenderRequest request = skin_under_dome();
   RenderRequest converged = request;
