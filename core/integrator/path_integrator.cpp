@@ -9,9 +9,6 @@
 namespace alabaster {
 namespace {
 
-// Roulette starts here: earlier vertices carry most of the picture.
-constexpr uint32_t kRouletteDepth = 3;
-
 // An interpolated normal may turn away from the viewer at a silhouette; it is bent back until the viewer is just above.
 Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
   constexpr float kLeastCosine = 0.01f;
@@ -67,8 +64,8 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
 }
 
 // Unbiased: survivors carry the weight of the ended.
-bool survives_roulette(float u, PathState* path) {
-  if (path->depth < kRouletteDepth) return true;
+bool survives_roulette(const PathContext& context, float u, PathState* path) {
+  if (path->depth < context.settings.roulette_depth) return true;
   const float survival = std::min(1.0f, max_component(path->throughput));
   if (!(u < survival)) return false;
   path->throughput *= 1 / survival;
@@ -92,7 +89,7 @@ bool scatter_within(const PathContext& context, const PixelSampler& sampler, con
   const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, true, path);
   if (splits) split->below = true, split->events = path->walk_events;
   ++path->depth;
-  return goes_on && !is_black(path->throughput) && survives_roulette(u_roulette, path);
+  return goes_on && !is_black(path->throughput) && survives_roulette(context, u_roulette, path);
 }
 
 template <SubsurfaceMode kMode, bool kLayers>
@@ -128,7 +125,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
     if (splits) split->specular_share = bsdf.specular_share(sample->wi);
   }
   ++path->depth;
-  return goes_on && !is_black(path->throughput) && survives_roulette(u[3], path);
+  return goes_on && !is_black(path->throughput) && survives_roulette(context, u[3], path);
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>

@@ -40,6 +40,7 @@ double thread_cpu_seconds() {
 IntegratorSettings integrator_settings(const RenderSettings& s) {
   IntegratorSettings out;
   out.max_depth = s.max_depth;
+  out.roulette_depth = s.roulette_depth;
   out.subsurface = s.subsurface;
   out.walk.inversion = s.inversion;
   out.walk.weights = s.walk_weights;

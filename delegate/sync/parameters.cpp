@@ -86,6 +86,8 @@ const std::vector<SettingParameter>& setting_parameters() {
       {"seed", "Another seed gives another, equally good noise pattern.", &S::seed, 0, 4294967295.0},
       {"frame", "Frame number: decorrelates the noise of successive frames.", &S::frame, 0, 4294967295.0},
       {"maxDepth", "Bounces between surfaces; a subsurface walk counts as one.", &S::max_depth, 0, 1024},
+      {"rouletteDepth", "Bounces after which roulette may end a path. Affects noise only.", &S::roulette_depth, 0,
+       1024},
       {"threads", "Threads for rendering and for Sync; 0 uses all cores. The picture does not depend on it.",
        &S::threads, 0, 4096},
       {"subsurface",

@@ -94,6 +94,7 @@ TEST(SchemaDefaults, RenderSettingsHaveTheStructsDefaults) {
   EXPECT_EQ(p["seed"]["default"], s.seed);
   EXPECT_EQ(p["frame"]["default"], s.frame);
   EXPECT_EQ(p["maxDepth"]["default"], s.max_depth);
+  EXPECT_EQ(p["rouletteDepth"]["default"], s.roulette_depth);
   EXPECT_EQ(p["threads"]["default"], s.threads);
   // Enumerations are listed in the order of the enum.
   const auto choice = [&](const char* name) {
@@ -106,7 +107,7 @@ TEST(SchemaDefaults, RenderSettingsHaveTheStructsDefaults) {
   EXPECT_EQ(p["walkGuiding"]["default"], s.walk_guiding);
   EXPECT_EQ(p["walkSphereSteps"]["default"], s.walk_sphere_steps);
   EXPECT_EQ(choice("filter"), static_cast<int>(s.filter));
-  EXPECT_EQ(p.size(), 13u);
+  EXPECT_EQ(p.size(), 14u);
 }
 
 TEST(SchemaDefaults, LightsHaveTheStructsDefaults) {
@@ -125,7 +126,7 @@ TEST(SchemaDefaults, LightsHaveTheStructsDefaults) {
   EXPECT_EQ(p["coneOuter"]["default"], d.cone_outer);
   EXPECT_EQ(p["visibleToCamera"]["default"], d.visible_to_camera);
   EXPECT_EQ(p["texture:file"]["default"], "");
-  EXPECT_EQ(p.size(), 13u);
+  EXPECT_EQ(p.size(), 14u);
 }
 
 TEST(SchemaDefaults, CameraHasTheStructsDefaults) {
