@@ -29,9 +29,9 @@ struct RenderSettings {
   float time_limit = 0;    // seconds from start() after which it ends, two samples per pixel at least; 0: none
   uint32_t seed = 0;
   uint32_t frame = 0;
-  uint32_t max_depth = 8;  // bounces between surfaces; a subsurface walk counts as one
+  uint32_t max_depth = 8;       // bounces between surfaces; a subsurface walk counts as one
   uint32_t roulette_depth = 3;  // bounces after which roulette may end a path: noise and time, no bias
-  uint32_t threads = 0;    // 0: all
+  uint32_t threads = 0;         // 0: all
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
   AlbedoInversion inversion = AlbedoInversion::exact;
   WalkWeights walk_weights = WalkWeights::throughput;

@@ -126,7 +126,7 @@ TEST(SchemaDefaults, LightsHaveTheStructsDefaults) {
   EXPECT_EQ(p["coneOuter"]["default"], d.cone_outer);
   EXPECT_EQ(p["visibleToCamera"]["default"], d.visible_to_camera);
   EXPECT_EQ(p["texture:file"]["default"], "");
-  EXPECT_EQ(p.size(), 14u);
+  EXPECT_EQ(p.size(), 13u);
 }
 
 TEST(SchemaDefaults, CameraHasTheStructsDefaults) {
