@@ -11,6 +11,7 @@ import sys
 LAYERS = ["diagnostics", "math", "color", "sampling", "texture", "geometry", "camera", "film", "material", "subsurface",
           "light", "scene", "integrator", "session"]
 PUBLIC = ["delegate/api", "delegate/host", "delegate/gltf", "delegate/description"]
+HOSTS = ["cli", "tradeoff"]  # the program and what it is made of
 OWNERS = {  # pattern of an include -> files that may have it
     r"embree3/": ["core/geometry/"],
     r"opensubdiv/": ["core/geometry/"],
@@ -44,8 +45,10 @@ def faults(path, text):
             yield where + "the library must not see its tests"
         if public_header and target[0] == "core":
             yield where + "installed headers must not need core"
-        if parts[0] == "delegate" and parts[1] == "cli" and (target[0] == "core" or target[:2] == ["delegate", "sync"]):
+        if parts[0] == "delegate" and parts[1] in HOSTS and (target[0] == "core" or target[:2] == ["delegate", "sync"]):
             yield where + "the program uses the public contract only"
+        if parts[0] == "delegate" and parts[1] == "tradeoff" and target[:2] == ["delegate", "cli"]:
+            yield where + "the measurements must not know the program"
         if parts[0] == "core" and target[0] == "core":
             if LAYERS.index(target[1]) > LAYERS.index(parts[1]):
                 yield where + f"layer {parts[1]} lies below {target[1]}"
