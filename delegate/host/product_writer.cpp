@@ -339,6 +339,29 @@ std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& product
   return files;
 }
 
+bool ApplyDisplay(const RenderProduct& product, const OutputColors& colors, std::span<float> rgb,
+                  const DiagnosticSink& sink) {
+  try {
+    ProductPlan plan;
+    plan.display_referred = true;
+    OutputTransform out;
+    if (!make_output_transform(product, plan, colors, sink, out)) return false;
+    std::vector<float> rgba(rgb.size() / 3 * 4, 1.0f);
+    for (size_t i = 0; i < rgb.size() / 3; ++i) std::copy_n(&rgb[3 * i], 3, &rgba[4 * i]);
+    out.transform->apply(rgba.data(), rgba.size() / 4);
+    for (size_t i = 0; i < rgb.size() / 3; ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        const float v = rgba[4 * i + c];
+        rgb[3 * i + c] = v > 0 ? std::min(v, 1.0f) : 0.0f;  // a NaN is black
+      }
+    return true;
+  } catch (const std::bad_alloc&) {
+    return fail(sink, "product.memory", product.file, "not enough memory to convert the image; take a smaller crop");
+  } catch (const std::exception& e) {
+    return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
+  }
+}
+
 std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink) {
   const auto config = ColorConfig::load(colors.ocio, to_core(sink));
   if (!config) return {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <span>
 
 #include "delegate/api/render_delegate.h"
 
@@ -45,6 +46,13 @@ ALABASTER_API bool WriteProduct(const RenderProduct& product, const ProductImage
 ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products,
                                                      const ProductImage& image, const OutputColors& colors,
                                                      const DiagnosticSink& sink);
+
+/// Turns RGB pixels of the rendering space, in place, into what the product's display, view, look and exposure (empty
+/// names: the config's defaults) show of them: 0 to 1, not yet rounded to levels. Whatever the file would be; over
+/// black, as a JPEG is, if the pixels are premultiplied. False + report on unknown names or a config that cannot be
+/// read.
+ALABASTER_API bool ApplyDisplay(const RenderProduct& product, const OutputColors& colors, std::span<float> rgb,
+                                const DiagnosticSink& sink);
 
 /// What `alabaster ocio` prints: the config's origin, spaces, displays, views, looks; as lines of text.
 ALABASTER_API std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink);
