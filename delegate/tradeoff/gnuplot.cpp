@@ -1,0 +1,102 @@
+#include "delegate/tradeoff/gnuplot.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "delegate/host/atomic_file.h"
+
+extern char** environ;
+
+namespace alabaster::tradeoff {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own under the system's folder for temporary files, gone with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code error;
+    std::string pattern = (fs::temp_directory_path(error) / "alabaster-plot-XXXXXX").string();
+    if (!error && ::mkdtemp(pattern.data())) path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string content_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Empty on success. Runs gnuplot without a shell and without the user's own start-up files.
+std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  std::string arguments[] = {"gnuplot", "--default-settings", script.string()};
+  char* argv[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(), nullptr};
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv, environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error == ENOENT) return "The program gnuplot is not installed: install Debian's package gnuplot-nox.";
+  if (error != 0) return "The program gnuplot cannot be started: " + std::generic_category().message(error) + ".";
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return "The program gnuplot was lost: " + std::generic_category().message(errno) + ".";
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  return "gnuplot failed: " + content_of(messages) + "\nInstall Debian's package gnuplot-nox, or repair it.";
+}
+
+}  // namespace
+
+// Single quotes would need no escapes, but gnuplot 5.4 misreads one that is doubled at the beginning of a text.
+std::string gnuplot_quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte >= 128 || std::isalnum(byte) || std::strchr(" .,:-+=/%()_", c);
+    char octal[8];
+    std::snprintf(octal, sizeof octal, "\\%03o", unsigned(byte < 32 ? ' ' : byte));
+    out += plain && c != 0 ? std::string(1, c) : std::string(octal);
+  }
+  return out + "\"";
+}
+
+std::string draw_with_gnuplot(const std::function<std::string(const std::string&)>& script, const std::string& file) {
+  const TemporaryFolder folder;
+  if (folder.path().empty())
+    return "There is no folder for temporary files in which a plot could be made: set $TMPDIR to one.";
+  const fs::path text = folder.path() / "plot.gnuplot", drawn = folder.path() / "plot";
+  std::ofstream(text) << script(drawn.string());
+  std::string problem = run_gnuplot(text, folder.path() / "messages");
+  if (!problem.empty()) return problem;
+  const std::string bytes = content_of(drawn);
+  if (bytes.empty()) return "gnuplot drew nothing: " + content_of(folder.path() / "messages");
+  problem = hd::host::WriteFileAtomically(file, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  return problem.empty() ? problem : "'" + file + "' cannot be written: " + problem + ".";
+}
+
+}  // namespace alabaster::tradeoff
