@@ -57,10 +57,11 @@ class ALABASTER_API RenderDelegate {
 
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
-  /// cpuSeconds, rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
-  /// walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples, rejectedRays, error (of a failed render),
-  /// error.relativeRmse with error.low and error.high (the noise that the frame estimates in itself and its 95 %
-  /// interval; absent until every pixel has two samples); and of Sync, summed up:
+  /// cpuSeconds, filmMemory (bytes of the accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count,
+  /// walk.events, walk.exits, walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples,
+  /// rejectedRays, error (of a failed render), error.relativeRmse with error.low and error.high (the noise that the
+  /// frame estimates in itself and its 95 % interval; absent until every pixel has two samples); and of Sync, summed
+  /// up:
   /// - sync.refineWallSeconds, sync.bvhWallSeconds: wall time during which at least one mesh was being refined, or its
   ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
   /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in

@@ -24,9 +24,11 @@ struct RenderArguments {
 };
 int run_render(const RenderArguments& arguments);
 
+/// Arguments as given; empty: not given.
 struct InfoArguments {
   std::string scene;
   std::vector<std::string> overrides;
+  std::string predict, size, threads;
 };
 int run_info(const InfoArguments& arguments);
 

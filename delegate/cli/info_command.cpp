@@ -3,6 +3,8 @@
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/outputs.h"
+#include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/stopwatch.h"
 
@@ -81,25 +83,60 @@ void print_lights_and_cameras(const SceneSession& session) {
   for (const std::string& note : session.file.notes) std::printf("note: %s\n", note.c_str());
 }
 
+std::string problem_of(const InfoArguments& a) {
+  if (!a.predict.empty() && !parse_target_error(a.predict))
+    return "--predict: '" + a.predict + "' is no error to reach: write a relative RMSE above 0, at most 1, as 0.02.";
+  if (!a.size.empty() && !parse_size(a.size))
+    return "--size: '" + a.size + "' is no resolution: write for example 1280x720, up to 65536x65536.";
+  return "";
+}
+
+hd::description::LoadOptions load_options(const InfoArguments& a) {
+  hd::description::LoadOptions options;
+  if (const auto size = parse_size(a.size))
+    options.overrides.push_back("resolution=[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
+  if (!a.threads.empty()) options.overrides.push_back("threads=" + a.threads);
+  options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());
+  return options;
+}
+
+// --size outranks what single products ask for, as it does when rendering.
+void resize(SceneSession* session, const hd::Vec2i& size) {
+  hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
+  settings.width = size.x;
+  settings.height = size.y;
+  session->scene.SetRenderSettings(session->file.settings, std::move(settings));
+}
+
 }  // namespace
 
 int run_info(const InfoArguments& arguments) {
   Console console(false);
+  if (const std::string problem = problem_of(arguments); !problem.empty()) {
+    console.error("info", problem);
+    return kUsage;
+  }
   SceneSession session;
-  hd::description::LoadOptions options;
-  options.overrides = arguments.overrides;
+  const hd::description::LoadOptions options = load_options(arguments);
+  const Stopwatch load_watch;
   if (!session.load(arguments.scene, options, console.sink())) return load_failure(console.last_error(), options);
+  Preparation spent{{load_watch.wall(), load_watch.cpu()}, {}};
   if (!session.choose_colors("", console.sink())) return kInput;
+  if (const auto size = parse_size(arguments.size)) resize(&session, *size);
   print_geometry(session.scene);
   print_materials(session.scene);
   print_lights_and_cameras(session);
   std::fflush(stdout);
   if (!session.start(console.sink())) return kRender;
+  const Stopwatch sync_watch;
   session.index()->SyncAll();
+  spent.sync = {sync_watch.wall(), sync_watch.cpu()};
   const std::string requirements = session.delegate()->InvokeCommand("requirements", {}).text_or("");
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(peak_memory_bytes()) / 1e6);
-  return kDone;
+  std::fflush(stdout);
+  const auto target = parse_target_error(arguments.predict);
+  return target ? print_prediction(&session, &console, spent, *target) : kDone;
 }
 
 int run_schema(const std::string& name) {

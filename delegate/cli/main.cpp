@@ -75,6 +75,12 @@ int run(int argc, char** argv) {
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  info_command
+      ->add_option("--predict", info.predict,
+                   "From a probe of a few seconds: what rendering to this relative RMSE takes (0.02: two per cent)")
+      ->type_name("E");
+  info_command->add_option("--size", info.size, "Resolution in pixels, for --predict")->type_name("WxH");
+  info_command->add_option("--threads", info.threads, "Render threads, for --predict; 0: all cores")->type_name("N");
   CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema: every parameter there is.");
   schema_command->add_option("name", schema, "disney_material, lights, camera, render_settings or render_description")
       ->required()

@@ -237,6 +237,11 @@ std::string PassControl::error() const {
   return error_;
 }
 
+size_t PassControl::film_memory() const {
+  const std::shared_ptr<const Film> film = session_->film();
+  return film ? film_bytes(film->data_window(), film->aovs()) : 0;
+}
+
 RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)
     : core_(std::move(core)), control_(std::make_shared<PassControl>(core_)) {
   core_->add_pass(control_);

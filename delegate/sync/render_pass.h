@@ -46,6 +46,8 @@ class PassControl {
   bool is_converged() const { return converged_; }
   RenderProgress progress() const { return session_->progress(); }
   std::string error() const;
+  /// Bytes of the film that is or was rendered last.
+  size_t film_memory() const;
 
  private:
   PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);

@@ -67,6 +67,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
     s["error.low"] = p.noise.low;
     s["error.high"] = p.noise.high;
   }
+  s["filmMemory"] = count(pass.film_memory());
   add_counters(p.counters, stats);
   if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
 }

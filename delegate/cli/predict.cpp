@@ -1,0 +1,253 @@
+#include "delegate/cli/predict.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "delegate/cli/exit_codes.h"
+#include "delegate/cli/stopwatch.h"
+#include "delegate/tradeoff/prediction.h"
+
+namespace alabaster::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using tradeoff::Prediction;
+using tradeoff::Probe;
+using tradeoff::Range;
+
+constexpr double kProbeSeconds = 2.5;
+// Samples per pixel after which a render looks at its error for the first time.
+constexpr double kFirstLook = 16;
+constexpr double kPilotPixels = 1536;
+
+double number(const hd::Dictionary& values, const char* key, double fallback = 0) {
+  const auto found = values.find(key);
+  return found == values.end() ? fallback : found->second.number_or(fallback);
+}
+
+double pixels_of(const hd::RenderSettingsDescription& s) {
+  const hd::Rect2i window = s.crop.value_or(hd::Rect2i{0, 0, s.width, s.height});
+  return double(window.width()) * double(window.height());
+}
+
+/// The same framing in about `pixels` pixels, never more than there are.
+hd::RenderSettingsDescription reduced(hd::RenderSettingsDescription s, double pixels) {
+  const double factor = std::min(1.0, std::sqrt(pixels / pixels_of(s)));
+  const auto scaled = [&](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
+  s.width = scaled(s.width);
+  s.height = scaled(s.height);
+  if (s.crop) {
+    const auto low = [&](int v) { return static_cast<int>(std::floor(v * factor)); };
+    const auto high = [&](int v) { return static_cast<int>(std::ceil(v * factor)); };
+    s.crop = hd::Rect2i{low(s.crop->minX), low(s.crop->minY), high(s.crop->maxX), high(s.crop->maxY)};
+  }
+  return s;
+}
+
+/// A folder of our own for what the probe writes; gone with this object.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::error_code error;
+    path_ = fs::temp_directory_path(error) / ("alabaster-probe-" + std::to_string(getpid()));
+    if (error || !fs::create_directory(path_, error)) path_.clear();
+  }
+  ~ScratchFolder() {
+    std::error_code error;
+    if (!path_.empty()) fs::remove_all(path_, error);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  /// Empty: there is none, so nothing can be written.
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// The renders of one prediction.
+class ProbeRenders {
+ public:
+  ProbeRenders(SceneSession* session, Console* console)
+      : session_(*session),
+        console_(*console),
+        full_(session->scene.GetAllRenderSettings().at(session->file.settings)) {}
+  ~ProbeRenders() {
+    if (!path_.empty()) session_.scene.Remove(path_);
+  }
+  ProbeRenders(const ProbeRenders&) = delete;
+  ProbeRenders& operator=(const ProbeRenders&) = delete;
+
+  /// False after a report. A coarse picture and two finer ones, of few and of four times as many samples: they tell how
+  /// the error changes with the size and with the samples.
+  bool run() {
+    const Stopwatch watch;
+    // Adaptive sampling begins with some samples for everyone: fewer than twice those say nothing about what follows.
+    const auto adaptive = full_.settings.find("adaptive");
+    const bool deals = adaptive != full_.settings.end() && adaptive->second.get_or(false);
+    const double few = deals ? 32 : 16, many = 4 * few;
+    if (!render({kPilotPixels, few, 0.2 * kProbeSeconds, false})) return false;
+    const Probe& pilot = probes_.front();
+    const double cost = pilot.cpu / (pilot.pixels * pilot.samples) / threads();
+    const double left = 0.9 * (kProbeSeconds - watch.wall());
+    const double all = pixels_of(full_);
+    const double pixels = std::clamp(left / (cost * (few / 4 + few + many)), std::min(kPilotPixels, all), all);
+    if (pixels < all && !render({pixels / 4, few, left / 3, false})) return false;
+    if (!render({pixels, few, left / 3, false})) return false;
+    // A whole frame that is small has room for more samples.
+    const double most = std::max(many, std::floor(left / (cost * pixels) - few));
+    return render({pixels, std::min(most, 1024.0), std::max(0.3 * kProbeSeconds, kProbeSeconds - watch.wall()), true});
+  }
+
+  const std::vector<Probe>& probes() const { return probes_; }
+  const hd::RenderSettingsDescription& full() const { return full_; }
+  const hd::Dictionary& stats() const { return stats_; }
+  const hd::RenderSettingsDescription& last() const { return last_; }
+  /// Bytes of a frame of so many pixels like the last: film, and each AOV as buffer (what it shows and what is being
+  /// resolved) and as product (its bytes and its numbers).
+  double frame_bytes(double pixels) const {
+    double bytes = number(stats_, "filmMemory") / pixels_of(last_);
+    std::set<std::string> aovs;
+    for (const hd::RenderProduct& product : last_.products)
+      for (const hd::RenderVar& var : product.vars) aovs.insert(var.aov.str());
+    if (aovs.empty()) aovs.insert("color");
+    for (const std::string& aov : aovs)
+      bytes += 4.0 * double(hd::FormatSize(session_.delegate()->GetDefaultAovDescriptor(aov).format));
+    return bytes * pixels;
+  }
+
+ private:
+  struct Plan {
+    double pixels, samples, seconds;
+    bool write;
+  };
+
+  double threads() const {
+    const double asked = number(full_.settings, "threads");
+    return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
+  }
+
+  bool render(const Plan& plan) {
+    last_ = reduced(full_, plan.pixels);
+    last_.settings["samples"] = static_cast<int32_t>(plan.samples);
+    last_.settings["timeLimit"] = static_cast<float>(plan.seconds);
+    last_.settings["targetError"] = 1e-6f;                              // asks for the error without ever reaching it
+    last_.settings["seed"] = static_cast<int32_t>(probes_.size() + 1);  // no probe repeats what another one saw
+    const ScratchFolder scratch;
+    last_.products = plan.write ? products_in(scratch) : std::vector<hd::RenderProduct>();
+    path_ = session_.file.settings.append("probe");
+    session_.scene.SetRenderSettings(path_, last_);
+    hd::host::RecordOptions options;
+    options.colors = session_.colors();
+    options.diagnostics = console_.sink();
+    const auto result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
+    if (result.status != hd::host::RecordStatus::done) return false;
+    stats_ = result.stats;
+    const double pixels = pixels_of(last_);
+    probes_.push_back({pixels, number(stats_, "rays.camera") / pixels, number(stats_, "phase.render.wall"),
+                       number(stats_, "phase.render.cpu"), number(stats_, "error.relativeRmse"),
+                       number(stats_, "error.low"), number(stats_, "error.high")});
+    return true;
+  }
+
+  /// What the scene would write (a picture as EXR if it names nothing), in `scratch`; nothing where that cannot be.
+  std::vector<hd::RenderProduct> products_in(const ScratchFolder& scratch) const {
+    if (scratch.path().empty()) return {};
+    std::vector<hd::RenderProduct> products = full_.products;
+    if (products.empty()) products.emplace_back().file = "probe.exr";
+    for (size_t i = 0; i < products.size(); ++i) {
+      products[i].file = scratch.path() / (std::to_string(i) + fs::path(products[i].file).extension().string());
+      if (!hd::host::CheckProduct(products[i], session_.colors(), {})) return {};
+    }
+    return products;
+  }
+
+  SceneSession& session_;
+  Console& console_;
+  const hd::RenderSettingsDescription full_;
+  hd::RenderSettingsDescription last_;
+  hd::Path path_;
+  hd::Dictionary stats_;  // of the last probe
+  std::vector<Probe> probes_;
+};
+
+/// Resident now, in bytes; 0 if the system does not tell.
+double resident_memory_bytes() {
+  std::ifstream file("/proc/self/statm");
+  double total = 0, resident = 0;
+  file >> total >> resident;
+  return file ? resident * double(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+std::string amount_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, value >= 100 ? "%.0f" : value >= 1 ? "%.3g" : "%.2g", value);
+  return text;
+}
+
+void print_range(const char* name, const Range& range, const char* unit, const std::string& more) {
+  std::printf("  %-18s %s%s (%s to %s)%s\n", name, amount_text(range.value).c_str(), unit,
+              amount_text(range.low).c_str(), amount_text(range.high).c_str(), more.c_str());
+}
+
+Range plus(const Range& range, double fixed) {
+  return {range.value + fixed, range.low + fixed, range.high + fixed};
+}
+
+/// The probe's peak may be one that loading left behind, under which the frame finds room: then the lower end holds.
+Range memory(const ProbeRenders& renders) {
+  const double peak = double(peak_memory_bytes());
+  const double probe = renders.frame_bytes(pixels_of(renders.last()));
+  const double frame = renders.frame_bytes(pixels_of(renders.full()));
+  const double low = std::max(peak, resident_memory_bytes() - probe + frame), high = peak - probe + frame;
+  return {(low + high) / 2 / 1e6, 0.95 * low / 1e6, 1.1 * high / 1e6};
+}
+
+std::string phases_text(const Seconds& load, const hd::Dictionary& stats, double render, double write) {
+  return ": load " + amount_text(load.wall) + ", refine " + amount_text(number(stats, "sync.refineWallSeconds")) +
+         ", build " + amount_text(number(stats, "sync.bvhWallSeconds")) + ", render " + amount_text(render) +
+         ", write " + amount_text(write);
+}
+
+void print(const ProbeRenders& renders, const Preparation& spent, const Prediction& p) {
+  const double growth = pixels_of(renders.full()) / pixels_of(renders.last());
+  const Seconds write{number(renders.stats(), "phase.write.wall") * growth,
+                      number(renders.stats(), "phase.write.cpu") * growth};
+  print_range("samples per pixel", p.samples, "", "");
+  print_range("wall time", plus(p.wall, spent.load.wall + spent.sync.wall + write.wall), " s",
+              phases_text(spent.load, renders.stats(), p.wall.value, write.wall));
+  print_range("CPU time", plus(p.cpu, spent.load.cpu + spent.sync.cpu + write.cpu), " s", "");
+  print_range("peak memory", memory(renders), " MB", "");
+}
+
+}  // namespace
+
+std::optional<double> parse_target_error(const std::string& text) {
+  double error = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, fault] = std::from_chars(text.data(), end, error);
+  return fault == std::errc() && rest == end && error > 0 && error <= 1 ? std::optional(error) : std::nullopt;
+}
+
+int print_prediction(SceneSession* session, Console* console, const Preparation& spent, double target) {
+  const Stopwatch watch;
+  ProbeRenders renders(session, console);
+  if (!renders.run()) return kRender;
+  const hd::RenderSettingsDescription &full = renders.full(), &last = renders.last();
+  std::printf("to reach %s %% relative RMSE at %dx%d, by a probe of %.1f s at %dx%d:\n",
+              amount_text(100 * target).c_str(), full.width, full.height, watch.wall(), last.width, last.height);
+  const Prediction p = tradeoff::predict(renders.probes(), pixels_of(full), target, kFirstLook);
+  print(renders, spent, p);
+  if (!p.noisy) std::printf("  the picture is black or has no noise: the first look at its error is enough\n");
+  return kDone;
+}
+
+}  // namespace alabaster::cli

@@ -1,0 +1,141 @@
+#include "delegate/tradeoff/prediction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace alabaster::tradeoff {
+namespace {
+
+using Row = std::array<double, 3>;  // one factor for each unknown: ln E^2 of the last probe, p, outline share
+
+// What other scenes show: mean and standard deviation.
+constexpr double kExponent = 1.05, kExponentSigma = 0.08;
+constexpr double kOutlineShare = 0.10, kOutlineShareSigma = 0.12;
+// No model fits better than this: of ln E^2, and of ln cost.
+constexpr double kModelSigma = 0.10, kCostSigma = 0.05;
+
+double square(double x) {
+  return x * x;
+}
+
+/// Observations y = row . unknowns with a standard deviation each, gathered as normal equations.
+class LeastSquares {
+ public:
+  void add(const Row& row, double y, double sigma) {
+    for (size_t i = 0; i < 3; ++i) {
+      for (size_t j = 0; j < 3; ++j) normal_[i][j] += row[i] * row[j] / square(sigma);
+      right_[i] += row[i] * y / square(sigma);
+    }
+  }
+
+  /// Gauss and Jordan; priors and at least one observation make the matrix positive definite, so no pivoting is needed.
+  void solve() {
+    std::array<Row, 3> a = normal_;
+    covariance_ = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (size_t k = 0; k < 3; ++k) {
+      const double pivot = a[k][k];
+      for (size_t j = 0; j < 3; ++j) a[k][j] /= pivot, covariance_[k][j] /= pivot;
+      for (size_t i = 0; i < 3; ++i) {
+        const double factor = i == k ? 0 : a[i][k];
+        for (size_t j = 0; j < 3; ++j) {
+          a[i][j] -= factor * a[k][j];
+          covariance_[i][j] -= factor * covariance_[k][j];
+        }
+      }
+    }
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) unknowns_[i] += covariance_[i][j] * right_[j];
+  }
+
+  const Row& unknowns() const { return unknowns_; }
+  double variance(const Row& gradient) const {
+    double sum = 0;
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) sum += gradient[i] * covariance_[i][j] * gradient[j];
+    return sum;
+  }
+
+ private:
+  std::array<Row, 3> normal_{}, covariance_{};
+  Row right_{}, unknowns_{};
+};
+
+bool is_rendered(const Probe& p) {
+  return p.pixels > 0 && p.samples > 0;
+}
+
+bool is_noisy(const Probe& p) {
+  return p.error > 0;
+}
+
+// Of ln E^2. The interval is also for how the frame's own error scatters about its expectation, by as much again
+// (frame_error.cpp): here only the expectation counts.
+double sigma_of(const Probe& p) {
+  const double reach = (square(p.high) - square(p.low)) / 2 / square(p.error);
+  return std::max(0.01, reach / 1.96 / std::sqrt(2.0));
+}
+
+/// How many sqrt(N)-ths of the last probe's a frame has more outlines in a pixel.
+double coarseness(double pixels, const Probe& last) {
+  return std::sqrt(last.pixels / pixels) - 1;
+}
+
+Range around(double value, double sigma) {
+  return {value, value * std::exp(-1.96 * sigma), value * std::exp(1.96 * sigma)};
+}
+
+// How far the last two probes differ in what a sample costs, of its logarithm.
+double cost_sigma(const std::vector<Probe>& probes, double Probe::*seconds) {
+  if (probes.size() < 2) return 2 * kCostSigma;
+  const auto cost = [&](const Probe& p) { return p.*seconds / (p.pixels * p.samples); };
+  const double last = cost(probes.back()), before = cost(probes[probes.size() - 2]);
+  return last > 0 && before > 0 ? std::hypot(kCostSigma, 0.5 * std::log(before / last)) : 2 * kCostSigma;
+}
+
+Range cost_of(const std::vector<Probe>& probes, double Probe::*seconds, const Range& samples, double pixels) {
+  const Probe& last = probes.back();
+  const double per_sample = last.*seconds / (last.pixels * last.samples);
+  const double spread = std::log(samples.high / samples.low) / (2 * 1.96);
+  return around(samples.value * pixels * per_sample, std::hypot(spread, cost_sigma(probes, seconds)));
+}
+
+// Solves 2 ln target = level - p ln(n / last.samples) + share * coarseness for n.
+void predict_samples(const std::vector<Probe>& probes, double pixels, double target, Prediction* prediction) {
+  const Probe& last = probes.back();
+  LeastSquares fit;
+  fit.add({0, 1, 0}, kExponent, kExponentSigma);
+  fit.add({0, 0, 1}, kOutlineShare, kOutlineShareSigma);
+  for (const Probe& p : probes)
+    if (is_noisy(p))
+      fit.add({1, -std::log(p.samples / last.samples), coarseness(p.pixels, last)}, 2 * std::log(p.error), sigma_of(p));
+  fit.solve();
+  const auto [level, exponent, share] = fit.unknowns();
+  const double coarse = coarseness(pixels, last);
+  const double growth = (level + share * coarse - 2 * std::log(target)) / exponent;
+  const double sigma =
+      std::sqrt(fit.variance({1 / exponent, -growth / exponent, coarse / exponent}) + square(kModelSigma / exponent));
+  prediction->exponent = exponent;
+  prediction->outline_share = share;
+  prediction->samples = around(last.samples * std::exp(growth), sigma);
+}
+
+}  // namespace
+
+Prediction predict(const std::vector<Probe>& all, double pixels, double target, double least_samples) {
+  std::vector<Probe> probes;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(probes), is_rendered);
+  Prediction prediction;
+  if (probes.empty()) return prediction;
+  prediction.known = true;
+  prediction.samples = {least_samples, least_samples, least_samples};
+  prediction.noisy = std::any_of(probes.begin(), probes.end(), is_noisy);
+  if (prediction.noisy) predict_samples(probes, pixels, target, &prediction);
+  for (double* n : {&prediction.samples.value, &prediction.samples.low, &prediction.samples.high})
+    *n = std::max(*n, least_samples);
+  prediction.wall = cost_of(probes, &Probe::wall, prediction.samples, pixels);
+  prediction.cpu = cost_of(probes, &Probe::cpu, prediction.samples, pixels);
+  return prediction;
+}
+
+}  // namespace alabaster::tradeoff

@@ -1,0 +1,81 @@
+// alabaster info --predict against what rendering then takes.
+#include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+struct Said {
+  double value = 0, low = 0, high = 0;
+};
+
+class PredictTest : public hd::description::SceneFiles {
+ protected:
+  int run(const std::vector<std::string>& arguments) {
+    Program program(folder_, arguments);
+    const int code = program.wait();
+    out_ = program.out();
+    err_ = program.err();
+    return code;
+  }
+  /// "  name   VALUE unit (LOW to HIGH)"
+  Said said(const std::string& name) const {
+    Said s;
+    const size_t line = out_.find("  " + name + " ");
+    if (line == std::string::npos) return s;
+    s.value = std::atof(out_.c_str() + line + 2 + name.size());
+    const size_t open = out_.find('(', line);
+    EXPECT_EQ(std::sscanf(out_.c_str() + open, "(%lf to %lf)", &s.low, &s.high), 2) << out_;
+    EXPECT_LE(s.low, s.value) << name;
+    EXPECT_GE(s.high, s.value) << name;
+    return s;
+  }
+  std::string out_, err_;
+};
+
+TEST_F(PredictTest, ForetellsSamplesAndMemory) {
+  ASSERT_EQ(run({"info", "patch.gltf", "--predict", "0.02", "--size", "240x180"}), 0) << err_;
+  const Said samples = said("samples per pixel"), memory = said("peak memory");
+  EXPECT_GT(said("wall time").value, 0) << out_;
+  EXPECT_GT(said("CPU time").value, 0);
+  ASSERT_EQ(
+      run({"render", "patch.gltf", "--size", "240x180", "--target-error", "0.02", "-o", "a.exr", "--stats", "s.json"}),
+      0)
+      << err_;
+  const auto stats = nlohmann::json::parse(std::ifstream(folder_ / "s.json"));
+  const double taken = stats["samples"]["total"].get<double>() / (240 * 180);
+  EXPECT_GT(samples.value, taken / 1.5) << taken;
+  EXPECT_LT(samples.value, taken * 1.5) << taken;
+  const double peak = stats["peakMemory"].get<double>() / 1e6;
+  EXPECT_GT(memory.value, 0.85 * peak) << peak;
+  EXPECT_LT(memory.value, 1.15 * peak) << peak;
+}
+
+TEST_F(PredictTest, LeavesNothingBehind) {
+  const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder_), {}); };
+  ASSERT_EQ(setenv("TMPDIR", folder_.c_str(), 1), 0);
+  ASSERT_EQ(run({"info", "lit.gltf", "--predict", "0.5", "--size", "16x12"}), 0)
+      << err_;  // makes stdout.txt, stderr.txt
+  const auto before = files();
+  ASSERT_EQ(run({"info", "lit.gltf", "--predict", "0.5", "--size", "16x12"}), 0) << err_;
+  unsetenv("TMPDIR");
+  EXPECT_EQ(files(), before);
+  EXPECT_EQ(said("samples per pixel").value, 16) << "the first look is enough: " << out_;
+}
+
+TEST_F(PredictTest, RefusesWhatIsNoError) {
+  for (const char* bad : {"0", "-0.1", "1.5", "nan", "two", "0.02x", "inf"}) {
+    EXPECT_EQ(run({"info", "lit.gltf", "--predict", bad}), 2) << bad;
+    EXPECT_NE(err_.find("above 0, at most 1"), std::string::npos) << err_;
+  }
+  EXPECT_EQ(run({"info", "lit.gltf", "--predict", "0.1", "--size", "wide"}), 2);
+  EXPECT_NE(err_.find("1280x720"), std::string::npos) << err_;
+  EXPECT_EQ(run({"info", "lit.gltf", "--predict", "0.1", "--threads", "-2"}), 2);
+}
+
+}  // namespace
+}  // namespace alabaster::cli

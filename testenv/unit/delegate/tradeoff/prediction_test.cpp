@@ -1,0 +1,105 @@
+#include "delegate/tradeoff/prediction.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace alabaster::tradeoff {
+namespace {
+
+/// A scene whose error follows the model of prediction.h exactly.
+struct ModelScene {
+  double level = 1, outlines = 20, exponent = 1.1, cost = 1e-6;
+
+  double error(double pixels, double samples) const {
+    return std::sqrt((level + outlines / std::sqrt(pixels)) * std::pow(samples, -exponent));
+  }
+  double samples_for(double pixels, double target) const {
+    return std::pow((level + outlines / std::sqrt(pixels)) / (target * target), 1 / exponent);
+  }
+  /// As a render would report it whose estimate of ln E^2 is off by `deviation` standard deviations `sigma`.
+  Probe probe(double pixels, double samples, double sigma, double deviation = 0) const {
+    Probe p{pixels, samples, cost * pixels * samples / 2, cost * pixels * samples, 0, 0, 0};
+    p.error = error(pixels, samples) * std::exp(deviation * sigma / 2);
+    const double reach = 1.96 * std::sqrt(2.0) * sigma;  // wider by how a frame's own error scatters
+    p.low = p.error * std::sqrt(std::max(0.0, 1 - reach));
+    p.high = p.error * std::sqrt(1 + reach);
+    return p;
+  }
+};
+
+TEST(Prediction, FollowsSizeSamplesAndCost) {
+  const ModelScene scene;
+  const std::vector<Probe> probes{scene.probe(2500, 64, 0.001), scene.probe(10000, 64, 0.001),
+                                  scene.probe(10000, 256, 0.001)};
+  for (const double target : {0.2, 0.05, 0.02}) {
+    const double pixels = 921600, expected = scene.samples_for(pixels, target);
+    const Prediction p = predict(probes, pixels, target, 1);
+    ASSERT_TRUE(p.known);
+    EXPECT_NEAR(p.samples.value / expected, 1, 0.06) << target;
+    EXPECT_LT(p.samples.low, expected);
+    EXPECT_GT(p.samples.high, expected);
+    EXPECT_NEAR(p.cpu.value / (p.samples.value * pixels * scene.cost), 1, 1e-9);
+    EXPECT_NEAR(p.wall.value / p.cpu.value, 0.5, 1e-9);
+  }
+}
+
+// A frame of many outlines, seen coarsely, needs fewer samples for each of its pixels than a pixel of the probe does;
+// without outlines the size is nothing to a pixel.
+TEST(Prediction, KnowsOutlinesFromNoiseOfThePixels) {
+  for (const double outlines : {0.0, 60.0}) {
+    const ModelScene scene{1, outlines, 1};
+    const std::vector<Probe> probes{scene.probe(2500, 16, 0.01), scene.probe(10000, 16, 0.01),
+                                    scene.probe(10000, 64, 0.01)};
+    const Prediction p = predict(probes, 1e6, 0.05, 1);
+    EXPECT_NEAR(p.samples.value / scene.samples_for(1e6, 0.05), 1, 0.15) << outlines;
+    EXPECT_NEAR(p.outline_share, outlines / 100 / (1 + outlines / 100), 0.1);
+  }
+}
+
+TEST(Prediction, TheRangeHoldsWhatItPromises) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  int inside = 0;
+  constexpr int kTrials = 1000;
+  for (int i = 0; i < kTrials; ++i) {
+    const ModelScene scene{1, 10 + 4 * normal(random), 1.05 + 0.05 * normal(random)};
+    const std::vector<Probe> probes{scene.probe(2500, 16, 0.2, normal(random)),
+                                    scene.probe(10000, 16, 0.1, normal(random)),
+                                    scene.probe(10000, 64, 0.1, normal(random))};
+    const Prediction p = predict(probes, 1e6, 0.02, 1);
+    const double truth = scene.samples_for(1e6, 0.02);
+    inside += p.samples.low < truth && truth < p.samples.high ? 1 : 0;
+    EXPECT_LT(p.samples.high / p.samples.low, 4.5) << "or the range says nothing";
+  }
+  EXPECT_GE(inside, kTrials * 95 / 100);
+}
+
+TEST(Prediction, NeverBelowTheFirstLook) {
+  const ModelScene scene;
+  const Prediction p = predict({scene.probe(1000, 16, 0.05)}, 1000, 0.9, 16);
+  ASSERT_TRUE(p.known);
+  EXPECT_EQ(p.samples.value, 16);
+  EXPECT_GE(p.samples.low, 16);
+  EXPECT_NEAR(p.cpu.value, 16 * 1000 * scene.cost, 1e-9);
+}
+
+TEST(Prediction, WithoutNoiseTheFirstLookIsEnough) {
+  EXPECT_FALSE(predict({}, 1000, 0.1, 16).known);
+  const Prediction p = predict({{1000, 32, 0.1, 0.2, 0, 0, 0}}, 2000, 0.1, 16);
+  ASSERT_TRUE(p.known);
+  EXPECT_EQ(p.samples.value, 16);
+  EXPECT_NEAR(p.cpu.value, 0.2, 1e-9);
+}
+
+// A probe whose interval reaches down to nothing still counts for something, and one of few samples does not spoil it.
+TEST(Prediction, AnUncertainProbeCountsLittle) {
+  const ModelScene scene{1, 0, 1.05};
+  Probe wild{2500, 16, 0.1, 0.1, 5, 0, 10};
+  const Prediction p = predict({wild, scene.probe(10000, 64, 0.02)}, 10000, 0.05, 1);
+  EXPECT_NEAR(p.samples.value / scene.samples_for(10000, 0.05), 1, 0.2);
+}
+
+}  // namespace
+}  // namespace alabaster::tradeoff
