@@ -15,18 +15,27 @@ namespace {
 namespace fs = std::filesystem;
 
 // Pixels. Margins are given, not left to gnuplot, so that names can be put beside the ends of their lines.
-constexpr int kWidth = 1120, kHeight = 720, kLeft = 84, kBottom = 70, kTop = 84, kCharacter = 8, kNameHeight = 18;
+constexpr int kWidth = 1200, kHeight = 760, kLeft = 84, kBottom = 70, kCharacter = 8, kNameHeight = 18, kKeyRow = 18;
+constexpr int kTitle = 48, kKeySymbol = 64;
+constexpr size_t kManyLines = 8;     // more are drawn finer
 constexpr size_t kLongestName = 50;  // characters; longer ones are cut off by the picture's edge
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart, without yellow and black; and filled markers.
+/// Okabe and Ito's colours, which the colour-blind can tell apart, without yellow and black; and gnuplot's filled
+/// markers.
+constexpr const char* kColors[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#666666"};
+constexpr int kMarkers[] = {7, 5, 9, 13, 11, 15};
+/// Lines of one group differ in their dashes.
+constexpr const char* kDashes[] = {"solid", "(14,6)", "(4,4)", "(14,4,3,4)", "(8,3)", "(2,6)"};
+
 struct Style {
   const char* color;
   int marker;
 };
-constexpr Style kStyles[] = {{"#0072B2", 7},  {"#D55E00", 5},  {"#009E73", 9}, {"#CC79A7", 13},
-                             {"#E69F00", 11}, {"#56B4E9", 15}, {"#666666", 2}};
-/// Lines of one group differ in their dashes.
-constexpr const char* kDashes[] = {"solid", "(14,6)", "(4,4)", "(14,4,3,4)", "(8,3)", "(2,6)"};
+
+/// As there are six markers and seven colours, 42 groups differ.
+Style style_of_group(size_t group) {
+  return {kColors[group % std::size(kColors)], kMarkers[group % std::size(kMarkers)]};
+}
 
 struct Name {
   std::string text;
@@ -77,6 +86,8 @@ class Script {
     size_t longest_name = 0;
     for (const PlotLine& line : plot.lines) longest_name = std::max(longest_name, line.name.size());
     right_ = int(std::min(longest_name, kLongestName)) * kCharacter + 48;
+    top_ = kTitle + kKeyRow * key_rows() + kKeyRow / 2;
+    if (plot.lines.size() > kManyLines) marker_ *= 0.75;
     text_ = "set terminal " + terminal.options + "\nset output " + gnuplot_quoted(output) + "\nset encoding utf8\n";
     frame();
     names();
@@ -119,9 +130,10 @@ class Script {
 
   void frame() {
     const std::string left = number(double(kLeft) / kWidth);
+    const double key_middle = kTitle + 0.5 * kKeyRow * key_rows();
     text_ += "set lmargin at screen " + left + "\nset rmargin at screen " + number(1 - double(right_) / kWidth) +
              "\nset bmargin at screen " + number(double(kBottom) / kHeight) + "\nset tmargin at screen " +
-             number(1 - double(kTop) / kHeight) + "\n";
+             number(1 - double(top_) / kHeight) + "\n";
     text_ += "set logscale xy\nset xrange [" + number(x_.low) + ":" + number(x_.high) + "]\nset yrange [" +
              number(y_.low) + ":" + number(y_.high) + "]\n";
     ticks("x", x_);
@@ -129,26 +141,38 @@ class Script {
     text_ +=
         "set border 3 linecolor '#444444'\nset xtics nomirror\nset ytics nomirror\n"
         "set grid xtics ytics linecolor '#DDDDDD' linewidth 1 dashtype solid\nset grid nomxtics nomytics\n";
-    text_ += "set label " + gnuplot_quoted(plot_.title) + " at screen " + left + "," + number(1 - 26.0 / kHeight) +
-             " left font ',17' noenhanced\nset xlabel " + gnuplot_quoted(plot_.time_label) +
-             " noenhanced\nset ylabel " + gnuplot_quoted(plot_.error_label) + " noenhanced\n";
-    text_ += "set key at screen " + left + "," + number(1 - 58.0 / kHeight) +
-             " left center horizontal Left reverse noenhanced samplen 2\n";
+    text_ += "set label " + gnuplot_quoted(plot_.title) + " at screen " + left + "," +
+             number(1 - 0.5 * kTitle / kHeight) + " left font ',17' noenhanced\nset xlabel " +
+             gnuplot_quoted(plot_.time_label) + " noenhanced\nset ylabel " + gnuplot_quoted(plot_.error_label) +
+             " noenhanced\n";
+    text_ += "set key at screen " + left + "," + number(1 - key_middle / kHeight) +
+             " left center horizontal Left reverse noenhanced samplen 2 maxrows " + std::to_string(key_rows()) + "\n";
   }
 
+  /// In the order in which they first occur.
+  std::vector<std::string> groups() const {
+    std::vector<std::string> all;
+    for (const PlotLine& line : plot_.lines)
+      if (std::find(all.begin(), all.end(), line.group) == all.end()) all.push_back(line.group);
+    return all;
+  }
+  /// Rows of the legend: as many entries in each as fit beside each other, one of them the front's.
+  int key_rows() const {
+    std::vector<std::string> all = groups();
+    size_t longest = std::string("Pareto front").size();
+    for (const std::string& group : all) longest = std::max(longest, group.size());
+    const int columns = std::max(1, (kWidth - kLeft - right_) / (int(longest) * kCharacter + kKeySymbol));
+    return (int(all.size()) + columns) / columns;
+  }
   size_t group_of(size_t line) const {
-    std::vector<std::string> seen;
-    for (const PlotLine& other : plot_.lines) {
-      if (std::find(seen.begin(), seen.end(), other.group) == seen.end()) seen.push_back(other.group);
-      if (other.group == plot_.lines[line].group) break;
-    }
-    return size_t(std::find(seen.begin(), seen.end(), plot_.lines[line].group) - seen.begin());
+    const std::vector<std::string> all = groups();
+    return size_t(std::find(all.begin(), all.end(), plot_.lines[line].group) - all.begin());
   }
   size_t place_in_group(size_t line) const {
     return size_t(std::count_if(plot_.lines.begin(), plot_.lines.begin() + std::ptrdiff_t(line),
                                 [&](const PlotLine& other) { return other.group == plot_.lines[line].group; }));
   }
-  Style style_of(size_t line) const { return kStyles[group_of(line) % std::size(kStyles)]; }
+  Style style_of(size_t line) const { return style_of_group(group_of(line)); }
 
   /// Names stand in a column at the right, each as near the height of its line's end as the others let it.
   void names() {
@@ -158,7 +182,7 @@ class Script {
       names.push_back({plot_.lines[i].name, style_of(i), x_.place(end.seconds), y_.place(end.error)});
     }
     std::stable_sort(names.begin(), names.end(), [](const Name& a, const Name& b) { return a.y < b.y; });
-    const double plot_height = kHeight - kBottom - kTop;
+    const double plot_height = kHeight - kBottom - top_;
     const double step = std::min(kNameHeight / plot_height, 1.0 / double(names.size()));
     spread(names, step);
     for (const Name& name : names) {
@@ -214,8 +238,9 @@ class Script {
       const size_t place = place_in_group(i);
       const std::string color = std::string(" linecolor '") + style.color + "'";
       plots += data + " using 1:2:3:4 with yerrorbars pointtype 0 linewidth 1" + color + " notitle, \\\n" + data +
-               " using 1:2 with linespoints linewidth 1.6 pointsize " + number(marker_) + " pointtype " +
-               std::to_string(style.marker) + color + " dashtype " + kDashes[place % std::size(kDashes)] +
+               " using 1:2 with linespoints linewidth " + (plot_.lines.size() > kManyLines ? "1.1" : "1.6") +
+               " pointsize " + number(marker_) + " pointtype " + std::to_string(style.marker) + color + " dashtype " +
+               kDashes[place % std::size(kDashes)] +
                (place == 0 ? " title " + gnuplot_quoted(plot_.lines[i].group) : " notitle") + ", \\\n";
     }
     plots += "$front with points pointtype 6 pointsize " + number(1.9 * marker_) +
@@ -226,7 +251,7 @@ class Script {
   const Plot& plot_;
   double marker_;
   Axis x_, y_;
-  int right_ = 0;
+  int right_ = 0, top_ = 0;
   std::string text_;
 };
 
