@@ -111,6 +111,8 @@ void resize(SceneSession* session, const hd::Vec2i& size) {
 }  // namespace
 
 int run_info(const InfoArguments& arguments) {
+  const double linked = process_cpu_seconds();  // what it took to get here: on one thread, so wall time alike
+  const Stopwatch watch;
   Console console(false);
   if (const std::string problem = problem_of(arguments); !problem.empty()) {
     console.error("info", problem);
@@ -118,9 +120,7 @@ int run_info(const InfoArguments& arguments) {
   }
   SceneSession session;
   const hd::description::LoadOptions options = load_options(arguments);
-  const Stopwatch load_watch;
   if (!session.load(arguments.scene, options, console.sink())) return load_failure(console.last_error(), options);
-  Preparation spent{{load_watch.wall(), load_watch.cpu()}, {}};
   if (!session.choose_colors("", console.sink())) return kInput;
   if (const auto size = parse_size(arguments.size)) resize(&session, *size);
   print_geometry(session.scene);
@@ -128,6 +128,7 @@ int run_info(const InfoArguments& arguments) {
   print_lights_and_cameras(session);
   std::fflush(stdout);
   if (!session.start(console.sink())) return kRender;
+  Preparation spent{{linked + watch.wall(), linked + watch.cpu()}, {}};
   const Stopwatch sync_watch;
   session.index()->SyncAll();
   spent.sync = {sync_watch.wall(), sync_watch.cpu()};

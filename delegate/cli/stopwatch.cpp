@@ -24,6 +24,10 @@ double Stopwatch::cpu() const {
   return clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_start_;
 }
 
+double process_cpu_seconds() {
+  return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
+}
+
 uint64_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

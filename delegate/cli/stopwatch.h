@@ -15,6 +15,9 @@ class Stopwatch {
   double wall_start_, cpu_start_;
 };
 
+/// CPU seconds of all threads since the process began.
+double process_cpu_seconds();
+
 uint64_t peak_memory_bytes();
 
 }  // namespace alabaster::cli

@@ -1,0 +1,64 @@
+"""Pictures as flat lists of numbers, and how far one is from what it converges to."""
+import re
+import subprocess
+
+ERROR_FLOOR = 0.05  # kErrorFloor of core/film/frame_error.h
+PIXEL = re.compile(r"^ *Pixel \((\d+), (\d+)\): (\S+) (\S+) (\S+)", re.M)
+
+
+class Picture:
+    """width, height, and red, green and blue as three lists of width * height numbers."""
+
+    def __init__(self, width, height, planes):
+        self.width, self.height, self.planes = width, height, planes
+
+
+def read_exr(file):
+    """Red, green and blue, the first three channels of what Alabaster writes."""
+    text = subprocess.run(["oiiotool", "--dumpdata", str(file)], check=True, capture_output=True, text=True).stdout
+    pixels = PIXEL.findall(text)
+    width, height = (int(side) + 1 for side in pixels[-1][:2])
+    if len(pixels) != width * height:
+        raise ValueError(f"{file}: oiiotool told {len(pixels)} of {width} x {height} pixels")
+    return Picture(width, height, [[float(pixel[2 + c]) for pixel in pixels] for c in range(3)])
+
+
+class Reference:
+    """The mean of independent renders; how they scatter tells its own noise, which is no error of what is compared with
+    it."""
+
+    def __init__(self, parts):
+        count, first = len(parts), parts[0]
+        self.width, self.height = first.width, first.height
+        self.planes, self.variance = [], []
+        for channel in range(3):
+            planes = [part.planes[channel] for part in parts]
+            mean = [sum(values) / count for values in zip(*planes)]
+            self.planes.append(mean)
+            self.variance.append([sum((v - m) ** 2 for v in values) / (count * (count - 1))
+                                  for values, m in zip(zip(*planes), mean)])
+        self.scales = self._scales()
+
+    def _scales(self):
+        """L^2 + f^2 of every pixel, as core/film/frame_error.h defines them."""
+        w, h = self.width, self.height
+        levels = [sum(rgb) / 3 for rgb in zip(*self.planes)]
+        floor = ERROR_FLOOR * sum(levels) / len(levels)
+        scales = []
+        for y in range(h):
+            for x in range(w):
+                near = [levels[j * w + i] for j in range(max(0, y - 1), min(h, y + 2))
+                        for i in range(max(0, x - 1), min(w, x + 2))]
+                scales.append((sum(near) / len(near)) ** 2 + floor ** 2)
+        return scales
+
+    def squared_error(self, picture):
+        """E^2 of `picture` against what the reference converges to: its noise is subtracted, so that the expectation is
+        right; it may come out below zero where the reference is as noisy as the picture."""
+        total = 0.0
+        for mine, theirs, variance in zip(self.planes, picture.planes, self.variance):
+            total += sum(((b - a) ** 2 - v) / s for a, b, v, s in zip(mine, theirs, variance, self.scales))
+        return total / 3 / len(self.scales)
+
+    def own_squared_error(self):
+        return sum(sum(v / s for v, s in zip(variance, self.scales)) for variance in self.variance) / 3 / len(self.scales)
