@@ -1,5 +1,7 @@
 #include "core/film/film.h"
 
+#include "core/film/frame_error.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -86,20 +88,18 @@ bool aov_from_name(const std::string& name, Aov* a) {
   return false;
 }
 
-FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(pixels) {
+FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(pixels), halves_(pixels) {
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
-  if (aovs & aov_bit(Aov::error)) even_.resize(pixels);
   if (aovs & kClosestAovs) closest_.resize(pixels);
   for (int i = 0; i < kAovCount; ++i)
     if (const auto aov = static_cast<Aov>(i); aovs & kLayerAovs & aov_bit(aov)) layers_.push_back({aov, Sums(pixels)});
 }
 
 size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
-  size_t bytes = sizeof(decltype(samples_)::value_type) + sizeof(decltype(color_)::value_type);
+  size_t bytes = sizeof(decltype(samples_)::value_type) + sizeof(decltype(color_)::value_type) + sizeof(Halves);
   if (aovs & aov_bit(Aov::normal)) bytes += sizeof(decltype(normal_)::value_type);
   if (aovs & aov_bit(Aov::albedo)) bytes += sizeof(decltype(albedo_)::value_type);
-  if (aovs & aov_bit(Aov::error)) bytes += sizeof(decltype(even_)::value_type);
   if (aovs & kClosestAovs) bytes += sizeof(Closest);
   bytes += static_cast<size_t>(std::popcount(aovs & kLayerAovs)) * sizeof(Sums::value_type);
   return bytes;
@@ -112,13 +112,13 @@ size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
 }
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
-  if (!even_.empty() && (samples_[pixel] & 1) == 0) accumulate(s.color, &even_[pixel]);
   ++samples_[pixel];
   auto& c = color_[pixel];
   c[0] += s.color.r;
   c[1] += s.color.g;
   c[2] += s.color.b;
   c[3] += s.alpha;
+  if (std::has_single_bit(samples_[pixel])) compare_halves(pixel);
   if (!normal_.empty()) {
     auto& n = normal_[pixel];
     n[0] += s.normal.x;
@@ -132,17 +132,51 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers)
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
 }
 
-// Half the difference of the halves' means has the variance of their mean.
-float FilmTile::deviation(size_t pixel) const {
-  const uint32_t n = samples_[pixel];
-  if (n < 2 || even_.empty()) return 0;
+namespace {
+
+// Squared difference of two means, averaged over red, green and blue: of the `first` samples, and of the rest.
+double squared_difference(const std::array<double, 4>& all, const std::array<float, 3>& some, double first,
+                          double rest) {
   double squares = 0;
   for (size_t c = 0; c < 3; ++c) {
-    const double even = even_[pixel][c], odd = color_[pixel][c] - even;
-    const double half = (even / (n - n / 2) - odd / (n / 2)) / 2;
-    squares += half * half / 3;
+    const double difference = some[c] / first - (all[c] - some[c]) / rest;
+    squares += difference * difference / 3;
   }
-  return static_cast<float>(std::sqrt(squares));
+  return squares;
+}
+
+}  // namespace
+
+// The pixel has just reached a power of two.
+void FilmTile::compare_halves(size_t pixel) {
+  Halves& h = halves_[pixel];
+  const auto& sums = color_[pixel];
+  const uint32_t n = samples_[pixel];
+  if (n > 1) {
+    h.previous = h.latest;
+    h.latest = static_cast<float>(squared_difference(sums, h.first, n / 2, n / 2));
+  }
+  h.first = {static_cast<float>(sums[0]), static_cast<float>(sums[1]), static_cast<float>(sums[2])};
+}
+
+PixelNoise FilmTile::noise(size_t pixel) const {
+  const uint32_t n = samples_[pixel];
+  if (n == 0) return {};
+  const auto& sums = color_[pixel];
+  const Halves& h = halves_[pixel];
+  const uint32_t m = std::bit_floor(n);
+  return {n, static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)), h.latest, h.previous,
+          n > m ? static_cast<float>(squared_difference(sums, h.first, m, n - m)) : 0.0f};
+}
+
+void FilmTile::take(size_t pixel, const FilmTile& from) {
+  samples_[pixel] = from.samples_[pixel];
+  color_[pixel] = from.color_[pixel];
+  halves_[pixel] = from.halves_[pixel];
+  if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
+  if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
+  if (!closest_.empty()) closest_[pixel] = from.closest_[pixel];
+  for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
 }
 
 void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
@@ -159,7 +193,7 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
       average(color_, 3, 1);
       break;
     case Aov::error:
-      *out = deviation(pixel);
+      *out = pixel_deviation(noise(pixel));
       break;
     case Aov::normal:
       average(normal_, 0, 3);
@@ -243,6 +277,11 @@ std::vector<float> Film::resolve_float(Aov aov) const {
 std::vector<int32_t> Film::resolve_int(Aov aov) const {
   return resolve_tiles<int32_t>(
       1, [aov](const FilmTile& tile, size_t pixel, int32_t* out) { *out = tile.resolve_int(pixel, aov); });
+}
+
+std::vector<PixelNoise> Film::noise() const {
+  return resolve_tiles<PixelNoise>(
+      1, [](const FilmTile& tile, size_t pixel, PixelNoise* out) { *out = tile.noise(pixel); });
 }
 
 }  // namespace alabaster

@@ -33,7 +33,7 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
-  error  // of color: standard deviation, estimated from two halves (frame_error.h)
+  error  // of color: standard deviation of the mean, as its samples tell (frame_error.h)
 };
 inline constexpr int kAovCount = 18;
 constexpr uint32_t aov_bit(Aov a) {
@@ -82,6 +82,16 @@ struct LightLayers {
   Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
 };
 
+/// What a pixel's samples tell of its noise. Differences are squared and averaged over red, green and blue. m is the
+/// largest power of two of samples that the pixel has reached; estimate_frame_error() says what it makes of them.
+struct PixelNoise {
+  uint32_t samples = 0;
+  float level = 0;     // mean of red, green and blue
+  float latest = 0;    // between the means of the two halves of the first m samples
+  float previous = 0;  // of the first m / 2
+  float tail = 0;      // between the first m and those after them; 0 if there are none
+};
+
 /// Accumulators of one tile. Only the planes that the requested AOVs need exist.
 class FilmTile {
  public:
@@ -89,13 +99,16 @@ class FilmTile {
   FilmTile(size_t pixels, uint32_t aovs);
 
   /// `pixel`: row-major within the tile. Order matters to the last bit: one tile's samples come in sample order.
-  /// With Aov::error a pixel's samples must come from two independent sets in turn. `layers` of the sample: null where
-  /// none of kLayerAovs was asked for.
+  /// A pixel's samples must be those of one PixelSampler, from index 0 on. `layers` of the sample: null where none of
+  /// kLayerAovs was asked for.
   void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
   /// aov_components() values of a pixel: averages, or what the closest sample brought.
   void resolve(size_t pixel, Aov aov, float* out) const;
   int32_t resolve_int(size_t pixel, Aov aov) const;
+  PixelNoise noise(size_t pixel) const;
+  /// What another tile of the same shape and planes has gathered there.
+  void take(size_t pixel, const FilmTile& from);
   /// Of the accumulators that these AOVs need.
   static size_t bytes_per_pixel(uint32_t aovs);
 
@@ -109,12 +122,16 @@ class FilmTile {
     float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
     int32_t prim_id = -1, instance_id = -1, element_id = -1;
   };
-  float deviation(size_t pixel) const;
+  struct Halves {
+    std::array<float, 3> first{};  // sum of color over the first m samples
+    float latest = 0, previous = 0;
+  };
+  void compare_halves(size_t pixel);
 
   std::vector<uint32_t> samples_;
   std::vector<std::array<double, 4>> color_;  // sums, premultiplied
   Sums normal_, albedo_;
-  Sums even_;                       // of color, over every other sample: for Aov::error
+  std::vector<Halves> halves_;
   std::vector<LayerPlane> layers_;  // those that were asked for
   std::vector<Closest> closest_;
 };
@@ -141,6 +158,7 @@ class Film {
   /// asked for resolves to its background value.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
+  std::vector<PixelNoise> noise() const;
 
  private:
   template <class T, class Write>

@@ -1,10 +1,16 @@
 // How far a picture is from what it would converge to, told by the picture itself.
 //
-// Where it is asked (Aov::error, RenderSettings::target_error) a pixel's even and odd samples are two independent sets.
-// Of their means a and b the picture shows (a + b) / 2, whose variance is estimated without bias by (a - b)^2 / 4. One
-// pixel tells little; thousands tell much. Two sets are less evenly spread than one of twice the size: what asks for no
-// error does not pay for it.
+// A pixel's samples are the first n of one scrambled sequence (core/sampling/pixel_sampler.h). At every node of the
+// binary tree over the sample indices the scrambling may swap the two branches with equal chance, so all blocks of
+// 2^k samples that begin at a multiple of 2^k look alike, and the covariance of two samples depends only on the highest
+// bit in which their indices differ. With V(m) the variance of the mean of the first m samples, the two halves of the
+// first 2m have means a and b with
+//   E (a - b)^2 / 4 = V(m) - V(2m),    V(2m) = (V(m) + cov(a, b)) / 2.
+// What is left to assume is how V falls on: V(m) ~ m^-p, p from the differences at two sizes. p = 1 for independent
+// samples, more where stratification helps.
 #pragma once
+
+#include <vector>
 
 #include "core/film/film.h"
 
@@ -16,15 +22,29 @@ namespace alabaster {
 inline constexpr double kErrorFloor = 0.05;
 
 struct FrameError {
-  bool known = false;  // false: it was not asked, or not every pixel has two samples yet. A black frame has no noise
+  bool known = false;  // false: not every pixel has two samples yet. A black frame has no noise
   double relative_rmse = 0;
   /// 95 % of the frames that report this interval have their true error in it, if no light was missed altogether: what
   /// no sample has met yet, no estimate can know.
   double low = 0, high = 0;
+  double exponent = 1;  // p above
 };
 
+/// Pixels in rows.
+struct NoiseImage {
+  int width = 0, height = 0;
+  std::vector<PixelNoise> pixels;
+};
+
+FrameError estimate_frame_error(const NoiseImage& image);
+/// What each pixel adds to E^2 (times their number); empty if the frame is black or a pixel has less than two samples.
+std::vector<double> relative_squared_errors(const NoiseImage& image);
 /// Tiles that are being rendered may be ahead of others. Any thread.
 FrameError estimate_frame_error(const Film& film);
+
+/// Standard deviation of a pixel's mean, from its own samples alone and as if these were independent: one pixel tells
+/// neither its noise nor its exponent well.
+float pixel_deviation(const PixelNoise& noise);
 
 /// E^2 of `image` against `reference` (RGBA rows as Film::resolve_float gives them), by the same definition with the
 /// levels of the reference. For tests and measurements.

@@ -33,19 +33,4 @@ inline uint32_t samples_for_error(uint32_t done, uint32_t most, double error, do
   return static_cast<uint32_t>(std::clamp(std::ceil(done * ratio * ratio), 1.0, static_cast<double>(most)));
 }
 
-/// A frame whose error decides is rendered in rounds that end here; without a target there is one round.
-inline uint32_t first_round_end(uint32_t most, double target) {
-  constexpr uint32_t kFirst = 16;
-  return target > 0 ? std::min(most, kFirst) : most;
-}
-
-/// The end of the round after `done`, or `done`: enough. No round more than doubles the samples, for a prediction from
-/// few of them is worth little, nor adds less than a thirty-second, for looking costs time, too.
-inline uint32_t next_round_end(uint32_t done, uint32_t most, double error, double target) {
-  if (!(target > 0) || error <= target || done >= most) return done;
-  const uint32_t wanted = samples_for_error(done, most, error, target);
-  const uint32_t least = done + std::max(2u, done / 32);
-  return std::min(most, std::clamp(wanted, least, 2 * done));
-}
-
 }  // namespace alabaster

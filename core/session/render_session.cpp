@@ -17,6 +17,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "core/film/sample_allocation.h"
+#include "core/session/group_stopping.h"
 #include "core/session/pass_schedule.h"
 
 namespace alabaster {
@@ -76,10 +78,20 @@ struct RenderSession::State {
   std::atomic<bool> pause_requested{false};
   std::thread driver;
 
+  // Changed between rounds only.
+  SampleAllocation allocation;
+  std::vector<uint32_t> pilot_rays;  // of each pixel, while they are counted; workers write their own tiles' pixels
+  GroupStopping stopping;
+  struct {
+    std::unique_ptr<Film> film;  // what groups showed when they ended; those that others wait for are traced on
+    uint32_t groups = 0;
+  } ended_early;
+
   void render(const RenderRequest& request);
   void run_rounds(const RenderRequest& request);
   void run_workers(const RenderRequest& request, const PassSchedule& schedule);
-  void look_at_error(const RenderRequest& request, uint32_t samples);
+  void look_at_error(const RenderRequest& request, uint32_t samples, const std::vector<PixelNoise>& noise);
+  bool end_groups(double target, const std::vector<PixelNoise>& noise);
   void work(const RenderRequest& request, const PassSchedule& schedule);
   bool render_tile(const RenderRequest& request, const PathContext& context, const SampleRange& range, int tile);
   bool may_go_on();
@@ -114,16 +126,20 @@ bool RenderSession::State::render_tile(const RenderRequest& request, const PathC
       select_path_integrator(request.scene->features, context.settings, context.layers != nullptr);
   const PixelRect rect = film->tile_rect(tile);
   FilmTile pixels = film->load_tile(tile);
-  const bool in_halves = film->aovs() & aov_bit(Aov::error);
+  const PixelRect& window = film->data_window();
+  const uint32_t traced = stopping.traced();
   size_t pixel = 0;
-  for (int y = rect.y0; y < rect.y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    size_t in_window = static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) +
+                       static_cast<size_t>(rect.x0 - window.x0);
+    for (int x = rect.x0; x < rect.x1; ++x, ++pixel, ++in_window) {
+      if (!(traced >> pixel_group(x, y) & 1)) continue;
       const uint32_t seed = pixel_seed(x, y, settings.frame, settings.seed);
-      const std::array<uint32_t, 2> halves{hash_combine(seed, 0), hash_combine(seed, 1)};
-      for (uint32_t s = range.begin; s < range.end; ++s) {
+      const uint64_t rays_before = context.counters.rays();
+      const uint32_t end = allocation.samples(in_window, range.end);
+      for (uint32_t s = allocation.samples(in_window, range.begin); s < end; ++s) {
         if (!may_go_on() || (range.begin >= kLeastSamples && time_is_over())) return false;
-        // For an error estimate even and odd samples are two sets that know nothing of each other: frame_error.h.
-        const PixelSampler sampler = in_halves ? PixelSampler(halves[s & 1], s >> 1) : PixelSampler(seed, s);
+        const PixelSampler sampler(seed, s);
         const auto u = sampler.draw(Dimension::film_lens, 0);
         const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
         const Vec2f film_position(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
@@ -136,7 +152,9 @@ bool RenderSession::State::render_tile(const RenderRequest& request, const PathC
         }
         pixels.add(pixel, sample, context.layers);
       }
+      if (!pilot_rays.empty()) pilot_rays[in_window] += static_cast<uint32_t>(context.counters.rays() - rays_before);
     }
+  }
   film->store_tile(tile, std::move(pixels));
   return true;
 }
@@ -200,29 +218,54 @@ void RenderSession::State::run_workers(const RenderRequest& request, const PassS
   });
 }
 
-// One round, unless the error decides: then it is looked at when all tiles have the same samples, so that what it
-// decides does not depend on threads.
+// One round, unless the error decides or the samples are dealt out: then what decides is looked at when all tiles have
+// the same part of their samples, so that it does not depend on threads.
 void RenderSession::State::run_rounds(const RenderRequest& request) {
   const RenderSettings& settings = request.settings;
-  SampleRange round{0, first_round_end(settings.samples, settings.target_error)};
+  const bool deals = settings.adaptive && settings.samples >= 2 * kPilotSamples;
+  const bool asks = settings.target_error > 0;
+  if (deals) pilot_rays.resize(progress.pixels);
+  SampleRange round{0, asks || deals ? std::min(settings.samples, kPilotSamples) : settings.samples};
   while (round.begin < round.end) {
     run_workers(request, make_pass_schedule(round));
-    look_at_error(request, round.end);
-    if (stop_requested || out_of_time) return;
-    const std::lock_guard lock(mutex);
-    const FrameError& noise = progress.noise;
-    round = {round.end, next_round_end(round.end, settings.samples, noise.known ? noise.relative_rmse : 1e9,
-                                       settings.target_error)};
+    const std::vector<PixelNoise> noise = film->noise();
+    look_at_error(request, round.end, noise);
+    if (stop_requested || out_of_time) break;
+    if (deals && round.begin == 0) {
+      allocation = SampleAllocation(*film, pilot_rays, asks ? 0 : settings.samples);
+      pilot_rays = {};
+    }
+    if (asks && end_groups(settings.target_error, noise)) break;
+    round = {round.end, std::min(settings.samples, asks ? next_look(round.end) : settings.samples)};
   }
+  if (!ended_early.film) return;
+  take_groups(*ended_early.film, ended_early.groups, film.get());
+  look_at_error(request, round.end, film->noise());
+}
+
+// Whether all have ended.
+bool RenderSession::State::end_groups(double target, const std::vector<PixelNoise>& noise) {
+  std::array<FrameError, kPixelGroups> errors;
+  for (int g = 0; g < kPixelGroups; ++g)
+    errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film->data_window(), noise, g).noise);
+  const uint32_t ending = stopping.decide(errors, target);
+  if (stopping.all_ended()) return true;
+  if (!ending) return false;
+  if (!ended_early.film) ended_early.film = std::make_unique<Film>(film->data_window(), film->aovs());
+  take_groups(*film, ending, ended_early.film.get());
+  ended_early.groups |= ending;
+  return false;
 }
 
 // Predicts the total, too.
-void RenderSession::State::look_at_error(const RenderRequest& request, uint32_t samples) {
-  const FrameError noise = estimate_frame_error(*film);
+void RenderSession::State::look_at_error(const RenderRequest& request, uint32_t samples,
+                                         const std::vector<PixelNoise>& noise) {
+  const PixelRect& window = film->data_window();
+  const FrameError error = estimate_frame_error({window.width(), window.height(), noise});
   const std::lock_guard lock(mutex);
-  progress.noise = noise;
-  if (request.settings.target_error > 0 && noise.known)
-    progress.samples_total = progress.pixels * samples_for_error(samples, request.settings.samples, noise.relative_rmse,
+  progress.noise = error;
+  if (request.settings.target_error > 0 && error.known)
+    progress.samples_total = progress.pixels * samples_for_error(samples, request.settings.samples, error.relative_rmse,
                                                                  request.settings.target_error);
 }
 
@@ -256,8 +299,7 @@ void RenderSession::start(const RenderRequest& request) {
   State& s = *state_;
   {
     const std::lock_guard lock(s.mutex);
-    const bool asks_error = request.settings.target_error > 0;
-    s.film = std::make_shared<Film>(request.data_window, request.aovs | (asks_error ? aov_bit(Aov::error) : 0u));
+    s.film = std::make_shared<Film>(request.data_window, request.aovs);
     s.progress = {};
     s.progress.state = SessionState::rendering;
     s.progress.scene_number = request.scene->number;
@@ -268,6 +310,10 @@ void RenderSession::start(const RenderRequest& request) {
     s.limit = std::max(0.0, static_cast<double>(request.settings.time_limit));
     s.paused = false;
   }
+  s.allocation = {};
+  s.pilot_rays = {};
+  s.stopping = {};
+  s.ended_early = {};
   s.stop_requested = false;
   s.out_of_time = false;
   s.pause_requested = false;

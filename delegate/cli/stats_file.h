@@ -9,6 +9,7 @@
 //   rays        {camera, bounce, shadow, walk}
 //   walks       {count, segments, events, exits, lost, lostShare: energy lost in open meshes, of what entered}
 //   samples     {perPixel, total}
+//   error       {relativeRmse, low95, high95}   noise as the render estimates it in itself; absent below two samples
 //   peakMemory  bytes               of the process
 //   delegate    [{name: value}]     RenderDelegate::GetRenderStats of each render, and the recorder's phases
 #pragma once

@@ -80,6 +80,7 @@ const std::vector<SettingParameter>& setting_parameters() {
       {"samples", "Camera samples per pixel, at most.", &S::samples, 1, 1048576},
       {"targetError", "Relative RMSE of the noise at which the render ends; 0: samples alone decide.", &S::target_error,
        0, 1},
+      {"adaptive", "Deals the samples out by where the noise is: `samples` is their mean.", &S::adaptive},
       {"timeLimit",
        "Seconds after which the render ends; 0: none. The one setting whose picture depends on the machine.",
        &S::time_limit, 0, 31536000},

@@ -28,7 +28,8 @@ bool is_reasonable(const Framing& framing) {
          near_zero(static_cast<float>(d.maxY)) && std::isfinite(framing.pixelAspectRatio);
 }
 
-// The film, and each bound buffer twice: what it shows and what is being resolved (or the host's copy).
+// The film (twice where an error ends the render: pixels that ended early are kept aside), and each bound buffer twice:
+// what it shows and what is being resolved (or the host's copy).
 double frame_bytes(const PassInputs& in) {
   uint32_t aovs = 0;
   double bytes = 0;
@@ -37,7 +38,8 @@ double frame_bytes(const PassInputs& in) {
     const RenderBufferDescriptor buffer = binding.buffer->wanted();
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
-  return bytes + (aovs ? static_cast<double>(film_bytes(in.framed.data_window, aovs)) : 0.0);
+  const double films = in.settings.target_error > 0 ? 2 : 1;
+  return bytes + (aovs ? films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) : 0.0);
 }
 
 // Linux grants memory that it does not have and ends the process that uses it: nobody would be told.

@@ -90,6 +90,7 @@ TEST(SchemaDefaults, RenderSettingsHaveTheStructsDefaults) {
   const RenderSettings s;
   EXPECT_EQ(p["samples"]["default"], s.samples);
   EXPECT_EQ(p["targetError"]["default"], s.target_error);
+  EXPECT_EQ(p["adaptive"]["default"], s.adaptive);
   EXPECT_EQ(p["timeLimit"]["default"], s.time_limit);
   EXPECT_EQ(p["seed"]["default"], s.seed);
   EXPECT_EQ(p["frame"]["default"], s.frame);
@@ -107,7 +108,7 @@ TEST(SchemaDefaults, RenderSettingsHaveTheStructsDefaults) {
   EXPECT_EQ(p["walkGuiding"]["default"], s.walk_guiding);
   EXPECT_EQ(p["walkSphereSteps"]["default"], s.walk_sphere_steps);
   EXPECT_EQ(choice("filter"), static_cast<int>(s.filter));
-  EXPECT_EQ(p.size(), 14u);
+  EXPECT_EQ(p.size(), 15u);
 }
 
 TEST(SchemaDefaults, LightsHaveTheStructsDefaults) {

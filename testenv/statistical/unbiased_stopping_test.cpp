@@ -1,0 +1,155 @@
+// Frames that end when they look good enough, and pixels that get more samples than others, on light that few samples
+// find: does their mean stay what it is?
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/film/sample_allocation.h"
+#include "core/sampling/pixel_sampler.h"
+#include "core/session/group_stopping.h"
+#include "testenv/support/scene_builder.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::RunningStatistics;
+using testing::SceneBuilder;
+
+constexpr int kTests = 4;
+
+// One sample in a hundred finds light 100: the mean is one.
+constexpr float kChance = 0.01f;
+constexpr int kSize = 12;
+const PixelRect kWindow{0, 0, kSize, kSize};
+
+void add_samples(Film* film, const SampleAllocation& allocation, uint32_t base, Rng* rng) {
+  FilmTile tile = film->load_tile(0);
+  for (size_t pixel = 0; pixel < size_t(kSize) * kSize; ++pixel)
+    while (tile.samples(pixel) < allocation.samples(pixel, base)) {
+      FilmSample sample;
+      sample.color = Rgb(rng->uniform() < kChance ? 1 / kChance : 0.0f);
+      tile.add(pixel, sample);
+    }
+  film->store_tile(0, std::move(tile));
+}
+
+double mean_of(const Film& film) {
+  return testing::film_mean(film, 1).mean;
+}
+
+// As RenderSession does it, or naively: `own` lets the whole frame's error end the whole frame.
+double frame_ended_at(double target, bool own, Rng* rng) {
+  Film film(kWindow, 0), ended_early(kWindow, 0);
+  GroupStopping stopping;
+  uint32_t early = 0;
+  for (uint32_t look = 16; look < 4096; look = next_look(look)) {
+    add_samples(&film, {}, look, rng);
+    const auto noise = film.noise();
+    if (own) {
+      const FrameError error = estimate_frame_error({kSize, kSize, noise});
+      if (error.relative_rmse <= target) return mean_of(film);
+      continue;
+    }
+    std::array<FrameError, kPixelGroups> errors;
+    for (int g = 0; g < kPixelGroups; ++g)
+      errors[size_t(g)] = estimate_frame_error(group_image(kWindow, noise, g).noise);
+    const uint32_t ending = stopping.decide(errors, target);
+    if (stopping.all_ended()) break;
+    take_groups(film, ending, &ended_early);
+    early |= ending;
+  }
+  take_groups(ended_early, early, &film);
+  return mean_of(film);
+}
+
+RunningStatistics many_frames(double target, bool own) {
+  Rng rng(7, own ? 1 : 2);
+  RunningStatistics means;
+  for (int i = 0; i < 4000; ++i) means.add(frame_ended_at(target, own, &rng));
+  return means;
+}
+
+TEST(UnbiasedStopping, OtherPixelsDecideAndTheMeanStays) {
+  const auto result = testing::z_test(many_frames(2.5, false), 1, {.number_of_tests = kTests});
+  EXPECT_TRUE(result.passed) << result.report;
+}
+
+// The test above can tell: a frame that ends by its own error is biased, here by more than a per cent: more light by
+// chance is less relative error.
+TEST(UnbiasedStopping, AFrameThatEndsItselfIsBiased) {
+  const auto result = testing::z_test(many_frames(2.5, true), 1, {.number_of_tests = kTests});
+  EXPECT_GT(std::abs(result.z), 6) << result.report;
+}
+
+TEST(UnbiasedStopping, SamplesAreDealtOutByOtherPixels) {
+  Rng rng(11, 3);
+  RunningStatistics means;
+  double uneven = 0;
+  for (int i = 0; i < 4000; ++i) {
+    Film film(kWindow, 0);
+    add_samples(&film, {}, kPilotSamples, &rng);
+    const SampleAllocation allocation(film, std::vector<uint32_t>(size_t(kSize) * kSize, 1), 64);
+    add_samples(&film, allocation, 64, &rng);
+    means.add(mean_of(film));
+    const auto samples = film.resolve_int(Aov::sample_count);
+    uneven += *std::max_element(samples.begin(), samples.end()) > 80 ? 1 : 0;
+  }
+  EXPECT_GT(uneven, 2000) << "or nothing was dealt out";
+  const auto result = testing::z_test(means, 1, {.number_of_tests = kTests});
+  EXPECT_TRUE(result.passed) << result.report;
+}
+
+// A floor beside a polished ball that throws the light of a small lamp on it: few diffuse paths find that light.
+RenderRequest caustic() {
+  SceneBuilder b;
+  DisneyParameters polished;
+  polished.metallic = 1;
+  polished.roughness = 0.15f;
+  b.add(b.prototype(testing::sphere_mesh(0.5f, 24, true)), b.material(polished),
+        Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
+  b.add(b.prototype(testing::plane_mesh(4)), b.material({}));
+  LightDescription lamp;
+  lamp.type = LightType::sphere;
+  lamp.radius = 0.05f;
+  lamp.intensity = 500;
+  lamp.light_to_world.setTranslation(Vec3d(2, 1, 0));
+  b.add(lamp);
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({1, 2.5, 1.5}, {0.7, 0, 0}, 35);
+  request.width = request.height = 12;
+  request.data_window = {0, 0, 12, 12};
+  return request;
+}
+
+TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
+  RenderRequest request = caustic();
+  RunningStatistics truth, frames;
+  for (uint32_t seed = 0; seed < 16; ++seed) {
+    request.settings.samples = 2048;
+    request.settings.seed = 100000 + seed;
+    truth.add(mean_of(*testing::render(request)));
+  }
+  request.settings.samples = 256;
+  request.settings.adaptive = true;
+  request.settings.target_error = 0.3f;
+  uint64_t samples = 0;
+  for (uint32_t seed = 0; seed < 250; ++seed) {
+    request.settings.seed = seed;
+    RenderProgress progress;
+    frames.add(mean_of(*testing::render(request, &progress)));
+    samples += progress.samples_done;
+  }
+  const double mean_samples = double(samples) / 250 / 144;
+  EXPECT_GT(mean_samples, 18);
+  EXPECT_LT(mean_samples, 200) << "or the error ended nothing";
+  const double sigma = std::hypot(truth.standard_error(), frames.standard_error());
+  EXPECT_LT(sigma, 0.01 * truth.mean()) << "or the comparison says nothing";
+  EXPECT_NEAR(frames.mean(), truth.mean(), 3 * sigma);
+  std::printf("mean %.5f +- %.5f of frames that ended after %.1f samples a pixel; truth %.5f +- %.5f\n", frames.mean(),
+              frames.standard_error(), mean_samples, truth.mean(), truth.standard_error());
+}
+
+}  // namespace
+}  // namespace alabaster
