@@ -32,6 +32,16 @@ struct InfoArguments {
 };
 int run_info(const InfoArguments& arguments);
 
+struct TradeoffArguments {
+  std::string scene, folder;
+  std::string budget;  // minutes
+  std::string size;    // "320x180"
+  std::string only;    // regular expression
+  std::vector<std::string> overrides;
+  bool restart = false, quiet = false;
+};
+int run_tradeoff(const TradeoffArguments& arguments);
+
 int run_schema(const std::string& name);
 
 struct OcioArguments {

@@ -59,6 +59,28 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   return c;
 }
 
+CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
+  CLI::App* c = app.add_subcommand(
+      "tradeoff", "Measures speed against accuracy on a scene: every rung and knob, noise and bias told apart.");
+  c->add_option("scene", a->scene, "The scene")->required()->type_name("SCENE");
+  c->add_option("-o,--output", a->folder,
+                "Folder for tradeoff.csv, .json, .md, .svg, .png and the state to go on from; else SCENE_tradeoff")
+      ->type_name("DIR");
+  c->add_option("--budget", a->budget, "Time to render in, earlier runs in the same folder included; else 10")
+      ->type_name("MINUTES");
+  c->add_option("--size", a->size, "Resolution in pixels; else the scene's, or as much of it as the budget allows")
+      ->type_name("WxH");
+  c->add_option("--only", a->only, "Measures only configurations whose name this finds, and walk")->type_name("REGEX");
+  c->add_option("--set", a->overrides, "As for render")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_flag("--restart", a->restart, "Begins anew where the folder holds an earlier study");
+  c->add_flag("--quiet", a->quiet, "Only errors");
+  c->footer(kExitCodes);
+  return c;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Alabaster, a path tracer for translucent things.", "alabaster");
   app.set_version_flag("--version", std::string(AlabasterVersions()));
@@ -67,8 +89,10 @@ int run(int argc, char** argv) {
   RenderArguments render;
   InfoArguments info;
   OcioArguments ocio;
+  TradeoffArguments tradeoff;
   std::string schema;
   const CLI::App* render_command = add_render(app, &render);
+  const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
   CLI::App* info_command = app.add_subcommand("info", "Says what is in a scene and what rendering it requires.");
   info_command->add_option("scene", info.scene, "The scene")->required()->type_name("SCENE");
   info_command->add_option("--set", info.overrides, "As for render")
@@ -94,6 +118,7 @@ int run(int argc, char** argv) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }
   if (render_command->parsed()) return run_render(render);
+  if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
   if (info_command->parsed()) return run_info(info);
   if (schema_command->parsed()) return run_schema(schema);
   return run_ocio(ocio);

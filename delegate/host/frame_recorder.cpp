@@ -376,6 +376,7 @@ class Recording {
   void write() {
     const Phase phase(&result_.stats, "write");
     describe_image();
+    if (options_.picture) options_.picture(image_);
     result_.written = WriteProducts(description_.products, image_, options_.colors, options_.diagnostics);
     if (result_.written.size() < description_.products.size() && result_.status == RecordStatus::done)
       result_.status = RecordStatus::output_failed;

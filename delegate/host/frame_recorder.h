@@ -24,6 +24,7 @@ struct RecordOptions {
       nullptr;  // polled at least every 20 ms; when set, what there is is written, marked incomplete
   std::function<void(const RecordProgress&)> progress;  // from the calling thread, about ten times a second
   std::function<void()> writing;  // from the calling thread, once, when rendering is over and files are to be written
+  std::function<void(const ProductImage&)> picture;  // from the calling thread, once: what the products are made of
   DiagnosticSink diagnostics;
 };
 

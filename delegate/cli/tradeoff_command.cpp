@@ -1,0 +1,259 @@
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <regex>
+
+#include "delegate/cli/commands.h"
+#include "delegate/cli/exit_codes.h"
+#include "delegate/cli/interrupt.h"
+#include "delegate/cli/outputs.h"
+#include "delegate/tradeoff/display_error.h"
+#include "delegate/tradeoff/report.h"
+#include "delegate/tradeoff/study.h"
+
+namespace alabaster::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using tradeoff::StudyOutcome;
+
+std::optional<double> parse_minutes(const std::string& text) {
+  double minutes = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), minutes);
+  const bool good = error == std::errc() && end == text.data() + text.size() && minutes > 0 && minutes <= 10080;
+  return good ? std::optional(minutes) : std::nullopt;
+}
+
+template <class T>
+std::string array_checksum(const hd::Array<T>& array) {
+  return tradeoff::checksum(array.data(), array.size() * sizeof(T));
+}
+
+/// Of what the scene is, whatever file it is from: the renderer's own account of it, and the shapes.
+std::string scene_hash(const SceneSession& session) {
+  std::string text = session.delegate()->InvokeCommand("dumpScene", {}).text_or("");
+  for (const auto& [path, mesh] : session.scene.GetMeshes()) {
+    text += path.str() + " " + array_checksum(mesh.topology.faceVertexIndices);
+    if (const auto points = mesh.primvars.find("points"); points != mesh.primvars.end())
+      if (const auto* held = points->second.value.get<hd::Array<hd::Vec3f>>()) text += " " + array_checksum(*held);
+    text += "\n";
+  }
+  return tradeoff::checksum(text.data(), text.size());
+}
+
+class TradeoffCommand {
+ public:
+  explicit TradeoffCommand(const TradeoffArguments& arguments) : a_(arguments), console_(arguments.quiet) {}
+
+  int run() {
+    catch_interrupts();
+    int code = check_arguments();
+    if (code == kDone) code = load();
+    if (code == kDone) code = open_store();
+    if (code == kDone) code = choose_identity();
+    if (code != kDone) return code;
+    std::string problem;
+    const StudyOutcome outcome = run_study(list_, budget_, &store_, hooks(), &problem);
+    if (outcome == StudyOutcome::output_failed) console_.error("tradeoff", problem);
+    code = outcome == StudyOutcome::finished        ? kDone
+           : outcome == StudyOutcome::cancelled     ? kInterrupted
+           : outcome == StudyOutcome::output_failed ? kOutput
+                                                    : kRender;
+    const int reported = report(outcome);
+    return code == kDone ? reported : code;
+  }
+
+ private:
+  int usage_error(const std::string& where, const std::string& text) {
+    console_.error(where, text);
+    return kUsage;
+  }
+
+  int check_arguments() {
+    if (!a_.size.empty() && !parse_size(a_.size))
+      return usage_error("--size", "'" + a_.size + "' is no resolution: write for example 320x180, up to 65536x65536.");
+    const auto minutes = a_.budget.empty() ? std::optional(10.0) : parse_minutes(a_.budget);
+    if (!minutes)
+      return usage_error("--budget", "'" + a_.budget +
+                                         "' is no time: write minutes as a number above 0, up to 10080 (a week), for "
+                                         "example 10.");
+    budget_ = 60 * *minutes;
+    try {
+      const std::regex pattern(a_.only);
+    } catch (const std::regex_error& error) {
+      return usage_error("--only", "'" + a_.only + "' is no regular expression: " + error.what() + ".");
+    }
+    folder_ = a_.folder.empty() ? fs::path(a_.scene).stem().string() + "_tradeoff" : a_.folder;
+    return kDone;
+  }
+
+  int open_store() {
+    const std::string problem = store_.open(folder_ / "state", a_.restart);
+    for (const std::string& note : store_.notes()) console_.note("note: " + note);
+    if (problem.empty()) return kDone;
+    console_.error(folder_.string(), problem);
+    return kOutput;
+  }
+
+  int load() {
+    hd::description::LoadOptions options;
+    options.overrides = a_.overrides;
+    if (!session_.load(a_.scene, options, console_.sink())) return load_failure(console_.last_error(), options);
+    if (!session_.choose_colors("", console_.sink())) return kInput;
+    for (const std::string& note : session_.file.notes) console_.note("note: " + note);
+    choose_display();
+    if (!tradeoff::to_display({1, 1, {0, 0, 0}}, display_, session_.colors(), console_.sink())) return kInput;
+    if (!session_.start(console_.sink())) return kRender;
+    const auto& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings);
+    scene_size_ = {settings.width, settings.height};
+    list_ = tradeoff::make_configurations(tradeoff::traits_of(session_.scene), settings.settings,
+                                          session_.delegate()->GetRenderSettingDescriptors(), a_.only);
+    for (const std::string& line : list_.skipped) console_.note("left out: " + line);
+    if (settings.crop) console_.note("note: the scene's crop is not used: the whole frame is measured");
+    if (!session_.index()->SyncAll()) {
+      console_.error(a_.scene, "The scene could not be prepared: memory or threads ran out.");
+      return kRender;
+    }
+    renderer_.emplace(tradeoff::SceneRenderer::Scene{&session_.scene, session_.index(), session_.file.settings,
+                                                     &interrupted(), console_.sink()});
+    return kDone;
+  }
+
+  /// That of the first picture which the scene wants displayed; else the config's default.
+  void choose_display() {
+    const auto& all = session_.scene.GetAllRenderSettings();
+    std::vector<hd::Path> paths{session_.file.settings};
+    paths.insert(paths.end(), session_.file.further_settings.begin(), session_.file.further_settings.end());
+    for (const hd::Path& path : paths)
+      for (const hd::RenderProduct& product : all.at(path).products)
+        if (fs::path(product.file).extension() != ".exr" && product.colorSpace.empty()) {
+          display_ = product;
+          return;
+        }
+  }
+
+  int choose_identity() {
+    tradeoff::StudyIdentity identity{a_.scene, scene_hash(session_), 0, 0};
+    const auto asked = parse_size(a_.size);
+    if (!store_.empty()) {
+      const tradeoff::StudyIdentity& stored = store_.identity;
+      const std::string remedy = ": --restart begins anew, -o DIR writes elsewhere.";
+      if (stored.scene_hash != identity.scene_hash)
+        return usage_error(folder_.string(), "The folder holds a study of another scene, or of " + stored.scene +
+                                                 " before it was changed" + remedy);
+      if (asked && (asked->x != stored.width || asked->y != stored.height))
+        return usage_error("--size", "The folder holds a study of " + std::to_string(stored.width) + "x" +
+                                         std::to_string(stored.height) + remedy);
+      console_.note("goes on with " + std::to_string(store_.renders().size()) + " renders of an earlier run");
+      identity.width = stored.width;
+      identity.height = stored.height;
+      set_worth_saving(true);
+    } else {
+      const auto size = asked ? asked : affordable();
+      if (!size) return interrupted() ? kInterrupted : kRender;
+      identity.width = size->x;
+      identity.height = size->y;
+    }
+    store_.identity = identity;
+    renderer_->set_size(identity.width, identity.height);
+    return kDone;
+  }
+
+  /// A quick look at the base tells what a pixel costs.
+  std::optional<hd::Vec2i> affordable() {
+    constexpr uint64_t kSamples = 4;
+    constexpr double kProbePixels = 96 * 96;
+    const double shrink = std::min(1.0, std::sqrt(kProbePixels / (double(scene_size_.x) * double(scene_size_.y))));
+    const hd::Vec2i size(std::max(1, int(scene_size_.x * shrink)), std::max(1, int(scene_size_.y * shrink)));
+    renderer_->set_size(size.x, size.y);
+    const auto frame = renderer_->render(list_.measured.front(), kSamples, 0);
+    if (!frame) return std::nullopt;
+    const double seconds = frame->cost.wall_seconds / (double(kSamples) * size.x * size.y);
+    const hd::Vec2i chosen = tradeoff::affordable_size(scene_size_, seconds, list_.measured.size(), budget_);
+    if (chosen != scene_size_)
+      console_.note("measures at " + std::to_string(chosen.x) + "x" + std::to_string(chosen.y) + " instead of " +
+                    std::to_string(scene_size_.x) + "x" + std::to_string(scene_size_.y) +
+                    ", so that the budget suffices; --size decides otherwise");
+    return chosen;
+  }
+
+  tradeoff::StudyHooks hooks() {
+    tradeoff::StudyHooks hooks;
+    hooks.render = [this](const tradeoff::Configuration& configuration, uint64_t samples, uint32_t seed) {
+      auto frame = renderer_->render(configuration, samples, seed);
+      set_writing(true);  // the picture is about to be stored
+      return frame;
+    };
+    hooks.cancelled = [] { return interrupted().load(); };
+    hooks.note = [this](const std::string& text) { console_.note(text); };
+    hooks.stored = [] {
+      set_worth_saving(true);
+      set_writing(false);
+    };
+    hooks.progress = [this](const tradeoff::StudyProgress& p) {
+      char text[200];
+      const auto left = static_cast<long>(std::lround(p.seconds_left));
+      std::snprintf(text, sizeof text, "[%zu/%zu] %s, %llu samples; %ld:%02ld left", p.number, p.total,
+                    p.configuration.c_str(), static_cast<unsigned long long>(p.job.samples), left / 60, left % 60);
+      console_.note(text);
+    };
+    return hooks;
+  }
+
+  int report(StudyOutcome outcome) {
+    set_writing(true);
+    const tradeoff::DisplayFunction display = [this](const tradeoff::Image& image) {
+      return tradeoff::to_display(image, display_, session_.colors(), console_.sink());
+    };
+    std::string problem;
+    const auto result = analyse(store_, list_, display, &problem);
+    if (!result) {
+      if (outcome == StudyOutcome::finished)
+        console_.error(a_.scene, problem);
+      else
+        console_.note("nothing to report yet; the same command goes on from here");
+      return kInput;
+    }
+    const tradeoff::ReportContext context{command_line(), store_.identity, scene_size_.x,
+                                          scene_size_.y,  store_.spent,    outcome == StudyOutcome::finished};
+    std::vector<std::string> problems;
+    for (const std::string& file : write_report(*result, list_, context, folder_, &problems))
+      console_.note("wrote " + file);
+    for (const std::string& text : problems) console_.error("tradeoff", text);
+    if (outcome == StudyOutcome::cancelled) console_.note("interrupted: the same command goes on from here");
+    return problems.empty() ? kDone : kOutput;
+  }
+
+  std::string command_line() const {
+    std::string text = "alabaster tradeoff " + a_.scene;
+    const auto add = [&](const char* flag, const std::string& value) {
+      if (!value.empty()) text += std::string(" ") + flag + " " + value;
+    };
+    add("-o", a_.folder);
+    add("--budget", a_.budget);
+    add("--size", a_.size);
+    add("--only", a_.only.empty() ? "" : "'" + a_.only + "'");
+    for (const std::string& entry : a_.overrides) add("--set", "'" + entry + "'");
+    return text;
+  }
+
+  const TradeoffArguments& a_;
+  Console console_;
+  SceneSession session_;
+  fs::path folder_;
+  double budget_ = 0;  // seconds
+  tradeoff::StudyStore store_;
+  tradeoff::ConfigurationList list_;
+  std::optional<tradeoff::SceneRenderer> renderer_;
+  hd::Vec2i scene_size_{0, 0};
+  hd::RenderProduct display_;
+};
+
+}  // namespace
+
+int run_tradeoff(const TradeoffArguments& arguments) {
+  return TradeoffCommand(arguments).run();
+}
+
+}  // namespace alabaster::cli

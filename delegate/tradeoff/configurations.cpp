@@ -1,0 +1,193 @@
+#include "delegate/tradeoff/configurations.h"
+
+#include <algorithm>
+#include <regex>
+#include <span>
+
+namespace alabaster::tradeoff {
+namespace {
+
+enum class Needs { nothing, subsurface };
+
+/// Numbers for numbers, words for words, 0 and 1 for switches.
+using KnobValue = std::variant<int64_t, const char*, bool>;
+
+struct Knob {
+  const char* setting;
+  KnobValue value;
+  Needs needs = Needs::nothing;
+};
+
+// The most accurate that is still meant for pictures. Beyond 32 bounces nothing is seen to change.
+constexpr int64_t kBaseDepth = 32, kReferenceDepth = 128;
+
+constexpr Knob kBase[] = {
+    {"subsurface", "walk"},
+    {"inversion", "exact"},
+};
+
+// Each of these is measured against the base. Those that people turn first come first: when time is short, what comes
+// late is left out.
+constexpr Knob kKnobs[] = {
+    {"subsurface", "lambert", Needs::subsurface},
+    {"subsurface", "diffusion", Needs::subsurface},
+    {"subsurface", "auto", Needs::subsurface},
+    {"subsurface", "reference", Needs::subsurface},
+    {"maxDepth", int64_t(2)},
+    {"maxDepth", int64_t(4)},
+    {"maxDepth", int64_t(8)},
+    {"maxDepth", int64_t(16)},
+    {"adaptive", true},
+    {"rouletteDepth", int64_t(1)},
+    {"rouletteDepth", int64_t(3)},
+    {"rouletteDepth", int64_t(1024)},
+    {"walkGuiding", false, Needs::subsurface},
+    {"walkSphereSteps", false, Needs::subsurface},
+    {"inversion", "chiang2016", Needs::subsurface},
+    {"inversion", "vanDeHulst", Needs::subsurface},
+    {"walkWeights", "throughputTimesAlbedo", Needs::subsurface},
+};
+
+constexpr int kCoarser[] = {1, 2};
+
+hd::Value value_of(const KnobValue& value) {
+  return std::visit(
+      [](const auto& held) -> hd::Value {
+        if constexpr (std::is_same_v<std::decay_t<decltype(held)>, const char*>) {
+          return std::string(held);
+        } else {
+          return held;
+        }
+      },
+      value);
+}
+
+std::string text_of(const KnobValue& value) {
+  if (const auto* word = std::get_if<const char*>(&value)) return *word;
+  if (const auto* on = std::get_if<bool>(&value)) return *on ? "on" : "off";
+  return std::to_string(std::get<int64_t>(value));
+}
+
+/// Equal in meaning: scene files write numbers in other types than the table.
+bool same(const hd::Value& a, const hd::Value& b) {
+  const std::string text = a.text_or("");
+  if (!text.empty() || !b.text_or("").empty()) return text == b.text_or("");
+  return a.number_or(-1) == b.number_or(-1);
+}
+
+class ListMaker {
+ public:
+  ListMaker(const SceneTraits& traits, const hd::Dictionary& scene_settings,
+            const std::vector<hd::RenderSettingDescriptor>& known)
+      : traits_(traits), known_(known) {
+    base_.name = "walk";
+    base_.group = "base";
+    base_.settings = scene_settings;
+    // What ends a render, and whose noise it is, is decided here.
+    for (const char* key : {"samples", "seed", "targetError", "timeLimit"}) base_.settings.erase(key);
+    for (const Knob& knob : kBase) base_.settings[knob.setting] = value_of(knob.value);
+    for (const char* spares : {"adaptive", "walkGuiding", "walkSphereSteps", "walkWeights", "rouletteDepth"})
+      base_.settings.erase(spares);
+    base_.settings["maxDepth"] = std::max(kBaseDepth, static_cast<int64_t>(number("maxDepth")));
+  }
+
+  ConfigurationList make() {
+    list_.reference = base_;
+    list_.reference.name = list_.reference.group = "the reference";
+    list_.reference.settings["subsurface"] = std::string("reference");
+    list_.reference.settings["maxDepth"] = std::max(kReferenceDepth, static_cast<int64_t>(number("maxDepth")));
+    list_.measured.push_back(base_);
+    for (const Knob& knob : kKnobs) add(knob);
+    for (const int levels : kCoarser) add_coarser(levels);
+    return std::move(list_);
+  }
+
+ private:
+  const hd::RenderSettingDescriptor* find(const std::string& setting) const {
+    const auto found = std::find_if(known_.begin(), known_.end(), [&](const hd::RenderSettingDescriptor& descriptor) {
+      return descriptor.key == hd::Token(setting);
+    });
+    return found == known_.end() ? nullptr : &*found;
+  }
+
+  hd::Value in_base(const std::string& setting) const {
+    if (const auto found = base_.settings.find(setting); found != base_.settings.end()) return found->second;
+    const auto* descriptor = find(setting);
+    return descriptor ? descriptor->defaultValue : hd::Value();
+  }
+  double number(const std::string& setting) const { return in_base(setting).number_or(0); }
+
+  void skip(const std::string& name, const std::string& why) { list_.skipped.push_back(name + ": " + why); }
+
+  void add(const Knob& knob) {
+    const bool rung = std::string(knob.setting) == "subsurface";
+    const std::string name = rung ? text_of(knob.value) : std::string(knob.setting) + "=" + text_of(knob.value);
+    if (!find(knob.setting)) return;
+    if (knob.needs == Needs::subsurface && !traits_.subsurface) return skip(name, "the scene has no subsurface");
+    if (same(in_base(knob.setting), value_of(knob.value))) return;  // that is the base
+    Configuration configuration = base_;
+    configuration.name = name;
+    configuration.group = knob.setting;
+    configuration.settings[knob.setting] = value_of(knob.value);
+    list_.measured.push_back(std::move(configuration));
+  }
+
+  void add_coarser(int levels) {
+    const std::string name = "refineLevel-" + std::to_string(levels);
+    if (traits_.refine_level < levels)
+      return skip(name, traits_.refine_level == 0 ? "no mesh of the scene is subdivided"
+                                                  : "the scene subdivides " + std::to_string(traits_.refine_level) +
+                                                        (traits_.refine_level == 1 ? " time only" : " times only"));
+    Configuration configuration = base_;
+    configuration.name = name;
+    configuration.group = "refineLevel";
+    configuration.coarser = levels;
+    list_.measured.push_back(std::move(configuration));
+  }
+
+  const SceneTraits traits_;
+  const std::vector<hd::RenderSettingDescriptor>& known_;
+  Configuration base_;
+  ConfigurationList list_;
+};
+
+bool scatters(const hd::MaterialNode& node) {
+  if (node.inputConnections.count("scatterDistance")) return true;
+  const auto found = node.parameters.find("scatterDistance");
+  if (found == node.parameters.end()) return false;
+  const auto* distance = found->second.get<hd::Vec3f>();
+  return distance ? distance->x > 0 || distance->y > 0 || distance->z > 0 : found->second.number_or(0) > 0;
+}
+
+}  // namespace
+
+std::string Configuration::fingerprint() const {
+  std::string text = "coarser " + std::to_string(coarser);
+  for (const auto& [key, value] : settings) text += "; " + key + " " + value.to_string();
+  return text;
+}
+
+SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene) {
+  SceneTraits traits;
+  for (const auto& [path, network] : scene.GetMaterials())
+    for (const auto& [node_path, node] : network.nodes) traits.subsurface = traits.subsurface || scatters(node);
+  for (const auto& [path, mesh] : scene.GetMeshes())
+    if (mesh.topology.scheme != hd::Token("none"))
+      traits.refine_level = std::max(traits.refine_level, mesh.displayStyle.refineLevel);
+  return traits;
+}
+
+ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dictionary& scene_settings,
+                                      const std::vector<hd::RenderSettingDescriptor>& known, const std::string& only) {
+  ConfigurationList list = ListMaker(traits, scene_settings, known).make();
+  if (only.empty()) return list;
+  const std::regex pattern(only);
+  const auto unwanted = [&](const Configuration& configuration) {
+    return configuration.group != "base" && !std::regex_search(configuration.name, pattern);
+  };
+  std::erase_if(list.measured, unwanted);
+  std::erase_if(list.skipped, [&](const std::string& line) { return !std::regex_search(line, pattern); });
+  return list;
+}
+
+}  // namespace alabaster::tradeoff

@@ -1,0 +1,71 @@
+// Noise and bias, told apart.
+//
+// A configuration is rendered several times over, each time with other random numbers: replicas. How they scatter about
+// their mean is noise, which more samples take away; what their mean keeps from the reference is bias, which they do
+// not. Both are relative: squared errors, averaged over red, green and blue, are divided by L^2 + f^2, the level and
+// the floor of core/film/frame_error.h taken from the reference, and averaged over pixels.
+//
+// Every estimate here is without bias itself: the square of a difference of two noisy means exceeds the square of what
+// they differ in truth by the variances of both, which their replicas tell. So it may come out below zero.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "delegate/tradeoff/image.h"
+
+namespace alabaster::tradeoff {
+
+/// A number with the interval that holds the truth in 95 of 100 measurements.
+struct Estimate {
+  double value = 0, low = 0, high = 0;
+  double standard_error = 0;
+};
+
+/// Per pixel L^2 + f^2 of `reference`: L its mean of red, green and blue over the 3 x 3 pixels about it, f 0.05 of the
+/// frame's mean. Empty if the reference is black: nothing is relative to it.
+std::vector<double> squared_scales(const Image& reference);
+
+/// Replicas of equally many samples each: mean and the variance of one of them, per pixel. The four channels are red,
+/// green, blue and their mean (the level), which has a variance of its own because colours are correlated.
+class ReplicaGroup {
+ public:
+  explicit ReplicaGroup(uint64_t samples) : samples_(samples) {}
+  /// All images must have the size of the first.
+  void add(const Image& image);
+  uint64_t samples() const { return samples_; }
+  int count() const { return count_; }
+  size_t pixels() const { return mean_.size() / 4; }
+  double mean(size_t pixel, size_t channel) const { return mean_[4 * pixel + channel]; }
+  /// Unbiased; needs two replicas.
+  double variance(size_t pixel, size_t channel) const { return squares_[4 * pixel + channel] / (count_ - 1); }
+
+ private:
+  uint64_t samples_;
+  int count_ = 0;
+  std::vector<double> mean_, squares_;  // Welford's update
+};
+
+/// The mean of all samples of several groups, weighted by samples, and its variance: each group's own sample variance
+/// times the square of its weight, so that nothing is assumed of how noise falls with samples. Groups of fewer than two
+/// replicas are left out, for their variance is not known.
+struct PooledMean {
+  std::vector<double> mean, variance;  // four channels a pixel, as in ReplicaGroup
+  double samples = 0;                  // per pixel, all together
+  size_t pixels() const { return mean.size() / 4; }
+};
+PooledMean pool(std::span<const ReplicaGroup> groups);
+
+/// noise^2 of one replica of `group` (two replicas at least). `scales` as squared_scales gives them.
+Estimate squared_noise(const ReplicaGroup& group, std::span<const double> scales);
+
+/// bias^2: mean over pixels of ((X - Y)^2 - var X - var Y) / scale. X and Y must be of independent replicas. The
+/// interval is from the scatter over pixels, which share no random numbers: exact for a configuration without bias, and
+/// too wide, never too narrow, where the bias itself differs from pixel to pixel.
+Estimate squared_bias(const PooledMean& x, const PooledMean& y, std::span<const double> scales);
+
+/// The difference of the mean levels of the frames, relative to that of `y`: positive is too bright. Its standard error
+/// is from the variances of the pixels.
+Estimate mean_level_bias(const PooledMean& x, const PooledMean& y);
+
+}  // namespace alabaster::tradeoff

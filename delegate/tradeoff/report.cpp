@@ -1,0 +1,260 @@
+#include "delegate/tradeoff/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "delegate/host/atomic_file.h"
+#include "delegate/tradeoff/plot.h"
+
+namespace alabaster::tradeoff {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A number that is not known is null in JSON and empty in CSV.
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+double z_of(const Estimate& estimate) {
+  return estimate.standard_error > 0 ? estimate.value / estimate.standard_error
+                                     : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The one list of columns. Squares are relative MSE.
+ordered_json columns_of(const Row& row) {
+  return {{"configuration", row.configuration},
+          {"group", row.group},
+          {"samples", row.samples},
+          {"replicas", row.replicas},
+          {"cpuSeconds", number(row.cpu_seconds)},
+          {"wallSeconds", number(row.wall_seconds)},
+          {"noise2", number(row.squared_noise.value)},
+          {"noise2Low", number(row.squared_noise.low)},
+          {"noise2High", number(row.squared_noise.high)},
+          {"bias2", number(row.squared_bias.value)},
+          {"bias2Low", number(row.squared_bias.low)},
+          {"bias2High", number(row.squared_bias.high)},
+          {"bias2Z", number(z_of(row.squared_bias))},
+          {"levelBias", number(row.level_bias.value)},
+          {"levelBiasLow", number(row.level_bias.low)},
+          {"levelBiasHigh", number(row.level_bias.high)},
+          {"levelBiasZ", number(z_of(row.level_bias))},
+          {"total", number(row.total)},
+          {"displayRmse", number(row.display_rmse)},
+          {"flip", number(row.flip)},
+          {"reportedError", number(row.reported_error)},
+          {"pareto", row.pareto}};
+}
+
+std::string format(const char* pattern, double value) {
+  if (!std::isfinite(value)) return "-";
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+double root(double square) {
+  return std::sqrt(std::max(0.0, square));
+}
+
+std::string percent(double value) {
+  return format(std::abs(value) < 0.001 ? "%.3f %%" : "%.2f %%", 100 * value);
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::string summary_table(const std::vector<ConfigurationSummary>& summaries) {
+  std::string text =
+      "| configuration | cost at equal noise | CPU s per sample | bias | 95 % interval | mean level | z | FLIP | at |\n"
+      "|--|--|--|--|--|--|--|--|--|\n";
+  for (const ConfigurationSummary& summary : summaries) {
+    const Row& row = *summary.best;
+    text += "| " + row.configuration + " | " + format("%.2f", summary.cost_ratio) + " | " +
+            format("%.3g", row.cpu_seconds / double(row.samples)) + " | " + percent(root(row.squared_bias.value)) +
+            " | " + percent(root(row.squared_bias.low)) + " to " + percent(root(row.squared_bias.high)) + " | " +
+            (row.level_bias.value > 0 ? "+" : "") + percent(row.level_bias.value) + " | " +
+            format("%.1f", z_of(row.level_bias)) + " | " + format("%.4f", row.flip) + " | " +
+            std::to_string(row.samples) + " |\n";
+  }
+  return text;
+}
+
+std::string row_table(const std::vector<const Row*>& rows) {
+  std::string text =
+      "| configuration | samples | CPU s | wall s | noise | bias | error | display RMSE | FLIP | front |\n"
+      "|--|--|--|--|--|--|--|--|--|--|\n";
+  for (const Row* row : rows)
+    text += "| " + row->configuration + " | " + std::to_string(row->samples) + " | " +
+            format("%.3g", row->cpu_seconds) + " | " + format("%.3g", row->wall_seconds) + " | " +
+            percent(root(row->squared_noise.value)) + " | " + percent(root(row->squared_bias.value)) + " | " +
+            percent(row->total) + " | " + format("%.4f", row->display_rmse) + " | " + format("%.4f", row->flip) +
+            " | " + (row->pareto ? "*" : "") + " |\n";
+  return text;
+}
+
+/// What is worst, by name: the one that errs most for certain, and the one that pays most for the same noise.
+std::string worst_text(const std::vector<ConfigurationSummary>& summaries) {
+  const ConfigurationSummary *biased = nullptr, *dear = nullptr;
+  for (const ConfigurationSummary& summary : summaries) {
+    const Row& row = *summary.best;
+    if (row.squared_bias.low > 0 && (!biased || row.squared_bias.value > biased->best->squared_bias.value))
+      biased = &summary;
+    if (summary.cost_ratio > 1 && (!dear || summary.cost_ratio > dear->cost_ratio)) dear = &summary;
+  }
+  std::string text = biased ? "Largest bias: **" + biased->best->configuration + "**, " +
+                                  percent(root(biased->best->squared_bias.value)) + ".\n"
+                            : "No configuration has a bias that the measurement can tell from zero.\n";
+  if (dear)
+    text += "Dearest at equal noise: **" + dear->best->configuration + "**, " + format("%.2f", dear->cost_ratio) +
+            " times the base.\n";
+  return text;
+}
+
+std::string reference_text(const ReferenceSummary& reference) {
+  return "Reference: mode `reference`, " + std::to_string(reference.replicas) + " replicas of " +
+         std::to_string(reference.samples) + " samples, " + format("%.0f", reference.cpu_seconds) +
+         " CPU s; the noise of its mean, " + percent(reference.noise) +
+         ", is subtracted from every bias. From display RMSE and FLIP nothing can be subtracted: between its own "
+         "halves "
+         "they are " +
+         format("%.4f", reference.display_rmse) + " and " + format("%.4f", reference.flip) +
+         ", and smaller differences mean nothing.\n";
+}
+
+Plot plot_of(const StudyResult& result, const ReportContext& context) {
+  Plot plot;
+  plot.title = std::filesystem::path(context.identity.scene).filename().string() + ", " +
+               size_text(context.identity.width, context.identity.height);
+  plot.error_label = "relative RMSE (noise and bias)";
+  for (const Row& row : result.rows) {
+    if (plot.lines.empty() || plot.lines.back().name != row.configuration)
+      plot.lines.push_back({row.configuration, row.group, {}});
+    const auto error = [&](double squared_bias) {
+      return std::sqrt(std::max(0.0, squared_bias) + row.squared_noise.value);
+    };
+    plot.lines.back().points.push_back(
+        {row.cpu_seconds, row.total, error(row.squared_bias.low), error(row.squared_bias.high)});
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::string machine_name() {
+  std::ifstream file("/proc/cpuinfo");
+  std::string line, model = "unknown processor";
+  while (std::getline(file, line))
+    if (line.starts_with("model name") && line.find(": ") != std::string::npos) {
+      model = line.substr(line.find(": ") + 2);
+      break;
+    }
+  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " threads";
+}
+
+std::string csv_text(const StudyResult& result) {
+  std::string text;
+  for (const Row& row : result.rows) {
+    const ordered_json columns = columns_of(row);
+    std::string names, values;
+    for (const auto& [name, value] : columns.items()) {
+      const char* separator = names.empty() ? "" : ",";
+      names += separator + name;
+      values += separator + (value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    if (text.empty()) text = names + "\n";
+    text += values + "\n";
+  }
+  return text;
+}
+
+std::string json_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context) {
+  const ReferenceSummary& reference = result.reference;
+  ordered_json report{{"command", context.command},
+                      {"scene", context.identity.scene},
+                      {"sceneHash", context.identity.scene_hash},
+                      {"resolution", {context.identity.width, context.identity.height}},
+                      {"sceneResolution", {context.scene_width, context.scene_height}},
+                      {"machine", machine_name()},
+                      {"versions", AlabasterVersions()},
+                      {"complete", context.complete},
+                      {"spentSeconds", number(context.spent_seconds)},
+                      {"reference",
+                       {{"settings", list.reference.fingerprint()},
+                        {"samples", reference.samples},
+                        {"replicas", reference.replicas},
+                        {"cpuSeconds", number(reference.cpu_seconds)},
+                        {"noise", number(reference.noise)},
+                        {"displayRmseOfHalves", number(reference.display_rmse)},
+                        {"flipOfHalves", number(reference.flip)}}},
+                      {"configurations", ordered_json::array()},
+                      {"skipped", list.skipped},
+                      {"rows", ordered_json::array()}};
+  for (const Configuration& configuration : list.measured)
+    report["configurations"].push_back(
+        {{"name", configuration.name}, {"group", configuration.group}, {"settings", configuration.fingerprint()}});
+  for (const Row& row : result.rows) report["rows"].push_back(columns_of(row));
+  return report.dump(2) + "\n";
+}
+
+std::string markdown_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context) {
+  const std::vector<ConfigurationSummary> summaries = summarize(result);
+  std::vector<const Row*> all, front;
+  for (const Row& row : result.rows) all.push_back(&row);
+  std::copy_if(all.begin(), all.end(), std::back_inserter(front), [](const Row* row) { return row->pareto; });
+  std::sort(front.begin(), front.end(), [](const Row* a, const Row* b) { return a->cpu_seconds < b->cpu_seconds; });
+  const StudyIdentity& identity = context.identity;
+  std::string text = "# Speed against accuracy: " + std::filesystem::path(identity.scene).filename().string() + "\n\n";
+  text += "`" + context.command + "`, " + size_text(identity.width, identity.height);
+  if (identity.width != context.scene_width || identity.height != context.scene_height)
+    text += " (the scene asks " + size_text(context.scene_width, context.scene_height) +
+            "; mode `auto` chooses by the size of pixels)";
+  text += ", " + machine_name() + ", " + format("%.1f", context.spent_seconds / 60) + " minutes of rendering" +
+          (context.complete ? "" : ", INTERRUPTED: what there was by then") + ".\n\n";
+  text += reference_text(result.reference);
+  text +=
+      "\n## Each configuration\nEach differs from the base, `walk`, in one thing. Cost at equal noise: noise^2 x CPU "
+      "seconds, relative to the base. Bias: relative RMSE that stays however many samples are taken; an interval that "
+      "begins at 0 means that none was found.\n\n" +
+      summary_table(summaries) + "\n" + worst_text(summaries);
+  text += "\n## The front\nNothing else costs less and errs less. Error: the root of bias^2 + noise^2.\n\n" +
+          row_table(front) + "\n## All measurements\n" + row_table(all);
+  if (!list.skipped.empty()) text += "\n## Left out\n";
+  for (const std::string& line : list.skipped) text += "- " + line + "\n";
+  return text;
+}
+
+std::vector<std::string> write_report(const StudyResult& result, const ConfigurationList& list,
+                                      const ReportContext& context, const std::filesystem::path& folder,
+                                      std::vector<std::string>* problems) {
+  std::vector<std::string> written;
+  const auto keep = [&](const std::string& file, const std::string& problem) {
+    if (problem.empty())
+      written.push_back(file);
+    else
+      problems->push_back(file + ": " + problem);
+  };
+  const std::pair<const char*, std::string> texts[] = {{"tradeoff.csv", csv_text(result)},
+                                                       {"tradeoff.json", json_text(result, list, context)},
+                                                       {"tradeoff.md", markdown_text(result, list, context)}};
+  for (const auto& [name, text] : texts) {
+    const std::string file = (folder / name).string();
+    keep(file, hd::host::WriteFileAtomically(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
+                                             hd::host::Flush::none));
+  }
+  const Plot plot = plot_of(result, context);
+  for (const char* name : {"tradeoff.svg", "tradeoff.png"}) {
+    const std::string file = (folder / name).string();
+    keep(file, draw_plot(plot, file));
+  }
+  return written;
+}
+
+}  // namespace alabaster::tradeoff

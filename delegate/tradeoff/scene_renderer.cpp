@@ -1,0 +1,87 @@
+#include "delegate/tradeoff/scene_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace alabaster::tradeoff {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Red, green and blue of the colour AOV; empty if there is none or a value is not finite.
+Image color_of(const hd::host::ProductImage& picture) {
+  const auto found = picture.aovs.find("color");
+  if (found == picture.aovs.end() || found->second.components < 3) return {};
+  const auto components = static_cast<size_t>(found->second.components);
+  const std::vector<float>& floats = found->second.floats;
+  Image image{picture.framing.dataWindow.width(), picture.framing.dataWindow.height(), {}};
+  image.rgb.resize(3 * image.pixels());
+  for (size_t pixel = 0; pixel < image.pixels(); ++pixel)
+    for (size_t c = 0; c < 3; ++c) image.rgb[3 * pixel + c] = floats[components * pixel + c];
+  const bool finite = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
+  return finite ? image : Image{};
+}
+
+double stat(const hd::Dictionary& stats, const char* key, double fallback) {
+  const auto found = stats.find(key);
+  return found == stats.end() ? fallback : found->second.number_or(fallback);
+}
+
+}  // namespace
+
+SceneRenderer::SceneRenderer(Scene scene) : scene_(std::move(scene)) {
+  frame_ = scene_.scene->GetAllRenderSettings().at(scene_.settings);
+  frame_.products.clear();
+  frame_.crop.reset();
+  for (const auto& [path, mesh] : scene_.scene->GetMeshes())
+    if (mesh.topology.scheme != hd::Token("none") && mesh.displayStyle.refineLevel > 0)
+      levels_[path] = mesh.displayStyle.refineLevel;
+}
+
+void SceneRenderer::set_size(int width, int height) {
+  frame_.width = width;
+  frame_.height = height;
+}
+
+void SceneRenderer::refine(int coarser) {
+  if (coarser == coarser_) return;
+  coarser_ = coarser;
+  for (const auto& [path, level] : levels_) {
+    hd::host::MeshDescription mesh = scene_.scene->GetMeshes().at(path);
+    mesh.displayStyle.refineLevel = std::max(0, level - coarser);
+    scene_.scene->SetMesh(path, std::move(mesh));
+  }
+}
+
+std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configuration, uint64_t samples,
+                                                   uint32_t seed) {
+  const auto started = Clock::now();
+  refine(configuration.coarser);
+  hd::RenderSettingsDescription frame = frame_;
+  frame.settings = configuration.settings;
+  frame.settings["samples"] = static_cast<int64_t>(samples);
+  frame.settings["seed"] = static_cast<int64_t>(seed);
+  scene_.scene->SetRenderSettings(scene_.settings, std::move(frame));
+  RenderedFrame rendered;
+  hd::host::RecordOptions options;
+  options.cancel = scene_.cancel;
+  options.diagnostics = scene_.diagnostics;
+  options.picture = [&](const hd::host::ProductImage& picture) { rendered.image = color_of(picture); };
+  if (progress_) options.progress = [this](const hd::host::RecordProgress& p) { progress_(p.fraction); };
+  const hd::host::RecordResult result = hd::host::RecordFrame(scene_.index, scene_.scene, scene_.settings, options);
+  if (result.status != hd::host::RecordStatus::done) return std::nullopt;
+  if (rendered.image.rgb.empty()) {
+    if (scene_.diagnostics)
+      scene_.diagnostics({hd::Severity::error, "tradeoff.picture", configuration.name,
+                          "the render has no colour, or values that are not finite; please report the scene"});
+    return std::nullopt;
+  }
+  rendered.cost.cpu_seconds = stat(result.stats, "cpuSeconds", 0);
+  rendered.cost.wall_seconds = stat(result.stats, "totalClockTime", 0);
+  rendered.cost.reported_error = stat(result.stats, "error.relativeRmse", -1);
+  rendered.cost.total_seconds = std::chrono::duration<double>(Clock::now() - started).count();
+  return rendered;
+}
+
+}  // namespace alabaster::tradeoff

@@ -1,0 +1,49 @@
+// Renders one scene over and over with other settings: loaded once, refined again only where a configuration asks.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+
+#include "delegate/host/frame_recorder.h"
+#include "delegate/tradeoff/configurations.h"
+#include "delegate/tradeoff/image.h"
+#include "delegate/tradeoff/state.h"
+
+namespace alabaster::tradeoff {
+
+struct RenderedFrame {
+  Image image;  // rendering space, premultiplied
+  RenderCost cost;
+};
+
+/// Borrows what it is given; all must outlive it. One thread.
+class SceneRenderer {
+ public:
+  struct Scene {
+    hd::host::RetainedSceneDelegate* scene = nullptr;
+    hd::host::RenderIndex* index = nullptr;  // that `scene` populates
+    hd::Path settings;                       // of the RenderSettings prim
+    const std::atomic<bool>* cancel = nullptr;
+    hd::DiagnosticSink diagnostics;
+  };
+  explicit SceneRenderer(Scene scene);
+
+  void set_size(int width, int height);
+  /// Told the fraction of a render that is done, about ten times a second.
+  void set_progress(std::function<void(double)> progress) { progress_ = std::move(progress); }
+  /// None if it was cancelled (`cancelled`) or failed (reported).
+  std::optional<RenderedFrame> render(const Configuration& configuration, uint64_t samples, uint32_t seed);
+  bool cancelled() const { return scene_.cancel && *scene_.cancel; }
+
+ private:
+  void refine(int coarser);
+
+  Scene scene_;
+  hd::RenderSettingsDescription frame_;  // without products and crop
+  std::map<hd::Path, int> levels_;       // of the meshes that are subdivided, as the scene asks
+  int coarser_ = 0;
+  std::function<void(double)> progress_;
+};
+
+}  // namespace alabaster::tradeoff

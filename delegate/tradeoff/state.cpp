@@ -1,0 +1,156 @@
+#include "delegate/tradeoff/state.h"
+
+#include <cctype>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "delegate/host/atomic_file.h"
+
+namespace alabaster::tradeoff {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kFormat = 1;
+
+std::string file_name(const StoredRender& render) {
+  std::string name = render.configuration;
+  for (char& c : name)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-') c = '_';
+  return name + "." + std::to_string(render.samples) + "." + std::to_string(render.replica) + ".f32";
+}
+
+json to_json(const StoredRender& render) {
+  return {{"configuration", render.configuration},
+          {"settings", render.fingerprint},
+          {"samples", render.samples},
+          {"replica", render.replica},
+          {"cpuSeconds", render.cost.cpu_seconds},
+          {"wallSeconds", render.cost.wall_seconds},
+          {"totalSeconds", render.cost.total_seconds},
+          {"reportedError", render.cost.reported_error},
+          {"file", render.file},
+          {"checksum", render.checksum}};
+}
+
+StoredRender from_json(const json& entry) {
+  StoredRender render;
+  entry.at("configuration").get_to(render.configuration);
+  entry.at("settings").get_to(render.fingerprint);
+  entry.at("samples").get_to(render.samples);
+  entry.at("replica").get_to(render.replica);
+  entry.at("cpuSeconds").get_to(render.cost.cpu_seconds);
+  entry.at("wallSeconds").get_to(render.cost.wall_seconds);
+  entry.at("totalSeconds").get_to(render.cost.total_seconds);
+  entry.at("reportedError").get_to(render.cost.reported_error);
+  entry.at("file").get_to(render.file);
+  entry.at("checksum").get_to(render.checksum);
+  return render;
+}
+
+std::string write(const fs::path& file, const void* bytes, size_t size) {
+  const std::string problem =
+      hd::host::WriteFileAtomically(file.string(), {static_cast<const uint8_t*>(bytes), size}, hd::host::Flush::none);
+  return problem.empty() ? "" : file.string() + " cannot be written: " + problem + ".";
+}
+
+}  // namespace
+
+std::string checksum(const void* bytes, size_t size) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  for (size_t i = 0; i < size; ++i) hash = (hash ^ static_cast<const uint8_t*>(bytes)[i]) * 0x100000001b3u;
+  char text[17];
+  std::snprintf(text, sizeof text, "%016lx", static_cast<unsigned long>(hash));
+  return text;
+}
+
+std::string StudyStore::open(const fs::path& folder, bool restart) {
+  folder_ = folder;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return folder.string() + " cannot be made: " + error.message() + ". Choose another folder with -o.";
+  if (restart) return clear();
+  std::ifstream file(folder / "state.json", std::ios::binary);
+  if (!file) return "";
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!parse(text))
+    return (folder / "state.json").string() +
+           " is damaged or of another version: begin anew with --restart, or choose another folder with -o.";
+  std::erase_if(renders_, [&](const StoredRender& render) {
+    if (read(render)) return false;
+    notes_.push_back(render.file + " is missing or damaged: it is rendered again");
+    return true;
+  });
+  return "";
+}
+
+bool StudyStore::parse(const std::string& text) {
+  try {
+    const json state = json::parse(text);
+    if (state.at("format") != kFormat) return false;
+    state.at("scene").get_to(identity.scene);
+    state.at("sceneHash").get_to(identity.scene_hash);
+    state.at("width").get_to(identity.width);
+    state.at("height").get_to(identity.height);
+    state.at("referenceSamples").get_to(reference_samples);
+    state.at("spentSeconds").get_to(spent);
+    for (const json& entry : state.at("renders")) renders_.push_back(from_json(entry));
+    return identity.width > 0 && identity.height > 0 && identity.width <= 65536 && identity.height <= 65536;
+  } catch (const json::exception&) {
+    return false;
+  }
+}
+
+std::string StudyStore::clear() {
+  renders_.clear();
+  notes_.clear();
+  identity = {};
+  reference_samples = 0;
+  spent = 0;
+  std::error_code error;
+  fs::remove(folder_ / "state.json", error);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
+    if (entry.path().extension() == ".f32") fs::remove(entry.path(), error);
+  return error ? folder_.string() + " cannot be emptied: " + error.message() + "." : "";
+}
+
+std::string StudyStore::add(StoredRender render, const Image& image) {
+  const size_t size = image.rgb.size() * sizeof(float);
+  render.file = file_name(render);
+  render.checksum = checksum(image.rgb.data(), size);
+  std::string problem = write(folder_ / render.file, image.rgb.data(), size);
+  if (!problem.empty()) return problem;
+  renders_.push_back(std::move(render));
+  spent += renders_.back().cost.total_seconds;
+  problem = save();
+  if (problem.empty()) return "";
+  spent -= renders_.back().cost.total_seconds;
+  renders_.pop_back();
+  return problem;
+}
+
+std::string StudyStore::save() const {
+  json state{{"format", kFormat},       {"scene", identity.scene},   {"sceneHash", identity.scene_hash},
+             {"width", identity.width}, {"height", identity.height}, {"referenceSamples", reference_samples},
+             {"spentSeconds", spent},   {"renders", json::array()}};
+  for (const StoredRender& render : renders_) state["renders"].push_back(to_json(render));
+  const std::string text = state.dump(1) + "\n";
+  return write(folder_ / "state.json", text.data(), text.size());
+}
+
+std::optional<Image> StudyStore::read(const StoredRender& render) const {
+  if (fs::path(render.file).has_parent_path()) return std::nullopt;  // state.json may have been edited
+  std::ifstream file(folder_ / render.file, std::ios::binary);
+  Image image{identity.width, identity.height, {}};
+  image.rgb.resize(3 * image.pixels());
+  const auto size = static_cast<std::streamsize>(image.rgb.size() * sizeof(float));
+  if (!file.read(reinterpret_cast<char*>(image.rgb.data()), size) || file.peek() != std::ifstream::traits_type::eof())
+    return std::nullopt;
+  if (checksum(image.rgb.data(), static_cast<size_t>(size)) != render.checksum) return std::nullopt;
+  return image;
+}
+
+}  // namespace alabaster::tradeoff

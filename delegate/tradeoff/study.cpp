@@ -1,0 +1,129 @@
+#include "delegate/tradeoff/study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace alabaster::tradeoff {
+namespace {
+
+class Study {
+ public:
+  Study(const ConfigurationList& list, double budget, StudyStore* store, const StudyHooks& hooks)
+      : list_(list), budget_(budget), store_(store), hooks_(hooks) {
+    for (const StoredRender& render : store->renders())
+      if (const auto index = find_configuration(list, render)) remember(*index, render);
+  }
+
+  StudyOutcome run(std::string* problem) {
+    bool plan_told = false;
+    while (!hooks_.cancelled()) {
+      const auto job = next_job(state());
+      if (!job) return StudyOutcome::finished;
+      choose_reference(*job);
+      const Forecast ahead = forecast(state());
+      if (!plan_told && is_calibrated()) {
+        tell_plan(ahead);
+        plan_told = true;
+      }
+      const Configuration& configuration = configuration_of(job->configuration);
+      hooks_.progress(
+          {configuration.name, *job, finished_.size() + 1, finished_.size() + ahead.jobs.size(), ahead.seconds});
+      auto frame = hooks_.render(configuration, job->samples, seed_of(*job));
+      if (!frame) return hooks_.cancelled() ? StudyOutcome::cancelled : StudyOutcome::render_failed;
+      StoredRender render{
+          configuration.name, configuration.fingerprint(), job->samples, job->replica, frame->cost, "", ""};
+      remember(job->configuration, render);
+      *problem = store_->add(std::move(render), frame->image);
+      if (!problem->empty()) return StudyOutcome::output_failed;
+      hooks_.stored();
+    }
+    return StudyOutcome::cancelled;
+  }
+
+ private:
+  const Configuration& configuration_of(int index) const {
+    return index == kReference ? list_.reference : list_.measured[static_cast<size_t>(index)];
+  }
+
+  void remember(int index, const StoredRender& render) {
+    finished_.push_back({{index, render.samples, render.replica}, render.cost.wall_seconds, render.cost.total_seconds});
+  }
+
+  StudyState state() const {
+    return {static_cast<int>(list_.measured.size()), budget_, store_->spent, store_->reference_samples, finished_};
+  }
+
+  bool is_calibrated() const {
+    for (int c = kReference; c < static_cast<int>(list_.measured.size()); ++c)
+      if (std::none_of(finished_.begin(), finished_.end(),
+                       [&](const FinishedJob& f) { return f.job.configuration == c; }))
+        return false;
+    return true;
+  }
+
+  /// Kept from the first replica on: replicas must be alike, whatever is learnt of their cost later.
+  void choose_reference(const Job& job) {
+    const bool calibrates = std::none_of(finished_.begin(), finished_.end(),
+                                         [](const FinishedJob& f) { return f.job.configuration == kReference; });
+    if (job.configuration == kReference && !calibrates) store_->reference_samples = job.samples;
+  }
+
+  void tell_plan(const Forecast& ahead) const {
+    std::vector<uint64_t> highest(list_.measured.size(), 0);
+    int replicas = 0;
+    uint64_t samples = 0;
+    const auto count = [&](const Job& job) {
+      if (job.configuration == kReference) {
+        replicas = job.samples > samples ? 1 : replicas + 1;
+        samples = std::max(samples, job.samples);
+      } else {
+        uint64_t& top = highest[static_cast<size_t>(job.configuration)];
+        top = std::max(top, job.samples);
+      }
+    };
+    for (const FinishedJob& finished : finished_) count(finished.job);
+    for (const Job& job : ahead.jobs) count(job);
+    char text[160];
+    std::snprintf(text, sizeof text, "plan: %zu renders more, %.1f minutes; the reference: %d x %llu samples",
+                  ahead.jobs.size(), ahead.seconds / 60, replicas, static_cast<unsigned long long>(samples));
+    hooks_.note(text);
+    for (size_t c = 0; c < highest.size(); ++c)
+      hooks_.note("  " + list_.measured[c].name + ": " + std::to_string(kReplicas) + " replicas of 1 to " +
+                  std::to_string(highest[c]) + " samples");
+  }
+
+  const ConfigurationList& list_;
+  const double budget_;
+  StudyStore* store_;
+  const StudyHooks& hooks_;
+  std::vector<FinishedJob> finished_;
+};
+
+}  // namespace
+
+std::optional<int> find_configuration(const ConfigurationList& list, const StoredRender& render) {
+  const auto is = [&](const Configuration& configuration) {
+    return configuration.name == render.configuration && configuration.fingerprint() == render.fingerprint;
+  };
+  if (is(list.reference)) return kReference;
+  const auto found = std::find_if(list.measured.begin(), list.measured.end(), is);
+  if (found == list.measured.end()) return std::nullopt;
+  return static_cast<int>(found - list.measured.begin());
+}
+
+StudyOutcome run_study(const ConfigurationList& list, double budget, StudyStore* store, const StudyHooks& hooks,
+                       std::string* problem) {
+  return Study(list, budget, store, hooks).run(problem);
+}
+
+hd::Vec2i affordable_size(hd::Vec2i size, double seconds, size_t configurations, double budget) {
+  constexpr double kSamples = kReplicas * (1 + 4 + 16 + 64);
+  const double pixels = (1 - kReferenceShare) * budget / (kSamples * double(configurations) * std::max(seconds, 1e-12));
+  constexpr double kFewest = 64 * 64;  // less is no picture
+  const double scale = std::sqrt(std::max(pixels, kFewest) / (double(size.x) * double(size.y)));
+  if (scale >= 1) return size;
+  return {std::max(1, int(std::lround(size.x * scale))), std::max(1, int(std::lround(size.y * scale)))};
+}
+
+}  // namespace alabaster::tradeoff

@@ -1,0 +1,84 @@
+#include "delegate/tradeoff/configurations.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+#include <set>
+
+namespace alabaster::tradeoff {
+namespace {
+
+/// The renderer's own settings: what is measured must exist.
+std::vector<hd::RenderSettingDescriptor> known() {
+  hd::RenderDelegate* delegate = CreateAlabasterRenderDelegate(hd::kAbiVersion, nullptr);
+  auto descriptors = delegate->GetRenderSettingDescriptors();
+  DestroyAlabasterRenderDelegate(delegate);
+  return descriptors;
+}
+
+std::set<std::string> names(const ConfigurationList& list) {
+  std::set<std::string> names;
+  for (const Configuration& c : list.measured) EXPECT_TRUE(names.insert(c.name).second) << c.name << " twice";
+  return names;
+}
+
+TEST(Configurations, EveryRungAndKnobOfASceneThatHasAll) {
+  const ConfigurationList list = make_configurations({true, 2}, {}, known(), "");
+  const auto all = names(list);
+  for (const char* name :
+       {"walk", "lambert", "diffusion", "auto", "reference", "maxDepth=2", "maxDepth=16", "rouletteDepth=1",
+        "walkGuiding=off", "walkSphereSteps=off", "inversion=chiang2016", "inversion=vanDeHulst",
+        "walkWeights=throughputTimesAlbedo", "refineLevel-1", "refineLevel-2"})
+    EXPECT_TRUE(all.count(name)) << name;
+  EXPECT_TRUE(list.skipped.empty());
+  EXPECT_EQ(list.measured.front().name, "walk");
+  EXPECT_EQ(list.reference.settings.at("subsurface").text_or(""), "reference");
+}
+
+TEST(Configurations, EachDiffersFromTheBaseInOneThing) {
+  const ConfigurationList list = make_configurations({true, 3}, {{"filter", std::string("box")}}, known(), "");
+  const Configuration& base = list.measured.front();
+  std::set<std::string> fingerprints;
+  for (const Configuration& c : list.measured) {
+    EXPECT_TRUE(fingerprints.insert(c.fingerprint()).second) << c.name;
+    int differences = c.coarser != 0;
+    for (const auto& [key, value] : c.settings)
+      differences += !base.settings.count(key) || !(base.settings.at(key) == value);
+    EXPECT_EQ(differences, c.name == "walk" ? 0 : 1) << c.name;
+    EXPECT_EQ(c.settings.at("filter").text_or(""), "box");
+  }
+}
+
+TEST(Configurations, WhatASceneLacksIsSkippedAndSaid) {
+  const ConfigurationList list = make_configurations({false, 1}, {}, known(), "");
+  const auto all = names(list);
+  EXPECT_FALSE(all.count("lambert"));
+  EXPECT_FALSE(all.count("walkGuiding=off"));
+  EXPECT_TRUE(all.count("refineLevel-1"));
+  EXPECT_FALSE(all.count("refineLevel-2"));
+  const auto said = [&](const std::string& part) {
+    return std::any_of(list.skipped.begin(), list.skipped.end(),
+                       [&](const std::string& line) { return line.find(part) != std::string::npos; });
+  };
+  EXPECT_TRUE(said("lambert: the scene has no subsurface"));
+  EXPECT_TRUE(said("refineLevel-2: "));
+}
+
+TEST(Configurations, TheSceneDecidesWhereItAsksForMore) {
+  const hd::Dictionary scene{{"maxDepth", int64_t(200)}, {"samples", int64_t(9)}, {"targetError", 0.1}};
+  const ConfigurationList list = make_configurations({true, 0}, scene, known(), "");
+  EXPECT_EQ(list.measured.front().settings.at("maxDepth").number_or(0), 200);
+  EXPECT_EQ(list.reference.settings.at("maxDepth").number_or(0), 200);
+  EXPECT_FALSE(list.measured.front().settings.count("samples"));
+  EXPECT_FALSE(list.measured.front().settings.count("targetError"));
+}
+
+TEST(Configurations, OnlySelects) {
+  EXPECT_EQ(names(make_configurations({true, 0}, {}, known(), "^lambert$|maxDepth")),
+            (std::set<std::string>{"walk", "lambert", "maxDepth=2", "maxDepth=4", "maxDepth=8", "maxDepth=16"}));
+  EXPECT_THROW(make_configurations({true, 0}, {}, known(), "("), std::regex_error);
+}
+
+}  // namespace
+}  // namespace alabaster::tradeoff

@@ -1,0 +1,152 @@
+// Estimators against pictures whose bias and noise are known because they were made that way.
+#include "delegate/tradeoff/measurement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "testenv/support/z_test.h"
+
+namespace alabaster::tradeoff {
+namespace {
+
+using alabaster::testing::RunningStatistics;
+using alabaster::testing::z_test;
+
+constexpr int kSide = 24;
+
+/// The truth: a slope from 0.2 to 1.2, another in each channel.
+double truth(size_t pixel, size_t channel) {
+  return 0.2 + double(pixel) / (kSide * kSide) + 0.1 * double(channel);
+}
+
+/// Noise of standard deviation `noise` x truth / sqrt(samples), bias of `bias` x truth.
+Image picture(std::mt19937& random, double bias, double noise, double samples) {
+  std::normal_distribution<double> normal;
+  Image image{kSide, kSide, std::vector<float>(3 * kSide * kSide)};
+  for (size_t pixel = 0; pixel < image.pixels(); ++pixel)
+    for (size_t c = 0; c < 3; ++c)
+      image.rgb[3 * pixel + c] =
+          static_cast<float>(truth(pixel, c) * (1 + bias + noise / std::sqrt(samples) * normal(random)));
+  return image;
+}
+
+Image exact() {
+  std::mt19937 random(0);
+  return picture(random, 0, 0, 1);
+}
+
+/// Mean over pixels of truth^2 / scale: what a relative error of one is as relMSE.
+double relative_unit(const std::vector<double>& scales) {
+  double sum = 0;
+  for (size_t pixel = 0; pixel < scales.size(); ++pixel)
+    for (size_t c = 0; c < 3; ++c) sum += truth(pixel, c) * truth(pixel, c) / scales[pixel] / 3;
+  return sum / double(scales.size());
+}
+
+ReplicaGroup group_of(std::mt19937& random, double bias, double noise, uint64_t samples, int replicas) {
+  ReplicaGroup group(samples);
+  for (int r = 0; r < replicas; ++r) group.add(picture(random, bias, noise, double(samples)));
+  return group;
+}
+
+struct Trial {
+  Estimate bias, level;
+  double noise;
+};
+
+/// A configuration on the rungs 1, 4, 16 with two replicas each, against 4 replicas of a reference of 32 samples.
+Trial trial(uint32_t seed, double bias, double noise, const std::vector<double>& scales) {
+  std::mt19937 random(seed);
+  std::vector<ReplicaGroup> groups;
+  for (const uint64_t samples : {1u, 4u, 16u}) groups.push_back(group_of(random, bias, noise, samples, 2));
+  const ReplicaGroup reference = group_of(random, 0, noise, 32, 4);
+  const PooledMean x = pool(groups), y = pool({&reference, 1});
+  return {squared_bias(x, y, scales), mean_level_bias(x, y), squared_noise(groups[1], scales).value};
+}
+
+TEST(Measurement, ScalesAreThoseOfTheFrameError) {
+  // By hand, one column of three pixels: levels 1, 2, 6; frame mean 3; floor 0.05 * 3.
+  const Image image{1, 3, {1, 1, 1, 1, 2, 3, 6, 6, 6}};
+  const std::vector<double> scales = squared_scales(image);
+  ASSERT_EQ(scales.size(), 3u);
+  EXPECT_NEAR(scales[0], 1.5 * 1.5 + 0.15 * 0.15, 1e-12);
+  EXPECT_NEAR(scales[1], 3.0 * 3.0 + 0.15 * 0.15, 1e-12);
+  EXPECT_NEAR(scales[2], 4.0 * 4.0 + 0.15 * 0.15, 1e-12);
+  EXPECT_TRUE(squared_scales({1, 1, {0, 0, 0}}).empty());
+}
+
+TEST(Measurement, NoiseAndBiasAreWithoutBiasThemselves) {
+  const std::vector<double> scales = squared_scales(exact());
+  const double unit = relative_unit(scales);
+  RunningStatistics bias, noise, level;
+  for (uint32_t seed = 1; seed <= 200; ++seed) {
+    const Trial t = trial(seed, 0.1, 0.4, scales);
+    bias.add(t.bias.value);
+    noise.add(t.noise);
+    level.add(t.level.value);
+  }
+  const auto squared_bias_test = z_test(bias, 0.1 * 0.1 * unit, {0.01, 3, 1e-6});
+  const auto noise_test = z_test(noise, 0.4 * 0.4 / 4 * unit, {0.01, 3, 1e-6});
+  // The quotient of two means has a bias of its own, of the reference's relative variance: 1e-6 here.
+  const auto level_test = z_test(level, 0.1, {0.01, 3, 1e-5});
+  EXPECT_TRUE(squared_bias_test.passed) << squared_bias_test.report;
+  EXPECT_TRUE(noise_test.passed) << noise_test.report;
+  EXPECT_TRUE(level_test.passed) << level_test.report;
+}
+
+TEST(Measurement, IntervalsOfNoBiasHoldZeroInNineteenOfTwenty) {
+  const std::vector<double> scales = squared_scales(exact());
+  constexpr int kTrials = 1000;
+  int held = 0, level_held = 0;
+  for (uint32_t seed = 1; seed <= kTrials; ++seed) {
+    const Trial t = trial(1000 + seed, 0, 0.4, scales);
+    held += t.bias.low <= 0 && t.bias.high >= 0;
+    level_held += t.level.low <= 0 && t.level.high >= 0;
+  }
+  const double three_sigma = 3 * std::sqrt(kTrials * 0.95 * 0.05);
+  EXPECT_NEAR(held, 0.95 * kTrials, three_sigma);
+  EXPECT_NEAR(level_held, 0.95 * kTrials, three_sigma);
+}
+
+TEST(Measurement, IntervalsOfABiasHoldItAtLeastAsOften) {
+  const std::vector<double> scales = squared_scales(exact());
+  const double expected = 0.05 * 0.05 * relative_unit(scales);
+  int held = 0;
+  for (uint32_t seed = 1; seed <= 300; ++seed) {
+    const Trial t = trial(5000 + seed, 0.05, 0.2, scales);
+    held += t.bias.low <= expected && t.bias.high >= expected;
+  }
+  EXPECT_GE(held, 0.95 * 300 - 3 * std::sqrt(300 * 0.95 * 0.05));
+}
+
+TEST(Measurement, WithoutTheSubtractionNoiseWouldPassForBias) {
+  const std::vector<double> scales = squared_scales(exact());
+  std::mt19937 random(7);
+  const ReplicaGroup x = group_of(random, 0, 0.4, 4, 2), y = group_of(random, 0, 0.4, 32, 4);
+  PooledMean px = pool({&x, 1}), py = pool({&y, 1});
+  const Estimate right = squared_bias(px, py, scales);
+  std::fill(py.variance.begin(), py.variance.end(), 0.0);
+  const Estimate without_reference = squared_bias(px, py, scales);
+  std::fill(px.variance.begin(), px.variance.end(), 0.0);
+  const Estimate without_either = squared_bias(px, py, scales);
+  EXPECT_LE(right.low, 0);
+  EXPECT_GE(right.high, 0);
+  EXPECT_GT(without_reference.value, right.value);
+  EXPECT_GT(without_either.low, 0);
+}
+
+TEST(Measurement, ALoneReplicaIsLeftOut) {
+  std::mt19937 random(3);
+  std::vector<ReplicaGroup> groups{group_of(random, 0, 0.2, 4, 2)};
+  const PooledMean two = pool(groups);
+  groups.push_back(group_of(random, 5, 0.2, 64, 1));
+  const PooledMean three = pool(groups);
+  EXPECT_EQ(three.samples, 8);
+  EXPECT_EQ(two.mean, three.mean);
+  EXPECT_TRUE(pool({}).mean.empty());
+}
+
+}  // namespace
+}  // namespace alabaster::tradeoff

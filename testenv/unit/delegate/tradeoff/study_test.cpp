@@ -1,0 +1,208 @@
+// Studies of a renderer that is a random number generator: what is kept, what goes on, what is written.
+#include "delegate/tradeoff/study.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "delegate/tradeoff/report.h"
+
+namespace alabaster::tradeoff {
+namespace {
+
+namespace fs = std::filesystem;
+
+Configuration configuration(const std::string& name, const std::string& group, double bias) {
+  Configuration c;
+  c.name = name;
+  c.group = group;
+  c.settings["bias"] = bias;
+  return c;
+}
+
+class Study : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ =
+        fs::temp_directory_path() / ("alabaster_study_" + std::string(info->name()) + "_" + std::to_string(getpid()));
+    list_.reference = configuration("the reference", "the reference", 0);
+    list_.measured = {configuration("walk", "base", 0), configuration("lambert", "subsurface", -0.3)};
+    list_.skipped = {"refineLevel-1: no mesh of the scene is subdivided"};
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  StudyStore open(const std::string& name, bool restart = false) {
+    StudyStore store;
+    EXPECT_EQ(store.open(folder_ / name, restart), "");
+    if (store.empty()) store.identity = {"scene.glb", "0123", 16, 12};
+    return store;
+  }
+
+  static RenderedFrame frame(const Configuration& c, uint64_t samples, uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    RenderedFrame frame{{16, 12, std::vector<float>(3 * 16 * 12)}, {}};
+    for (float& v : frame.image.rgb)
+      v = static_cast<float>(1 + c.settings.at("bias").number_or(0) +
+                             0.5 / std::sqrt(double(samples)) * normal(random));
+    frame.cost = {0.02 * double(samples), 0.01 * double(samples), 0.01 * double(samples) + 0.001, -1};
+    return frame;
+  }
+
+  /// Renders until the budget is spent or `most` pictures are there.
+  StudyOutcome run(StudyStore* store, size_t most = 1000000) {
+    rendered_ = 0;
+    StudyHooks hooks;
+    hooks.render = [this](const Configuration& c, uint64_t samples, uint32_t seed) {
+      ++rendered_;
+      return std::optional(frame(c, samples, seed));
+    };
+    hooks.cancelled = [this, most] { return rendered_ >= most; };
+    hooks.progress = [](const StudyProgress&) {};
+    hooks.note = [](const std::string&) {};
+    hooks.stored = [] {};
+    return run_study(list_, 20, store, hooks, &problem_);
+  }
+
+  std::optional<StudyResult> results(const StudyStore& store) {
+    const DisplayFunction display = [](const Image& image) { return std::optional(image); };
+    return analyse(store, list_, display, &problem_);
+  }
+
+  fs::path folder_;
+  ConfigurationList list_;
+  std::string problem_;
+  size_t rendered_ = 0;
+};
+
+TEST_F(Study, ToldApartNoiseAndBias) {
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store), StudyOutcome::finished);
+  const auto result = results(store);
+  ASSERT_TRUE(result) << problem_;
+  ASSERT_GE(result->rows.size(), 6u);
+  for (const Row& row : result->rows) {
+    EXPECT_NEAR(row.squared_noise.value, 0.25 / double(row.samples), 0.05 / double(row.samples));
+    if (row.configuration == "walk") {
+      EXPECT_LE(std::abs(row.squared_bias.value), 4 * row.squared_bias.standard_error);
+    } else {
+      EXPECT_NEAR(row.squared_bias.value, 0.09, 5 * row.squared_bias.standard_error);
+      EXPECT_NEAR(row.level_bias.value, -0.3, 5 * row.level_bias.standard_error);
+    }
+    EXPECT_NEAR(row.cpu_seconds, 0.02 * double(row.samples), 1e-9);
+  }
+  EXPECT_TRUE(result->rows.front().pareto);
+}
+
+TEST_F(Study, AnInterruptedStudyGivesTheSameNumbers) {
+  StudyStore whole = open("whole");
+  ASSERT_EQ(run(&whole), StudyOutcome::finished);
+  const std::string expected = csv_text(*results(whole));
+  for (int part = 0;; ++part) {
+    StudyStore store = open("parts");
+    const StudyOutcome outcome = run(&store, 5);
+    if (outcome == StudyOutcome::finished) break;
+    ASSERT_EQ(outcome, StudyOutcome::cancelled);
+    ASSERT_LT(part, 100);
+  }
+  EXPECT_EQ(csv_text(*results(open("parts"))), expected);
+}
+
+TEST_F(Study, DamagedPicturesAreRenderedAgain) {
+  StudyStore first = open("a");
+  ASSERT_EQ(run(&first), StudyOutcome::finished);
+  const std::string expected = csv_text(*results(first));
+  const StoredRender& some = first.renders()[3];
+  std::fstream file(folder_ / "a" / some.file, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(100);
+  file.put('x');
+  file.close();
+  fs::remove(folder_ / "a" / first.renders()[5].file);
+  StudyStore again = open("a");
+  EXPECT_EQ(again.notes().size(), 2u);
+  again.spent = 0;  // time for what was lost
+  ASSERT_EQ(run(&again, 2), StudyOutcome::cancelled);
+  EXPECT_EQ(csv_text(*results(again)), expected);
+}
+
+TEST_F(Study, ChangedSettingsAreMeasuredAnew) {
+  StudyStore first = open("a");
+  ASSERT_EQ(run(&first), StudyOutcome::finished);
+  list_.measured[1].settings["bias"] = 0.5;
+  EXPECT_FALSE(find_configuration(list_, first.renders().back()) == 1);
+  const auto result = results(first);
+  ASSERT_TRUE(result);
+  for (const Row& row : result->rows) EXPECT_EQ(row.configuration, "walk");
+}
+
+TEST_F(Study, ForeignStateIsRefused) {
+  fs::create_directories(folder_ / "a");
+  std::ofstream(folder_ / "a" / "state.json") << R"({"format": 1, "scene": 7})";
+  StudyStore store;
+  EXPECT_NE(store.open(folder_ / "a", false).find("--restart"), std::string::npos);
+  StudyStore fresh;
+  EXPECT_EQ(fresh.open(folder_ / "a", true), "");
+  EXPECT_TRUE(fresh.empty());
+  StudyStore outside;
+  EXPECT_NE(outside.open("/proc/nowhere", false).find("-o"), std::string::npos);
+}
+
+TEST_F(Study, WithoutAReferenceThereIsNoReport) {
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store, 4), StudyOutcome::cancelled);
+  EXPECT_FALSE(results(store));
+  EXPECT_NE(problem_.find("--budget"), std::string::npos);
+}
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+TEST_F(Study, CsvJsonAndMarkdownAgree) {
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store), StudyOutcome::finished);
+  const auto result = results(store);
+  ASSERT_TRUE(result);
+  const ReportContext context{"alabaster tradeoff scene.glb", store.identity, 32, 24, store.spent, true};
+  const auto json = nlohmann::ordered_json::parse(json_text(*result, list_, context));
+  std::istringstream csv(csv_text(*result));
+  std::string line;
+  std::getline(csv, line);
+  const std::vector<std::string> names = cells(line);
+  EXPECT_EQ(names.size(), json["rows"][0].size());
+  for (const auto& row : json["rows"]) {
+    ASSERT_TRUE(std::getline(csv, line));
+    const std::vector<std::string> values = cells(line);
+    ASSERT_EQ(values.size(), names.size());
+    for (size_t i = 0; i < names.size(); ++i) {
+      const auto& value = row.at(names[i]);
+      EXPECT_EQ(values[i], value.is_null() ? "" : value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+  EXPECT_FALSE(std::getline(csv, line));
+  EXPECT_EQ(json["rows"][0]["noise2"].get<double>(), result->rows[0].squared_noise.value);
+  const std::string text = markdown_text(*result, list_, context);
+  EXPECT_NE(text.find("Largest bias: **lambert**"), std::string::npos) << text;
+  EXPECT_NE(text.find("refineLevel-1: no mesh"), std::string::npos);
+}
+
+TEST(AffordableSize, KeepsProportionsAndNeverEnlarges) {
+  EXPECT_EQ(affordable_size({640, 480}, 1e-9, 10, 600), hd::Vec2i(640, 480));
+  const hd::Vec2i small = affordable_size({640, 480}, 1e-4, 10, 600);
+  EXPECT_LT(small.x, 640);
+  EXPECT_NEAR(double(small.x) / small.y, 640.0 / 480, 0.03);
+  EXPECT_GE(small.x * small.y, 63 * 63);
+}
+
+}  // namespace
+}  // namespace alabaster::tradeoff

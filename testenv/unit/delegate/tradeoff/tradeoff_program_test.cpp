@@ -1,0 +1,106 @@
+// The command from outside: a whole study on a picture of a few pixels.
+#include <nlohmann/json.hpp>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+class TradeoffProgram : public hd::description::SceneFiles {
+ protected:
+  struct Outcome {
+    int code;
+    std::string err;
+  };
+  Outcome run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "tradeoff");
+    Program program(folder_, arguments);
+    const int code = program.wait();
+    return {code, program.err()};
+  }
+  std::string text_of(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  /// Half a second at 12x8, so that nobody waits.
+  std::vector<std::string> quick(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{"wax.json", "-o", "out", "--budget", "0.02", "--size", "12x8", "--only", "lambert"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  void SetUp() override {
+    SceneFiles::SetUp();
+    write("wax.json", R"({"gltf": [{"file": "lit.gltf"}], "lights": [{"name": "sky", "type": "domeLight"}],
+                          "materials": [{"match": "skin", "set": {"scatterDistance": [0.2, 0.1, 0.05]}}]})");
+  }
+};
+
+#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << "said: " << (text)
+
+TEST_F(TradeoffProgram, MeasuresWritesAndGoesOn) {
+  const Outcome first = run(quick({}));
+  ASSERT_EQ(first.code, 0) << first.err;
+  EXPECT_HAS(first.err, "plan: ");
+  EXPECT_HAS(first.err, " left");
+  for (const char* name : {"tradeoff.csv", "tradeoff.json", "tradeoff.md", "tradeoff.svg", "tradeoff.png"})
+    EXPECT_GT(text_of(std::string("out/") + name).size(), 100u) << name;
+  const auto json = nlohmann::json::parse(text_of("out/tradeoff.json"));
+  EXPECT_EQ(json["configurations"].size(), 2u);
+  EXPECT_EQ(json["resolution"], nlohmann::json({12, 8}));
+  EXPECT_TRUE(json["complete"]);
+  bool front = false;
+  for (const auto& row : json["rows"]) {
+    EXPECT_GT(row["cpuSeconds"].get<double>(), 0);
+    EXPECT_GE(row["replicas"].get<int>(), 2);
+    front = front || row["pareto"].get<bool>();
+  }
+  EXPECT_TRUE(front);
+  const Outcome second = run(quick({}));
+  EXPECT_EQ(second.code, 0);
+  EXPECT_HAS(second.err, "goes on with");
+}
+
+TEST_F(TradeoffProgram, WhatDoesNotFitTheFolderIsRefused) {
+  ASSERT_EQ(run(quick({})).code, 0);
+  const Outcome size = run({"wax.json", "-o", "out", "--size", "13x8"});
+  EXPECT_EQ(size.code, 2);
+  EXPECT_HAS(size.err, "12x8");
+  EXPECT_HAS(size.err, "--restart");
+  const Outcome changed = run(quick({"--set", "materials/skin.roughness=0.1"}));
+  EXPECT_EQ(changed.code, 2);
+  EXPECT_HAS(changed.err, "--restart");
+  const Outcome anew = run(quick({"--set", "materials/skin.roughness=0.1", "--restart"}));
+  EXPECT_EQ(anew.code, 0);
+}
+
+TEST_F(TradeoffProgram, WrongArgumentsEndAsWithOtherCommands) {
+  EXPECT_EQ(run({}).code, 2);
+  const Outcome budget = run({"wax.json", "--budget", "-3"});
+  EXPECT_EQ(budget.code, 2);
+  EXPECT_HAS(budget.err, "minutes");
+  EXPECT_EQ(run({"wax.json", "--budget", "nan"}).code, 2);
+  EXPECT_EQ(run({"wax.json", "--size", "huge"}).code, 2);
+  EXPECT_EQ(run({"wax.json", "--only", "("}).code, 2);
+  EXPECT_EQ(run({"wax.json", "--set", "materials/skin.rougness=1", "-o", "out"}).code, 2);
+  EXPECT_EQ(run({"missing.glb"}).code, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "missing_tradeoff"));
+  const Outcome unwritable = run({"wax.json", "-o", "/proc/nowhere"});
+  EXPECT_EQ(unwritable.code, 5);
+  EXPECT_HAS(unwritable.err, "-o");
+}
+
+TEST_F(TradeoffProgram, InterruptedItWritesWhatThereIs) {
+  Program program(folder_,
+                  {"tradeoff", "wax.json", "-o", "out", "--budget", "5", "--size", "12x8", "--only", "lambert"});
+  ASSERT_TRUE(program.wait_for("[8/", 30)) << program.err();
+  program.interrupt();
+  EXPECT_EQ(program.wait(), 130) << program.err();
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "state" / "state.json"));
+  EXPECT_HAS(program.err(), "goes on from here");
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "out"))
+    EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
+}
+
+}  // namespace
+}  // namespace alabaster::cli
