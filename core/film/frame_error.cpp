@@ -46,14 +46,32 @@ std::vector<double> squared_scales(const Levels& levels, const Size& size, bool 
   return scales;
 }
 
-// V(m) = m^-p for all powers of two m; the covariances at the head of frame_error.h follow from it.
-struct PowerLaw {
-  double p = 1;
+// How the variance of the mean falls with the number of samples, in units of what the latest halves show:
+// V(m/2) - V(m) = 1, where x = 1 stands for m samples. `ratio` is that difference at half as many samples over this
+// one, (V(m/4) - V(m/2)) / (V(m/2) - V(m)): 2 for independent samples. Up to 4 the law is a / x + b / x^2, noise
+// together with what stratification takes away, in which V(1) = (5 - ratio) / 3 is linear in the differences, so that a
+// mixture of pixels is as good as one; beyond, where a smooth integrand has the frame for itself, x^-p with 2^p =
+// ratio. At 4 they agree.
+struct ConvergenceLaw {
+  double ratio = 2;
 
-  double variance(double m) const { return std::pow(m, -p); }
-  // Of two samples whose indices first differ in the bit of m.
-  double covariance(double m) const { return 2 * variance(2 * m) - variance(m); }
-  // Of the sum of the first n samples: a whole block, the rest, and twice what they share.
+  double variance(double x) const {
+    if (ratio <= 4) return (4 - ratio) / 2 / x + (ratio - 2) / 6 / (x * x);
+    return std::pow(x, -std::log2(ratio)) / (ratio - 1);
+  }
+  // d ln V(1) / d ln ratio, positive for falling.
+  double sensitivity() const { return ratio / (ratio <= 4 ? 5 - ratio : ratio - 1); }
+};
+
+// The first samples of a pixel whose latest halves have m samples together.
+struct SampleTree {
+  ConvergenceLaw law;
+  double m = 1;
+
+  double variance(double samples) const { return law.variance(samples / m); }
+  // Of two samples whose indices first differ in the bit of `block`.
+  double covariance(double block) const { return 2 * variance(2 * block) - variance(block); }
+  // Of the sum of the first n: a whole block, the rest, and twice what they share.
   double sum_variance(uint32_t n) const {
     if (n == 0) return 0;
     const uint32_t block = std::bit_floor(n), rest = n - block;
@@ -67,47 +85,36 @@ bool uses_tail(uint32_t n) {
   return n - m >= (m + 1) / 2 && n > m;
 }
 
-// Variance of the mean of n samples over the expected squared difference that noise_of() gives.
-double variance_per_difference(uint32_t n, const PowerLaw& law) {
-  const double variance = law.sum_variance(n) / (double(n) * n);
+// Variance of the mean of n samples over the expected squared difference that difference_of() gives.
+double variance_per_difference(uint32_t n, const ConvergenceLaw& law) {
   const uint32_t m = std::bit_floor(n), rest = n - m;
-  if (!uses_tail(n)) return variance / (4 * (law.variance(m / 2) - law.variance(m)));
-  const double expected = law.variance(m) + law.sum_variance(rest) / (double(rest) * rest) - 2 * law.covariance(m);
-  return variance / expected;
+  const SampleTree tree{law, double(m)};
+  const double variance = tree.sum_variance(n) / (double(n) * n);
+  if (!uses_tail(n)) return variance / 4;
+  return variance / (tree.variance(m) + tree.sum_variance(rest) / (double(rest) * rest) - 2 * tree.covariance(m));
 }
 
 double difference_of(const PixelNoise& noise) {
   return uses_tail(noise.samples) ? noise.tail : noise.latest;
 }
 
-struct Exponent {
-  double p = 1;
-  double trust = 0;                 // 0: p = 1 is assumed; 1: p is measured
-  double previous = 0, latest = 0;  // means of the differences that it was measured from
+struct Convergence {
+  ConvergenceLaw law;
+  double previous = 0, latest = 0;  // means of the differences that it was measured from; 0: it is assumed
 };
 
-// From the frame's differences at two sizes, (V(m/4) - V(m/2)) / (V(m/2) - V(m)) = 2^p. A ratio that its own scatter
-// explains says nothing: it is drawn to p = 1 by as much as noise has to do with it.
-Exponent measure_exponent(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales) {
-  Exponent e;
-  const auto n = double(pixels.size());
+// From the whole frame: a pixel's own ratio is noise.
+Convergence measure_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales) {
+  Convergence c;
   for (size_t i = 0; i < pixels.size(); ++i) {
     if (pixels[i].samples < 4) return {};
-    e.previous += pixels[i].previous / scales[i] / n;
-    e.latest += pixels[i].latest / scales[i] / n;
+    c.previous += pixels[i].previous / scales[i] / double(pixels.size());
+    c.latest += pixels[i].latest / scales[i] / double(pixels.size());
   }
-  if (!(e.latest > 0)) return {};
-  constexpr double kLeast = 1.5, kSteepest = 8;  // p = 3: smooth, one dimension
-  const double ratio = std::log(std::clamp(e.previous / e.latest, kLeast, kSteepest) / 2);
-  if (ratio == 0) return e;
-  double squares = 0;
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const double d = (pixels[i].previous / e.previous - pixels[i].latest / e.latest) / scales[i];
-    squares += d * d / (n * n);
-  }
-  e.trust = ratio * ratio / (ratio * ratio + squares);
-  e.p = 1 + e.trust * ratio / std::log(2.0);
-  return e;
+  if (!(c.latest > 0)) return {};
+  constexpr double kLeast = 1.5, kLargest = 8;  // chance; a smooth integrand of one dimension
+  c.law.ratio = std::clamp(c.previous / c.latest, kLeast, kLargest);
+  return c;
 }
 
 }  // namespace
@@ -116,7 +123,7 @@ namespace {
 
 struct Terms {
   std::vector<double> scales, values;  // L^2 + f^2, and the variance over it, of every pixel
-  Exponent exponent;
+  Convergence convergence;
 };
 
 bool all_have_two_samples(const NoiseImage& image) {
@@ -131,31 +138,29 @@ Terms make_terms(const NoiseImage& image) {
   for (size_t i = 0; i < pixels.size(); ++i) levels[i] = pixels[i].level;
   t.scales = squared_scales(levels, {image.width, image.height}, true);
   if (t.scales.empty()) return t;
-  t.exponent = measure_exponent(pixels, t.scales);
+  t.convergence = measure_convergence(pixels, t.scales);
   t.values.resize(pixels.size());
   std::map<uint32_t, double> factors;
   for (size_t i = 0; i < pixels.size(); ++i) {
     double& factor = factors[pixels[i].samples];
-    if (factor == 0) factor = variance_per_difference(pixels[i].samples, {t.exponent.p});
+    if (factor == 0) factor = variance_per_difference(pixels[i].samples, t.convergence.law);
     t.values[i] = factor * difference_of(pixels[i]) / t.scales[i];
   }
   return t;
 }
 
-// Variance of ln E^2 by the scatter over pixels, twice: of what the estimate is made of, the exponent's part included
-// (E^2 goes as 1 / (2^p - 1)), and of the frame's own error, which scatters about its expectation as much as the terms
-// and independently of them (a - b and a + b are uncorrelated). Third, what the power law is not sure of.
+// Variance of ln E^2 by the scatter over pixels, twice: of what the estimate is made of, the ratio's part included, and
+// of the frame's own error, which scatters about its expectation as much as the terms and independently of them (a - b
+// and a + b are uncorrelated). Third, what the law is not sure of.
 double log_variance(const std::vector<PixelNoise>& pixels, const Terms& t, double mean) {
   constexpr double kLaw = 0.05;
-  const double growth = std::pow(2, t.exponent.p);
-  const double by_exponent = t.exponent.trust * growth / (growth - 1);
+  const Convergence& c = t.convergence;
+  const double by_ratio = c.latest > 0 && c.previous > 0 ? c.law.sensitivity() : 0;
   double own = 0, estimate = 0;
   for (size_t i = 0; i < pixels.size(); ++i) {
     const double d = t.values[i] / mean - 1;
     double e = d;
-    if (by_exponent > 0)
-      e +=
-          by_exponent * (pixels[i].latest / t.exponent.latest - pixels[i].previous / t.exponent.previous) / t.scales[i];
+    if (by_ratio > 0) e += by_ratio * (pixels[i].latest / c.latest - pixels[i].previous / c.previous) / t.scales[i];
     own += d * d;
     estimate += e * e;
   }
@@ -174,7 +179,7 @@ FrameError estimate_frame_error(const NoiseImage& image) {
   for (const double value : t.values) mean += value / double(t.values.size());
   if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
   const double reach = 1.96 * std::sqrt(log_variance(image.pixels, t, mean));
-  error.exponent = t.exponent.p;
+  error.exponent = std::log2(t.convergence.law.ratio);
   error.relative_rmse = std::sqrt(mean);
   error.low = std::sqrt(mean * std::max(0.0, 1 - reach));
   error.high = std::sqrt(mean * (1 + reach));

@@ -6,8 +6,7 @@
 // bit in which their indices differ. With V(m) the variance of the mean of the first m samples, the two halves of the
 // first 2m have means a and b with
 //   E (a - b)^2 / 4 = V(m) - V(2m),    V(2m) = (V(m) + cov(a, b)) / 2.
-// What is left to assume is how V falls on: V(m) ~ m^-p, p from the differences at two sizes. p = 1 for independent
-// samples, more where stratification helps.
+// What is left to assume is how V falls on: as a / m + b / m^2, a and b from the differences at two sizes.
 #pragma once
 
 #include <vector>
@@ -27,7 +26,7 @@ struct FrameError {
   /// 95 % of the frames that report this interval have their true error in it, if no light was missed altogether: what
   /// no sample has met yet, no estimate can know.
   double low = 0, high = 0;
-  double exponent = 1;  // p above
+  double exponent = 1;  // of V ~ m^-p at the sizes it was measured at; 1: independent samples
 };
 
 /// Pixels in rows.

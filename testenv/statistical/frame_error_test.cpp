@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "core/sampling/pixel_sampler.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -114,6 +115,53 @@ TEST(FrameError, TheTrueErrorLiesInTheIntervalThatFramesReport) {
     EXPECT_LT(c.ratio_sigma, 0.1) << "or the comparison says nothing";
   }
   EXPECT_GE(inside, 50) << "of " << frames << ": below 57 +- 1.7, 95 %, by four sigma";
+}
+
+// Integrands whose answer is known, by the sampler that renders use: a sum of u - 1/2 has variance 1 / (12 n^3) where
+// n = 2^m strata have one sample each, a coin tossed by a stream of its own sigma^2 / n. The estimate must follow both,
+// and what lies between, at powers of two and where a tail is left.
+double ratio_of_estimate(double coin, uint32_t samples, double* exponent) {
+  constexpr int kPixels = 96;
+  double estimated = 0, truth = 0;
+  for (uint32_t seed = 0; seed < 4; ++seed) {
+    Film film({0, 0, kPixels, kPixels}, 0);
+    for (int t = 0; t < film.tile_count(); ++t) {
+      const PixelRect r = film.tile_rect(t);
+      FilmTile tile = film.load_tile(t);
+      size_t pixel = 0;
+      for (int y = r.y0; y < r.y1; ++y)
+        for (int x = r.x0; x < r.x1; ++x, ++pixel)
+          for (uint32_t s = 0; s < samples; ++s) {
+            const PixelSampler sampler(pixel_seed(x, y, 0, seed), s);
+            FilmSample sample;
+            const float toss = sampler.stream(Dimension::subsurface, 0).uniform() < 0.5f ? -1 : 1;
+            sample.color = Rgb(0.5f + sampler.draw(Dimension::bsdf, 0)[0] + float(coin) * toss);
+            tile.add(pixel, sample);
+          }
+      film.store_tile(t, std::move(tile));
+    }
+    const FrameError error = estimate_frame_error(film);
+    *exponent = error.exponent;
+    estimated += std::pow(error.relative_rmse, 2) / 4;
+    truth +=
+        relative_mse(film.resolve_float(Aov::color), std::vector<float>(4 * kPixels * kPixels, 1), kPixels, kPixels) /
+        4;
+  }
+  return estimated / truth;
+}
+
+TEST(FrameError, FollowsTheExponentOfTheConvergence) {
+  for (const uint32_t samples : {8u, 32u, 48u, 56u, 64u}) {
+    double smooth = 0, coin = 0, between = 0;
+    EXPECT_NEAR(ratio_of_estimate(0, samples, &smooth), 1, 0.1) << samples;
+    EXPECT_NEAR(ratio_of_estimate(1, samples, &coin), 1, 0.1) << samples;
+    // As steep a fall that is about to end in noise cannot be seen coming from eight samples: 0.44 there.
+    if (samples > 8) {
+      EXPECT_NEAR(ratio_of_estimate(0.1, samples, &between), 1, 0.15) << samples;
+    }
+    EXPECT_NEAR(smooth, 3, 0.1);
+    EXPECT_NEAR(coin, 1, 0.1);
+  }
 }
 
 TEST(FrameError, ABlackFrameEndsAtOnce) {

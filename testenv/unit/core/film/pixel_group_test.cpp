@@ -1,0 +1,91 @@
+#include "core/film/pixel_group.h"
+
+#include <gtest/gtest.h>
+
+#include "core/film/sample_allocation.h"
+
+namespace alabaster {
+namespace {
+
+constexpr PixelRect kWindows[] = {{0, 0, 6, 4}, {-3, 5, 4, 10}, {1, 1, 2, 9}, {7, -2, 8, -1}};
+
+// Every pixel is in one group's image, at the place that its coordinates say.
+TEST(PixelGroup, GroupsPartitionAnyWindow) {
+  for (const PixelRect& window : kWindows) {
+    const auto width = size_t(window.width());
+    std::vector<PixelNoise> noise(width * size_t(window.height()));
+    for (size_t i = 0; i < noise.size(); ++i) noise[i].samples = uint32_t(i);
+    std::vector<int> met(noise.size());
+    for (int g = 0; g < kPixelGroups; ++g) {
+      const GroupImage image = group_image(window, noise, g);
+      for (int y = 0; y < image.noise.height; ++y)
+        for (int x = 0; x < image.noise.width; ++x) {
+          const PixelNoise& pixel = image.noise.pixels[size_t(y) * size_t(image.noise.width) + size_t(x)];
+          const int px = image.x0 + 2 * x, py = image.y0 + 2 * y;
+          EXPECT_EQ(pixel_group(px, py), g);
+          EXPECT_EQ(pixel.samples, uint32_t(size_t(py - window.y0) * width + size_t(px - window.x0)));
+          ++met[pixel.samples];
+        }
+    }
+    for (const int times : met) EXPECT_EQ(times, 1);
+  }
+}
+
+// Nobody decides about itself, nor about whom it hears from: g + 1 allocates, g + 2 ends, and g + 3 allocated for g
+// + 2.
+TEST(PixelGroup, WhoDecidesAboutAGroupNeverHeardOfIt) {
+  for (int g = 0; g < kPixelGroups; ++g) {
+    EXPECT_NE(allocating_group(g), g);
+    EXPECT_NE(stopping_group(g), g);
+    EXPECT_NE(allocating_group(stopping_group(g)), g);
+  }
+}
+
+TEST(PixelGroup, OnlyTheGroupsAskedForAreTaken) {
+  const PixelRect window{-1, 0, 40, 35};
+  Film from(window, aov_bit(Aov::normal)), to(window, aov_bit(Aov::normal));
+  for (int t = 0; t < from.tile_count(); ++t) {
+    FilmTile tile = from.load_tile(t);
+    const PixelRect r = from.tile_rect(t);
+    FilmSample sample;
+    sample.normal = {0, 1, 0};
+    for (size_t i = 0; i < size_t(r.width()) * size_t(r.height()); ++i) tile.add(i, sample);
+    from.store_tile(t, std::move(tile));
+  }
+  take_groups(from, 0b1001, &to);
+  const auto samples = to.resolve_int(Aov::sample_count);
+  const auto normals = to.resolve_float(Aov::normal);
+  for (int y = 0; y < 35; ++y)
+    for (int x = -1; x < 40; ++x) {
+      const size_t i = size_t(y) * 41 + size_t(x + 1);
+      const int expected = pixel_group(x, y) == 0 || pixel_group(x, y) == 3 ? 1 : 0;
+      EXPECT_EQ(samples[i], expected);
+      EXPECT_EQ(normals[3 * i + 1], float(expected));
+    }
+}
+
+TEST(SampleAllocation, OddAndTinyWindowsAndBlackFramesAreDealtOut) {
+  for (const PixelRect& window : kWindows) {
+    Film film(window, 0);
+    for (const float light : {0.0f, 1.0f}) {
+      FilmTile tile = FilmTile(size_t(window.width()) * size_t(window.height()), 0);
+      for (size_t i = 0; i < size_t(window.width()) * size_t(window.height()); ++i)
+        for (uint32_t s = 0; s < kPilotSamples; ++s) {
+          FilmSample sample;
+          sample.color = Rgb(light * float((i * 7 + s * s) % 5));
+          tile.add(i, sample);
+        }
+      film.store_tile(0, std::move(tile));
+      const size_t pixels = film.noise().size();
+      const SampleAllocation allocation(film, std::vector<uint32_t>(pixels, 3), 64);
+      for (size_t i = 0; i < pixels; ++i) {
+        EXPECT_EQ(allocation.samples(i, 10), 10u) << "the pilot is the same for all";
+        EXPECT_GE(allocation.samples(i, 64), kPilotSamples);
+        EXPECT_LE(allocation.samples(i, 64), kPilotSamples + 8 * 48u);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
