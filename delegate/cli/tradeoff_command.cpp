@@ -193,9 +193,13 @@ class TradeoffCommand {
     };
     hooks.progress = [this](const tradeoff::StudyProgress& p) {
       char text[200];
+      const auto samples = static_cast<unsigned long long>(p.job.samples);
       const auto left = static_cast<long>(std::lround(p.seconds_left));
-      std::snprintf(text, sizeof text, "[%zu/%zu] %s, %llu samples; %ld:%02ld left", p.number, p.total,
-                    p.configuration.c_str(), static_cast<unsigned long long>(p.job.samples), left / 60, left % 60);
+      if (p.total == 0)
+        std::snprintf(text, sizeof text, "[%zu] %s, 1 sample: what does it cost?", p.number, p.configuration.c_str());
+      else
+        std::snprintf(text, sizeof text, "[%zu/%zu] %s, %llu samples; %ld:%02ld left", p.number, p.total,
+                      p.configuration.c_str(), samples, left / 60, left % 60);
       console_.note(text);
     };
     return hooks;

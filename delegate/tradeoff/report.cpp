@@ -64,6 +64,7 @@ double root(double square) {
 }
 
 std::string percent(double value) {
+  if (!std::isfinite(value)) return "-";
   return format(std::abs(value) < 0.001 ? "%.3f %%" : "%.2f %%", 100 * value);
 }
 
@@ -89,14 +90,15 @@ std::string summary_table(const std::vector<ConfigurationSummary>& summaries) {
 
 std::string row_table(const std::vector<const Row*>& rows) {
   std::string text =
-      "| configuration | samples | CPU s | wall s | noise | bias | error | display RMSE | FLIP | front |\n"
-      "|--|--|--|--|--|--|--|--|--|--|\n";
+      "| configuration | samples | CPU s | wall s | noise | it says | bias | error | display RMSE | FLIP | front |\n"
+      "|--|--|--|--|--|--|--|--|--|--|--|\n";
   for (const Row* row : rows)
     text += "| " + row->configuration + " | " + std::to_string(row->samples) + " | " +
             format("%.3g", row->cpu_seconds) + " | " + format("%.3g", row->wall_seconds) + " | " +
-            percent(root(row->squared_noise.value)) + " | " + percent(root(row->squared_bias.value)) + " | " +
-            percent(row->total) + " | " + format("%.4f", row->display_rmse) + " | " + format("%.4f", row->flip) +
-            " | " + (row->pareto ? "*" : "") + " |\n";
+            percent(root(row->squared_noise.value)) + " | " + percent(row->reported_error) + " | " +
+            percent(root(row->squared_bias.value)) + " | " + percent(row->total) + " | " +
+            format("%.4f", row->display_rmse) + " | " + format("%.4f", row->flip) + " | " + (row->pareto ? "*" : "") +
+            " |\n";
   return text;
 }
 
@@ -127,6 +129,16 @@ std::string reference_text(const ReferenceSummary& reference) {
          "they are " +
          format("%.4f", reference.display_rmse) + " and " + format("%.4f", reference.flip) +
          ", and smaller differences mean nothing.\n";
+}
+
+std::string left_out_text(const StudyResult& result, const ConfigurationList& list) {
+  std::string lines;
+  for (const std::string& line : list.skipped) lines += "- " + line + "\n";
+  for (const Configuration& configuration : list.measured)
+    if (std::none_of(result.rows.begin(), result.rows.end(),
+                     [&](const Row& row) { return row.configuration == configuration.name; }))
+      lines += "- " + configuration.name + ": there was no time for two replicas\n";
+  return lines.empty() ? "" : "\n## Left out\n" + lines;
 }
 
 Plot plot_of(const StudyResult& result, const ReportContext& context) {
@@ -222,13 +234,15 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
   text +=
       "\n## Each configuration\nEach differs from the base, `walk`, in one thing. Cost at equal noise: noise^2 x CPU "
       "seconds, relative to the base. Bias: relative RMSE that stays however many samples are taken; an interval that "
-      "begins at 0 means that none was found.\n\n" +
+      "begins at 0 means that none was found. All configurations share their random numbers, so that chance moves "
+      "their rows alike; the reference has its own. Rare bright samples that nobody has met yet are in no "
+      "interval.\n\n" +
       summary_table(summaries) + "\n" + worst_text(summaries);
-  text += "\n## The front\nNothing else costs less and errs less. Error: the root of bias^2 + noise^2.\n\n" +
-          row_table(front) + "\n## All measurements\n" + row_table(all);
-  if (!list.skipped.empty()) text += "\n## Left out\n";
-  for (const std::string& line : list.skipped) text += "- " + line + "\n";
-  return text;
+  text +=
+      "\n## The front\nNothing else costs less and errs less. Error: the root of bias^2 + noise^2. It says: the noise "
+      "that the renders estimate in themselves.\n\n" +
+      row_table(front) + "\n## All measurements\n" + row_table(all);
+  return text + left_out_text(result, list);
 }
 
 std::vector<std::string> write_report(const StudyResult& result, const ConfigurationList& list,

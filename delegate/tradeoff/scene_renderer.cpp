@@ -68,7 +68,6 @@ std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configur
   options.cancel = scene_.cancel;
   options.diagnostics = scene_.diagnostics;
   options.picture = [&](const hd::host::ProductImage& picture) { rendered.image = color_of(picture); };
-  if (progress_) options.progress = [this](const hd::host::RecordProgress& p) { progress_(p.fraction); };
   const hd::host::RecordResult result = hd::host::RecordFrame(scene_.index, scene_.scene, scene_.settings, options);
   if (result.status != hd::host::RecordStatus::done) return std::nullopt;
   if (rendered.image.rgb.empty()) {

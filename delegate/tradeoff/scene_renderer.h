@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <optional>
 
 #include "delegate/host/frame_recorder.h"
@@ -30,8 +29,6 @@ class SceneRenderer {
   explicit SceneRenderer(Scene scene);
 
   void set_size(int width, int height);
-  /// Told the fraction of a render that is done, about ten times a second.
-  void set_progress(std::function<void(double)> progress) { progress_ = std::move(progress); }
   /// None if it was cancelled (`cancelled`) or failed (reported).
   std::optional<RenderedFrame> render(const Configuration& configuration, uint64_t samples, uint32_t seed);
   bool cancelled() const { return scene_.cancel && *scene_.cancel; }
@@ -43,7 +40,6 @@ class SceneRenderer {
   hd::RenderSettingsDescription frame_;  // without products and crop
   std::map<hd::Path, int> levels_;       // of the meshes that are subdivided, as the scene asks
   int coarser_ = 0;
-  std::function<void(double)> progress_;
 };
 
 }  // namespace alabaster::tradeoff

@@ -21,14 +21,16 @@ class Study {
       const auto job = next_job(state());
       if (!job) return StudyOutcome::finished;
       choose_reference(*job);
-      const Forecast ahead = forecast(state());
-      if (!plan_told && is_calibrated()) {
-        tell_plan(ahead);
-        plan_told = true;
-      }
       const Configuration& configuration = configuration_of(job->configuration);
-      hooks_.progress(
-          {configuration.name, *job, finished_.size() + 1, finished_.size() + ahead.jobs.size(), ahead.seconds});
+      StudyProgress progress{configuration.name, *job, finished_.size() + 1, 0, 0};
+      if (is_calibrated()) {
+        const Forecast ahead = forecast(state());
+        if (!plan_told) tell_plan(ahead);
+        plan_told = true;
+        progress.total = finished_.size() + ahead.jobs.size();
+        progress.seconds_left = ahead.seconds;
+      }
+      hooks_.progress(progress);
       auto frame = hooks_.render(configuration, job->samples, seed_of(*job));
       if (!frame) return hooks_.cancelled() ? StudyOutcome::cancelled : StudyOutcome::render_failed;
       StoredRender render{

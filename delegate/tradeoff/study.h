@@ -12,7 +12,8 @@ struct StudyProgress {
   std::string configuration;
   Job job;            // that begins now
   size_t number = 0;  // of it, from 1
-  size_t total = 0;   // jobs as expected now
+  /// Jobs and time as expected now; 0 until one sample of everything has told what things cost.
+  size_t total = 0;
   double seconds_left = 0;
 };
 

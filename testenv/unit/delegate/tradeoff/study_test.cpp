@@ -173,6 +173,7 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
   ASSERT_EQ(run(&store), StudyOutcome::finished);
   const auto result = results(store);
   ASSERT_TRUE(result);
+  list_.measured.push_back(configuration("late", "late", 0));  // was never reached
   const ReportContext context{"alabaster tradeoff scene.glb", store.identity, 32, 24, store.spent, true};
   const auto json = nlohmann::ordered_json::parse(json_text(*result, list_, context));
   std::istringstream csv(csv_text(*result));
@@ -194,6 +195,7 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
   const std::string text = markdown_text(*result, list_, context);
   EXPECT_NE(text.find("Largest bias: **lambert**"), std::string::npos) << text;
   EXPECT_NE(text.find("refineLevel-1: no mesh"), std::string::npos);
+  EXPECT_NE(text.find("late: there was no time"), std::string::npos);
 }
 
 TEST(AffordableSize, KeepsProportionsAndNeverEnlarges) {
