@@ -86,15 +86,13 @@ class ProbeRenders {
   ProbeRenders(const ProbeRenders&) = delete;
   ProbeRenders& operator=(const ProbeRenders&) = delete;
 
-  /// False after a report. A coarse picture and two finer ones, of few and of four times as many samples: they tell how
-  /// the error changes with the size and with the samples.
+  /// False after a report. A pilot tells what there is time for. A coarse picture and two finer ones, of few and of
+  /// four times as many samples: they tell how the error changes with the size and with the samples.
   bool run() {
     const Stopwatch watch;
-    // Adaptive sampling begins with some samples for everyone: fewer than twice those say nothing about what follows.
-    const auto adaptive = full_.settings.find("adaptive");
-    const bool deals = adaptive != full_.settings.end() && adaptive->second.get_or(false);
-    const double few = deals ? 32 : 16, many = 4 * few;
-    if (!render({kPilotPixels, few, 0.2 * kProbeSeconds, false})) return false;
+    // Up to thirty samples a sequence that is well spread, or adaptive sampling's pilot, converges unlike what follows.
+    const double few = 32, many = 4 * few;
+    if (!render({kPilotPixels, few / 2, 0.2 * kProbeSeconds, false})) return false;
     const Probe& pilot = probes_.front();
     const double cost = pilot.cpu / (pilot.pixels * pilot.samples) / threads();
     const double left = 0.9 * (kProbeSeconds - watch.wall());
@@ -111,10 +109,10 @@ class ProbeRenders {
   const hd::RenderSettingsDescription& full() const { return full_; }
   const hd::Dictionary& stats() const { return stats_; }
   const hd::RenderSettingsDescription& last() const { return last_; }
-  /// Bytes of a frame of so many pixels like the last: film, and each AOV as buffer (what it shows and what is being
-  /// resolved) and as product (its bytes and its numbers).
-  double frame_bytes(double pixels) const {
-    double bytes = number(stats_, "filmMemory") / pixels_of(last_);
+  /// Bytes of a frame of so many pixels like the last: films (a second one holds the pixels that end early), and each
+  /// AOV as buffer (what it shows and what is being resolved) and as product (its bytes and its numbers).
+  double frame_bytes(double pixels, int films) const {
+    double bytes = films * number(stats_, "filmMemory") / pixels_of(last_);
     std::set<std::string> aovs;
     for (const hd::RenderProduct& product : last_.products)
       for (const hd::RenderVar& var : product.vars) aovs.insert(var.aov.str());
@@ -206,8 +204,8 @@ Range plus(const Range& range, double fixed) {
 /// The probe's peak may be one that loading left behind, under which the frame finds room: then the lower end holds.
 Range memory(const ProbeRenders& renders) {
   const double peak = double(peak_memory_bytes());
-  const double probe = renders.frame_bytes(pixels_of(renders.last()));
-  const double frame = renders.frame_bytes(pixels_of(renders.full()));
+  const double probe = renders.frame_bytes(pixels_of(renders.last()), 1);
+  const double frame = renders.frame_bytes(pixels_of(renders.full()), 2);
   const double low = std::max(peak, resident_memory_bytes() - probe + frame), high = peak - probe + frame;
   return {(low + high) / 2 / 1e6, 0.95 * low / 1e6, 1.1 * high / 1e6};
 }

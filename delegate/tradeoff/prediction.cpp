@@ -10,10 +10,11 @@ namespace {
 using Row = std::array<double, 3>;  // one factor for each unknown: ln E^2 of the last probe, p, outline share
 
 // What other scenes show: mean and standard deviation.
-constexpr double kExponent = 1.05, kExponentSigma = 0.08;
+constexpr double kExponent = 1.02, kExponentSigma = 0.08;
 constexpr double kOutlineShare = 0.10, kOutlineShareSigma = 0.12;
 // No model fits better than this: of ln E^2, and of ln cost.
-constexpr double kModelSigma = 0.10, kCostSigma = 0.05;
+constexpr double kModelSigma = 0.12, kCostSigma = 0.05;
+constexpr double kOvershootSigma = 0.08;
 
 double square(double x) {
   return x * x;
@@ -101,7 +102,7 @@ Range cost_of(const std::vector<Probe>& probes, double Probe::*seconds, const Ra
 }
 
 // Solves 2 ln target = level - p ln(n / last.samples) + share * coarseness for n.
-void predict_samples(const std::vector<Probe>& probes, double pixels, double target, Prediction* prediction) {
+Range samples_for(const std::vector<Probe>& probes, double pixels, double target) {
   const Probe& last = probes.back();
   LeastSquares fit;
   fit.add({0, 1, 0}, kExponent, kExponentSigma);
@@ -113,11 +114,9 @@ void predict_samples(const std::vector<Probe>& probes, double pixels, double tar
   const auto [level, exponent, share] = fit.unknowns();
   const double coarse = coarseness(pixels, last);
   const double growth = (level + share * coarse - 2 * std::log(target)) / exponent;
-  const double sigma =
-      std::sqrt(fit.variance({1 / exponent, -growth / exponent, coarse / exponent}) + square(kModelSigma / exponent));
-  prediction->exponent = exponent;
-  prediction->outline_share = share;
-  prediction->samples = around(last.samples * std::exp(growth), sigma);
+  const double variance = fit.variance({1 / exponent, -growth / exponent, coarse / exponent});
+  const double sigma = std::sqrt(variance + square(kModelSigma / exponent) + square(kOvershootSigma));
+  return around(kOvershoot * last.samples * std::exp(growth), sigma);
 }
 
 }  // namespace
@@ -130,7 +129,7 @@ Prediction predict(const std::vector<Probe>& all, double pixels, double target, 
   prediction.known = true;
   prediction.samples = {least_samples, least_samples, least_samples};
   prediction.noisy = std::any_of(probes.begin(), probes.end(), is_noisy);
-  if (prediction.noisy) predict_samples(probes, pixels, target, &prediction);
+  if (prediction.noisy) prediction.samples = samples_for(probes, pixels, target);
   for (double* n : {&prediction.samples.value, &prediction.samples.low, &prediction.samples.high})
     *n = std::max(*n, least_samples);
   prediction.wall = cost_of(probes, &Probe::wall, prediction.samples, pixels);

@@ -25,13 +25,15 @@ struct Range {
 };
 
 struct Prediction {
-  bool known = false;        // false: no probe was made
-  bool noisy = false;        // false: no probe shows an error (a black picture): the first look is enough
-  Range samples;             // per pixel, on average
-  Range wall, cpu;           // seconds of rendering
-  double exponent = 0;       // p
-  double outline_share = 0;  // of b, at the size of the last probe
+  bool known = false;  // false: no probe was made
+  bool noisy = false;  // false: no probe shows an error (a black picture): the first look is enough
+  Range samples;       // per pixel, on average
+  Range wall, cpu;     // seconds of rendering
 };
+
+/// A render looks at its error each time that it has an eighth more samples, in quarters of its pixels, of which the
+/// slowest decides how long it takes: on average by this much longer than the error asks.
+inline constexpr double kOvershoot = 1.12;
 
 /// What `pixels` take to reach the relative RMSE `target` > 0. Of `probes` the last tells the cost of a sample and
 /// counts as the most alike. `least_samples`: a render looks at its error no earlier.

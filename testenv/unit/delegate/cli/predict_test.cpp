@@ -38,18 +38,18 @@ class PredictTest : public hd::description::SceneFiles {
 };
 
 TEST_F(PredictTest, ForetellsSamplesAndMemory) {
-  ASSERT_EQ(run({"info", "patch.gltf", "--predict", "0.02", "--size", "240x180"}), 0) << err_;
+  const std::string scene = ALABASTER_SOURCE_DIR "/testenv/scenes/sample/sample.json";
+  ASSERT_EQ(run({"info", scene, "--predict", "0.15", "--size", "120x80"}), 0) << err_;
   const Said samples = said("samples per pixel"), memory = said("peak memory");
   EXPECT_GT(said("wall time").value, 0) << out_;
   EXPECT_GT(said("CPU time").value, 0);
-  ASSERT_EQ(
-      run({"render", "patch.gltf", "--size", "240x180", "--target-error", "0.02", "-o", "a.exr", "--stats", "s.json"}),
-      0)
+  ASSERT_EQ(run({"render", scene, "--size", "120x80", "--target-error", "0.15", "-o", "a.exr", "--stats", "s.json"}), 0)
       << err_;
   const auto stats = nlohmann::json::parse(std::ifstream(folder_ / "s.json"));
-  const double taken = stats["samples"]["total"].get<double>() / (240 * 180);
-  EXPECT_GT(samples.value, taken / 1.5) << taken;
-  EXPECT_LT(samples.value, taken * 1.5) << taken;
+  const double taken = stats["samples"]["total"].get<double>() / (120 * 80);
+  // A busy machine leaves the probe few samples; the range says so.
+  EXPECT_GT(taken, 0.8 * samples.low) << samples.value;
+  EXPECT_LT(taken, 1.25 * samples.high) << samples.value;
   const double peak = stats["peakMemory"].get<double>() / 1e6;
   EXPECT_GT(memory.value, 0.85 * peak) << peak;
   EXPECT_LT(memory.value, 1.15 * peak) << peak;
