@@ -15,7 +15,10 @@ class Planner {
     for (const FinishedJob& finished : state.finished) {
       const Job& job = finished.job;
       done_[{job.configuration, job.samples}].insert(job.replica);
-      if (job.configuration == kReference) reference_spent_ += finished.total_seconds;
+      if (job.configuration == kReference)
+        reference_spent_ += finished.total_seconds;
+      else
+        highest_ = std::max(highest_, job.samples);
       Cost& cost = costs_[job.configuration];
       if (job.samples < cost.samples) continue;
       cost = {job.samples, finished.render_seconds, finished.total_seconds - finished.render_seconds};
@@ -41,10 +44,13 @@ class Planner {
     for (int rung = 0; rung < 2; ++rung)
       if (auto job = on_rung(rung, left() - reserved)) return job;
     if (auto job = reference(reference_budget() - reference_spent_)) return job;
-    // A rung that takes longer than a fair share of the time would leave others below without.
+    // A rung that takes longer than a fair share of the time would leave others below without. The base may take twice
+    // that: all are compared with it.
     const double share = (state_.budget - reference_budget()) / std::max(1, state_.configurations);
     for (int rung = 2; rung_samples(rung) <= kHighestSamples; ++rung)
       if (auto job = on_rung(rung, left(), share)) return job;
+    for (int rung = 2; rung_samples(rung) <= highest_; ++rung)  // stragglers
+      if (auto job = on_rung(rung, left())) return job;
     return reference(left());
   }
 
@@ -85,7 +91,9 @@ class Planner {
       if (rung > 0 && done(c, rung_samples(rung - 1)) < kReplicas) continue;
       const Job job{c, samples, missing(c, samples)};
       const double needed = expected(job);
-      if (needed * (kReplicas - replicas) <= seconds && (replicas > 0 || needed * kReplicas <= share)) return job;
+      if (needed * (kReplicas - replicas) <= seconds &&
+          (replicas > 0 || needed * kReplicas <= (c == 0 ? 2 : 1) * share))
+        return job;
     }
     return std::nullopt;
   }
@@ -102,6 +110,7 @@ class Planner {
   std::map<std::pair<int, uint64_t>, std::set<int>> done_;  // replicas
   std::map<int, Cost> costs_;
   double reference_spent_ = 0;
+  uint64_t highest_ = 0;  // samples
 };
 
 }  // namespace

@@ -72,6 +72,33 @@ TEST(Plan, NoneGetsAThirdRungBeforeAllHaveTwo) {
   EXPECT_TRUE(seen.count({0, 64}));
 }
 
+TEST(Plan, WhatIsLeftGoesToStragglersBeforeItGoesToTheReference) {
+  // The reference has had its share. Of three configurations one takes a little more than its fair share for the third
+  // rung.
+  std::vector<FinishedJob> finished;
+  const auto add = [&](int c, uint64_t samples, int replica, double each) {
+    finished.push_back({{c, samples, replica}, each * double(samples), each * double(samples)});
+  };
+  for (int replica = 0; replica < 2; ++replica)
+    for (const uint64_t samples : {1u, 4u, 16u})
+      for (int c = 0; c < 3; ++c)
+        if (c < 2 || samples < 16) add(c, samples, replica, c < 2 ? 0.1 : 1);
+  add(kReference, 1, 0, 0.625);
+  for (int replica = 0; replica < kReferenceReplicas; ++replica) add(kReference, 8, replica, 0.625);
+  StudyState state;
+  state.configurations = 3;
+  state.budget = 100;
+  state.spent = 50;
+  state.reference_samples = 8;
+  add(0, 64, 0, 0.1);
+  add(0, 64, 1, 0.1);
+  add(1, 64, 0, 0.1);
+  add(1, 64, 1, 0.1);
+  state.finished = finished;
+  ASSERT_GT(2 * expected_seconds(state, {2, 16, 0}), 60.0 / 3);
+  EXPECT_EQ(next_job(state), (Job{2, 16, 0}));
+}
+
 TEST(Plan, ForecastIsWhatHappens) {
   const auto jobs = simulate(6, 0.05, 100);
   StudyState state;
