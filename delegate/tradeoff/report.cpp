@@ -240,7 +240,7 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
       summary_table(summaries) + "\n" + worst_text(summaries);
   text +=
       "\n## The front\nNothing else costs less and errs less. Error: the root of bias^2 + noise^2. It says: the noise "
-      "that the renders estimate in themselves.\n\n" +
+      "that the renders estimate in themselves, relative to their own levels instead of the reference's.\n\n" +
       row_table(front) + "\n## All measurements\n" + row_table(all);
   return text + left_out_text(result, list);
 }
