@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/film/frame_error.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster::tradeoff {
@@ -67,13 +68,14 @@ Trial trial(uint32_t seed, double bias, double noise, const std::vector<double>&
 }
 
 TEST(Measurement, ScalesAreThoseOfTheFrameError) {
-  // By hand, one column of three pixels: levels 1, 2, 6; frame mean 3; floor 0.05 * 3.
+  // By hand, one column of three pixels: levels 1, 2, 6; frame mean 3.
+  const double floor = 3 * kErrorFloor;
   const Image image{1, 3, {1, 1, 1, 1, 2, 3, 6, 6, 6}};
   const std::vector<double> scales = squared_scales(image);
   ASSERT_EQ(scales.size(), 3u);
-  EXPECT_NEAR(scales[0], 1.5 * 1.5 + 0.15 * 0.15, 1e-12);
-  EXPECT_NEAR(scales[1], 3.0 * 3.0 + 0.15 * 0.15, 1e-12);
-  EXPECT_NEAR(scales[2], 4.0 * 4.0 + 0.15 * 0.15, 1e-12);
+  EXPECT_NEAR(scales[0], 1.5 * 1.5 + floor * floor, 1e-12);
+  EXPECT_NEAR(scales[1], 3.0 * 3.0 + floor * floor, 1e-12);
+  EXPECT_NEAR(scales[2], 4.0 * 4.0 + floor * floor, 1e-12);
   EXPECT_TRUE(squared_scales({1, 1, {0, 0, 0}}).empty());
 }
 
