@@ -7,6 +7,9 @@
 
 namespace alabaster::cli {
 
+/// Samples per pixel at which a render to an error ends if --spp does not say otherwise.
+inline constexpr int kMostSamplesToAnError = 65536;
+
 /// Arguments as given; empty: not given.
 struct RenderArguments {
   std::string scene;

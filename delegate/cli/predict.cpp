@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/tradeoff/prediction.h"
@@ -246,6 +247,9 @@ int print_prediction(SceneSession* session, Console* console, const Preparation&
   const Prediction p = tradeoff::predict(renders.probes(), pixels_of(full), target, kFirstLook);
   print(renders, spent, p);
   if (!p.noisy) std::printf("  the picture is black or has no noise: the first look at its error is enough\n");
+  if (p.samples.high > kMostSamplesToAnError)
+    std::printf("  a render to an error ends at %d samples per pixel: add --spp to allow more\n",
+                kMostSamplesToAnError);
   return kDone;
 }
 

@@ -94,7 +94,7 @@ class RenderCommand {
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
     // Where an error or a time decides, samples are only a bound.
     const bool decided = !a_.target_error.empty() || !a_.time_limit.empty();
-    add("samples", a_.samples.empty() && decided ? "65536" : a_.samples);
+    add("samples", a_.samples.empty() && decided ? std::to_string(kMostSamplesToAnError) : a_.samples);
     add("targetError", a_.target_error);
     add("timeLimit", a_.time_limit);
     add("seed", a_.seed);

@@ -67,6 +67,18 @@ TEST_F(PredictTest, LeavesNothingBehind) {
   EXPECT_EQ(said("samples per pixel").value, 16) << "the first look is enough: " << out_;
 }
 
+TEST_F(PredictTest, SaysWhatARenderNeedsToBeAllowed) {
+  const std::vector<std::string> probe{"info", "patch.gltf", "--size", "32x24", "--predict"};
+  auto ask = [&](const char* error) {
+    auto all = probe;
+    all.emplace_back(error);
+    EXPECT_EQ(run(all), 0) << err_;
+    return out_.find("add --spp") != std::string::npos;
+  };
+  EXPECT_TRUE(ask("0.00001"));
+  EXPECT_FALSE(ask("0.2"));
+}
+
 TEST_F(PredictTest, RefusesWhatIsNoError) {
   for (const char* bad : {"0", "-0.1", "1.5", "nan", "two", "0.02x", "inf"}) {
     EXPECT_EQ(run({"info", "lit.gltf", "--predict", bad}), 2) << bad;
