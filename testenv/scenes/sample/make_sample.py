@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes sample.glb: a lotus blossom with alabaster pebbles, as quad cages (FB_ngon_encoding) for subdivision.
 
-Everything is modelled here, in metres, y up. Run: python3 testenv/scenes/sample/make_sample.py
+Everything is modelled here, in metres, y up. Run: python3 testenv/scenes/sample/make_sample.py [output.glb]
 """
 import math
 import pathlib
@@ -201,7 +201,7 @@ def placed(azimuth, tilt=0.0, size=1.0, at=(0.0, 0.0, 0.0)):
     return [*x, 0.0, *y, 0.0, *z, 0.0, *at, 1.0]
 
 
-def build():
+def build(path):
     doc = Document("Alabaster make_sample.py")
     rose = doc.add_texture("petal", png(192, 192, petal_colour))
     petal_material = doc.add_material("petal", {
@@ -239,8 +239,8 @@ def build():
         mesh = doc.add_mesh("pebble_%d" % k, pebble(rx, ry, rz, 7 + k), stone)
         doc.add_node("pebble_%d" % k, mesh, placed(turn, at=(x, ry * 0.93, z)))
     doc.add_node("ground", doc.add_mesh("ground", ground(), slate))
-    doc.write_glb(HERE / "sample.glb")
+    doc.write_glb(path)
 
 
 if __name__ == "__main__":
-    build()
+    build(sys.argv[1] if len(sys.argv) > 1 else HERE / "sample.glb")
