@@ -18,7 +18,7 @@ struct RenderArguments {
   std::string time;  // a frame number
   std::string size;  // "1280x720"
   std::string crop;  // "x0,y0,x1,y1"
-  std::string samples, target_error, time_limit, seed, threads, max_depth, subsurface, inversion;
+  std::string quality, samples, target_error, time_limit, seed, threads, max_depth, subsurface, inversion;
   std::string display, view, look;
   std::optional<float> exposure;
   std::vector<std::string> aovs, overrides;

@@ -146,8 +146,8 @@ int run_schema(const std::string& name) {
     return kDone;
   }
   Console(false).error("schema", "There is no schema '" + name +
-                                     "': known are disney_material, lights, camera, render_settings and "
-                                     "render_description.");
+                                     "': known are disney_material, lights, camera, render_settings, "
+                                     "render_description and quality_presets.");
   return kUsage;
 }
 

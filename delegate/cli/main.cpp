@@ -23,6 +23,11 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("--time", a->time, "Frame number, whole")->type_name("N");
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
   c->add_option("--crop", a->crop, "Part to render, in pixels, y down")->type_name("X0,Y0,X1,Y1");
+  c->add_option(
+       "--quality", a->quality,
+       "preview, draft, production or reference: settings that were measured to be worth their time (alabaster "
+       "schema quality_presets). They win over the scene's own; every other flag wins over them")
+      ->type_name("PRESET");
   c->add_option("--spp", a->samples, "Samples per pixel, at most")->type_name("N");
   c->add_option("--target-error", a->target_error,
                 "Ends when the noise is below this relative RMSE (0.02: two per cent)")
@@ -70,7 +75,9 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
       ->type_name("MINUTES");
   c->add_option("--size", a->size, "Resolution in pixels; else the scene's, or as much of it as the budget allows")
       ->type_name("WxH");
-  c->add_option("--only", a->only, "Measures only configurations whose name this finds, and walk")->type_name("REGEX");
+  c->add_option("--only", a->only,
+                "Measures only configurations whose name this finds, and walk; '^quality=': the presets")
+      ->type_name("REGEX");
   c->add_option("--set", a->overrides, "As for render")
       ->type_name("KEY=VALUE")
       ->expected(1)
@@ -106,7 +113,9 @@ int run(int argc, char** argv) {
   info_command->add_option("--size", info.size, "Resolution in pixels, for --predict")->type_name("WxH");
   info_command->add_option("--threads", info.threads, "Render threads, for --predict; 0: all cores")->type_name("N");
   CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema: every parameter there is.");
-  schema_command->add_option("name", schema, "disney_material, lights, camera, render_settings or render_description")
+  schema_command
+      ->add_option("name", schema,
+                   "disney_material, lights, camera, render_settings, render_description or quality_presets")
       ->required()
       ->type_name("NAME");
   CLI::App* ocio_command = app.add_subcommand("ocio", "Lists colour spaces, displays, views and looks.");

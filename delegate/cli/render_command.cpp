@@ -92,6 +92,7 @@ class RenderCommand {
     if (const auto size = parse_size(a_.size))
       add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
+    add("quality", a_.quality);  // before all that is to win over it
     // Where an error or a time decides, samples are only a bound.
     const bool decided = !a_.target_error.empty() || !a_.time_limit.empty();
     add("samples", a_.samples.empty() && decided ? std::to_string(kMostSamplesToAnError) : a_.samples);

@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "delegate/description/description_reader.h"
+#include "delegate/description/quality_presets.h"
 #include "delegate/host/product_writer.h"
 
 namespace alabaster::hd::description {
@@ -47,8 +50,12 @@ bool apply_settings(const Reader& reader) {
   settings.pixelAspectRatio = entry->value("pixelAspectRatio", settings.pixelAspectRatio);
   if (entry->contains("windowPolicy")) settings.windowPolicy = policy_of((*entry)["windowPolicy"]);
   settings.frame = entry->value("frame", settings.frame);
+  // A preset gives way to what is said beside it.
+  if (const QualityPreset* preset = FindQualityPreset(entry->value("quality", "")))
+    for (const auto& [name, value] : preset->settings) settings.settings[name] = value;
+  constexpr const char* kNotOfTheRenderer[] = {"resolution", "crop", "pixelAspectRatio", "windowPolicy", "quality"};
   for (const auto& [name, value] : entry->items())
-    if (name != "resolution" && name != "crop" && name != "pixelAspectRatio" && name != "windowPolicy")
+    if (std::find(std::begin(kNotOfTheRenderer), std::end(kNotOfTheRenderer), name) == std::end(kNotOfTheRenderer))
       settings.settings[name] = to_value(value);
   return true;
 }

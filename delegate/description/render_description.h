@@ -32,7 +32,8 @@ struct SceneFile {
 ALABASTER_API SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
                                   const DiagnosticSink& sink, const LoadOptions& options = {});
 
-/// The text of a schema by name: disney_material, lights, camera, render_settings, render_description. Null if unknown.
+/// The text of a schema by name: disney_material, lights, camera, render_settings, render_description; and
+/// quality_presets, which is no schema but settings and measurements. Null if unknown.
 /// Embedded at build time from schemas/.
 ALABASTER_API const char* SchemaText(const std::string& name);
 

@@ -4,6 +4,8 @@
 #include <regex>
 #include <span>
 
+#include "delegate/description/quality_presets.h"
+
 namespace alabaster::tradeoff {
 namespace {
 
@@ -50,6 +52,11 @@ constexpr Knob kKnobs[] = {
 
 constexpr int kCoarser[] = {1, 2};
 
+// What ends a render, and whose noise it is.
+constexpr const char* kDecidedHere[] = {"samples", "seed", "targetError", "timeLimit"};
+
+constexpr const char* kPresets = "quality";  // their group
+
 hd::Value value_of(const KnobValue& value) {
   return std::visit(
       [](const auto& held) -> hd::Value {
@@ -79,12 +86,11 @@ class ListMaker {
  public:
   ListMaker(const SceneTraits& traits, const hd::Dictionary& scene_settings,
             const std::vector<hd::RenderSettingDescriptor>& known)
-      : traits_(traits), known_(known) {
+      : traits_(traits), scene_settings_(scene_settings), known_(known) {
     base_.name = "walk";
     base_.group = "base";
     base_.settings = scene_settings;
-    // What ends a render, and whose noise it is, is decided here.
-    for (const char* key : {"samples", "seed", "targetError", "timeLimit"}) base_.settings.erase(key);
+    for (const char* key : kDecidedHere) base_.settings.erase(key);
     for (const Knob& knob : kBase) base_.settings[knob.setting] = value_of(knob.value);
     for (const char* spares : {"adaptive", "walkGuiding", "walkSphereSteps", "walkWeights", "rouletteDepth"})
       base_.settings.erase(spares);
@@ -99,6 +105,7 @@ class ListMaker {
     list_.measured.push_back(base_);
     for (const Knob& knob : kKnobs) add(knob);
     for (const int levels : kCoarser) add_coarser(levels);
+    for (const auto& preset : hd::description::QualityPresets()) add_preset(preset);
     return std::move(list_);
   }
 
@@ -145,7 +152,16 @@ class ListMaker {
     list_.measured.push_back(std::move(configuration));
   }
 
+  /// The scene as --quality renders it, without what ends the render.
+  void add_preset(const hd::description::QualityPreset& preset) {
+    Configuration configuration{kPresets + ("=" + preset.name), kPresets, scene_settings_, 0};
+    for (const auto& [name, value] : preset.settings) configuration.settings[name] = value;
+    for (const char* key : kDecidedHere) configuration.settings.erase(key);
+    list_.measured.push_back(std::move(configuration));
+  }
+
   const SceneTraits traits_;
+  const hd::Dictionary& scene_settings_;
   const std::vector<hd::RenderSettingDescriptor>& known_;
   Configuration base_;
   ConfigurationList list_;
@@ -180,7 +196,11 @@ SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene) {
 ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dictionary& scene_settings,
                                       const std::vector<hd::RenderSettingDescriptor>& known, const std::string& only) {
   ConfigurationList list = ListMaker(traits, scene_settings, known).make();
-  if (only.empty()) return list;
+  if (only.empty()) {
+    // They combine what is measured here one by one: whoever wants them asks for them.
+    std::erase_if(list.measured, [](const Configuration& configuration) { return configuration.group == kPresets; });
+    return list;
+  }
   const std::regex pattern(only);
   const auto unwanted = [&](const Configuration& configuration) {
     return configuration.group != "base" && !std::regex_search(configuration.name, pattern);

@@ -10,6 +10,6 @@ cmake -S "$here" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/pref
 cmake --build "$scratch/build"
 "$scratch/build/stranger"
 "$scratch/prefix/bin/alabaster" --version | head -n 1
-for schema in disney_material lights camera render_settings render_description; do
+for schema in disney_material lights camera render_settings render_description quality_presets; do
   test -s "$scratch/prefix/share/alabaster/schemas/$schema.json"
 done

@@ -6,6 +6,8 @@
 #include <regex>
 #include <set>
 
+#include "delegate/description/quality_presets.h"
+
 namespace alabaster::tradeoff {
 namespace {
 
@@ -72,6 +74,21 @@ TEST(Configurations, TheSceneDecidesWhereItAsksForMore) {
   EXPECT_EQ(list.reference.settings.at("maxDepth").number_or(0), 200);
   EXPECT_FALSE(list.measured.front().settings.count("samples"));
   EXPECT_FALSE(list.measured.front().settings.count("targetError"));
+}
+
+TEST(Configurations, PresetsAreMeasuredWhereTheyAreAskedFor) {
+  EXPECT_FALSE(names(make_configurations({true, 0}, {}, known(), "")).count("quality=draft"));
+  const hd::Dictionary scene{{"filter", std::string("box")}, {"maxDepth", int64_t(200)}, {"samples", int64_t(9)}};
+  const ConfigurationList list = make_configurations({true, 0}, scene, known(), "^quality=");
+  const auto& presets = hd::description::QualityPresets();
+  ASSERT_EQ(list.measured.size(), 1 + presets.size());
+  for (size_t i = 0; i < presets.size(); ++i) {
+    hd::Dictionary expected = presets[i].settings;
+    for (const char* key : {"samples", "targetError"}) EXPECT_EQ(expected.erase(key), 1u);
+    expected["filter"] = std::string("box");
+    EXPECT_EQ(list.measured[1 + i].name, "quality=" + presets[i].name);
+    EXPECT_EQ(list.measured[1 + i].settings, expected);
+  }
 }
 
 TEST(Configurations, OnlySelects) {

@@ -1,0 +1,65 @@
+// --quality from outside: what a render that asks for a preset says of itself.
+#include <nlohmann/json.hpp>
+
+#include "delegate/description/quality_presets.h"
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+using nlohmann::json;
+
+class QualityTest : public hd::description::SceneFiles {
+ protected:
+  /// The settings in the statistics of a render of one pixel of `scene`; null if it failed.
+  json settings_of(const std::string& scene, const std::vector<std::string>& more) const {
+    std::vector<std::string> words{"render",      scene, "--size", "32x24",   "--crop",
+                                   "16,12,17,13", "-o",  "a.exr",  "--stats", "s.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    Program program(folder_, words);
+    EXPECT_EQ(program.wait(), 0) << program.err();
+    std::ifstream file(folder_ / "s.json");
+    return json::parse(file, nullptr, false).value("settings", json());
+  }
+};
+
+TEST_F(QualityTest, APresetRendersWithExactlyItsSettings) {
+  write("scene.json",
+        R"({"gltf": [{"file": "lit.gltf"}], "settings": {"subsurface": "diffusion", "maxDepth": 2, "samples": 3,
+                          "targetError": 0.9, "seed": 11}})");
+  const json plain = settings_of("scene.json", {});
+  for (const json& preset : json::parse(hd::description::SchemaText("quality_presets"))["presets"]) {
+    json expected = plain;
+    expected.update(preset["settings"]);
+    EXPECT_EQ(settings_of("scene.json", {"--quality", preset["name"]}), expected) << preset["name"];
+  }
+}
+
+TEST_F(QualityTest, EveryOtherFlagWins) {
+  json expected = settings_of("lit.gltf", {"--quality", "draft"});
+  expected.update({{"samples", 5}, {"maxDepth", 3}, {"subsurface", "lambert"}, {"inversion", "chiang2016"}});
+  EXPECT_EQ(settings_of("lit.gltf", {"--spp", "5", "--max-depth", "3", "--set", "inversion=chiang2016", "--quality",
+                                     "draft", "--subsurface", "lambert"}),
+            expected);
+  // An error that is asked for brings its own bound of samples, as it does without a preset.
+  const json exact = settings_of("lit.gltf", {"--quality", "preview", "--target-error", "0.5"});
+  EXPECT_EQ(exact["targetError"], 0.5);
+  EXPECT_EQ(exact["samples"], 65536);
+}
+
+TEST_F(QualityTest, AnUnknownPresetIsRefused) {
+  Program program(folder_, {"render", "lit.gltf", "-o", "a.exr", "--quality", "final"});
+  EXPECT_EQ(program.wait(), 2);
+  for (const auto& preset : hd::description::QualityPresets())
+    EXPECT_NE(program.err().find(preset.name), std::string::npos) << program.err();
+}
+
+TEST_F(QualityTest, ThePresetsCanBePrinted) {
+  Program program(folder_, {"schema", "quality_presets"});
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_EQ(program.out(), hd::description::SchemaText("quality_presets"));
+}
+
+}  // namespace
+}  // namespace alabaster::cli
