@@ -74,9 +74,9 @@ def build(path):
     doc = Document("Alabaster make_hard_light.py")
     marble = doc.add_material("marble", {
         "baseColor": [0.93, 0.885, 0.83], "roughness": 0.30, "specular": 0.8,
-        "scatterDistance": [0.0022, 0.0014, 0.0010]})
+        "scatterDistance": [0.0018, 0.0012, 0.0008]})
     rose = doc.add_material("rose_quartz", {
-        "baseColor": [0.93, 0.62, 0.56], "roughness": 0.16, "scatterDistance": [0.0100, 0.0055, 0.0048]})
+        "baseColor": [0.90, 0.45, 0.42], "roughness": 0.16, "scatterDistance": [0.0050, 0.0026, 0.0022]})
     slate = doc.add_material("slate", {"baseColor": [0.16, 0.17, 0.19], "roughness": 0.38, "specular": 0.8})
     wall = doc.add_material("wall", {"baseColor": [0.36, 0.30, 0.25], "roughness": 0.7})
     muse = cube_sphere(34, head)
