@@ -89,6 +89,7 @@ struct PixelNoise {
   float level = 0;     // mean of red, green and blue
   float latest = 0;    // between the means of the two halves of the first m samples
   float previous = 0;  // of the first m / 2
+  float earlier = 0;   // of the first m / 4
   float tail = 0;      // between the first m and those after them; 0 if there are none
 };
 
@@ -124,7 +125,7 @@ class FilmTile {
   };
   struct Halves {
     std::array<float, 3> first{};  // sum of color over the first m samples
-    float latest = 0, previous = 0;
+    float latest = 0, previous = 0, earlier = 0;
   };
   void compare_halves(size_t pixel);
 

@@ -47,20 +47,23 @@ std::vector<double> squared_scales(const Levels& levels, const Size& size, bool 
 }
 
 // How the variance of the mean falls with the number of samples, in units of what the latest halves show:
-// V(m/2) - V(m) = 1, where x = 1 stands for m samples. `ratio` is that difference at half as many samples over this
-// one, (V(m/4) - V(m/2)) / (V(m/2) - V(m)): 2 for independent samples. Up to 4 the law is a / x + b / x^2, noise
-// together with what stratification takes away, in which V(1) = (5 - ratio) / 3 is linear in the differences, so that a
-// mixture of pixels is as good as one; beyond, where a smooth integrand has the frame for itself, x^-p with 2^p =
-// ratio. At 4 they agree.
+// V(m/2) - V(m) = 1, where x = 1 stands for m samples. It is a / x + b / x^2, noise together with what stratification
+// takes away, b one number at even and one at odd powers of two: a scrambled net's strata are squares at every other
+// one. All three are linear in the differences at three sizes, so that a mixture of pixels is as good as one. Where a
+// smooth integrand has the frame for itself it falls more steeply: x^-p.
 struct ConvergenceLaw {
-  double ratio = 2;
+  double noise = 1, here = 0, between = 0;  // a, b where x is a power of four, b elsewhere
+  double exponent = 0;                      // p; 0: the sum above
 
-  double variance(double x) const {
-    if (ratio <= 4) return (4 - ratio) / 2 / x + (ratio - 2) / 6 / (x * x);
-    return std::pow(x, -std::log2(ratio)) / (ratio - 1);
+  /// The part of V(1) that noise has not, 0..1.
+  double stratified() const {
+    return exponent > 0 ? 1 : std::clamp(std::abs(here) / (noise + std::abs(here)), 0.0, 1.0);
   }
-  // d ln V(1) / d ln ratio, positive for falling.
-  double sensitivity() const { return ratio / (ratio <= 4 ? 5 - ratio : ratio - 1); }
+  double variance(double x) const {
+    if (exponent > 0) return std::pow(x, -exponent) / (std::exp2(exponent) - 1);
+    const bool at_four = std::lround(std::log2(x)) % 2 == 0;
+    return noise / x + (at_four ? here : between) / (x * x);
+  }
 };
 
 // The first samples of a pixel whose latest halves have m samples together.
@@ -100,20 +103,55 @@ double difference_of(const PixelNoise& noise) {
 
 struct Convergence {
   ConvergenceLaw law;
-  double previous = 0, latest = 0;  // means of the differences that it was measured from; 0: it is assumed
+  // Means of the differences, and by how much each is in ln V(1).
+  double latest = 0, previous = 0, earlier = 0;
+  double by_latest = 1, by_previous = 0, by_earlier = 0;
 };
 
-// From the whole frame: a pixel's own ratio is noise.
+// V(m) = a + b: from two differences, if b were one number; a frame of four to seven samples knows no more.
+void assume_one_law(double previous, Convergence* c) {
+  c->law.noise = (4 - previous) / 2;
+  c->law.here = c->law.between = (previous - 2) / 6;
+  const double variance = (5 - previous) / 3;
+  c->by_latest = 5.0 / 3 / variance;
+  c->by_previous = -previous / 3 / variance;
+}
+
+// The differences are a + 4 o - e, 2 a + 16 e - 4 o and 4 a + 64 o - 16 e, with e the b at m and o that at m / 2.
+void assume_alternating_law(double previous, double earlier, Convergence* c) {
+  if (earlier > 16) {  // less than no noise
+    const double growth = std::sqrt(earlier);
+    c->law.exponent = std::log2(growth);
+    c->by_earlier = -0.5 * growth / (growth - 1);
+    c->by_latest = 1 - c->by_earlier;
+    return;
+  }
+  const double a = (16 - earlier) / 12, e = (1 + previous - 3 * a) / 15;
+  c->law = {a, e, (1 - a + e) / 4};
+  c->by_latest = 17.0 / 15 / (a + e);
+  c->by_previous = previous / 15 / (a + e);
+  c->by_earlier = -earlier / 15 / (a + e);
+}
+
+// From the whole frame: a pixel's own ratios are noise.
 Convergence measure_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales) {
   Convergence c;
+  uint32_t least = pixels.front().samples;
+  const auto n = double(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
-    if (pixels[i].samples < 4) return {};
-    c.previous += pixels[i].previous / scales[i] / double(pixels.size());
-    c.latest += pixels[i].latest / scales[i] / double(pixels.size());
+    least = std::min(least, pixels[i].samples);
+    c.latest += pixels[i].latest / scales[i] / n;
+    c.previous += pixels[i].previous / scales[i] / n;
+    c.earlier += pixels[i].earlier / scales[i] / n;
   }
-  if (!(c.latest > 0)) return {};
-  constexpr double kLeast = 1.5, kLargest = 8;  // chance; a smooth integrand of one dimension
-  c.law.ratio = std::clamp(c.previous / c.latest, kLeast, kLargest);
+  if (!(c.latest > 0) || !(c.previous > 0) || !(c.earlier > 0)) least = std::min(least, c.previous > 0 ? 7u : 3u);
+  if (least < 4 || !(c.latest > 0)) return {};
+  // Beyond these there is only chance: independent samples have 2 and 4, a smooth integrand of one dimension 8 and 64.
+  const double previous = std::clamp(c.previous / c.latest, 1.0, least < 8 ? 4.0 : 8.0);
+  if (least < 8)
+    assume_one_law(previous, &c);
+  else
+    assume_alternating_law(previous, std::clamp(c.earlier / c.latest, 2.0, 64.0), &c);
   return c;
 }
 
@@ -149,23 +187,27 @@ Terms make_terms(const NoiseImage& image) {
   return t;
 }
 
-// Variance of ln E^2 by the scatter over pixels, twice: of what the estimate is made of, the ratio's part included, and
-// of the frame's own error, which scatters about its expectation as much as the terms and independently of them (a - b
-// and a + b are uncorrelated). Third, what the law is not sure of.
+// Variance of ln E^2 by the scatter over pixels, twice: of what the estimate is made of, and of the frame's own error,
+// which scatters about its expectation as much as the terms and independently of them (a - b and a + b are
+// uncorrelated). Third, what the law is not sure of: little where noise rules, much where stratification does.
 double log_variance(const std::vector<PixelNoise>& pixels, const Terms& t, double mean) {
-  constexpr double kLaw = 0.05;
+  constexpr double kSure = 0.05, kUnsure = 0.5;
   const Convergence& c = t.convergence;
-  const double by_ratio = c.latest > 0 && c.previous > 0 ? c.law.sensitivity() : 0;
+  const double law = kSure + kUnsure * c.law.stratified();
+  const auto part = [](double weight, float difference, double scale, double of) {
+    return of > 0 ? weight * (difference / scale / of - 1) : 0.0;
+  };
   double own = 0, estimate = 0;
   for (size_t i = 0; i < pixels.size(); ++i) {
     const double d = t.values[i] / mean - 1;
-    double e = d;
-    if (by_ratio > 0) e += by_ratio * (pixels[i].latest / c.latest - pixels[i].previous / c.previous) / t.scales[i];
+    const double e = d + part(c.by_latest - 1, pixels[i].latest, t.scales[i], c.latest) +
+                     part(c.by_previous, pixels[i].previous, t.scales[i], c.previous) +
+                     part(c.by_earlier, pixels[i].earlier, t.scales[i], c.earlier);
     own += d * d;
     estimate += e * e;
   }
   const auto n = double(pixels.size());
-  return (own + estimate) / std::max(1.0, n - 1) / n + kLaw * kLaw;
+  return (own + estimate) / std::max(1.0, n - 1) / n + law * law;
 }
 
 }  // namespace
@@ -179,10 +221,9 @@ FrameError estimate_frame_error(const NoiseImage& image) {
   for (const double value : t.values) mean += value / double(t.values.size());
   if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
   const double reach = 1.96 * std::sqrt(log_variance(image.pixels, t, mean));
-  error.exponent = std::log2(t.convergence.law.ratio);
   error.relative_rmse = std::sqrt(mean);
-  error.low = std::sqrt(mean * std::max(0.0, 1 - reach));
-  error.high = std::sqrt(mean * (1 + reach));
+  error.low = std::sqrt(mean * std::exp(-reach));
+  error.high = std::sqrt(mean * std::exp(reach));
   return error;
 }
 
