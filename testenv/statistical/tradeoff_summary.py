@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""One table of several studies by `alabaster tradeoff`: prints Markdown.
+
+  python3 testenv/statistical/tradeoff_summary.py out/*/tradeoff.json
+"""
+import json
+import pathlib
+import sys
+
+BIASES = ("walk", "auto", "diffusion", "lambert", "maxDepth=4", "maxDepth=8")
+COSTS = ("adaptive=on", "diffusion", "lambert", "reference", "walkGuiding=off", "walkSphereSteps=off")
+
+
+def last_rows(report):
+    """The row of most samples of each configuration."""
+    rows = {}
+    for row in report["rows"]:
+        if row["noise2"] and (row["configuration"] not in rows or row["samples"] > rows[row["configuration"]]["samples"]):
+            rows[row["configuration"]] = row
+    return rows
+
+
+def cost(report, name):
+    """noise^2 x CPU seconds over that of the walk, at the most samples that both have."""
+    products = {}
+    for row in report["rows"]:
+        if row["noise2"] and row["configuration"] in (name, "walk"):
+            products.setdefault(row["samples"], {})[row["configuration"]] = row["noise2"] * row["cpuSeconds"]
+    both = [samples for samples, pair in products.items() if len(pair) == (1 if name == "walk" else 2)]
+    if not both:
+        return "-"
+    pair = products[max(both)]
+    return f"{pair[name] / pair['walk']:.2f}"
+
+
+def bias(rows, name):
+    if name not in rows:
+        return "-"
+    row = rows[name]
+    # An interval that holds zero shows no bias: it says how large one could be.
+    if row["bias2Low"] <= 0:
+        return f"< {100 * max(0.0, row['bias2High']) ** 0.5:.1f} %"
+    return f"{100 * row['bias2'] ** 0.5:.1f} %"
+
+
+def main():
+    reports = {}
+    for file in sys.argv[1:]:
+        report = json.loads(pathlib.Path(file).read_text())
+        reports[pathlib.Path(report["scene"]).stem] = report
+    print("Bias: relative RMSE that stays however long one renders, the reference's noise subtracted; '< x' where none was found, "
+          "x the end of the 95 % interval. Each differs from the walk (maxDepth 32) in one thing.\n")
+    print("| scene | " + " | ".join(BIASES) + " |")
+    print("|--" * (1 + len(BIASES)) + "|")
+    for scene, report in reports.items():
+        rows = last_rows(report)
+        print(f"| {scene} | " + " | ".join(bias(rows, name) for name in BIASES) + " |")
+    print("\nCost of reaching equal noise: noise^2 x CPU seconds over that of the walk.\n")
+    print("| scene | walk: noise at samples, CPU s | " + " | ".join(COSTS) + " |")
+    print("|--" * (2 + len(COSTS)) + "|")
+    for scene, report in reports.items():
+        walk = last_rows(report)["walk"]
+        first = f"{100 * walk['noise2'] ** 0.5:.1f} % at {walk['samples']}, {walk['cpuSeconds']:.1f} s"
+        print(f"| {scene} | {first} | " + " | ".join(cost(report, name) for name in COSTS) + " |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
