@@ -7,7 +7,8 @@
 
 namespace alabaster::cli {
 
-/// Samples per pixel at which a render to an error ends if --spp does not say otherwise.
+/// Samples per pixel at which a render to an error ends if --spp does not say otherwise and no preset of --quality
+/// allows more.
 inline constexpr int kMostSamplesToAnError = 65536;
 
 /// Arguments as given; empty: not given.

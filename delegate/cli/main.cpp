@@ -26,9 +26,13 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option(
        "--quality", a->quality,
        "preview, draft, production or reference: settings that were measured to be worth their time (alabaster "
-       "schema quality_presets). They win over the scene's own; every other flag wins over them")
+       "schema quality_presets). They win over the scene's own; every other flag wins over them. A preset ends at "
+       "its own targetError unless --target-error says otherwise")
       ->type_name("PRESET");
-  c->add_option("--spp", a->samples, "Samples per pixel, at most")->type_name("N");
+  c->add_option(
+       "--spp", a->samples,
+       "Samples per pixel, at most; with --quality a render still ends at the preset's targetError, if that is sooner")
+      ->type_name("N");
   c->add_option("--target-error", a->target_error,
                 "Ends when the noise is below this relative RMSE (0.02: two per cent)")
       ->type_name("E");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/description/quality_presets.h"
 #include "delegate/host/atomic_file.h"
 
 namespace alabaster::cli {
@@ -83,6 +85,14 @@ class RenderCommand {
     return a_.outputs.empty() ? kInput : kUsage;
   }
 
+  // Where an error or a time decides, samples are only a bound, and never a lower one than the preset's own.
+  int most_samples() const {
+    const auto* preset = hd::description::FindQualityPreset(a_.quality);
+    if (!preset) return kMostSamplesToAnError;
+    const double own = preset->settings.at("samples").number_or(0);
+    return std::max(kMostSamplesToAnError, static_cast<int>(own));
+  }
+
   hd::description::LoadOptions load_options() const {
     hd::description::LoadOptions options;
     const auto add = [&](const char* key, const std::string& value) {
@@ -93,9 +103,8 @@ class RenderCommand {
       add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
     add("quality", a_.quality);  // before all that is to win over it
-    // Where an error or a time decides, samples are only a bound.
     const bool decided = !a_.target_error.empty() || !a_.time_limit.empty();
-    add("samples", a_.samples.empty() && decided ? std::to_string(kMostSamplesToAnError) : a_.samples);
+    add("samples", a_.samples.empty() && decided ? std::to_string(most_samples()) : a_.samples);
     add("targetError", a_.target_error);
     add("timeLimit", a_.time_limit);
     add("seed", a_.seed);

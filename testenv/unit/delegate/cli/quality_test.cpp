@@ -42,10 +42,24 @@ TEST_F(QualityTest, EveryOtherFlagWins) {
   EXPECT_EQ(settings_of("lit.gltf", {"--spp", "5", "--max-depth", "3", "--set", "inversion=chiang2016", "--quality",
                                      "draft", "--subsurface", "lambert"}),
             expected);
-  // An error that is asked for brings its own bound of samples, as it does without a preset.
-  const json exact = settings_of("lit.gltf", {"--quality", "preview", "--target-error", "0.5"});
-  EXPECT_EQ(exact["targetError"], 0.5);
-  EXPECT_EQ(exact["samples"], 65536);
+}
+
+// An error or a time that is asked for brings its own bound of samples, as it does without a preset; who asks for more
+// must not get less than from the preset alone.
+TEST_F(QualityTest, AnErrorOrATimeRaisesTheBoundOfSamplesAndNeverLowersIt) {
+  const int of_reference = settings_of("lit.gltf", {"--quality", "reference", "--time-limit", "0.01"})["samples"];
+  EXPECT_GT(of_reference, 65536) << "or there is nothing to lower";
+  for (const json& preset : json::parse(hd::description::SchemaText("quality_presets"))["presets"]) {
+    const int bound = std::max(65536, preset["settings"]["samples"].get<int>());
+    const json exact = settings_of("lit.gltf", {"--quality", preset["name"], "--target-error", "0.5"});
+    EXPECT_EQ(exact["targetError"], 0.5);
+    EXPECT_EQ(exact["samples"], bound) << preset["name"];
+    const json timed = settings_of("lit.gltf", {"--quality", preset["name"], "--time-limit", "0.01"});
+    EXPECT_EQ(timed["targetError"], settings_of("lit.gltf", {"--quality", preset["name"]})["targetError"]);
+    EXPECT_EQ(timed["samples"], bound) << preset["name"];
+    const json bounded = settings_of("lit.gltf", {"--quality", preset["name"], "--target-error", "0.5", "--spp", "32"});
+    EXPECT_EQ(bounded["samples"], 32) << preset["name"];
+  }
 }
 
 TEST_F(QualityTest, AnUnknownPresetIsRefused) {
