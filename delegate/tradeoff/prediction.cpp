@@ -15,6 +15,8 @@ constexpr double kOutlineShare = 0.10, kOutlineShareSigma = 0.12;
 // No model fits better than this: of ln E^2, and of ln cost.
 constexpr double kModelSigma = 0.12, kCostSigma = 0.05;
 constexpr double kOvershootSigma = 0.08;
+// The least by which all estimates of ln E^2 may be wrong alike (kSure in frame_error.cpp).
+constexpr double kSureLaw = 0.05;
 
 double square(double x) {
   return x * x;
@@ -70,11 +72,25 @@ bool is_noisy(const Probe& p) {
   return p.error > 0;
 }
 
-// Of ln E^2. The interval is also for how the frame's own error scatters about its expectation, by as much again
-// (frame_error.cpp): here only the expectation counts.
-double sigma_of(const Probe& p) {
-  const double reach = (square(p.high) - square(p.low)) / 2 / square(p.error);
-  return std::max(0.01, reach / 1.96 / std::sqrt(2.0));
+// Of ln E^2, as the interval E^2 exp(+-1.96 sigma) has it (frame_error.cpp). It is made of how the frame's own error
+// scatters about its expectation, of how the estimate scatters, about as much, and of what the law of convergence is
+// not sure of, which all probes of a scene share: at least kSureLaw, much more where stratification rules. An interval
+// does not tell the parts apart, so each counts as large as it can be.
+double variance_of(const Probe& p) {
+  return std::min(square(2 * std::log(p.high / p.low) / (2 * 1.96)), 25.0);  // an interval may reach down to nothing
+}
+
+// The estimate's own scatter: here only the expectation counts, not the frame's own error.
+double independent_sigma(const Probe& p) {
+  return std::max(0.01, std::sqrt(std::max(0.0, variance_of(p) - square(kSureLaw)) / 2));
+}
+
+// Further probes do not average it away.
+double common_variance(const std::vector<Probe>& probes) {
+  double least = 25;
+  for (const Probe& p : probes)
+    if (is_noisy(p)) least = std::min(least, variance_of(p));
+  return least;
 }
 
 /// How many sqrt(N)-ths of the last probe's a frame has more outlines in a pixel.
@@ -109,13 +125,15 @@ Range samples_for(const std::vector<Probe>& probes, double pixels, double target
   fit.add({0, 0, 1}, kOutlineShare, kOutlineShareSigma);
   for (const Probe& p : probes)
     if (is_noisy(p))
-      fit.add({1, -std::log(p.samples / last.samples), coarseness(p.pixels, last)}, 2 * std::log(p.error), sigma_of(p));
+      fit.add({1, -std::log(p.samples / last.samples), coarseness(p.pixels, last)}, 2 * std::log(p.error),
+              independent_sigma(p));
   fit.solve();
   const auto [level, exponent, share] = fit.unknowns();
   const double coarse = coarseness(pixels, last);
   const double growth = (level + share * coarse - 2 * std::log(target)) / exponent;
   const double variance = fit.variance({1 / exponent, -growth / exponent, coarse / exponent});
-  const double sigma = std::sqrt(variance + square(kModelSigma / exponent) + square(kOvershootSigma));
+  const double common = square(kModelSigma) + common_variance(probes);
+  const double sigma = std::sqrt(variance + common / square(exponent) + square(kOvershootSigma));
   return around(kOvershoot * last.samples * std::exp(growth), sigma);
 }
 
