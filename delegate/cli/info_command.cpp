@@ -3,6 +3,7 @@
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
@@ -113,6 +114,7 @@ void resize(SceneSession* session, const hd::Vec2i& size) {
 int run_info(const InfoArguments& arguments) {
   const double linked = process_cpu_seconds();  // what it took to get here: on one thread, so wall time alike
   const Stopwatch watch;
+  catch_interrupts();
   Console console(false);
   if (const std::string problem = problem_of(arguments); !problem.empty()) {
     console.error("info", problem);

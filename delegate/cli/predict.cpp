@@ -13,8 +13,10 @@
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/interrupt.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/tradeoff/prediction.h"
+#include "delegate/tradeoff/temporary_folder.h"
 
 namespace alabaster::cli {
 namespace {
@@ -52,27 +54,6 @@ hd::RenderSettingsDescription reduced(hd::RenderSettingsDescription s, double pi
   }
   return s;
 }
-
-/// A folder of our own for what the probe writes; gone with this object.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::error_code error;
-    path_ = fs::temp_directory_path(error) / ("alabaster-probe-" + std::to_string(getpid()));
-    if (error || !fs::create_directory(path_, error)) path_.clear();
-  }
-  ~ScratchFolder() {
-    std::error_code error;
-    if (!path_.empty()) fs::remove_all(path_, error);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  /// Empty: there is none, so nothing can be written.
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// The renders of one prediction.
 class ProbeRenders {
@@ -138,16 +119,22 @@ class ProbeRenders {
     last_ = reduced(full_, plan.pixels);
     last_.settings["samples"] = static_cast<int32_t>(plan.samples);
     last_.settings["timeLimit"] = static_cast<float>(plan.seconds);
-    last_.settings["targetError"] = 1e-6f;                              // asks for the error without ever reaching it
+    // Renders in rounds and deals samples out as a render to an error does, and never gets there.
+    last_.settings["targetError"] = 1e-6f;
     last_.settings["seed"] = static_cast<int32_t>(probes_.size() + 1);  // no probe repeats what another one saw
-    const ScratchFolder scratch;
-    last_.products = plan.write ? products_in(scratch) : std::vector<hd::RenderProduct>();
+    last_.products.clear();
+    set_writing(plan.write);  // not even a second signal may leave the folder behind
+    std::optional<tradeoff::TemporaryFolder> folder;
+    if (plan.write) last_.products = products_in(folder.emplace("alabaster-probe-").path());
     path_ = session_.file.settings.append("probe");
     session_.scene.SetRenderSettings(path_, last_);
     hd::host::RecordOptions options;
     options.colors = session_.colors();
+    options.cancel = &interrupted();
     options.diagnostics = console_.sink();
     const auto result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
+    folder.reset();
+    set_writing(false);
     if (result.status != hd::host::RecordStatus::done) return false;
     stats_ = result.stats;
     const double pixels = pixels_of(last_);
@@ -157,13 +144,13 @@ class ProbeRenders {
     return true;
   }
 
-  /// What the scene would write (a picture as EXR if it names nothing), in `scratch`; nothing where that cannot be.
-  std::vector<hd::RenderProduct> products_in(const ScratchFolder& scratch) const {
-    if (scratch.path().empty()) return {};
+  /// What the scene would write (a picture as EXR if it names nothing), in `folder`; nothing where that cannot be.
+  std::vector<hd::RenderProduct> products_in(const fs::path& folder) const {
+    if (folder.empty()) return {};
     std::vector<hd::RenderProduct> products = full_.products;
     if (products.empty()) products.emplace_back().file = "probe.exr";
     for (size_t i = 0; i < products.size(); ++i) {
-      products[i].file = scratch.path() / (std::to_string(i) + fs::path(products[i].file).extension().string());
+      products[i].file = folder / (std::to_string(i) + fs::path(products[i].file).extension().string());
       if (!hd::host::CheckProduct(products[i], session_.colors(), {})) return {};
     }
     return products;
@@ -240,7 +227,14 @@ std::optional<double> parse_target_error(const std::string& text) {
 int print_prediction(SceneSession* session, Console* console, const Preparation& spent, double target) {
   const Stopwatch watch;
   ProbeRenders renders(session, console);
-  if (!renders.run()) return kRender;
+  set_worth_saving(true);  // from here on a signal stops the probe, which then cleans up after itself
+  const bool done = renders.run();
+  set_worth_saving(false);
+  if (interrupted()) {
+    console->note("interrupted: nothing is foretold");
+    return kInterrupted;
+  }
+  if (!done) return kRender;
   const hd::RenderSettingsDescription &full = renders.full(), &last = renders.last();
   std::printf("to reach %s %% relative RMSE at %dx%d, by a probe of %.1f s at %dx%d:\n",
               amount_text(100 * target).c_str(), full.width, full.height, watch.wall(), last.width, last.height);

@@ -22,7 +22,8 @@ struct Preparation {
 };
 
 /// Renders a few small pictures of `session`, which has been started and synced, for about three seconds, and prints
-/// what reaching `target` with its render settings takes. An exit code.
+/// what reaching `target` with its render settings takes. An exit code. Where signals are caught (interrupt.h) one ends
+/// it.
 int print_prediction(SceneSession* session, Console* console, const Preparation& spent, double target);
 
 }  // namespace alabaster::cli

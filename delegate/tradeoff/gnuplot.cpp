@@ -8,7 +8,6 @@
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +15,7 @@
 #include <system_error>
 
 #include "delegate/host/atomic_file.h"
+#include "delegate/tradeoff/temporary_folder.h"
 
 extern char** environ;
 
@@ -23,26 +23,6 @@ namespace alabaster::tradeoff {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A folder of its own under the system's folder for temporary files, gone with this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::error_code error;
-    std::string pattern = (fs::temp_directory_path(error) / "alabaster-plot-XXXXXX").string();
-    if (!error && ::mkdtemp(pattern.data())) path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 std::string content_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -86,7 +66,7 @@ std::string gnuplot_quoted(const std::string& text) {
 }
 
 std::string draw_with_gnuplot(const std::function<std::string(const std::string&)>& script, const std::string& file) {
-  const TemporaryFolder folder;
+  const TemporaryFolder folder("alabaster-plot-");
   if (folder.path().empty())
     return "There is no folder for temporary files in which a plot could be made: set $TMPDIR to one.";
   const fs::path text = folder.path() / "plot.gnuplot", drawn = folder.path() / "plot";

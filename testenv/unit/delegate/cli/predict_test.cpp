@@ -51,8 +51,8 @@ TEST_F(PredictTest, ForetellsSamplesAndMemory) {
   EXPECT_GT(taken, 0.8 * samples.low) << samples.value;
   EXPECT_LT(taken, 1.25 * samples.high) << samples.value;
   const double peak = stats["peakMemory"].get<double>() / 1e6;
-  EXPECT_GT(memory.value, 0.85 * peak) << peak;
-  EXPECT_LT(memory.value, 1.15 * peak) << peak;
+  EXPECT_GT(memory.value, 0.7 * peak) << peak;
+  EXPECT_LT(memory.value, 1.3 * peak) << peak;
 }
 
 TEST_F(PredictTest, LeavesNothingBehind) {
@@ -65,6 +65,26 @@ TEST_F(PredictTest, LeavesNothingBehind) {
   unsetenv("TMPDIR");
   EXPECT_EQ(files(), before);
   EXPECT_EQ(said("samples per pixel").value, 16) << "the first look is enough: " << out_;
+}
+
+TEST_F(PredictTest, AnInterruptedProbeCleansUp) {
+  const std::filesystem::path temporary = folder_ / "temporary";
+  std::filesystem::create_directory(temporary);
+  const auto is_empty = [&] { return std::filesystem::is_empty(temporary); };
+  ASSERT_EQ(setenv("TMPDIR", temporary.c_str(), 1), 0);
+  Program program(folder_, {"info", ALABASTER_SOURCE_DIR "/testenv/scenes/sample/sample.json", "--predict", "0.01"});
+  unsetenv("TMPDIR");
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (is_empty() && std::chrono::steady_clock::now() < until)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_FALSE(is_empty()) << "the probe writes nothing: " << program.err();
+  program.interrupt();
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  program.interrupt();
+  EXPECT_EQ(program.wait(), 130) << program.err();
+  EXPECT_TRUE(is_empty());
+  EXPECT_NE(program.err().find("interrupted"), std::string::npos) << program.err();
+  EXPECT_EQ(program.out().find("to reach"), std::string::npos) << program.out();
 }
 
 TEST_F(PredictTest, SaysWhatARenderNeedsToBeAllowed) {
