@@ -128,5 +128,57 @@ TEST_F(QualityPresetsTest, WereMeasuredAsTheyAre) {
   }
 }
 
+// Numbers that another targetError or bound of samples had given do not pass, wherever the settings are written.
+TEST_F(QualityPresetsTest, WereMeasuredWhereTheyEnd) {
+  for (const json& preset : presets_file()["presets"]) {
+    const double target = preset["settings"]["targetError"];
+    const int most = preset["settings"]["samples"];
+    for (const auto& [scene_name, numbers] : preset["measured"]["scenes"].items()) {
+      const double noise = numbers["noise"], bias = numbers["bias"];
+      const int samples = numbers["samples"];
+      const std::string where = preset["name"].get<std::string>() + " " + scene_name;
+      EXPECT_NEAR(std::hypot(noise, bias) / numbers["error"].get<double>(), 1, 0.02) << where;
+      EXPECT_LE(samples, most) << where;
+      if (samples < most) {
+        EXPECT_LE(noise, 1.01 * target) << where;
+      }
+      // One sample less does not reach it, so it is reached by little.
+      if (samples >= 20) {
+        EXPECT_GE(noise, 0.9 * target) << where;
+      }
+    }
+  }
+}
+
+// Presets are points of the front of error against time: who waits longer gets less error, in every scene.
+TEST_F(QualityPresetsTest, AreAFrontInEveryMeasuredScene) {
+  const json presets = presets_file()["presets"];
+  for (size_t i = 1; i < presets.size(); ++i)
+    for (const auto& [scene_name, finer] : presets[i]["measured"]["scenes"].items()) {
+      const json& coarser = presets[i - 1]["measured"]["scenes"].at(scene_name);
+      EXPECT_LT(finer["error"], coarser["error"]) << presets[i]["name"] << " " << scene_name;
+      EXPECT_GT(finer["cpuSeconds"], coarser["cpuSeconds"]) << presets[i]["name"] << " " << scene_name;
+    }
+}
+
+/// The scenes to measure on: rows of the table in testenv/scenes/README.md.
+std::vector<std::string> bundled_scenes() {
+  std::ifstream file(ALABASTER_SOURCE_DIR "/testenv/scenes/README.md");
+  std::vector<std::string> names;
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("| `")) names.push_back(line.substr(3, line.find('`', 3) - 3));
+  return names;
+}
+
+TEST_F(QualityPresetsTest, WereMeasuredOnEveryBundledScene) {
+  const std::vector<std::string> scenes = bundled_scenes();
+  ASSERT_EQ(scenes.size(), 6u) << "the table in testenv/scenes/README.md";
+  const json measured = presets_file()["presets"].at(0)["measured"]["scenes"];  // all presets have the same
+  std::string missing;
+  for (const std::string& name : scenes)
+    if (!measured.contains(name)) missing += " " + name;
+  if (!missing.empty()) GTEST_SKIP() << "The presets have not been measured on:" << missing;
+}
+
 }  // namespace
 }  // namespace alabaster::hd::description
