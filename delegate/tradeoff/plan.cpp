@@ -81,21 +81,31 @@ class Planner {
     return std::nullopt;
   }
 
-  /// The first job on this rung that is still to be done and whose whole rung fits into `seconds`. A rung is not begun
-  /// above one that was left out.
+  /// The first job on this rung that is still to be done and whose whole rung fits into `seconds`, those with the
+  /// fewest replicas first. A rung is not begun above one that was left out.
   std::optional<Job> on_rung(int rung, double seconds, double share = 1e300) const {
     const uint64_t samples = rung_samples(rung);
+    for (int replicas = 0; replicas < kReplicas; ++replicas)
+      for (int c = 0; c < state_.configurations; ++c) {
+        if (done(c, samples) != replicas || done(c, 1) == 0) continue;
+        if (rung > 0 && done(c, rung_samples(rung - 1)) < kReplicas) continue;
+        const Job job{c, samples, missing(c, samples)};
+        const double needed = expected(job);
+        if (replicas == 0 && needed * kReplicas > (c == 0 ? 2 : 1) * share) continue;
+        const double promised = replicas == 0 ? to_complete(samples) : 0;
+        if (needed * (kReplicas - replicas) <= seconds - promised) return job;
+      }
+    return std::nullopt;
+  }
+
+  /// Seconds that the replicas take which are missing beside others of `samples`: nothing new may be begun with them.
+  double to_complete(uint64_t samples) const {
+    double seconds = 0;
     for (int c = 0; c < state_.configurations; ++c) {
       const int replicas = done(c, samples);
-      if (replicas >= kReplicas || done(c, 1) == 0) continue;
-      if (rung > 0 && done(c, rung_samples(rung - 1)) < kReplicas) continue;
-      const Job job{c, samples, missing(c, samples)};
-      const double needed = expected(job);
-      if (needed * (kReplicas - replicas) <= seconds &&
-          (replicas > 0 || needed * kReplicas <= (c == 0 ? 2 : 1) * share))
-        return job;
+      if (replicas > 0 && replicas < kReplicas) seconds += (kReplicas - replicas) * expected({c, samples, 0});
     }
-    return std::nullopt;
+    return seconds;
   }
 
   std::optional<Job> reference(double seconds) const {

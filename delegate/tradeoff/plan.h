@@ -2,8 +2,9 @@
 //
 // First one sample of everything tells what things cost. Then every configuration gets the two lowest rungs of samples;
 // then the reference gets its share; then the rungs above, from low to high, for as long as they fit (into a fair share
-// each at first, into what is left then); what is left goes to the reference. The same measurements always give the
-// same next step, so an interrupted study goes on as it was.
+// each at first, into what is left then); on a rung the first replicas of all come before the second ones, so that a
+// machine that grows slower meanwhile does not favour one configuration; what is left goes to the reference. The same
+// measurements always give the same next step, so an interrupted study goes on as it was.
 #pragma once
 
 #include <cstdint>

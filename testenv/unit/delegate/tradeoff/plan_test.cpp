@@ -72,6 +72,25 @@ TEST(Plan, NoneGetsAThirdRungBeforeAllHaveTwo) {
   EXPECT_TRUE(seen.count({0, 64}));
 }
 
+TEST(Plan, ReplicasOfARungTakeTurns) {
+  std::map<uint64_t, std::vector<int>> order;  // replicas as they come
+  for (const FinishedJob& finished : simulate(8, 0.02, 60))
+    if (finished.job.configuration != kReference) order[finished.job.samples].push_back(finished.job.replica);
+  for (const uint64_t samples : {1u, 4u, 16u}) {
+    EXPECT_EQ(order[samples].size(), 16u);
+    EXPECT_TRUE(std::is_sorted(order[samples].begin(), order[samples].end())) << samples;
+  }
+}
+
+TEST(Plan, NothingIsBegunThatCannotBeCompleted) {
+  for (const double budget : {7.0, 15.0, 31.0, 77.0, 200.0}) {
+    for (const auto& [key, count] : replicas(simulate(8, 0.02, budget))) {
+      if (key.first == kReference) continue;
+      EXPECT_EQ(count, kReplicas) << budget << ": " << key.first << ", " << key.second;
+    }
+  }
+}
+
 TEST(Plan, WhatIsLeftGoesToStragglersBeforeItGoesToTheReference) {
   // The reference has had its share. Of three configurations one takes a little more than its fair share for the third
   // rung.
