@@ -29,7 +29,8 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Empty on success. Runs gnuplot without a shell and without the user's own start-up files.
+/// Empty on success. Runs gnuplot without a shell and without the user's own start-up files, and in a process group of
+/// its own: Ctrl-C in a terminal goes to a whole group, and it is for the caller to decide what is still drawn.
 std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
@@ -38,8 +39,13 @@ std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
   ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   std::string arguments[] = {"gnuplot", "--default-settings", script.string()};
   char* argv[] = {arguments[0].data(), arguments[1].data(), arguments[2].data(), nullptr};
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  ::posix_spawnattr_setpgroup(&attributes, 0);
   pid_t child = 0;
-  const int error = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv, environ);
+  const int error = ::posix_spawnp(&child, argv[0], &actions, &attributes, argv, environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) return "The program gnuplot is not installed: install Debian's package gnuplot-nox.";
   if (error != 0) return "The program gnuplot cannot be started: " + std::generic_category().message(error) + ".";

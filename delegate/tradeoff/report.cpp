@@ -74,11 +74,13 @@ std::string size_text(int width, int height) {
 
 std::string summary_table(const std::vector<ConfigurationSummary>& summaries) {
   std::string text =
-      "| configuration | cost at equal noise | CPU s per sample | bias | 95 % interval | mean level | z | FLIP | at |\n"
-      "|--|--|--|--|--|--|--|--|--|\n";
+      "| configuration | cost at equal noise | at | CPU s per sample | bias | 95 % interval | mean level | z | FLIP | "
+      "at |\n"
+      "|--|--|--|--|--|--|--|--|--|--|\n";
   for (const ConfigurationSummary& summary : summaries) {
     const Row& row = *summary.best;
     text += "| " + row.configuration + " | " + format("%.2f", summary.cost_ratio) + " | " +
+            (summary.compared_at > 0 ? std::to_string(summary.compared_at) : "-") + " | " +
             format("%.3g", row.cpu_seconds / double(row.samples)) + " | " + percent(root(row.squared_bias.value)) +
             " | " + percent(root(row.squared_bias.low)) + " to " + percent(root(row.squared_bias.high)) + " | " +
             (row.level_bias.value > 0 ? "+" : "") + percent(row.level_bias.value) + " | " +
@@ -233,9 +235,10 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
   text += reference_text(result.reference);
   text +=
       "\n## Each configuration\nEach differs from the base, `walk`, in one thing. Cost at equal noise: noise^2 x CPU "
-      "seconds, relative to the base. Bias: relative RMSE that stays however many samples are taken; an interval that "
-      "begins at 0 means that none was found. All configurations share their random numbers, so that chance moves "
-      "their rows alike; the reference has its own. Rare bright samples that nobody has met yet are in no "
+      "seconds, relative to the base, at the most samples that both have. Bias: relative RMSE that stays however many "
+      "samples are taken; an interval that begins at 0 means that none was found. All configurations share their "
+      "random numbers, so that chance moves their rows alike; the reference has its own. Rare bright samples that "
+      "nobody has met yet are in no "
       "interval.\n\n" +
       summary_table(summaries) + "\n" + worst_text(summaries);
   text +=
