@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <regex>
 
 #include "delegate/cli/commands.h"
@@ -30,9 +32,28 @@ std::string array_checksum(const hd::Array<T>& array) {
   return tradeoff::checksum(array.data(), array.size() * sizeof(T));
 }
 
-/// Of what the scene is, whatever file it is from: the renderer's own account of it, and the shapes.
+/// Of the bytes of an image, in memory or in a file; of none if it cannot be read, which Sync has reported.
+std::string image_checksum(const hd::AssetPath& image) {
+  if (image.bytes) return tradeoff::checksum(image.bytes->data(), image.bytes->size());
+  std::ifstream file(image.resolved, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  return tradeoff::checksum(bytes.data(), bytes.size());
+}
+
+std::string image_checksums(const std::map<hd::Token, hd::Value>& parameters) {
+  std::string text;
+  for (const auto& [name, value] : parameters)
+    if (const auto* image = value.get<hd::AssetPath>()) text += " " + image_checksum(*image);
+  return text;
+}
+
+/// Of what the scene is, whatever file it is from: the renderer's own account of it, the shapes, and the images of
+/// textures and lights. It does not see primvars other than points: normals, UVs and colours.
 std::string scene_hash(const SceneSession& session) {
   std::string text = session.delegate()->InvokeCommand("dumpScene", {}).text_or("");
+  for (const auto& [path, light] : session.scene.GetLights()) text += image_checksums(light.parameters) + "\n";
+  for (const auto& [path, network] : session.scene.GetMaterials())
+    for (const auto& [node_path, node] : network.nodes) text += image_checksums(node.parameters) + "\n";
   for (const auto& [path, mesh] : session.scene.GetMeshes()) {
     text += path.str() + " " + array_checksum(mesh.topology.faceVertexIndices);
     if (const auto points = mesh.primvars.find("points"); points != mesh.primvars.end())
@@ -107,9 +128,19 @@ class TradeoffCommand {
     if (!session_.start(console_.sink())) return kRender;
     const auto& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings);
     scene_size_ = {settings.width, settings.height};
-    list_ = tradeoff::make_configurations(tradeoff::traits_of(session_.scene), settings.settings,
-                                          session_.delegate()->GetRenderSettingDescriptors(), a_.only);
+    const auto configurations = [&](const std::string& only) {
+      return tradeoff::make_configurations(tradeoff::traits_of(session_.scene), settings.settings,
+                                           session_.delegate()->GetRenderSettingDescriptors(), only);
+    };
+    list_ = configurations(a_.only);
     for (const std::string& line : list_.skipped) console_.note("left out: " + line);
+    const std::regex only(a_.only);
+    if (list_.measured.size() == 1 && !std::regex_search(list_.measured.front().name, only)) {
+      std::string known;
+      for (const auto& configuration : configurations(".").measured)
+        known += (known.empty() ? "" : ", ") + configuration.name;
+      return usage_error("--only", "'" + a_.only + "' finds none of the configurations of this scene: " + known + ".");
+    }
     if (settings.crop) console_.note("note: the scene's crop is not used: the whole frame is measured");
     if (!session_.index()->SyncAll()) {
       console_.error(a_.scene, "The scene could not be prepared: memory or threads ran out.");
@@ -134,11 +165,16 @@ class TradeoffCommand {
   }
 
   int choose_identity() {
-    tradeoff::StudyIdentity identity{a_.scene, scene_hash(session_), 0, 0};
+    tradeoff::StudyIdentity identity{a_.scene, scene_hash(session_), 0, 0, AlabasterVersions()};
     const auto asked = parse_size(a_.size);
     if (!store_.empty()) {
       const tradeoff::StudyIdentity& stored = store_.identity;
       const std::string remedy = ": --restart begins anew, -o DIR writes elsewhere.";
+      if (stored.versions != identity.versions)
+        return usage_error(folder_.string(),
+                           "The folder holds a study by another version of Alabaster or of its "
+                           "libraries" +
+                               remedy);
       if (stored.scene_hash != identity.scene_hash)
         return usage_error(folder_.string(), "The folder holds a study of another scene, or of " + stored.scene +
                                                  " before it was changed" + remedy);
@@ -206,7 +242,10 @@ class TradeoffCommand {
   }
 
   int report(StudyOutcome outcome) {
-    set_writing(true);
+    // All pictures are safe and nothing is being written: a signal may end the program.
+    set_worth_saving(false);
+    set_writing(false);
+    console_.note("analyses " + std::to_string(store_.renders().size()) + " renders");
     const tradeoff::DisplayFunction display = [this](const tradeoff::Image& image) {
       return tradeoff::to_display(image, display_, session_.colors(), console_.sink());
     };
@@ -219,14 +258,28 @@ class TradeoffCommand {
         console_.note("nothing to report yet; the same command goes on from here");
       return kInput;
     }
+    if (result->rows.empty()) return nothing_measured(outcome);
     const tradeoff::ReportContext context{command_line(), store_.identity, scene_size_.x,
                                           scene_size_.y,  store_.spent,    outcome == StudyOutcome::finished};
     std::vector<std::string> problems;
+    set_writing(true);
     for (const std::string& file : write_report(*result, list_, context, folder_, &problems))
       console_.note("wrote " + file);
     for (const std::string& text : problems) console_.error("tradeoff", text);
     if (outcome == StudyOutcome::cancelled) console_.note("interrupted: the same command goes on from here");
     return problems.empty() ? kDone : kOutput;
+  }
+
+  /// The reference is there, but none of what is to be compared with it has two replicas.
+  int nothing_measured(StudyOutcome outcome) {
+    const double minutes = 1.2 * tradeoff::least_budget(list_, store_) / 60;
+    char text[32];
+    std::snprintf(text, sizeof text, minutes < 10 ? "%.2g" : "%.0f", minutes);
+    const std::string problem = "The time was too short to render anything twice but the reference. Give it " +
+                                std::string(text) + " minutes or more; what there is is kept.";
+    if (outcome == StudyOutcome::finished) return usage_error("--budget", problem);
+    console_.note("nothing to report yet; the same command goes on from here");
+    return kInput;
   }
 
   std::string command_line() const {

@@ -82,6 +82,7 @@ std::string StudyStore::open(const fs::path& folder, bool restart) {
   std::erase_if(renders_, [&](const StoredRender& render) {
     if (read(render)) return false;
     notes_.push_back(render.file + " is missing or damaged: it is rendered again");
+    spent -= render.cost.total_seconds;
     return true;
   });
   return "";
@@ -95,6 +96,7 @@ bool StudyStore::parse(const std::string& text) {
     state.at("sceneHash").get_to(identity.scene_hash);
     state.at("width").get_to(identity.width);
     state.at("height").get_to(identity.height);
+    identity.versions = state.value("versions", "");
     state.at("referenceSamples").get_to(reference_samples);
     state.at("spentSeconds").get_to(spent);
     for (const json& entry : state.at("renders")) renders_.push_back(from_json(entry));
@@ -111,10 +113,14 @@ std::string StudyStore::clear() {
   reference_samples = 0;
   spent = 0;
   std::error_code error;
-  fs::remove(folder_ / "state.json", error);
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
-    if (entry.path().extension() == ".f32") fs::remove(entry.path(), error);
-  return error ? folder_.string() + " cannot be emptied: " + error.message() + "." : "";
+  std::vector<fs::path> files{folder_ / "state.json"};
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
+    const std::string ending = entry.path().extension().string();  // .tmp: of a run that was killed
+    if (ending == ".f32" || ending == ".tmp") files.push_back(entry.path());
+  }
+  for (const fs::path& file : files)
+    if (!error) fs::remove(file, error);
+  return error ? folder_.string() + " cannot be emptied: " + error.message() + ". Choose another folder with -o." : "";
 }
 
 std::string StudyStore::add(StoredRender render, const Image& image) {
@@ -128,14 +134,16 @@ std::string StudyStore::add(StoredRender render, const Image& image) {
   problem = save();
   if (problem.empty()) return "";
   spent -= renders_.back().cost.total_seconds;
+  std::error_code ignored;
+  fs::remove(folder_ / renders_.back().file, ignored);
   renders_.pop_back();
   return problem;
 }
 
 std::string StudyStore::save() const {
-  json state{{"format", kFormat},       {"scene", identity.scene},   {"sceneHash", identity.scene_hash},
-             {"width", identity.width}, {"height", identity.height}, {"referenceSamples", reference_samples},
-             {"spentSeconds", spent},   {"renders", json::array()}};
+  json state{{"format", kFormat},       {"scene", identity.scene},       {"sceneHash", identity.scene_hash},
+             {"width", identity.width}, {"height", identity.height},     {"referenceSamples", reference_samples},
+             {"spentSeconds", spent},   {"versions", identity.versions}, {"renders", json::array()}};
   for (const StoredRender& render : renders_) state["renders"].push_back(to_json(render));
   const std::string text = state.dump(1) + "\n";
   return write(folder_ / "state.json", text.data(), text.size());

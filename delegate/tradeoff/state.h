@@ -20,6 +20,7 @@ struct StudyIdentity {
   std::string scene;       // as given
   std::string scene_hash;  // of what the scene holds
   int width = 0, height = 0;
+  std::string versions;  // AlabasterVersions(); empty: of a study from before they were noted
   bool operator==(const StudyIdentity&) const = default;
 };
 
@@ -44,8 +45,8 @@ std::string checksum(const void* bytes, size_t size);
 class StudyStore {
  public:
   /// `folder` is made if it is not there. A damaged or foreign state.json is a problem; a picture that is missing or
-  /// damaged is forgotten and noted. With `restart` whatever was there is removed. Empty on success, else what is wrong
-  /// and the remedy.
+  /// damaged is forgotten, its time too, and noted. With `restart` whatever was there is removed. Empty on success,
+  /// else what is wrong and the remedy.
   std::string open(const std::filesystem::path& folder, bool restart);
   bool empty() const { return renders_.empty(); }
   const std::vector<std::string>& notes() const { return notes_; }
@@ -55,7 +56,7 @@ class StudyStore {
   double spent = 0;  // seconds, of all runs
 
   const std::vector<StoredRender>& renders() const { return renders_; }
-  /// Writes the picture, then the list. Empty on success; else the reason, and nothing has changed.
+  /// Writes the picture, then the list. Empty on success; else the reason, and the list is what it was.
   std::string add(StoredRender render, const Image& image);
   /// None if it can no longer be read, or is not what was written.
   std::optional<Image> read(const StoredRender& render) const;

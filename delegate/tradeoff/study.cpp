@@ -23,7 +23,7 @@ class Study {
       choose_reference(*job);
       const Configuration& configuration = configuration_of(job->configuration);
       StudyProgress progress{configuration.name, *job, finished_.size() + 1, 0, 0};
-      if (is_calibrated()) {
+      if (is_measured(job->configuration)) {
         const Forecast ahead = forecast(state());
         if (!plan_told) tell_plan(ahead);
         plan_told = true;
@@ -56,19 +56,14 @@ class Study {
     return {static_cast<int>(list_.measured.size()), budget_, store_->spent, store_->reference_samples, finished_};
   }
 
-  bool is_calibrated() const {
-    for (int c = kReference; c < static_cast<int>(list_.measured.size()); ++c)
-      if (std::none_of(finished_.begin(), finished_.end(),
-                       [&](const FinishedJob& f) { return f.job.configuration == c; }))
-        return false;
-    return true;
+  bool is_measured(int configuration) const {
+    return std::any_of(finished_.begin(), finished_.end(),
+                       [&](const FinishedJob& f) { return f.job.configuration == configuration; });
   }
 
   /// Kept from the first replica on: replicas must be alike, whatever is learnt of their cost later.
   void choose_reference(const Job& job) {
-    const bool calibrates = std::none_of(finished_.begin(), finished_.end(),
-                                         [](const FinishedJob& f) { return f.job.configuration == kReference; });
-    if (job.configuration == kReference && !calibrates) store_->reference_samples = job.samples;
+    if (job.configuration == kReference && is_measured(kReference)) store_->reference_samples = job.samples;
   }
 
   void tell_plan(const Forecast& ahead) const {
@@ -91,8 +86,10 @@ class Study {
                   ahead.jobs.size(), ahead.seconds / 60, replicas, static_cast<unsigned long long>(samples));
     hooks_.note(text);
     for (size_t c = 0; c < highest.size(); ++c)
-      hooks_.note("  " + list_.measured[c].name + ": " + std::to_string(kReplicas) + " replicas of 1 to " +
-                  std::to_string(highest[c]) + " samples");
+      hooks_.note("  " + list_.measured[c].name + ": " +
+                  (highest[c] == 0
+                       ? "no time is left for it"
+                       : std::to_string(kReplicas) + " replicas of 1 to " + std::to_string(highest[c]) + " samples"));
   }
 
   const ConfigurationList& list_;
@@ -112,6 +109,30 @@ std::optional<int> find_configuration(const ConfigurationList& list, const Store
   const auto found = std::find_if(list.measured.begin(), list.measured.end(), is);
   if (found == list.measured.end()) return std::nullopt;
   return static_cast<int>(found - list.measured.begin());
+}
+
+double least_budget(const ConfigurationList& list, const StudyStore& store) {
+  std::vector<FinishedJob> finished;
+  double reference_spent = 0;
+  for (const StoredRender& render : store.renders()) {
+    const auto index = find_configuration(list, render);
+    if (!index) continue;
+    finished.push_back({{*index, render.samples, render.replica}, render.cost.wall_seconds, render.cost.total_seconds});
+    if (*index == kReference) reference_spent += render.cost.total_seconds;
+  }
+  const auto count = static_cast<int>(list.measured.size());
+  const StudyState state{count, 0, store.spent, store.reference_samples, finished};
+  double needed = store.spent;
+  for (int c = 0; c < count; ++c) {
+    const auto done = std::count_if(finished.begin(), finished.end(), [&](const FinishedJob& f) {
+      return f.job.configuration == c && f.job.samples == 1;
+    });
+    const double known = expected_seconds(state, {c, 1, 0});
+    const double each = known > 0 ? known : expected_seconds(state, {0, 1, 0});
+    needed += each * std::max(0.0, double(kReplicas) - double(done));
+  }
+  // What the reference has not had of its share yet is kept for it.
+  return std::max(needed, (needed - reference_spent) / (1 - kReferenceShare));
 }
 
 StudyOutcome run_study(const ConfigurationList& list, double budget, StudyStore* store, const StudyHooks& hooks,

@@ -12,7 +12,7 @@ struct StudyProgress {
   std::string configuration;
   Job job;            // that begins now
   size_t number = 0;  // of it, from 1
-  /// Jobs and time as expected now; 0 until one sample of everything has told what things cost.
+  /// Jobs and time as expected now; 0 while the job itself is there to tell what its configuration costs.
   size_t total = 0;
   double seconds_left = 0;
 };
@@ -31,6 +31,10 @@ enum class StudyOutcome { finished, cancelled, render_failed, output_failed };
 /// Renders what `store` does not hold yet. `budget`: seconds of all runs together. `problem`: why output failed.
 StudyOutcome run_study(const ConfigurationList& list, double budget, StudyStore* store, const StudyHooks& hooks,
                        std::string* problem);
+
+/// A budget in seconds, everything spent so far included, that should give each configuration its two replicas of one
+/// sample, and with them a row in the report. Of what has not been rendered at all the cost is taken to be the base's.
+double least_budget(const ConfigurationList& list, const StudyStore& store);
 
 /// The measured configuration of that name and fingerprint, kReference, or none if the list has no such.
 std::optional<int> find_configuration(const ConfigurationList& list, const StoredRender& render);

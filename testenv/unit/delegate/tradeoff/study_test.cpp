@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 #include <sstream>
 
 #include "delegate/tradeoff/report.h"
@@ -41,7 +42,7 @@ class Study : public ::testing::Test {
   StudyStore open(const std::string& name, bool restart = false) {
     StudyStore store;
     EXPECT_EQ(store.open(folder_ / name, restart), "");
-    if (store.empty()) store.identity = {"scene.glb", "0123", 16, 12};
+    if (store.empty()) store.identity = {"scene.glb", "0123", 16, 12, "1.0"};
     return store;
   }
 
@@ -57,7 +58,8 @@ class Study : public ::testing::Test {
   }
 
   /// Renders until the budget is spent or `most` pictures are there.
-  StudyOutcome run(StudyStore* store, size_t most = 1000000) {
+  StudyOutcome run(StudyStore* store, size_t most = 1000000, double budget = 20,
+                   std::vector<StudyProgress>* told = nullptr) {
     rendered_ = 0;
     StudyHooks hooks;
     hooks.render = [this](const Configuration& c, uint64_t samples, uint32_t seed) {
@@ -65,10 +67,12 @@ class Study : public ::testing::Test {
       return std::optional(frame(c, samples, seed));
     };
     hooks.cancelled = [this, most] { return rendered_ >= most; };
-    hooks.progress = [](const StudyProgress&) {};
+    hooks.progress = [told](const StudyProgress& progress) {
+      if (told) told->push_back(progress);
+    };
     hooks.note = [](const std::string&) {};
     hooks.stored = [] {};
-    return run_study(list_, 20, store, hooks, &problem_);
+    return run_study(list_, budget, store, hooks, &problem_);
   }
 
   std::optional<StudyResult> results(const StudyStore& store) {
@@ -127,7 +131,6 @@ TEST_F(Study, DamagedPicturesAreRenderedAgain) {
   fs::remove(folder_ / "a" / first.renders()[5].file);
   StudyStore again = open("a");
   EXPECT_EQ(again.notes().size(), 2u);
-  again.spent = 0;  // time for what was lost
   ASSERT_EQ(run(&again, 2), StudyOutcome::cancelled);
   EXPECT_EQ(csv_text(*results(again)), expected);
 }
@@ -142,6 +145,38 @@ TEST_F(Study, ChangedSettingsAreMeasuredAnew) {
   for (const Row& row : result->rows) EXPECT_EQ(row.configuration, "walk");
 }
 
+TEST_F(Study, StateKeepsVersionsAndOlderStateHasNone) {
+  StudyStore first = open("a");
+  first.identity.versions = "1.2";
+  ASSERT_EQ(run(&first, 3), StudyOutcome::cancelled);
+  EXPECT_EQ(open("a").identity, first.identity);
+  std::ifstream in(folder_ / "a" / "state.json");
+  auto state = nlohmann::json::parse(in);
+  state.erase("versions");
+  std::ofstream(folder_ / "a" / "state.json") << state;
+  EXPECT_EQ(open("a").identity.versions, "");
+}
+
+TEST_F(Study, NothingIsLeftOfWhatCannotBeListedOrIsBegunAnew) {
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store, 2), StudyOutcome::cancelled);
+  std::ofstream(folder_ / "a" / ".walk.1.0.f32.12-3.tmp") << "of a run that was killed";
+  fs::remove(folder_ / "a" / "state.json");
+  fs::create_directories(folder_ / "a" / "state.json" / "x");  // cannot be replaced by a file
+  const size_t before = store.renders().size();
+  const double spent = store.spent;
+  EXPECT_EQ(run(&store, 1), StudyOutcome::output_failed);
+  EXPECT_EQ(store.renders().size(), before);
+  EXPECT_DOUBLE_EQ(store.spent, spent);
+  const auto files = [&] { return std::distance(fs::directory_iterator(folder_ / "a"), {}); };
+  EXPECT_EQ(files(), 4);  // two pictures, the list that is none, and what the killed run left
+  StudyStore stuck;
+  EXPECT_NE(stuck.open(folder_ / "a", true).find("-o"), std::string::npos);
+  fs::remove_all(folder_ / "a" / "state.json");
+  EXPECT_EQ(stuck.open(folder_ / "a", true), "");
+  EXPECT_EQ(files(), 0);
+}
+
 TEST_F(Study, ForeignStateIsRefused) {
   fs::create_directories(folder_ / "a");
   std::ofstream(folder_ / "a" / "state.json") << R"({"format": 1, "scene": 7})";
@@ -152,6 +187,35 @@ TEST_F(Study, ForeignStateIsRefused) {
   EXPECT_TRUE(fresh.empty());
   StudyStore outside;
   EXPECT_NE(outside.open("/proc/nowhere", false).find("-o"), std::string::npos);
+}
+
+TEST_F(Study, TheLeastBudgetIsNeededAndSuffices) {
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store, 1000000, 1e-3), StudyOutcome::finished);
+  const auto none = results(store);
+  ASSERT_TRUE(none) << problem_;
+  EXPECT_TRUE(none->rows.empty());
+  const double least = least_budget(list_, store);
+  ASSERT_EQ(run(&store, 1000000, 0.8 * least), StudyOutcome::finished);
+  const auto measured = [&] {
+    const auto result = results(store);
+    std::set<std::string> names;
+    for (const Row& row : result->rows) names.insert(row.configuration);
+    return names.size();
+  };
+  EXPECT_LT(measured(), 2u);
+  ASSERT_EQ(run(&store, 1000000, 1.001 * least), StudyOutcome::finished);
+  EXPECT_EQ(measured(), 2u);
+}
+
+TEST_F(Study, WhatIsExpectedIsToldOnceTheCostIsKnown) {
+  StudyStore store = open("a");
+  std::vector<StudyProgress> told;
+  ASSERT_EQ(run(&store, 1000000, 1e-3, &told), StudyOutcome::finished);  // ends while costs are being learnt
+  std::set<std::string> seen;
+  for (const StudyProgress& progress : told)
+    EXPECT_EQ(progress.total == 0, seen.insert(progress.configuration).second) << progress.configuration;
+  EXPECT_GT(told.size(), seen.size());
 }
 
 TEST_F(Study, WithoutAReferenceThereIsNoReport) {
@@ -193,6 +257,12 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
   EXPECT_FALSE(std::getline(csv, line));
   EXPECT_EQ(json["rows"][0]["noise2"].get<double>(), result->rows[0].squared_noise.value);
   const std::string text = markdown_text(*result, list_, context);
+  const ConfigurationSummary other = summarize(*result).back();
+  EXPECT_GT(other.compared_at, 0u);
+  char cost[64];
+  std::snprintf(cost, sizeof cost, "| lambert | %.2f | %llu |", other.cost_ratio,
+                static_cast<unsigned long long>(other.compared_at));
+  EXPECT_NE(text.find(cost), std::string::npos) << text;
   EXPECT_NE(text.find("Largest bias: **lambert**"), std::string::npos) << text;
   EXPECT_NE(text.find("refineLevel-1: no mesh"), std::string::npos);
   EXPECT_NE(text.find("late: there was no time"), std::string::npos);

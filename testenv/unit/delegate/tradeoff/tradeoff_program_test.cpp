@@ -23,11 +23,23 @@ class TradeoffProgram : public hd::description::SceneFiles {
     std::ifstream file(folder_ / name);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /// Half a second at 12x8, so that nobody waits.
+  /// Six seconds at 12x8: an idle machine has rows for a report after the first of them, a busy one by the end.
   std::vector<std::string> quick(const std::vector<std::string>& more) const {
-    std::vector<std::string> all{"wax.json", "-o", "out", "--budget", "0.02", "--size", "12x8", "--only", "lambert"};
+    std::vector<std::string> all{"wax.json", "-o", "out", "--budget", "0.1", "--size", "12x8", "--only", "lambert"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
+  }
+  /// Time for nothing but what is always rendered.
+  std::vector<std::string> hasty(const std::vector<std::string>& more) const {
+    std::vector<std::string> all = quick(more);
+    all[4] = "0.00001";
+    return all;
+  }
+  void write_sky(const std::string& pixel) const {
+    write("sky.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + pixel + "abc\x80");
+    write("wax.json", R"({"gltf": [{"file": "lit.gltf"}],
+                          "lights": [{"name": "sky", "type": "domeLight", "texture:file": "sky.hdr"}],
+                          "materials": [{"match": "skin", "set": {"scatterDistance": [0.2, 0.1, 0.05]}}]})");
   }
   void SetUp() override {
     SceneFiles::SetUp();
@@ -62,16 +74,40 @@ TEST_F(TradeoffProgram, MeasuresWritesAndGoesOn) {
 }
 
 TEST_F(TradeoffProgram, WhatDoesNotFitTheFolderIsRefused) {
-  ASSERT_EQ(run(quick({})).code, 0);
-  const Outcome size = run({"wax.json", "-o", "out", "--size", "13x8"});
-  EXPECT_EQ(size.code, 2);
-  EXPECT_HAS(size.err, "12x8");
-  EXPECT_HAS(size.err, "--restart");
-  const Outcome changed = run(quick({"--set", "materials/skin.roughness=0.1"}));
-  EXPECT_EQ(changed.code, 2);
-  EXPECT_HAS(changed.err, "--restart");
-  const Outcome anew = run(quick({"--set", "materials/skin.roughness=0.1", "--restart"}));
-  EXPECT_EQ(anew.code, 0);
+  write_sky("ABC\x80");
+  run(hasty({}));
+  EXPECT_HAS(run(hasty({})).err, "goes on with");
+  const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& because) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_HAS(outcome.err, because);
+    EXPECT_HAS(outcome.err, "--restart");
+  };
+  refuses({"wax.json", "-o", "out", "--budget", "0.00001", "--size", "13x8"}, "12x8");
+  refuses(hasty({"--set", "materials/skin.roughness=0.1"}), "before it was changed");
+  write_sky("ABD\x80");
+  refuses(hasty({}), "before it was changed");
+  write_sky("ABC\x80");
+  EXPECT_HAS(run(hasty({})).err, "goes on with");
+  auto state = nlohmann::json::parse(text_of("out/state/state.json"));
+  state["versions"] = "0.0.1";
+  write("out/state/state.json", state.dump());
+  refuses(hasty({}), "another version");
+  state.erase("versions");  // as a program wrote it that did not note them
+  write("out/state/state.json", state.dump());
+  refuses(hasty({}), "another version");
+  const Outcome anew = run(hasty({"--restart"}));
+  EXPECT_EQ(anew.err.find("holds a study"), std::string::npos) << anew.err;
+  EXPECT_HAS(run(hasty({})).err, "goes on with");
+}
+
+TEST_F(TradeoffProgram, TooShortATimeIsSaidAndNothingIsLost) {
+  const Outcome outcome = run(hasty({}));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_HAS(outcome.err, "--budget: ");
+  EXPECT_HAS(outcome.err, "minutes or more");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "tradeoff.csv"));
+  EXPECT_HAS(run(hasty({})).err, "goes on with 3 renders");  // one of the base, two of the reference
 }
 
 TEST_F(TradeoffProgram, WrongArgumentsEndAsWithOtherCommands) {
@@ -82,6 +118,10 @@ TEST_F(TradeoffProgram, WrongArgumentsEndAsWithOtherCommands) {
   EXPECT_EQ(run({"wax.json", "--budget", "nan"}).code, 2);
   EXPECT_EQ(run({"wax.json", "--size", "huge"}).code, 2);
   EXPECT_EQ(run({"wax.json", "--only", "("}).code, 2);
+  const Outcome typo = run({"wax.json", "--only", "lambret"});
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_HAS(typo.err, "walk, lambert, diffusion");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "wax_tradeoff"));
   EXPECT_EQ(run({"wax.json", "--set", "materials/skin.rougness=1", "-o", "out"}).code, 2);
   EXPECT_EQ(run({"missing.glb"}).code, 3);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "missing_tradeoff"));
