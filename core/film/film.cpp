@@ -251,6 +251,7 @@ void Film::store_tile(int tile, FilmTile pixels) {
   const auto i = static_cast<size_t>(tile);
   const std::lock_guard lock(locks_[i]);
   std::swap(tiles_[i], pixels);
+  ++revision_;
 }
 
 template <class T, class Write>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <mutex>
@@ -154,6 +155,8 @@ class Film {
   PixelRect tile_rect(int tile) const;
   FilmTile load_tile(int tile) const;
   void store_tile(int tile, FilmTile pixels);
+  /// Grows with every tile that is stored: equal numbers show equal pixels; 0: nothing yet. Any thread.
+  uint64_t revision() const { return revision_.load(); }
 
   /// Resolved values of the whole window, row-major, y-down; aov_components() values per pixel. An AOV that was not
   /// asked for resolves to its background value.
@@ -168,6 +171,7 @@ class Film {
   PixelRect window_;
   uint32_t aovs_ = 0;
   int tiles_x_ = 0, tiles_y_ = 0;
+  std::atomic<uint64_t> revision_{0};
   std::vector<FilmTile> tiles_;
   mutable std::vector<std::mutex> locks_;
 };

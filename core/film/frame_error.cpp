@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
 
 namespace alabaster {
 namespace {
@@ -178,11 +177,12 @@ Terms make_terms(const NoiseImage& image) {
   if (t.scales.empty()) return t;
   t.convergence = measure_convergence(pixels, t.scales);
   t.values.resize(pixels.size());
-  std::map<uint32_t, double> factors;
+  std::vector<double> factors;  // by number of samples; 0: not computed yet
   for (size_t i = 0; i < pixels.size(); ++i) {
-    double& factor = factors[pixels[i].samples];
-    if (factor == 0) factor = variance_per_difference(pixels[i].samples, t.convergence.law);
-    t.values[i] = factor * difference_of(pixels[i]) / t.scales[i];
+    const uint32_t n = pixels[i].samples;
+    if (n >= factors.size()) factors.resize(2 * size_t(n));
+    if (factors[n] == 0) factors[n] = variance_per_difference(n, t.convergence.law);
+    t.values[i] = factors[n] * difference_of(pixels[i]) / t.scales[i];
   }
   return t;
 }
@@ -231,10 +231,20 @@ std::vector<double> relative_squared_errors(const NoiseImage& image) {
   return all_have_two_samples(image) ? make_terms(image).values : std::vector<double>();
 }
 
-FrameError estimate_frame_error(const Film& film) {
+NoiseImage film_noise(const Film& film) {
   const PixelRect& window = film.data_window();
   if (window.empty()) return {};
-  return estimate_frame_error({window.width(), window.height(), film.noise()});
+  return {window.width(), window.height(), film.noise()};
+}
+
+FrameError estimate_frame_error(const Film& film) {
+  return estimate_frame_error(film_noise(film));
+}
+
+size_t frame_error_bytes(const PixelRect& window) {
+  if (window.empty()) return 0;
+  constexpr size_t kPixel = sizeof(PixelNoise) + 3 * sizeof(double);  // levels, scales, values
+  return kPixel * size_t(window.width()) * size_t(window.height());
 }
 
 float pixel_deviation(const PixelNoise& noise) {

@@ -36,11 +36,14 @@ struct NoiseImage {
   std::vector<PixelNoise> pixels;
 };
 
+/// Tiles that are being rendered may be ahead of others. Any thread.
+NoiseImage film_noise(const Film& film);
 FrameError estimate_frame_error(const NoiseImage& image);
 /// What each pixel adds to E^2 (times their number); empty if the frame is black or a pixel has less than two samples.
 std::vector<double> relative_squared_errors(const NoiseImage& image);
-/// Tiles that are being rendered may be ahead of others. Any thread.
 FrameError estimate_frame_error(const Film& film);
+/// Memory that it takes while it runs.
+size_t frame_error_bytes(const PixelRect& window);
 
 /// Standard deviation of a pixel's mean, from its own samples alone and as if these were independent: one pixel tells
 /// neither its noise nor its exponent well.

@@ -30,7 +30,8 @@ class SampleAllocation {
   }
 
  private:
-  std::vector<float> rates_;  // samples after the pilot for each of the frame's; their mean is one
+  std::vector<float> rates_;  // samples after the pilot for each of the frame's; their mean is one, or less where
+                              // most of the frame is black: no pixel gets more than 8
 };
 
 }  // namespace alabaster

@@ -90,8 +90,8 @@ struct RenderSession::State {
   void render(const RenderRequest& request);
   void run_rounds(const RenderRequest& request);
   void run_workers(const RenderRequest& request, const PassSchedule& schedule);
-  void look_at_error(const RenderRequest& request, uint32_t samples, const std::vector<PixelNoise>& noise);
-  bool end_groups(double target, const std::vector<PixelNoise>& noise);
+  void look_at_error(const RenderRequest& request, uint32_t samples, const NoiseImage& noise);
+  bool end_groups(double target, const NoiseImage& noise);
   void work(const RenderRequest& request, const PassSchedule& schedule);
   bool render_tile(const RenderRequest& request, const PathContext& context, const SampleRange& range, int tile);
   bool may_go_on();
@@ -228,7 +228,7 @@ void RenderSession::State::run_rounds(const RenderRequest& request) {
   SampleRange round{0, asks || deals ? std::min(settings.samples, kPilotSamples) : settings.samples};
   while (round.begin < round.end) {
     run_workers(request, make_pass_schedule(round));
-    const std::vector<PixelNoise> noise = film->noise();
+    const NoiseImage noise = film_noise(*film);
     look_at_error(request, round.end, noise);
     if (stop_requested || out_of_time) break;
     if (deals && round.begin == 0) {
@@ -240,14 +240,14 @@ void RenderSession::State::run_rounds(const RenderRequest& request) {
   }
   if (!ended_early.film) return;
   take_groups(*ended_early.film, ended_early.groups, film.get());
-  look_at_error(request, round.end, film->noise());
+  look_at_error(request, round.end, film_noise(*film));
 }
 
 // Whether all have ended.
-bool RenderSession::State::end_groups(double target, const std::vector<PixelNoise>& noise) {
+bool RenderSession::State::end_groups(double target, const NoiseImage& noise) {
   std::array<FrameError, kPixelGroups> errors;
   for (int g = 0; g < kPixelGroups; ++g)
-    errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film->data_window(), noise, g).noise);
+    errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film->data_window(), noise.pixels, g).noise);
   const uint32_t ending = stopping.decide(errors, target);
   if (stopping.all_ended()) return true;
   if (!ending) return false;
@@ -258,10 +258,8 @@ bool RenderSession::State::end_groups(double target, const std::vector<PixelNois
 }
 
 // Predicts the total, too.
-void RenderSession::State::look_at_error(const RenderRequest& request, uint32_t samples,
-                                         const std::vector<PixelNoise>& noise) {
-  const PixelRect& window = film->data_window();
-  const FrameError error = estimate_frame_error({window.width(), window.height(), noise});
+void RenderSession::State::look_at_error(const RenderRequest& request, uint32_t samples, const NoiseImage& noise) {
+  const FrameError error = estimate_frame_error(noise);
   const std::lock_guard lock(mutex);
   progress.noise = error;
   if (request.settings.target_error > 0 && error.known)

@@ -78,8 +78,9 @@ const std::vector<SettingParameter>& setting_parameters() {
   using S = RenderSettings;
   static const std::vector<SettingParameter> table{
       {"samples", "Camera samples per pixel, at most.", &S::samples, 1, 1048576},
-      {"targetError", "Relative RMSE of the noise at which the render ends; 0: samples alone decide.", &S::target_error,
-       0, 1},
+      {"targetError",
+       "Relative RMSE of the noise at which the render ends, within some per cent; 0: samples alone decide.",
+       &S::target_error, 0, 1},
       {"adaptive", "Deals the samples out by where the noise is: `samples` is their mean.", &S::adaptive},
       {"timeLimit",
        "Seconds after which the render ends; 0: none. The one setting whose picture depends on the machine.",

@@ -125,11 +125,11 @@ std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBu
   return store;
 }
 
-// Converts outside the lock. Of two Resolves at once, the one that saw more samples wins.
+// Converts outside the lock. Of two Resolves at once, the one that saw the later film wins.
 void BufferState::resolve() {
   BufferSource source;
   RenderBufferDescriptor description;
-  uint64_t binding = 0, samples = ~uint64_t(0);
+  uint64_t binding = 0;
   {
     const std::lock_guard lock(mutex_);
     if (!source_.film) return;
@@ -137,19 +137,18 @@ void BufferState::resolve() {
     description = effective_;
     binding = binding_;
   }
-  if (const auto session = source.session.lock())
-    if (session->film() == source.film) samples = session->progress().samples_done;
+  const uint64_t revision = source.film->revision();
   {
     const std::lock_guard lock(mutex_);
-    if (store_ && binding == store_binding_ && samples == store_samples_) return;
+    if (store_ && binding == store_binding_ && revision == store_revision_) return;
     // A render that has nothing to show yet does not wipe what is shown.
-    if (store_ && samples == 0) return;
+    if (store_ && revision == 0) return;
   }
   auto store = make_store(description, source);
   const std::lock_guard lock(mutex_);
-  if (binding < store_binding_ || (binding == store_binding_ && store_ && samples < store_samples_)) return;
+  if (binding < store_binding_ || (binding == store_binding_ && store_ && revision < store_revision_)) return;
   store_binding_ = binding;
-  store_samples_ = samples;
+  store_revision_ = revision;
   const bool same = store_ && store_->description == store->description && store_->pixels == store->pixels;
   if (same) return;
   store_ = std::move(store);

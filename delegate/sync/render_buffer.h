@@ -10,15 +10,13 @@
 #include <mutex>
 
 #include "core/film/film.h"
-#include "core/session/render_session.h"
 #include "delegate/sync/render_param.h"
 
 namespace alabaster::hd::sync {
 
-/// What a buffer shows: an AOV of a film. The session is only asked how far it has come.
+/// What a buffer shows: an AOV of a film.
 struct BufferSource {
   std::shared_ptr<const Film> film;
-  std::weak_ptr<const RenderSession> session;
   Aov aov = Aov::color;
   int buffer_x = 0, buffer_y = 0;  // of the film's pixel (0, 0), y-down
   Value clear;
@@ -60,7 +58,7 @@ class BufferState {
   uint64_t allocation_ = 0, generation_ = 0, binding_ = 0;
   BufferSource source_;
   std::shared_ptr<const Store> store_;
-  uint64_t store_binding_ = 0, store_samples_ = 0;  // what the store shows
+  uint64_t store_binding_ = 0, store_revision_ = 0;  // what the store shows
   std::vector<std::shared_ptr<const Store>> mapped_;
   int map_count_ = 0;
   std::atomic<bool> converged_{false};

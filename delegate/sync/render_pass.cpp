@@ -28,8 +28,8 @@ bool is_reasonable(const Framing& framing) {
          near_zero(static_cast<float>(d.maxY)) && std::isfinite(framing.pixelAspectRatio);
 }
 
-// The film (twice where an error ends the render: pixels that ended early are kept aside), and each bound buffer twice:
-// what it shows and what is being resolved (or the host's copy).
+// The film (twice where an error ends the render: pixels that ended early are kept aside), what estimating its error
+// takes for a moment, and each bound buffer twice: what it shows and what is being resolved (or the host's copy).
 double frame_bytes(const PassInputs& in) {
   uint32_t aovs = 0;
   double bytes = 0;
@@ -39,7 +39,9 @@ double frame_bytes(const PassInputs& in) {
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
   const double films = in.settings.target_error > 0 ? 2 : 1;
-  return bytes + (aovs ? films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) : 0.0);
+  if (!aovs) return bytes;
+  return bytes + films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) +
+         static_cast<double>(frame_error_bytes(in.framed.data_window));
 }
 
 // Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
@@ -136,7 +138,7 @@ void PassControl::start(PassInputs next) {
   session_->start(request);
   for (const auto& binding : running_.bindings)
     binding.buffer->bind(
-        {session_->film(), session_, binding.aov, running_.framed.buffer_x, running_.framed.buffer_y, binding.clear});
+        {session_->film(), binding.aov, running_.framed.buffer_x, running_.framed.buffer_y, binding.clear});
   // A pause from before the first render holds it; a later restart ends the pause.
   if (core_->is_paused() && first)
     session_->pause();
