@@ -39,7 +39,7 @@ def bias(rows, name):
     row = rows[name]
     # An interval that holds zero shows no bias: it says how large one could be.
     if row["bias2Low"] <= 0:
-        return f"< {100 * max(0.0, row['bias2High']) ** 0.5:.1f} %"
+        return f"< {100 * row['bias2High'] ** 0.5:.1f} %" if row["bias2High"] > 0 else "none seen"
     return f"{100 * row['bias2'] ** 0.5:.1f} %"
 
 
