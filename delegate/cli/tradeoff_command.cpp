@@ -48,7 +48,8 @@ std::string image_checksums(const std::map<hd::Token, hd::Value>& parameters) {
 }
 
 /// Of what the scene is, whatever file it is from: the renderer's own account of it, the shapes, and the images of
-/// textures and lights. It does not see primvars other than points: normals, UVs and colours.
+/// textures and lights. It does not see the values of normals and UVs, creases, how a texture is wrapped and in which
+/// colour space it is, nor the OCIO config.
 std::string scene_hash(const SceneSession& session) {
   std::string text = session.delegate()->InvokeCommand("dumpScene", {}).text_or("");
   for (const auto& [path, light] : session.scene.GetLights()) text += image_checksums(light.parameters) + "\n";
