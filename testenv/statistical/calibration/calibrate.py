@@ -198,17 +198,20 @@ def print_adaptive(bench):
     o = bench.options
     print(f"\n## Adaptive sampling\n\n{o.adaptive_seeds} pairs of renders a row. Error^2 x CPU seconds does not depend on how "
           "long one renders, so its ratio says who wins at equal time: below 1 adaptive sampling does. ± standard error.\n")
-    print("| scene | samples per pixel | error, uniform | error^2, adaptive : uniform | CPU | error^2 x CPU | verdict |")
-    print("|--|--|--|--|--|--|--|")
+    print("| scene | samples per pixel | error, uniform | error^2, adaptive : uniform | CPU | error^2 x CPU | verdict | inside, adaptive |")
+    print("|--|--|--|--|--|--|--|--|")
+    inside = total = 0
     for scene in o.scene:
         for spp in o.adaptive_spp:
-            pairs = {"error": [], "cpu": [], "product": []}
+            pairs, hits = {"error": [], "cpu": [], "product": []}, 0
             for seed in range(1, o.adaptive_seeds + 1):
                 both = []
                 for word in ("true", "false"):
                     squared, stats = bench.true_squared_error(scene, f"adaptive-{word}-{o.size}-{spp}-{seed}",
                                                               ["--spp", spp, "--seed", seed, "--set", f"adaptive={word}"])
                     both.append((squared, stats["phases"]["render"]["cpu"]))
+                    if word == "true":
+                        hits += stats["error"]["low95"] <= math.sqrt(max(0.0, squared)) <= stats["error"]["high95"]
                 pairs["error"].append((both[0][0], both[1][0]))
                 pairs["cpu"].append((both[0][1], both[1][1]))
                 pairs["product"].append((both[0][0] * both[0][1], both[1][0] * both[1][1]))
@@ -217,7 +220,9 @@ def print_adaptive(bench):
             verdict = "wins" if distance < -2 else "loses" if distance > 2 else "no difference seen"
             uniform = math.sqrt(max(0.0, statistics.fmean(p[1] for p in pairs["error"])))
             print(f"| {scene.stem} | {spp} | {uniform:.4f} | {error[0]:.3f} ± {error[1]:.3f} | {cpu[0]:.3f} ± {cpu[1]:.3f} "
-                  f"| {product[0]:.3f} ± {product[1]:.3f} | {verdict} |", flush=True)
+                  f"| {product[0]:.3f} ± {product[1]:.3f} | {verdict} | {hits} of {o.adaptive_seeds} |", flush=True)
+            inside, total = inside + hits, total + o.adaptive_seeds
+    print(f"\n{inside} of {total} true errors of adaptive renders lie within the interval that they report.")
 
 
 QUICK = ["--scene", str(ROOT / "testenv/scenes/sample/sample.json"), *"""--size 12x8 --reference 256 --seeds 2 --target 0.3
