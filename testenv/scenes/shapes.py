@@ -41,7 +41,7 @@ def cube_sphere(n, point_of):
     return mesh
 
 
-def fan_cap(mesh, base, sides, centre, bottom):
+def fan_cap(mesh, base, sides, centre, bottom, uv=(0.5, 0.0)):
     """Closes a ring of an even number of points with quads around one point."""
     mesh.points.append(centre)
     middle = len(mesh.points) - 1
@@ -50,7 +50,7 @@ def fan_cap(mesh, base, sides, centre, bottom):
         if bottom:
             quad.reverse()
         mesh.quads.append(quad)
-        mesh.uvs.append([(0.5, 0.0)] * 4)
+        mesh.uvs.append([uv] * 4)
 
 
 def lathe(profile, sides=16, radius_of=None):

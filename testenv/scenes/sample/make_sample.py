@@ -11,6 +11,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from gltf_writer import Document, Mesh, png  # noqa: E402
+from shapes import fan_cap, placed, unit  # noqa: E402
 
 random.seed(2016)
 
@@ -29,11 +30,6 @@ def sub(a, b):
 
 def cross(a, b):
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def unit(a):
-    n = math.sqrt(sum(x * x for x in a))
-    return scale(a, 1 / n)
 
 
 def petal(length, width, lean, curl, cup):
@@ -109,21 +105,9 @@ def pod():
             ring.append((r * math.cos(a), y + lift, -r * math.sin(a)))
         rings.append(ring)
     first = mesh.add_grid(rings, closed_u=True)
-    fan_cap(mesh, first, sides, (0, -0.001, 0), bottom=True)
-    fan_cap(mesh, first + (len(profile) - 1) * sides, sides, (0, 0.0286, 0), bottom=False)
+    fan_cap(mesh, first, sides, (0, -0.001, 0), bottom=True, uv=(0.0, 0.0))
+    fan_cap(mesh, first + (len(profile) - 1) * sides, sides, (0, 0.0286, 0), bottom=False, uv=(0.0, 0.0))
     return mesh
-
-
-def fan_cap(mesh, base, sides, centre, bottom):
-    """Closes a ring of an even number of points with quads around one point."""
-    mesh.points.append(centre)
-    middle = len(mesh.points) - 1
-    for j in range(0, sides, 2):
-        quad = [base + j, base + j + 1, base + (j + 2) % sides, middle]
-        if bottom:
-            quad.reverse()
-        mesh.quads.append(quad)
-        mesh.uvs.append([(0.0, 0.0)] * 4)
 
 
 def stamen():
@@ -136,8 +120,8 @@ def stamen():
                       for j in range(sides)])
     mesh = Mesh()
     first = mesh.add_grid(rings, lambda i, j: (0.5, profile[i][0]), closed_u=True)
-    fan_cap(mesh, first, sides, (0, -0.0003, 0), bottom=True)
-    fan_cap(mesh, first + (len(profile) - 1) * sides, sides, (0.0205, 0.0304, 0), bottom=False)
+    fan_cap(mesh, first, sides, (0, -0.0003, 0), bottom=True, uv=(0.0, 0.0))
+    fan_cap(mesh, first + (len(profile) - 1) * sides, sides, (0.0205, 0.0304, 0), bottom=False, uv=(0.0, 0.0))
     return mesh
 
 
@@ -190,15 +174,6 @@ def petal_colour(x, y, size=192):
     white, pink, yellow = (0.985, 0.955, 0.915), (0.94, 0.50, 0.60), (0.93, 0.92, 0.62)
     claw = max(0.0, 1 - s / 0.22) ** 1.5 * 0.7
     return tuple((w * (1 - rose) + p * rose) * (1 - claw) + g * claw for w, p, g in zip(white, pink, yellow))
-
-
-def placed(azimuth, tilt=0.0, size=1.0, at=(0.0, 0.0, 0.0)):
-    """Column-major matrix: scale, lean by `tilt` towards +x, turn by `azimuth` about y, move."""
-    ca, sa, ct, st = math.cos(azimuth), math.sin(azimuth), math.cos(tilt), math.sin(tilt)
-    x = (ca * ct * size, -st * size, -sa * ct * size)
-    y = (ca * st * size, ct * size, -sa * st * size)
-    z = (sa * size, 0.0, ca * size)
-    return [*x, 0.0, *y, 0.0, *z, 0.0, *at, 1.0]
 
 
 def build(path):

@@ -177,7 +177,7 @@ TEST_F(QualityPresetsTest, WereMeasuredOnEveryBundledScene) {
   std::string missing;
   for (const std::string& name : scenes)
     if (!measured.contains(name)) missing += " " + name;
-  if (!missing.empty()) GTEST_SKIP() << "The presets have not been measured on:" << missing;
+  EXPECT_EQ(missing, "") << "measure the presets on them: testenv/statistical/results/README.md";
 }
 
 }  // namespace
