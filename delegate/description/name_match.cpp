@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "delegate/host/nearest_name.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -25,7 +25,7 @@ std::string without_index(const std::string& name) {
 }  // namespace
 
 std::string suggestion(const std::string& name, const std::vector<std::string>& candidates) {
-  const std::string nearest = host::NearestName(name, candidates);
+  const std::string nearest = support::NearestName(name, candidates);
   return nearest.empty() ? "" : " Did you mean '" + nearest + "'?";
 }
 

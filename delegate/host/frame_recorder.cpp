@@ -11,7 +11,7 @@
 #include <set>
 #include <thread>
 
-#include "delegate/sync/process_usage.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -38,7 +38,7 @@ class Phase {
   ~Phase() {
     quietly([&] {
       (*stats_)[name_ + ".wall"] = seconds_since(wall_);
-      (*stats_)[name_ + ".cpu"] = sync::process_cpu_seconds() - cpu_;
+      (*stats_)[name_ + ".cpu"] = support::process_cpu_seconds() - cpu_;
     });
   }
   Phase(const Phase&) = delete;
@@ -48,7 +48,7 @@ class Phase {
   Dictionary* stats_;
   std::string name_;
   Clock::time_point wall_ = Clock::now();
-  double cpu_ = sync::process_cpu_seconds();
+  double cpu_ = support::process_cpu_seconds();
 };
 
 /// Stops the delegate as soon as the host cancels, while the calling thread is inside Sync.

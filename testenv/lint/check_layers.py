@@ -45,7 +45,7 @@ def faults(path, text):
             yield where + "the library must not see its tests"
         if public_header and target[0] == "core":
             yield where + "installed headers must not need core"
-        if parts[0] == "delegate" and parts[1] in HOSTS and (target[0] == "core" or target[:2] == ["delegate", "sync"]):
+        if parts[0] == "delegate" and parts[1] in HOSTS and (target[0] == "core" or target[:2] in (["delegate", "prims"], ["delegate", "rendering"], ["delegate", "support"])):
             yield where + "the program uses the public contract only"
         if parts[0] == "delegate" and parts[1] == "tradeoff" and target[:2] == ["delegate", "cli"]:
             yield where + "the measurements must not know the program"

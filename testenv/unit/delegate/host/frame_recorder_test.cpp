@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <thread>
 
-#include "testenv/unit/delegate/sync/stage.h"
+#include "testenv/support/stage.h"
 
 namespace alabaster::hd::host {
 namespace {

@@ -1,0 +1,49 @@
+#include "core/camera/camera.h"
+
+#include "delegate/prims/parameters.h"
+#include "delegate/prims/prims.h"
+
+namespace alabaster::hd::sync {
+namespace {
+
+void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::DiagnosticSink& sink,
+                     CameraParameters* camera) {
+  const CameraParameters defaults;
+  for (const auto& parameter : camera_parameters()) {
+    const Value value = scene.GetCameraParamValue(id, parameter.name);
+    set_parameter(parameter, get_parameter(parameter, defaults), camera);
+    if (!value.empty()) report_fault(sink, id.str(), parameter.name, set_parameter(parameter, value, camera), value);
+  }
+  const std::string projection = scene.GetCameraParamValue(id, "projection").text_or("perspective");
+  camera->orthographic = projection == "orthographic";
+  if (!camera->orthographic && projection != "perspective")
+    alabaster::report(sink, alabaster::Severity::warning, "camera.projection", id.str(),
+                      "projection '" + projection + "' is not known; perspective is used");
+  const Value range = scene.GetCameraParamValue(id, "clippingRange");
+  const auto* near_far = range.get<Vec2f>();
+  const bool valid =
+      near_far && near_far->x >= 0 && near_far->y >= 0 && (near_far->y == 0 || near_far->y > near_far->x);
+  camera->clip_near = valid ? near_far->x : 0;
+  camera->clip_far = valid ? near_far->y : 0;
+  if (!range.empty() && !valid)
+    alabaster::report(sink, alabaster::Severity::warning, "camera.clippingRange", id.str(),
+                      "clippingRange must be near and far with 0 <= near < far; nothing is clipped");
+}
+
+}  // namespace
+
+void CameraPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
+  SceneParam& param = SceneParam::of(render_param);
+  const bool synced = guarded(param.sink(), GetId().str(), [&] {
+    if (*bits & dirty::kTransform) camera_.camera_to_world = scene->GetTransform(GetId());
+    if (*bits & dirty::kParams) pull_parameters(*scene, GetId(), param.sink(), &camera_);
+    param.post(GetId(), CameraRecord{camera_});
+  });
+  if (synced) *bits = dirty::kClean;
+}
+
+void CameraPrim::Finalize(RenderParam* param) {
+  SceneParam::of(param).remove(GetId());
+}
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,25 @@
+#include "delegate/prims/diagnostics.h"
+
+namespace alabaster::hd::sync {
+
+alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
+  if (!host) return {};
+  return [host](const alabaster::Diagnostic& d) {
+    try {
+      host({static_cast<hd::Severity>(d.severity), d.code, d.where, d.text});
+    } catch (...) {
+      // A sink that fails has nobody left to be told.
+    }
+  };
+}
+
+void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept {
+  try {
+    alabaster::report(sink, alabaster::Severity::error, "delegate.exception", std::string(where),
+                      std::string("failed: ") + what + "; what was there before is kept");
+  } catch (...) {
+    // Memory has run out altogether.
+  }
+}
+
+}  // namespace alabaster::hd::sync

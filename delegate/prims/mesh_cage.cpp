@@ -1,0 +1,158 @@
+#include "delegate/prims/mesh_cage.h"
+
+#include <utility>
+
+namespace alabaster::hd::sync {
+namespace {
+
+struct Reporter {
+  const alabaster::DiagnosticSink& sink;
+  const std::string& where;
+  void warn(const char* code, const std::string& text) const {
+    alabaster::report(sink, alabaster::Severity::warning, code, where, text);
+  }
+};
+
+template <class Enum>
+Enum word(const Token& token, std::initializer_list<std::pair<const char*, Enum>> words, Enum otherwise,
+          const char* what, const Reporter& reporter) {
+  if (token.empty()) return otherwise;
+  for (const auto& [name, value] : words)
+    if (token.str() == name) return value;
+  reporter.warn("mesh.token", std::string(what) + " '" + token.str() + "' is not known; the default is used");
+  return otherwise;
+}
+
+template <class T>
+std::vector<T> copy(const Array<T>& array) {
+  return std::vector<T>(array.begin(), array.end());
+}
+
+bool draws(const GeomSubset& subset) {
+  return !subset.materialId.empty() && !subset.indices.empty();
+}
+
+void set_tags(const PulledMesh& mesh, const Reporter& reporter, Cage* cage) {
+  const SubdivTags& t = mesh.tags;
+  cage->scheme = word<SubdivisionScheme>(mesh.topology.scheme,
+                                         {{"none", SubdivisionScheme::none},
+                                          {"catmullClark", SubdivisionScheme::catmull_clark},
+                                          {"loop", SubdivisionScheme::loop},
+                                          {"bilinear", SubdivisionScheme::bilinear}},
+                                         SubdivisionScheme::none, "subdivision scheme", reporter);
+  cage->left_handed = word<bool>(mesh.topology.orientation, {{"rightHanded", false}, {"leftHanded", true}}, false,
+                                 "orientation", reporter);
+  cage->boundary_rule = word<BoundaryRule>(t.interpolateBoundary,
+                                           {{"none", BoundaryRule::none},
+                                            {"edgeOnly", BoundaryRule::edge_only},
+                                            {"edgeAndCorner", BoundaryRule::edge_and_corner}},
+                                           BoundaryRule::edge_and_corner, "interpolateBoundary", reporter);
+  cage->face_varying_rule =
+      word<FaceVaryingRule>(t.faceVaryingLinearInterpolation,
+                            {{"all", FaceVaryingRule::all},
+                             {"none", FaceVaryingRule::none},
+                             {"boundaries", FaceVaryingRule::boundaries},
+                             {"cornersOnly", FaceVaryingRule::corners_only},
+                             {"cornersPlus1", FaceVaryingRule::corners_plus1},
+                             {"cornersPlus2", FaceVaryingRule::corners_plus2}},
+                            FaceVaryingRule::corners_plus1, "faceVaryingLinearInterpolation", reporter);
+  cage->crease_method =
+      word<CreaseMethod>(t.creaseMethod, {{"uniform", CreaseMethod::uniform}, {"chaikin", CreaseMethod::chaikin}},
+                         CreaseMethod::uniform, "creaseMethod", reporter);
+  cage->triangle_subdivision = word<TriangleSubdivision>(
+      t.triangleSubdivision,
+      {{"catmullClark", TriangleSubdivision::catmull_clark}, {"smooth", TriangleSubdivision::smooth}},
+      TriangleSubdivision::catmull_clark, "triangleSubdivision", reporter);
+  cage->crease_indices = copy(t.creaseIndices);
+  cage->crease_lengths = copy(t.creaseLengths);
+  cage->crease_sharpnesses = copy(t.creaseWeights);
+  cage->corner_indices = copy(t.cornerIndices);
+  cage->corner_sharpnesses = copy(t.cornerWeights);
+}
+
+template <class T>
+alabaster::Primvar<T> primvar(const PulledPrimvar& pulled, const char* name, const Reporter& reporter) {
+  alabaster::Primvar<T> out;
+  if (!pulled.present || pulled.value.empty()) return out;
+  const auto* values = pulled.value.get<Array<T>>();
+  if (!values) {
+    reporter.warn("mesh.primvar.type", std::string("primvar ") + name + " has an unexpected type; it is left out");
+    return out;
+  }
+  switch (pulled.interpolation) {
+    case hd::Interpolation::vertex:
+    case hd::Interpolation::varying:
+      out.interpolation = alabaster::Interpolation::vertex;
+      break;
+    case hd::Interpolation::faceVarying:
+      out.interpolation = alabaster::Interpolation::face_varying;
+      break;
+    default:
+      reporter.warn("mesh.primvar.interpolation",
+                    std::string("primvar ") + name + " must be vertex, varying or faceVarying; it is left out");
+      return out;
+  }
+  out.values = copy(*values);
+  out.indices = copy(pulled.indices);
+  return out;
+}
+
+// Where subsets overlap, the later one wins.
+std::vector<int> face_materials(const MeshTopology& topology, const Reporter& reporter) {
+  std::vector<int> slots;
+  int slot = 0;
+  size_t outside = 0;
+  for (const GeomSubset& subset : topology.geomSubsets) {
+    if (!draws(subset)) continue;
+    ++slot;
+    slots.resize(topology.faceVertexCounts.size(), 0);
+    for (const int32_t face : subset.indices) {
+      if (face >= 0 && static_cast<size_t>(face) < slots.size())
+        slots[static_cast<size_t>(face)] = slot;
+      else
+        ++outside;
+    }
+  }
+  if (outside)
+    reporter.warn("mesh.subset.range", std::to_string(outside) + " faces of subsets do not exist; they are ignored");
+  return slots;
+}
+
+}  // namespace
+
+Cage make_cage(const PulledMesh& mesh, const std::string& where, const alabaster::DiagnosticSink& sink) {
+  const Reporter reporter{sink, where};
+  Cage cage;
+  set_tags(mesh, reporter, &cage);
+  cage.face_vertex_counts = copy(mesh.topology.faceVertexCounts);
+  cage.face_vertex_indices = copy(mesh.topology.faceVertexIndices);
+  cage.hole_indices = copy(mesh.topology.holeIndices);
+  cage.face_material = face_materials(mesh.topology, reporter);
+  if (const auto* points = mesh.points.value.get<Array<Vec3f>>())
+    cage.points = copy(*points);
+  else if (!mesh.points.value.empty())
+    reporter.warn("mesh.points.type", "points must be an array of three floats each; nothing is drawn");
+  cage.normals = primvar<Vec3f>(mesh.normals, "normals", reporter);
+  cage.uv = primvar<Vec2f>(mesh.st, "st", reporter);
+  return cage;
+}
+
+std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material) {
+  std::vector<Path> materials{material};
+  for (const GeomSubset& subset : topology.geomSubsets)
+    if (draws(subset)) materials.push_back(subset.materialId);
+  return materials;
+}
+
+bool same_shape(const MeshTopology& a, const MeshTopology& b) {
+  if (!(a.scheme == b.scheme && a.orientation == b.orientation && a.faceVertexCounts == b.faceVertexCounts &&
+        a.faceVertexIndices == b.faceVertexIndices && a.holeIndices == b.holeIndices) ||
+      a.geomSubsets.size() != b.geomSubsets.size())
+    return false;
+  for (size_t i = 0; i < a.geomSubsets.size(); ++i)
+    if (draws(a.geomSubsets[i]) != draws(b.geomSubsets[i]) || !(a.geomSubsets[i].indices == b.geomSubsets[i].indices))
+      return false;
+  return true;
+}
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,75 @@
+#include "delegate/prims/render_param.h"
+
+namespace alabaster::hd::sync {
+
+SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
+                       std::shared_ptr<const ColorConfig> colors)
+    : sink_(std::move(sink)), device_(std::move(device)), colors_(std::move(colors)) {}
+
+SceneParam::~SceneParam() = default;
+
+// Two materials that ask for one image at the same moment both decode it, and one copy is kept: waiting for each other
+// inside Sync could make a thread wait for work that it has itself put aside.
+std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source) {
+  const auto held = [&]() -> std::shared_ptr<const Texture> {
+    const auto [first, last] = textures_.equal_range(source.path);
+    for (auto it = first; it != last; ++it)
+      if (it->second.source == source)
+        if (auto texture = it->second.texture.lock()) return texture;
+    return nullptr;
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto texture = held()) return texture;
+  }
+  std::shared_ptr<const Texture> loaded;
+  run([&] { loaded = load_texture(source, *colors_, sink_); });
+  if (!loaded) return nullptr;
+  const std::lock_guard lock(mutex_);
+  if (auto texture = held()) return texture;
+  std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
+  textures_.emplace(source.path, HeldTexture{source, loaded});
+  return loaded;
+}
+
+std::shared_ptr<tbb::task_arena> SceneParam::arena() {
+  const std::lock_guard lock(mutex_);
+  const uint32_t threads = threads_;
+  if (!arena_ || arena_threads_ != threads) {
+    arena_ = std::make_shared<tbb::task_arena>(threads ? static_cast<int>(threads) : tbb::task_arena::automatic);
+    arena_threads_ = threads;
+  }
+  return arena_;
+}
+
+void SceneParam::post(const Path& id, Record record) {
+  Shard& shard = shards_[(id.hash() >> 5) % shards_.size()];
+  const std::lock_guard lock(shard.mutex);
+  shard.edits.push_back({id, std::move(record)});
+  ++edits_;
+}
+
+void SceneParam::remove(const Path& id) noexcept {
+  guarded(sink_, id.str(), [&] { post(id, {}); });
+}
+
+std::vector<Edit> SceneParam::take_edits() {
+  std::vector<Edit> all;
+  for (Shard& shard : shards_) {
+    std::vector<Edit> taken;
+    {
+      const std::lock_guard lock(shard.mutex);
+      taken.swap(shard.edits);
+      edits_ -= taken.size();
+    }
+    for (Edit& edit : taken) all.push_back(std::move(edit));
+  }
+  return all;
+}
+
+void SceneParam::keep(std::shared_ptr<const void> mapped) {
+  const std::lock_guard lock(mutex_);
+  kept_.push_back(std::move(mapped));
+}
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,85 @@
+// The one channel from prims to the renderer: services that Sync needs, and the edit transaction that it fills.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <mutex>
+
+#include <tbb/task_arena.h>
+
+#include "core/color/color_config.h"
+#include "delegate/api/prims.h"
+#include "delegate/prims/diagnostics.h"
+#include "delegate/prims/records.h"
+#include "delegate/prims/sync_clock.h"
+
+namespace alabaster::hd::sync {
+
+struct Edit {
+  Path id;
+  Record record;  // monostate: the prim is gone
+};
+
+class SceneParam final : public RenderParam {
+ public:
+  SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
+             std::shared_ptr<const ColorConfig> colors);
+  ~SceneParam() override;
+  static SceneParam& of(RenderParam* param) { return *static_cast<SceneParam*>(param); }
+
+  // Services, from any thread.
+  const alabaster::DiagnosticSink& sink() const { return sink_; }
+  const std::shared_ptr<TraceDevice>& device() const { return device_; }
+  const ColorConfig& colors() const { return *colors_; }
+  /// Shared by all materials and lights that name the same image; null (and reported) if it cannot be had.
+  std::shared_ptr<const Texture> texture(const TextureSource& source);
+  /// Runs heavy Sync work in the delegate's own arena: never in the host's, never on more than `threads` threads.
+  template <class F>
+  void run(F&& work) {
+    arena()->execute(work);
+  }
+  void set_threads(uint32_t threads) { threads_ = threads; }
+  /// Stop also ends what Sync is building; the prim stays dirty.
+  void set_cancelled(bool cancelled) { cancelled_ = cancelled; }
+  bool cancelled() const { return cancelled_; }
+
+  // The edit transaction.
+  void post(const Path& id, Record record);
+  /// The prim is gone. Never throws: Finalize is the last that is heard of a prim.
+  void remove(const Path& id) noexcept;
+  bool has_edits() const { return edits_.load() != 0; }
+  /// All edits since the last call; those of one prim in the order in which it posted them.
+  std::vector<Edit> take_edits();
+
+  /// Keeps what a host may still have mapped when its buffer died: nothing can be unmapped any more, so it is kept
+  /// until the delegate dies.
+  void keep(std::shared_ptr<const void> mapped);
+
+  SyncClock clock;
+
+ private:
+  struct Shard {
+    std::mutex mutex;
+    std::vector<Edit> edits;
+  };
+  struct HeldTexture {
+    TextureSource source;
+    std::weak_ptr<const Texture> texture;
+  };
+  std::shared_ptr<tbb::task_arena> arena();
+
+  alabaster::DiagnosticSink sink_;
+  std::shared_ptr<TraceDevice> device_;
+  std::shared_ptr<const ColorConfig> colors_;
+  std::atomic<uint32_t> threads_{0};
+  std::atomic<bool> cancelled_{false};
+  std::atomic<size_t> edits_{0};
+  std::array<Shard, 16> shards_;
+  std::mutex mutex_;  // guards what follows, for look-ups only
+  std::multimap<std::string, HeldTexture> textures_;
+  std::shared_ptr<tbb::task_arena> arena_;
+  uint32_t arena_threads_ = 0;
+  std::vector<std::shared_ptr<const void>> kept_;
+};
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,130 @@
+// The translated scene as text: for goldens, and for people who ask what the renderer was given.
+#include "delegate/prims/parameters.h"
+#include "delegate/prims/scene_translation.h"
+
+namespace alabaster::hd::sync {
+namespace {
+
+std::string yes_no(bool b) {
+  return b ? "yes" : "no";
+}
+
+template <class T>
+std::string parameter_lines(std::span<const Parameter<T>> table, const T& object) {
+  std::string text;
+  for (const auto& parameter : table)
+    text += std::string("  ") + parameter.name + " " + get_parameter(parameter, object).to_string() + "\n";
+  return text;
+}
+
+std::string texture_text(const std::shared_ptr<const Texture>& texture) {
+  return texture ? std::to_string(texture->width()) + "x" + std::to_string(texture->height()) : std::string("none");
+}
+
+std::string matrix_line(const Matrix4d& m) {
+  return "  transform " + Value(m).to_string() + "\n";
+}
+
+std::string instance_text(const InstanceDescription& instance, const Path* materials) {
+  const Mesh& mesh = instance.prototype->mesh;
+  std::string text = "instance " + instance.name + " prim " + std::to_string(instance.prim_id) + " instance " +
+                     std::to_string(instance.instance_id) + "\n" + matrix_line(instance.object_to_world);
+  text += "  mesh points " + std::to_string(mesh.points.size()) + " triangles " +
+          std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
+          yes_no(!mesh.uvs.empty()) + " closed " + yes_no(mesh.closed) + "\n";
+  if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
+  for (size_t i = 0; i < instance.materials.size(); ++i)
+    text += "  material " + std::to_string(i) + " " + (materials[i].empty() ? "default" : materials[i].str()) + "\n";
+  return text;
+}
+
+const char* type_name(LightType type) {
+  switch (type) {
+    case LightType::rect:
+      return "rectLight";
+    case LightType::sphere:
+      return "sphereLight";
+    case LightType::distant:
+      return "distantLight";
+    case LightType::dome:
+      return "domeLight";
+  }
+  return "";
+}
+
+std::string camera_text(const Path& path, const CameraParameters& camera) {
+  return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + "  projection " +
+         (camera.orthographic ? "orthographic" : "perspective") + "\n" + parameter_lines(camera_parameters(), camera) +
+         "  clippingRange " + Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n";
+}
+
+// "named skin: 3 objects, material /m/wax: 2 objects".
+std::string subsurface_sets(const Translation& translation) {
+  std::map<std::string, size_t> sizes;
+  for (const auto& instance : translation.scene.instances)
+    if (!instance.subsurface_set.empty()) ++sizes[instance.subsurface_set];
+  std::string text;
+  for (const auto& [name, size] : sizes)
+    text += (text.empty() ? "" : ", ") + name + ": " + std::to_string(size) + " objects";
+  return text;
+}
+
+std::string first_material(const Translation& translation, bool (*is)(const DisneyMaterial&)) {
+  for (const auto& instance : translation.scene.instances)
+    for (const auto& material : instance.materials)
+      if (is(*material)) return "material " + material->name + " of " + instance.name;
+  return "";
+}
+
+}  // namespace
+
+std::string dump_scene(const Translation& translation, const Records& records) {
+  std::string text;
+  const Path* materials = translation.material_paths.data();
+  std::map<std::string, const DisneyMaterial*> used;
+  for (const auto& instance : translation.scene.instances) {
+    text += instance_text(instance, materials);
+    materials += instance.materials.size();
+    for (const auto& material : instance.materials) used[material->name] = material.get();
+  }
+  for (const auto& [name, material] : used)
+    text += "material " + name + "\n" + parameter_lines(material_parameters(), material->constants) +
+            "  baseColor texture " + texture_text(material->base_color_map) + "\n  scatterDistance texture " +
+            texture_text(material->scatter_distance_map) + "\n";
+  for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
+    const auto& light = translation.scene.lights[i];
+    text += std::string(type_name(light.type)) + " " + translation.light_paths[i].str() + "\n" +
+            matrix_line(light.light_to_world) + parameter_lines(light_parameters(), light) + "  texture " +
+            texture_text(light.texture) + "\n";
+  }
+  for (const auto& [path, record] : records)
+    if (const auto* camera = std::get_if<CameraRecord>(&record)) text += camera_text(path, camera->camera);
+  return text;
+}
+
+std::string describe_requirements(const SceneSnapshot& snapshot, const Translation& translation) {
+  std::string text;
+  const auto line = [&](const char* what, bool required, const std::string& reason) {
+    text +=
+        std::string(what) + ": " + yes_no(required) + (required && !reason.empty() ? " (" + reason + ")" : "") + "\n";
+  };
+  line("subsurface", snapshot.features.subsurface,
+       first_material(translation, [](const DisneyMaterial& m) { return m.scatters(); }));
+  const std::string sets = subsurface_sets(translation);
+  line("subsurface sets", !sets.empty(), sets);
+  line("emissive meshes", snapshot.features.emissive_meshes,
+       first_material(translation, [](const DisneyMaterial& m) { return m.emits(); }));
+  line("textures", snapshot.features.textures,
+       first_material(translation, [](const DisneyMaterial& m) { return m.base_color_map || m.scatter_distance_map; }));
+  std::string smooth;
+  for (const auto& instance : translation.scene.instances)
+    if (smooth.empty() && !instance.prototype->mesh.normals.empty()) smooth = instance.name;
+  line("smooth normals", snapshot.features.smooth_normals, smooth);
+  text += "instances: " + std::to_string(snapshot.instances.size()) + " of " +
+          std::to_string(snapshot.prototypes.size()) + " meshes\n";
+  text += "lights: " + std::to_string(snapshot.lights.size()) + "\n";
+  text += "memory: " + std::to_string(snapshot.memory_bytes) + " bytes\n";
+  return text;
+}
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,113 @@
+#include "delegate/rendering/pixel_format.h"
+
+#include <half.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace alabaster::hd::sync {
+namespace {
+
+void write_component(float value, Format format, int i, uint8_t* pixel) {
+  switch (format) {
+    case Format::unorm8:
+    case Format::unorm8vec3:
+    case Format::unorm8vec4:
+      pixel[i] = value > 0 ? static_cast<uint8_t>(std::min(value, 1.0f) * 255.0f + 0.5f) : uint8_t(0);
+      return;
+    case Format::float16:
+    case Format::float16vec3:
+    case Format::float16vec4: {
+      const half h(value);
+      std::memcpy(pixel + 2 * i, &h, 2);
+      return;
+    }
+    case Format::int32: {
+      const double rounded = std::isnan(value) ? 0.0 : std::round(static_cast<double>(value));
+      const auto integer = static_cast<int32_t>(std::clamp(rounded, -2147483648.0, 2147483647.0));
+      std::memcpy(pixel, &integer, 4);
+      return;
+    }
+    default:
+      std::memcpy(pixel + 4 * i, &value, 4);
+  }
+}
+
+AovDescriptor described(Format format, Value clear) {
+  AovDescriptor descriptor;
+  descriptor.format = format;
+  descriptor.clearValue = std::move(clear);
+  return descriptor;
+}
+
+}  // namespace
+
+void write_pixels(const float* values, int components, size_t count, Format format, uint8_t* pixels) {
+  const int wanted = FormatComponents(format);
+  const size_t size = FormatSize(format);
+  if (wanted == components && size == static_cast<size_t>(wanted) * sizeof(float) && format != Format::int32) {
+    std::memcpy(pixels, values, count * size);
+    return;
+  }
+  for (size_t p = 0; p < count; ++p, values += components, pixels += size)
+    for (int i = 0; i < wanted; ++i)
+      write_component(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, format, i, pixels);
+}
+
+void write_pixels(const int32_t* values, size_t count, Format format, uint8_t* pixels) {
+  if (format == Format::int32) {
+    std::memcpy(pixels, values, count * sizeof(int32_t));
+    return;
+  }
+  const size_t size = FormatSize(format);
+  for (size_t p = 0; p < count; ++p) {
+    const auto number = static_cast<float>(values[p]);
+    write_pixels(&number, 1, 1, format, pixels + p * size);
+  }
+}
+
+void write_clear(const Value& clear, Format format, uint8_t* pixel) {
+  std::array<float, 4> values{0, 0, 0, 0};
+  if (const auto* v4 = clear.get<Vec4f>())
+    values = {v4->x, v4->y, v4->z, v4->w};
+  else if (const auto* v3 = clear.get<Vec3f>())
+    values = {v3->x, v3->y, v3->z, 1};
+  else
+    values.fill(static_cast<float>(clear.number_or(0)));
+  write_pixels(values.data(), 4, 1, format, pixel);
+}
+
+AovDescriptor default_aov_descriptor(const Token& name) {
+  Aov aov{};
+  if (!aov_from_name(name.str(), &aov)) return {};
+  switch (aov) {
+    case Aov::color:
+      return described(Format::float32vec4, Vec4f(0, 0, 0, 0));
+    case Aov::normal:
+    case Aov::albedo:
+    case Aov::diffuse:
+    case Aov::subsurface:
+    case Aov::subsurface_single:
+    case Aov::subsurface_multiple:
+    case Aov::subsurface_unscattered:
+    case Aov::specular:
+    case Aov::emission:
+      return described(Format::float32vec3, Vec3f(0, 0, 0));
+    case Aov::depth:
+      return described(Format::float32, 1.0f);
+    case Aov::alpha:
+    case Aov::camera_depth:
+    case Aov::error:
+      return described(Format::float32, 0.0f);
+    case Aov::prim_id:
+    case Aov::instance_id:
+    case Aov::element_id:
+      return described(Format::int32, int32_t(-1));
+    case Aov::sample_count:
+      return described(Format::int32, int32_t(0));
+  }
+  return {};
+}
+
+}  // namespace alabaster::hd::sync

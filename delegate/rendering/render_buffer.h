@@ -1,0 +1,93 @@
+// The host-readable buffer as a state machine:
+//
+//   Allocate   -> `wanted`; at once while nothing is shown or drawn, else at the next Execute
+//   Execute    -> binds a film: Resolve reads it from then on
+//   Resolve    -> a new store in `wanted`'s size replaces the old one, if there is something newer to show
+//   Map        -> the store that is current; it lives until the last Unmap, whatever happens meanwhile
+#pragma once
+
+#include <functional>
+#include <mutex>
+
+#include "core/film/film.h"
+#include "delegate/prims/render_param.h"
+
+namespace alabaster::hd::sync {
+
+/// What a buffer shows: an AOV of a film.
+struct BufferSource {
+  std::shared_ptr<const Film> film;
+  Aov aov = Aov::color;
+  int buffer_x = 0, buffer_y = 0;  // of the film's pixel (0, 0), y-down
+  Value clear;
+};
+
+/// Shared by the prim and by passes that draw into it, so that neither outlives what it needs.
+class BufferState {
+ public:
+  bool allocate(const RenderBufferDescriptor& description, const Path& where, const alabaster::DiagnosticSink& sink);
+  /// Execute: the wanted description takes effect, and Resolve reads `source` from now on.
+  void bind(BufferSource source);
+  /// Rises with every allocation that is not a no-op.
+  uint64_t allocation() const;
+  RenderBufferDescriptor wanted() const;
+
+  RenderBufferDescriptor shown() const;
+  void resolve();
+  const void* map();
+  void unmap();
+  bool is_mapped() const;
+  void set_converged(bool converged) { converged_ = converged; }
+  bool converged() const { return converged_; }
+  uint64_t generation() const;
+  Vec2i copy(std::vector<uint8_t>* out, bool y_down) const;
+  /// Stores that a host may still read.
+  std::vector<std::shared_ptr<const void>> mapped_stores() const;
+
+ private:
+  struct Store {
+    RenderBufferDescriptor description;
+    std::vector<uint8_t> pixels;  // bottom-up
+  };
+  static std::shared_ptr<const Store> make_store(const RenderBufferDescriptor& description, const BufferSource& source);
+  const std::shared_ptr<const Store>& current() const;
+
+  mutable std::mutex mutex_;          // held for pointers and numbers only, never while pixels are converted
+  RenderBufferDescriptor wanted_;     // as last allocated
+  RenderBufferDescriptor effective_;  // as of the last Execute
+  uint64_t allocation_ = 0, generation_ = 0, binding_ = 0;
+  BufferSource source_;
+  std::shared_ptr<const Store> store_;
+  uint64_t store_binding_ = 0, store_revision_ = 0;  // what the store shows
+  std::vector<std::shared_ptr<const Store>> mapped_;
+  int map_count_ = 0;
+  std::atomic<bool> converged_{false};
+};
+
+class RenderBufferPrim final : public RenderBuffer {
+ public:
+  RenderBufferPrim(const Path& id, std::shared_ptr<SceneParam> param);
+  ~RenderBufferPrim() override;
+  const std::shared_ptr<BufferState>& state() const { return state_; }
+
+  DirtyBits GetInitialDirtyBitsMask() const override { return dirty::kDescription; }
+  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
+  void Finalize(RenderParam* param) override;
+  bool Allocate(const RenderBufferDescriptor& description) override;
+  int GetWidth() const override { return state_->shown().dimensions.x; }
+  int GetHeight() const override { return state_->shown().dimensions.y; }
+  Format GetFormat() const override { return state_->shown().format; }
+  void Resolve() override;
+  const void* Map() override;
+  void Unmap() override { state_->unmap(); }
+  bool IsMapped() const override { return state_->is_mapped(); }
+  bool IsConverged() const override { return state_->converged(); }
+  uint64_t GetGeneration() const override { return state_->generation(); }
+  Vec2i ResolveTo(std::vector<uint8_t>* out, bool y_down) override;
+
+ private:
+  std::shared_ptr<SceneParam> param_;
+  std::shared_ptr<BufferState> state_ = std::make_shared<BufferState>();
+};
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,74 @@
+// What a delegate and its passes share: settings, the committed scene and its snapshot, background control.
+#pragma once
+
+#include "delegate/prims/parameters.h"
+#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_translation.h"
+
+namespace alabaster::hd::sync {
+
+class PassControl;
+
+class RenderCore {
+ public:
+  RenderCore(std::shared_ptr<SceneParam> scene_param, const Dictionary& initial_settings);
+
+  const std::shared_ptr<SceneParam> param;
+
+  // Settings. Layers: defaults < the RenderSettings prim < SetRenderSetting.
+  void set_setting(const Token& key, const Value& value);
+  Value setting(const Token& key) const;
+  uint32_t settings_version() const;
+  RenderSettings render_settings() const;
+  Path settings_camera() const;
+
+  // The scene (host thread).
+  /// Applies the edit transaction; if what is drawn changed, compiles and publishes a new snapshot and cancels the
+  /// renders of the old one.
+  void commit();
+  bool needs_commit() const { return param->has_edits() || !committed_; }
+  std::string dump() const;
+  std::string requirements() const;
+  const CameraParameters* camera(const Path& path) const;
+
+  // Any thread.
+  std::shared_ptr<const SceneSnapshot> snapshot() const;
+  std::string commit_error() const;
+  double commit_seconds() const { return commit_seconds_; }
+
+  // Passes and background control (any thread).
+  void add_pass(const std::shared_ptr<PassControl>& pass);
+  std::vector<std::shared_ptr<PassControl>> passes() const;
+  void stop();
+  void restart();
+  void pause();
+  void resume();
+  bool is_stopped() const { return stopped_; }
+  bool is_paused() const { return paused_; }
+  void end_pause() { paused_ = false; }
+  uint64_t restarts() const { return restarts_; }
+
+ private:
+  const SettingsRecord* settings_prim() const;
+  bool apply_edits();
+  void publish();
+
+  mutable std::mutex mutex_;  // guards settings_, snapshot_, error_ and passes_, for look-ups only
+  std::map<Token, Value> settings_;
+  uint32_t settings_version_ = 0;
+  std::shared_ptr<const SceneSnapshot> snapshot_;
+  std::string error_;
+  std::vector<std::weak_ptr<PassControl>> passes_;
+
+  Records records_;  // host thread only, as is the rest of the scene
+  SceneTranslator translator_;
+  Translation translation_;
+  uint64_t scene_number_ = 0;
+  bool committed_ = false;
+
+  std::atomic<double> commit_seconds_{0};
+  std::atomic<bool> stopped_{false}, paused_{false};
+  std::atomic<uint64_t> restarts_{0};
+};
+
+}  // namespace alabaster::hd::sync

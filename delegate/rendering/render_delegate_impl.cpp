@@ -1,0 +1,120 @@
+#include "delegate/rendering/render_delegate_impl.h"
+
+#include "delegate/prims/prims.h"
+#include "delegate/rendering/pixel_format.h"
+#include "delegate/rendering/render_pass.h"
+
+namespace alabaster::hd::sync {
+
+RenderDelegateImpl::~RenderDelegateImpl() {
+  RenderDelegateImpl::Stop();  // also what a host forgot to end
+}
+
+const std::vector<Token>& RenderDelegateImpl::GetSupportedRprimTypes() const {
+  static const std::vector<Token> types{"mesh"};
+  return types;
+}
+
+const std::vector<Token>& RenderDelegateImpl::GetSupportedSprimTypes() const {
+  static const std::vector<Token> types{"camera", "material", "rectLight", "sphereLight", "distantLight", "domeLight"};
+  return types;
+}
+
+const std::vector<Token>& RenderDelegateImpl::GetSupportedBprimTypes() const {
+  static const std::vector<Token> types{"renderSettings", "renderBuffer"};
+  return types;
+}
+
+Rprim* RenderDelegateImpl::CreateRprim(const Token& type, const Path& id) {
+  return answer<Rprim*>("CreateRprim", [&](Rprim*& prim) {
+    if (type == Token("mesh")) prim = new MeshPrim(id);
+  });
+}
+
+Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
+  return answer<Sprim*>("CreateSprim", [&](Sprim*& prim) {
+    if (type == Token("camera")) prim = new CameraPrim(id);
+    if (type == Token("material")) prim = new MaterialPrim(id);
+    if (type == Token("rectLight")) prim = new LightPrim(id, LightType::rect);
+    if (type == Token("sphereLight")) prim = new LightPrim(id, LightType::sphere);
+    if (type == Token("distantLight")) prim = new LightPrim(id, LightType::distant);
+    if (type == Token("domeLight")) prim = new LightPrim(id, LightType::dome);
+  });
+}
+
+Bprim* RenderDelegateImpl::CreateBprim(const Token& type, const Path& id) {
+  return answer<Bprim*>("CreateBprim", [&](Bprim*& prim) {
+    if (type == Token("renderSettings")) prim = new RenderSettingsPrim(id);
+    if (type == Token("renderBuffer")) prim = new RenderBufferPrim(id, core_->param);
+  });
+}
+
+Instancer* RenderDelegateImpl::CreateInstancer(const Path& id) {
+  return answer<Instancer*>("CreateInstancer", [&](Instancer*& instancer) { instancer = new InstancerPrim(id); });
+}
+
+std::unique_ptr<RenderPass> RenderDelegateImpl::CreateRenderPass() {
+  return answer<std::unique_ptr<RenderPass>>("CreateRenderPass",
+                                             [&](auto& pass) { pass = std::make_unique<RenderPassImpl>(core_); });
+}
+
+void RenderDelegateImpl::CommitResources() {
+  guarded(core_->param->sink(), "CommitResources", [&] { core_->commit(); });
+}
+
+void RenderDelegateImpl::SetRenderSetting(const Token& key, const Value& value) {
+  guarded(core_->param->sink(), "SetRenderSetting", [&] { core_->set_setting(key, value); });
+}
+
+Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
+  return answer<Value>("GetRenderSetting", [&](Value& value) { value = core_->setting(key); });
+}
+
+std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescriptors() const {
+  return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [&](auto& descriptors) {
+    const RenderSettings defaults;
+    for (const SettingParameter& parameter : setting_parameters()) {
+      RenderSettingDescriptor d;
+      d.name = parameter.name;
+      d.key = parameter.name;
+      d.defaultValue = get_setting(parameter, defaults);
+      if (parameter.maximum > parameter.minimum) {
+        d.minimum = static_cast<int64_t>(parameter.minimum);
+        d.maximum = static_cast<int64_t>(parameter.maximum);
+      }
+      d.choices = parameter.choices;
+      d.documentation = parameter.documentation;
+      d.effect = SettingEffect::restart;
+      descriptors.push_back(std::move(d));
+    }
+  });
+}
+
+void RenderDelegateImpl::Pause() {
+  guarded(core_->param->sink(), "Pause", [&] { core_->pause(); });
+}
+
+void RenderDelegateImpl::Resume() {
+  guarded(core_->param->sink(), "Resume", [&] { core_->resume(); });
+}
+
+void RenderDelegateImpl::Stop() {
+  guarded(core_->param->sink(), "Stop", [&] { core_->stop(); });
+}
+
+void RenderDelegateImpl::Restart() {
+  guarded(core_->param->sink(), "Restart", [&] { core_->restart(); });
+}
+
+AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) const {
+  return answer<AovDescriptor>("GetDefaultAovDescriptor", [&](auto& d) { d = default_aov_descriptor(aov); });
+}
+
+Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary&) {
+  return answer<Value>("InvokeCommand", [&](Value& value) {
+    if (command == Token("dumpScene")) value = core_->dump();
+    if (command == Token("requirements")) value = core_->requirements();
+  });
+}
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,59 @@
+// The contract's factory over the hidden prims.
+#pragma once
+
+#include "delegate/rendering/render_core.h"
+
+namespace alabaster::hd::sync {
+
+class RenderDelegateImpl final : public RenderDelegate {
+ public:
+  explicit RenderDelegateImpl(std::shared_ptr<RenderCore> core) : core_(std::move(core)) {}
+  ~RenderDelegateImpl() override;
+
+  const std::vector<Token>& GetSupportedRprimTypes() const override;
+  const std::vector<Token>& GetSupportedSprimTypes() const override;
+  const std::vector<Token>& GetSupportedBprimTypes() const override;
+  Rprim* CreateRprim(const Token& type, const Path& id) override;
+  Sprim* CreateSprim(const Token& type, const Path& id) override;
+  Sprim* CreateFallbackSprim(const Token& type) override { return CreateSprim(type, Path()); }
+  Bprim* CreateBprim(const Token& type, const Path& id) override;
+  Bprim* CreateFallbackBprim(const Token& type) override { return CreateBprim(type, Path()); }
+  Instancer* CreateInstancer(const Path& id) override;
+  void DestroyRprim(Rprim* prim) override { delete prim; }
+  void DestroySprim(Sprim* prim) override { delete prim; }
+  void DestroyBprim(Bprim* prim) override { delete prim; }
+  void DestroyInstancer(Instancer* instancer) override { delete instancer; }
+
+  std::unique_ptr<RenderPass> CreateRenderPass() override;
+  RenderParam* GetRenderParam() override { return core_->param.get(); }
+  void CommitResources() override;
+
+  void SetRenderSetting(const Token& key, const Value& value) override;
+  Value GetRenderSetting(const Token& key) const override;
+  std::vector<RenderSettingDescriptor> GetRenderSettingDescriptors() const override;
+  uint32_t GetRenderSettingsVersion() const override { return core_->settings_version(); }
+  Dictionary GetRenderStats() const override;
+
+  void Pause() override;
+  void Resume() override;
+  bool IsPaused() const override { return core_->is_paused(); }
+  void Stop() override;
+  void Restart() override;
+  bool IsStopped() const override { return core_->is_stopped(); }
+
+  AovDescriptor GetDefaultAovDescriptor(const Token& aov) const override;
+  Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
+
+ private:
+  /// Runs an entry point behind the net that no exception slips through; answers with what it made so far.
+  template <class Result, class Body>
+  Result answer(const char* entry, Body&& body) const {
+    Result result{};
+    guarded(core_->param->sink(), entry, [&] { body(result); });
+    return result;
+  }
+
+  std::shared_ptr<RenderCore> core_;
+};
+
+}  // namespace alabaster::hd::sync

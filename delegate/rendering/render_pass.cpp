@@ -1,0 +1,276 @@
+#include "delegate/rendering/render_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "delegate/rendering/pixel_format.h"
+#include "delegate/support/process_usage.h"
+
+namespace alabaster::hd::sync {
+
+bool same_inputs(const PassInputs& a, const PassInputs& b) {
+  return a.scene == b.scene && same_camera(a.framed.camera, b.framed.camera) && a.framed.width == b.framed.width &&
+         a.framed.height == b.framed.height && a.framed.data_window == b.framed.data_window &&
+         a.framed.buffer_x == b.framed.buffer_x && a.framed.buffer_y == b.framed.buffer_y && a.settings == b.settings &&
+         a.bindings == b.bindings && a.restarts == b.restarts && a.error == b.error;
+}
+
+namespace {
+
+// Beyond this, pixel coordinates are no longer exact in float.
+bool is_reasonable(const Framing& framing) {
+  constexpr float kLimit = 1 << 20;
+  const auto near_zero = [](float v) { return std::abs(v) <= kLimit; };
+  const Rect2i& d = framing.dataWindow;
+  return near_zero(framing.displayMin.x) && near_zero(framing.displayMin.y) && near_zero(framing.displayMax.x) &&
+         near_zero(framing.displayMax.y) && near_zero(static_cast<float>(d.minX)) &&
+         near_zero(static_cast<float>(d.minY)) && near_zero(static_cast<float>(d.maxX)) &&
+         near_zero(static_cast<float>(d.maxY)) && std::isfinite(framing.pixelAspectRatio);
+}
+
+// The film (twice where an error ends the render: pixels that ended early are kept aside), what estimating its error
+// takes for a moment, and each bound buffer twice: what it shows and what is being resolved (or the host's copy).
+double frame_bytes(const PassInputs& in) {
+  uint32_t aovs = 0;
+  double bytes = 0;
+  for (const auto& binding : in.bindings) {
+    aovs |= aov_bit(binding.aov);
+    const RenderBufferDescriptor buffer = binding.buffer->wanted();
+    bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
+  }
+  const double films = in.settings.target_error > 0 ? 2 : 1;
+  if (!aovs) return bytes;
+  return bytes + films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) +
+         static_cast<double>(frame_error_bytes(in.framed.data_window));
+}
+
+// Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
+std::string memory_fault(const PassInputs& in) {
+  const double needed = frame_bytes(in), physical = static_cast<double>(support::physical_memory_bytes());
+  if (physical <= 0 || needed <= physical) return {};
+  const auto gigabytes = [](double bytes) { return std::to_string(static_cast<int64_t>(std::ceil(bytes / 1e9))); };
+  return "a frame of " + std::to_string(in.framed.data_window.width()) + " x " +
+         std::to_string(in.framed.data_window.height()) + " pixels needs " + gigabytes(needed) +
+         " GB and this machine has " + gigabytes(physical) +
+         " GB: choose a smaller size, fewer AOVs, or render it in parts with a data window (crop)";
+}
+
+}  // namespace
+
+PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults) {
+  PassInputs in;
+  in.scene = core_->snapshot();
+  in.settings = core_->render_settings();
+  in.restarts = core_->restarts();
+  for (const AovBinding& binding : state.aovBindings) {
+    const auto* buffer = dynamic_cast<const RenderBufferPrim*>(binding.renderBuffer);
+    Aov aov{};
+    if (!buffer || !aov_from_name(binding.aovName.str(), &aov)) {
+      faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
+                         buffer ? "this AOV is not supported; its buffer is not drawn"
+                                : "no buffer of this delegate is bound; the AOV is not drawn"});
+      continue;
+    }
+    const Value clear =
+        binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
+    in.bindings.push_back({aov, buffer->state(), buffer->state()->allocation(), clear});
+  }
+  const Path camera = state.camera.empty() ? core_->settings_camera() : state.camera;
+  const CameraParameters* parameters = core_->camera(camera);
+  if (!in.scene)
+    in.error = core_->commit_error();
+  else if (!parameters)
+    in.error = camera.empty() ? "no camera is named: set RenderPassState::camera or the camera of the RenderSettings"
+                              : "camera " + camera.str() + " does not exist";
+  else if (!is_valid_affine(parameters->camera_to_world))
+    in.error = "the transform of camera " + camera.str() + " is not finite or not invertible";
+  else if (state.framing.valid() && !is_reasonable(state.framing))
+    in.error = "the framing exceeds 2^20 pixels";
+  else if (state.framing.valid())
+    in.framed = frame_camera(*parameters, state.framing, state.windowPolicy);
+  if (in.error.empty()) in.error = memory_fault(in);
+  if (!in.error.empty()) faults->push_back({alabaster::Severity::error, "pass.failed", camera.str(), in.error});
+  return in;
+}
+
+void PassControl::set_converged(bool converged) {
+  for (const auto& binding : running_.bindings) binding.buffer->set_converged(converged);
+  converged_ = converged;
+}
+
+// A failure converges: a host that waits for the frame must not wait for ever.
+void PassControl::fail(std::string error) {
+  {
+    const std::lock_guard lock(error_mutex_);
+    error_ = std::move(error);
+  }
+  failed_ = true;
+  set_converged(true);
+}
+
+void PassControl::start(PassInputs next) {
+  session_->stop();
+  set_converged(false);
+  const bool first = !active_;
+  running_ = std::move(next);
+  active_ = true;
+  cancelled_ = false;
+  failed_ = false;
+  finish_seen_ = false;
+  {
+    const std::lock_guard lock(error_mutex_);
+    error_.clear();
+  }
+  set_converged(false);
+  if (!running_.error.empty()) return fail(running_.error);
+  if (running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0)
+    return set_converged(true);  // nothing to draw
+
+  RenderRequest request;
+  request.scene = running_.scene;
+  request.camera = running_.framed.camera;
+  request.width = running_.framed.width;
+  request.height = running_.framed.height;
+  request.data_window = running_.framed.data_window;
+  request.settings = running_.settings;
+  request.aovs = 0;
+  for (const auto& binding : running_.bindings) request.aovs |= aov_bit(binding.aov);
+  session_->start(request);
+  for (const auto& binding : running_.bindings)
+    binding.buffer->bind(
+        {session_->film(), binding.aov, running_.framed.buffer_x, running_.framed.buffer_y, binding.clear});
+  // A pause from before the first render holds it; a later restart ends the pause.
+  if (core_->is_paused() && first)
+    session_->pause();
+  else
+    core_->end_pause();
+}
+
+void PassControl::update(PassInputs next) {
+  const std::lock_guard lock(control_);
+  if (core_->is_stopped()) return;
+  if (!active_ || cancelled_ || !same_inputs(running_, next)) return start(std::move(next));
+  const RenderProgress progress = session_->progress();
+  if (failed_ || converged_) return;
+  if (progress.state == SessionState::failed) return fail(progress.error);
+  if (progress.state != SessionState::finished) return;
+  // The final pixels can be resolved now: whoever shows before asking sees them, and hears of it at the next Execute.
+  if (finish_seen_) return set_converged(true);
+  finish_seen_ = true;
+}
+
+void PassControl::execute(const RenderPassState& state) {
+  if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
+  std::vector<alabaster::Diagnostic> faults;
+  update(inputs(state, &faults));
+  std::vector<std::pair<std::string, std::string>> now;
+  for (const auto& fault : faults) {
+    now.emplace_back(fault.where, fault.text);
+    const bool known = std::find(reported_.begin(), reported_.end(), now.back()) != reported_.end();
+    if (!known) alabaster::report(core_->param->sink(), fault.severity, fault.code, fault.where, fault.text);
+  }
+  reported_ = std::move(now);
+}
+
+void PassControl::abandon() {
+  const std::lock_guard lock(control_);
+  session_->stop();
+  cancelled_ = true;
+  fail("the render could not be started");
+}
+
+void PassControl::halt() {
+  const std::lock_guard lock(control_);
+  session_->stop();
+}
+
+void PassControl::forget() {
+  const std::lock_guard lock(control_);
+  session_->stop();
+  cancelled_ = true;
+  set_converged(false);
+}
+
+void PassControl::pause() {
+  const std::lock_guard lock(control_);
+  session_->pause();
+}
+
+void PassControl::resume() {
+  const std::lock_guard lock(control_);
+  session_->resume();
+}
+
+void PassControl::cancel_stale(const SceneSnapshot* current) {
+  const std::lock_guard lock(control_);
+  if (!active_ || running_.scene.get() == current) return;
+  session_->stop();
+  cancelled_ = true;
+  set_converged(false);
+}
+
+bool PassControl::wait(double seconds) {
+  if (!active_ || failed_ || converged_) return true;
+  return session_->wait(seconds);
+}
+
+PassState PassControl::state() const {
+  if (core_->is_stopped()) return PassState::stopped;
+  if (failed_) return PassState::failed;
+  if (converged_) return PassState::converged;
+  if (!active_) return PassState::idle;
+  if (cancelled_) return PassState::preparing;
+  switch (session_->progress().state) {
+    case SessionState::paused:
+      return PassState::paused;
+    case SessionState::idle:
+      return PassState::preparing;
+    case SessionState::stopped:
+      return PassState::stopped;
+    case SessionState::failed:
+      return PassState::failed;
+    case SessionState::rendering:
+    case SessionState::finished:
+      return PassState::rendering;
+  }
+  return PassState::idle;
+}
+
+std::string PassControl::error() const {
+  const std::lock_guard lock(error_mutex_);
+  return error_;
+}
+
+size_t PassControl::film_memory() const {
+  const std::shared_ptr<const Film> film = session_->film();
+  return film ? film_bytes(film->data_window(), film->aovs()) : 0;
+}
+
+RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)
+    : core_(std::move(core)), control_(std::make_shared<PassControl>(core_)) {
+  core_->add_pass(control_);
+}
+
+RenderPassImpl::~RenderPassImpl() {
+  guarded(core_->param->sink(), "render pass", [&] { control_->halt(); });
+}
+
+void RenderPassImpl::Execute(const RenderPassState& state) {
+  const auto& sink = core_->param->sink();
+  if (!guarded(sink, "render pass", [&] { control_->execute(state); }))
+    guarded(sink, "render pass", [&] { control_->abandon(); });
+}
+
+PassState RenderPassImpl::GetState() const {
+  PassState state = PassState::failed;
+  guarded(core_->param->sink(), "render pass", [&] { state = control_->state(); });
+  return state;
+}
+
+bool RenderPassImpl::WaitForConvergence(double seconds) {
+  bool over = false;
+  guarded(core_->param->sink(), "render pass", [&] { over = control_->wait(seconds); });
+  return over;
+}
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,87 @@
+// A pass: compares what it is asked to draw with what it is drawing, and drives one RenderSession.
+#pragma once
+
+#include "core/session/render_session.h"
+#include "delegate/rendering/framing.h"
+#include "delegate/rendering/render_buffer.h"
+#include "delegate/rendering/render_core.h"
+
+namespace alabaster::hd::sync {
+
+/// Everything that a render depends on: if two are equal, nothing restarts.
+struct PassInputs {
+  std::shared_ptr<const SceneSnapshot> scene;
+  FramedCamera framed;
+  RenderSettings settings;
+  struct Binding {
+    Aov aov = Aov::color;
+    std::shared_ptr<BufferState> buffer;
+    uint64_t allocation = 0;
+    Value clear;
+    bool operator==(const Binding&) const = default;
+  };
+  std::vector<Binding> bindings;
+  uint64_t restarts = 0;
+  std::string error;  // why nothing can be drawn; empty: it can
+};
+bool same_inputs(const PassInputs& a, const PassInputs& b);
+
+/// The part of a pass that Stop, Pause, Resume and GetRenderStats reach from any thread.
+class PassControl {
+ public:
+  explicit PassControl(std::shared_ptr<RenderCore> core) : core_(std::move(core)) {}
+  ~PassControl() { session_->stop(); }
+
+  void execute(const RenderPassState& state);  // host thread
+  void abandon();                              // Execute could not even prepare: fails and converges
+  void halt();                                 // Stop: blocks until no worker runs
+  void forget();                               // Restart: the next Execute starts anew
+  void pause();
+  void resume();
+  /// Cancels a render of another scene; the next Execute starts the new one.
+  void cancel_stale(const SceneSnapshot* current);
+  bool wait(double seconds);
+
+  PassState state() const;
+  bool is_converged() const { return converged_; }
+  RenderProgress progress() const { return session_->progress(); }
+  std::string error() const;
+  /// Bytes of the film that is or was rendered last.
+  size_t film_memory() const;
+
+ private:
+  PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);
+  void update(PassInputs next);
+  void start(PassInputs next);
+  void fail(std::string error);
+  void set_converged(bool converged);
+
+  std::shared_ptr<RenderCore> core_;
+  std::shared_ptr<RenderSession> session_ = std::make_shared<RenderSession>();
+
+  std::mutex control_;  // one at a time drives the session; never held while reporting or waiting for a frame
+  PassInputs running_;
+  std::atomic<bool> active_{false};  // running_ is being or has been drawn by session_
+  std::atomic<bool> cancelled_{false};
+  bool finish_seen_ = false;
+  std::atomic<bool> converged_{false}, failed_{false};
+  mutable std::mutex error_mutex_;
+  std::string error_;
+  std::vector<std::pair<std::string, std::string>> reported_;  // host thread: faults of the last Execute
+};
+
+class RenderPassImpl final : public RenderPass {
+ public:
+  explicit RenderPassImpl(std::shared_ptr<RenderCore> core);
+  ~RenderPassImpl() override;
+  void Execute(const RenderPassState& state) override;
+  bool IsConverged() const override { return control_->is_converged(); }
+  PassState GetState() const override;
+  bool WaitForConvergence(double seconds) override;
+
+ private:
+  std::shared_ptr<RenderCore> core_;
+  std::shared_ptr<PassControl> control_;
+};
+
+}  // namespace alabaster::hd::sync

@@ -1,0 +1,101 @@
+#include "delegate/rendering/render_delegate_impl.h"
+#include "delegate/rendering/render_pass.h"
+#include "delegate/support/process_usage.h"
+
+namespace alabaster::hd::sync {
+namespace {
+
+const char* state_name(PassState state) {
+  switch (state) {
+    case PassState::idle:
+      return "idle";
+    case PassState::preparing:
+      return "preparing";
+    case PassState::rendering:
+      return "rendering";
+    case PassState::paused:
+      return "paused";
+    case PassState::stopped:
+      return "stopped";
+    case PassState::converged:
+      return "converged";
+    case PassState::failed:
+      return "failed";
+  }
+  return "";
+}
+
+Value count(uint64_t n) {
+  return static_cast<int64_t>(n);
+}
+
+void add_counters(const RenderCounters& c, Dictionary* stats) {
+  Dictionary& s = *stats;
+  s["rays.camera"] = count(c.camera_rays);
+  s["rays.bounce"] = count(c.bounce_rays);
+  s["rays.shadow"] = count(c.shadow_rays);
+  s["rays.walk"] = count(c.walk_rays);
+  s["rays.probe"] = count(c.probe_rays);
+  s["probe.hits"] = count(c.probe_hits);
+  s["walk.lambert"] = count(c.lambert_exits);
+  s["walk.count"] = count(c.walks);
+  s["walk.events"] = count(c.walk_events);
+  s["walk.exits"] = count(c.walk_exits);
+  s["walk.lost"] = count(c.walk_lost);
+  s["walk.lostEnergy"] = c.walk_lost_energy;
+  s["walk.safetyCap"] = count(c.walk_safety_cap);
+  s["walk.maxWeight"] = c.max_walk_weight;
+  s["nonfiniteSamples"] = count(c.nonfinite_samples);
+  s["rejectedRays"] = count(c.rejected_rays);
+}
+
+void add_progress(const PassControl& pass, Dictionary* stats) {
+  Dictionary& s = *stats;
+  const RenderProgress p = pass.progress();
+  const uint64_t pixels = std::max(p.pixels, uint64_t(1));
+  s["state"] = std::string(state_name(pass.state()));
+  s["fractionDone"] = pass.is_converged() ? 1.0 : p.fraction;
+  s["percentDone"] = pass.is_converged() ? 100.0 : 100.0 * p.fraction;
+  s["totalClockTime"] = p.wall_seconds;
+  s["cpuSeconds"] = p.cpu_seconds;
+  s["renderProgressAnnotation"] = std::to_string(p.passes_done) + " passes";
+  s["passesDone"] = count(p.passes_done);
+  s["samplesTotal"] = count(p.samples_total / pixels);
+  s["numCompletedSamples"] = count(p.samples_done / pixels);
+  if (p.noise.known) {
+    s["error.relativeRmse"] = p.noise.relative_rmse;
+    s["error.low"] = p.noise.low;
+    s["error.high"] = p.noise.high;
+  }
+  s["filmMemory"] = count(pass.film_memory());
+  add_counters(p.counters, stats);
+  if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
+}
+
+}  // namespace
+
+// Of several passes the one created last is told about.
+Dictionary RenderDelegateImpl::GetRenderStats() const {
+  Dictionary stats;
+  guarded(core_->param->sink(), "GetRenderStats", [&] {
+    stats["rendererName"] = std::string("Alabaster");
+    stats["state"] = std::string("idle");
+    stats["peakMemory"] = support::peak_memory_bytes();
+    if (const std::string error = core_->commit_error(); !error.empty()) stats["error"] = error;
+    const auto snapshot = core_->snapshot();
+    stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
+    stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
+    const auto refine = core_->param->clock.seconds(SyncPhase::refine);
+    const auto bvh = core_->param->clock.seconds(SyncPhase::bvh);
+    stats["sync.refineSeconds"] = refine.cpu;
+    stats["sync.refineWallSeconds"] = refine.wall;
+    stats["sync.bvhSeconds"] = bvh.cpu;
+    stats["sync.bvhWallSeconds"] = bvh.wall;
+    stats["sync.commitSeconds"] = core_->commit_seconds();
+    const auto passes = core_->passes();
+    if (!passes.empty()) add_progress(*passes.back(), &stats);
+  });
+  return stats;
+}
+
+}  // namespace alabaster::hd::sync

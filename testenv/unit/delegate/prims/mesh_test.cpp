@@ -1,0 +1,360 @@
+// Meshes through Sync: everything that can be wrong with one, and what must not cost a rebuild.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <ctime>
+#include <functional>
+#include <limits>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+struct Fault {
+  const char* name;
+  std::function<void(host::MeshDescription&)> break_it;
+};
+
+const std::vector<Fault>& faults() {
+  using Mesh = host::MeshDescription;
+  static const std::vector<Fault> all{
+      {"unknown scheme", [](Mesh& m) { m.topology.scheme = "octagonal"; }},
+      {"unknown orientation", [](Mesh& m) { m.topology.orientation = "upwards"; }},
+      {"unknown boundary rule", [](Mesh& m) { m.subdivTags.interpolateBoundary = "maybe"; }},
+      {"unknown face-varying rule", [](Mesh& m) { m.subdivTags.faceVaryingLinearInterpolation = "maybe"; }},
+      {"unknown crease method", [](Mesh& m) { m.subdivTags.creaseMethod = "maybe"; }},
+      {"unknown triangle rule", [](Mesh& m) { m.subdivTags.triangleSubdivision = "maybe"; }},
+      {"crease of one point",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0};
+         m.subdivTags.creaseLengths = {1};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease lengths beyond indices",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {7};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease length negative",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {-2};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease weights missing",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {2};
+       }},
+      {"crease index not on the mesh",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 99};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease that is no edge",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 2};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {1};
+       }},
+      {"crease weight negative",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {-3};
+       }},
+      {"crease weight not finite",
+       [](Mesh& m) {
+         m.subdivTags.creaseIndices = {0, 1};
+         m.subdivTags.creaseLengths = {2};
+         m.subdivTags.creaseWeights = {kNan};
+       }},
+      {"corner index not on the mesh",
+       [](Mesh& m) {
+         m.subdivTags.cornerIndices = {-5};
+         m.subdivTags.cornerWeights = {1};
+       }},
+      {"corner weights missing", [](Mesh& m) { m.subdivTags.cornerIndices = {1}; }},
+      {"hole out of range",
+       [](Mesh& m) {
+         m.topology.holeIndices = {-1, 17};
+       }},
+      {"all faces holes", [](Mesh& m) { m.topology.holeIndices = {0}; }},
+      {"face of two",
+       [](Mesh& m) {
+         m.topology.faceVertexCounts = {2};
+         m.topology.faceVertexIndices = {0, 1};
+       }},
+      {"face count negative", [](Mesh& m) { m.topology.faceVertexCounts = {-4}; }},
+      {"face index negative",
+       [](Mesh& m) {
+         m.topology.faceVertexIndices = {0, 1, 2, -3};
+       }},
+      {"face index beyond the points",
+       [](Mesh& m) {
+         m.topology.faceVertexIndices = {0, 1, 2, 1000000};
+       }},
+      {"counts do not sum up",
+       [](Mesh& m) {
+         m.topology.faceVertexCounts = {4, 4};
+       }},
+      {"too many indices", [](Mesh& m) { m.topology.faceVertexIndices = {0, 1, 2, 3, 0, 1}; }},
+      {"repeated index",
+       [](Mesh& m) {
+         m.topology.faceVertexIndices = {0, 0, 0, 0};
+       }},
+      {"no topology", [](Mesh& m) { m.topology = {}; }},
+      {"no points", [](Mesh& m) { m.primvars.clear(); }},
+      {"empty points", [](Mesh& m) { m.primvars["points"].value = Array<Vec3f>(); }},
+      {"short points",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}};
+       }},
+      {"points of another type",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<float>{1, 2, 3};
+       }},
+      {"points not finite",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<Vec3f>{{kNan, 0, 0}, {kInf, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+       }},
+      {"points huge",
+       [](Mesh& m) {
+         m.primvars["points"].value = Array<Vec3f>{{3e38f, 0, 0}, {-3e38f, 0, 0}, {1, 3e38f, 0}, {0, 1, 0}};
+       }},
+      {"normals too few",
+       [](Mesh& m) {
+         m.primvars["normals"].value = Array<Vec3f>{{0, 0, 1}};
+       }},
+      {"normals of another type",
+       [](Mesh& m) {
+         m.primvars["normals"].value = Array<int32_t>{1, 2};
+       }},
+      {"st constant",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}};
+         m.primvars["st"].interpolation = Interpolation::constant;
+       }},
+      {"st too many",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}};
+         m.primvars["st"].interpolation = Interpolation::faceVarying;
+       }},
+      {"st indices out of range",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 1}};
+         m.primvars["st"].interpolation = Interpolation::faceVarying;
+         m.primvars["st"].indices = {0, 1, 2, -1};
+       }},
+      {"st indices too few",
+       [](Mesh& m) {
+         m.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 1}};
+         m.primvars["st"].interpolation = Interpolation::faceVarying;
+         m.primvars["st"].indices = {0};
+       }},
+      {"subset faces out of range",
+       [](Mesh& m) {
+         m.topology.geomSubsets = {{"/s", "/material", {-1, 0, 5}}};
+       }},
+      {"refine level absurd", [](Mesh& m) { m.displayStyle.refineLevel = -3; }},
+      {"transform singular", [](Mesh& m) { m.transform.makeIdentity(), m.transform[0][0] = 0; }},
+      {"transform beyond float", [](Mesh& m) { m.transform.setScale(1e300); }},
+      {"transform not finite", [](Mesh& m) { m.transform[3][0] = static_cast<double>(kNan); }},
+  };
+  return all;
+}
+
+TEST(MeshSync, SurvivesEveryFaultAlone) {
+  for (const char* scheme : {"none", "catmullClark", "loop", "bilinear"}) {
+    Stage stage({{"samples", 1}});
+    stage.add_basic_scene();
+    for (const Fault& fault : faults()) {
+      host::MeshDescription mesh = Stage::quad();
+      mesh.topology.scheme = scheme;
+      mesh.displayStyle.refineLevel = 1;
+      fault.break_it(mesh);
+      stage.scene.SetMesh(Path("/" + std::string(fault.name)), mesh);
+    }
+    RenderBuffer* buffer = stage.add_buffer("/b", 4, 4, Format::float32vec4);
+    stage.index->SyncAll();
+    EXPECT_EQ(stage.count("delegate.exception"), 0u) << scheme;
+    const auto pass = stage.delegate->CreateRenderPass();
+    EXPECT_TRUE(Stage::finish(*pass, Stage::state_for(4, 4, "color", buffer))) << scheme;
+    EXPECT_EQ(pass->GetState(), PassState::converged);
+  }
+}
+
+TEST(MeshSync, AFaultyMeshIsMendedByTheNextEdit) {
+  Stage stage;
+  for (const Fault& fault : faults()) {
+    host::MeshDescription mesh = Stage::quad();
+    fault.break_it(mesh);
+    stage.scene.SetMesh("/m", mesh);
+    stage.index->SyncAll();
+    stage.scene.SetMesh("/m", Stage::quad());
+    const std::string text = stage.dump();
+    EXPECT_NE(text.find("instance /m prim 0 instance 0\n  transform ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, "
+                        "0, 1))\n  mesh points 4 triangles 2 "),
+              std::string::npos)
+        << fault.name << "\n"
+        << text;
+  }
+}
+
+TEST(MeshSync, SubsetsBindTheirMaterialsAndRebindingRefinesNothing) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.faceVertexCounts = {3, 3};
+  mesh.topology.faceVertexIndices = {0, 1, 2, 0, 2, 3};
+  mesh.topology.geomSubsets = {{"/s0", "/red", {1}}, {"/s1", Path(), {0}}, {"/s2", "/green", {}}};
+  mesh.material = "/grey";
+  for (const char* name : {"/red", "/green", "/grey", "/blue"}) stage.scene.SetMaterial(name, {});
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("  material 0 /grey\n  material 1 /red\n"), std::string::npos)
+      << "subsets without material or faces take no slot";
+  const double refined = stage.stat("sync.refineSeconds");
+  mesh.topology.geomSubsets[0].materialId = "/blue";
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("  material 0 /grey\n  material 1 /blue\n"), std::string::npos);
+  EXPECT_EQ(stage.stat("sync.refineSeconds"), refined);
+}
+
+TEST(MeshSync, AScaleBeyondFloatIsReportedByName) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.transform.setScale(1e300);
+  stage.scene.SetMesh("/huge", mesh);
+  stage.index->SyncAll();
+  ASSERT_EQ(stage.count("instance.transform"), 1u);
+  for (const Diagnostic& d : stage.take_diagnostics()) {
+    if (d.code == "instance.transform") {
+      EXPECT_EQ(d.where, "/huge");
+    }
+  }
+}
+
+MaterialNetwork scattering() {
+  MaterialNetwork network;
+  MaterialNode node;
+  node.nodeTypeId = "AlabasterDisney";
+  node.parameters["scatterDistance"] = Vec3f(0.1f);
+  network.nodes["/wax/surface"] = node;
+  network.terminals["surface"].upstreamNode = "/wax/surface";
+  return network;
+}
+
+TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
+  Stage stage;
+  stage.scene.SetMaterial("/wax", scattering());
+  host::MeshDescription open = Stage::quad();
+  stage.scene.SetMesh("/plain", open);
+  open.material = "/wax";
+  host::MeshDescription closed = open;
+  closed.topology.faceVertexCounts = {3, 3, 3, 3};
+  closed.topology.faceVertexIndices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  closed.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  stage.scene.SetMesh("/closed", closed);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("mesh.open"), 0u);
+  stage.scene.SetMesh("/a", open);
+  stage.index->SyncAll();
+  ASSERT_EQ(stage.count("mesh.open"), 1u);
+  stage.scene.SetMesh("/b", open);
+  stage.index->SyncAll();
+  std::vector<std::string> where;
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == "mesh.open") where.push_back(d.where);
+  EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
+}
+
+// Walls are unions, and CPU is shared out: meshes that are synced together never add up to more than went by.
+TEST(MeshSync, SecondsOfMeshesSyncedTogetherCountOnce) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.scheme = "catmullClark";
+  mesh.displayStyle.refineLevel = 6;
+  for (int i = 0; i < 12; ++i) stage.scene.SetMesh(Path("/m" + std::to_string(i)), mesh);
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu = std::clock();  // of the process
+  stage.index->SyncAll();
+  const double process = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const char* phase : {"sync.refine", "sync.bvh"}) {
+    EXPECT_GT(stage.stat((phase + std::string("WallSeconds")).c_str()), 0) << phase;
+    EXPECT_LE(stage.stat((phase + std::string("WallSeconds")).c_str()), wall) << phase;
+    EXPECT_GT(stage.stat((phase + std::string("Seconds")).c_str()), 0) << phase;
+  }
+  constexpr double kTick = 2e-6;  // of std::clock
+  EXPECT_LE(stage.stat("sync.refineSeconds") + stage.stat("sync.bvhSeconds"), process + kTick);
+}
+
+TEST(MeshSync, ARemovedPrimvarIsGone) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.primvars["st"].value = Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("uvs yes"), std::string::npos);
+  mesh.primvars.erase("st");
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("uvs no"), std::string::npos);
+}
+
+TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
+  Stage stage;
+  MaterialNetwork wax;
+  wax.nodes["/wax/surface"] = {"AlabasterDisney", {{"scatterDistance", Vec3f(1, 1, 1)}}, {}};
+  wax.terminals["surface"] = {"/wax/surface", "surface"};
+  stage.scene.SetMaterial("/wax", wax);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/wax";
+  const auto dump_with = [&](host::PrimvarValue value) {
+    mesh.primvars["subsurfaceSet"] = std::move(value);
+    stage.scene.SetMesh("/m", mesh);
+    return stage.dump();
+  };
+  EXPECT_NE(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet named body\n"),
+            std::string::npos);
+  EXPECT_NE(stage.delegate->InvokeCommand("requirements", {}).text_or("").find("subsurface sets: yes (named body: 1 "),
+            std::string::npos);
+  EXPECT_NE(
+      dump_with({Interpolation::constant, {}, std::string("byMaterial"), {}}).find("subsurfaceSet material /wax\n"),
+      std::string::npos);
+  EXPECT_EQ(stage.count("mesh.subsurfaceSet"), 0u);
+  for (const host::PrimvarValue& wrong : {host::PrimvarValue{Interpolation::vertex, {}, Token("body"), {}},
+                                          host::PrimvarValue{Interpolation::constant, {}, 3.0f, {}}})
+    EXPECT_EQ(dump_with(wrong).find("subsurfaceSet"), std::string::npos);
+  EXPECT_EQ(stage.count("mesh.subsurfaceSet"), 2u);
+  // An object that does not scatter is in no set.
+  mesh.material = Path();
+  EXPECT_EQ(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet"), std::string::npos);
+}
+
+TEST(MeshSync, StopEndsBuildingAndRestartTakesItUpAgain) {
+  Stage stage;
+  stage.scene.SetMesh("/m", Stage::quad());
+  stage.delegate->Stop();
+  EXPECT_EQ(stage.dump().find("instance /m"), std::string::npos);
+  stage.delegate->Restart();
+  EXPECT_NE(stage.dump().find("instance /m"), std::string::npos);
+}
+
+TEST(MeshSync, RefinementLevelAndScheme) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.topology.scheme = "catmullClark";
+  mesh.displayStyle.refineLevel = 2;
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("mesh points 25 triangles 32 normals yes"), std::string::npos) << stage.dump();
+  mesh.topology.scheme = "none";
+  stage.scene.SetMesh("/m", mesh);
+  EXPECT_NE(stage.dump().find("mesh points 4 triangles 2 "), std::string::npos) << "nothing to refine";
+}
+
+}  // namespace
+}  // namespace alabaster::hd

@@ -1,0 +1,304 @@
+// Every parameter of every kind reaches the renderer under the name that the schemas give it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+using nlohmann::json;
+
+json schema_properties(const std::string& name) {
+  std::ifstream file(std::string(ALABASTER_SOURCE_DIR) + "/schemas/" + name + ".json");
+  return json::parse(file).at("properties");
+}
+
+/// A value other than the default, inside the range; and how the dump writes it.
+struct Probe {
+  Value value;
+  std::string text;
+};
+
+Probe probe(const json& property) {
+  const bool texture_or_color = property.contains("anyOf");
+  const json& p = texture_or_color ? property.at("anyOf").at(0) : property;
+  const std::string type = p.at("type");
+  if (type == "boolean")
+    return {!property.at("default").get<bool>(), property.at("default").get<bool>() ? "false" : "true"};
+  if (type == "array") return {Vec3f(0.25f, 0.5f, 0.75f), "(0.25, 0.5, 0.75)"};
+  const double fallback = property.at("default");
+  double value = fallback + 0.25;
+  if (property.contains("maximum") && value > property.at("maximum").get<double>()) value = fallback - 0.25;
+  return {static_cast<float>(value), Value(static_cast<float>(value)).to_string()};
+}
+
+MaterialNetwork disney(const std::map<Token, Value>& parameters) {
+  MaterialNetwork network;
+  network.nodes["/m/surface"] = {"AlabasterDisney", parameters, {}};
+  network.terminals["surface"] = {"/m/surface", "surface"};
+  return network;
+}
+
+TEST(Parameters, EveryMaterialParameterOfTheSchemaArrives) {
+  Stage stage;
+  std::map<Token, Value> parameters;
+  std::map<std::string, std::string> expected;
+  const json schema = schema_properties("disney_material");
+  for (const auto& [name, property] : schema.items()) {
+    const Probe p = probe(property);
+    parameters[name] = p.value;
+    expected[name] = p.text;
+  }
+  EXPECT_EQ(expected.size(), 15u);
+  stage.scene.SetMaterial("/m", disney(parameters));
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/m";
+  stage.scene.SetMesh("/mesh", mesh);
+  const std::string text = stage.dump();
+  for (const auto& [name, value] : expected)
+    EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << " " << value << "\n" << text;
+  EXPECT_EQ(stage.count("parameter.range") + stage.count("parameter.type") + stage.count("material.parameter"), 0u);
+}
+
+TEST(Parameters, MaterialDefaultsAreTheSchemas) {
+  Stage stage;
+  stage.scene.SetMesh("/mesh", Stage::quad());
+  const std::string text = stage.dump();
+  const json schema = schema_properties("disney_material");
+  for (const auto& [name, property] : schema.items()) {
+    const json& d = property.at("default");
+    const Value value = d.is_array() ? Value(Vec3f(d[0], d[1], d[2])) : Value(d.get<float>());
+    EXPECT_NE(text.find("\n  " + name + " " + value.to_string() + "\n"), std::string::npos) << name;
+  }
+}
+
+TEST(Parameters, EveryLightParameterOfTheSchemaArrivesAndDefaultsAgree) {
+  Stage stage;
+  host::LightDescription light{.type = "sphereLight", .transform = {}, .parameters = {}};
+  stage.scene.SetLight("/plain", light);
+  std::map<std::string, std::string> expected;
+  const json schema = schema_properties("lights");
+  for (const auto& [name, property] : schema.items()) {
+    if (name == "texture:file") continue;
+    const Probe p = probe(property);
+    light.parameters[name] = p.value;
+    expected[name] = p.text;
+  }
+  stage.scene.SetLight("/set", light);
+  const std::string text = stage.dump();
+  const std::string plain = text.substr(text.find("/plain"), text.find("/set") - text.find("/plain"));
+  const std::string set = text.substr(text.find("/set"));
+  for (const auto& [name, value] : expected) {
+    EXPECT_NE(set.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << set;
+    const json& d = schema.at(name).at("default");
+    const Value fallback = d.is_array()     ? Value(Vec3f(d[0], d[1], d[2]))
+                           : d.is_boolean() ? Value(d.get<bool>())
+                                            : Value(d.get<float>());
+    EXPECT_NE(plain.find("\n  " + name + " " + fallback.to_string() + "\n"), std::string::npos) << name << "\n"
+                                                                                                << plain;
+  }
+}
+
+TEST(Parameters, EveryCameraParameterOfTheSchemaArrives) {
+  Stage stage;
+  host::CameraDescription camera;
+  std::map<std::string, std::string> expected;
+  const json schema = schema_properties("camera");
+  for (const auto& [name, property] : schema.items()) {
+    if (name == "projection" || name == "clippingRange") continue;
+    const Probe p = probe(property);
+    camera.parameters[name] = p.value;
+    expected[name] = p.text;
+  }
+  camera.parameters["projection"] = "orthographic";
+  camera.parameters["clippingRange"] = Vec2f(0.5f, 100);
+  expected["projection"] = "orthographic";
+  expected["clippingRange"] = "(0.5, 100)";
+  stage.scene.SetCamera("/c", camera);
+  const std::string text = stage.dump();
+  for (const auto& [name, value] : expected)
+    EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << text;
+}
+
+TEST(Parameters, RenderSettingsAreTheSchemas) {
+  Stage stage;
+  const json schema = schema_properties("render_settings");
+  std::set<std::string> described;
+  for (const RenderSettingDescriptor& d : stage.delegate->GetRenderSettingDescriptors()) {
+    const std::string name = d.key.str();
+    described.insert(name);
+    ASSERT_TRUE(schema.contains(name)) << name;
+    const json& property = schema.at(name);
+    EXPECT_EQ(stage.delegate->GetRenderSetting(d.key), d.defaultValue) << name;
+    if (property.at("type") == "boolean") {
+      ASSERT_TRUE(d.defaultValue.get<bool>()) << name;
+      EXPECT_TRUE(d.minimum.empty() && d.maximum.empty()) << name;
+      EXPECT_EQ(*d.defaultValue.get<bool>(), property.at("default").get<bool>()) << name;
+    } else if (d.choices.empty()) {
+      EXPECT_EQ(d.defaultValue.number_or(-1), property.at("default").get<double>()) << name;
+      EXPECT_EQ(d.minimum.number_or(-1), property.at("minimum").get<double>()) << name;
+      EXPECT_EQ(d.maximum.number_or(-1), property.at("maximum").get<double>()) << name;
+    } else {
+      EXPECT_EQ(d.defaultValue.text_or(""), property.at("default").get<std::string>()) << name;
+      EXPECT_EQ(json(d.choices), property.at("enum")) << name;
+    }
+  }
+  EXPECT_EQ(described.size(), schema.size());
+}
+
+TEST(Parameters, WrongOnesAreReportedWithARemedy) {
+  Stage stage;
+  stage.scene.SetMaterial("/m", disney({{"rouhgness", 0.1f}, {"metallic", 7.0f}, {"sheen", "much"}}));
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("parameter.range"), 1u);
+  EXPECT_EQ(stage.count("parameter.type"), 1u);
+  for (const Diagnostic& d : stage.take_diagnostics()) {
+    EXPECT_EQ(d.where, "/m");
+    if (d.code == "material.parameter") {
+      EXPECT_NE(d.text.find("'roughness'"), std::string::npos) << d.text;
+    }
+  }
+  stage.delegate->SetRenderSetting("samples", 0);
+  EXPECT_EQ(stage.count("parameter.range"), 1u);
+  stage.delegate->SetRenderSetting("filter", "mitchell");
+  EXPECT_EQ(stage.count("parameter.type"), 1u);
+}
+
+TEST(Materials, UnknownNodesFallBackWithOneReport) {
+  Stage stage;
+  MaterialNetwork unknown = disney({});
+  unknown.nodes["/m/surface"].nodeTypeId = "StandardSurface";
+  stage.scene.SetMaterial("/unknown", unknown);
+  MaterialNetwork dangling = disney({});
+  dangling.terminals["surface"].upstreamNode = "/m/nowhere";
+  stage.scene.SetMaterial("/dangling", dangling);
+  MaterialNetwork connected = disney({{"baseColor", Vec3f(0.5f, 0.5f, 0.5f)}});
+  connected.nodes["/m/noise"] = {"Noise", {}, {}};
+  connected.nodes["/m/surface"].inputConnections["baseColor"] = {{"/m/noise", "rgb"}};
+  stage.scene.SetMaterial("/connected", connected);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/unknown";
+  stage.scene.SetMesh("/mesh", mesh);
+  EXPECT_NE(stage.dump().find("material /unknown\n  baseColor (0.800000012, 0.800000012, 0.800000012)"),
+            std::string::npos);
+  EXPECT_EQ(stage.count("material.node"), 2u);
+  EXPECT_EQ(stage.count("material.surface"), 1u);
+}
+
+/// One grey pixel of 0.5, as Radiance files hold it.
+AssetPath grey_image(const std::string& name) {
+  const std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80";
+  return {name, name, std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
+}
+
+TEST(Materials, ScatterDistanceTakesATexture) {
+  const auto dump = [](const std::map<Token, Value>& parameters, const AssetPath& file, size_t reports) {
+    Stage stage;
+    MaterialNetwork network = disney(parameters);
+    network.nodes["/m/map"] = {"AlabasterTexture", {{"file", file}}, {}};
+    network.nodes["/m/surface"].inputConnections["scatterDistance"] = {{"/m/map", "rgb"}};
+    stage.scene.SetMaterial("/m", network);
+    host::MeshDescription mesh = Stage::quad();
+    mesh.material = "/m";
+    stage.scene.SetMesh("/mesh", mesh);
+    std::string text = stage.dump();
+    text += stage.delegate->InvokeCommand("requirements", {}).text_or("");
+    size_t said = 0;
+    for (const Diagnostic& d : stage.take_diagnostics()) said += d.code.starts_with("texture.");
+    EXPECT_EQ(said, reports);
+    return text;
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  };
+  const AssetPath grey = grey_image("grey.hdr");
+  const std::string scaled = dump({{"scatterDistance", Vec3f(2, 3, 4)}}, grey, 0);
+  has(scaled, "  scatterDistance (2, 3, 4)\n");
+  has(scaled, "  scatterDistance texture 1x1\n");
+  has(scaled, "subsurface: yes");
+  has(scaled, "textures: yes");
+  const std::string alone = dump({}, grey, 0);
+  has(alone, "  scatterDistance (1, 1, 1)\n");
+  has(alone, "  scatterDistance texture 1x1\n");
+  const std::string nothing = dump({{"scatterDistance", Vec3f(0, 0, 0)}}, grey, 0);
+  has(nothing, "  scatterDistance texture none\n");
+  has(nothing, "subsurface: no");
+  has(nothing, "textures: no");
+  const std::string absent = dump({}, {"none.exr", "none.exr", nullptr}, 1);
+  has(absent, "  scatterDistance (0, 0, 0)\n");
+  has(absent, "subsurface: no");
+}
+
+TEST(Materials, MayComeAfterAndGoBeforeTheMesh) {
+  Stage stage;
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/m";
+  stage.scene.SetMesh("/mesh", mesh);
+  EXPECT_NE(stage.dump().find("material default\n"), std::string::npos);
+  stage.scene.SetMaterial("/m", disney({{"metallic", 1.0f}}));
+  EXPECT_NE(stage.dump().find("  metallic 1\n"), std::string::npos);
+  stage.scene.Remove("/m");
+  EXPECT_NE(stage.dump().find("  metallic 0\n"), std::string::npos);
+}
+
+TEST(Delegate, UnknownTypesGiveNullAndFallbacksExist) {
+  Stage stage;
+  EXPECT_EQ(stage.delegate->CreateRprim("basisCurves", "/x"), nullptr);
+  EXPECT_EQ(stage.delegate->CreateSprim("cylinderLight", "/x"), nullptr);
+  EXPECT_EQ(stage.delegate->CreateBprim("openvdbAsset", "/x"), nullptr);
+  for (const Token& type : stage.delegate->GetSupportedSprimTypes()) {
+    Sprim* fallback = stage.delegate->CreateFallbackSprim(type);
+    ASSERT_NE(fallback, nullptr) << type.str();
+    EXPECT_TRUE(fallback->GetId().empty());
+    stage.delegate->DestroySprim(fallback);
+  }
+  for (const Token& type : stage.delegate->GetSupportedBprimTypes()) {
+    Bprim* fallback = stage.delegate->CreateFallbackBprim(type);
+    ASSERT_NE(fallback, nullptr) << type.str();
+    stage.delegate->DestroyBprim(fallback);
+  }
+}
+
+TEST(Delegate, AovsHaveFormatsAndUnknownOnesHaveNone) {
+  Stage stage;
+  EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor("color").format, Format::float32vec4);
+  EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor("depth").clearValue, Value(1.0f));
+  for (const char* id : {"primId", "instanceId", "elementId"}) {
+    EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor(id).format, Format::int32);
+    EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor(id).clearValue, Value(int32_t(-1)));
+  }
+  for (const char* name : {"alpha", "cameraDepth", "normal", "albedo", "sampleCount"})
+    EXPECT_NE(stage.delegate->GetDefaultAovDescriptor(name).format, Format::invalid) << name;
+  EXPECT_EQ(stage.delegate->GetDefaultAovDescriptor("lpe:C.*L").format, Format::invalid);
+}
+
+TEST(Delegate, VersionsNameWhatItStandsOn) {
+  const std::string versions = AlabasterVersions();
+  for (const char* name :
+       {"Embree 3.", "OpenSubdiv 3.", "OpenImageIO 2.", "OpenColorIO 2.", "TBB 20", "Imath 3.", "tinygltf 2."})
+    EXPECT_NE(versions.find(name), std::string::npos) << name << " in\n" << versions;
+}
+
+TEST(Delegate, AnotherAbiIsRefused) {
+  const DelegateOptions options;
+  EXPECT_EQ(CreateAlabasterRenderDelegate(kAbiVersion + 1, &options), nullptr);
+}
+
+TEST(Delegate, UnknownCommandsAnswerEmpty) {
+  Stage stage;
+  EXPECT_TRUE(stage.delegate->InvokeCommand("dance", {}).empty());
+  stage.add_basic_scene();
+  stage.index->SyncAll();
+  const std::string requirements = stage.delegate->InvokeCommand("requirements", {}).text_or("");
+  EXPECT_NE(requirements.find("subsurface: no"), std::string::npos) << requirements;
+  EXPECT_NE(requirements.find("instances: 1 of 1 meshes"), std::string::npos) << requirements;
+}
+
+}  // namespace
+}  // namespace alabaster::hd

@@ -1,0 +1,269 @@
+// What restarts a render, what does not, and how a render ends.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+struct Shot {
+  Stage stage;
+  RenderBuffer* buffer;
+  std::unique_ptr<RenderPass> pass;
+  RenderPassState state;
+
+  explicit Shot(int samples = 1, int size = 8) : stage({{"samples", samples}}) {
+    stage.add_basic_scene();
+    buffer = stage.add_buffer("/b", size, size, Format::float32vec4);
+    stage.index->SyncAll();
+    pass = stage.delegate->CreateRenderPass();
+    state = Stage::state_for(size, size, "color", buffer);
+  }
+  bool finish() { return Stage::finish(*pass, state); }
+  /// Whether one more Execute starts anew.
+  bool restarts() {
+    pass->Execute(state);
+    return !pass->IsConverged();
+  }
+};
+
+constexpr int kEndless = 1 << 20;
+
+TEST(RenderPass, ConvergenceIsLatchedOneExecuteLaterAndBuffersAgree) {
+  Shot s;
+  s.pass->Execute(s.state);
+  ASSERT_TRUE(s.pass->WaitForConvergence(20));
+  EXPECT_FALSE(s.pass->IsConverged()) << "only Execute latches";
+  s.pass->Execute(s.state);
+  EXPECT_FALSE(s.pass->IsConverged()) << "the host may still show the final pixels first";
+  EXPECT_FALSE(s.buffer->IsConverged());
+  s.pass->Execute(s.state);
+  EXPECT_TRUE(s.pass->IsConverged());
+  EXPECT_TRUE(s.buffer->IsConverged());
+  EXPECT_EQ(s.pass->GetState(), PassState::converged);
+  EXPECT_EQ(s.stage.stat("fractionDone"), 1);
+}
+
+TEST(RenderPass, NothingThatStaysTheSameRestarts) {
+  Shot s;
+  ASSERT_TRUE(s.finish());
+  const uint32_t version = s.stage.delegate->GetRenderSettingsVersion();
+  const double scene = s.stage.stat("sceneNumber");
+  for (int i = 0; i < 1000; ++i) s.stage.delegate->SetRenderSetting("samples", 1);
+  EXPECT_EQ(s.stage.delegate->GetRenderSettingsVersion(), version);
+  s.stage.scene.SetMesh("/quad", Stage::quad());
+  s.stage.index->GetChangeTracker().MarkDirty("/quad", dirty::kAll);  // dirty, and yet unchanged
+  s.stage.index->GetChangeTracker().MarkDirty("/dome", dirty::kAll);
+  s.stage.scene.SetMaterial("/unused", {});
+  s.stage.index->SyncAll();
+  EXPECT_EQ(s.stage.stat("sceneNumber"), scene);
+  s.stage.delegate->SetRenderSetting("houdini:interactive", "moving");
+  EXPECT_EQ(s.stage.delegate->GetRenderSettingsVersion(), version + 1) << "unknown keys are kept";
+  EXPECT_EQ(s.stage.delegate->GetRenderSetting("houdini:interactive").text_or(""), "moving");
+  EXPECT_FALSE(s.restarts());
+}
+
+TEST(RenderPass, WhatIsDrawnDifferentlyRestarts) {
+  Shot s;
+  const auto expect_restart = [&](const char* what) {
+    s.stage.index->SyncAll();
+    EXPECT_TRUE(s.restarts()) << what;
+    EXPECT_TRUE(s.finish()) << what;
+  };
+  ASSERT_TRUE(s.finish());
+  s.stage.delegate->SetRenderSetting("seed", 5);
+  expect_restart("setting");
+  host::MeshDescription mesh = Stage::quad();
+  mesh.transform[3][0] = 0.5;
+  s.stage.scene.SetMesh("/quad", mesh);
+  expect_restart("transform");
+  mesh.visible = false;
+  s.stage.scene.SetMesh("/quad", mesh);
+  expect_restart("visibility");
+  s.state.framing.dataWindow.maxX = 6;
+  expect_restart("data window");
+  RenderBuffer* other = s.stage.add_buffer("/other", 8, 8, Format::float32);
+  s.stage.index->SyncAll();
+  s.state.aovBindings.push_back({"depth", other, {}});
+  expect_restart("bindings");
+  s.stage.scene.Remove("/dome");
+  expect_restart("light");
+}
+
+TEST(RenderPass, ACameraMoveRestartsWithoutANewScene) {
+  Shot s;
+  ASSERT_TRUE(s.finish());
+  const double scene = s.stage.stat("sceneNumber"), refined = s.stage.stat("sync.refineSeconds");
+  host::CameraDescription camera = s.stage.scene.GetCameras().at("/camera");
+  camera.transform[3][0] = 0.25;
+  s.stage.scene.SetCamera("/camera", camera);
+  s.stage.index->SyncAll();
+  EXPECT_EQ(s.stage.stat("sceneNumber"), scene);
+  EXPECT_TRUE(s.restarts());
+  EXPECT_EQ(s.stage.stat("sync.refineSeconds"), refined);
+}
+
+TEST(RenderPass, TransformAndMaterialEditsRefineNothing) {
+  Shot s;
+  const double refined = s.stage.stat("sync.refineSeconds"), built = s.stage.stat("sync.bvhSeconds");
+  const double refined_wall = s.stage.stat("sync.refineWallSeconds");
+  EXPECT_GT(refined, 0);
+  EXPECT_GT(refined_wall, 0);
+  EXPECT_GT(s.stage.stat("sync.bvhWallSeconds"), 0);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.transform[3][2] = -1;
+  mesh.material = "/nowhere";
+  s.stage.scene.SetMesh("/quad", mesh);
+  s.stage.index->SyncAll();
+  EXPECT_EQ(s.stage.stat("sync.refineSeconds"), refined);
+  EXPECT_EQ(s.stage.stat("sync.bvhSeconds"), built);
+  EXPECT_EQ(s.stage.stat("sync.refineWallSeconds"), refined_wall);
+  EXPECT_EQ(s.stage.count("mesh.material"), 1u);
+}
+
+TEST(RenderPass, FailuresConvergeAndSayWhy) {
+  Shot s;
+  s.state.camera = "/nowhere";
+  s.pass->Execute(s.state);
+  EXPECT_TRUE(s.pass->IsConverged());
+  EXPECT_EQ(s.pass->GetState(), PassState::failed);
+  EXPECT_NE(s.stage.text_stat("error").find("/nowhere"), std::string::npos);
+  for (int i = 0; i < 10; ++i) s.pass->Execute(s.state);
+  EXPECT_EQ(s.stage.count("pass.failed"), 1u) << "told once";
+  s.state.camera = "/camera";
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(s.pass->GetState(), PassState::converged);
+  EXPECT_EQ(s.stage.text_stat("error"), "");
+}
+
+// 2^40 pixels of 36 bytes: about 40 TB.
+TEST(RenderPass, AFrameBeyondTheMachinesMemoryIsRefused) {
+  Shot s;
+  s.state.framing.displayMax = {1 << 20, 1 << 20};
+  s.state.framing.dataWindow = {0, 0, 1 << 20, 1 << 20};
+  s.pass->Execute(s.state);
+  EXPECT_TRUE(s.pass->IsConverged());
+  EXPECT_EQ(s.pass->GetState(), PassState::failed);
+  EXPECT_NE(s.stage.text_stat("error").find("1048576 x 1048576 pixels needs 118748 GB"), std::string::npos)
+      << s.stage.text_stat("error");
+  EXPECT_EQ(s.stage.count("pass.failed"), 1u);
+  s.state.framing.dataWindow = {0, 0, 8, 8};  // a part of it is no trouble
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(s.pass->GetState(), PassState::converged);
+}
+
+TEST(RenderPass, NothingToDrawConvergesAtOnce) {
+  Shot s;
+  RenderPassState unbound = s.state;
+  unbound.aovBindings.clear();
+  s.pass->Execute(unbound);
+  EXPECT_TRUE(s.pass->IsConverged());
+  RenderPassState unsupported = s.state;
+  unsupported.aovBindings[0].aovName = "Peye";
+  s.pass->Execute(unsupported);
+  EXPECT_TRUE(s.pass->IsConverged());
+  RenderPassState zero = s.state;
+  zero.framing.dataWindow = {};
+  s.pass->Execute(zero);
+  EXPECT_TRUE(s.pass->IsConverged());
+}
+
+TEST(RenderPass, TheSettingsPrimGivesCameraAndSettingsAndTheHostOverrides) {
+  Shot s;
+  RenderSettingsDescription settings;
+  settings.camera = "/camera";
+  settings.settings = {{"samples", 3}, {"maxDepth", 2}};
+  s.stage.scene.SetRenderSettings("/settings", settings);
+  s.stage.index->SyncAll();
+  EXPECT_EQ(s.stage.delegate->GetRenderSetting("maxDepth").number_or(0), 2);
+  EXPECT_EQ(s.stage.delegate->GetRenderSetting("samples").number_or(0), 1) << "set by the host";
+  s.stage.delegate->SetRenderSetting("samples", {});
+  EXPECT_EQ(s.stage.delegate->GetRenderSetting("samples").number_or(0), 3);
+  s.state.camera = Path();
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(s.pass->GetState(), PassState::converged);
+}
+
+TEST(BackgroundControl, IsLegalBeforeTheFirstRender) {
+  Shot s;
+  s.stage.delegate->Pause();
+  s.stage.delegate->Resume();
+  s.stage.delegate->Stop();
+  EXPECT_TRUE(s.stage.delegate->IsStopped());
+  s.pass->Execute(s.state);
+  EXPECT_EQ(s.pass->GetState(), PassState::stopped);
+  EXPECT_FALSE(s.pass->IsConverged());
+  s.stage.delegate->Restart();
+  EXPECT_FALSE(s.stage.delegate->IsStopped());
+  EXPECT_TRUE(s.finish());
+}
+
+TEST(BackgroundControl, APauseFromBeforeHoldsTheFirstRenderAndAnEditEndsIt) {
+  Shot s(kEndless);
+  s.stage.delegate->Pause();
+  s.pass->Execute(s.state);
+  EXPECT_EQ(s.pass->GetState(), PassState::paused);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.transform[3][0] = 1;
+  s.stage.scene.SetMesh("/quad", mesh);
+  s.stage.index->SyncAll();
+  EXPECT_TRUE(s.stage.delegate->IsPaused()) << "an edit ends a pause only through Execute";
+  s.pass->Execute(s.state);
+  EXPECT_FALSE(s.stage.delegate->IsPaused());
+  EXPECT_EQ(s.pass->GetState(), PassState::rendering);
+}
+
+TEST(BackgroundControl, StopEndsARenderAndIsNoConvergence) {
+  Shot s(kEndless, 64);
+  s.pass->Execute(s.state);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  s.stage.delegate->Stop();
+  EXPECT_EQ(s.pass->GetState(), PassState::stopped);
+  EXPECT_FALSE(s.pass->IsConverged());
+  EXPECT_TRUE(s.pass->WaitForConvergence(5)) << "it is over";
+  s.pass->Execute(s.state);
+  EXPECT_EQ(s.pass->GetState(), PassState::stopped) << "latched";
+}
+
+TEST(BackgroundControl, AStormFromAnotherThreadEndsWell) {
+  Shot s(kEndless, 32);
+  std::thread storm([&] {
+    for (int i = 0; i < 50; ++i) {
+      s.stage.delegate->Pause();
+      s.buffer->Resolve();
+      s.buffer->Map();
+      s.stage.delegate->GetRenderStats();
+      s.stage.delegate->Stop();
+      s.buffer->Unmap();
+      s.stage.delegate->Resume();
+      s.pass->GetState();
+    }
+  });
+  for (int i = 0; i < 50; ++i) {
+    s.stage.delegate->SetRenderSetting("seed", i);
+    s.pass->Execute(s.state);
+    s.stage.delegate->Restart();
+  }
+  storm.join();
+  s.stage.delegate->Restart();
+  s.stage.delegate->SetRenderSetting("samples", 1);
+  EXPECT_TRUE(s.finish());
+}
+
+TEST(RenderDelegate, OneMayEndWhileAnotherRenders) {
+  Shot survivor(16, 32);
+  survivor.pass->Execute(survivor.state);
+  {
+    Shot other(kEndless, 32);
+    other.pass->Execute(other.state);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_TRUE(survivor.finish());
+  EXPECT_EQ(survivor.pass->GetState(), PassState::converged);
+}
+
+}  // namespace
+}  // namespace alabaster::hd
