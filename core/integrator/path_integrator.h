@@ -23,6 +23,7 @@ struct IntegratorSettings {
   uint32_t max_depth = 8;       // bounces between surfaces; 1 = direct light only; a subsurface walk counts as one
   uint32_t roulette_depth = 3;  // vertices before roulette may end a path: they carry most of the picture
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
+  AlbedoInversion inversion = AlbedoInversion::exact;
   WalkSettings walk;
 };
 

@@ -3,6 +3,7 @@
 
 #include "core/geometry/surface_hit.h"
 #include "core/integrator/path_integrator.h"
+#include "core/math/frame.h"
 
 namespace alabaster {
 

@@ -11,13 +11,13 @@ namespace alabaster {
 /// `within`: the path's ray came to the vertex through the medium, and the walk starts where the ray did; never so for
 /// diffusion.
 template <SubsurfaceMode kMode>
-bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& entry,
+bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& vertex,
                            bool within, PathState* path);
 
 /// Scatter distances too small for walks to resolve at the vertex become zero: Lambert, in that channel.
 void drop_unresolved_distances(PathVertex* vertex);
 
-/// Whether the path's ray met the vertex from within its medium: the inner side of a closed shell, whichever way the
+/// True if the path's ray met the vertex from within its medium: on the inner side of a closed shell, whichever way the
 /// mesh winds. A camera may stand in there, and bodies may overlap that do not scatter as one.
 bool is_within_medium(const PathVertex& vertex, const PathState& path);
 

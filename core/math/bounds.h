@@ -30,4 +30,13 @@ struct Bounds {
   Vec3f extent() const { return empty() ? Vec3f(0, 0, 0) : upper - lower; }
 };
 
+/// From a point to the nearest one of the box; 0 inside.
+inline double distance_to_bounds(const Bounds& bounds, const Vec3f& p) {
+  Vec3d outside(0, 0, 0);
+  for (int i = 0; i < 3; ++i)
+    outside[i] =
+        std::max(0.0, std::max(double(bounds.lower[i]) - double(p[i]), double(p[i]) - double(bounds.upper[i])));
+  return length(outside);
+}
+
 }  // namespace alabaster

@@ -42,4 +42,7 @@ inline Vec3d transform_vector(const Vec3d& v, const Matrix4d& m) {
 /// the float that inner loops use (a scale of 1e300 or 1e-60 is neither).
 bool is_valid_affine(const Matrix4d& m);
 
+/// The least factor by which a linear map stretches a vector: its smallest singular value, rounded down.
+float least_stretch(const Affine& map);
+
 }  // namespace alabaster

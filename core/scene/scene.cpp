@@ -1,11 +1,9 @@
 #include "core/scene/scene.h"
 
-#include "core/scene/distance_grids.h"
-
 #include <algorithm>
 #include <utility>
 
-#include "core/scene/scattering.h"
+#include "core/scene/bodies.h"
 
 namespace alabaster {
 namespace {
@@ -137,7 +135,6 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
     snapshot->features.smooth_normals |= !p->mesh.normals.empty();
   }
   for (const auto& m : snapshot->materials) {
-    snapshot->features.subsurface |= m->scatters();
     for (const Texture* map : {m->base_color_map.get(), m->scatter_distance_map.get()}) {
       snapshot->features.textures |= map != nullptr;
       if (map) snapshot->memory_bytes += map->memory_bytes();
@@ -147,9 +144,13 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
 
 }  // namespace
 
-const MeshShells& MeshPrototype::shells() const {
-  std::call_once(shells_once_, [&] { shells_ = find_shells(mesh, *object); });
-  return shells_;
+bool scatters(const InstanceDescription& instance) {
+  const auto& materials = instance.materials;
+  const auto& slots = instance.prototype->mesh.triangle_material;
+  const auto in_slot = [&](size_t slot) { return materials[slot < materials.size() ? slot : 0]->scatters(); };
+  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return false;
+  if (slots.empty()) return in_slot(0);
+  return std::any_of(slots.begin(), slots.end(), [&](int32_t slot) { return in_slot(static_cast<size_t>(slot)); });
 }
 
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
@@ -185,10 +186,9 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
     placements.push_back({d->prototype->object, snapshot->instances.back().object_to_world});
   }
   snapshot->top = build_instanced_scene(device, placements);
-  if (!snapshot->top || !prepare_scattering(drawn, device, snapshot.get())) return nullptr;
+  if (!snapshot->top || !plan_bodies(drawn, device, snapshot.get())) return nullptr;
   snapshot->memory_bytes += snapshot->top->memory_bytes();
   keep_alive(drawn, snapshot.get());
-  add_distance_grids(snapshot.get());
   add_lights(description, sink, snapshot.get());
   return snapshot;
 }

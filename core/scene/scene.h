@@ -4,35 +4,26 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
-#include "core/geometry/distance_grid.h"
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/mesh.h"
-#include "core/geometry/shells.h"
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
-#include "core/subsurface/random_walk.h"
-#include "core/subsurface/walk_set.h"
+#include "core/subsurface/mesh_interior.h"
 
 namespace alabaster {
+
+struct SubsurfaceBody;
 
 /// A refined mesh with its own BVH: shared by all its instances, built once per edit of the mesh.
 struct MeshPrototype {
   Mesh mesh;
   std::shared_ptr<const ObjectScene> object;
 
-  /// Found when first asked for, which is when a material that scatters meets the mesh. Any thread.
-  const MeshShells& shells() const;
-  /// Likewise, where sphere steps pay; null if the mesh has none (build_distance_grid).
-  const DistanceGrid* distances() const { return distances_.get(mesh); }
-
- private:
-  mutable LazyDistanceGrid distances_;
-  mutable std::once_flag shells_once_;
-  mutable MeshShells shells_;
+  const MeshShells& shells() const { return interior.shells(mesh, *object); }
+  MeshInterior interior = {};  // only light below the surface asks for it
 };
 
 struct InstanceDescription {
@@ -45,6 +36,9 @@ struct InstanceDescription {
   /// Instances that scatter and name the same set do so as one body; empty: each for itself.
   std::string subsurface_set = {};
 };
+
+/// True if light goes below the surface of some triangle: a material that no face uses does not count.
+bool scatters(const InstanceDescription& instance);
 
 struct SceneDescription {
   std::vector<InstanceDescription> instances;
@@ -67,16 +61,16 @@ struct Instance {
   Affine world_to_object;
   std::vector<const DisneyMaterial*> materials;  // by slot, at least one
   int32_t prim_id = 0, instance_id = 0;
-  const MeshShells* shells = nullptr;  // null: no material of it scatters
-  WalkSpace walk;                      // where walks that enter here go on
-  uint32_t member = 0;                 // of walk.set
+  const SubsurfaceBody* body = nullptr;  // where light goes below this surface; null: no material of it scatters
+  uint32_t member = 0;                   // of the body
 
-  /// The material of a triangle; slots beyond the list use the first.
-  const DisneyMaterial& material(uint32_t triangle) const {
+  /// The material slot of a triangle; slots beyond the list use the first.
+  size_t slot(uint32_t triangle) const {
     const auto& slots = prototype->mesh.triangle_material;
     const auto slot = slots.empty() ? size_t(0) : static_cast<size_t>(slots[triangle]);
-    return *materials[slot < materials.size() ? slot : 0];
+    return slot < materials.size() ? slot : 0;
   }
+  const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
 };
 
 /// Immutable. Render space = world - origin: the origin is the centre of the scene's bounds, so that precision does not
@@ -91,7 +85,7 @@ struct SceneSnapshot {
   LightSet lights;
   size_t memory_bytes = 0;
 
-  std::vector<std::shared_ptr<const WalkSet>> walk_sets;         // keep-alive
+  std::vector<std::shared_ptr<const SubsurfaceBody>> bodies;     // keep-alive
   std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
 };

@@ -44,7 +44,7 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   out.max_depth = s.max_depth;
   out.roulette_depth = s.roulette_depth;
   out.subsurface = s.subsurface;
-  out.walk.inversion = s.inversion;
+  out.inversion = s.inversion;
   out.walk.weights = s.walk_weights;
   const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
   out.walk.guiding = shortcuts && s.walk_guiding;

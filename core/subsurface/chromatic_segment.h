@@ -3,7 +3,6 @@
 
 #include "core/sampling/pixel_sampler.h"
 #include "core/subsurface/random_walk.h"
-#include "core/subsurface/walk_medium.h"
 
 namespace alabaster {
 

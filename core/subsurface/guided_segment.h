@@ -79,7 +79,6 @@ inline Vec3f direction_at(const Frame& frame, double cosine, Rng& rng) {
 /// What both kinds of guided move are given.
 struct GuidedState {
   const WalkMedium& medium;
-  const DiffusionModes& modes;
   const WalkGuide& guide;
   WalkWeights weights;
 };
@@ -90,7 +89,7 @@ class GuidedSegment {
       : state_(state),
         throughput_(throughput),
         choice_(state.medium, throughput, state.weights),
-        shares_(state.guide.shares(state.modes, throughput)) {}
+        shares_(state.guide.shares(state.medium.modes, throughput)) {}
 
   /// World distance to the next event; infinite if the chosen channel has no extinction. Chooses the direction, too,
   /// unless it is the walk's first, which the entry lobe has chosen: then only distances are guided.
@@ -98,7 +97,7 @@ class GuidedSegment {
     const size_t c = choice_.draw(rng);
     const GuideTechnique technique = draw_technique(shares_, c, rng);
     const Frame& frame = state_.guide.outward();
-    const DwivediMode& mode = state_.modes.mode[c];
+    const DwivediMode& mode = state_.medium.modes.mode[c];
     first_ = first;
     if (!first) {
       double cosine = 0;
@@ -129,7 +128,7 @@ class GuidedSegment {
     double pdf = 0;
     for (size_t c = 0; c < 3; ++c) {
       if (!(throughput_[c] > 0)) continue;
-      const double exponent = (rate_ - state_.medium.sigma_t[c]) * t, tilt = state_.modes.kappa[c] * mu_ * t;
+      const double exponent = (rate_ - state_.medium.sigma_t[c]) * t, tilt = state_.medium.modes.kappa[c] * mu_ * t;
       const double extinction = scatters ? state_.medium.sigma_t[c] : 1;
       const double plain = exponential(exponent);
       double mixture = shares_.plain[c] * plain;
@@ -147,7 +146,7 @@ class GuidedSegment {
 
   /// Guided over plain density without the exponential.
   double guided_factor(size_t c, double mu, bool scatters) const {
-    const DwivediMode& mode = state_.modes.mode[c];
+    const DwivediMode& mode = state_.medium.modes.mode[c];
     const double distance = 1 - mode.x * mu;
     if (first_) return scatters ? distance : 1;
     return scatters ? mode.alpha : mode.alpha / distance;
@@ -169,15 +168,15 @@ class GuidedSegment {
 /// the landing point will bring out. Returns the direction and updates the throughput.
 inline Vec3f guided_jump(const GuidedState& state, double radius, ChannelValues* throughput, Rng& rng) {
   const ChannelChoice choice(state.medium, *throughput, state.weights);
-  const GuideShares shares = state.guide.shares(state.modes, *throughput);
+  const GuideShares shares = state.guide.shares(state.medium.modes, *throughput);
   const size_t chosen = choice.draw(rng);
   const GuideTechnique technique = draw_technique(shares, chosen, rng);
-  const double reach = technique == GuideTechnique::plain ? 0 : state.modes.kappa[chosen] * radius;
+  const double reach = technique == GuideTechnique::plain ? 0 : state.medium.modes.kappa[chosen] * radius;
   const double cosine = sample_exponential_cosine(rng.uniform(), reach) * (technique == GuideTechnique::away ? -1 : 1);
   double pdf = 0;
   for (size_t c = 0; c < 3; ++c) {
     if (!((*throughput)[c] > 0)) continue;
-    const double x = state.modes.kappa[c] * radius;
+    const double x = state.medium.modes.kappa[c] * radius;
     double mixture = shares.plain[c];
     if (shares.towards[c] > 0) mixture += shares.towards[c] * exponential_cosine_factor(cosine, x);
     if (shares.away[c] > 0) mixture += shares.away[c] * exponential_cosine_factor(-cosine, x);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
+
 namespace alabaster {
 namespace {
 
@@ -22,9 +25,27 @@ double opaque_depth(double one_minus_alpha) {
   return kappa > 1e-4 ? std::asinh(kPeak * kappa) / kappa : kPeak;
 }
 
+/// True if a ray of the entry's cosine lobe crosses `depth` without meeting the object's surface.
+bool is_thick(const SubsurfaceBody& body, const SubsurfaceEntry& entry, float depth, const Vec2f& u,
+              RenderCounters& counters) {
+  const SubsurfaceBody::Member& member = body.members[entry.member];
+  const SurfaceHit& hit = entry.hit;
+  const Vec3f direction = frame_from_normal(-hit.ng).to_world(sample_cosine_hemisphere(u));
+  ++counters.probe_rays;
+  TriangleHit met;
+  return !member.object->intersect(
+      {offset_point(hit.p_object, -hit.ng_object, hit.offset_object), member.to_object.vector(direction), depth}, &met);
+}
+
+/// The isotropic medium of the same A and d reaches as far (make_medium).
+LightReach isotropic_reach(const Medium& medium, AlbedoInversion inversion) {
+  if (medium.g == 0) return light_reach(medium);
+  return light_reach(make_medium(medium.albedo, medium.scatter_distance, inversion));
+}
+
 }  // namespace
 
-LambertLimit lambert_limit(const Medium& medium) {
+LightReach light_reach(const Medium& medium) {
   double reach = 0, depth = 0;
   for (int c = 0; c < 3; ++c) {
     if (!medium.active[c]) continue;
@@ -35,13 +56,28 @@ LambertLimit lambert_limit(const Medium& medium) {
   return {static_cast<float>(reach), static_cast<float>(depth)};
 }
 
-float lambert_probability(float width, const LambertLimit& limit) {
+float lambert_probability(float width, const LightReach& reach) {
   // The blur of p reach/(pi w) stays below the tolerance all the way; it is largest at 0.7 kFull.
   constexpr double kFull = 1.2 / (3.14159265358979323846 * kLambertTolerance);
-  const double ratio = double(width) / limit.reach;
+  const double ratio = double(width) / reach.exit_radius;
   if (!(ratio > 0.25 * kFull)) return 0;
   const double x = std::min(1 + 0.5 * std::log2(ratio / kFull), 1.0);
   return static_cast<float>(x * x * (3 - 2 * x));
+}
+
+std::optional<SubsurfaceExit> LambertLimit::carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
+                                                  SubsurfaceNumbers& numbers, RenderCounters& counters) const {
+  const Medium& medium = entry.medium->medium;
+  // The albedo that the other inversions obtain is known for isotropic scattering alone.
+  if (medium.g != 0 && inversion != AlbedoInversion::exact) return std::nullopt;
+  const LightReach reach = isotropic_reach(medium, inversion);
+  const auto& u = numbers.u;
+  if (!(u[0] < lambert_probability(footprint, reach))) return std::nullopt;
+  if (!is_thick(body, entry, reach.opaque_depth * (1 + u[1]), {u[2], u[3]}, counters)) return std::nullopt;
+  ++counters.lambert_exits;
+  const Rgb& a = medium.albedo;
+  const Rgb obtained(obtained_albedo(a.r, inversion), obtained_albedo(a.g, inversion), obtained_albedo(a.b, inversion));
+  return SubsurfaceExit{entry.triangle, entry.hit.ng, entry.throughput * obtained, kManyEvents};
 }
 
 }  // namespace alabaster

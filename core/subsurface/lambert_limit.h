@@ -17,20 +17,34 @@
 // A = 1 has no mean exit radius (its profile falls as r^-3), and is always walked.
 #pragma once
 
-#include "core/subsurface/medium.h"
+#include "core/diagnostics/counters.h"
+#include "core/subsurface/body.h"
+#include "core/subsurface/entry_exit.h"
 
 namespace alabaster {
 
 inline constexpr double kLambertTolerance = 1.0 / 256;
 
-struct LambertLimit {
-  float reach = 0;         // world: mean distance between entry and exit, of the channel where it is largest
-  float opaque_depth = 0;  // world: a slab this thick lets kLambertTolerance through, ditto
+/// How far light goes in a medium. World units, of the channel where each is largest.
+struct LightReach {
+  float exit_radius = 0;   // mean distance between entry and exit
+  float opaque_depth = 0;  // thickness of a slab that lets kLambertTolerance through
 };
-LambertLimit lambert_limit(const Medium& medium);
+LightReach light_reach(const Medium& medium);
 
-/// Probability of Lambert at a footprint `width` (world): 0 up to 24 reaches, 1 from 98 on, between them a smoothstep
-/// over the logarithm.
-float lambert_probability(float width, const LambertLimit& limit);
+/// Probability of Lambert at a footprint `width` (world): 0 up to 24 exit radii, 1 from 98 on, between them a
+/// smoothstep over the logarithm.
+float lambert_probability(float width, const LightReach& reach);
+
+/// The carrier that reflects light where it entered, with the energy that a walk would bring out, where a pixel cannot
+/// tell the two apart. Empty: it can, and the walk has to be taken. Both branches weigh one: the picture is their
+/// blend. All numbers come from `u`: 0 decides, 1 to 3 sample the ray that asks how thick the body is.
+struct LambertLimit {
+  AlbedoInversion inversion = AlbedoInversion::exact;
+  float footprint = 0;  // world: width of what the path stands for at the entry
+
+  std::optional<SubsurfaceExit> carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
+                                      SubsurfaceNumbers& numbers, RenderCounters& counters) const;
+};
 
 }  // namespace alabaster

@@ -23,27 +23,20 @@ inline constexpr double kMaxScatterAnisotropy = 0.9;
 /// de Hulst 1980, chapter 14). That alone is off by up to 0.003 in A for g > 0, by up to 0.026 for g < 0.
 double one_minus_alpha(double albedo, AlbedoInversion inversion, double g = 0);
 
-/// Chandrasekhar H-function for isotropic scattering, mu in [0,1], by the closed form
-/// ln H = -(mu/pi) Int_0^{pi/2} ln(1 - alpha t cot t) / (cos^2 t + mu^2 sin^2 t) dt. Slow; for tests and tables.
-double chandrasekhar_h(double mu, double one_minus_alpha);
-
-/// An index-matched half-space of isotropic scatterers, cosine entry: the albedo that a given 1 - alpha yields
-/// (Chandrasekhar 1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu). Slow; for tests and tables.
-double half_space_albedo(double one_minus_alpha);
-
 /// The albedo that a walk shows when asked for `albedo`: the same but for the inversions that err. Within 1e-6 of
-/// half_space_albedo(one_minus_alpha(albedo, inversion)), and fast.
+/// Chandrasekhar's half-space (1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu), and fast.
 float obtained_albedo(float albedo, AlbedoInversion inversion);
 
 /// Eq. 2: s = 1.9 - A + 3.5 (A - 0.8)^2.
 double distance_scale(double albedo);
 
 struct Medium {
-  Rgb sigma_t{0.0f};                       // 1/world unit: 1/(d s (1-g)); channels that do not scatter have 0
-  Rgb alpha{0.0f};                         // single-scattering albedo
-  Rgb one_minus_alpha{1.0f};               // carried separately: see above
-  bool active[3] = {false, false, false};  // channels with scatter_distance > 0
-  float g = 0;                             // Henyey-Greenstein: mean cosine of scattering, in [-0.9, 0.9]
+  Rgb albedo{0.0f}, scatter_distance{0.0f};  // as asked: A and d, world
+  Rgb sigma_t{0.0f};                         // 1/world unit: 1/(d s (1-g)); channels that do not scatter have 0
+  Rgb alpha{0.0f};                           // single-scattering albedo
+  Rgb one_minus_alpha{1.0f};                 // carried separately: see above
+  bool active[3] = {false, false, false};    // channels with scatter_distance > 0
+  float g = 0;                               // Henyey-Greenstein: mean cosine of scattering, in [-0.9, 0.9]
 };
 
 /// Eq. 3 gives the reduced extinction, sigma_t (1-g) = 1/(d s): so scatterDistance keeps its meaning over g. At equal A

@@ -8,7 +8,6 @@
 namespace alabaster {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 constexpr double kAxisProbability[3] = {kNormalAxisProbability, kTangentAxisProbability, kTangentAxisProbability};
 
 /// An axis leaves surfaces to the others that it meets at a flatter angle: rounding decides whether a probe along the
@@ -43,11 +42,11 @@ size_t choose(const std::array<double, N>& probability, double* u) {
 /// The channels' estimators on one radius, combined by the balance heuristic.
 class ChannelEstimators {
  public:
-  explicit ChannelEstimators(const DiffusionEntry& entry) {
+  ChannelEstimators(const Medium& medium, const Rgb& throughput) {
     for (int c = 0; c < 3; ++c) {
       const auto i = static_cast<size_t>(c);
-      distance_[i] = entry.scatter_distance[c];
-      if (distance_[i] > 0) carried_[i] = double(entry.throughput[c]) * entry.albedo[c];
+      distance_[i] = medium.scatter_distance[c];
+      if (distance_[i] > 0) carried_[i] = double(throughput[c]) * medium.albedo[c];
       sum_ += carried_[i];
     }
     for (size_t c = 0; c < 3; ++c) weight_[c] = carried_[c] / sum_;
@@ -79,8 +78,16 @@ class ChannelEstimators {
   double sum_ = 0;
 };
 
-Rgb to_rgb(const std::array<double, 3>& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+/// `outward`: geometric normal of the exit, unit, world, by the mesh's winding; a closed shell knows better.
+SubsurfaceExit exit_at(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const TriangleHit& where,
+                       const Vec3f& outward, const std::array<double, 3>& throughput) {
+  const SubsurfaceBody::Member& member = body.members[entry.member];
+  const bool closed = !(member.shells->flags(where.triangle) & MeshShells::kOpen);
+  const bool turned = closed && !body.leaves(entry.member, where.triangle, outward);
+  SubsurfaceExit exit{where, turned ? -outward : outward, {}, kManyEvents};
+  exit.hit.instance = member.instance;
+  for (int c = 0; c < 3; ++c) exit.throughput[c] = static_cast<float>(throughput[static_cast<size_t>(c)]);
+  return exit;
 }
 
 /// Not normalised; in double, so that the smallest triangle's does not underflow.
@@ -94,10 +101,10 @@ struct ProbeAxes {
   Vec3f world[3];   // normal and tangents at the entry, orthonormal
   Vec3d object[3];  // the same, mapped: a triangle's normal n has dot(n, object[k]) ~ N.V_k
 
-  ProbeAxes(const DiffusionSpace& space, const Vec3f& ng) {
+  ProbeAxes(const Affine& to_object, const Vec3f& ng) {
     const Frame frame = frame_from_normal(ng);
     world[0] = frame.n, world[1] = frame.s, world[2] = frame.t;
-    for (int k = 0; k < 3; ++k) object[k] = Vec3d(space.world_to_object.vector(world[k]));
+    for (int k = 0; k < 3; ++k) object[k] = Vec3d(to_object.vector(world[k]));
   }
   /// The unit normal of a triangle, world space, in the axes' coordinates; zero for a degenerate one.
   Vec3d normal(const Mesh& mesh, uint32_t triangle) const {
@@ -119,8 +126,8 @@ struct Probe {
   Ray ray;                 // object space; t in world units, from -half_length
 };
 
-Probe make_probe(const DiffusionSpace& space, const DiffusionEntry& entry, const ProbeAxes& axes, size_t axis,
-                 double ball, const Vec2f& u) {
+Probe make_probe(const Affine& to_object, const SurfaceHit& entry, const ProbeAxes& axes, size_t axis, double ball,
+                 const Vec2f& u) {
   Probe probe;
   probe.axis = axis;
   probe.radius = ball * std::sqrt(double(u.x));
@@ -129,7 +136,7 @@ Probe make_probe(const DiffusionSpace& space, const DiffusionEntry& entry, const
   const auto r = static_cast<float>(probe.radius), h = static_cast<float>(probe.half_length);
   const float phi = kTwoPi * u.y;
   const Vec3f to_start = x * (r * std::cos(phi)) + y * (r * std::sin(phi)) - v * h;
-  probe.ray = {entry.p_object + space.world_to_object.vector(to_start), space.world_to_object.vector(v), 2 * h};
+  probe.ray = {entry.p_object + to_object.vector(to_start), to_object.vector(v), 2 * h};
   return probe;
 }
 
@@ -193,14 +200,6 @@ double coverage(const Vec3d& normal, size_t axis) {
 
 }  // namespace
 
-double diffusion_profile(double r, double d) {
-  return radial_density(r / d) / (8 * kPiDouble * d * r);
-}
-
-double diffusion_profile_cdf(double r, double d) {
-  return -0.25 * std::expm1(-r / d) - 0.75 * std::expm1(-r / (3 * d));
-}
-
 double sample_diffusion_ball(double d, float u, Rng& rng) {
   const uint32_t kind = rng.next() >> 29;
   double logarithm = std::log1p(-double(u));
@@ -208,40 +207,47 @@ double sample_diffusion_ball(double d, float u, Rng& rng) {
   return (kind < 2 ? d : 3 * d) * -logarithm;
 }
 
-std::optional<DiffusionExit> sample_diffusion_exit(const DiffusionSpace& space, const DiffusionEntry& entry,
-                                                   const std::array<float, 4>& u, Rng& rng, RenderCounters& counters) {
-  const ChannelEstimators channels(entry);
+std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
+                                                         SubsurfaceNumbers& numbers, RenderCounters& counters) const {
+  // Sample the axis, the channel and the ball.
+  const ChannelEstimators channels(entry.medium->medium, entry.throughput);
   if (channels.empty()) return std::nullopt;
+  const auto& u = numbers.u;
   double u_choice = u[0];
   const size_t axis = choose(std::to_array(kAxisProbability), &u_choice);
-  const double ball = sample_diffusion_ball(channels.distance(choose(channels.weights(), &u_choice)), u[1], rng);
-  if (!(ball > kLeastBall * double(entry.offset)))
-    return DiffusionExit{entry.hit, entry.ng, to_rgb(channels.throughput(ball * std::sqrt(double(u[2]))))};
+  const double ball =
+      sample_diffusion_ball(channels.distance(choose(channels.weights(), &u_choice)), u[1], numbers.rng);
+  if (!(ball > kLeastBall * double(entry.hit.offset)))
+    return exit_at(body, entry, entry.triangle, entry.hit.ng, channels.throughput(ball * std::sqrt(double(u[2]))));
 
-  const ProbeAxes axes(space, entry.ng);
-  const Probe probe = make_probe(space, entry, axes, axis, ball, {u[2], u[3]});
+  // Trace the probe.
+  const SubsurfaceBody::Member& member = body.members[entry.member];
+  const ProbeAxes axes(member.to_object, entry.hit.ng);
+  const Probe probe = make_probe(member.to_object, entry.hit, axes, axis, ball, {u[2], u[3]});
   std::array<TriangleHit, 32> storage;
   std::pmr::monotonic_buffer_resource memory(storage.data(), sizeof(storage));
   std::pmr::vector<TriangleHit> hits(&memory);
   hits.reserve(storage.size());
-  space.object->intersect_all(probe.ray, &hits);
+  member.object->intersect_all(probe.ray, &hits);
   ++counters.probe_rays;
   counters.probe_hits += hits.size();
 
+  // Keep one of the hits, in proportion to what it carries.
   ExitReservoir chosen;
   RepeatedHits repeated;
   for (const TriangleHit& hit : hits) {
-    const Vec3d normal = axes.normal(*space.mesh, hit.triangle);
+    const Vec3d normal = axes.normal(*member.mesh, hit.triangle);
     const double covered = coverage(normal, axis);
-    if (!(covered > 0) || repeated.repeats(*space.mesh, hit, probe.ray, normal[static_cast<int>(axis)])) continue;
+    if (!(covered > 0) || repeated.repeats(*member.mesh, hit, probe.ray, normal[static_cast<int>(axis)])) continue;
     std::array<double, 3> throughput = channels.throughput(std::hypot(probe.radius, hit.t - probe.half_length));
     for (double& t : throughput) t /= covered;
-    chosen.add(hit, normal, throughput, rng);
+    chosen.add(hit, normal, throughput, numbers.rng);
   }
   if (chosen.empty()) return std::nullopt;
-  const bool reversed = dot(winding_normal(*space.mesh, entry.hit.triangle), Vec3d(entry.ng_object)) < 0;
-  return DiffusionExit{chosen.hit(), axes.to_world(reversed ? -chosen.normal() : chosen.normal()),
-                       to_rgb(chosen.throughput())};
+  // The exit's normal lies on the same side of the mesh as the entry's.
+  const bool reversed = dot(winding_normal(*member.mesh, entry.triangle.triangle), Vec3d(entry.hit.ng_object)) < 0;
+  return exit_at(body, entry, chosen.hit(), axes.to_world(reversed ? -chosen.normal() : chosen.normal()),
+                 chosen.throughput());
 }
 
 }  // namespace alabaster

@@ -25,13 +25,9 @@
 // channel; it carries the weight of all.
 #pragma once
 
-#include <array>
-#include <optional>
-
-#include "core/color/rgb.h"
 #include "core/diagnostics/counters.h"
-#include "core/geometry/embree_scene.h"
-#include "core/sampling/pixel_sampler.h"
+#include "core/subsurface/body.h"
+#include "core/subsurface/entry_exit.h"
 
 namespace alabaster {
 
@@ -41,45 +37,16 @@ namespace alabaster {
 inline constexpr double kNormalAxisProbability = 0.7;
 inline constexpr double kTangentAxisProbability = 0.5 * (1 - kNormalAxisProbability);
 
-/// R(r)/A, per area. r > 0.
-double diffusion_profile(double r, double d);
-
-/// Share of the light that leaves within r on a plane.
-double diffusion_profile_cdf(double r, double d);
-
 /// The radius of a ball of the stack, by p(s) above. `u` in [0,1) is the number that moves it most; the largest radius
 /// that 24-bit numbers reach is 100 d, beyond which lie 1e-7 of the balls.
 double sample_diffusion_ball(double d, float u, Rng& rng);
 
-/// The object that light is spread over. Only the linear part of the map is used: distances are the world's.
-struct DiffusionSpace {
-  const ObjectScene* object = nullptr;
-  const Mesh* mesh = nullptr;  // what the object was built from
-  Affine world_to_object;
+/// The carrier by the profile: light spreads over the member that it enters, and no further. `u`: 0 chooses axis and
+/// channel, 1 the ball, 2 and 3 the point on its disk; the rest comes from the stream. Empty: the probe met nothing.
+/// Balls so small that floats do not resolve them leave where they entered. May throw std::bad_alloc.
+struct NormalizedDiffusion {
+  std::optional<SubsurfaceExit> carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
+                                      SubsurfaceNumbers& numbers, RenderCounters& counters) const;
 };
-
-/// A point of the object's surface, seen from outside.
-struct DiffusionEntry {
-  TriangleHit hit;
-  Vec3f p_object;
-  Vec3f ng;                    // unit, world: geometric normal on the side that it is seen from
-  Vec3f ng_object;             // the same in object space
-  float offset = 0;            // world: what rounding can displace p by (SurfaceHit::offset)
-  Rgb throughput{1.0f};        // of the path so far
-  Rgb albedo{0.0f};            // A
-  Rgb scatter_distance{0.0f};  // d, world; a channel without one carries nothing
-};
-
-struct DiffusionExit {
-  TriangleHit hit;
-  Vec3f outward;         // unit, world: geometric normal, on the same side of the surface as the entry's
-  Rgb throughput{0.0f};  // the entry's times the profile's
-};
-
-/// Samples where the light leaves. Empty: the probe met nothing. `u`: 0 chooses axis and channel, 1 the ball, 2 and 3
-/// the point on its disk; the rest comes from `rng`. Balls so small that floats do not resolve them leave where they
-/// entered. May throw std::bad_alloc.
-std::optional<DiffusionExit> sample_diffusion_exit(const DiffusionSpace& space, const DiffusionEntry& entry,
-                                                   const std::array<float, 4>& u, Rng& rng, RenderCounters& counters);
 
 }  // namespace alabaster

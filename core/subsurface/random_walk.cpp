@@ -1,58 +1,70 @@
 #include "core/subsurface/random_walk.h"
 
-#include "core/subsurface/mesh_tracer.h"
+#include "core/math/frame.h"
+#include "core/subsurface/body_tracers.h"
 #include "core/subsurface/random_walk_loop.h"
 
 namespace alabaster {
-
-WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings) {
-  if (medium.g != 0) return {};
-  float clearest = 2;  // of the channels' 1 - alpha
-  bool guided = false;
-  for (int c = 0; c < 3; ++c) {
-    if (!medium.active[c]) continue;
-    clearest = std::min(clearest, medium.one_minus_alpha[c]);
-    guided |= DiffusionModes::is_guided(medium.one_minus_alpha[c]);
-  }
-  return {settings.guiding && guided && clearest > kGuidingPaysAbove,
-          settings.sphere_steps && clearest < kSphereStepsPayBelow};
-}
-
-Vec3f sample_walk_entry(const WalkEntry& entry, const Vec2f& u) {
-  const Vec3f direction = entry.frame_inward.to_world(sample_cosine_hemisphere(u));
-  const float inward = dot(direction, entry.ng_inward);
-  return inward >= 0 ? direction : direction - entry.ng_inward * (2 * inward);
-}
-
 namespace {
 
-/// Distance from the surface to where the walk begins, along its direction. Grazing directions, which would have been
-/// long under way, count as if they rose by a sixteenth.
-float entry_distance(const WalkEntry& entry, const Vec3f& direction) {
-  return entry.depth / std::max(dot(direction, entry.ng_inward), 0x1p-4f);
+// How a walk begins in its body.
+struct WalkBeginning {
+  Vec3f p;  // in the space that walks are traced in
+  WalkStart start;
+  float depth = 0;  // world distance of p below the surface: medium that nothing was traced in
+};
+
+WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const Vec2f& u) {
+  // The paper's weights go on from the path's throughput, here relative to its largest channel.
+  const Rgb relative = entry.throughput * (1 / max_component(entry.throughput));
+  const ChannelValues throughput{relative.r, relative.g, relative.b};
+  if (entry.within)  // the side that the path comes from is the inner one
+    return {body.to_walk_space(entry.member, entry.within->org), {entry.within->dir, entry.hit.ng, throughput}};
+  const Vec3f inward = -entry.hit.ng;
+  const Affine& to_body = body.members[entry.member].to_body;
+  return {body.below(entry),
+          {sample_entry_direction(-entry.ns, inward, u), inward, throughput},
+          depth_below_surface(entry.hit, to_body)};
+}
+
+// Distance from the surface to where the walk begins, along its direction. Grazing directions, which would have been
+// long under way, count as if they rose by a sixteenth.
+float entry_distance(const WalkBeginning& beginning) {
+  return beginning.depth / std::max(dot(beginning.start.direction, beginning.start.inward), 0x1p-4f);
+}
+
+bool enters_from_behind(const SubsurfaceBody& body, const SubsurfaceEntry& entry) {
+  const SubsurfaceBody::Member& m = body.members[entry.member];
+  return !entry.within && leaves(*m.mesh, *m.shells, entry.triangle.triangle, -entry.hit.ng_object);
 }
 
 }  // namespace
 
-std::optional<WalkExit> random_walk(const WalkSpace& space, const WalkEntry& entry, const Medium& medium,
-                                    const WalkSettings& settings, const Vec2f& u_entry, Rng& rng,
-                                    RenderCounters& counters) {
-  const Rgb& t0 = entry.throughput;
+Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, const Vec2f& u) {
+  const Vec3f direction = frame_from_normal(ns_inward).to_world(sample_cosine_hemisphere(u));
+  const float inward = dot(direction, ng_inward);
+  return inward >= 0 ? direction : direction - ng_inward * (2 * inward);
+}
+
+std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
+                                                SubsurfaceNumbers& numbers, RenderCounters& counters) const {
+  const float scale = max_component(entry.throughput);
+  if (!(scale > 0)) return std::nullopt;
+  const WalkBeginning beginning = begin_walk(body, entry, {numbers.u[0], numbers.u[1]});
   WalkSettings used = settings;
-  used.guiding &= space.room_to_guide;
+  used.guiding &= body.members[entry.member].room_to_guide;
   const auto walk = [&](auto tracer) {
-    const Vec3f direction = entry.direction ? *entry.direction : sample_walk_entry(entry, u_entry);
-    tracer.start_below(entry_distance(entry, direction));
-    return run_walk(tracer, {direction, entry.ng_inward, {t0.r, t0.g, t0.b}}, medium, used, rng, counters);
+    return run_walk(tracer, beginning.start, *entry.medium, used, numbers.rng, counters);
   };
-  const auto end =
-      space.set ? walk(SetTracer(*space.set, entry.p, entry.from_behind)) : walk(MeshTracer(space, entry.p));
+  const float distance = entry_distance(beginning);
+  const auto end = body.is_union()
+                       ? walk(UnionTracer(body, {entry.member, beginning.p, distance, enters_from_behind(body, entry)}))
+                       : walk(MeshTracer(body, beginning.p, distance));
   if (!end) return std::nullopt;
-  const ChannelValues& t = end->throughput;
-  return WalkExit{end->hit,
-                  end->direction,
-                  {static_cast<float>(t[0]), static_cast<float>(t[1]), static_cast<float>(t[2])},
-                  end->events};
+  SubsurfaceExit exit{end->hit, end->direction, {}, end->events};
+  exit.hit.instance = body.members[body.is_union() ? end->hit.instance : 0].instance;
+  for (int c = 0; c < 3; ++c) exit.throughput[c] = static_cast<float>(end->throughput[static_cast<size_t>(c)]) * scale;
+  return exit;
 }
 
 }  // namespace alabaster

@@ -1,22 +1,7 @@
-// The walk itself, over anything that can trace a segment: a mesh in random_walk.cpp, bodies with a closed-form answer
-// in the tests. Throughput is carried in double precision: at A = 0.9999 an event takes 2e-9 of it, which float would
-// lose.
-//
-// Two shortcuts, each compiled into loops of its own, so that a walk asks for neither if it takes neither:
-//
-// Guiding (guided_segment.h) draws what the plain walk draws, from better densities.
-//
-// Sphere steps. Let J(x) be what a particle emitted isotropically at x will bring out. It satisfies
-// J(x) = alpha Int sigma_t exp(-sigma_t r)/(4 pi r^2) J(y) dy + what leaves from x without scattering. Plane waves
-// exp(kappa w.x), |w| = 1, solve the equation of the infinite medium when alpha atanh(kappa/sigma_t) = kappa/sigma_t
-// (Case and Zweifel 1967, section 4.6), and so does every superposition of them, i.e. every solution of
-// Laplace(J) = kappa^2 J. Inside a body J is such a solution plus modes that die off within a mean free path or so of
-// the surface. Its mean over a sphere of radius R is J(x) sinh(kappa R)/(kappa R) (Courant and Hilbert, vol. II,
-// chapter IV, section 3), wherefore a particle that is about to be emitted isotropically may be emitted from a uniform
-// point of the sphere instead, its throughput times kappa R/sinh(kappa R), per channel. At kappa = 0 (white) that is
-// the mean value property of harmonic functions. The sphere must stay kSphereMargin mean free paths, of the channel
-// that has the longest, away from every surface; how a channel came to be there does not matter, as J is a property of
-// the point. This is the walk on spheres (Muller 1956) with a killing rate. What the margin costs: testenv/statistical.
+// The walk itself, over anything that can trace a segment: bodies in random_walk.cpp, shapes with a closed-form answer
+// in the tests. random_walk.md derives the two shortcuts, guiding and sphere steps; each is compiled into loops of its
+// own, so that a walk never asks for a shortcut that it does not take. Throughput is carried in double precision: at A
+// = 0.9999 an event takes 2e-9 of it, which float would lose.
 #pragma once
 
 #include <optional>
@@ -24,19 +9,13 @@
 #include "core/subsurface/chromatic_segment.h"
 #include "core/subsurface/guided_segment.h"
 #include "core/subsurface/henyey_greenstein.h"
+#include "core/subsurface/random_walk.h"
 
 namespace alabaster {
 
 /// Mean free paths that a sphere step keeps from every surface. Less is faster and biased; at 1.5
 /// half-spaces obtain 1.4e-4 +- 0.5e-4 too much (A = 0.99; testenv/statistical/results/walk_efficiency.md).
 inline constexpr double kSphereMargin = 1.5;
-
-/// A channel with a smaller 1 - alpha (A > 0.7) walks long enough inside for sphere steps to pay.
-inline constexpr float kSphereStepsPayBelow = 0.024f;
-
-/// Where the clearest channel has less (A > 0.97), walks are long in that channel, which guiding hardly helps, and
-/// every event pays for it.
-inline constexpr float kGuidingPaysAbove = 2e-4f;
 
 /// True with probability q, exact to 2^-56: survival is as near to one as 1 - 2e-9 and is asked a million times.
 inline bool survives(double q, Rng& rng) {
@@ -62,10 +41,6 @@ struct WalkLoopExit {
   uint32_t events = 0;  // scattering events; a sphere step counts as one
 };
 
-struct WalkShortcuts {
-  bool guiding = false, sphere_steps = false;
-};
-
 /// A tracer that can say how far the nearest surface is at least, in world units; if that is less than its argument,
 /// any lesser bound will do. Sphere steps need one.
 template <class Tracer>
@@ -86,20 +61,19 @@ class WalkLoop {
   static_assert(std::is_same_v<Phase, IsotropicPhase> || !(kShortcuts.guiding || kShortcuts.sphere_steps));
   using Exit = WalkLoopExit<typename Tracer::Hit>;
 
-  WalkLoop(Tracer& tracer, const WalkStart& start, const Medium& medium, const WalkSettings& settings, Rng& rng,
+  WalkLoop(Tracer& tracer, const WalkStart& start, const WalkMedium& medium, const WalkSettings& settings, Rng& rng,
            RenderCounters& counters)
       : tracer_(tracer),
         settings_(settings),
         rng_(rng),
         counters_(counters),
         medium_(medium),
-        modes_(medium_, medium),
         guide_(start.inward),
-        phase_(medium.g),
+        phase_(medium.medium.g),
         direction_(start.direction),
         throughput_(start.throughput) {
     for (size_t c = 0; c < 3; ++c)
-      if (!medium.active[c]) throughput_[c] = 0;
+      if (!medium.medium.active[c]) throughput_[c] = 0;
     entering_ = sum_of(throughput_);
   }
 
@@ -120,7 +94,6 @@ class WalkLoop {
     template <class... Anything>
     explicit Nothing(const Anything&...) {}
   };
-  using Modes = std::conditional_t<kShortcuts.guiding || kShortcuts.sphere_steps, DiffusionModes, Nothing>;
   using Guide = std::conditional_t<kShortcuts.guiding, WalkGuide, Nothing>;
 
   /// One segment, and what follows a scattering event at its end.
@@ -161,7 +134,7 @@ class WalkLoop {
 
   Segment make_segment() const {
     if constexpr (kShortcuts.guiding)
-      return Segment(GuidedState{medium_, modes_, guide_, settings_.weights}, throughput_);
+      return Segment(GuidedState{medium_, guide_, settings_.weights}, throughput_);
     else
       return Segment(medium_, throughput_, settings_.weights);
   }
@@ -218,10 +191,10 @@ class WalkLoop {
 
   void jump(double radius) {
     if constexpr (kShortcuts.guiding) {
-      move(guided_jump({medium_, modes_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
+      move(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
     } else {
       move(phase_.sample(direction_, draw()), radius);
-      for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(modes_.kappa[c] * radius);
+      for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(medium_.modes.kappa[c] * radius);
     }
   }
 
@@ -233,7 +206,7 @@ class WalkLoop {
       if (!(throughput_[c] > 0)) continue;
       mfp = std::max(mfp, 1 / medium_.sigma_t[c]);
       // Beyond, the share of the opposite side is below exp(-8).
-      if (modes_.guided[c]) reach = std::max(reach, 8 / modes_.kappa[c]);
+      if (medium_.modes.guided[c]) reach = std::max(reach, 8 / medium_.modes.kappa[c]);
     }
     if (!(guide_.depth() > mfp)) return;
     thickness_known_ = true;
@@ -247,8 +220,7 @@ class WalkLoop {
   const WalkSettings& settings_;
   Rng& rng_;
   RenderCounters& counters_;
-  const WalkMedium medium_;
-  const Modes modes_;
+  const WalkMedium& medium_;
   Guide guide_;
   const Phase phase_;
   Vec3f direction_;
@@ -262,23 +234,21 @@ class WalkLoop {
 /// media do not pay for others.
 template <class Segment = ChromaticSegment, class Tracer>
 std::optional<WalkLoopExit<typename Tracer::Hit>> run_plain_walk(Tracer& tracer, const WalkStart& start,
-                                                                 const Medium& medium, const WalkSettings& settings,
+                                                                 const WalkMedium& medium, const WalkSettings& settings,
                                                                  Rng& rng, RenderCounters& counters) {
   constexpr WalkShortcuts kNone{};
-  if (medium.g == 0) return WalkLoop<kNone, Segment, Tracer>(tracer, start, medium, settings, rng, counters).run();
+  if (medium.medium.g == 0)
+    return WalkLoop<kNone, Segment, Tracer>(tracer, start, medium, settings, rng, counters).run();
   return WalkLoop<kNone, Segment, Tracer, HenyeyGreensteinPhase>(tracer, start, medium, settings, rng, counters).run();
 }
 
-/// Which shortcuts pay in this medium, of those that the settings allow: none where scattering has a preferred
-/// direction.
-WalkShortcuts useful_shortcuts(const Medium& medium, const WalkSettings& settings);
-
 /// The walk with the shortcuts that pay; sphere steps only where the tracer can bound distances.
 template <class Tracer>
-std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk(Tracer& tracer, const WalkStart& start, const Medium& medium,
-                                                           const WalkSettings& settings, Rng& rng,
-                                                           RenderCounters& counters) {
-  const WalkShortcuts use = useful_shortcuts(medium, settings);
+std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk(Tracer& tracer, const WalkStart& start,
+                                                           const WalkMedium& medium, const WalkSettings& settings,
+                                                           Rng& rng, RenderCounters& counters) {
+  const WalkShortcuts use{settings.guiding && medium.worthwhile.guiding,
+                          settings.sphere_steps && medium.worthwhile.sphere_steps};
   if constexpr (BoundsDistance<Tracer>) {
     if (use.sphere_steps && tracer.bounds_distance()) {
       if (use.guiding)

@@ -1,4 +1,5 @@
-// A medium as the walk wants it: in double precision, with the asymptotic modes that its shortcuts follow.
+// A medium as walks need it: in double precision, with the asymptotic modes that the shortcuts follow. Made once per
+// material where no texture varies it, else once per entry.
 #pragma once
 
 #include <array>
@@ -20,40 +21,93 @@ inline double sum_of(const ChannelValues& v) {
   return v[0] + v[1] + v[2];
 }
 
-/// alpha in double, from whichever of alpha and 1 - alpha carries more digits, and each channel's extinction above the
-/// clearest one's. Ratios of transmittances need no more than that excess: it saves an exponential where channels
-/// differ and all of them where they are alike.
-struct WalkMedium {
-  ChannelValues sigma_t{}, alpha{}, excess{};
-
-  explicit WalkMedium(const Medium& medium) {
-    double clearest = std::numeric_limits<double>::infinity();
-    for (int c = 0; c < 3; ++c) {
-      const auto i = static_cast<size_t>(c);
-      sigma_t[i] = medium.sigma_t[c];
-      alpha[i] = medium.alpha[c] < 0.5f ? medium.alpha[c] : 1.0 - medium.one_minus_alpha[c];
-      if (medium.active[c]) clearest = std::min(clearest, sigma_t[i]);
-    }
-    for (size_t c = 0; c < 3; ++c) excess[c] = medium.active[c] ? sigma_t[c] - clearest : 0;
-  }
-};
-
-/// How light falls off far from all surfaces, per channel: as exp(-kappa distance). Only for walks with shortcuts.
+/// The decay of light far from all surfaces, per channel: exp(-kappa distance).
 struct DiffusionModes {
   std::array<DwivediMode, 3> mode{};
   ChannelValues kappa{};         // sigma_t x, 1/world unit
   std::array<bool, 3> guided{};  // worth guiding, and safe in the arithmetic used
 
-  DiffusionModes(const WalkMedium& walk_medium, const Medium& medium) {
-    for (size_t c = 0; c < 3; ++c) {
-      if (!medium.active[c]) continue;
-      mode[c] = dwivedi_mode(medium.one_minus_alpha[static_cast<int>(c)]);
-      kappa[c] = walk_medium.sigma_t[c] * mode[c].x;
-      guided[c] = is_guided(medium.one_minus_alpha[static_cast<int>(c)]);
-    }
-  }
   /// Near white the guided lobe is all but isotropic (nu0 > 180); near black (nu0 < 1.003) nothing scatters twice.
   static bool is_guided(float one_minus_alpha) { return one_minus_alpha > 1e-5f && one_minus_alpha < 0.7f; }
+};
+
+struct WalkShortcuts {
+  bool guiding = false, sphere_steps = false;
+};
+
+/// Sphere steps pay in a channel with a smaller 1 - alpha (A > 0.7): walks are long enough there.
+inline constexpr float kSphereStepsPayBelow = 0.024f;
+
+/// Guiding does not pay where the clearest channel has a smaller 1 - alpha (A > 0.97): walks are long in that channel,
+/// guiding hardly shortens them, and every event pays for it.
+inline constexpr float kGuidingPaysAbove = 2e-4f;
+
+/// The shortcuts that pay in a medium: none where scattering has a preferred direction.
+inline WalkShortcuts worthwhile_shortcuts(const Medium& medium) {
+  if (medium.g != 0) return {};
+  float clearest = 2;  // of the channels' 1 - alpha
+  bool guided = false;
+  for (int c = 0; c < 3; ++c) {
+    if (!medium.active[c]) continue;
+    clearest = std::min(clearest, medium.one_minus_alpha[c]);
+    guided |= DiffusionModes::is_guided(medium.one_minus_alpha[c]);
+  }
+  return {guided && clearest > kGuidingPaysAbove, clearest < kSphereStepsPayBelow};
+}
+
+/// `alpha` comes from whichever of alpha and 1 - alpha carries more digits. `excess` is each channel's extinction above
+/// the clearest one's: ratios of transmittances need no more, which saves an exponential where channels differ and all
+/// of them where they are alike.
+struct WalkMedium {
+  Medium medium;
+  ChannelValues sigma_t{}, alpha{}, excess{};
+  WalkShortcuts worthwhile;
+  DiffusionModes modes;  // only where a shortcut is worthwhile
+
+  // NOLINTNEXTLINE(google-explicit-constructor): the same medium, in the form that the loop reads
+  WalkMedium(const Medium& m) : medium(m), worthwhile(worthwhile_shortcuts(m)) {
+    double clearest = std::numeric_limits<double>::infinity();
+    for (int c = 0; c < 3; ++c) {
+      const auto i = static_cast<size_t>(c);
+      sigma_t[i] = m.sigma_t[c];
+      alpha[i] = m.alpha[c] < 0.5f ? m.alpha[c] : 1.0 - m.one_minus_alpha[c];
+      if (m.active[c]) clearest = std::min(clearest, sigma_t[i]);
+    }
+    for (size_t c = 0; c < 3; ++c) excess[c] = m.active[c] ? sigma_t[c] - clearest : 0;
+    if (worthwhile.guiding || worthwhile.sphere_steps) find_modes();
+  }
+
+  /// World units; 0: nothing scatters.
+  float longest_mean_free_path() const {
+    float longest = 0;
+    for (int c = 0; c < 3; ++c)
+      if (medium.active[c] && medium.sigma_t[c] > 0) longest = std::max(longest, 1 / medium.sigma_t[c]);
+    return longest;
+  }
+
+ private:
+  void find_modes() {
+    for (size_t c = 0; c < 3; ++c) {
+      if (!medium.active[c]) continue;
+      const float complement = medium.one_minus_alpha[static_cast<int>(c)];
+      modes.mode[c] = dwivedi_mode(complement);
+      modes.kappa[c] = sigma_t[c] * modes.mode[c].x;
+      modes.guided[c] = DiffusionModes::is_guided(complement);
+    }
+  }
+};
+
+/// The media of one material, by albedo inversion: which one a render wants is a setting, known after the commit.
+class MaterialMedia {
+ public:
+  MaterialMedia(const Rgb& albedo, const Rgb& scatter_distance, float g)
+      : media_{make_medium(albedo, scatter_distance, AlbedoInversion::chiang2016, g),
+               make_medium(albedo, scatter_distance, AlbedoInversion::exact, g),
+               make_medium(albedo, scatter_distance, AlbedoInversion::van_de_hulst, g)} {}
+  const WalkMedium& operator[](AlbedoInversion inversion) const { return media_[static_cast<size_t>(inversion)]; }
+
+ private:
+  std::array<WalkMedium, 3> media_;  // in the order of AlbedoInversion
 };
 
 }  // namespace alabaster

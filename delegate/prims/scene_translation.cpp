@@ -13,18 +13,6 @@ const DisneyMaterial* find_material(const Records& records, const Path& path) {
   return record ? record->material.get() : nullptr;
 }
 
-// Whether a material that any triangle has scatters below its surface.
-bool scatters(const InstanceDescription& instance) {
-  const auto& materials = instance.materials;
-  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return false;
-  const auto& slots = instance.prototype->mesh.triangle_material;
-  if (slots.empty()) return materials.front()->scatters();
-  return std::any_of(slots.begin(), slots.end(), [&](int32_t slot) {
-    const auto i = static_cast<size_t>(slot);
-    return materials[i < materials.size() ? i : 0]->scatters();
-  });
-}
-
 }  // namespace
 
 SceneTranslator::SceneTranslator(alabaster::DiagnosticSink sink) : sink_(std::move(sink)) {

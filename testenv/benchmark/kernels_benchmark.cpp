@@ -3,7 +3,8 @@
 
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
-#include "testenv/support/scene_builder.h"
+#include "core/subsurface/random_walk.h"
+#include "testenv/support/lone_body.h"
 
 namespace alabaster {
 namespace {
@@ -49,13 +50,12 @@ BENCHMARK(BM_DisneySample);
 // The argument is the albedo in per cent; the sphere is ten scatter distances wide.
 void BM_Walk(benchmark::State& state) {
   const float albedo = static_cast<float>(state.range(0)) / 100;
-  const Medium medium = make_medium(Rgb(albedo), Rgb(0.2f), AlbedoInversion::exact);
-  const WalkSpace space{sphere().prototype->object.get(), Affine(), sphere().prototype->mesh.bounds};
-  const WalkEntry entry{{0, 0.9999f, 0}, {0, -1, 0}, frame_from_normal({0, -1, 0})};
+  const WalkMedium medium = make_medium(Rgb(albedo), Rgb(0.2f), AlbedoInversion::exact);
+  const SubsurfaceBody body = testing::lone_body(*sphere().prototype->object, sphere().prototype->mesh);
+  const SubsurfaceEntry entry = testing::entry_at_point({0, 0.9999f, 0}, {0, 1, 0}, medium);
   RenderCounters counters;
   Rng rng(1, 2);
-  for (auto _ : state)
-    benchmark::DoNotOptimize(random_walk(space, entry, medium, {}, {rng.uniform(), rng.uniform()}, rng, counters));
+  for (auto _ : state) benchmark::DoNotOptimize(testing::carry(RandomWalk{}, body, entry, rng, counters));
   state.counters["segments/walk"] = static_cast<double>(counters.walk_rays) / static_cast<double>(counters.walks);
   state.counters["segments/s"] =
       benchmark::Counter(static_cast<double>(counters.walk_rays), benchmark::Counter::kIsRate);

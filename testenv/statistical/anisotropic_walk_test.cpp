@@ -66,7 +66,7 @@ RunningStatistics walk_half_space(const Medium& medium, double events_per_walk, 
   const int paths = static_cast<int>(std::min(1.5e6 / events_per_walk, 1e5));
   for (int i = 0; i < paths; ++i) {
     SlabTracer tracer;
-    const auto end = walk_body(tracer, SlabTracer::entry(), medium, {}, rng, counters);
+    const auto end = walk_body(tracer, medium, {}, rng, counters);
     out.add(end ? end->throughput[0] : 0);
   }
   EXPECT_EQ(counters.walk_safety_cap + counters.walk_lost, 0u);
@@ -117,7 +117,7 @@ TEST(AnisotropicSphere, IsWhiteAndItsMeanPathDoesNotKnowG) {
     RunningStatistics lengths, collisions;
     for (int i = 0; i < 40000; ++i) {
       SphereTracer tracer(kRadius);
-      const auto end = walk_body(tracer, SphereTracer::entry(), medium, {}, rng, counters);
+      const auto end = walk_body(tracer, medium, {}, rng, counters);
       ASSERT_TRUE(end);
       ASSERT_EQ(end->throughput[0], 1);
       lengths.add(tracer.path_length());
@@ -138,8 +138,8 @@ TEST(AnisotropicSphere, TakesNoShortcut) {
     for (uint64_t i = 0; i < 200; ++i) {
       Rng rng(i, 79), plain_rng(i, 79);
       SphereTracer tracer(1), plain_tracer(1);
-      const auto end = walk_body_with_shortcuts(tracer, SphereTracer::entry(), medium, {}, rng, counters);
-      const auto plain = walk_body(plain_tracer, SphereTracer::entry(), medium, {}, plain_rng, counters);
+      const auto end = walk_body_with_shortcuts(tracer, medium, {}, rng, counters);
+      const auto plain = walk_body(plain_tracer, medium, {}, plain_rng, counters);
       if (g == 0) continue;
       EXPECT_EQ(end.has_value() ? end->events : 0, plain.has_value() ? plain->events : 0);
     }

@@ -3,17 +3,21 @@
 
 #include <cmath>
 
+#include "core/subsurface/normalized_diffusion.h"
 #include "testenv/support/chi_square.h"
-#include "testenv/support/diffusion_body.h"
+#include "testenv/support/diffusion_profile.h"
+#include "testenv/support/lone_body.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
 namespace {
 
+using testing::BodyInWorld;
 using testing::box_mesh;
-using testing::DiffusionBody;
+using testing::carry;
+using testing::diffusion_profile;
+using testing::diffusion_profile_cdf;
 using testing::RunningStatistics;
-using testing::sample_exit;
 
 constexpr float kDistance = 0.7f;
 
@@ -70,11 +74,11 @@ struct Channels {
   RenderCounters counters;
 };
 
-Channels integrate(const DiffusionBody& body, const DiffusionEntry& entry, int samples, uint64_t seed) {
+Channels integrate(const BodyInWorld& body, const SubsurfaceEntry& entry, int samples, uint64_t seed) {
   Channels out;
   Rng rng(seed, 5);
   for (int i = 0; i < samples; ++i) {
-    const auto exit = sample_exit(body, entry, rng, out.counters);
+    const auto exit = carry(NormalizedDiffusion{}, body.body(), entry, rng, out.counters);
     for (int c = 0; c < 3; ++c) out.value[c].add(exit ? exit->throughput[c] : 0);
   }
   return out;
@@ -89,12 +93,17 @@ void expect_channels(const Channels& found, const std::array<double, 3>& expecte
 
 const Rgb kSkin(0.9f, 0.6f, 0.45f), kSkinDistance(1, 0.35f, 0.2f), kThroughput(0.8f, 1, 0.3f);
 
+WalkMedium medium_of(const Rgb& albedo, const Rgb& distance) {
+  return make_medium(albedo, distance, AlbedoInversion::exact);
+}
+
 // On a face far larger than d the profile's whole energy comes back: A per channel, whatever the others do.
 TEST(DiffusionPlane, EnergyIsTheAlbedo) {
-  const DiffusionBody slab(box_mesh({200, 150, 200}));
+  const BodyInWorld slab(box_mesh({200, 150, 200}));
   uint64_t seed = 1;
   for (const Rgb& albedo : {kSkin, Rgb(1, 1, 0.01f), Rgb(0, 0.5f, 0.95f)}) {
-    DiffusionEntry entry = slab.entry({3, 200, 5}, {0.1f, -1, 0.2f}, albedo, kSkinDistance);
+    const WalkMedium medium = medium_of(albedo, kSkinDistance);
+    SubsurfaceEntry entry = slab.entry({3, 200, 5}, {0.1f, -1, 0.2f}, medium);
     entry.throughput = kThroughput;
     const Channels found = integrate(slab, entry, 200000, ++seed);
     const Rgb expected = albedo * kThroughput;
@@ -103,8 +112,9 @@ TEST(DiffusionPlane, EnergyIsTheAlbedo) {
 }
 
 TEST(DiffusionPlane, AnEnergyOffByOnePercentIsNoticed) {
-  const DiffusionBody slab(box_mesh({200, 150, 200}));
-  const Channels found = integrate(slab, slab.entry({3, 200, 5}, {0, -1, 0}, kSkin, kSkinDistance), 200000, 9);
+  const BodyInWorld slab(box_mesh({200, 150, 200}));
+  const WalkMedium skin = medium_of(kSkin, kSkinDistance);
+  const Channels found = integrate(slab, slab.entry({3, 200, 5}, {0, -1, 0}, skin), 200000, 9);
   EXPECT_FALSE(testing::z_test(found.value[0], 1.01 * kSkin.r, {0.01, 3, 0}).passed);
 }
 
@@ -124,15 +134,16 @@ Mesh target_mesh(float inner, float outer) {
 }
 
 // Exits on the plane: their radius against the CDF, and their angle. Grey exits all carry the same weight.
-testing::SquareSampler exits_on_plane(const DiffusionBody& plane, double d, RenderCounters* counters) {
-  const DiffusionEntry entry = plane.entry({2e-4f, 1, 1e-4f}, {0, -1, 0}, Rgb(0.6f), Rgb(kDistance));
+testing::SquareSampler exits_on_plane(const BodyInWorld& plane, double d, RenderCounters* counters) {
+  static const WalkMedium kGrey = medium_of(Rgb(0.6f), Rgb(kDistance));
+  const SubsurfaceEntry entry = plane.entry({2e-4f, 1, 1e-4f}, {0, -1, 0}, kGrey);
   return [=, &plane](Rng& rng) -> std::optional<Vec2f> {
-    const auto exit = sample_exit(plane, entry, rng, *counters);
+    const auto exit = carry(NormalizedDiffusion{}, plane.body(), entry, rng, *counters);
     if (!exit) return std::nullopt;
     // Only the ball that floats do not resolve takes no axis.
     const bool unresolved = exit->throughput.r < 0.61f;
     EXPECT_NEAR(exit->throughput.r, unresolved ? 0.6 : 0.6 / kNormalAxisProbability, 1e-5);
-    const Vec3f p = plane.position(exit->hit) - entry.p_object;
+    const Vec3f p = plane.position(exit->hit) - entry.hit.p_object;
     const double angle = std::atan2(p.z, p.x) / (2 * M_PI) + 0.5;
     return Vec2f(std::min(static_cast<float>(diffusion_profile_cdf(std::hypot(p.x, p.z), d)), kOneMinusEpsilon),
                  std::min(static_cast<float>(angle), kOneMinusEpsilon));
@@ -140,7 +151,7 @@ testing::SquareSampler exits_on_plane(const DiffusionBody& plane, double d, Rend
 }
 
 TEST(DiffusionPlane, ExitsFollowTheProfile) {
-  const DiffusionBody plane(target_mesh(1e-3f, 100));
+  const BodyInWorld plane(target_mesh(1e-3f, 100));
   RenderCounters counters;
   const testing::SquarePdf pdf = [](const Vec2f&) { return static_cast<float>(kNormalAxisProbability); };
   const auto right = testing::chi_square_square(exits_on_plane(plane, kDistance, &counters), pdf);
@@ -157,8 +168,9 @@ TEST(DiffusionSphere, EnergyIsThatOfADiskOfItsDiameter) {
   constexpr int kRings = 256;
   uint64_t seed = 20;
   for (const float radius : {0.15f, 1.0f, 6.0f}) {
-    const DiffusionBody sphere(testing::sphere_mesh(radius, kRings, true));
-    DiffusionEntry entry = sphere.entry({7, 20, 11}, {-7, -20, -11}, kSkin, kSkinDistance);
+    const BodyInWorld sphere(testing::sphere_mesh(radius, kRings, true));
+    const WalkMedium skin = medium_of(kSkin, kSkinDistance);
+    SubsurfaceEntry entry = sphere.entry({7, 20, 11}, {-7, -20, -11}, skin);
     entry.throughput = kThroughput;
     const Channels found = integrate(sphere, entry, 200000, ++seed);
     std::array<double, 3> expected{};

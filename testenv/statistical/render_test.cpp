@@ -6,6 +6,7 @@
 
 #include "core/material/disney_bsdf.h"
 #include "core/subsurface/medium.h"
+#include "testenv/support/half_space.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
@@ -212,7 +213,7 @@ TEST(Furnace, PaperInversionObtainsWhatEquationOneGives) {
   for (const float albedo : {0.2f, 0.5f, 0.8f, 0.95f}) {
     MeanError m;
     const double exit = furnace(albedo, 5e-4f, AlbedoInversion::chiang2016, &m);
-    const double obtained = half_space_albedo(one_minus_alpha(albedo, AlbedoInversion::chiang2016));
+    const double obtained = testing::half_space_albedo(one_minus_alpha(albedo, AlbedoInversion::chiang2016));
     expect_within(m, obtained * exit, 1e-3 * albedo);
   }
 }

@@ -3,6 +3,7 @@
 
 #include "testenv/support/albedo_table.h"
 #include "testenv/support/analytic_bodies.h"
+#include "testenv/support/half_space.h"
 #include "testenv/support/transport_solution.h"
 #include "testenv/support/z_test.h"
 
@@ -27,7 +28,7 @@ BodyStatistics walk_many(const MakeTracer& make_tracer, const Medium& medium, co
   for (int i = 0; i < paths; ++i) {
     auto tracer = make_tracer();
     const uint64_t events_before = statistics.counters.walk_events;
-    const auto end = walk_body<Segment>(tracer, tracer.entry(), medium, settings, rng, statistics.counters);
+    const auto end = walk_body<Segment>(tracer, medium, settings, rng, statistics.counters);
     for (size_t c = 0; c < 3; ++c) statistics.out[c].add(end ? end->throughput[c] : 0);
     statistics.through.add(end && end->hit.side == 1 ? end->throughput[0] : 0);
     statistics.uncollided.add(end && end->events == 0 ? end->throughput[0] : 0);
@@ -193,7 +194,7 @@ TEST(ClosedSphere, MeanPathIsFourVolumesOverSurface) {
     RunningStatistics lengths, collisions;
     for (int i = 0; i < 40000; ++i) {
       SphereTracer tracer(radius);
-      const auto end = walk_body(tracer, SphereTracer::entry(), unit_medium(0), {}, rng, counters);
+      const auto end = walk_body(tracer, unit_medium(0), {}, rng, counters);
       ASSERT_TRUE(end);
       EXPECT_NEAR(end->throughput[0], 1, 1e-9);
       lengths.add(tracer.path_length());

@@ -11,10 +11,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/subsurface/random_walk.h"
 #include "testenv/support/analytic_bodies.h"
 #include "testenv/support/cpu_time.h"
-#include "testenv/support/mesh_bodies.h"
-#include "testenv/support/scene_builder.h"
+#include "testenv/support/lone_body.h"
 
 namespace alabaster::testing {
 namespace {
@@ -163,35 +163,38 @@ class MeshRun {
   }
 
  private:
-  std::vector<WalkEntry> points_of(const Mesh& mesh, uint64_t seed) const {
+  std::vector<SubsurfaceEntry> points_of(const Mesh& mesh, uint64_t seed) const {
     constexpr int kPoints = 4096;
     const SurfaceSampler sampler(mesh);
-    std::vector<WalkEntry> entries;
+    std::vector<SubsurfaceEntry> entries;
     Rng rng(seed, 4);
     for (int i = 0; i < kPoints; ++i) {
       const TriangleHit on = sampler.sample({rng.uniform(), rng.uniform(), rng.uniform()});
-      const SurfaceHit hit = surface_hit(mesh, on, instance_.object_to_world, instance_.world_to_object);
-      entries.push_back(
-          {offset_point(hit.p_object, -hit.ng_object, hit.offset_object), -hit.ng, frame_from_normal(-hit.ng)});
+      SubsurfaceEntry entry;
+      entry.triangle = on;
+      entry.hit = surface_hit(mesh, on, instance_.object_to_world, instance_.world_to_object);
+      entry.ns = entry.hit.ng;
+      entry.medium = &medium_;
+      entries.push_back(entry);
     }
     return entries;
   }
 
-  std::optional<WalkExit> walk(const WalkEntry& entry, const WalkSettings& settings, Rng& rng, Measured* out) const {
-    const float u = rng.uniform();
-    return random_walk(instance_.walk, entry, medium_, settings, {u, rng.uniform()}, rng, out->counters);
+  std::optional<SubsurfaceExit> walk(const SubsurfaceEntry& entry, const WalkSettings& settings, Rng& rng,
+                                     Measured* out) const {
+    return carry(RandomWalk{settings}, *instance_.body, entry, rng, out->counters);
   }
 
-  float exit_x(const WalkExit& exit) const {
+  float exit_x(const SubsurfaceExit& exit) const {
     const Mesh& mesh = body_.prototype->mesh;
     return surface_hit(mesh, exit.hit, instance_.object_to_world, instance_.world_to_object).p_object.x;
   }
 
   const Body& body_;
   const Instance& instance_;
-  Medium medium_;
+  WalkMedium medium_;
   float edge_;
-  std::vector<WalkEntry> entries_, edge_entries_;
+  std::vector<SubsurfaceEntry> entries_, edge_entries_;
 };
 
 void print_mesh_table(const Mesh& mesh, const std::string& name, double distance_share, int walks) {
@@ -234,7 +237,7 @@ RenderCounters walk_bodies(const MakeTracer& make_tracer, const Medium& medium, 
   Rng rng(seed, 5);
   for (long i = 0; i < walks; ++i) {
     auto tracer = make_tracer();
-    const auto end = walk_body_with_shortcuts(tracer, SlabTracer::entry(), medium, settings, rng, counters);
+    const auto end = walk_body_with_shortcuts(tracer, medium, settings, rng, counters);
     Rgb value(0.0f);
     for (size_t c = 0; end && c < 3; ++c) value[static_cast<int>(c)] = static_cast<float>(end->throughput[c]);
     if (out) out->add(value);

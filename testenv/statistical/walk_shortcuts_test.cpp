@@ -31,7 +31,7 @@ Outcome walk_many(const Tracer& body, const Run& run, int paths, uint64_t seed) 
   Rng rng(seed, 78);
   for (int i = 0; i < paths; ++i) {
     Tracer tracer = body;
-    const WalkStart start = start_of(SlabTracer::entry(), rng);
+    const WalkStart start = start_walk(rng);
     const std::optional<WalkLoopExit<BodyHit>> end = run(tracer, start, rng, outcome.counters);
     const double side = end ? end->hit.side : 0;
     const bool beyond = end && side == 0 && tracer.position().x + end->direction.x * end->hit.t > 0.5;
@@ -186,8 +186,7 @@ TEST(WalkShortcuts, SphereIsTheIntegralEquations) {
         Rng rng(++seed, 78);
         for (int i = 0; i < 40000; ++i) {
           SphereTracer tracer(radius);
-          const auto end =
-              walk_body_with_shortcuts(tracer, SphereTracer::entry(), unit_medium(complement), settings, rng, counters);
+          const auto end = walk_body_with_shortcuts(tracer, unit_medium(complement), settings, rng, counters);
           out.add(end ? end->throughput[0] : 0);
         }
         SCOPED_TRACE(radius * 100 + albedo);
@@ -235,7 +234,7 @@ TEST(WalkShortcuts, ExtremesGiveNoNan) {
       const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
       for (int i = 0; i < 500; ++i) {
         SphereTracer tracer(1);
-        const auto end = walk_body_with_shortcuts(tracer, SphereTracer::entry(), medium, settings, rng, counters);
+        const auto end = walk_body_with_shortcuts(tracer, medium, settings, rng, counters);
         if (!end) continue;
         for (const double channel : end->throughput) ASSERT_TRUE(std::isfinite(channel) && channel >= 0);
       }

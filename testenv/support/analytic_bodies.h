@@ -21,7 +21,6 @@ class SlabTracer {
 
   explicit SlabTracer(double thickness = std::numeric_limits<double>::infinity()) : thickness_(thickness) {}
 
-  static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) const {
     if (direction.z < 0) *hit = {p_.z / -static_cast<double>(direction.z), 0};
     if (direction.z > 0) *hit = {(thickness_ - p_.z) / direction.z, 1};
@@ -48,7 +47,6 @@ class EdgeTracer {
 
   explicit EdgeTracer(double distance) : p_(distance, 0, 0) {}
 
-  static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) const {
     hit->t = std::numeric_limits<double>::infinity();
     if (direction.z < 0) *hit = {p_.z / -static_cast<double>(direction.z), 0};
@@ -108,7 +106,6 @@ class SphereTracer : public EllipsoidTracer {
   explicit SphereTracer(double radius) : EllipsoidTracer({radius, radius, radius}, {0, 0, -1}), radius_(radius) {}
   static bool bounds_distance() { return true; }
   double distance_bound(double) const { return std::max(0.0, radius_ - length(position())); }
-  static WalkEntry entry() { return {{0, 0, 0}, {0, 0, 1}, Frame()}; }
 
  private:
   double radius_;
@@ -126,24 +123,26 @@ inline Medium unit_medium(double complement) {
   return medium;
 }
 
-inline WalkStart start_of(const WalkEntry& entry, Rng& rng) {
+/// Every body is entered along +z.
+inline WalkStart start_walk(Rng& rng) {
+  constexpr Vec3f kInward(0, 0, 1);
   const float u = rng.uniform();
-  return {sample_walk_entry(entry, {u, rng.uniform()}), entry.ng_inward, {1, 1, 1}};
+  return {sample_entry_direction(kInward, kInward, {u, rng.uniform()}), kInward, {1, 1, 1}};
 }
 
 /// One plain walk from the entry's cosine lobe.
 template <class Segment = ChromaticSegment, class Tracer>
-std::optional<WalkLoopExit<BodyHit>> walk_body(Tracer& tracer, const WalkEntry& entry, const Medium& medium,
-                                               const WalkSettings& settings, Rng& rng, RenderCounters& counters) {
-  return run_plain_walk<Segment>(tracer, start_of(entry, rng), medium, settings, rng, counters);
+std::optional<WalkLoopExit<BodyHit>> walk_body(Tracer& tracer, const WalkMedium& medium, const WalkSettings& settings,
+                                               Rng& rng, RenderCounters& counters) {
+  return run_plain_walk<Segment>(tracer, start_walk(rng), medium, settings, rng, counters);
 }
 
 /// The same with the shortcuts that the settings allow and that pay.
 template <class Tracer>
-std::optional<WalkLoopExit<BodyHit>> walk_body_with_shortcuts(Tracer& tracer, const WalkEntry& entry,
-                                                              const Medium& medium, const WalkSettings& settings,
-                                                              Rng& rng, RenderCounters& counters) {
-  return run_walk(tracer, start_of(entry, rng), medium, settings, rng, counters);
+std::optional<WalkLoopExit<BodyHit>> walk_body_with_shortcuts(Tracer& tracer, const WalkMedium& medium,
+                                                              const WalkSettings& settings, Rng& rng,
+                                                              RenderCounters& counters) {
+  return run_walk(tracer, start_walk(rng), medium, settings, rng, counters);
 }
 
 }  // namespace alabaster::testing

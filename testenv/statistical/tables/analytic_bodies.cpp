@@ -75,7 +75,7 @@ void print_chords(Report& report, uint32_t seed) {
     const auto walk = [&](Rng& rng, ChordTotals& totals) {
       SphereTracer tracer(radius);
       RenderCounters counters;
-      const auto end = walk_body(tracer, SphereTracer::entry(), unit_medium(0), plain_walk(), rng, counters);
+      const auto end = walk_body(tracer, unit_medium(0), plain_walk(), rng, counters);
       totals.length.add(tracer.path_length() / chord);
       totals.collisions.add(end->events / chord);
     };

@@ -25,7 +25,7 @@ struct Totals {
 Totals walk_half_space(const Medium& medium, uint64_t count, uint32_t seed) {
   return run_chunks<Totals>(count, seed, [&](Rng& rng, Totals& totals) {
     SlabTracer tracer;
-    const auto end = walk_body(tracer, SlabTracer::entry(), medium, {}, rng, totals.counters);
+    const auto end = walk_body(tracer, medium, {}, rng, totals.counters);
     totals.out.add(end ? end->throughput[0] : 0);
     if (!end) return;
     const Vec3d exit = tracer.position() + to_double(end->direction) * end->hit.t;

@@ -31,7 +31,7 @@ LitTotals walk_lit(const Skin& skin, const WalkSettings& settings, uint64_t walk
   const Medium medium = make_medium(skin.albedo, skin.distance, AlbedoInversion::exact);
   return run_chunks<LitTotals>(walks, seed, [&](Rng& rng, LitTotals& totals) {
     SlabTracer tracer;
-    const auto end = walk_body_with_shortcuts(tracer, SlabTracer::entry(), medium, settings, rng, totals.counters);
+    const auto end = walk_body_with_shortcuts(tracer, medium, settings, rng, totals.counters);
     const bool lit = end && tracer.position().x + static_cast<double>(end->direction.x) * end->hit.t >
                                 0.5 * static_cast<double>(skin.distance.r);
     for (size_t c = 0; c < 3; ++c) {

@@ -1,7 +1,9 @@
 // Normalized diffusion by the very probes that render, against its own formula.
+#include "testenv/support/diffusion_profile.h"
+#include "core/subsurface/normalized_diffusion.h"
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
-#include "testenv/support/diffusion_body.h"
+#include "testenv/support/lone_body.h"
 
 namespace alabaster::testing {
 namespace {
@@ -27,15 +29,15 @@ double decade_end(int decade) {
   return 1e-2 * std::pow(10.0, decade);
 }
 
-ProfileTotals probe(const DiffusionBody& body, const DiffusionEntry& entry, uint64_t probes, uint32_t seed) {
-  const Vec3d start = to_double(body.position(entry.hit));
+ProfileTotals probe(const BodyInWorld& body, const SubsurfaceEntry& entry, uint64_t probes, uint32_t seed) {
+  const Vec3d start = to_double(body.position(entry.triangle));
   return run_chunks<ProfileTotals>(probes, seed, [&](Rng& rng, ProfileTotals& totals) {
     RenderCounters counters;
-    const auto exit = sample_exit(body, entry, rng, counters);
+    const auto exit = carry(NormalizedDiffusion{}, body.body(), entry, rng, counters);
     const double r = exit ? length(to_double(body.position(exit->hit)) - start) : 0;
     for (int c = 0; c < 3; ++c) {
       const double weight = exit ? static_cast<double>(exit->throughput[c]) : 0;
-      const double x = r / static_cast<double>(entry.scatter_distance[c]);
+      const double x = r / static_cast<double>(entry.medium->medium.scatter_distance[c]);
       totals.all[c].add(weight);
       for (int i = 0; i < kDecades; ++i)
         totals.decade[c][i].add(x < decade_end(i) && (i == 0 || x >= decade_end(i - 1)) ? weight : 0);
@@ -61,9 +63,10 @@ void print_diffusion_profile(Report& report) {
   report.columns({"medium", "channel", "below .01", "z", "[.01,.1)", "z", "[.1,1)", "z", "[1,10)", "z", "[10,100)", "z",
                   "all", "A", "z"});
   uint32_t seed = 2500;
-  const DiffusionBody box(box_mesh({kHalf, kHalf, kHalf}));
+  const BodyInWorld box(box_mesh({kHalf, kHalf, kHalf}));
   for (const Case& k : cases) {
-    const DiffusionEntry entry = box.entry({3, 2 * kHalf, 5}, {0, -1, 0}, k.albedo, k.distance);
+    const WalkMedium medium = make_medium(k.albedo, k.distance, AlbedoInversion::exact);
+    const SubsurfaceEntry entry = box.entry({3, 2 * kHalf, 5}, {0, -1, 0}, medium);
     const ProfileTotals t = probe(box, entry, report.walks_for(0.25), ++seed);
     for (size_t c = 0; c < 3; ++c) {
       const int channel = static_cast<int>(c);

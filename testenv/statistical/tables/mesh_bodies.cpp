@@ -1,23 +1,16 @@
-// random_walk() itself on triangle meshes through Embree: what enters, how far it goes, where it leaves.
-#include "testenv/support/mesh_bodies.h"
+// RandomWalk itself on triangle meshes through Embree: what enters, how far it goes, where it leaves.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
-#include "testenv/support/scene_builder.h"
+#include "testenv/support/lone_body.h"
 #include "testenv/support/transport_solution.h"
-
-#include "core/geometry/surface_hit.h"
 
 namespace alabaster::testing {
 namespace {
 
-/// A mesh that stands in the world as it is modelled.
-struct Body {
-  Mesh mesh;
-  std::shared_ptr<const ObjectScene> object;
+struct Body : BodyInWorld {
   SurfaceSampler surface;
 
-  Body(const std::shared_ptr<TraceDevice>& device, Mesh m)
-      : mesh(std::move(m)), object(build_object_scene(device, mesh, {})), surface(mesh) {}
+  explicit Body(const Mesh& mesh) : BodyInWorld(mesh), surface(mesh) {}
 };
 
 struct MeshTotals {
@@ -37,23 +30,14 @@ struct MeshTotals {
   }
 };
 
-WalkEntry entry_at(const Body& body, const TriangleHit& where) {
-  const SurfaceHit hit = surface_hit(body.mesh, where, Affine(), Affine());
-  return {offset_point(hit.p_object, -hit.ng_object, hit.offset_object), -hit.ng, frame_from_normal(-hit.ng)};
-}
-
 /// `where(rng)` says where a walk enters.
 template <class Where>
 MeshTotals walk_mesh(const Body& body, const Medium& medium, uint64_t walks, uint32_t seed, const Where& where) {
-  WalkSpace space;
-  space.object = body.object.get();
-  space.bounds = body.mesh.bounds;
+  const WalkMedium walk_medium = medium;
+  const RandomWalk walk{plain_walk()};
   return run_chunks<MeshTotals>(walks, seed, [&](Rng& rng, MeshTotals& totals) {
-    const WalkEntry entry = entry_at(body, where(rng));
-    const float u = rng.uniform();
-    const Vec2f u_entry(u, rng.uniform());
     const uint64_t before = totals.counters.walk_events;
-    const auto exit = random_walk(space, entry, medium, plain_walk(), u_entry, rng, totals.counters);
+    const auto exit = carry(walk, body.body(), body.entry(where(rng), walk_medium), rng, totals.counters);
     const double weight = exit ? static_cast<double>(exit->throughput.r) : 0;
     totals.out.add(weight);
     totals.collisions.add(static_cast<double>(totals.counters.walk_events - before));
@@ -88,7 +72,7 @@ void require_nothing_lost(Report& report, const MeshTotals& t, const char* where
   report.require(t.counters.walk_safety_cap == 0, text("no walk meets the safety cap (%s)", where));
 }
 
-void print_slabs(Report& report, const std::shared_ptr<TraceDevice>& device, uint32_t seed) {
+void print_slabs(Report& report, uint32_t seed) {
   report.heading("Meshes: a thin slab as a box");
   report.paragraph(
       "A closed box of twelve triangles, thickness L mean free paths, 200 L + 400 wide; walks enter in the middle of\n"
@@ -97,7 +81,7 @@ void print_slabs(Report& report, const std::shared_ptr<TraceDevice>& device, uin
   for (const double albedo : {0.5, 0.9, 1.0})
     for (const float thickness : {1.0f, 4.0f, 10.0f}) {
       const Vec3f half(100 * thickness + 200, 0.5f * thickness, 100 * thickness + 200);
-      const Body box(device, box_mesh(half));
+      const Body box(box_mesh(half));
       const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
       const auto l = static_cast<double>(thickness);
       const SlabAnswer answer = solve_slab(l, complement);
@@ -112,7 +96,7 @@ void print_slabs(Report& report, const std::shared_ptr<TraceDevice>& device, uin
     }
 }
 
-void print_spheres(Report& report, const std::shared_ptr<TraceDevice>& device, uint32_t seed) {
+void print_spheres(Report& report, uint32_t seed) {
   report.heading("Meshes: spheres in uniform surroundings");
   // Volume and area of the inscribed polyhedron are below the sphere's by about (pi / 2 rings)^2 and half of that.
   constexpr int kRings = 256;
@@ -123,7 +107,7 @@ void print_spheres(Report& report, const std::shared_ptr<TraceDevice>& device, u
   report.columns({"tau", "A", "out", "theory", "z", "no collision", "theory", "z"});
   for (const double radius : {0.1, 1.0, 3.0, 10.0})
     for (const double albedo : {0.5, 0.8, 0.95}) {
-      const Body sphere(device, sphere_mesh(static_cast<float>(radius), kRings, false));
+      const Body sphere(sphere_mesh(static_cast<float>(radius), kRings, false));
       const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
       const SphereAnswer answer = solve_sphere(radius, complement);
       const uint64_t walks = report.walks_for(0.25, 1.5);
@@ -136,7 +120,7 @@ void print_spheres(Report& report, const std::shared_ptr<TraceDevice>& device, u
     }
 }
 
-void print_chords(Report& report, const std::shared_ptr<TraceDevice>& device, uint32_t seed) {
+void print_chords(Report& report, uint32_t seed) {
   struct Shape {
     const char* name;
     Mesh mesh;
@@ -152,7 +136,7 @@ void print_chords(Report& report, const std::shared_ptr<TraceDevice>& device, ui
   report.columns({"mesh", "4 V / S", "chord", "z", "sigma_t 4V/S = .1", "z", "1", "z", "10", "z"});
   for (Shape& shape : shapes) {
     const double chord = 4 * mesh_volume(shape.mesh) / mesh_area(shape.mesh);
-    const Body body(device, std::move(shape.mesh));
+    const Body body(shape.mesh);
     std::vector<std::string> cells = {shape.name, text("%.6f", chord)};
     Medium medium = unit_medium(0);
     medium.sigma_t.r = 0;
@@ -174,12 +158,12 @@ void print_chords(Report& report, const std::shared_ptr<TraceDevice>& device, ui
   }
 }
 
-void print_edges(Report& report, const std::shared_ptr<TraceDevice>& device, uint32_t seed) {
+void print_edges(Report& report, uint32_t seed) {
   report.heading("Meshes: 90-degree edge");
   report.paragraph("The edge of a box 800 mean free paths wide, against the loop in a quarter space.");
   report.columns({"A", "distance", "mesh", "quarter space", "z"});
   const Vec3f half(400, 400, 400);
-  const Body box(device, box_mesh(half));
+  const Body box(box_mesh(half));
   for (const double albedo : {0.8, 0.95})
     for (const float distance : {0.25f, 1.0f, 4.0f}) {
       const Medium medium = unit_medium(one_minus_alpha(albedo, AlbedoInversion::exact));
@@ -196,11 +180,10 @@ void print_edges(Report& report, const std::shared_ptr<TraceDevice>& device, uin
 }  // namespace
 
 void print_mesh_bodies(Report& report) {
-  const auto device = make_trace_device({});
-  print_slabs(report, device, 5000);
-  print_spheres(report, device, 5100);
-  print_chords(report, device, 5200);
-  print_edges(report, device, 5300);
+  print_slabs(report, 5000);
+  print_spheres(report, 5100);
+  print_chords(report, 5200);
+  print_edges(report, 5300);
 }
 
 }  // namespace alabaster::testing

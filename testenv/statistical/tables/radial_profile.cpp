@@ -48,7 +48,7 @@ Histogram walk_radii(float albedo, uint64_t walks, uint32_t seed) {
   return run_chunks<Histogram>(walks, seed, [&](Rng& rng, Histogram& histogram) {
     SlabTracer tracer;
     RenderCounters counters;
-    const auto end = walk_body(tracer, SlabTracer::entry(), medium, {}, rng, counters);
+    const auto end = walk_body(tracer, medium, {}, rng, counters);
     if (!end) return;
     const Vec3d exit = tracer.position() + to_double(end->direction) * end->hit.t;
     histogram.add(std::hypot(exit.x, exit.y));

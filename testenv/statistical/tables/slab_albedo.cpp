@@ -4,6 +4,7 @@
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/albedo_table.h"
+#include "testenv/support/half_space.h"
 
 namespace alabaster::testing {
 namespace {

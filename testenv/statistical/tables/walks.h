@@ -67,7 +67,7 @@ WalkTotals walk_bodies(const MakeTracer& make_tracer, const Medium& medium, cons
   return run_chunks<WalkTotals>(count, seed, [&](Rng& rng, WalkTotals& totals) {
     auto tracer = make_tracer();
     const uint64_t before = totals.counters.walk_events;
-    const auto end = walk_body_with_shortcuts(tracer, tracer.entry(), medium, settings, rng, totals.counters);
+    const auto end = walk_body_with_shortcuts(tracer, medium, settings, rng, totals.counters);
     totals.add(end ? &*end : nullptr, static_cast<double>(totals.counters.walk_events - before));
   });
 }

@@ -6,6 +6,7 @@
 
 #include "core/material/disney_bsdf.h"
 #include "testenv/support/analytic_bodies.h"
+#include "testenv/support/half_space.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/transport_solution.h"
 
@@ -14,36 +15,36 @@ namespace {
 
 constexpr float kAlbedos[] = {0.05f, 0.2f, 0.5f, 0.8f, 0.95f, 0.99f};
 
-LambertLimit grey_limit(float albedo) {
-  return lambert_limit(make_medium(Rgb(albedo, 0, 0), Rgb(1, 0, 0), AlbedoInversion::exact));
+LightReach grey_reach(float albedo) {
+  return light_reach(make_medium(Rgb(albedo, 0, 0), Rgb(1, 0, 0), AlbedoInversion::exact));
 }
 
 TEST(LambertLimit, TheBlendMovesAtMostTheTolerance) {
-  const LambertLimit limit{2.5f, 0};
+  const LightReach reach{2.5f, 0};
   float last = 0;
   for (float width = 1; width < 1e4f; width *= 1.01f) {
-    const float p = lambert_probability(width, limit);
+    const float p = lambert_probability(width, reach);
     EXPECT_GE(p, last);
-    EXPECT_LE(p * limit.reach / (M_PI * width), kLambertTolerance);
+    EXPECT_LE(p * reach.exit_radius / (M_PI * width), kLambertTolerance);
     last = p;
   }
   EXPECT_EQ(last, 1);
-  EXPECT_EQ(lambert_probability(24 * limit.reach, limit), 0);
-  EXPECT_EQ(lambert_probability(0, limit), 0);
+  EXPECT_EQ(lambert_probability(24 * reach.exit_radius, reach), 0);
+  EXPECT_EQ(lambert_probability(0, reach), 0);
 }
 
 TEST(LambertLimit, TheFarthestReachingChannelDecides) {
   const Rgb albedo(0.9f, 0.6f, 0.45f);
-  const LambertLimit all = lambert_limit(make_medium(albedo, {1, 0.3f, 0.2f}, AlbedoInversion::exact));
-  const LambertLimit red = lambert_limit(make_medium(albedo, {1, 0, 0}, AlbedoInversion::exact));
-  EXPECT_EQ(all.reach, red.reach);
+  const LightReach all = light_reach(make_medium(albedo, {1, 0.3f, 0.2f}, AlbedoInversion::exact));
+  const LightReach red = light_reach(make_medium(albedo, {1, 0, 0}, AlbedoInversion::exact));
+  EXPECT_EQ(all.exit_radius, red.exit_radius);
   EXPECT_EQ(all.opaque_depth, red.opaque_depth);
-  EXPECT_NEAR(red.reach, 3.3f, 0.3f);
+  EXPECT_NEAR(red.exit_radius, 3.3f, 0.3f);
 }
 
 TEST(LambertLimit, WhiteIsAlwaysWalked) {
-  EXPECT_EQ(lambert_probability(1e30f, grey_limit(1)), 0);
-  EXPECT_FALSE(std::isnan(lambert_probability(1e30f, grey_limit(0))));
+  EXPECT_EQ(lambert_probability(1e30f, grey_reach(1)), 0);
+  EXPECT_FALSE(std::isnan(lambert_probability(1e30f, grey_reach(0))));
 }
 
 // Keeps the place beside the depth, which the half-space alone does not need.
@@ -68,20 +69,20 @@ TEST(LambertLimit, ReachIsTheMeanExitRadius) {
     double radii = 0, exits = 0;
     for (int i = 0; i < 30000; ++i) {
       LateralTracer tracer;
-      const auto end = testing::walk_body(tracer, LateralTracer::entry(), medium, {}, rng, counters);
+      const auto end = testing::walk_body(tracer, medium, {}, rng, counters);
       if (!end) continue;
       const Vec3d p = tracer.moved() + testing::to_double(end->direction) * end->hit.t;
       radii += end->throughput[0] * std::hypot(p.x, p.y);
       exits += end->throughput[0];
     }
-    EXPECT_NEAR(grey_limit(albedo).reach / (radii / exits), 1.05, 0.1) << albedo;
+    EXPECT_NEAR(grey_reach(albedo).exit_radius / (radii / exits), 1.05, 0.1) << albedo;
   }
 }
 
 TEST(LambertLimit, AnOpaqueSlabLetsTheToleranceThrough) {
   for (const float albedo : kAlbedos) {
     const Medium medium = make_medium(Rgb(albedo, 0, 0), Rgb(1, 0, 0), AlbedoInversion::exact);
-    const double depth = double(grey_limit(albedo).opaque_depth) * medium.sigma_t.r;
+    const double depth = double(grey_reach(albedo).opaque_depth) * medium.sigma_t.r;
     if (depth > 60) continue;  // beyond what the quadrature resolves
     const testing::SlabAnswer slab = testing::solve_slab(depth, medium.one_minus_alpha.r);
     EXPECT_LT(slab.transmittance, kLambertTolerance) << albedo;
@@ -93,7 +94,8 @@ TEST(LambertLimit, ObtainedAlbedoIsTheHalfSpaces) {
   for (const AlbedoInversion inversion :
        {AlbedoInversion::exact, AlbedoInversion::chiang2016, AlbedoInversion::van_de_hulst})
     for (const float albedo : {0.0f, 0.01f, 0.2f, 0.5f, 0.8f, 0.95f, 0.999f, 1.0f})
-      EXPECT_NEAR(obtained_albedo(albedo, inversion), half_space_albedo(one_minus_alpha(albedo, inversion)), 1e-6)
+      EXPECT_NEAR(obtained_albedo(albedo, inversion), testing::half_space_albedo(one_minus_alpha(albedo, inversion)),
+                  1e-6)
           << albedo;
 }
 

@@ -6,6 +6,7 @@
 
 #include "testenv/support/albedo_table.h"
 #include "testenv/support/anisotropic_half_space.h"
+#include "testenv/support/half_space.h"
 
 namespace alabaster {
 namespace {
@@ -23,7 +24,7 @@ double zeroth_moment(double complement) {
   double sum = 0;
   for (int i = 0; i < kPoints; ++i) {
     const double v = (i + 0.5) / kPoints;
-    sum += 2 * v * chandrasekhar_h(v * v, complement);
+    sum += 2 * v * testing::chandrasekhar_h(v * v, complement);
   }
   return sum / kPoints;
 }
@@ -44,19 +45,20 @@ TEST(ChandrasekharH, SatisfiesItsIntegralEquation) {
       double integral = 0;
       for (int i = 0; i < kPoints; ++i) {
         const double v = (i + 0.5) / kPoints, nu = v * v;
-        integral += 2 * v * nu * chandrasekhar_h(nu, complement) / (mu + nu) / kPoints;
+        integral += 2 * v * nu * testing::chandrasekhar_h(nu, complement) / (mu + nu) / kPoints;
       }
       const double expected = std::sqrt(complement) + 0.5 * (1 - complement) * integral;
-      EXPECT_NEAR(1 / chandrasekhar_h(mu, complement), expected, 1e-5) << complement << " " << mu;
+      EXPECT_NEAR(1 / testing::chandrasekhar_h(mu, complement), expected, 1e-5) << complement << " " << mu;
     }
 }
 
 TEST(HalfSpaceAlbedo, LimitsAreSingleScatteringAndDiffusion) {
   const double single_scattering = 2.0 / 3 * (1 - std::log(2.0));
-  EXPECT_NEAR(half_space_albedo(1 - 1e-5) / 1e-5, single_scattering, 3e-6);
-  for (const double s : {1e-4, 1e-6, 1e-8}) EXPECT_NEAR((1 - half_space_albedo(s * s)) / s, 4 / std::sqrt(3.0), 4 * s);
-  EXPECT_EQ(half_space_albedo(0), 1);
-  EXPECT_NEAR(half_space_albedo(1), 0, 1e-12);
+  EXPECT_NEAR(testing::half_space_albedo(1 - 1e-5) / 1e-5, single_scattering, 3e-6);
+  for (const double s : {1e-4, 1e-6, 1e-8})
+    EXPECT_NEAR((1 - testing::half_space_albedo(s * s)) / s, 4 / std::sqrt(3.0), 4 * s);
+  EXPECT_EQ(testing::half_space_albedo(0), 1);
+  EXPECT_NEAR(testing::half_space_albedo(1), 0, 1e-12);
 }
 
 TEST(AlbedoInversion, EveryRowOfTheTable) {
@@ -64,12 +66,13 @@ TEST(AlbedoInversion, EveryRowOfTheTable) {
     const double exact = one_minus_alpha(row.albedo, AlbedoInversion::exact);
     // The column is rounded to its last printed digit.
     EXPECT_NEAR(exact, row.exact_one_minus_alpha, row.exact_one_minus_alpha * 3e-3) << row.albedo;
-    EXPECT_NEAR(half_space_albedo(exact), row.albedo, 2e-8);
-    EXPECT_NEAR(half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::chiang2016)), row.chiang2016, 5.1e-6)
+    EXPECT_NEAR(testing::half_space_albedo(exact), row.albedo, 2e-8);
+    EXPECT_NEAR(testing::half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::chiang2016)), row.chiang2016,
+                5.1e-6)
         << row.albedo;
     // That column was made with the usual closed form of this inverse, whose rounded coefficients are off by 1.2e-5 at
     // A = 1; ours is the root itself.
-    EXPECT_NEAR(half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::van_de_hulst)) - row.albedo,
+    EXPECT_NEAR(testing::half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::van_de_hulst)) - row.albedo,
                 row.van_de_hulst_error, 1.3e-5)
         << row.albedo;
   }
@@ -79,7 +82,7 @@ TEST(AlbedoInversion, ExactIsExactOnAFineGrid) {
   double worst = 0, worst_relative = 0;
   for (int i = 1; i < 250; ++i) {
     const double a = i / 250.0;
-    const double error = std::abs(half_space_albedo(one_minus_alpha(a, AlbedoInversion::exact)) - a);
+    const double error = std::abs(testing::half_space_albedo(one_minus_alpha(a, AlbedoInversion::exact)) - a);
     worst = std::max(worst, error);
     worst_relative = std::max(worst_relative, error / std::min(a, 1 - a));
   }
@@ -99,7 +102,7 @@ TEST(AlbedoInversion, EndsAreExactAndBeyondThemClamped) {
   EXPECT_EQ(one_minus_alpha(1, AlbedoInversion::van_de_hulst), 0);
   // Eq. 1 stops at alpha = 0.998886: white is out of its reach.
   EXPECT_NEAR(one_minus_alpha(1, AlbedoInversion::chiang2016), std::exp(-5.09406 + 2.61188 - 4.31805), 1e-15);
-  EXPECT_NEAR(half_space_albedo(one_minus_alpha(1, AlbedoInversion::chiang2016)), 0.92599, 5e-6);
+  EXPECT_NEAR(testing::half_space_albedo(one_minus_alpha(1, AlbedoInversion::chiang2016)), 0.92599, 5e-6);
 }
 
 TEST(AlbedoInversion, DarkAndWhiteKeepTheirRelativePrecision) {
@@ -118,7 +121,8 @@ TEST(AlbedoInversion, FallsStrictly) {
 // The solver of the tests is right where the answer is known in closed form...
 TEST(AnisotropicHalfSpace, IsChandrasekharsWithoutAnisotropy) {
   for (const double complement : {0.9, 0.5, 0.1, 1e-2, 1e-4})
-    EXPECT_NEAR(testing::anisotropic_half_space_albedo(complement, 0), half_space_albedo(complement), 2e-9);
+    EXPECT_NEAR(testing::anisotropic_testing::half_space_albedo(complement, 0), testing::half_space_albedo(complement),
+                2e-9);
 }
 
 // ... and where another method has been there: testenv/statistical/fit_anisotropic_inversion.py, 128 directions.
@@ -127,7 +131,7 @@ TEST(AnisotropicHalfSpace, IsTheDiscreteOrdinatesSolution) {
                                   {0.3, 0.01, 0.7600990986}, {0.7, 0.1, 0.2768330240},   {0.7, 1e-4, 0.9587718126},
                                   {0.9, 0.5, 0.0182542025},  {0.9, 0.01, 0.4934153756}};
   for (const auto& [g, complement, albedo] : kKnown)
-    EXPECT_NEAR(testing::anisotropic_half_space_albedo(complement, g), albedo, 1e-7) << g << ' ' << complement;
+    EXPECT_NEAR(testing::anisotropic_testing::half_space_albedo(complement, g), albedo, 1e-7) << g << ' ' << complement;
 }
 
 TEST(AlbedoInversion, AnisotropicObtainsTheAlbedoAsked) {
@@ -136,7 +140,7 @@ TEST(AlbedoInversion, AnisotropicObtainsTheAlbedoAsked) {
     for (const double albedo : {0.005, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99}) {
       const double g = i / 10.0;
       const double complement = one_minus_alpha(albedo, AlbedoInversion::exact, g);
-      const double error = std::abs(testing::anisotropic_half_space_albedo(complement, g) - albedo);
+      const double error = std::abs(testing::anisotropic_testing::half_space_albedo(complement, g) - albedo);
       worst = std::max(worst, error);
       worst_relative = std::max(worst_relative, error / std::min(albedo, 1 - albedo));
     }

@@ -3,12 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "testenv/support/analytic_bodies.h"
+#include "testenv/support/lone_body.h"
 
 namespace alabaster {
 namespace {
 
 using testing::BodyHit;
+using testing::carry;
 using testing::EllipsoidTracer;
+using testing::entry_at_point;
+using testing::lone_body;
 using testing::SlabTracer;
 using testing::SphereTracer;
 using testing::unit_medium;
@@ -121,7 +125,7 @@ TEST(ChromaticSegment, ExtremesGiveNoNan) {
         const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
         for (int i = 0; i < 500; ++i) {
           SphereTracer tracer(1);
-          const auto end = walk_body(tracer, SphereTracer::entry(), medium, settings, rng, counters);
+          const auto end = walk_body(tracer, medium, settings, rng, counters);
           if (!end) continue;
           for (const double channel : end->throughput) ASSERT_TRUE(std::isfinite(channel) && channel >= 0);
         }
@@ -148,7 +152,7 @@ TEST(RandomWalkLoop, WeightsStayWithinTheirBounds) {
       RenderCounters counters;
       for (int i = 0; i < 2000; ++i) {
         SphereTracer tracer(radius);
-        walk_body(tracer, SphereTracer::entry(), medium, {}, rng, counters);
+        walk_body(tracer, medium, {}, rng, counters);
       }
       EXPECT_LE(counters.max_walk_weight, 3 * (1 + 1e-9));
       EXPECT_GT(counters.max_walk_weight, 1);
@@ -161,7 +165,7 @@ TEST(RandomWalkLoop, CountersAddUp) {
   uint64_t exits = 0, events_of_exits = 0;
   for (int i = 0; i < 5000; ++i) {
     SphereTracer tracer(2);
-    if (const auto end = walk_body(tracer, SphereTracer::entry(), skin(), {}, rng, counters)) {
+    if (const auto end = walk_body(tracer, skin(), {}, rng, counters)) {
       ++exits;
       events_of_exits += end->events;
     }
@@ -183,7 +187,7 @@ TEST(RandomWalkLoop, SafetyCapEndsAndIsCounted) {
   const Medium white = make_medium(Rgb(1.0f), Rgb(1e-3f), AlbedoInversion::exact);
   for (int i = 0; i < 100; ++i) {
     SphereTracer tracer(1);
-    walk_body(tracer, SphereTracer::entry(), white, settings, rng, counters);
+    walk_body(tracer, white, settings, rng, counters);
   }
   EXPECT_GT(counters.walk_safety_cap, 0u);
   EXPECT_EQ(counters.walk_safety_cap + counters.walk_exits, 100u);
@@ -195,24 +199,22 @@ TEST(RandomWalkLoop, InactiveChannelsCarryNothing) {
   const Medium medium = make_medium(Rgb(0.9f), {1.0f, 0.0f, 1.0f}, AlbedoInversion::exact);
   for (int i = 0; i < 200; ++i) {
     SphereTracer tracer(1);
-    if (const auto end = walk_body(tracer, SphereTracer::entry(), medium, {}, rng, counters)) {
+    if (const auto end = walk_body(tracer, medium, {}, rng, counters)) {
       EXPECT_EQ(end->throughput[1], 0);
       EXPECT_GT(end->throughput[0], 0);
     }
   }
   SphereTracer tracer(1);
-  EXPECT_FALSE(walk_body(tracer, SphereTracer::entry(), Medium(), {}, rng, counters));
+  EXPECT_FALSE(walk_body(tracer, Medium(), {}, rng, counters));
 }
 
 TEST(RandomWalk, EntryIsInwardAndKeepsItsMass) {
   Rng rng(10, 1);
   const Vec3f ng = {0, 0, 1}, ns = normalize(Vec3f(0.9f, 0.1f, 0.3f));
-  const WalkEntry tilted{{0, 0, 0}, ng, frame_from_normal(ns)};
-  const WalkEntry straight{{0, 0, 0}, ns, frame_from_normal(ns)};
   for (int i = 0; i < 10000; ++i) {
     const float u = rng.uniform();
     const Vec2f sample(u, rng.uniform());
-    const Vec3f direction = sample_walk_entry(tilted, sample), lobe = sample_walk_entry(straight, sample);
+    const Vec3f direction = sample_entry_direction(ns, ng, sample), lobe = sample_entry_direction(ns, ns, sample);
     EXPECT_NEAR(length(direction), 1, 1e-6);
     EXPECT_GE(direction.z, 0);
     EXPECT_FLOAT_EQ(direction.z, std::abs(lobe.z));  // the lobe itself, mirrored where it left
@@ -224,28 +226,27 @@ TEST(RandomWalk, EntryIsInwardAndKeepsItsMass) {
 TEST(RandomWalk, DistancesAreWorldDistancesUnderNonUniformScale) {
   const UnitSphereScene sphere;
   const Vec3d scale(2, 0.5, 5), pole = normalize(Vec3d(1, -2, 0.5));
-  WalkSpace space;
-  space.object = &sphere;
-  space.world_to_object.x = {0.5f, 0, 0};
-  space.world_to_object.y = {0, 2, 0};
-  space.world_to_object.z = {0, 0, 0.2f};
-  space.world_to_object.t = {1e3f, 1e3f, 1e3f};  // must not matter: only the linear part is used
+  const Mesh no_mesh;
+  // The translation must not matter: only the linear part is used.
+  const SubsurfaceBody body =
+      lone_body(sphere, no_mesh, Affine{{0.5f, 0, 0}, {0, 2, 0}, {0, 0, 0.2f}, {1e3f, 1e3f, 1e3f}});
   const Vec3d normal = normalize(Vec3d(pole.x / scale.x, pole.y / scale.y, pole.z / scale.z));
   const Vec3f inward(static_cast<float>(-normal.x), static_cast<float>(-normal.y), static_cast<float>(-normal.z));
   const double inside = 1 - 1e-6;
   const Vec3f p(static_cast<float>(pole.x * inside), static_cast<float>(pole.y * inside),
                 static_cast<float>(pole.z * inside));
-  const WalkEntry entry{p, inward, frame_from_normal(inward)};
+  const WalkMedium medium = skin();
+  const SubsurfaceEntry entry = entry_at_point(p, -inward, medium);
   int different = 0, exits = 0;
   RenderCounters mesh_counters, counters;
   for (uint64_t i = 0; i < 4000; ++i) {
-    Rng mesh_rng(i, 3), rng(i, 3);
-    const Vec2f u(mesh_rng.uniform(), mesh_rng.uniform());
-    const auto mesh_exit = random_walk(space, entry, skin(), {}, u, mesh_rng, mesh_counters);
-    rng.uniform(), rng.uniform();
+    Rng rng(i, 3);
+    const Vec2f u(rng.uniform(), rng.uniform());
+    SubsurfaceNumbers numbers{{u.x, u.y}, rng};
+    const auto mesh_exit = RandomWalk{}.carry(body, entry, numbers, mesh_counters);
     EllipsoidTracer tracer(scale, pole * inside);
-    const WalkStart start{sample_walk_entry(entry, u), inward, {1, 1, 1}};
-    const auto exit = run_walk(tracer, start, skin(), {}, rng, counters);
+    const WalkStart start{sample_entry_direction(inward, inward, u), inward, {1, 1, 1}};
+    const auto exit = run_walk(tracer, start, medium, {}, rng, counters);
     if (mesh_exit.has_value() != exit.has_value() || (exit && mesh_exit->events != exit->events)) {
       ++different;  // a hit at the very end of a segment, decided by rounding
       continue;
@@ -265,18 +266,17 @@ TEST(RandomWalk, RoundingDoesNotLeakThroughTheSurface) {
   // A mean free path of 160 ulps of the coordinates. Without the step back some 20 of these walks come in again from
   // outside, and several hundred segments start there.
   const UnitSphereScene sphere;
-  WalkSpace space;
-  space.object = &sphere;
-  const Medium medium = make_medium(Rgb(0.9f), Rgb(1e-5f), AlbedoInversion::exact);
+  const Mesh no_mesh;
+  const SubsurfaceBody body = lone_body(sphere, no_mesh);
+  const WalkMedium medium = make_medium(Rgb(0.9f), Rgb(1e-5f), AlbedoInversion::exact);
   RenderCounters counters;
   uint32_t from_outside = 0;
   double out = 0;
   for (uint64_t i = 0; i < 20000; ++i) {
     Rng rng(i, 13);
     const Vec3f normal = sample_uniform_sphere({rng.uniform(), rng.uniform()});
-    const WalkEntry entry{normal * (1 - 2e-7f), -normal, frame_from_normal(-normal)};
-    const Vec2f u(rng.uniform(), rng.uniform());
-    const auto exit = random_walk(space, entry, medium, {}, u, rng, counters);
+    const SubsurfaceEntry entry = entry_at_point(normal * (1 - 2e-7f), normal, medium);
+    const auto exit = carry(RandomWalk{}, body, entry, rng, counters);
     if (!exit) continue;
     from_outside += exit->hit.triangle;
     out += exit->throughput.r / 20000;
@@ -287,33 +287,31 @@ TEST(RandomWalk, RoundingDoesNotLeakThroughTheSurface) {
 
 TEST(RandomWalk, LeavingThroughAHoleIsCountedAndEnds) {
   const EmptyScene hole;
-  WalkSpace space;
-  space.object = &hole;
-  space.bounds.extend(Vec3f(-1, -1, -1));
-  space.bounds.extend(Vec3f(1, 1, 1));
-  const WalkEntry entry{{0, 0, 0}, {0, 0, 1}, Frame()};
+  const Mesh no_mesh;
+  SubsurfaceBody body = lone_body(hole, no_mesh);
+  body.bounds.extend(Vec3f(-1, -1, -1));
+  body.bounds.extend(Vec3f(1, 1, 1));
   RenderCounters counters;
   Rng rng(11, 1);
-  const Medium white = make_medium(Rgb(1.0f), Rgb(0.1f), AlbedoInversion::exact);
+  const WalkMedium white = make_medium(Rgb(1.0f), Rgb(0.1f), AlbedoInversion::exact);
   for (int i = 0; i < 100; ++i)
-    EXPECT_FALSE(random_walk(space, entry, white, {}, {rng.uniform(), rng.uniform()}, rng, counters));
+    EXPECT_FALSE(carry(RandomWalk{}, body, entry_at_point({0, 0, 0}, {0, 0, -1}, white), rng, counters));
   EXPECT_EQ(counters.walk_lost, 100u);
   // Nothing to collide with and nowhere to go: lost on the first segment, not a NaN.
-  const Medium clear = make_medium(Rgb(0.5f), Rgb(std::numeric_limits<float>::infinity()), AlbedoInversion::exact);
-  EXPECT_FALSE(random_walk(space, entry, clear, {}, {0.3f, 0.3f}, rng, counters));
+  const WalkMedium clear = make_medium(Rgb(0.5f), Rgb(std::numeric_limits<float>::infinity()), AlbedoInversion::exact);
+  EXPECT_FALSE(carry(RandomWalk{}, body, entry_at_point({0, 0, 0}, {0, 0, -1}, clear), rng, counters));
   EXPECT_EQ(counters.walk_lost, 101u);
 }
 
 TEST(RandomWalk, WithoutExtinctionLightCrosses) {
   const UnitSphereScene sphere;
-  WalkSpace space;
-  space.object = &sphere;
-  const WalkEntry entry{{0, 0, -0.999999f}, {0, 0, 1}, Frame()};
+  const Mesh no_mesh;
+  const SubsurfaceBody body = lone_body(sphere, no_mesh);
   RenderCounters counters;
   Rng rng(12, 1);
-  const Medium clear = make_medium(Rgb(0.5f), Rgb(std::numeric_limits<float>::infinity()), AlbedoInversion::exact);
+  const WalkMedium clear = make_medium(Rgb(0.5f), Rgb(std::numeric_limits<float>::infinity()), AlbedoInversion::exact);
   for (int i = 0; i < 100; ++i) {
-    const auto exit = random_walk(space, entry, clear, {}, {rng.uniform(), rng.uniform()}, rng, counters);
+    const auto exit = carry(RandomWalk{}, body, entry_at_point({0, 0, -0.999999f}, {0, 0, -1}, clear), rng, counters);
     ASSERT_TRUE(exit);
     EXPECT_EQ(exit->events, 0u);
     EXPECT_EQ(exit->throughput, Rgb(1.0f));

@@ -106,9 +106,9 @@ double largest_weight(const Medium& medium, WalkWeights weights, Rng& rng) {
   RenderCounters counters;
   for (int i = 0; i < 40; ++i) {
     SphereTracer sphere(1);
-    walk_body(sphere, SphereTracer::entry(), medium, settings, rng, counters);
+    walk_body(sphere, medium, settings, rng, counters);
     SlabTracer slab(0.05);
-    walk_body(slab, SlabTracer::entry(), medium, settings, rng, counters);
+    walk_body(slab, medium, settings, rng, counters);
   }
   return counters.max_walk_weight;
 }

@@ -1,4 +1,4 @@
-#include "core/geometry/shells.h"
+#include "core/subsurface/shells.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/distance_grid.h"
+#include "core/subsurface/distance_grid.h"
 
 #include <gtest/gtest.h>
 

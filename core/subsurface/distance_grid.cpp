@@ -1,8 +1,7 @@
-#include "core/geometry/distance_grid.h"
+#include "core/subsurface/distance_grid.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <cmath>
@@ -203,15 +202,6 @@ std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32
                             std::min(255.0f, 2 * std::sqrt(static_cast<float>(voxels.squared[i])) * (1 - 0x1p-20f)));
                     });
   return grid;
-}
-
-const DistanceGrid* LazyDistanceGrid::get(const Mesh& mesh) {
-  constexpr uint32_t kResolution = 128;  // 2 MB at most
-  const std::scoped_lock lock(mutex_);
-  // A thread that waits for its part of the build must not take up other work that asks for this very grid.
-  if (!built_) tbb::this_task_arena::isolate([&] { grid_ = build_distance_grid(mesh, kResolution); });
-  built_ = true;
-  return grid_.get();
 }
 
 }  // namespace alabaster

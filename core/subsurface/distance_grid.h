@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/geometry/mesh.h"
@@ -47,17 +46,5 @@ class DistanceGrid {
 /// the threads of the caller's task arena. Null for a mesh without extent, and for one that would take long: a heap of
 /// triangles that each cross much of the whole.
 std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution);
-
-/// The grid of a mesh that many snapshots share: built when first asked for. Any thread.
-class LazyDistanceGrid {
- public:
-  /// `mesh` must be the same each time.
-  const DistanceGrid* get(const Mesh& mesh);
-
- private:
-  std::mutex mutex_;
-  bool built_ = false;
-  std::shared_ptr<const DistanceGrid> grid_;
-};
 
 }  // namespace alabaster

@@ -1,4 +1,4 @@
-#include "core/geometry/shells.h"
+#include "core/subsurface/shells.h"
 
 #include <tbb/parallel_sort.h>
 

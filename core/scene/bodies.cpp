@@ -1,0 +1,158 @@
+#include "core/scene/bodies.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/subsurface/body.h"
+
+namespace alabaster {
+namespace {
+
+using Member = SubsurfaceBody::Member;
+
+// The walk's every crossing is the end of the medium.
+bool is_simple(const MeshShells& shells) {
+  return !shells.any_open && !shells.overlapping;
+}
+
+Bounds transformed(const Bounds& b, const Affine& to) {
+  Bounds out;
+  for (int corner = 0; corner < 8; ++corner)
+    out.extend(to.point(
+        {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y, corner & 4 ? b.upper.z : b.lower.z}));
+  return out;
+}
+
+class BodyPlanner {
+ public:
+  BodyPlanner(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
+              SceneSnapshot* snapshot)
+      : drawn_(drawn), device_(device), snapshot_(*snapshot) {}
+
+  bool plan() {
+    std::map<std::string, std::vector<uint32_t>> sets;
+    for (uint32_t i = 0; i < drawn_.size(); ++i) {
+      if (!scatters(*drawn_[i])) continue;
+      snapshot_.features.subsurface = true;
+      const std::string& set = drawn_[i]->subsurface_set;
+      if (!set.empty())
+        sets[set].push_back(i);
+      else if (!add_body({i}))
+        return false;
+    }
+    return std::all_of(sets.begin(), sets.end(), [&](const auto& set) { return add_body(set.second); });
+  }
+
+ private:
+  bool add_body(const std::vector<uint32_t>& indices) {
+    auto body = std::make_shared<SubsurfaceBody>();
+    const MeshShells& first = drawn_[indices.front()]->prototype->shells();
+    if (indices.size() == 1 && is_simple(first))
+      add_alone(indices.front(), body.get());
+    else if (!unite(indices, body.get()))
+      return false;
+    plan_walks(indices, body.get());
+    snapshot_.bodies.push_back(std::move(body));
+    return true;
+  }
+
+  void add_alone(uint32_t index, SubsurfaceBody* body) {
+    const Instance& instance = snapshot_.instances[index];
+    add_member(index, instance.object_to_world, instance.world_to_object, body);
+    body->bounds = instance.prototype->mesh.bounds;
+  }
+
+  bool unite(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
+    const Vec3d origin = world_centre(indices);
+    body->origin = Vec3f(origin - snapshot_.origin);
+    std::vector<InstancePlacement> placements;
+    bool open = false;
+    for (const uint32_t i : indices) {
+      Matrix4d m = drawn_[i]->object_to_world;
+      for (int axis = 0; axis < 3; ++axis) m[3][axis] -= origin[axis];
+      const Member& member = add_member(i, to_affine(m), to_affine(m.inverse()), body);
+      body->bounds.extend(member.bounds);
+      placements.push_back({drawn_[i]->prototype->object, member.to_body});
+      open |= member.shells->any_open;
+    }
+    if (open) body->bounds = widened(body->bounds);
+    body->scene = build_instanced_scene(device_, placements);
+    if (!body->scene) return false;
+    snapshot_.memory_bytes += body->scene->memory_bytes();
+    return true;
+  }
+
+  const Member& add_member(uint32_t index, const Affine& to_body, const Affine& to_object, SubsurfaceBody* body) {
+    Instance& instance = snapshot_.instances[index];
+    instance.body = body;
+    instance.member = static_cast<uint32_t>(body->members.size());
+    const MeshPrototype& prototype = *instance.prototype;
+    body->members.push_back({index, &prototype.mesh, &prototype.shells(), prototype.object.get(), to_body, to_object,
+                             transformed(prototype.mesh.bounds, to_body)});
+    snapshot_.memory_bytes += sizeof(Member);
+    return body->members.back();
+  }
+
+  Vec3d world_centre(const std::vector<uint32_t>& indices) const {
+    const auto centre = [&](uint32_t i) {
+      return transform_point(Vec3d(drawn_[i]->prototype->mesh.bounds.center()), drawn_[i]->object_to_world);
+    };
+    Vec3d lower = centre(indices.front()), upper = lower;
+    for (const uint32_t i : indices) {
+      const Vec3d c = centre(i);
+      for (int axis = 0; axis < 3; ++axis) {
+        lower[axis] = std::min(lower[axis], c[axis]);
+        upper[axis] = std::max(upper[axis], c[axis]);
+      }
+    }
+    return (lower + upper) * 0.5;
+  }
+
+  // The media of each member's materials, and the shortcuts that pay in them.
+  void plan_walks(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
+    std::vector<MeanFreePaths> paths(indices.size());
+    std::vector<const MeshInterior*> interiors;
+    for (size_t i = 0; i < indices.size(); ++i) {
+      interiors.push_back(&drawn_[indices[i]]->prototype->interior);
+      for (const auto& material : drawn_[indices[i]]->materials) {
+        if (material->scatters()) extend(*material, &paths[i]);
+        body->members[i].media.push_back(material->scatters() ? media_of(*material) : nullptr);
+      }
+    }
+    plan_shortcuts(paths, interiors, body);
+    for (const Member& member : body->members)
+      if (member.distances && counted_.insert(member.distances).second)
+        snapshot_.memory_bytes += member.distances->memory_bytes();
+  }
+
+  // A texture may be white anywhere.
+  static void extend(const DisneyMaterial& material, MeanFreePaths* paths) {
+    const DisneyParameters& p = material.constants;
+    const Rgb albedo = material.base_color_map ? Rgb(1.0f) : p.base_color;
+    paths->extend(make_medium(albedo, p.scatter_distance, AlbedoInversion::exact, p.scatter_anisotropy));
+  }
+
+  std::shared_ptr<const MaterialMedia> media_of(const DisneyMaterial& material) {
+    if (material.base_color_map || material.scatter_distance_map) return nullptr;
+    auto& media = media_[&material];
+    const DisneyParameters& p = material.constants;
+    if (!media) media = std::make_shared<MaterialMedia>(p.base_color, p.scatter_distance, p.scatter_anisotropy);
+    return media;
+  }
+
+  const std::vector<const InstanceDescription*>& drawn_;
+  const std::shared_ptr<TraceDevice>& device_;
+  SceneSnapshot& snapshot_;
+  std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
+  std::set<const DistanceGrid*> counted_;
+};
+
+}  // namespace
+
+bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
+                 SceneSnapshot* snapshot) {
+  return BodyPlanner(drawn, device, snapshot).plan();
+}
+
+}  // namespace alabaster

@@ -1,0 +1,14 @@
+// Which instances let light below their surface, and with which others as one body.
+#pragma once
+
+#include "core/scene/scene.h"
+
+namespace alabaster {
+
+/// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts their
+/// memory. `drawn` describes snapshot->instances, in their order. False when memory runs out or Embree refuses
+/// (reported).
+bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
+                 SceneSnapshot* snapshot);
+
+}  // namespace alabaster

@@ -1,0 +1,112 @@
+#include "core/subsurface/body.h"
+
+#include <algorithm>
+
+namespace alabaster {
+namespace {
+
+// Measured (testenv/statistical/results/walk_efficiency.md): in a body less than so many mean free paths across from
+// the middle, walks leave before spheres find room, and before guiding has saved what it costs.
+constexpr float kRoom = 30;
+
+// A step in a union asks the grids of all members.
+constexpr size_t kMostGrids = 16;
+
+// World distance from the middle of a member's bounds to their nearest side, at least.
+float half_thickness(const SubsurfaceBody::Member& member) {
+  const Vec3f extent = member.mesh->bounds.extent();
+  return 0.5f * std::min(extent.x, std::min(extent.y, extent.z)) * member.least_stretch;
+}
+
+bool has_room_for_spheres(const SubsurfaceBody::Member& member, float mfp) {
+  // A grid of 128 voxels bounds no distance below two; deeper than kDeep few walks go.
+  constexpr float kVoxelsAcross = 128, kDeep = 32;
+  const float voxel = max_component(member.mesh->bounds.extent()) * member.least_stretch / kVoxelsAcross;
+  return half_thickness(member) > kRoom * mfp && 2 * voxel < kDeep * mfp;
+}
+
+}  // namespace
+
+bool SubsurfaceBody::bounds_distances() const {
+  return members.front().distances != nullptr;
+}
+
+Vec3f SubsurfaceBody::below(const SubsurfaceEntry& entry) const {
+  const SurfaceHit& outer = entry.hit;
+  if (!is_union()) return offset_point(outer.p_object, -outer.ng_object, outer.offset_object);
+  const Member& m = members[entry.member];
+  const SurfaceHit hit = surface_hit(*m.mesh, entry.triangle, m.to_body, m.to_object);
+  return offset_point(hit.p, -outer.ng, hit.offset);
+}
+
+Vec3f SubsurfaceBody::to_walk_space(uint32_t member, const Vec3f& p) const {
+  return is_union() ? p - origin : members[member].to_object.point(p);
+}
+
+bool SubsurfaceBody::leaves(uint32_t member, uint32_t triangle, const Vec3f& direction) const {
+  const Member& m = members[member];
+  return alabaster::leaves(*m.mesh, *m.shells, triangle, m.to_object.vector(direction));
+}
+
+bool SubsurfaceBody::contains(const Vec3f& p, const Vec3f& direction) const {
+  return contains_in_body_space(p - origin, direction, nullptr);
+}
+
+Crossed SubsurfaceBody::cross(const TriangleHit& hit, const Vec3f& direction) const {
+  const Member& m = members[hit.instance];
+  const SurfaceHit s = surface_hit(*m.mesh, hit, m.to_body, m.to_object);
+  const float side = dot(s.ng, direction) >= 0 ? 1.0f : -1.0f;
+  return {m.shells->flags(hit.triangle), leaves(hit.instance, hit.triangle, direction),
+          offset_point(s.p, s.ng * side, s.offset)};
+}
+
+bool SubsurfaceBody::contains_in_body_space(const Vec3f& p, const Vec3f& direction, const Member* left) const {
+  for (const Member& m : members) {
+    if (!m.bounds.contains(p) || !m.shells->any_closed || (&m == left && !m.shells->overlapping)) continue;
+    if (winding_number(*m.mesh, *m.shells, *m.object, m.to_object.point(p), m.to_object.vector(direction)) > 0)
+      return true;
+  }
+  return false;
+}
+
+float depth_below_surface(const SurfaceHit& hit, const Affine& object_to_world) {
+  return std::abs(dot(object_to_world.vector(hit.ng_object * hit.offset_object), hit.ng));
+}
+
+void MeanFreePaths::extend(const WalkMedium& medium) {
+  const float mfp = medium.longest_mean_free_path();
+  longest = std::max(longest, mfp);
+  if (medium.worthwhile.sphere_steps) of_long_walks = std::max(of_long_walks, mfp);
+}
+
+void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<const MeshInterior*>& interiors,
+                    SubsurfaceBody* body) {
+  bool anywhere = false;
+  for (size_t i = 0; i < body->members.size(); ++i) {
+    SubsurfaceBody::Member& m = body->members[i];
+    m.least_stretch = least_stretch(m.to_body);
+    m.room_to_guide = half_thickness(m) > kRoom * paths[i].longest;
+    m.room_for_spheres = paths[i].of_long_walks > 0 && has_room_for_spheres(m, paths[i].of_long_walks);
+    anywhere |= m.room_for_spheres;
+  }
+  if (!anywhere || body->members.size() > kMostGrids) return;
+  // A sphere must keep clear of every member, so all of them need a grid.
+  for (size_t i = 0; i < body->members.size(); ++i) {
+    body->members[i].distances = interiors[i]->distances(*body->members[i].mesh);
+    if (body->members[i].distances) continue;
+    for (SubsurfaceBody::Member& m : body->members) m.distances = nullptr;
+    return;
+  }
+}
+
+Bounds widened(const Bounds& bounds) {
+  if (bounds.empty()) return bounds;
+  const float diagonal = length(bounds.extent());
+  const Vec3f by(diagonal, diagonal, diagonal);
+  Bounds wide;
+  wide.lower = bounds.lower - by;
+  wide.upper = bounds.upper + by;
+  return wide;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,92 @@
+// What light below a surface walks in: one object alone, or the union of several that scatter as one body (the members
+// of a subsurfaceSet, the overlapping shells of one mesh, a mesh that is not closed).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/math/bounds.h"
+#include "core/subsurface/entry_exit.h"
+#include "core/subsurface/mesh_interior.h"
+
+namespace alabaster {
+
+/// Immutable while rays are traced; any thread. The body has a space of its own: render space moved so that `origin` is
+/// at zero, which keeps a union precise wherever it stands in the scene. Light in a lone object is traced in the space
+/// of its mesh, with directions and distances of the world, so that scatter distances stay world distances under any
+/// affine transform.
+struct SubsurfaceBody {
+  struct Member {
+    uint32_t instance = 0;  // index into the scene's instances
+    const Mesh* mesh = nullptr;
+    const MeshShells* shells = nullptr;
+    const ObjectScene* object = nullptr;
+    Affine to_body, to_object;  // from the mesh's space and back
+    Bounds bounds;              // in the body's space
+    /// By the mesh's material slot; null where nothing scatters and where a texture varies the medium.
+    std::vector<std::shared_ptr<const MaterialMedia>> media = {};
+    /// For sphere steps; null: none, see plan_shortcuts().
+    const DistanceGrid* distances = nullptr;
+    float least_stretch = 1;       // a world distance is at least this times the mesh's
+    bool room_to_guide = true;     // enough mean free paths across for guiding to pay
+    bool room_for_spheres = true;  // and for sphere steps
+  };
+
+  std::vector<Member> members;
+  /// Of a union: its members, in their order. Null: a lone object, closed and without overlaps, whose surface is always
+  /// the end of the medium.
+  std::shared_ptr<const InstancedScene> scene;
+  Vec3f origin{0, 0, 0};  // in render space
+  /// A walk that scatters outside has left through an open mesh, and ends. In the mesh's space for a lone object, in
+  /// the body's for a union. Empty: not known; such a walk goes on until it is absorbed.
+  Bounds bounds;
+
+  bool is_union() const { return scene != nullptr; }
+  bool bounds_distances() const;
+
+  /// A point just below the surface at an entry, where walks begin: in the mesh's space for a lone object, in the
+  /// body's for a union.
+  Vec3f below(const SubsurfaceEntry& entry) const;
+  /// A point of render space there.
+  Vec3f to_walk_space(uint32_t member, const Vec3f& p) const;
+  /// True if a line in direction `direction` (world) leaves the member's shell at this triangle, false if it enters.
+  bool leaves(uint32_t member, uint32_t triangle, const Vec3f& direction) const;
+  /// True if a closed shell of a union contains `p` (render space), asked along `direction`.
+  bool contains(const Vec3f& p, const Vec3f& direction) const;
+
+  /// The surface of a union that a line of direction `direction` has met; `hit` as `scene` answers. Body space.
+  Crossed cross(const TriangleHit& hit, const Vec3f& direction) const;
+  /// As contains(), in the body's space. Each member is asked by itself: surfaces of several that lie on each other
+  /// could not be told apart. `left`: a member whose surface p lies outside of, or null.
+  bool contains_in_body_space(const Vec3f& p, const Vec3f& direction, const Member* left) const;
+};
+
+/// World distance that an entry lies below the surface: what rounding can displace the surface by.
+float depth_below_surface(const SurfaceHit& hit, const Affine& object_to_world);
+
+/// True if walks can tell `scatter_distance` from zero where they begin `depth` below the surface. What scatters nearer
+/// than that does so at that depth: of the mean free paths' starts a share depth / mfp is off by as much, which is 2e-4
+/// of the light at this limit.
+inline bool is_resolved(float scatter_distance, float depth) {
+  constexpr float kDepths = 64;
+  return scatter_distance > kDepths * depth;
+}
+
+/// The mean free paths that matter for planning shortcuts in a member, over all its materials. World units.
+struct MeanFreePaths {
+  float longest = 0;        // 0: nothing scatters
+  float of_long_walks = 0;  // the longest in a medium where sphere steps are worthwhile; 0: in none
+
+  void extend(const WalkMedium& medium);
+};
+
+/// Says which shortcuts pay in each member, by its size in mean free paths, and finds the distance grids that sphere
+/// steps need. `paths` and `interiors` are in the order of the members.
+void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<const MeshInterior*>& interiors,
+                    SubsurfaceBody* body);
+
+/// Bounds that a walk in an open mesh may reach: the mesh's, widened by their own diagonal on every side. A ground
+/// plane so becomes a half-space, and what goes beyond is ended and counted.
+Bounds widened(const Bounds& bounds);
+
+}  // namespace alabaster

@@ -1,0 +1,147 @@
+// The tracers that random_walk_loop.h asks for: over the mesh of a lone object, and over a union.
+//
+// Positions are floats. A scattering event nearer to the surface than their rounding could land on its outer side, and
+// the walk would be gone: with a mean free path of 1e-5 of the coordinates, one walk in a thousand. So a segment looks
+// that much further, and an event with the surface just ahead of it steps back by as much. The choice to scatter and
+// its weight do not change: the step moves few events, and by less than their spacing.
+#pragma once
+
+#include "core/subsurface/body.h"
+#include "core/subsurface/shells.h"
+
+namespace alabaster {
+
+/// Traces a walk's segments in the space of one mesh. A world direction is mapped but not renormalised, so that t stays
+/// the world distance along it.
+class MeshTracer {
+ public:
+  using Hit = TriangleHit;
+
+  /// `entry_distance`: the way through the medium from the surface to `p`, which counts for the first segment.
+  MeshTracer(const SubsurfaceBody& body, const Vec3f& p, float entry_distance)
+      : member_(body.members.front()), bounds_(body.bounds), p_(p), entry_(p), untraced_(entry_distance) {}
+
+  bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
+    const Vec3f d = member_.to_object.vector(direction);
+    tmax = std::max(0.0f, tmax - untraced_);
+    const float rounding = kRounding * (max_abs_component(p_) / length(d) + tmax);
+    step_back_ = 0;
+    if (!member_.object->intersect({p_, d, tmax + rounding}, hit)) return false;
+    if (hit->t <= tmax) return true;
+    step_back_ = rounding;
+    return false;
+  }
+  double exit_distance(const Hit& hit) const { return hit.t + untraced_; }
+  bool bounds_distance() const { return member_.distances && member_.room_for_spheres; }
+  double distance_bound(double worthwhile) const {
+    // No surface is further than where the walk began: most never leave that neighbourhood, and need not look.
+    const Vec3f moved = p_ - entry_;
+    const double least = worthwhile / member_.least_stretch;
+    if (dot(moved, moved) < least * least) return 0;
+    return member_.distances->bound(p_) * member_.least_stretch;
+  }
+  bool advance(const Vec3f& direction, float t) {
+    p_ += member_.to_object.vector(direction) * std::max(0.0f, t - untraced_ - step_back_);
+    step_back_ = untraced_ = 0;
+    return bounds_.empty() ? is_finite(p_) : bounds_.contains(p_);
+  }
+
+ private:
+  static constexpr float kRounding = 4 * 0x1p-23f;
+
+  const SubsurfaceBody::Member& member_;
+  const Bounds& bounds_;
+  Vec3f p_, entry_;
+  float step_back_ = 0;
+  float untraced_;  // of the first segment
+};
+
+/// Traces a walk's segments in the union of the closed shells of a body's members. The tracer keeps no depth that could
+/// go wrong: it passes what it enters, and what it leaves is the end of the medium unless a shell contains the far
+/// side.
+///
+/// An open shell has the medium on one side, unbounded: a walk that entered it from behind leaves it to there, and
+/// passes it the other way.
+class UnionTracer {
+ public:
+  using Hit = TriangleHit;
+
+  struct Start {
+    uint32_t member;       // whose surface the walk entered through
+    Vec3f p;               // body space
+    float entry_distance;  // as for MeshTracer
+    bool from_behind;      // through the inner side of an open shell: the medium is on its outer side
+  };
+
+  UnionTracer(const SubsurfaceBody& body, const Start& start)
+      : body_(body),
+        room_for_spheres_(body.members[start.member].room_for_spheres),
+        from_behind_(start.from_behind),
+        p_(start.p),
+        entry_(start.p),
+        untraced_(start.entry_distance) {}
+
+  bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
+    tmax = std::max(0.0f, tmax - untraced_);
+    const float rounding = rounding_at(p_) + kRounding * tmax;
+    Vec3f from = p_;
+    float passed = 0;
+    step_back_ = 0;
+    for (int i = 0; i < kMaxCrossings; ++i) {
+      if (!body_.scene->intersect({from, direction, tmax - passed + rounding}, hit)) return false;
+      passed += hit->t;
+      const Crossed crossed = body_.cross(*hit, direction);
+      if (ends_medium(crossed, direction, body_.members[hit->instance])) {
+        hit->t = passed;
+        if (passed <= tmax) return true;
+        step_back_ = rounding;
+        return false;
+      }
+      if (!(passed <= tmax)) return false;
+      from = crossed.beyond;
+    }
+    return false;
+  }
+  double exit_distance(const Hit& hit) const { return hit.t + untraced_; }
+  bool bounds_distance() const { return room_for_spheres_ && body_.bounds_distances(); }
+  /// A sphere that no member's surface cuts lies in the medium as its centre does.
+  double distance_bound(double worthwhile) const {
+    const Vec3f moved = p_ - entry_;
+    if (dot(moved, moved) < worthwhile * worthwhile) return 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const SubsurfaceBody::Member& m : body_.members) {
+      nearest = std::min(nearest, distance_to(m) - static_cast<double>(rounding_at(p_)));
+      if (!(nearest >= worthwhile)) return 0;
+    }
+    return nearest;
+  }
+  bool advance(const Vec3f& direction, float t) {
+    p_ += direction * std::max(0.0f, t - untraced_ - step_back_);
+    step_back_ = untraced_ = 0;
+    return body_.bounds.contains(p_);
+  }
+
+ private:
+  // Twice through a member's transform.
+  static constexpr float kRounding = 32 * 0x1p-23f;
+  static float rounding_at(const Vec3f& p) { return kRounding * max_abs_component(p); }
+
+  bool ends_medium(const Crossed& crossed, const Vec3f& direction, const SubsurfaceBody::Member& member) const {
+    if (crossed.flags & MeshShells::kInner) return false;
+    const bool behind = crossed.flags & MeshShells::kOpen && from_behind_;
+    if (crossed.leaves == behind) return false;
+    return !body_.contains_in_body_space(crossed.beyond, direction, &member);
+  }
+  double distance_to(const SubsurfaceBody::Member& m) const {
+    if (!m.bounds.contains(p_)) return distance_to_bounds(m.bounds, p_);
+    return static_cast<double>(m.distances->bound(m.to_object.point(p_))) * m.least_stretch;
+  }
+
+  const SubsurfaceBody& body_;
+  bool room_for_spheres_, from_behind_;
+  Vec3f p_, entry_;
+  float step_back_ = 0;
+  float untraced_;  // of the first segment
+};
+
+}  // namespace alabaster

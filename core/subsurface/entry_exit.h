@@ -1,0 +1,50 @@
+// Where light goes below a surface and where it comes out again: what every carrier of light through a body is asked
+// and answers. A carrier (RandomWalk, NormalizedDiffusion, LambertLimit) is a small struct of settings with
+//
+//   std::optional<SubsurfaceExit> carry(const SubsurfaceBody&, const SubsurfaceEntry&, SubsurfaceNumbers&,
+//                                       RenderCounters&) const;
+//
+// A carrier is a pure function of these, callable from any thread.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/geometry/surface_hit.h"
+#include "core/sampling/pixel_sampler.h"
+#include "core/subsurface/walk_medium.h"
+
+namespace alabaster {
+
+/// A point of a body's surface where a path goes below it. World directions and distances, render space.
+struct SubsurfaceEntry {
+  TriangleHit triangle;                // in the mesh of the member
+  uint32_t member = 0;                 // of the body: whose surface it is
+  SurfaceHit hit;                      // normals on the side that the path comes from
+  Vec3f ns{0, 0, 1};                   // unit, on the same side: the entry lobe is about it
+  Rgb throughput{1.0f};                // of the path so far
+  const WalkMedium* medium = nullptr;  // of the object that the path enters
+  /// The path came to the surface through the medium, from a camera inside or past a surface of the same body: it walks
+  /// on along this ray instead of entering.
+  std::optional<Ray> within = {};
+};
+
+struct SubsurfaceExit {
+  TriangleHit hit;       // hit.instance: index into the scene's instances
+  Vec3f direction;       // unit, world: of the last segment, from inside towards the surface
+  Rgb throughput{0.0f};  // of the path, without the exit lobe
+  /// Scattering events: 0 crossed without scattering, 1, or at least 2 for all that is more. Sorts light into the
+  /// layers subsurfaceUnscattered, subsurfaceSingle and subsurfaceMultiple.
+  uint32_t events = 0;
+};
+
+/// What a carrier without a count of events answers: a profile stands for all of them at once.
+inline constexpr uint32_t kManyEvents = 2;
+
+/// Random numbers of one entry: `u` moves the result most and is well stratified over a pixel's samples.
+struct SubsurfaceNumbers {
+  std::array<float, 4> u{};
+  Rng rng;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,26 @@
+// The parts of a mesh that only light below its surface asks for: which side is out, and how far the surface is. Each
+// is built when it is first asked for and kept with the mesh, so edits of other things never build it again.
+#pragma once
+
+#include <mutex>
+#include <optional>
+
+#include "core/subsurface/distance_grid.h"
+#include "core/subsurface/shells.h"
+
+namespace alabaster {
+
+/// Any thread. The mesh and its BVH must be the same at each call.
+class MeshInterior {
+ public:
+  const MeshShells& shells(const Mesh& mesh, const ObjectScene& object) const;
+  /// Null if the mesh can have none (build_distance_grid). At most 2 MB.
+  const DistanceGrid* distances(const Mesh& mesh) const;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::optional<MeshShells> shells_;
+  mutable std::optional<std::shared_ptr<const DistanceGrid>> grid_;
+};
+
+}  // namespace alabaster
