@@ -1,10 +1,8 @@
-// The parts of a mesh that only light below its surface asks for: which side is out, and how far the surface is. Each
-// is built when it is first asked for and kept with the mesh, so edits of other things never build it again.
+// The parts of a mesh that only light below its surface asks for: which side is out, and how far the surface is. Each is
+// built when it is first asked for and kept with the mesh, so edits of other things never build it again.
 #pragma once
 
-#include <mutex>
-#include <optional>
-
+#include "core/subsurface/built_once.h"
 #include "core/subsurface/distance_grid.h"
 #include "core/subsurface/shells.h"
 
@@ -13,14 +11,18 @@ namespace alabaster {
 /// Any thread. The mesh and its BVH must be the same at each call.
 class MeshInterior {
  public:
-  const MeshShells& shells(const Mesh& mesh, const ObjectScene& object) const;
+  const MeshShells& shells(const Mesh& mesh, const ObjectScene& object) const {
+    return shells_.get([&] { return find_shells(mesh, object); });
+  }
   /// Null if the mesh can have none (build_distance_grid). At most 2 MB.
-  const DistanceGrid* distances(const Mesh& mesh) const;
+  const DistanceGrid* distances(const Mesh& mesh) const {
+    constexpr uint32_t kResolution = 128;
+    return grid_.get([&] { return build_distance_grid(mesh, kResolution); }).get();
+  }
 
  private:
-  mutable std::mutex mutex_;
-  mutable std::optional<MeshShells> shells_;
-  mutable std::optional<std::shared_ptr<const DistanceGrid>> grid_;
+  mutable BuiltOnce<MeshShells> shells_;
+  mutable BuiltOnce<std::shared_ptr<const DistanceGrid>> grid_;
 };
 
 }  // namespace alabaster

@@ -1,0 +1,30 @@
+// A part that is built when it is first asked for, by parallel loops.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <mutex>
+#include <optional>
+
+namespace alabaster {
+
+/// Any thread. The build runs under a lock; a thread that waits for its own parallel loop in there must not take up
+/// another task meanwhile, because that task may ask for this very part and would wait for its own thread for ever. So
+/// the build is isolated.
+template <class T>
+class BuiltOnce {
+ public:
+  /// `build()` must give the same at each call. When it throws, the next call builds again.
+  template <class Build>
+  const T& get(const Build& build) {
+    const std::scoped_lock lock(mutex_);
+    if (!part_) tbb::this_task_arena::isolate([&] { part_.emplace(build()); });
+    return *part_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::optional<T> part_;
+};
+
+}  // namespace alabaster
