@@ -1,4 +1,4 @@
-// What goes wrong is reported to a sink that the host installs. The library never prints and never exits.
+// Reports of what goes wrong, to a sink that the host installs. The library never prints and never exits.
 #pragma once
 
 #include <functional>

@@ -179,7 +179,7 @@ class Sanitizer {
     faults_.flush("mesh.faces.index", "faces use points that do not exist; dropped", "face");
   }
 
-  // What is counted by corner or by face follows the faces that stay.
+  // Values by corner or by face follow the faces that stay.
   void drop_faces() {
     std::vector<int> counts, indices, corners, materials;
     new_face_.assign(faces(), -1);

@@ -31,9 +31,10 @@ class TraceDevice {
   TraceDevice& operator=(const TraceDevice&) = delete;
 
   RTCDevice get() const { return device_; }
-  /// Whether Embree refused anything that this thread asked of it since the last call. What it was has been reported.
+  /// True if Embree refused anything that this thread asked of it since the last call, which the call forgets. The
+  /// refusal itself has been reported.
   /// Embree keeps one error per thread; work that the thread takes up while it waits for a build asks for its own.
-  bool failed() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
+  bool take_error() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
 
  private:
   // Called from within Embree, which no exception may cross.
@@ -59,7 +60,7 @@ namespace {
 class SceneHandle {
  public:
   explicit SceneHandle(std::shared_ptr<TraceDevice> device) : device_(std::move(device)) {
-    device_->failed();  // what others left behind is not ours
+    device_->take_error();  // an earlier error is not ours
     scene_ = rtcNewScene(device_->get());
     if (!scene_) return;
     // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
@@ -77,7 +78,7 @@ class SceneHandle {
 
   RTCScene get() const { return scene_; }
   RTCDevice device() const { return device_->get(); }
-  bool failed() const { return !scene_ || device_->failed(); }
+  bool take_error() const { return !scene_ || device_->take_error(); }
 
  private:
   std::shared_ptr<TraceDevice> device_;
@@ -101,7 +102,7 @@ RTCRay to_embree(const Ray& ray) {
   return r;
 }
 
-// How a placement carries rays into object space: coordinates there stay below stretch * coordinates + shift.
+// Bounds of a placement's map into object space: coordinates there stay below stretch * coordinates + shift.
 struct Growth {
   float stretch = 0, shift = 0;
 
@@ -216,7 +217,7 @@ class EmbreeObjectScene final : public ObjectScene {
     return points_ * sizeof(Vec3f) + triangles_ * (3 * sizeof(uint32_t) + kHierarchyBytesPerTriangle);
   }
   RTCScene get() const { return scene_.get(); }
-  bool failed() const { return scene_.failed(); }
+  bool take_error() const { return scene_.take_error(); }
 
  private:
   static bool fill(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const void* data, size_t stride,
@@ -252,7 +253,7 @@ class EmbreeInstancedScene final : public InstancedScene {
     for (size_t i = 0; i < instances.size() && !failed_; ++i) failed_ = !add(instances[i], static_cast<unsigned>(i));
     if (!failed_) rtcCommitScene(scene_.get());
   }
-  bool failed() const { return scene_.failed() || failed_; }
+  bool take_error() const { return scene_.take_error() || failed_; }
 
   bool intersect(const Ray& ray, TriangleHit* hit) const override {
     return growth_.allows(ray) && intersect_scene(scene_.get(), ray, hit);
@@ -289,7 +290,7 @@ class EmbreeInstancedScene final : public InstancedScene {
     rtcReleaseGeometry(geometry);
     objects_.push_back(placement.object);
     growth_.include(growth);
-    return !scene_.failed();
+    return !scene_.take_error();
   }
 
   Growth growth_;                                            // of all instances together
@@ -321,7 +322,7 @@ std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<Trac
   }
   // Waits in the caller's task arena; rtcJoinCommitScene would move the build to an arena of Embree's own.
   rtcCommitScene(object->get());
-  if (object->failed() || monitor.stopped) return nullptr;
+  if (object->take_error() || monitor.stopped) return nullptr;
   rtcSetSceneProgressMonitorFunction(object->get(), nullptr, nullptr);
   return object;
 }
@@ -329,7 +330,7 @@ std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<Trac
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances) {
   auto scene = std::make_shared<EmbreeInstancedScene>(device, instances);
-  return scene->failed() ? nullptr : scene;
+  return scene->take_error() ? nullptr : scene;
 }
 
 }  // namespace alabaster

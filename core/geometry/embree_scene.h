@@ -63,7 +63,7 @@ class InstancedScene {
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances);
 
-/// What Embree may be given lies below this; it aborts from 1.8e18 on.
+/// Rays and transforms that Embree is given stay below this; it aborts from 1.8e18 on.
 inline constexpr float kTraceLimit = 1e17f;
 
 /// True if Embree may be given this ray.

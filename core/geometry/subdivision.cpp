@@ -41,7 +41,8 @@ Bfr::SurfaceFactory::Options surface_options(int level) {
   return options;
 }
 
-// How faces of one size are cut: samples on the boundary first (corner 0, edge 0, corner 1, ...), then the interior.
+// The tessellation of faces of one size: samples on the boundary first (corner 0, edge 0, corner 1, ...), then the
+// interior.
 struct Pattern {
   uint32_t boundary = 0, samples = 0;
   std::vector<float> coordinates;

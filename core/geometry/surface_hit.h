@@ -1,5 +1,5 @@
-// What a hit tells about the surface: position, normals, tangent, texture coordinates, and how far a ray that starts
-// there has to be moved so as not to meet its own surface again.
+// The surface at a hit: position, normals, tangent, texture coordinates, and the offset that a ray from there needs so
+// as not to meet its own surface again.
 #pragma once
 
 #include "core/geometry/embree_scene.h"
@@ -28,10 +28,10 @@ struct SurfaceHit {
 SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                        const Affine& render_to_object);
 
-/// How far, in render space, the curved surface that the vertex normals describe stands out from the flat triangle at
-/// the hit, towards the side of `side` (of ng): zero for flat normals, and where the surface curves inward. Light that
-/// leaves from there does not meet the facets beside it, which the shading normal knows nothing of (Hanika 2021,
-/// "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4).
+/// The distance, in render space, by which the curved surface that the vertex normals describe stands out from the flat
+/// triangle at the hit, towards the side of `side` (of ng): zero for flat normals, and where the surface curves inward.
+/// Light that leaves from there does not meet the facets beside it, which the shading normal knows nothing of (Hanika
+/// 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4).
 Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfaceHit& side, const Affine& object_to_render);
 
 /// p moved by `offset` along unit n: a ray from there with tnear 0 into n's hemisphere does not meet the surface of p.

@@ -27,7 +27,7 @@ struct SineCosine {
   float sine, cosine;
 };
 
-/// Of 2 pi u, u in [0,1]; absolute error below 2e-7.
+/// Sine and cosine of 2 pi u, u in [0,1]; absolute error below 2e-7.
 inline SineCosine quick_sine_cosine_turns(float u) {
   const auto quadrant = static_cast<int32_t>(u * 4 + 0.5f);
   const float x = (u - static_cast<float>(quadrant) * 0.25f) * 6.28318530717958647693f, x2 = x * x;

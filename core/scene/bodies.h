@@ -1,4 +1,5 @@
-// Which instances let light below their surface, and with which others as one body.
+// The plan of subsurface bodies: the instances that let light below their surface, and the others with which each does
+// so as one body.
 #pragma once
 
 #include "core/scene/scene.h"

@@ -25,24 +25,26 @@ struct WorldBounds {
   }
 };
 
-// An instance that cannot be placed or traced is left out and reported; the rest of the scene is drawn.
-bool leave_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink) {
+// The rest of the scene is drawn without an instance that cannot be placed or traced.
+void report_left_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink) {
   report(sink, Severity::warning, "instance.transform", d.name,
          std::string(reason) + ": the instance is left out; check its scale");
-  return true;
 }
 
 bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink) {
   if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
-  if (!is_valid_affine(d.object_to_world))
-    return !leave_out(d, "the transform is not finite, not affine or not invertible in single precision", sink);
+  if (!is_valid_affine(d.object_to_world)) {
+    report_left_out(d, "the transform is not finite, not affine or not invertible in single precision", sink);
+    return false;
+  }
   WorldBounds bounds;
   bounds.extend(d.prototype->mesh.bounds, d.object_to_world);
   const double limit = kTraceLimit;
   if (bounds.lower.x > -limit && bounds.lower.y > -limit && bounds.lower.z > -limit && bounds.upper.x < limit &&
       bounds.upper.y < limit && bounds.upper.z < limit)
     return true;
-  return !leave_out(d, "the transform takes it beyond 1e17", sink);
+  report_left_out(d, "the transform takes it beyond 1e17", sink);
+  return false;
 }
 
 Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin) {
@@ -175,9 +177,10 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   constexpr float kFarthestCamera = 1000;
   std::erase_if(drawn, [&](const InstanceDescription* d) {
     const Affine placed = to_affine(moved_to_render_space(d->object_to_world, snapshot->origin));
-    return !is_traceable(placed, kFarthestCamera * snapshot->radius) &&
-           leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",
-                     sink);
+    if (is_traceable(placed, kFarthestCamera * snapshot->radius)) return false;
+    report_left_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",
+                    sink);
+    return true;
   });
 
   std::vector<InstancePlacement> placements;

@@ -1,5 +1,5 @@
-// What is rendered. SceneDescription is what a delegate writes; SceneSnapshot is compiled from it, immutable and
-// numbered: all that render threads ever see. Parts are shared by pointer, so a new snapshot costs what changed.
+// The scene. A delegate writes a SceneDescription; a SceneSnapshot is compiled from it, immutable and numbered, and
+// render threads see nothing else. Parts are shared by pointer, so a new snapshot costs what changed.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ struct SceneDescription {
   std::vector<LightDescription> lights;
 };
 
-/// What the inner loop may meet, and therefore has to be able to do.
+/// The features that the inner loop may meet, and has to be able to handle.
 struct SceneFeatures {
   bool subsurface = false;
   bool emissive_meshes = false;
@@ -54,7 +54,7 @@ struct SceneFeatures {
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
 };
 
-/// Object space to RENDER space and what is needed at a hit.
+/// A placed mesh: object space to RENDER space, and the materials at a hit.
 struct Instance {
   const MeshPrototype* prototype = nullptr;
   Affine object_to_world;

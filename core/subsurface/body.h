@@ -1,5 +1,5 @@
-// What light below a surface walks in: one object alone, or the union of several that scatter as one body (the members
-// of a subsurfaceSet, the overlapping shells of one mesh, a mesh that is not closed).
+// The body that light walks in below a surface: one object alone, or the union of several that scatter as one (the
+// members of a subsurfaceSet, the overlapping shells of one mesh, a mesh that is not closed).
 #pragma once
 
 #include <memory>
@@ -33,8 +33,8 @@ struct SubsurfaceBody {
   };
 
   std::vector<Member> members;
-  /// Of a union: its members, in their order. Null: a lone object, closed and without overlaps, whose surface is always
-  /// the end of the medium.
+  /// Traces the members of a union, in their order. Null: a lone object, closed and without overlaps, whose surface is
+  /// always the end of the medium.
   std::shared_ptr<const InstancedScene> scene;
   Vec3f origin{0, 0, 0};  // in render space
   /// A walk that scatters outside has left through an open mesh, and ends. In the mesh's space for a lone object, in

@@ -2,11 +2,8 @@
 // Carlo" (in rendering: Krivanek and d'Eon 2014, "A Zero-Variance-Based Sampling Scheme for Monte Carlo Subsurface
 // Scattering").
 //
-// Deep inside a half-space of isotropic scatterers the light that a particle will still bring out falls as
-// exp(-kappa z) with depth z, kappa = sigma_t/nu0, where nu0 >= 1 is Case's discrete eigenvalue: 1 = alpha nu0
-// atanh(1/nu0). Sampling in proportion to that, with mu the cosine to the outward normal:
-//   direction  p(mu) = 1/((nu0 - mu) ln((nu0 + 1)/(nu0 - 1)))   distance  sigma' = sigma_t (1 - mu/nu0).
-// Here all is written in x = 1/nu0, which is 0 without absorption and nears 1 in the dark.
+// random_walk.md derives the densities. Here they are written in x = 1/nu0, which is 0 without absorption and nears 1
+// in the dark; nu0 >= 1 is Case's discrete eigenvalue.
 #pragma once
 
 #include <cmath>
@@ -52,7 +49,8 @@ inline double pdf_dwivedi(double mu, const DwivediMode& mode) {
   return 0.5 * mode.alpha / (1 - mode.x * mu);
 }
 
-/// Its inverse distribution function, u in [0,1]; x > 0 and not tiny (cancellation: absolute error 1e-16/x).
+/// The inverse distribution function of that density, u in [0,1]; x > 0 and not tiny (cancellation: absolute error
+/// 1e-16/x).
 inline double sample_dwivedi(double u, const DwivediMode& mode) {
   const double mu = (1 - (1 + mode.x) * std::exp(-2 * mode.theta * u)) / mode.x;
   return std::fmin(std::fmax(mu, -1.0), 1.0);
@@ -68,7 +66,7 @@ inline double sample_exponential_cosine(double u, double x) {
   const double mu = x > 1e-4 ? 1 + std::log(u + (1 - u) * std::exp(-2 * x)) / x : 2 * u - 1;
   return std::fmin(std::fmax(mu, -1.0), 1.0);
 }
-/// That density over the uniform one, 1/2: exp(x mu) x/sinh(x).
+/// The same density over the uniform one, 1/2: exp(x mu) x/sinh(x).
 inline double exponential_cosine_factor(double mu, double x) {
   return x > 1e-4 ? 2 * x * std::exp(x * (mu - 1)) / -std::expm1(-2 * x) : std::exp(x * mu);
 }

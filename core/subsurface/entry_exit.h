@@ -38,7 +38,7 @@ struct SubsurfaceExit {
   uint32_t events = 0;
 };
 
-/// What a carrier without a count of events answers: a profile stands for all of them at once.
+/// The answer of a carrier that does not count events: a profile stands for all of them at once.
 inline constexpr uint32_t kManyEvents = 2;
 
 /// Random numbers of one entry: `u` moves the result most and is well stratified over a pixel's samples.

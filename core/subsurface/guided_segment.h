@@ -45,8 +45,8 @@ class WalkGuide {
     for (size_t c = 0; c < 3; ++c) {
       if (!modes.guided[c]) continue;
       shares.plain[c] = plain;
-      // What a particle here still brings out falls as exp(-kappa z) towards the one side and exp(-kappa (L-z)) towards
-      // the other: their ratio divides the guided share.
+      // Light that a particle here will still bring out falls as exp(-kappa z) towards the one side and as
+      // exp(-kappa (L-z)) towards the other: their ratio divides the guided share.
       if (thickness_ < std::numeric_limits<double>::infinity())
         shares.away[c] = (1 - plain) / (1 + std::exp(modes.kappa[c] * (thickness_ - 2 * depth_)));
       shares.towards[c] = 1 - plain - shares.away[c];
@@ -76,7 +76,7 @@ inline Vec3f direction_at(const Frame& frame, double cosine, Rng& rng) {
   return frame.to_world({r * cosine_of_azimuth, r * sine, mu});
 }
 
-/// What both kinds of guided move are given.
+/// The input of both kinds of guided move.
 struct GuidedState {
   const WalkMedium& medium;
   const WalkGuide& guide;
@@ -152,7 +152,7 @@ class GuidedSegment {
     return scatters ? mode.alpha : mode.alpha / distance;
   }
 
-  /// Of weights that a walk multiplies some ten times: float is precise enough, and faster.
+  /// Float is precise enough for weights that a walk multiplies some ten times, and faster.
   static double exponential(double x) { return quick_exp(static_cast<float>(std::max(x, -1000.0))); }
 
   GuidedState state_;
@@ -163,9 +163,9 @@ class GuidedSegment {
   double mu_ = 0, rate_ = 0;
 };
 
-/// A jump to the sphere of that radius about where the walk stands, no surface within: see random_walk_loop.h for what
-/// it stands for. The plain technique lands uniformly; the guided ones with density ~ exp(+-kappa mu radius), as what
-/// the landing point will bring out. Returns the direction and updates the throughput.
+/// A jump to the sphere of that radius about the walk's position, with no surface within: a sphere step
+/// (random_walk.md). The plain technique lands uniformly, the guided ones with density ~ exp(+-kappa mu radius), as the
+/// light that the landing point will bring out. Returns the direction and updates the throughput.
 inline Vec3f guided_jump(const GuidedState& state, double radius, ChannelValues* throughput, Rng& rng) {
   const ChannelChoice choice(state.medium, *throughput, state.weights);
   const GuideShares shares = state.guide.shares(state.medium.modes, *throughput);

@@ -1,4 +1,4 @@
-// Where subsurface scattering cannot be told from Lambert's diffuse: the `auto` mode's criterion.
+// Lambert's diffuse where subsurface scattering cannot be told from it: the `auto` mode's criterion.
 //
 // A Lambert reflection of the albedo that the medium obtains has the walk's energy on a slab; what it lacks is the
 // walk's blur, and the light that comes through thin parts. Each is allowed to change a pixel by at most
@@ -25,7 +25,7 @@ namespace alabaster {
 
 inline constexpr double kLambertTolerance = 1.0 / 256;
 
-/// How far light goes in a medium. World units, of the channel where each is largest.
+/// The reach of light in a medium. World units, of the channel where each is largest.
 struct LightReach {
   float exit_radius = 0;   // mean distance between entry and exit
   float opaque_depth = 0;  // thickness of a slab that lets kLambertTolerance through

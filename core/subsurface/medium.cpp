@@ -33,7 +33,7 @@ double exact_s(double a) {
   return (1 - a) * numerator / denominator;
 }
 
-/// What s = sqrt((1 - alpha) / (1 - alpha g)) must be multiplied by, beyond similarity, to obtain A; exactly one at
+/// The factor of s = sqrt((1 - alpha) / (1 - alpha g)) that obtains A where similarity alone does not; exactly one at
 /// A = 0, A = 1 and g = 0. Rational in A and g; the largest error of A is 2e-5. Derived from discrete ordinates by
 /// testenv/statistical/fit_anisotropic_inversion.py.
 double similarity_correction(double a, double g) {

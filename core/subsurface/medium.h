@@ -1,4 +1,4 @@
-// From what an artist says (surface albedo A, scatter distance d) to what a walk needs (sigma_t, alpha).
+// From an artist's parameters (surface albedo A, scatter distance d) to those of a walk (sigma_t, alpha).
 // Chiang, Kutz, Burley 2016, section 2.
 #pragma once
 
@@ -6,7 +6,7 @@
 
 namespace alabaster {
 
-/// How albedo A is inverted to the single-scattering albedo alpha.
+/// The inversion from albedo A to the single-scattering albedo alpha.
 enum class AlbedoInversion {
   chiang2016,    // the paper's eq. 1: obtains 0.926 at A = 1
   exact,         // rational fit of the inverse of Chandrasekhar's H-function result, and of the transport equation's at

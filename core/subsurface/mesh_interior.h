@@ -1,5 +1,5 @@
-// The parts of a mesh that only light below its surface asks for: which side is out, and how far the surface is. Each is
-// built when it is first asked for and kept with the mesh, so edits of other things never build it again.
+// The parts of a mesh that only light below its surface asks for: which side is out, and how far the surface is. Each
+// is built when it is first asked for and kept with the mesh, so edits of other things never build it again.
 #pragma once
 
 #include "core/subsurface/built_once.h"

@@ -7,7 +7,7 @@
 namespace alabaster {
 namespace {
 
-// How a walk begins in its body.
+// The beginning of a walk in its body.
 struct WalkBeginning {
   Vec3f p;  // in the space that walks are traced in
   WalkStart start;

@@ -25,8 +25,8 @@ inline bool survives(double q, Rng& rng) {
   return drawn != whole ? drawn < whole : rng.uniform() < scaled - whole;
 }
 
-/// How a walk begins. `throughput` is what the path brings to it, relative to its largest channel: the weights go on
-/// from it, as the paper's do, so that no walk follows a channel that the path has already lost.
+/// The beginning of a walk. `throughput` is the path's, relative to its largest channel: the weights go on from it, as
+/// the paper's do, so that no walk follows a channel that the path has already lost.
 struct WalkStart {
   Vec3f direction;  // unit
   Vec3f inward;     // unit, normal of the entry surface: what guiding is about
@@ -41,15 +41,15 @@ struct WalkLoopExit {
   uint32_t events = 0;  // scattering events; a sphere step counts as one
 };
 
-/// A tracer that can say how far the nearest surface is at least, in world units; if that is less than its argument,
-/// any lesser bound will do. Sphere steps need one.
+/// A tracer that knows a lower bound of the distance to the nearest surface, in world units. Where the bound is less
+/// than the argument, any lesser one will do. Sphere steps need such a tracer.
 template <class Tracer>
 concept BoundsDistance = requires(const Tracer& tracer) {
   tracer.distance_bound(1.0);
 };
 
 /// A walk from where `tracer` stands until the surface is met. A tracer keeps the position and has:
-///   Hit                                      what it says of a surface point
+///   Hit                                      its record of a surface point
 ///   bool intersect(dir, tmax, Hit*)          nearest surface within tmax, both in world units
 ///   double exit_distance(hit)                distance through the medium to it
 ///   bool advance(dir, t)                     moves; false if that left the body without crossing its surface
@@ -96,11 +96,14 @@ class WalkLoop {
   };
   using Guide = std::conditional_t<kShortcuts.guiding, WalkGuide, Nothing>;
 
-  /// One segment, and what follows a scattering event at its end.
+  /// One segment, and the scattering event at its end.
   std::optional<Exit> step() {
+    // Sample a direction and a distance.
     Segment segment = make_segment();
     const float t = sample(segment);
     ++counters_.walk_rays;
+
+    // Leave where the segment meets the end of the medium.
     typename Tracer::Hit hit{};
     if (tracer_.intersect(direction_, t, &hit)) {
       throughput_ = segment.exit_throughput(tracer_.exit_distance(hit));
@@ -108,21 +111,27 @@ class WalkLoop {
       ++counters_.walk_exits;
       return Exit{hit, direction_, throughput_, events_};
     }
+
+    // Move to the event; through an open mesh, or without extinction, the walk is lost.
     if (!(t < std::numeric_limits<float>::infinity()) || !move(direction_, t)) {
       lose(segment, t);
       return std::nullopt;
     }
+
+    // Scatter, and end by roulette.
     ++counters_.walk_events;
     ++events_;
     throughput_ = segment.scatter_throughput(t);
     note_weight();
     if (!survives_roulette()) return std::nullopt;
+
+    // Cross the interior, and learn where the opposite side is.
     if constexpr (kShortcuts.sphere_steps) take_sphere_steps();
     if constexpr (kShortcuts.guiding) measure_thickness();
     return std::nullopt;
   }
 
-  /// Through an open mesh, scattering outside it; without extinction, nowhere.
+  /// Counts a walk that scattered outside an open mesh, or that goes on for ever without extinction.
   void lose(const Segment& segment, float t) {
     ended_ = true;
     ++counters_.walk_lost;
@@ -160,7 +169,7 @@ class WalkLoop {
 
   void note_weight() { counters_.max_walk_weight = std::max(counters_.max_walk_weight, max_value(throughput_)); }
 
-  /// On the largest channel: unbiased, and where alpha < 1 it is what ends the walk.
+  /// Roulette on the largest channel: unbiased. Where alpha < 1 it ends the walk in the end.
   bool survives_roulette() {
     const double q = max_value(throughput_);
     if (q >= 1) return true;

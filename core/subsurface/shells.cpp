@@ -250,7 +250,7 @@ class ShellFinder {
     return true;
   }
 
-  // What the largest shell winds like is how the mesh is meant.
+  // The largest shell shows how the mesh is meant to wind.
   void find_cavities() {
     uint32_t largest = kNone;
     const auto closed = [&](uint32_t s) { return !open_[s] && !inner_[s]; };

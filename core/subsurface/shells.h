@@ -1,5 +1,4 @@
-// The shells of a mesh: which way is out, whatever the winding says, and where there is no inside. Subsurface walks
-// ask; other meshes never pay for it.
+// The shells of a mesh: which way is out, whatever the winding says, and where there is no inside.
 #pragma once
 
 #include "core/geometry/embree_scene.h"
@@ -7,11 +6,11 @@
 
 namespace alabaster {
 
-/// A shell is what hangs together by edges that two triangles share, after welding points by position. A closed one has
-/// no other edges. Out is where its signed volume says, so that neither a mesh turned inside out nor single turned
-/// faces matter; except that a shell inside another one that winds the other way is a cavity, and out is into it.
-/// Triangles that lie on each other count once; two that lie back to back are a wall within a body where other
-/// triangles continue them, else an open sheet.
+/// A shell is a set of triangles connected by edges that two of them share, after welding points by position. A closed
+/// shell has no other edges. The sign of its volume says which side is out, so that neither a mesh turned inside out
+/// nor single turned faces matter; except that a shell inside another one that winds the other way is a cavity, and out
+/// is into it. Triangles that lie on each other count once; two that lie back to back are a wall within a body where
+/// other triangles continue them, else an open sheet.
 struct MeshShells {
   enum Flag : uint8_t {
     kReversed = 1,  // winds clockwise seen from outside
@@ -31,9 +30,9 @@ struct MeshShells {
 /// `object` traces `mesh`. A function of the mesh alone, for any number of threads; scaling it by 2^k changes nothing.
 MeshShells find_shells(const Mesh& mesh, const ObjectScene& object);
 
-/// Whether a line in direction `direction` (object space) leaves the triangle's shell there, or enters it. Of an open
-/// shell the outer side is the one that is out if little is missing; for a plane it is where it winds
-/// counter-clockwise.
+/// True if a line in direction `direction` (object space) leaves the triangle's shell there, false if it enters. The
+/// outer side of an open shell is the one that would be out if little is missing; of a plane, the one from which it
+/// winds counter-clockwise.
 bool leaves(const Mesh& mesh, const MeshShells& shells, uint32_t triangle, const Vec3f& direction);
 
 /// The surface that a line has just met, and a point beyond it to trace on from.
@@ -52,8 +51,8 @@ Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const Triangle
 /// A line that has crossed so many surfaces is not followed further.
 inline constexpr int kMaxCrossings = 4096;
 
-/// How many closed shells contain `p` (object space), by the balance of crossings along a line from it: a cavity takes
-/// one away. `counts(triangle)`: whether its shell is asked for.
+/// The number of closed shells that contain `p` (object space), by the balance of crossings along a line from it: a
+/// cavity takes one away. `counts(triangle)`: true if the triangle's shell counts.
 template <class Counts>
 int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, Vec3f p,
                    const Vec3f& direction, const Counts& counts) {

@@ -1,0 +1,52 @@
+#include "core/diagnostics/check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace alabaster {
+namespace {
+
+std::string message_of(void (*failing)()) {
+  try {
+    failing();
+  } catch (const CheckFailure& failure) {
+    return failure.what();
+  }
+  return "no failure";
+}
+
+TEST(Check, NamesTheConditionBothValuesAndThePlace) {
+  const std::string comparison = message_of([] {
+    const float pdf = -0.25f;
+    CHECK_GE(pdf, 0);
+  });
+  EXPECT_TRUE(comparison.starts_with("check failed: pdf >= 0: -0.25 against 0 (")) << comparison;
+  EXPECT_NE(comparison.find("check_test.cpp:"), std::string::npos) << comparison;
+  EXPECT_TRUE(message_of([] { CHECK(1 + 1 == 3); }).starts_with("check failed: 1 + 1 == 3 (")) << "without values";
+}
+
+TEST(Check, HoldsSilentlyAndEvaluatesOnce) {
+  int calls = 0;
+  CHECK_EQ(++calls, 1);
+  CHECK_LE(calls, 1);
+  CHECK_LT(0, calls);
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(Check, NanBreaksEveryComparison) {
+  EXPECT_NE(message_of([] { CHECK_LE(std::nan(""), 1.0); }), "no failure");
+  EXPECT_NE(message_of([] { CHECK_GE(std::nan(""), 1.0); }), "no failure");
+}
+
+// Release builds leave it out; others throw as CHECK does.
+TEST(Check, DcheckIsForDebugBuilds) {
+#ifdef NDEBUG
+  EXPECT_EQ(message_of([] { DCHECK_LT(2, 1); }), "no failure");
+#else
+  EXPECT_NE(message_of([] { DCHECK_LT(2, 1); }), "no failure");
+#endif
+}
+
+}  // namespace
+}  // namespace alabaster
