@@ -54,7 +54,11 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   WalkSettings used = settings;
   used.guiding &= body.members[entry.member].room_to_guide;
   const auto walk = [&](auto tracer) {
-    return run_walk(tracer, beginning.start, *entry.medium, used, numbers.rng, counters);
+    if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers.rng, counters);
+    RecordingTracer recording(tracer, record);
+    const auto end = run_walk(recording, beginning.start, *entry.medium, used, numbers.rng, counters);
+    if (end) record->push_back({WalkStep::Kind::exit, end->direction, recording.exit_distance(end->hit)});
+    return end;
   };
   const float distance = entry_distance(beginning);
   const auto end = body.is_union()

@@ -10,6 +10,7 @@
 #include "core/diagnostics/counters.h"
 #include "core/subsurface/body.h"
 #include "core/subsurface/entry_exit.h"
+#include "core/subsurface/walk_record.h"
 
 namespace alabaster {
 
@@ -35,6 +36,7 @@ Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, con
 /// Empty: absorbed, ended by roulette, or lost through an open mesh (counted).
 struct RandomWalk {
   WalkSettings settings;
+  WalkRecord* record = nullptr;  // null: nobody looks
 
   std::optional<SubsurfaceExit> carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                                       SubsurfaceNumbers& numbers, RenderCounters& counters) const;

@@ -318,5 +318,32 @@ TEST(RandomWalk, WithoutExtinctionLightCrosses) {
   }
 }
 
+TEST(RandomWalk, ARecordedWalkIsTheSameWalk) {
+  const UnitSphereScene sphere;
+  const Mesh no_mesh;
+  const SubsurfaceBody body = lone_body(sphere, no_mesh);
+  const WalkMedium medium = make_medium(Rgb(0.8f), Rgb(0.2f), AlbedoInversion::exact);
+  const SubsurfaceEntry entry = entry_at_point({0, 0, -0.999999f}, {0, 0, -1}, medium);
+  RenderCounters counters;
+  int exits = 0;
+  for (uint64_t i = 0; i < 200; ++i) {
+    Rng rng(i, 14), same(i, 14);
+    WalkRecord record;
+    const auto plain = carry(RandomWalk{}, body, entry, rng, counters);
+    const auto recorded = carry(RandomWalk{{}, &record}, body, entry, same, counters);
+    ASSERT_EQ(plain.has_value(), recorded.has_value());
+    if (!plain) continue;
+    ++exits;
+    EXPECT_EQ(plain->throughput, recorded->throughput);
+    ASSERT_EQ(record.size(), plain->events + 1u) << "every event, then the exit";
+    EXPECT_EQ(record.back().kind, WalkStep::Kind::exit);
+    EXPECT_EQ(record.back().direction, plain->direction);
+    Vec3d p(0, 0, -0.999999);
+    for (const WalkStep& step : record) p += testing::to_double(step.direction) * step.distance;
+    EXPECT_NEAR(length(p), 1, 1e-5) << "the steps lead from the entry to the surface";
+  }
+  EXPECT_GT(exits, 50);
+}
+
 }  // namespace
 }  // namespace alabaster
