@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/diagnostics/check.h"
+
 namespace alabaster {
 namespace {
 
@@ -81,6 +83,8 @@ void MeanFreePaths::extend(const WalkMedium& medium) {
 
 void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<const MeshInterior*>& interiors,
                     SubsurfaceBody* body) {
+  CHECK_EQ(paths.size(), body->members.size());
+  CHECK_EQ(interiors.size(), body->members.size());
   bool anywhere = false;
   for (size_t i = 0; i < body->members.size(); ++i) {
     SubsurfaceBody::Member& m = body->members[i];

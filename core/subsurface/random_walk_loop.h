@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "core/diagnostics/check.h"
 #include "core/subsurface/chromatic_segment.h"
 #include "core/subsurface/guided_segment.h"
 #include "core/subsurface/henyey_greenstein.h"
@@ -167,7 +168,10 @@ class WalkLoop {
     return tracer_.advance(direction, static_cast<float>(t));
   }
 
-  void note_weight() { counters_.max_walk_weight = std::max(counters_.max_walk_weight, max_value(throughput_)); }
+  void note_weight() {
+    DCHECK(std::isfinite(sum_of(throughput_)));
+    counters_.max_walk_weight = std::max(counters_.max_walk_weight, max_value(throughput_));
+  }
 
   /// Roulette on the largest channel: unbiased. Where alpha < 1 it ends the walk in the end.
   bool survives_roulette() {

@@ -116,6 +116,7 @@ struct Body {
   std::shared_ptr<const MeshPrototype> prototype;
   std::shared_ptr<const SceneSnapshot> snapshot;
   double diagonal = 0;
+  std::function<bool(const Vec3f&)> is_inner;  // of a mesh that overlaps itself: surface within the body; empty: none
 
   Body(const Mesh& mesh, const MediumCase& medium, double distance_share) : prototype(builder.prototype(mesh)) {
     diagonal = length(mesh.bounds.extent());
@@ -137,14 +138,15 @@ class MeshRun {
         instance_(body.snapshot->instances[0]),
         medium_(make_medium(medium.albedo, body.distances(distance_share), AlbedoInversion::exact)),
         edge_(body.prototype->mesh.bounds.center().x) {
-    Mesh near_edge = body.prototype->mesh;
+    const Mesh& mesh = body.prototype->mesh;
     const float reach = body.distances(distance_share).r;
-    std::erase_if(near_edge.triangles, [&](const auto& t) {
-      const float x = (near_edge.points[t[0]].x + near_edge.points[t[1]].x + near_edge.points[t[2]].x) / 3;
-      return !(x < edge_ && x > edge_ - reach);
-    });
-    entries_ = points_of(body.prototype->mesh, 1);
-    edge_entries_ = points_of(near_edge, 2);
+    const auto is_outer = [&](size_t triangle) { return !body.is_inner || !body.is_inner(centroid(mesh, triangle)); };
+    const auto is_near_edge = [&](size_t triangle) {
+      const float x = centroid(mesh, triangle).x;
+      return is_outer(triangle) && x < edge_ && x > edge_ - reach;
+    };
+    entries_ = points_of(SurfaceSampler(mesh, is_outer), 1);
+    edge_entries_ = points_of(SurfaceSampler(mesh, is_near_edge), 2);
   }
 
   void run(const WalkSettings& settings, int walks, uint64_t seed, Measured* out) const {
@@ -163,9 +165,14 @@ class MeshRun {
   }
 
  private:
-  std::vector<SubsurfaceEntry> points_of(const Mesh& mesh, uint64_t seed) const {
+  static Vec3f centroid(const Mesh& mesh, size_t triangle) {
+    const auto& t = mesh.triangles[triangle];
+    return (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
+  }
+
+  std::vector<SubsurfaceEntry> points_of(const SurfaceSampler& sampler, uint64_t seed) const {
     constexpr int kPoints = 4096;
-    const SurfaceSampler sampler(mesh);
+    const Mesh& mesh = body_.prototype->mesh;
     std::vector<SubsurfaceEntry> entries;
     Rng rng(seed, 4);
     for (int i = 0; i < kPoints; ++i) {
@@ -197,14 +204,16 @@ class MeshRun {
   std::vector<SubsurfaceEntry> entries_, edge_entries_;
 };
 
-void print_mesh_table(const Mesh& mesh, const std::string& name, double distance_share, int walks) {
+void print_mesh_table(const Mesh& mesh, const std::string& name, double distance_share, int walks,
+                      const std::function<bool(const Vec3f&)>& is_inner = {}) {
   std::printf("\n### %s, red scatter distance %g %% of the diagonal\n\n", name.c_str(), 100 * distance_share);
   std::printf(
       "| medium | walk | gain, uniform | gain, edge | rel. variance, uniform | edge | us/walk | rays | events |");
   std::printf(" sphere steps | largest weight | largest z of the means, uniform / edge |\n");
   std::printf("|--|--|--|--|--|--|--|--|--|--|--|--|\n");
   for (const MediumCase& medium : kMedia) {
-    const Body body(mesh, medium, distance_share);
+    Body body(mesh, medium, distance_share);
+    body.is_inner = is_inner;
     const MeshRun run(body, medium, distance_share);
     Measured measured[std::size(kVariants)];
     // Interleaved, so that what else the machine does hits all alike.
@@ -302,6 +311,23 @@ void print_bias(long walks) {
   }
 }
 
+/// Two balls that overlap in one mesh: walks in a union, where they pass the surfaces within.
+void print_union(int walks) {
+  const Vec3f shift(0.7f, 0, 0);
+  Mesh balls = sphere_mesh(1, 64, false);
+  const auto first = static_cast<uint32_t>(balls.points.size());
+  const size_t triangles = balls.triangles.size();
+  for (uint32_t i = 0; i < first; ++i) balls.points.push_back(balls.points[i] + shift);
+  for (size_t i = 0; i < triangles; ++i) {
+    const auto t = balls.triangles[i];
+    balls.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  for (const Vec3f& p : balls.points) balls.bounds.extend(p);
+  const auto is_inner = [=](const Vec3f& p) { return std::min(length(p), length(p - shift)) < 0.99f; };
+  for (const double share : {0.0025, 0.005, 0.01})
+    print_mesh_table(balls, "two balls, a union", share, walks, is_inner);
+}
+
 void print_meshes(int walks) {
   const char* assets = std::getenv("ALABASTER_TEST_ASSETS");
   if (!assets) {
@@ -341,6 +367,7 @@ int main(int argc, char** argv) {
   }
   using namespace alabaster::testing;
   if (walks > 0) print_meshes(static_cast<int>(walks));
+  if (walks > 0) print_union(static_cast<int>(walks));
   if (walks > 0) print_lengths(walks / 10);
   if (weights > 0) print_weights(weights);
   if (bias > 0) print_bias(bias);

@@ -71,9 +71,12 @@ double mesh_volume(const Mesh& mesh) {
   return sum;
 }
 
-SurfaceSampler::SurfaceSampler(const Mesh& mesh) {
+SurfaceSampler::SurfaceSampler(const Mesh& mesh, const std::function<bool(size_t)>& included) {
   double sum = 0;
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) area_up_to_.push_back(sum += triangle_area(mesh, i));
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (!included || included(i)) sum += triangle_area(mesh, i);
+    area_up_to_.push_back(sum);
+  }
 }
 
 TriangleHit SurfaceSampler::sample(const std::array<float, 3>& u) const {

@@ -2,6 +2,7 @@
 // geometry are held against.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/geometry/embree_scene.h"
@@ -20,7 +21,8 @@ double mesh_volume(const Mesh& mesh);  // of a closed mesh wound counter-clockwi
 /// Points distributed uniformly over a mesh's surface.
 class SurfaceSampler {
  public:
-  explicit SurfaceSampler(const Mesh& mesh);
+  /// Triangles for which `included` answers false have no points; empty: all have.
+  explicit SurfaceSampler(const Mesh& mesh, const std::function<bool(size_t triangle)>& included = {});
   /// Triangle and barycentric coordinates; `u` in [0,1)^3.
   TriangleHit sample(const std::array<float, 3>& u) const;
 

@@ -19,7 +19,7 @@ std::string message_of(void (*failing)()) {
 TEST(Check, NamesTheConditionBothValuesAndThePlace) {
   const std::string comparison = message_of([] {
     const float pdf = -0.25f;
-    CHECK_GE(pdf, 0);
+    CHECK_GE(pdf, 0.0f);
   });
   EXPECT_TRUE(comparison.starts_with("check failed: pdf >= 0: -0.25 against 0 (")) << comparison;
   EXPECT_NE(comparison.find("check_test.cpp:"), std::string::npos) << comparison;
