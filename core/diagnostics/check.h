@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace alabaster {
 
@@ -17,13 +18,20 @@ class CheckFailure : public std::logic_error {
 
 namespace check_detail {
 
-[[noreturn]] inline void fail(const char* condition, const std::string& values, const char* file, int line) {
-  throw CheckFailure("check failed: " + std::string(condition) + values + " (" + file + ":" + std::to_string(line) +
-                     ")");
+/// The part of a path from the repository's root on: messages carry no path of the machine that built the library.
+inline std::string_view from_root(std::string_view file) {
+  for (const std::string_view room : {"/core/", "/delegate/", "/testenv/"})
+    if (const size_t found = file.rfind(room); found != std::string_view::npos) return file.substr(found + 1);
+  return file;
+}
+
+[[noreturn]] inline void fail(const char* condition, const std::string& values, std::string_view file, int line) {
+  throw CheckFailure("check failed: " + std::string(condition) + values + " (" + std::string(from_root(file)) + ":" +
+                     std::to_string(line) + ")");
 }
 
 template <class A, class B>
-[[noreturn]] void fail_comparison(const char* condition, const A& a, const B& b, const char* file, int line) {
+[[noreturn]] void fail_comparison(const char* condition, const A& a, const B& b, std::string_view file, int line) {
   std::ostringstream values;
   values.precision(9);
   values << ": " << a << " against " << b;

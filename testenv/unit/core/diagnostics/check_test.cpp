@@ -21,7 +21,7 @@ TEST(Check, NamesTheConditionBothValuesAndThePlace) {
     const float pdf = -0.25f;
     CHECK_GE(pdf, 0.0f);
   });
-  EXPECT_TRUE(comparison.starts_with("check failed: pdf >= 0: -0.25 against 0 (")) << comparison;
+  EXPECT_TRUE(comparison.starts_with("check failed: pdf >= 0.0f: -0.25 against 0 (testenv/unit/core/")) << comparison;
   EXPECT_NE(comparison.find("check_test.cpp:"), std::string::npos) << comparison;
   EXPECT_TRUE(message_of([] { CHECK(1 + 1 == 3); }).starts_with("check failed: 1 + 1 == 3 (")) << "without values";
 }
