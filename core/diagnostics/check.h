@@ -20,7 +20,7 @@ namespace check_detail {
 
 /// The part of a path from the repository's root on: messages carry no path of the machine that built the library.
 inline std::string_view from_root(std::string_view file) {
-  for (const std::string_view room : {"/core/", "/delegate/", "/testenv/"})
+  for (const std::string_view room : {"/testenv/", "/delegate/", "/core/"})
     if (const size_t found = file.rfind(room); found != std::string_view::npos) return file.substr(found + 1);
   return file;
 }
