@@ -1,7 +1,5 @@
 #include "core/film/film.h"
 
-#include "core/film/frame_error.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -195,7 +193,7 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
       average(color_, 3, 1);
       break;
     case Aov::error:
-      *out = pixel_deviation(noise(pixel));
+      *out = noise(pixel).deviation();
       break;
     case Aov::normal:
       average(normal_, 0, 3);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/color/rgb.h"
+#include "core/film/pixel_noise.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -34,7 +35,7 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
-  error  // of color: standard deviation of the mean, as its samples tell (frame_error.h)
+  error  // of color: PixelNoise::deviation()
 };
 inline constexpr int kAovCount = 18;
 constexpr uint32_t aov_bit(Aov a) {
@@ -81,17 +82,6 @@ struct LightLayers {
   Rgb single{0.0f};       // with one scattering event,
   Rgb multiple{0.0f};     // with two or more
   Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
-};
-
-/// What a pixel's samples tell of its noise. Differences are squared and averaged over red, green and blue. m is the
-/// largest power of two of samples that the pixel has reached; estimate_frame_error() says what it makes of them.
-struct PixelNoise {
-  uint32_t samples = 0;
-  float level = 0;     // mean of red, green and blue
-  float latest = 0;    // between the means of the two halves of the first m samples
-  float previous = 0;  // of the first m / 2
-  float earlier = 0;   // of the first m / 4
-  float tail = 0;      // between the first m and those after them; 0 if there are none
 };
 
 /// Accumulators of one tile. Only the planes that the requested AOVs need exist.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -24,13 +23,6 @@ inline PassSchedule make_pass_schedule(const SampleRange& all) {
     begin += count;
   }
   return schedule;
-}
-
-/// Samples per pixel that bring the error from what it is after `done` to `target`, at most `most`: it falls with their
-/// square root.
-inline uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target) {
-  const double ratio = error / target;
-  return static_cast<uint32_t>(std::clamp(std::ceil(done * ratio * ratio), 1.0, static_cast<double>(most)));
 }
 
 }  // namespace alabaster

@@ -17,8 +17,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "core/film/sample_allocation.h"
-#include "core/session/group_stopping.h"
+#include "core/convergence/sample_allocation.h"
+#include "core/convergence/group_stopping.h"
 #include "core/session/pass_schedule.h"
 
 namespace alabaster {

@@ -16,7 +16,7 @@
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/film/filter.h"
-#include "core/film/frame_error.h"
+#include "core/convergence/frame_error.h"
 #include "core/integrator/path_integrator.h"
 #include "core/scene/scene.h"
 
@@ -25,8 +25,8 @@ namespace alabaster {
 /// Names, ranges and defaults: schemas/render_settings.json (a test compares).
 struct RenderSettings {
   uint32_t samples = 64;   // per pixel, at most; with `adaptive` the mean over pixels
-  float target_error = 0;  // relative RMSE (core/film/frame_error.h) at which the render ends; 0: it is not asked
-  bool adaptive = false;   // deals the samples out by where the noise is (core/film/sample_allocation.h)
+  float target_error = 0;  // relative RMSE (core/convergence/frame_error.h) at which the render ends; 0: it is not asked
+  bool adaptive = false;   // deals the samples out by where the noise is (core/convergence/sample_allocation.h)
   float time_limit = 0;    // seconds from start() after which it ends, two samples per pixel at least; 0: none
   uint32_t seed = 0;
   uint32_t frame = 0;

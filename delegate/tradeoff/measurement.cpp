@@ -6,7 +6,7 @@
 namespace alabaster::tradeoff {
 namespace {
 
-constexpr double kFloor = 0.05;         // kErrorFloor of core/film/frame_error.h; a test compares the two
+constexpr double kFloor = 0.05;         // kErrorFloor of core/convergence/frame_error.h; a test compares the two
 constexpr double kNormal95 = 1.959964;  // two-sided 95 % of the normal distribution
 
 double level(const Image& image, size_t pixel) {

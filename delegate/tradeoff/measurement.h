@@ -3,7 +3,7 @@
 // A configuration is rendered several times over, each time with other random numbers: replicas. How they scatter about
 // their mean is noise, which more samples take away; what their mean keeps from the reference is bias, which they do
 // not. Both are relative: squared errors, averaged over red, green and blue, are divided by L^2 + f^2, the level and
-// the floor of core/film/frame_error.h taken from the reference, and averaged over pixels.
+// the floor of core/convergence/frame_error.h taken from the reference, and averaged over pixels.
 //
 // Every estimate here is without bias itself: the square of a difference of two noisy means exceeds the square of what
 // they differ in truth by the variances of both, which their replicas tell. So it may come out below zero.

@@ -16,7 +16,7 @@ struct Probe {
   double pixels = 0;         // of the frame
   double samples = 0;        // per pixel, on average
   double wall = 0, cpu = 0;  // seconds of rendering
-  double error = 0;          // relative RMSE (core/film/frame_error.h)
+  double error = 0;          // relative RMSE (core/convergence/frame_error.h)
   double low = 0, high = 0;  // its 95 % interval
 };
 

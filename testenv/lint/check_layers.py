@@ -8,8 +8,8 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["diagnostics", "math", "color", "sampling", "texture", "geometry", "camera", "film", "material", "subsurface",
-          "light", "scene", "integrator", "session"]
+LAYERS = ["diagnostics", "math", "color", "sampling", "texture", "geometry", "camera", "film", "convergence",
+          "material", "subsurface", "light", "scene", "integrator", "session"]
 PUBLIC = ["delegate/api", "delegate/host", "delegate/gltf", "delegate/description"]
 HOSTS = ["cli", "tradeoff"]  # the program and what it is made of
 OWNERS = {  # pattern of an include -> files that may have it

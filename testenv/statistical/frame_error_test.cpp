@@ -1,5 +1,5 @@
 // Does a frame know its own noise? Many small renders against a reference with 64 times their samples.
-#include "core/film/frame_error.h"
+#include "core/convergence/frame_error.h"
 
 #include <gtest/gtest.h>
 

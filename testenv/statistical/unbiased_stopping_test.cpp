@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "core/film/sample_allocation.h"
+#include "core/convergence/sample_allocation.h"
 #include "core/sampling/pixel_sampler.h"
-#include "core/session/group_stopping.h"
+#include "core/convergence/group_stopping.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 

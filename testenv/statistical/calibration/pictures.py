@@ -2,7 +2,7 @@
 import re
 import subprocess
 
-ERROR_FLOOR = 0.05  # kErrorFloor of core/film/frame_error.h
+ERROR_FLOOR = 0.05  # kErrorFloor of core/convergence/frame_error.h
 PIXEL = re.compile(r"^ *Pixel \((\d+), (\d+)\): (\S+) (\S+) (\S+)", re.M)
 
 
@@ -40,7 +40,7 @@ class Reference:
         self.scales = self._scales()
 
     def _scales(self):
-        """L^2 + f^2 of every pixel, as core/film/frame_error.h defines them."""
+        """L^2 + f^2 of every pixel, as core/convergence/frame_error.h defines them."""
         w, h = self.width, self.height
         levels = [sum(rgb) / 3 for rgb in zip(*self.planes)]
         floor = ERROR_FLOOR * sum(levels) / len(levels)

@@ -7,8 +7,6 @@
 #include <cstring>
 #include <thread>
 
-#include "core/session/group_stopping.h"
-#include "core/session/pass_schedule.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -63,18 +61,6 @@ bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-TEST(PassSchedule, CoversAllSamplesInOrder) {
-  for (const uint32_t samples : {0u, 1u, 2u, 3u, 17u, 64u, 100u}) {
-    uint32_t next = 0;
-    for (const auto& range : make_pass_schedule({0, samples})) {
-      EXPECT_EQ(range.begin, next);
-      EXPECT_GT(range.end, range.begin);
-      next = range.end;
-    }
-    EXPECT_EQ(next, samples);
-  }
-}
-
 TEST(RenderSession, BytesDoNotDependOnThreads) {
   const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   RenderRequest request = mixed_request(12);
@@ -84,41 +70,6 @@ TEST(RenderSession, BytesDoNotDependOnThreads) {
     request.settings.threads = threads;
     EXPECT_TRUE(same_bytes(one, light(request))) << threads << " threads";
   }
-}
-
-TEST(PassSchedule, SamplesForAnErrorFallWithItsSquare) {
-  EXPECT_EQ(samples_for_error(1000, 4096, 0.011, 0.01), 1210u);
-  EXPECT_EQ(samples_for_error(1000, 1100, 0.02, 0.01), 1100u) << "never more than allowed";
-}
-
-FrameError error_of(double relative_rmse) {
-  FrameError error;
-  error.known = true;
-  error.relative_rmse = relative_rmse;
-  return error;
-}
-
-// Diagonal pairs end each other; one that has ended is traced on while the other needs it.
-TEST(GroupStopping, AnotherGroupsErrorEndsAGroup) {
-  GroupStopping stopping;
-  EXPECT_EQ(stopping.decide({error_of(3), error_of(3), error_of(3), error_of(3)}, 1), 0u);
-  EXPECT_EQ(stopping.decide({error_of(1), error_of(3), error_of(3), error_of(3)}, 1), 0b0100u);
-  EXPECT_EQ(stopping.traced(), GroupStopping::kAll);
-  EXPECT_EQ(stopping.decide({error_of(1), error_of(3), error_of(1), error_of(3)}, 1), 0b0001u);
-  EXPECT_EQ(stopping.traced(), 0b1010u);
-  EXPECT_EQ(stopping.decide({error_of(3), error_of(1), error_of(3), error_of(1)}, 1), 0b1010u);
-  EXPECT_TRUE(stopping.all_ended());
-  EXPECT_EQ(stopping.traced(), 0u);
-}
-
-TEST(GroupStopping, WithoutTheOtherGroupAFrameDecidesForItself) {
-  GroupStopping stopping;
-  EXPECT_EQ(stopping.decide({error_of(3), FrameError{}, FrameError{}, error_of(1)}, 1), 0b1010u);
-}
-
-TEST(GroupStopping, LooksDoNotDependOnWhatIsSeen) {
-  uint32_t look = 16;
-  for (const uint32_t next : {18u, 20u, 22u, 24u, 27u, 30u, 33u}) EXPECT_EQ(look = next_look(look), next);
 }
 
 TEST(RenderSession, TheErrorAskedEndsItAtTheSameBytesForAnyThreads) {

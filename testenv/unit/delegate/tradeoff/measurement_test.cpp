@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/film/frame_error.h"
+#include "core/convergence/frame_error.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster::tradeoff {

@@ -45,9 +45,9 @@ FrameError estimate_frame_error(const Film& film);
 /// Memory that it takes while it runs.
 size_t frame_error_bytes(const PixelRect& window);
 
-/// Standard deviation of a pixel's mean, from its own samples alone and as if these were independent: one pixel tells
-/// neither its noise nor its exponent well.
-float pixel_deviation(const PixelNoise& noise);
+/// Samples per pixel that bring the error from `error`, after `done` of them, to `target`, at most `most`. The error
+/// falls with the square root of their number.
+uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target);
 
 /// E^2 of `image` against `reference` (RGBA rows as Film::resolve_float gives them), by the same definition with the
 /// levels of the reference. For tests and measurements.

@@ -3,14 +3,14 @@
 //   3 2
 // How many samples a pixel takes must not depend on what its own samples found: a pixel that ends when it looks good
 // ends too often when it missed light. Samples of different pixels are independent, so group g is left to others: group
-// g + 1 says where its samples go (core/film/sample_allocation.h) and group g + 2 when it ends
-// (core/session/group_stopping.h), whose own samples went where g + 3 said. Nothing that g found is in any of it, so
+// g + 1 says where its samples go (core/convergence/sample_allocation.h) and group g + 2 when it ends
+// (core/convergence/group_stopping.h), whose own samples went where g + 3 said. Nothing that g found is in any of it, so
 // given what decides, each pixel of g is the mean of a fixed number of samples: unbiased, to the letter. (A frame one
 // pixel wide or high has two groups only, and decides for itself.)
 #pragma once
 
 #include "core/film/film.h"
-#include "core/film/frame_error.h"
+#include "core/convergence/frame_error.h"
 
 namespace alabaster {
 

@@ -1,4 +1,4 @@
-#include "core/film/frame_error.h"
+#include "core/convergence/frame_error.h"
 
 #include <algorithm>
 #include <bit>
@@ -81,23 +81,13 @@ struct SampleTree {
   }
 };
 
-// The tail tells more than the halves before it once it is half as long.
-bool uses_tail(uint32_t n) {
-  const uint32_t m = std::bit_floor(n);
-  return n - m >= (m + 1) / 2 && n > m;
-}
-
-// Variance of the mean of n samples over the expected squared difference that difference_of() gives.
+// Variance of the mean of n samples over the expectation of PixelNoise::difference().
 double variance_per_difference(uint32_t n, const ConvergenceLaw& law) {
   const uint32_t m = std::bit_floor(n), rest = n - m;
   const SampleTree tree{law, double(m)};
   const double variance = tree.sum_variance(n) / (double(n) * n);
-  if (!uses_tail(n)) return variance / 4;
+  if (!PixelNoise::uses_tail(n)) return variance / 4;
   return variance / (tree.variance(m) + tree.sum_variance(rest) / (double(rest) * rest) - 2 * tree.covariance(m));
-}
-
-double difference_of(const PixelNoise& noise) {
-  return uses_tail(noise.samples) ? noise.tail : noise.latest;
 }
 
 struct Convergence {
@@ -182,7 +172,7 @@ Terms make_terms(const NoiseImage& image) {
     const uint32_t n = pixels[i].samples;
     if (n >= factors.size()) factors.resize(2 * size_t(n));
     if (factors[n] == 0) factors[n] = variance_per_difference(n, t.convergence.law);
-    t.values[i] = factors[n] * difference_of(pixels[i]) / t.scales[i];
+    t.values[i] = factors[n] * pixels[i].difference() / t.scales[i];
   }
   return t;
 }
@@ -247,9 +237,9 @@ size_t frame_error_bytes(const PixelRect& window) {
   return kPixel * size_t(window.width()) * size_t(window.height());
 }
 
-float pixel_deviation(const PixelNoise& noise) {
-  if (noise.samples < 2) return 0;
-  return float(std::sqrt(variance_per_difference(noise.samples, {}) * difference_of(noise)));
+uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target) {
+  const double ratio = error / target;
+  return uint32_t(std::clamp(std::ceil(done * ratio * ratio), 1.0, double(most)));
 }
 
 double relative_mse(const std::vector<float>& image, const std::vector<float>& reference, int width, int height) {

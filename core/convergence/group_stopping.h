@@ -1,12 +1,12 @@
 // When a frame that was asked for an error ends: each group of pixels as soon as another one's error is small enough
-// (core/film/pixel_group.h says why). Pure, so that it can be tested.
+// (core/convergence/pixel_group.h says why). Pure, so that it can be tested.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
-#include "core/film/pixel_group.h"
+#include "core/convergence/pixel_group.h"
 
 namespace alabaster {
 

@@ -1,4 +1,4 @@
-#include "core/film/pixel_group.h"
+#include "core/convergence/pixel_group.h"
 
 #include <utility>
 

@@ -1,10 +1,10 @@
-#include "core/film/sample_allocation.h"
+#include "core/convergence/sample_allocation.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/film/frame_error.h"
-#include "core/film/pixel_group.h"
+#include "core/convergence/frame_error.h"
+#include "core/convergence/pixel_group.h"
 
 namespace alabaster {
 namespace {

@@ -1,0 +1,31 @@
+// The noise of one pixel, as far as its own samples tell.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace alabaster {
+
+/// Squared differences between means of a pixel's samples, averaged over red, green and blue. m is the largest power of
+/// two that the number of samples has reached. core/convergence/frame_error.md says what a frame learns from them.
+struct PixelNoise {
+  uint32_t samples = 0;
+  float level = 0;     // mean of red, green and blue
+  float latest = 0;    // between the two halves of the first m samples
+  float previous = 0;  // between the two halves of the first m / 2
+  float earlier = 0;   // between the two halves of the first m / 4
+  float tail = 0;      // between the first m samples and those after them; 0 if there are none
+
+  /// The tail tells more than the halves before it once it is half as long as they are together.
+  static bool uses_tail(uint32_t samples) {
+    const uint32_t m = std::bit_floor(samples);
+    return samples - m >= (m + 1) / 2 && samples > m;
+  }
+  /// The difference that tells most.
+  float difference() const { return uses_tail(samples) ? tail : latest; }
+  /// Standard deviation of the pixel's mean, as if its samples were independent: one pixel cannot tell how fast it
+  /// converges. 0 for less than two samples.
+  float deviation() const;
+};
+
+}  // namespace alabaster
