@@ -1,8 +1,9 @@
-// Which samples each pass takes: pure, so that it can be tested. Early passes are small (a picture soon), later ones
-// large (little overhead).
+// Which samples each pass takes. Early passes are small, so that a picture is there soon; later ones are large, so that
+// passes cost little.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -24,5 +25,20 @@ inline PassSchedule make_pass_schedule(const SampleRange& all) {
   }
   return schedule;
 }
+
+/// Counts the passes that all tiles have finished. Passes of different tiles overlap; those of one tile end in order.
+class FinishedPasses {
+ public:
+  FinishedPasses(size_t tiles, size_t passes) : tiles_left_(passes, tiles) {}
+  void add_tile(size_t pass) {
+    --tiles_left_[pass];
+    while (count_ < tiles_left_.size() && tiles_left_[count_] == 0) ++count_;
+  }
+  uint32_t count() const { return static_cast<uint32_t>(count_); }
+
+ private:
+  std::vector<size_t> tiles_left_;  // of each pass
+  size_t count_ = 0;
+};
 
 }  // namespace alabaster

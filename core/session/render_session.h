@@ -4,52 +4,19 @@
 //                   Rendering <--pause/resume--> Paused
 //                   Rendering/Paused --stop--> Stopped
 //                   Rendering --out of memory or another exception--> Failed (RenderProgress::error says what)
-// start() from any state replaces what was running. Nothing renders in the caller's thread.
+// start() from any state stops and replaces the render that runs. Nothing is rendered in the caller's thread.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
 
-#include "core/camera/camera.h"
+#include "core/convergence/frame_error.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
-#include "core/film/filter.h"
-#include "core/convergence/frame_error.h"
-#include "core/integrator/path_integrator.h"
-#include "core/scene/scene.h"
+#include "core/session/tile_renderer.h"
 
 namespace alabaster {
-
-/// Names, ranges and defaults: schemas/render_settings.json (a test compares).
-struct RenderSettings {
-  uint32_t samples = 64;   // per pixel, at most; with `adaptive` the mean over pixels
-  float target_error = 0;  // relative RMSE (core/convergence/frame_error.h) at which the render ends; 0: it is not asked
-  bool adaptive = false;   // deals the samples out by where the noise is (core/convergence/sample_allocation.h)
-  float time_limit = 0;    // seconds from start() after which it ends, two samples per pixel at least; 0: none
-  uint32_t seed = 0;
-  uint32_t frame = 0;
-  uint32_t max_depth = 8;       // bounces between surfaces; a subsurface walk counts as one
-  uint32_t roulette_depth = 3;  // bounces after which roulette may end a path: noise and time, no bias
-  uint32_t threads = 0;         // 0: all
-  SubsurfaceMode subsurface = SubsurfaceMode::walk;
-  AlbedoInversion inversion = AlbedoInversion::exact;
-  WalkWeights walk_weights = WalkWeights::throughput;
-  bool walk_guiding = true;
-  bool walk_sphere_steps = true;
-  PixelFilter filter = PixelFilter::blackman_harris;
-  bool operator==(const RenderSettings&) const = default;
-};
-
-struct RenderRequest {
-  std::shared_ptr<const SceneSnapshot> scene;
-  CameraParameters camera;
-  int width = 0, height = 0;  // display window: what the camera is framed to
-  PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
-  uint32_t aovs = aov_bit(Aov::color);
-  RenderSettings settings;
-};
 
 enum class SessionState { idle, rendering, paused, stopped, finished, failed };
 
@@ -57,15 +24,17 @@ struct RenderProgress {
   SessionState state = SessionState::idle;
   uint64_t scene_number = 0;
   uint64_t pixels = 0;
-  uint64_t samples_done = 0, samples_total = 0;  // camera samples of the whole frame; the total is a prediction where
-                                                 // an error or a time decides
-  double fraction = 0;                           // of the work that is done, 0..1
-  uint32_t passes_done = 0;                      // whole passes: every pixel has at least this many samples
+  uint64_t samples_done = 0;   // camera samples, over the whole frame
+  uint64_t samples_total = 0;  // a prediction where target_error or time_limit may end the render
+  double fraction = 0;         // of the work, 0..1
+  /// Passes that all tiles have finished. Every pixel has at least as many samples, unless target_error has ended its
+  /// group of pixels before.
+  uint32_t passes_done = 0;
   double wall_seconds = 0;
   double cpu_seconds = 0;   // of the render workers
-  RenderCounters counters;  // as of the last finished tile
-  FrameError noise;   // if it was asked: as of the last time that it was looked at, at the end or where it decides
-  std::string error;  // of a failed render
+  RenderCounters counters;  // of the finished tiles
+  FrameError noise;         // measured after a pilot, at each check of target_error, and at the end
+  std::string error;        // of a failed render
 };
 
 class RenderSession {
@@ -78,12 +47,13 @@ class RenderSession {
   void start(const RenderRequest& request);
   void pause();
   void resume();
-  /// Blocks until no worker runs: below 20 ms. Keeps the film.
+  /// Blocks until no worker runs, for less than 20 ms. Keeps the film.
   void stop();
-  /// Blocks until finished or stopped, or `seconds` have passed; returns whether it is over.
+  /// Blocks until no more is rendered, or `seconds` have passed; true: no more is rendered. Infinity waits without
+  /// limit; a negative time and NaN do not wait.
   bool wait(double seconds);
 
-  RenderProgress progress() const;  // never blocks on workers
+  RenderProgress progress() const;  // never waits for workers
   /// The film of the current or last render; null before the first start.
   std::shared_ptr<const Film> film() const;
 

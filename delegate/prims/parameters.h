@@ -9,7 +9,7 @@
 #include "core/camera/camera.h"
 #include "core/light/light.h"
 #include "core/material/disney_parameters.h"
-#include "core/session/render_session.h"
+#include "core/session/render_settings.h"
 #include "delegate/api/render_delegate.h"
 #include "delegate/prims/diagnostics.h"
 

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "core/convergence/group_stopping.h"
 #include "core/convergence/sample_allocation.h"
 #include "core/sampling/pixel_sampler.h"
-#include "core/convergence/group_stopping.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
@@ -38,28 +38,19 @@ double mean_of(const Film& film) {
   return testing::film_mean(film, 1).mean;
 }
 
-// As RenderSession does it, or naively: `own` lets the whole frame's error end the whole frame.
+// By GroupStopping, or naively: `own` lets the whole frame's error end the whole frame.
 double frame_ended_at(double target, bool own, Rng* rng) {
-  Film film(kWindow, 0), ended_early(kWindow, 0);
+  Film film(kWindow, 0);
   GroupStopping stopping;
-  uint32_t early = 0;
-  for (uint32_t look = 16; look < 4096; look = next_look(look)) {
-    add_samples(&film, {}, look, rng);
-    const auto noise = film.noise();
-    if (own) {
-      const FrameError error = estimate_frame_error({kSize, kSize, noise});
-      if (error.relative_rmse <= target) return mean_of(film);
-      continue;
-    }
-    std::array<FrameError, kPixelGroups> errors;
-    for (int g = 0; g < kPixelGroups; ++g)
-      errors[size_t(g)] = estimate_frame_error(group_image(kWindow, noise, g).noise);
-    const uint32_t ending = stopping.decide(errors, target);
+  for (uint32_t samples = 16; samples < 4096; samples = next_error_check(samples)) {
+    add_samples(&film, {}, samples, rng);
+    const NoiseImage noise = film_noise(film);
+    if (own && estimate_frame_error(noise).relative_rmse <= target) break;
+    if (own) continue;
+    stopping.update(film, noise, target);
     if (stopping.all_ended()) break;
-    take_groups(film, ending, &ended_early);
-    early |= ending;
   }
-  take_groups(ended_early, early, &film);
+  stopping.restore_ended(&film);
   return mean_of(film);
 }
 

@@ -112,6 +112,31 @@ CameraParameters look_at(const Vec3d& eye, const Vec3d& target, double fov_degre
   return camera;
 }
 
+RenderRequest mixed_request(uint32_t samples) {
+  SceneBuilder b;
+  DisneyParameters skin;
+  skin.base_color = {0.9f, 0.6f, 0.45f};
+  skin.scatter_distance = {0.1f, 0.05f, 0.03f};
+  DisneyParameters floor;
+  floor.roughness = 0.3f;
+  b.add(b.prototype(sphere_mesh(0.5f, 16, true)), b.material(skin), Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
+  b.add(b.prototype(plane_mesh(4)), b.material(floor));
+  LightDescription key;
+  key.type = LightType::sphere;
+  key.radius = 0.3f;
+  key.intensity = 20;
+  key.light_to_world.setTranslation(Vec3d(2, 3, 1));
+  b.add(key).add(constant_dome(0.3f, true));
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = look_at({0, 1.2, 3}, {0, 0.5, 0}, 35);
+  request.width = request.height = 72;
+  request.data_window = {0, 0, 72, 72};
+  request.aovs = ~0u;
+  request.settings.samples = samples;
+  return request;
+}
+
 std::shared_ptr<const Film> render(const RenderRequest& request, RenderProgress* progress) {
   RenderSession session;
   session.start(request);

@@ -37,6 +37,10 @@ LightDescription constant_dome(float radiance, bool visible_to_camera);
 /// Camera at `eye` looking at `target`, y up (or z up when looking along y), square film, `fov` degrees.
 CameraParameters look_at(const Vec3d& eye, const Vec3d& target, double fov_degrees);
 
+/// A frame of 72 x 72 pixels with everything that draws random numbers: subsurface, specular, an area light and a dome.
+/// It asks for all AOVs.
+RenderRequest mixed_request(uint32_t samples);
+
 /// Renders to the end and returns the film.
 std::shared_ptr<const Film> render(const RenderRequest& request, RenderProgress* progress = nullptr);
 

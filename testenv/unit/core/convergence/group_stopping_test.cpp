@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/sampling/pixel_sampler.h"
+
 namespace alabaster {
 namespace {
 
@@ -17,12 +19,12 @@ TEST(GroupStopping, AnotherGroupsErrorEndsAGroup) {
   GroupStopping stopping;
   EXPECT_EQ(stopping.decide({error_of(3), error_of(3), error_of(3), error_of(3)}, 1), 0u);
   EXPECT_EQ(stopping.decide({error_of(1), error_of(3), error_of(3), error_of(3)}, 1), 0b0100u);
-  EXPECT_EQ(stopping.traced(), GroupStopping::kAll);
+  EXPECT_EQ(stopping.groups_to_trace(), kAllPixelGroups);
   EXPECT_EQ(stopping.decide({error_of(1), error_of(3), error_of(1), error_of(3)}, 1), 0b0001u);
-  EXPECT_EQ(stopping.traced(), 0b1010u);
+  EXPECT_EQ(stopping.groups_to_trace(), 0b1010u);
   EXPECT_EQ(stopping.decide({error_of(3), error_of(1), error_of(3), error_of(1)}, 1), 0b1010u);
   EXPECT_TRUE(stopping.all_ended());
-  EXPECT_EQ(stopping.traced(), 0u);
+  EXPECT_EQ(stopping.groups_to_trace(), 0u);
 }
 
 TEST(GroupStopping, WithoutTheOtherGroupAFrameDecidesForItself) {
@@ -30,9 +32,45 @@ TEST(GroupStopping, WithoutTheOtherGroupAFrameDecidesForItself) {
   EXPECT_EQ(stopping.decide({error_of(3), FrameError{}, FrameError{}, error_of(1)}, 1), 0b1010u);
 }
 
-TEST(GroupStopping, LooksDoNotDependOnWhatIsSeen) {
-  uint32_t look = 16;
-  for (const uint32_t next : {18u, 20u, 22u, 24u, 27u, 30u, 33u}) EXPECT_EQ(look = next_look(look), next);
+TEST(GroupStopping, ErrorChecksAreFixedBeforehand) {
+  uint32_t check = 16;
+  for (const uint32_t next : {18u, 20u, 22u, 24u, 27u, 30u, 33u}) EXPECT_EQ(check = next_error_check(check), next);
+}
+
+// Samples of pixels whose group is in `noisy` are 0 or 2 by chance, the others 1.
+void fill(uint32_t samples, uint32_t noisy, Film* film) {
+  FilmTile tile(64, 0);
+  for (size_t i = 0; i < 64; ++i)
+    for (uint32_t s = 0; s < samples; ++s) {
+      const bool has_noise = noisy >> pixel_group(static_cast<int>(i % 8), static_cast<int>(i / 8)) & 1;
+      FilmSample sample;
+      sample.color = Rgb(has_noise ? static_cast<float>(hash32(static_cast<uint32_t>(64 * i) + s) & 2) : 1);
+      tile.add(i, sample);
+    }
+  film->store_tile(0, std::move(tile));
+}
+
+TEST(GroupStopping, GroupsThatEndedShowWhatTheyHadThen) {
+  GroupStopping stopping;
+  Film film({0, 0, 8, 8}, 0);
+  fill(16, 0b1110, &film);
+  stopping.update(film, film_noise(film), 0.1);
+  EXPECT_EQ(stopping.groups_to_trace(), kAllPixelGroups) << "group 2 has ended, but 0 needs its error";
+  fill(24, 0, &film);
+  stopping.update(film, film_noise(film), 0.1);
+  EXPECT_TRUE(stopping.all_ended());
+  EXPECT_TRUE(stopping.restore_ended(&film));
+  const auto samples = film.resolve_int(Aov::sample_count);
+  for (int i = 0; i < 64; ++i) EXPECT_EQ(samples[static_cast<size_t>(i)], pixel_group(i % 8, i / 8) == 2 ? 16 : 24);
+}
+
+TEST(GroupStopping, AFrameThatEndsAtOnceNeedsNoRestoring) {
+  GroupStopping stopping;
+  Film film({0, 0, 8, 8}, 0);
+  fill(16, 0, &film);
+  stopping.update(film, film_noise(film), 0.1);
+  EXPECT_TRUE(stopping.all_ended());
+  EXPECT_FALSE(stopping.restore_ended(&film));
 }
 
 }  // namespace

@@ -17,5 +17,20 @@ TEST(PassSchedule, CoversAllSamplesInOrder) {
   }
 }
 
+// Two tiles: the first runs ahead.
+TEST(FinishedPasses, CountWhatEveryTileHasFinished) {
+  FinishedPasses finished(2, 3);
+  finished.add_tile(0);
+  finished.add_tile(1);
+  EXPECT_EQ(finished.count(), 0u);
+  finished.add_tile(2);
+  finished.add_tile(0);
+  EXPECT_EQ(finished.count(), 1u);
+  finished.add_tile(1);
+  EXPECT_EQ(finished.count(), 2u);
+  finished.add_tile(2);
+  EXPECT_EQ(finished.count(), 3u);
+}
+
 }  // namespace
 }  // namespace alabaster

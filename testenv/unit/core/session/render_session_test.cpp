@@ -4,7 +4,9 @@
 #include <tbb/global_control.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <thread>
 
 #include "testenv/support/scene_builder.h"
@@ -12,34 +14,7 @@
 namespace alabaster {
 namespace {
 
-using testing::SceneBuilder;
-
-// A scene with everything that draws random numbers: subsurface, specular, an area light and a dome.
-RenderRequest mixed_request(uint32_t samples) {
-  SceneBuilder b;
-  DisneyParameters skin;
-  skin.base_color = {0.9f, 0.6f, 0.45f};
-  skin.scatter_distance = {0.1f, 0.05f, 0.03f};
-  DisneyParameters floor;
-  floor.roughness = 0.3f;
-  b.add(b.prototype(testing::sphere_mesh(0.5f, 16, true)), b.material(skin),
-        Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
-  b.add(b.prototype(testing::plane_mesh(4)), b.material(floor));
-  LightDescription key;
-  key.type = LightType::sphere;
-  key.radius = 0.3f;
-  key.intensity = 20;
-  key.light_to_world.setTranslation(Vec3d(2, 3, 1));
-  b.add(key).add(testing::constant_dome(0.3f, true));
-  RenderRequest request;
-  request.scene = b.snapshot();
-  request.camera = testing::look_at({0, 1.2, 3}, {0, 0.5, 0}, 35);
-  request.width = request.height = 72;
-  request.data_window = {0, 0, 72, 72};
-  request.aovs = ~0u;
-  request.settings.samples = samples;
-  return request;
-}
+using testing::mixed_request;
 
 std::vector<float> color(const RenderRequest& request) {
   return testing::render(request)->resolve_float(Aov::color);
@@ -148,6 +123,46 @@ TEST(RenderSession, SeedAndFrameChangeTheNoise) {
   EXPECT_FALSE(same_bytes(a, b));
   EXPECT_FALSE(same_bytes(a, c));
   EXPECT_FALSE(same_bytes(b, c));
+}
+
+// More workers than tiles run ahead of slow tiles. Progress is read before the film, which only grows.
+TEST(RenderSession, FinishedPassesAreInEveryPixel) {
+  const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
+  RenderRequest request = mixed_request(64);
+  request.settings.threads = 8;
+  const PassSchedule schedule = make_pass_schedule({0, 64});
+  RenderSession session;
+  session.start(request);
+  uint32_t passes = 0;
+  for (bool over = false; !over;) {
+    over = session.wait(0.001);
+    passes = session.progress().passes_done;
+    const auto counts = session.film()->resolve_int(Aov::sample_count);
+    const auto least = static_cast<uint32_t>(*std::min_element(counts.begin(), counts.end()));
+    ASSERT_GE(least, passes > 0 ? schedule[passes - 1].end : 0) << passes << " passes";
+  }
+  EXPECT_EQ(passes, schedule.size());
+}
+
+TEST(RenderSession, WaitsForeverForInfinityAndHugeTimes) {
+  for (const double seconds : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::max(), 1e12}) {
+    RenderSession session;
+    session.start(mixed_request(1000000));
+    std::thread stopper([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      session.stop();
+    });
+    EXPECT_TRUE(session.wait(seconds)) << seconds;
+    EXPECT_EQ(session.progress().state, SessionState::stopped) << seconds;
+    stopper.join();
+  }
+}
+
+TEST(RenderSession, DoesNotWaitForNegativeTimesNorForNaN) {
+  RenderSession session;
+  session.start(mixed_request(1000000));
+  for (const double seconds : {-1.0, -std::numeric_limits<double>::infinity(), std::nan("")})
+    EXPECT_FALSE(session.wait(seconds)) << seconds;
 }
 
 TEST(RenderSession, PauseKeepsTheBytes) {

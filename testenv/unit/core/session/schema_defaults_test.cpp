@@ -7,7 +7,7 @@
 #include "core/camera/camera.h"
 #include "core/light/light.h"
 #include "core/material/disney_parameters.h"
-#include "core/session/render_session.h"
+#include "core/session/render_settings.h"
 
 namespace alabaster {
 namespace {

@@ -1,0 +1,41 @@
+#include "core/convergence/group_stopping.h"
+
+namespace alabaster {
+
+void GroupStopping::update(const Film& film, const NoiseImage& noise, double target) {
+  std::array<FrameError, kPixelGroups> errors;
+  for (int g = 0; g < kPixelGroups; ++g)
+    errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film.data_window(), noise.pixels, g).noise);
+  const uint32_t ending = decide(errors, target);
+  if (all_ended() || !ending) return;  // the last to end are not traced on
+  if (!kept_film_) kept_film_ = std::make_unique<Film>(film.data_window(), film.aovs());
+  take_groups(film, ending, kept_film_.get());
+  kept_ |= ending;
+}
+
+uint32_t GroupStopping::decide(const std::array<FrameError, kPixelGroups>& errors, double target) {
+  uint32_t ending = 0;
+  for (int g = 0; g < kPixelGroups; ++g) {
+    // A frame one pixel wide or high lacks the other group: there a group ends by its own error.
+    const FrameError& other = errors[static_cast<size_t>(stopping_group(g))];
+    const FrameError& error = other.known ? other : errors[static_cast<size_t>(g)];
+    if (!error.known || error.relative_rmse <= target) ending |= 1u << g;
+  }
+  ending &= ~ended_;
+  ended_ |= ending;
+  return ending;
+}
+
+uint32_t GroupStopping::groups_to_trace() const {
+  uint32_t groups = 0;
+  for (int g = 0; g < kPixelGroups; ++g)
+    if (!(ended_ >> g & 1)) groups |= 1u << g | 1u << stopping_group(g);
+  return groups;
+}
+
+bool GroupStopping::restore_ended(Film* film) const {
+  if (kept_film_) take_groups(*kept_film_, kept_, film);
+  return kept_film_ != nullptr;
+}
+
+}  // namespace alabaster

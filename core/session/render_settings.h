@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/film/filter.h"
+#include "core/integrator/path_integrator.h"
+
+namespace alabaster {
+
+/// How to render. Names, ranges and defaults: schemas/render_settings.json (a test compares).
+struct RenderSettings {
+  uint32_t samples = 64;   // per pixel, at most; with `adaptive` the mean over pixels
+  float target_error = 0;  // the render ends at this relative RMSE (core/convergence/frame_error.h); 0: no target
+  bool adaptive = false;   // more samples go where there is more noise (core/convergence/sample_allocation.h)
+  float time_limit = 0;    // seconds from start() to the end, but two samples per pixel are always taken; 0: no limit
+  uint32_t seed = 0;
+  uint32_t frame = 0;
+  uint32_t max_depth = 8;       // bounces between surfaces; a subsurface walk counts as one
+  uint32_t roulette_depth = 3;  // bounces after which roulette may end a path: changes noise and time, adds no bias
+  uint32_t threads = 0;         // 0: all
+  SubsurfaceMode subsurface = SubsurfaceMode::walk;
+  AlbedoInversion inversion = AlbedoInversion::exact;
+  WalkWeights walk_weights = WalkWeights::throughput;
+  bool walk_guiding = true;
+  bool walk_sphere_steps = true;
+  PixelFilter filter = PixelFilter::blackman_harris;
+  bool operator==(const RenderSettings&) const = default;
+};
+
+}  // namespace alabaster
