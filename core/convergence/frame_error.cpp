@@ -13,8 +13,8 @@ struct Size {
   int width, height;
 };
 
-/// Mean of the 3 x 3 pixels about (x, y). `clip`: the pixel's own level counts up to the brightest of its neighbours:
-/// a sample that found much light by chance must not excuse the noise that it is.
+/// Mean of the 3 x 3 pixels around (x, y). `clip`: the pixel's own level counts at most as much as its brightest
+/// neighbour's, since a sample that found much light by chance must not excuse the noise that it is.
 double local_level(const Levels& levels, const Size& size, int x, int y, bool clip) {
   double sum = 0, brightest = 0;
   int count = 0;
@@ -45,35 +45,33 @@ std::vector<double> squared_scales(const Levels& levels, const Size& size, bool 
   return scales;
 }
 
-// How the variance of the mean falls with the number of samples, in units of what the latest halves show:
-// V(m/2) - V(m) = 1, where x = 1 stands for m samples. It is a / x + b / x^2, noise together with what stratification
-// takes away, b one number at even and one at odd powers of two: a scrambled net's strata are squares at every other
-// one. All three are linear in the differences at three sizes, so that a mixture of pixels is as good as one. Where a
-// smooth integrand has the frame for itself it falls more steeply: x^-p.
+// Variance of the mean of x m samples: a / x + b / x^2, or x^-exponent where a smooth integrand has the frame for
+// itself, in units where V(1/2) - V(1) = 1 (frame_error.md, "The law of convergence"; Owen 1997).
 struct ConvergenceLaw {
-  double noise = 1, here = 0, between = 0;  // a, b where x is a power of four, b elsewhere
-  double exponent = 0;                      // p; 0: the sum above
+  double a = 1;                  // noise
+  double b_even = 0, b_odd = 0;  // what stratification leaves, at even and odd powers of two from m
+  double exponent = 0;           // 0: the sum
 
-  /// The part of V(1) that noise has not, 0..1.
+  /// The part of V(1) that is not noise, 0..1.
   double stratified() const {
-    return exponent > 0 ? 1 : std::clamp(std::abs(here) / (noise + std::abs(here)), 0.0, 1.0);
+    return exponent > 0 ? 1 : std::clamp(std::abs(b_even) / (a + std::abs(b_even)), 0.0, 1.0);
   }
   double variance(double x) const {
     if (exponent > 0) return std::pow(x, -exponent) / (std::exp2(exponent) - 1);
-    const bool at_four = std::lround(std::log2(x)) % 2 == 0;
-    return noise / x + (at_four ? here : between) / (x * x);
+    const bool even = std::lround(std::log2(x)) % 2 == 0;
+    return a / x + (even ? b_even : b_odd) / (x * x);
   }
 };
 
-// The first samples of a pixel whose latest halves have m samples together.
+// The first samples of a pixel. All aligned blocks of 2^k samples have the same distribution.
 struct SampleTree {
   ConvergenceLaw law;
-  double m = 1;
+  double m = 1;  // samples at which the law has x = 1
 
   double variance(double samples) const { return law.variance(samples / m); }
   // Of two samples whose indices first differ in the bit of `block`.
   double covariance(double block) const { return 2 * variance(2 * block) - variance(block); }
-  // Of the sum of the first n: a whole block, the rest, and twice what they share.
+  // Of the sum of the first n: of a whole block, of the rest, and twice their covariance.
   double sum_variance(uint32_t n) const {
     if (n == 0) return 0;
     const uint32_t block = std::bit_floor(n), rest = n - block;
@@ -90,66 +88,69 @@ double variance_per_difference(uint32_t n, const ConvergenceLaw& law) {
   return variance / (tree.variance(m) + tree.sum_variance(rest) / (double(rest) * rest) - 2 * tree.covariance(m));
 }
 
-struct Convergence {
-  ConvergenceLaw law;
-  // Means of the differences, and by how much each is in ln V(1).
+// One number for each of the differences that a pixel records.
+struct PerDifference {
   double latest = 0, previous = 0, earlier = 0;
-  double by_latest = 1, by_previous = 0, by_earlier = 0;
 };
 
-// V(m) = a + b: from two differences, if b were one number; a frame of four to seven samples knows no more.
-void assume_one_law(double previous, Convergence* c) {
-  c->law.noise = (4 - previous) / 2;
-  c->law.here = c->law.between = (previous - 2) / 6;
-  const double variance = (5 - previous) / 3;
-  c->by_latest = 5.0 / 3 / variance;
-  c->by_previous = -previous / 3 / variance;
+struct Convergence {
+  ConvergenceLaw law;
+  PerDifference means;                // over the frame
+  PerDifference elasticity{1, 0, 0};  // d ln V(1) / d ln of each mean
+};
+
+// Two differences: latest = a + 3 b and previous = 2 a + 12 b. `previous` in units of the latest.
+void fit_one_b(double previous, Convergence* c) {
+  const double b = (previous - 2) / 6, variance = (5 - previous) / 3;
+  c->law = {.a = (4 - previous) / 2, .b_even = b, .b_odd = b};
+  c->elasticity = {5.0 / 3 / variance, -previous / 3 / variance, 0};
 }
 
-// The differences are a + 4 o - e, 2 a + 16 e - 4 o and 4 a + 64 o - 16 e, with e the b at m and o that at m / 2.
-void assume_alternating_law(double previous, double earlier, Convergence* c) {
-  if (earlier > 16) {  // less than no noise
+// Three differences, in units of the latest: a + 4 o - e, 2 a + 16 e - 4 o and 4 a + 64 o - 16 e, with e = b_even and
+// o = b_odd.
+void fit_two_b(double previous, double earlier, Convergence* c) {
+  if (earlier > 16) {  // a < 0: the variance falls faster than the sum can
     const double growth = std::sqrt(earlier);
     c->law.exponent = std::log2(growth);
-    c->by_earlier = -0.5 * growth / (growth - 1);
-    c->by_latest = 1 - c->by_earlier;
+    c->elasticity.earlier = -0.5 * growth / (growth - 1);
+    c->elasticity.latest = 1 - c->elasticity.earlier;
     return;
   }
   const double a = (16 - earlier) / 12, e = (1 + previous - 3 * a) / 15;
-  c->law = {a, e, (1 - a + e) / 4};
-  c->by_latest = 17.0 / 15 / (a + e);
-  c->by_previous = previous / 15 / (a + e);
-  c->by_earlier = -earlier / 15 / (a + e);
+  c->law = {.a = a, .b_even = e, .b_odd = (1 - a + e) / 4};
+  c->elasticity = {17.0 / 15 / (a + e), previous / 15 / (a + e), -earlier / 15 / (a + e)};
 }
 
-// From the whole frame: a pixel's own ratios are noise.
-Convergence measure_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales) {
+// One law for the whole frame, since the ratios of one pixel are noise.
+Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales) {
   Convergence c;
+  PerDifference& means = c.means;
   uint32_t least = pixels.front().samples;
   const auto n = double(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     least = std::min(least, pixels[i].samples);
-    c.latest += pixels[i].latest / scales[i] / n;
-    c.previous += pixels[i].previous / scales[i] / n;
-    c.earlier += pixels[i].earlier / scales[i] / n;
+    means.latest += pixels[i].latest / scales[i] / n;
+    means.previous += pixels[i].previous / scales[i] / n;
+    means.earlier += pixels[i].earlier / scales[i] / n;
   }
-  if (!(c.latest > 0) || !(c.previous > 0) || !(c.earlier > 0)) least = std::min(least, c.previous > 0 ? 7u : 3u);
-  if (least < 4 || !(c.latest > 0)) return {};
-  // Beyond these there is only chance: independent samples have 2 and 4, a smooth integrand of one dimension 8 and 64.
-  const double previous = std::clamp(c.previous / c.latest, 1.0, least < 8 ? 4.0 : 8.0);
+  // A difference that is zero tells nothing of how the variance falls.
+  if (!(means.latest > 0)) return {};
+  if (!(means.previous > 0)) least = std::min(least, 3u);
+  if (!(means.earlier > 0)) least = std::min(least, 7u);
+  if (least < 4) return {};
+  // Beyond these bounds there is only chance: independent samples have 2 and 4, a smooth integrand of one dimension 8
+  // and 64.
+  const double previous = std::clamp(means.previous / means.latest, 1.0, least < 8 ? 4.0 : 8.0);
   if (least < 8)
-    assume_one_law(previous, &c);
+    fit_one_b(previous, &c);
   else
-    assume_alternating_law(previous, std::clamp(c.earlier / c.latest, 2.0, 64.0), &c);
+    fit_two_b(previous, std::clamp(means.earlier / means.latest, 2.0, 64.0), &c);
   return c;
 }
 
-}  // namespace
-
-namespace {
-
-struct Terms {
-  std::vector<double> scales, values;  // L^2 + f^2, and the variance over it, of every pixel
+// Of every pixel: L^2 + f^2, and the variance of its mean over that.
+struct RelativeErrors {
+  std::vector<double> scales, values;
   Convergence convergence;
 };
 
@@ -158,46 +159,47 @@ bool all_have_two_samples(const NoiseImage& image) {
          std::all_of(image.pixels.begin(), image.pixels.end(), [](const PixelNoise& p) { return p.samples >= 2; });
 }
 
-Terms make_terms(const NoiseImage& image) {
+// Empty if the frame is black.
+RelativeErrors relative_errors(const NoiseImage& image) {
   const auto& pixels = image.pixels;
-  Terms t;
+  RelativeErrors errors;
   Levels levels(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) levels[i] = pixels[i].level;
-  t.scales = squared_scales(levels, {image.width, image.height}, true);
-  if (t.scales.empty()) return t;
-  t.convergence = measure_convergence(pixels, t.scales);
-  t.values.resize(pixels.size());
+  errors.scales = squared_scales(levels, {image.width, image.height}, true);
+  if (errors.scales.empty()) return errors;
+  errors.convergence = fit_convergence(pixels, errors.scales);
+  errors.values.resize(pixels.size());
   std::vector<double> factors;  // by number of samples; 0: not computed yet
   for (size_t i = 0; i < pixels.size(); ++i) {
     const uint32_t n = pixels[i].samples;
     if (n >= factors.size()) factors.resize(2 * size_t(n));
-    if (factors[n] == 0) factors[n] = variance_per_difference(n, t.convergence.law);
-    t.values[i] = factors[n] * pixels[i].difference() / t.scales[i];
+    if (factors[n] == 0) factors[n] = variance_per_difference(n, errors.convergence.law);
+    errors.values[i] = factors[n] * pixels[i].difference() / errors.scales[i];
   }
-  return t;
+  return errors;
 }
 
-// Variance of ln E^2 by the scatter over pixels, twice: of what the estimate is made of, and of the frame's own error,
-// which scatters about its expectation as much as the terms and independently of them (a - b and a + b are
-// uncorrelated). Third, what the law is not sure of: little where noise rules, much where stratification does.
-double log_variance(const std::vector<PixelNoise>& pixels, const Terms& t, double mean) {
-  constexpr double kSure = 0.05, kUnsure = 0.5;
-  const Convergence& c = t.convergence;
-  const double law = kSure + kUnsure * c.law.stratified();
-  const auto part = [](double weight, float difference, double scale, double of) {
-    return of > 0 ? weight * (difference / scale / of - 1) : 0.0;
+// Variance of ln E^2 (frame_error.md, "The interval"): the estimate's scatter over pixels, that of the true error, and
+// the doubt about the law.
+double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors& errors, double mean) {
+  constexpr double kNoiseDoubt = 0.05, kStratifiedDoubt = 0.5;
+  const auto& [law, means, elasticity] = errors.convergence;
+  const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();
+  const auto part = [](double weight, float difference, double scale, double mean_difference) {
+    return mean_difference > 0 ? weight * (difference / scale / mean_difference - 1) : 0.0;
   };
-  double own = 0, estimate = 0;
+  double truth = 0, estimate = 0;
   for (size_t i = 0; i < pixels.size(); ++i) {
-    const double d = t.values[i] / mean - 1;
-    const double e = d + part(c.by_latest - 1, pixels[i].latest, t.scales[i], c.latest) +
-                     part(c.by_previous, pixels[i].previous, t.scales[i], c.previous) +
-                     part(c.by_earlier, pixels[i].earlier, t.scales[i], c.earlier);
-    own += d * d;
+    const double scale = errors.scales[i];
+    const double d = errors.values[i] / mean - 1;
+    const double e = d + part(elasticity.latest - 1, pixels[i].latest, scale, means.latest) +
+                     part(elasticity.previous, pixels[i].previous, scale, means.previous) +
+                     part(elasticity.earlier, pixels[i].earlier, scale, means.earlier);
+    truth += d * d;
     estimate += e * e;
   }
   const auto n = double(pixels.size());
-  return (own + estimate) / std::max(1.0, n - 1) / n + law * law;
+  return (truth + estimate) / std::max(1.0, n - 1) / n + doubt * doubt;
 }
 
 }  // namespace
@@ -205,12 +207,12 @@ double log_variance(const std::vector<PixelNoise>& pixels, const Terms& t, doubl
 FrameError estimate_frame_error(const NoiseImage& image) {
   FrameError error;
   if (!all_have_two_samples(image)) return error;
-  const Terms t = make_terms(image);
+  const RelativeErrors errors = relative_errors(image);
   error.known = true;
   double mean = 0;
-  for (const double value : t.values) mean += value / double(t.values.size());
+  for (const double value : errors.values) mean += value / double(errors.values.size());
   if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
-  const double reach = 1.96 * std::sqrt(log_variance(image.pixels, t, mean));
+  const double reach = 1.96 * std::sqrt(log_variance(image.pixels, errors, mean));
   error.relative_rmse = std::sqrt(mean);
   error.low = std::sqrt(mean * std::exp(-reach));
   error.high = std::sqrt(mean * std::exp(reach));
@@ -218,7 +220,7 @@ FrameError estimate_frame_error(const NoiseImage& image) {
 }
 
 std::vector<double> relative_squared_errors(const NoiseImage& image) {
-  return all_have_two_samples(image) ? make_terms(image).values : std::vector<double>();
+  return all_have_two_samples(image) ? relative_errors(image).values : std::vector<double>();
 }
 
 NoiseImage film_noise(const Film& film) {

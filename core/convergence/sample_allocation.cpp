@@ -9,10 +9,10 @@
 namespace alabaster {
 namespace {
 
-// A pilot that met nothing is not sure of it, and one that met a rare path is not sure of that.
+// The pilot is small: neither a pixel where it found no noise nor one where it found a rare path is sure to be so.
 constexpr double kLeastRate = 0.125, kLargestRate = 8;
 
-// Mean of the values within `reach` pixels of (x, y).
+// Mean of the values within kReach pixels of (x, y).
 double local_mean(const std::vector<double>& values, const NoiseImage& size, int x, int y) {
   constexpr int kReach = 2;
   double sum = 0;
@@ -33,7 +33,7 @@ double rate_of(double deviation, double scale, uint32_t total) {
   return std::clamp(rate, kLeastRate, kLargestRate);
 }
 
-// The common factor of the deviations for which rates have mean one: they grow with it.
+// The factor of all deviations that gives rates of mean one, by bisection: rates grow with it.
 double find_scale(const std::vector<double>& deviations, uint32_t total) {
   double mean = 0;
   for (const double d : deviations) mean += d / double(deviations.size());
@@ -59,9 +59,13 @@ SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t
     const GroupImage deciding = group_image(window, noise, allocating_group(g));
     const std::vector<double> errors = relative_squared_errors(deciding.noise);
     if (errors.empty()) continue;
+
+    // Collect what the deciding group's pixels cost.
     std::vector<double> costs;
     for (int y = deciding.y0; y < window.y1; y += 2)
       for (int x = deciding.x0; x < window.x1; x += 2) costs.push_back(rays[index_in(window, x, y)]);
+
+    // Estimate sqrt(v / c) of each of the group's own pixels from the deciding pixels around it.
     std::vector<double> deviations;
     for (int y = 0; y < own.noise.height; ++y)
       for (int x = 0; x < own.noise.width; ++x) {
@@ -70,6 +74,8 @@ SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t
         const double cost = std::max(1.0, local_mean(costs, deciding.noise, there_x, there_y));
         deviations.push_back(std::sqrt(local_mean(errors, deciding.noise, there_x, there_y) / cost));
       }
+
+    // Turn these deviations into rates of mean one.
     const double scale = find_scale(deviations, total);
     if (!(scale > 0)) continue;
     size_t next = 0;

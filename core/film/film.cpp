@@ -132,7 +132,7 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers)
 
 namespace {
 
-// Squared difference of two means, averaged over red, green and blue: of the `first` samples, and of the rest.
+// Squared difference, averaged over red, green and blue, between the means of the `first` samples and of the `rest`.
 double squared_difference(const std::array<double, 4>& all, const std::array<float, 3>& some, double first,
                           double rest) {
   double squares = 0;

@@ -1,5 +1,5 @@
-// Where samples are kept. Rows run DOWN (y-down, as data windows do); RenderBuffer::Resolve turns them bottom-up.
-// A sample belongs to one pixel only (the pixel filter is importance-sampled), so no merge order exists to depend on.
+// Where samples are kept. Rows run down (y-down, as data windows do); RenderBuffer::Resolve turns them bottom-up.
+// A sample belongs to one pixel only, because the pixel filter is importance-sampled. So tiles need no merging.
 #pragma once
 
 #include <array>
@@ -62,11 +62,11 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
-/// What one camera sample brings.
+/// The result of one camera sample.
 struct FilmSample {
   Rgb color{0.0f};
   float alpha = 0;
-  float distance = 0;      // to the first hit; infinity if none: decides which sample is closest
+  float distance = 0;      // to the first hit, infinity if none; the least decides which sample is closest
   float depth = 1;         // Hydra's 0..1 clip depth (1 = far, background)
   float camera_depth = 0;  // along -z, world units; 0 if no hit
   Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
@@ -74,13 +74,13 @@ struct FilmSample {
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
 };
 
-/// A sample's color by what sent the light to the camera. The layers add up to color but for float rounding.
+/// A sample's color, split by how the light left the first surface. The layers add up to color but for float rounding.
 struct LightLayers {
-  Rgb diffuse{0.0f};      // scattered at the first surface by its diffuse and sheen lobes
-  Rgb specular{0.0f};     // by its specular and clearcoat lobes
-  Rgb unscattered{0.0f};  // came through the body from the first surface without scattering in it,
-  Rgb single{0.0f};       // with one scattering event,
-  Rgb multiple{0.0f};     // with two or more
+  Rgb diffuse{0.0f};      // scattered by the diffuse and sheen lobes
+  Rgb specular{0.0f};     // scattered by the specular and clearcoat lobes
+  Rgb unscattered{0.0f};  // through the body below, without a scattering event
+  Rgb single{0.0f};       // through the body, one scattering event
+  Rgb multiple{0.0f};     // through the body, two scattering events or more
   Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
 };
 
@@ -90,18 +90,17 @@ class FilmTile {
   FilmTile() = default;
   FilmTile(size_t pixels, uint32_t aovs);
 
-  /// `pixel`: row-major within the tile. Order matters to the last bit: one tile's samples come in sample order.
-  /// A pixel's samples must be those of one PixelSampler, from index 0 on. `layers` of the sample: null where none of
-  /// kLayerAovs was asked for.
+  /// `pixel`: row-major within the tile. A pixel's samples must come in sample order, from index 0 of one sampler on:
+  /// sums depend on the order in the last bit. `layers`: null where none of kLayerAovs is requested.
   void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
-  /// aov_components() values of a pixel: averages, or what the closest sample brought.
+  /// Writes aov_components() values of a pixel: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out) const;
   int32_t resolve_int(size_t pixel, Aov aov) const;
   PixelNoise noise(size_t pixel) const;
-  /// What another tile of the same shape and planes has gathered there.
+  /// Replaces a pixel by that of another tile of the same shape and AOVs.
   void take(size_t pixel, const FilmTile& from);
-  /// Of the accumulators that these AOVs need.
+  /// Size of the accumulators that these AOVs need.
   static size_t bytes_per_pixel(uint32_t aovs);
 
  private:
@@ -124,19 +123,20 @@ class FilmTile {
   std::vector<std::array<double, 4>> color_;  // sums, premultiplied
   Sums normal_, albedo_;
   std::vector<Halves> halves_;
-  std::vector<LayerPlane> layers_;  // those that were asked for
+  std::vector<LayerPlane> layers_;  // those that are requested
   std::vector<Closest> closest_;
 };
 
-/// Bytes of a Film of this window, but for a few per tile: known before it is allocated.
+/// Bytes that a Film of this window will take, but for a few per tile.
 size_t film_bytes(const PixelRect& data_window, uint32_t aovs);
 
-/// Accumulators of a data window, in tiles. Workers accumulate privately and store a tile at a time; readers copy a
-/// tile at a time under that tile's lock: neither waits for a whole pass.
+/// Accumulators of a data window, in tiles. Workers add samples to a private copy of a tile and store it; readers copy
+/// a tile at a time. Each holds the lock of that tile only, so neither waits for a whole pass. All const functions, and
+/// store_tile(), may be called from any thread.
 class Film {
  public:
   static constexpr int kTileSize = 32;
-  /// `aovs`: bits of Aov. Color and alpha are always kept.
+  /// `aovs`: bits of Aov. Color and alpha are always there.
   Film(const PixelRect& data_window, uint32_t aovs);
 
   const PixelRect& data_window() const { return window_; }
@@ -145,11 +145,11 @@ class Film {
   PixelRect tile_rect(int tile) const;
   FilmTile load_tile(int tile) const;
   void store_tile(int tile, FilmTile pixels);
-  /// Grows with every tile that is stored: equal numbers show equal pixels; 0: nothing yet. Any thread.
+  /// Number of tiles stored so far: as long as it stays the same, so do the pixels.
   uint64_t revision() const { return revision_.load(); }
 
-  /// Resolved values of the whole window, row-major, y-down; aov_components() values per pixel. An AOV that was not
-  /// asked for resolves to its background value.
+  /// Resolved values of the whole window, row-major, y-down; aov_components() values per pixel. An AOV that is not
+  /// requested resolves to its background value.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
   std::vector<PixelNoise> noise() const;

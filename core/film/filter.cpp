@@ -7,7 +7,7 @@
 namespace alabaster {
 namespace {
 
-// Inverse of the cumulative distribution of a filter over [-radius, radius], tabulated: the filters without a closed
+// Tabulated inverse of the cumulative distribution of a filter over [-radius, radius], for filters without a closed
 // form.
 class InverseCdf {
  public:

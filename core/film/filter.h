@@ -1,5 +1,5 @@
-// The pixel filter, importance-sampled: a sample's film position is drawn from the filter about its pixel's centre, so
-// every sample has weight one (Ernst et al. 2006, "Filter Importance Sampling").
+// The pixel filter, importance-sampled: the film position of a sample is drawn from the filter around the pixel's
+// centre, so every sample has weight one (Ernst et al. 2006, "Filter Importance Sampling").
 #pragma once
 
 #include "core/math/vector.h"
@@ -8,8 +8,8 @@ namespace alabaster {
 
 enum class PixelFilter { box, triangle, gaussian, blackman_harris };
 
-/// Offset from the pixel centre in pixels. Supports: box 1 wide, triangle 2, gaussian 3 (sigma .5),
-/// blackman_harris 3.
+/// Offset from the pixel's centre, in pixels, for u in [0,1)^2. Widths of support: box 1, triangle 2, gaussian 3
+/// (sigma 0.5), blackman_harris 3.
 Vec2f sample_pixel_filter(PixelFilter filter, const Vec2f& u);
 
 }  // namespace alabaster

@@ -1,9 +1,83 @@
+// Calibration against references: testenv/statistical/frame_error_test.cpp.
 #include "core/convergence/frame_error.h"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace alabaster {
 namespace {
+
+// Noise of the law V = a / m + b / m^2 that all pixels have to the letter, at 16 samples.
+NoiseImage image_of_law(double a, double b, float level) {
+  const auto variance = [&](double m) { return a / m + b / (m * m); };
+  const auto difference = [&](double m) { return static_cast<float>(4 * (variance(m / 2) - variance(m))); };
+  NoiseImage image{5, 4, {}};
+  image.pixels.assign(
+      20,
+      {.samples = 16, .level = level, .latest = difference(16), .previous = difference(8), .earlier = difference(4)});
+  return image;
+}
+
+TEST(FrameError, FollowsItsLaw) {
+  const double scale = 4 * (1 + kErrorFloor * kErrorFloor);  // L = 2
+  for (const auto& [a, b] : {std::pair{1.0, 0.0}, std::pair{1.0, 1.0}, std::pair{0.5, 20.0}, std::pair{3.0, 7.0}}) {
+    const FrameError error = estimate_frame_error(image_of_law(a, b, 2));
+    EXPECT_TRUE(error.known);
+    EXPECT_NEAR(error.relative_rmse, std::sqrt((a / 16 + b / 256) / scale), 1e-6) << a << " " << b;
+    EXPECT_LT(error.low, error.relative_rmse);
+    EXPECT_GT(error.high, error.relative_rmse);
+  }
+}
+
+// A law without noise, V = b / m^3: faster than the sum can fall.
+TEST(FrameError, FollowsASmoothIntegrand) {
+  NoiseImage image{5, 4, {}};
+  image.pixels.assign(20, {.samples = 16, .level = 1, .latest = 7, .previous = 56, .earlier = 448});
+  const double variance = 7.0 / 4 / 7;  // V(8) - V(16) = 7 V(16)
+  EXPECT_NEAR(estimate_frame_error(image).relative_rmse, std::sqrt(variance / (1 + kErrorFloor * kErrorFloor)), 1e-6);
+}
+
+TEST(FrameError, DoesNotDependOnTheUnitOfLight) {
+  NoiseImage dim = image_of_law(1, 2, 1), bright = image_of_law(1, 2, 1);
+  for (PixelNoise& p : bright.pixels) p = {p.samples, 4 * p.level, 16 * p.latest, 16 * p.previous, 16 * p.earlier, 0};
+  EXPECT_EQ(estimate_frame_error(dim).relative_rmse, estimate_frame_error(bright).relative_rmse);
+}
+
+TEST(FrameError, IsUnknownUntilEveryPixelHasTwoSamples) {
+  NoiseImage image = image_of_law(1, 0, 1);
+  image.pixels.back().samples = 1;
+  EXPECT_FALSE(estimate_frame_error(image).known);
+  EXPECT_TRUE(relative_squared_errors(image).empty());
+  EXPECT_FALSE(estimate_frame_error(NoiseImage{}).known);
+}
+
+TEST(FrameError, OfABlackFrameIsZero) {
+  NoiseImage image{2, 1, {}};
+  image.pixels.assign(2, {.samples = 4});
+  const FrameError error = estimate_frame_error(image);
+  EXPECT_TRUE(error.known);
+  EXPECT_EQ(error.relative_rmse, 0);
+  EXPECT_EQ(error.high, 0);
+}
+
+// A pixel that is much brighter than all around it does not count its own level.
+TEST(FrameError, AFireflyDoesNotExcuseItsNoise) {
+  NoiseImage image = image_of_law(1, 0, 1);
+  image.pixels[7].latest = 1e6f;
+  const auto with_level = [&](float level) {
+    image.pixels[7].level = level;
+    return relative_squared_errors(image)[7] / relative_squared_errors(image)[0];
+  };
+  EXPECT_NEAR(with_level(1000) / with_level(1), 1, 0.05);
+}
+
+// Levels 1 and 3, both 2 around each pixel.
+TEST(FrameError, OfAnImageAgainstItsReference) {
+  const std::vector<float> reference{1, 1, 1, 1, 3, 3, 3, 1}, image{1, 1, 1, 1, 3, 3, 6, 1};
+  const double scale = 4 * (1 + kErrorFloor * kErrorFloor);
+  EXPECT_NEAR(relative_mse(image, reference, 2, 1), 9.0 / 3 / scale / 2, 1e-12);
+}
 
 TEST(FrameError, SamplesForAnErrorFallWithItsSquare) {
   EXPECT_EQ(samples_for_error(1000, 4096, 0.011, 0.01), 1210u);
