@@ -7,11 +7,10 @@
 
 namespace alabaster::cli {
 
-/// Samples per pixel at which a render to an error ends if --spp does not say otherwise and no preset of --quality
-/// allows more.
+/// Samples per pixel at which a render to an error ends, unless --spp is given or a preset of --quality allows more.
 inline constexpr int kMostSamplesToAnError = 65536;
 
-/// Arguments as given; empty: not given.
+/// Arguments as given; empty if not given.
 struct RenderArguments {
   std::string scene;
   std::vector<std::string> outputs;
@@ -28,7 +27,7 @@ struct RenderArguments {
 };
 int run_render(const RenderArguments& arguments);
 
-/// Arguments as given; empty: not given.
+/// Arguments as given; empty if not given.
 struct InfoArguments {
   std::string scene;
   std::vector<std::string> overrides;

@@ -1,4 +1,4 @@
-// What people see while the program works: diagnostics and progress, all on standard error.
+// The program's output to people: diagnostics and progress, all on standard error.
 #pragma once
 
 #include <mutex>
@@ -18,11 +18,11 @@ class Console {
   void note(const std::string& text);
   void error(const std::string& where, const std::string& text);
 
-  /// A bar that redraws itself on a terminal, else a line at the start and at every tenth.
+  /// Shows a bar that redraws itself on a terminal; elsewhere prints a line at the start and at every tenth.
   void progress(const hd::host::RecordProgress& progress);
-  /// The bar has had its last word; what follows starts on a new line.
+  /// Leaves the bar as it is; the next text starts on a new line.
   void end_progress();
-  /// The last error that was reported; with empty texts if there was none.
+  /// The last error that was reported; its texts are empty if there was none.
   hd::Diagnostic last_error() const;
 
  private:

@@ -1,4 +1,4 @@
-// What the program says to its caller when it ends.
+// The program's exit codes.
 #pragma once
 
 namespace alabaster::cli {

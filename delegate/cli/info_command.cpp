@@ -20,8 +20,8 @@ size_t cage_triangles(const MeshDescription& mesh) {
   return triangles;
 }
 
-// One subdivision makes a quad of every corner (of a triangle four triangles, with Loop), each further one four of
-// each.
+// The first subdivision makes a quad of every face corner, and each further one four quads of each. Loop subdivision
+// makes four triangles of each triangle every time.
 size_t refined_triangles(const MeshDescription& mesh) {
   const int level = mesh.topology.scheme == hd::Token("none") ? 0 : mesh.displayStyle.refineLevel;
   if (level <= 0) return cage_triangles(mesh);
@@ -86,9 +86,10 @@ void print_lights_and_cameras(const SceneSession& session) {
 
 std::string problem_of(const InfoArguments& a) {
   if (!a.predict.empty() && !parse_target_error(a.predict))
-    return "--predict: '" + a.predict + "' is no error to reach: write a relative RMSE above 0, at most 1, as 0.02.";
+    return "--predict: '" + a.predict +
+           "' is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.";
   if (!a.size.empty() && !parse_size(a.size))
-    return "--size: '" + a.size + "' is no resolution: write for example 1280x720, up to 65536x65536.";
+    return "--size: '" + a.size + "' is not a resolution: write for example 1280x720, up to 65536x65536.";
   return "";
 }
 
@@ -101,7 +102,7 @@ hd::description::LoadOptions load_options(const InfoArguments& a) {
   return options;
 }
 
-// --size outranks what single products ask for, as it does when rendering.
+// --size overrides the resolution of single products, as it does when rendering.
 void resize(SceneSession* session, const hd::Vec2i& size) {
   hd::RenderSettingsDescription settings = session->scene.GetAllRenderSettings().at(session->file.settings);
   settings.width = size.x;
@@ -112,7 +113,7 @@ void resize(SceneSession* session, const hd::Vec2i& size) {
 }  // namespace
 
 int run_info(const InfoArguments& arguments) {
-  const double linked = process_cpu_seconds();  // what it took to get here: on one thread, so wall time alike
+  const double linked = process_cpu_seconds();  // the start-up ran on one thread: its wall time is the same
   const Stopwatch watch;
   catch_interrupts();
   Console console(false);
@@ -147,9 +148,10 @@ int run_schema(const std::string& name) {
     std::fputs(text, stdout);
     return kDone;
   }
-  Console(false).error("schema", "There is no schema '" + name +
-                                     "': known are disney_material, lights, camera, render_settings, "
-                                     "render_description and quality_presets.");
+  Console(false).error(
+      "schema",
+      "There is no schema '" + name +
+          "': choose from disney_material, lights, camera, render_settings, render_description and quality_presets.");
   return kUsage;
 }
 

@@ -25,7 +25,7 @@ void add_layers(const std::vector<std::string>& aovs, hd::RenderProduct* product
   }
 }
 
-// Numbers with one of `separators` between them; none if anything else is in `text` or a number does not fit.
+// Parses numbers with one of `separators` between them. Empty if `text` holds anything else or a number does not fit.
 template <class Number>
 std::vector<Number> parse_numbers(const std::string& text, const std::string& separators) {
   std::vector<Number> numbers;
@@ -45,7 +45,7 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
     std::string names;
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    return "--aov: there is no '" + aov + "'; known are " + names + ".";
+    return "--aov: there is no '" + aov + "'; choose from " + names + ".";
   }
   return "";
 }
@@ -63,13 +63,13 @@ std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std
   *error = unknown_aov(a.aovs);
   if (!error->empty()) return {};
   if (products.empty()) {
-    *error = "Nothing to write: add -o FILE, or products to the render description.";
+    *error = "There is nothing to write: add -o FILE, or products to the render description.";
   } else if (!a.aovs.empty() && !any_exr) {
-    *error = "--aov adds layers to EXR files, and none is written: add -o FILE.exr.";
+    *error = "--aov adds layers to EXR files, but no EXR file is written: add -o FILE.exr.";
   } else if (display_options && !any_display) {
     *error =
-        "--display, --view, --look and --exposure are for .png, .tif and .jpg files, and none is written: EXR "
-        "stays scene-linear.";
+        "--display, --view, --look and --exposure apply to .png, .tif and .jpg files, but none is written; EXR stays "
+        "scene-linear.";
   }
   if (!error->empty()) return {};
   for (hd::RenderProduct& product : products) {
@@ -106,13 +106,13 @@ std::optional<uint32_t> parse_frame(const std::string& text) {
 }
 
 std::string same_file_twice(const std::vector<std::string>& files) {
-  std::map<std::string, std::string> spelt;  // by what it is in the file system
+  std::map<std::string, std::string> spelt;  // by canonical path
   for (const std::string& file : files) {
     std::error_code error;
     std::filesystem::path path = std::filesystem::weakly_canonical(std::filesystem::absolute(file, error), error);
     if (error) path = std::filesystem::path(file).lexically_normal();
     const auto [other, is_new] = spelt.emplace(path.string(), file);
-    if (!is_new) return "'" + other->second + "' and '" + file + "' are the same file: give each its own name.";
+    if (!is_new) return "'" + other->second + "' and '" + file + "' are the same file: give each output its own name.";
   }
   return "";
 }

@@ -1,4 +1,4 @@
-// From the command line's outputs and colour options to render products.
+// Turns the command line's outputs and colour options into render products.
 #pragma once
 
 #include "delegate/cli/commands.h"
@@ -6,18 +6,18 @@
 
 namespace alabaster::cli {
 
-/// The products of -o with --aov, --display, --view, --look and --exposure applied. Empty + *error on contradictions.
-/// `existing`: what the description names, used where -o is not given.
+/// The products of -o with --aov, --display, --view, --look and --exposure applied. Empty, with *error set, if the
+/// options contradict each other. `existing` are the description's products, used where -o is not given.
 std::vector<hd::RenderProduct> make_products(const RenderArguments& arguments,
                                              const std::vector<hd::RenderProduct>& existing, std::string* error);
 
-/// "1280x720" with sides of 1 to 65536, and "x0,y0,x1,y1". Empty if malformed.
+/// Parse "1280x720", with sides of 1 to 65536, and "x0,y0,x1,y1". Empty if malformed.
 std::optional<hd::Vec2i> parse_size(const std::string& text);
 std::optional<hd::Rect2i> parse_crop(const std::string& text);
-/// A frame number, 0 to 4294967295. Empty if malformed.
+/// Parses a frame number, 0 to 4294967295. Empty if malformed.
 std::optional<uint32_t> parse_frame(const std::string& text);
 
-/// What is wrong, if two of `files` are one and the same file, however they are spelt; else empty.
+/// The error message if two of `files` are the same file, however they are spelt; else empty.
 std::string same_file_twice(const std::vector<std::string>& files);
 
 }  // namespace alabaster::cli

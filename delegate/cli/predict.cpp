@@ -41,7 +41,7 @@ double pixels_of(const hd::RenderSettingsDescription& s) {
   return double(window.width()) * double(window.height());
 }
 
-/// The same framing in about `pixels` pixels, never more than there are.
+/// The same framing at about `pixels` pixels, never more than `s` has.
 hd::RenderSettingsDescription reduced(hd::RenderSettingsDescription s, double pixels) {
   const double factor = std::min(1.0, std::sqrt(pixels / pixels_of(s)));
   const auto scaled = [&](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
@@ -68,11 +68,12 @@ class ProbeRenders {
   ProbeRenders(const ProbeRenders&) = delete;
   ProbeRenders& operator=(const ProbeRenders&) = delete;
 
-  /// False after a report. A pilot tells what there is time for. A coarse picture and two finer ones, of few and of
-  /// four times as many samples: they tell how the error changes with the size and with the samples.
+  /// Renders a pilot, which tells how much fits into the time, then a coarse picture and two finer ones with few and
+  /// with four times as many samples. They show how the error changes with size and samples. False after a report.
   bool run() {
     const Stopwatch watch;
-    // Up to thirty samples a sequence that is well spread, or adaptive sampling's pilot, converges unlike what follows.
+    // Below thirty samples a well spread sequence, or adaptive sampling's pilot, converges unlike the samples that
+    // follow.
     const double few = 32, many = 4 * few;
     if (!render({kPilotPixels, few / 2, 0.2 * kProbeSeconds, false})) return false;
     const Probe& pilot = probes_.front();
@@ -82,7 +83,7 @@ class ProbeRenders {
     const double pixels = std::clamp(left / (cost * (few / 4 + few + many)), std::min(kPilotPixels, all), all);
     if (pixels < all && !render({pixels / 4, few, left / 3, false})) return false;
     if (!render({pixels, few, left / 3, false})) return false;
-    // A whole frame that is small has room for more samples.
+    // A small frame that is probed whole has time for more samples.
     const double most = std::max(many, std::floor(left / (cost * pixels) - few));
     return render({pixels, std::min(most, 1024.0), std::max(0.3 * kProbeSeconds, kProbeSeconds - watch.wall()), true});
   }
@@ -91,8 +92,8 @@ class ProbeRenders {
   const hd::RenderSettingsDescription& full() const { return full_; }
   const hd::Dictionary& stats() const { return stats_; }
   const hd::RenderSettingsDescription& last() const { return last_; }
-  /// Bytes of a frame of so many pixels like the last: films (a second one holds the pixels that end early), and each
-  /// AOV as buffer (what it shows and what is being resolved) and as product (its bytes and its numbers).
+  /// Bytes of a frame of `pixels` pixels like the last: the films (a second one holds the pixels that end early), and
+  /// for each AOV the buffer (shown and being resolved) and the product (bytes and numbers).
   double frame_bytes(double pixels, int films) const {
     double bytes = films * number(stats_, "filmMemory") / pixels_of(last_);
     std::set<std::string> aovs;
@@ -119,11 +120,11 @@ class ProbeRenders {
     last_ = reduced(full_, plan.pixels);
     last_.settings["samples"] = static_cast<int32_t>(plan.samples);
     last_.settings["timeLimit"] = static_cast<float>(plan.seconds);
-    // Renders in rounds and deals samples out as a render to an error does, and never gets there.
+    // Renders in rounds and allocates samples as a render to an error does, but never reaches this error.
     last_.settings["targetError"] = 1e-6f;
-    last_.settings["seed"] = static_cast<int32_t>(probes_.size() + 1);  // no probe repeats what another one saw
+    last_.settings["seed"] = static_cast<int32_t>(probes_.size() + 1);  // each probe takes samples of its own
     last_.products.clear();
-    set_writing(plan.write);  // not even a second signal may leave the folder behind
+    set_writing(plan.write);  // even a second signal must not leave the folder behind
     std::optional<tradeoff::TemporaryFolder> folder;
     if (plan.write) last_.products = products_in(folder.emplace("alabaster-probe-").path());
     path_ = session_.file.settings.append("probe");
@@ -144,7 +145,8 @@ class ProbeRenders {
     return true;
   }
 
-  /// What the scene would write (a picture as EXR if it names nothing), in `folder`; nothing where that cannot be.
+  /// The scene's products (an EXR if it names none), redirected to `folder`. Empty if there is no folder or they cannot
+  /// be written.
   std::vector<hd::RenderProduct> products_in(const fs::path& folder) const {
     if (folder.empty()) return {};
     std::vector<hd::RenderProduct> products = full_.products;
@@ -165,7 +167,7 @@ class ProbeRenders {
   std::vector<Probe> probes_;
 };
 
-/// Resident now, in bytes; 0 if the system does not tell.
+/// The process's resident memory in bytes; 0 if the system does not report it.
 double resident_memory_bytes() {
   std::ifstream file("/proc/self/statm");
   double total = 0, resident = 0;
@@ -184,12 +186,12 @@ void print_range(const char* name, const Range& range, const char* unit, const s
               amount_text(range.low).c_str(), amount_text(range.high).c_str(), more.c_str());
 }
 
-// What was measured once comes out a little different the next time.
+// Adds a cost that was measured once; the next time it will be a little different.
 Range plus(const Range& range, double fixed) {
   return {range.value + fixed, range.low + 0.8 * fixed, range.high + 1.25 * fixed};
 }
 
-/// The probe's peak may be one that loading left behind, under which the frame finds room: then the lower end holds.
+/// Loading may have caused the process's peak, and the frame may fit below it: then the lower end holds.
 Range memory(const ProbeRenders& renders) {
   const double peak = double(peak_memory_bytes());
   const double probe = renders.frame_bytes(pixels_of(renders.last()), 1);
@@ -231,18 +233,19 @@ int print_prediction(SceneSession* session, Console* console, const Preparation&
   const bool done = renders.run();
   set_worth_saving(false);
   if (interrupted()) {
-    console->note("interrupted: nothing is foretold");
+    console->note("interrupted: no prediction is made");
     return kInterrupted;
   }
   if (!done) return kRender;
   const hd::RenderSettingsDescription &full = renders.full(), &last = renders.last();
-  std::printf("to reach %s %% relative RMSE at %dx%d, by a probe of %.1f s at %dx%d:\n",
+  std::printf("predicted for %s %% relative RMSE at %dx%d, from a probe of %.1f s at %dx%d:\n",
               amount_text(100 * target).c_str(), full.width, full.height, watch.wall(), last.width, last.height);
   const Prediction p = tradeoff::predict(renders.probes(), pixels_of(full), target, kFirstLook);
   print(renders, spent, p);
-  if (!p.noisy) std::printf("  the picture is black or has no noise: the first look at its error is enough\n");
+  if (!p.noisy)
+    std::printf("  the picture is black or noise-free: the render ends when it first estimates its error\n");
   if (p.samples.high > kMostSamplesToAnError)
-    std::printf("  a render to an error ends at %d samples per pixel: add --spp to allow more\n",
+    std::printf("  a render with --target-error stops at %d samples per pixel: add --spp to allow more\n",
                 kMostSamplesToAnError);
   return kDone;
 }

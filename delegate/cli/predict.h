@@ -1,4 +1,4 @@
-// alabaster info --predict E: what rendering a loaded scene to an error will take.
+// alabaster info --predict E: predicts the cost of rendering a loaded scene to an error.
 #pragma once
 
 #include <optional>
@@ -16,14 +16,14 @@ struct Seconds {
 /// A relative RMSE: above 0, at most 1. Empty if malformed.
 std::optional<double> parse_target_error(const std::string& text);
 
-/// What has been spent on the scene before its first sample.
+/// Time spent on the scene before its first sample.
 struct Preparation {
   Seconds load, sync;
 };
 
 /// Renders a few small pictures of `session`, which has been started and synced, for about three seconds, and prints
-/// what reaching `target` with its render settings takes. An exit code. Where signals are caught (interrupt.h) one ends
-/// it.
+/// the predicted samples, time and memory to reach `target` with its render settings. Returns an exit code. A signal
+/// ends it where signals are caught (interrupt.h).
 int print_prediction(SceneSession* session, Console* console, const Preparation& spent, double target);
 
 }  // namespace alabaster::cli

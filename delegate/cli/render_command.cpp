@@ -42,17 +42,19 @@ class RenderCommand {
     return kUsage;
   }
 
-  // What can be refused without reading the scene.
+  // Refuses bad arguments before the scene is read.
   int check_arguments() {
     if (!a_.size.empty() && !parse_size(a_.size))
       return usage_error("--size",
-                         "'" + a_.size + "' is no resolution: write for example 1280x720, up to 65536x65536.");
+                         "'" + a_.size + "' is not a resolution: write for example 1280x720, up to 65536x65536.");
     if (!a_.crop.empty() && !parse_crop(a_.crop))
-      return usage_error("--crop", "'" + a_.crop +
-                                       "' is no rectangle: write four whole numbers, x0,y0,x1,y1, each within "
-                                       "-2147483648 to 2147483647.");
+      return usage_error(
+          "--crop",
+          "'" + a_.crop +
+              "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
     if (!a_.time.empty() && !parse_frame(a_.time))
-      return usage_error("--time", "'" + a_.time + "' is no frame: write a whole number from 0 to 4294967295.");
+      return usage_error("--time",
+                         "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
     if (a_.exposure && !(std::abs(*a_.exposure) <= 64))
       return usage_error("--exposure", "expected a number of stops from -64 to 64.");
     std::vector<std::string> files = a_.outputs;
@@ -62,16 +64,16 @@ class RenderCommand {
       const fs::path folder = fs::path(a_.stats).parent_path();
       std::error_code error;
       if (!folder.empty() && !fs::is_directory(folder, error)) {
-        console_.error(a_.stats, "The folder does not exist: create it, or write elsewhere.");
+        console_.error(a_.stats, "The folder does not exist: create it or choose another.");
         return kOutput;
       }
     }
-    // Files that a description names are checked once it is loaded; --ocio and -o need no scene.
+    // -o can be checked without the scene; the files of a description are checked once it is loaded.
     if (a_.outputs.empty()) return kDone;
     std::string problem;
     const auto products = make_products(a_, {}, &problem);
     if (!problem.empty()) return usage_error("render", problem);
-    // A config named by the scene is not known yet, so names of displays are checked later.
+    // The scene may name the OCIO config, so names of displays are checked once it is loaded.
     for (hd::RenderProduct product : products) {
       product.display = product.view = product.look = "";
       if (!hd::host::CheckProduct(product, {"built-in"}, console_.sink())) return product_failure();
@@ -79,13 +81,14 @@ class RenderCommand {
     return kDone;
   }
 
-  // A product that makes no sense is as wrong as what it was asked with; one that cannot be written is output.
+  // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
+  // output.
   int product_failure() const {
     if (console_.last_error().code != "product.invalid") return kOutput;
     return a_.outputs.empty() ? kInput : kUsage;
   }
 
-  // Where an error or a time decides, samples are only a bound, and never a lower one than the preset's own.
+  // The bound on samples where an error or a time ends the render. It is never below the preset's own.
   int most_samples() const {
     const auto* preset = hd::description::FindQualityPreset(a_.quality);
     if (!preset) return kMostSamplesToAnError;
@@ -102,7 +105,7 @@ class RenderCommand {
     if (const auto size = parse_size(a_.size))
       add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
-    add("quality", a_.quality);  // before all that is to win over it
+    add("quality", a_.quality);  // first, so that all others override it
     const bool decided = !a_.target_error.empty() || !a_.time_limit.empty();
     add("samples", a_.samples.empty() && decided ? std::to_string(most_samples()) : a_.samples);
     add("targetError", a_.target_error);
@@ -126,7 +129,7 @@ class RenderCommand {
     if (!ok) return load_failure(console_.last_error(), options);
     if (!session_.choose_colors(a_.ocio, console_.sink())) return kInput;
     for (const std::string& note : session_.file.notes) console_.note("note: " + note);
-    if (!a_.time.empty()) console_.note("note: scenes do not move yet; --time only numbers the frame");
+    if (!a_.time.empty()) console_.note("note: animation is not supported; --time only sets the frame number");
     return kDone;
   }
 
@@ -168,7 +171,7 @@ class RenderCommand {
     return kDone;
   }
 
-  // Those of -o have been checked before the scene was read.
+  // Checks the description's file names, and --stats against them. Names given with -o have been checked before.
   int check_names(const std::vector<hd::RenderProduct>& products) {
     std::vector<std::string> files;
     for (const hd::RenderProduct& product : products) files.push_back(product.file);
@@ -186,7 +189,8 @@ class RenderCommand {
     return s.crop && (s.crop->minX >= s.width || s.crop->minY >= s.height || s.crop->maxX <= 0 || s.crop->maxY <= 0);
   }
 
-  // --size and --crop have gone into the first settings while loading; they outrank what single products ask for.
+  // Applies --size and --crop to settings other than the first, which got them while loading. They override the
+  // products'.
   void override_size(hd::RenderSettingsDescription* settings) const {
     if (const auto size = parse_size(a_.size)) {
       settings->width = size->x;
@@ -217,7 +221,7 @@ class RenderCommand {
       if (code != kDone) break;
     }
     if (code == kInterrupted) {
-      for (const std::string& file : written_) console_.note("interrupted: wrote what there is to " + file);
+      for (const std::string& file : written_) console_.note("interrupted: wrote the picture so far to " + file);
       if (written_.empty()) console_.note("interrupted: nothing was written");
     }
     return code;
@@ -264,7 +268,7 @@ class RenderCommand {
         hd::host::WriteFileAtomically(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
                                       code == kInterrupted ? hd::host::Flush::none : hd::host::Flush::disk);
     if (problem.empty()) return kDone;
-    console_.error(a_.stats, "The statistics cannot be written: " + problem + ".");
+    console_.error(a_.stats, "The statistics could not be written: " + problem + ".");
     return kOutput;
   }
 

@@ -17,11 +17,12 @@ class SceneSession {
 
   /// False after a report.
   bool load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
-  /// Whether the colour configuration that counts can be used; `asked` comes before the scene's. False after a report.
+  /// Chooses the colour configuration: `asked`, or the scene's if that is empty. False after a report if it cannot be
+  /// used.
   bool choose_colors(const std::string& asked, const hd::DiagnosticSink& sink);
   /// The configuration that was chosen.
   const hd::host::OutputColors& colors() const { return colors_; }
-  /// Makes the delegate and the index, and fills it. False after a report.
+  /// Makes the delegate and the index, and populates the index. False after a report.
   bool start(const hd::DiagnosticSink& sink);
 
   hd::RenderDelegate* delegate() const { return delegate_.get(); }
@@ -36,8 +37,8 @@ class SceneSession {
   std::unique_ptr<hd::host::RenderIndex> index_;
 };
 
-/// The exit code of a load that failed with `error`: what the command line asked for in `options` carries its own text
-/// as the place, and a fault there is one of usage; a file that is missing or unreadable is input wherever it is named.
+/// The exit code of a load that failed with `error`. An error about an option names the option's own text as its place,
+/// and is one of usage. A file that is missing or unreadable is bad input, wherever it is named.
 int load_failure(const hd::Diagnostic& error, const hd::description::LoadOptions& options);
 
 }  // namespace alabaster::cli

@@ -1,4 +1,4 @@
-// The --stats file: what a render cost, as JSON:
+// The --stats file, in JSON:
 //   versions    [text]              of Alabaster and what it is built on
 //   scene       text                as given
 //   status      "done", "interrupted" or "failed"
@@ -21,7 +21,7 @@
 
 namespace alabaster::cli {
 
-/// What one run did; renders of several resolutions are added up.
+/// The statistics of one run; renders at several resolutions are added up.
 class RunStats {
  public:
   void set_load(double wall, double cpu);

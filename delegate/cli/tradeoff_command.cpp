@@ -32,7 +32,8 @@ std::string array_checksum(const hd::Array<T>& array) {
   return tradeoff::checksum(array.data(), array.size() * sizeof(T));
 }
 
-/// Of the bytes of an image, in memory or in a file; of none if it cannot be read, which Sync has reported.
+/// The checksum of an image's bytes, in memory or in a file. An image that cannot be read, which Sync has reported,
+/// counts as empty.
 std::string image_checksum(const hd::AssetPath& image) {
   if (image.bytes) return tradeoff::checksum(image.bytes->data(), image.bytes->size());
   std::ifstream file(image.resolved, std::ios::binary);
@@ -47,9 +48,9 @@ std::string image_checksums(const std::map<hd::Token, hd::Value>& parameters) {
   return text;
 }
 
-/// Of what the scene is, whatever file it is from: the renderer's own account of it, the shapes, and the images of
-/// textures and lights. It does not see the values of normals and UVs, creases, how a texture is wrapped and in which
-/// colour space it is, nor the OCIO config.
+/// A checksum of the scene's content, whichever file it came from: the renderer's dump of it, the shapes, and the
+/// images of textures and lights. It does not cover the values of normals and UVs, creases, the wrapping and colour
+/// space of textures, or the OCIO config.
 std::string scene_hash(const SceneSession& session) {
   std::string text = session.delegate()->InvokeCommand("dumpScene", {}).text_or("");
   for (const auto& [path, light] : session.scene.GetLights()) text += image_checksums(light.parameters) + "\n";
@@ -94,17 +95,19 @@ class TradeoffCommand {
 
   int check_arguments() {
     if (!a_.size.empty() && !parse_size(a_.size))
-      return usage_error("--size", "'" + a_.size + "' is no resolution: write for example 320x180, up to 65536x65536.");
+      return usage_error("--size",
+                         "'" + a_.size + "' is not a resolution: write for example 320x180, up to 65536x65536.");
     const auto minutes = a_.budget.empty() ? std::optional(10.0) : parse_minutes(a_.budget);
     if (!minutes)
-      return usage_error("--budget", "'" + a_.budget +
-                                         "' is no time: write minutes as a number above 0, up to 10080 (a week), for "
-                                         "example 10.");
+      return usage_error(
+          "--budget",
+          "'" + a_.budget +
+              "' is not a time: write a number of minutes above 0 and up to 10080 (a week), for example 10.");
     budget_ = 60 * *minutes;
     try {
       const std::regex pattern(a_.only);
     } catch (const std::regex_error& error) {
-      return usage_error("--only", "'" + a_.only + "' is no regular expression: " + error.what() + ".");
+      return usage_error("--only", "'" + a_.only + "' is not a regular expression: " + error.what() + ".");
     }
     folder_ = a_.folder.empty() ? fs::path(a_.scene).stem().string() + "_tradeoff" : a_.folder;
     return kDone;
@@ -134,17 +137,17 @@ class TradeoffCommand {
                                            session_.delegate()->GetRenderSettingDescriptors(), only);
     };
     list_ = configurations(a_.only);
-    for (const std::string& line : list_.skipped) console_.note("left out: " + line);
+    for (const std::string& line : list_.skipped) console_.note("skipped: " + line);
     const std::regex only(a_.only);
     if (list_.measured.size() == 1 && !std::regex_search(list_.measured.front().name, only)) {
       std::string known;
       for (const auto& configuration : configurations(".").measured)
         known += (known.empty() ? "" : ", ") + configuration.name;
-      return usage_error("--only", "'" + a_.only + "' finds none of the configurations of this scene: " + known + ".");
+      return usage_error("--only", "'" + a_.only + "' matches none of this scene's configurations: " + known + ".");
     }
-    if (settings.crop) console_.note("note: the scene's crop is not used: the whole frame is measured");
+    if (settings.crop) console_.note("note: the scene's crop is ignored: the whole frame is measured");
     if (!session_.index()->SyncAll()) {
-      console_.error(a_.scene, "The scene could not be prepared: memory or threads ran out.");
+      console_.error(a_.scene, "The scene could not be prepared: not enough memory or threads.");
       return kRender;
     }
     renderer_.emplace(tradeoff::SceneRenderer::Scene{&session_.scene, session_.index(), session_.file.settings,
@@ -152,7 +155,7 @@ class TradeoffCommand {
     return kDone;
   }
 
-  /// That of the first picture which the scene wants displayed; else the config's default.
+  /// Takes the display and view of the first product that has one; else the config's default.
   void choose_display() {
     const auto& all = session_.scene.GetAllRenderSettings();
     std::vector<hd::Path> paths{session_.file.settings};
@@ -170,19 +173,18 @@ class TradeoffCommand {
     const auto asked = parse_size(a_.size);
     if (!store_.empty()) {
       const tradeoff::StudyIdentity& stored = store_.identity;
-      const std::string remedy = ": --restart begins anew, -o DIR writes elsewhere.";
+      const std::string remedy = ": start afresh with --restart, or choose another folder with -o DIR.";
       if (stored.versions != identity.versions)
-        return usage_error(folder_.string(),
-                           "The folder holds a study by another version of Alabaster or of its "
-                           "libraries" +
-                               remedy);
+        return usage_error(
+            folder_.string(),
+            "The folder holds a study made with another version of Alabaster or of its libraries" + remedy);
       if (stored.scene_hash != identity.scene_hash)
-        return usage_error(folder_.string(), "The folder holds a study of another scene, or of " + stored.scene +
-                                                 " before it was changed" + remedy);
+        return usage_error(folder_.string(), "The folder holds a study of another scene, or of an earlier version of " +
+                                                 stored.scene + remedy);
       if (asked && (asked->x != stored.width || asked->y != stored.height))
-        return usage_error("--size", "The folder holds a study of " + std::to_string(stored.width) + "x" +
+        return usage_error("--size", "The folder holds a study at " + std::to_string(stored.width) + "x" +
                                          std::to_string(stored.height) + remedy);
-      console_.note("goes on with " + std::to_string(store_.renders().size()) + " renders of an earlier run");
+      console_.note("resuming with " + std::to_string(store_.renders().size()) + " renders from an earlier run");
       identity.width = stored.width;
       identity.height = stored.height;
       set_worth_saving(true);
@@ -197,7 +199,7 @@ class TradeoffCommand {
     return kDone;
   }
 
-  /// A quick look at the base tells what a pixel costs.
+  /// The largest size that the budget allows, by a quick render of the base that measures the cost of a pixel.
   std::optional<hd::Vec2i> affordable() {
     constexpr uint64_t kSamples = 4;
     constexpr double kProbePixels = 96 * 96;
@@ -209,9 +211,9 @@ class TradeoffCommand {
     const double seconds = frame->cost.wall_seconds / (double(kSamples) * size.x * size.y);
     const hd::Vec2i chosen = tradeoff::affordable_size(scene_size_, seconds, list_.measured.size(), budget_);
     if (chosen != scene_size_)
-      console_.note("measures at " + std::to_string(chosen.x) + "x" + std::to_string(chosen.y) + " instead of " +
+      console_.note("measuring at " + std::to_string(chosen.x) + "x" + std::to_string(chosen.y) + " instead of " +
                     std::to_string(scene_size_.x) + "x" + std::to_string(scene_size_.y) +
-                    ", so that the budget suffices; --size decides otherwise");
+                    " to fit the budget; --size overrides this");
     return chosen;
   }
 
@@ -233,7 +235,7 @@ class TradeoffCommand {
       const auto samples = static_cast<unsigned long long>(p.job.samples);
       const auto left = static_cast<long>(std::lround(p.seconds_left));
       if (p.total == 0)
-        std::snprintf(text, sizeof text, "[%zu] %s, 1 sample: what does it cost?", p.number, p.configuration.c_str());
+        std::snprintf(text, sizeof text, "[%zu] %s, 1 sample, to measure its cost", p.number, p.configuration.c_str());
       else
         std::snprintf(text, sizeof text, "[%zu/%zu] %s, %llu samples; %ld:%02ld left", p.number, p.total,
                       p.configuration.c_str(), samples, left / 60, left % 60);
@@ -246,7 +248,7 @@ class TradeoffCommand {
     // All pictures are safe and nothing is being written: a signal may end the program.
     set_worth_saving(false);
     set_writing(false);
-    console_.note("analyses " + std::to_string(store_.renders().size()) + " renders");
+    console_.note("analysing " + std::to_string(store_.renders().size()) + " renders");
     const tradeoff::DisplayFunction display = [this](const tradeoff::Image& image) {
       return tradeoff::to_display(image, display_, session_.colors(), console_.sink());
     };
@@ -256,7 +258,7 @@ class TradeoffCommand {
       if (outcome == StudyOutcome::finished)
         console_.error(a_.scene, problem);
       else
-        console_.note("nothing to report yet; the same command goes on from here");
+        console_.note("nothing to report yet; run the same command again to resume");
       return kInput;
     }
     if (result->rows.empty()) return nothing_measured(outcome);
@@ -267,19 +269,19 @@ class TradeoffCommand {
     for (const std::string& file : write_report(*result, list_, context, folder_, &problems))
       console_.note("wrote " + file);
     for (const std::string& text : problems) console_.error("tradeoff", text);
-    if (outcome == StudyOutcome::cancelled) console_.note("interrupted: the same command goes on from here");
+    if (outcome == StudyOutcome::cancelled) console_.note("interrupted; run the same command again to resume");
     return problems.empty() ? kDone : kOutput;
   }
 
-  /// The reference is there, but none of what is to be compared with it has two replicas.
+  /// Reports a study that has a reference, but no two replicas of any other configuration.
   int nothing_measured(StudyOutcome outcome) {
     const double minutes = 1.2 * tradeoff::least_budget(list_, store_) / 60;
     char text[32];
     std::snprintf(text, sizeof text, minutes < 10 ? "%.2g" : "%.0f", minutes);
-    const std::string problem = "The time was too short to render anything twice but the reference. Give it " +
-                                std::string(text) + " minutes or more; what there is is kept.";
+    const std::string problem = "The budget was too short to render anything but the reference twice. Give it " +
+                                std::string(text) + " minutes or more; the renders so far are kept.";
     if (outcome == StudyOutcome::finished) return usage_error("--budget", problem);
-    console_.note("nothing to report yet; the same command goes on from here");
+    console_.note("nothing to report yet; run the same command again to resume");
     return kInput;
   }
 

@@ -20,14 +20,14 @@ class ProgramTest : public hd::description::SceneFiles {
     const int code = program.wait();
     return {code, program.out(), program.err()};
   }
-  /// A render that takes no time worth mentioning.
+  /// A render that takes next to no time.
   std::vector<std::string> quick(const std::vector<std::string>& more) const {
     std::vector<std::string> all{"render", "patch.gltf", "--size", "32x24", "--spp", "2"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
-  /// No temporary file was left behind.
+  /// Checks that no temporary file was left behind.
   size_t file_count() const {
     return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
   }
@@ -207,7 +207,7 @@ TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
 TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"--aov", "shadow"}, "sampleCount"},
-      {{"--time", "nan"}, "--time: 'nan' is no frame"},
+      {{"--time", "nan"}, "--time: 'nan' is not a frame number"},
       {{"--time", "1e300"}, "whole number"},
       {{"--time", "1.5"}, "whole number"},
       {{"--time", "-1"}, ""},
@@ -230,7 +230,7 @@ TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   }
   const Outcome size = run({"render", "patch.gltf", "-o", "a.exr", "--size", "0x0"});
   EXPECT_EQ(size.code, 2);
-  EXPECT_EQ(size.err, "error: --size: '0x0' is no resolution: write for example 1280x720, up to 65536x65536.\n");
+  EXPECT_EQ(size.err, "error: --size: '0x0' is not a resolution: write for example 1280x720, up to 65536x65536.\n");
   const Outcome info = run({"info", "patch.gltf", "--set", "materials/skin.rougness=1"});
   EXPECT_EQ(info.code, 2);
   EXPECT_FALSE(exists("a.exr"));
@@ -319,7 +319,8 @@ TEST_F(ProgramTest, OcioListsAndExports) {
   EXPECT_EQ(run({"ocio", "--ocio", "absent.ocio"}).code, 3);
 }
 
-// The promise is 0.2 s on an idle machine. One of three attempts must keep it: a loaded machine may stall the others.
+// An interrupted render ends within 0.2 s on an idle machine. One of three attempts must: a busy machine may delay
+// some.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr double kAtOnce = 4;  // sanitizers slow everything down
 #else
@@ -338,7 +339,7 @@ TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
     const int code = program.wait();
     best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     ASSERT_EQ(code, 130) << program.err();
-    EXPECT_HAS(program.err(), "interrupted: wrote what there is to a.exr");
+    EXPECT_HAS(program.err(), "interrupted: wrote the picture so far to a.exr");
     const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
     ASSERT_TRUE(exr) << OIIO::geterror();
     EXPECT_EQ(exr->spec().get_int_attribute("alabaster/incomplete", 0), 1);
@@ -363,7 +364,7 @@ TEST_F(ProgramTest, TheErrorAskedIsReachedAndReported) {
   EXPECT_GE(exr->spec().channelindex("error"), 0);
 }
 
-// However often it is asked to end, and wherever it is then: whole files and no temporary ones.
+// Signals at any time and in any number leave complete files and no temporary ones.
 TEST_F(ProgramTest, ImpatienceLeavesNoTemporaryFile) {
   for (int attempt = 0; attempt < 6; ++attempt) {
     Program program(folder_, {"render", "patch.gltf", "--size", "640x480", "--spp", "1000000", "-o", "a.exr", "-o",

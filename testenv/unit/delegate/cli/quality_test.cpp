@@ -1,4 +1,4 @@
-// --quality from outside: what a render that asks for a preset says of itself.
+// --quality from outside: the settings that a render with a preset reports.
 #include <nlohmann/json.hpp>
 
 #include "delegate/description/quality_presets.h"
@@ -44,8 +44,8 @@ TEST_F(QualityTest, EveryOtherFlagWins) {
             expected);
 }
 
-// An error or a time that is asked for brings its own bound of samples, as it does without a preset; who asks for more
-// must not get less than from the preset alone.
+// --target-error and --time-limit set their own bound on samples, as they do without a preset. The bound is never below
+// the preset's, so that a smaller error cannot end with fewer samples.
 TEST_F(QualityTest, AnErrorOrATimeRaisesTheBoundOfSamplesAndNeverLowersIt) {
   const int of_reference = settings_of("lit.gltf", {"--quality", "reference", "--time-limit", "0.01"})["samples"];
   EXPECT_GT(of_reference, 65536) << "or there is nothing to lower";

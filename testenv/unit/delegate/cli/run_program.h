@@ -1,4 +1,4 @@
-// Runs the program alabaster as a person would, and keeps what it said.
+// Runs the program alabaster as a person would, and keeps its output.
 #pragma once
 
 #include <fcntl.h>
@@ -16,7 +16,8 @@
 
 namespace alabaster::cli {
 
-/// A running `alabaster ARGUMENTS` in `folder`, its outputs in files there. Killed when it outlives this object.
+/// A running `alabaster ARGUMENTS` in `folder`, with its outputs in files there. The destructor kills it if it still
+/// runs.
 class Program {
  public:
   Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments) : folder_(folder) {
@@ -26,7 +27,8 @@ class Program {
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     const std::string out = folder / "stdout.txt", err = folder / "stderr.txt", where = folder;
-    for (const std::string& earlier : {out, err}) std::filesystem::remove(earlier);  // wait_for must not see its words
+    for (const std::string& earlier : {out, err})
+      std::filesystem::remove(earlier);  // an earlier run's, which wait_for must not see
     pid_ = fork();
     if (pid_ != 0) return;
     const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);

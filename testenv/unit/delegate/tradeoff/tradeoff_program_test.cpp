@@ -23,13 +23,13 @@ class TradeoffProgram : public hd::description::SceneFiles {
     std::ifstream file(folder_ / name);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /// Six seconds at 12x8: an idle machine has rows for a report after the first of them, a busy one by the end.
+  /// Six seconds at 12x8. An idle machine has rows for a report after one second, a busy one by the end.
   std::vector<std::string> quick(const std::vector<std::string>& more) const {
     std::vector<std::string> all{"wax.json", "-o", "out", "--budget", "0.1", "--size", "12x8", "--only", "lambert"};
     all.insert(all.end(), more.begin(), more.end());
     return all;
   }
-  /// Time for nothing but what is always rendered.
+  /// Too little time for anything but the renders that every study takes.
   std::vector<std::string> hasty(const std::vector<std::string>& more) const {
     std::vector<std::string> all = quick(more);
     all[4] = "0.00001";
@@ -70,13 +70,13 @@ TEST_F(TradeoffProgram, MeasuresWritesAndGoesOn) {
   EXPECT_TRUE(front);
   const Outcome second = run(quick({}));
   EXPECT_EQ(second.code, 0);
-  EXPECT_HAS(second.err, "goes on with");
+  EXPECT_HAS(second.err, "resuming with");
 }
 
 TEST_F(TradeoffProgram, WhatDoesNotFitTheFolderIsRefused) {
   write_sky("ABC\x80");
   run(hasty({}));
-  EXPECT_HAS(run(hasty({})).err, "goes on with");
+  EXPECT_HAS(run(hasty({})).err, "resuming with");
   const auto refuses = [&](const std::vector<std::string>& arguments, const std::string& because) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 2);
@@ -84,21 +84,21 @@ TEST_F(TradeoffProgram, WhatDoesNotFitTheFolderIsRefused) {
     EXPECT_HAS(outcome.err, "--restart");
   };
   refuses({"wax.json", "-o", "out", "--budget", "0.00001", "--size", "13x8"}, "12x8");
-  refuses(hasty({"--set", "materials/skin.roughness=0.1"}), "before it was changed");
+  refuses(hasty({"--set", "materials/skin.roughness=0.1"}), "earlier version of");
   write_sky("ABD\x80");
-  refuses(hasty({}), "before it was changed");
+  refuses(hasty({}), "earlier version of");
   write_sky("ABC\x80");
-  EXPECT_HAS(run(hasty({})).err, "goes on with");
+  EXPECT_HAS(run(hasty({})).err, "resuming with");
   auto state = nlohmann::json::parse(text_of("out/state/state.json"));
   state["versions"] = "0.0.1";
   write("out/state/state.json", state.dump());
   refuses(hasty({}), "another version");
-  state.erase("versions");  // as a program wrote it that did not note them
+  state.erase("versions");  // as written by a program that did not record them
   write("out/state/state.json", state.dump());
   refuses(hasty({}), "another version");
   const Outcome anew = run(hasty({"--restart"}));
   EXPECT_EQ(anew.err.find("holds a study"), std::string::npos) << anew.err;
-  EXPECT_HAS(run(hasty({})).err, "goes on with");
+  EXPECT_HAS(run(hasty({})).err, "resuming with");
 }
 
 TEST_F(TradeoffProgram, TooShortATimeIsSaidAndNothingIsLost) {
@@ -107,7 +107,7 @@ TEST_F(TradeoffProgram, TooShortATimeIsSaidAndNothingIsLost) {
   EXPECT_HAS(outcome.err, "--budget: ");
   EXPECT_HAS(outcome.err, "minutes or more");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "tradeoff.csv"));
-  EXPECT_HAS(run(hasty({})).err, "goes on with 3 renders");  // one of the base, two of the reference
+  EXPECT_HAS(run(hasty({})).err, "resuming with 3 renders");  // one of the base, two of the reference
 }
 
 TEST_F(TradeoffProgram, WrongArgumentsEndAsWithOtherCommands) {
@@ -137,7 +137,7 @@ TEST_F(TradeoffProgram, InterruptedItWritesWhatThereIs) {
   program.interrupt();
   EXPECT_EQ(program.wait(), 130) << program.err();
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "state" / "state.json"));
-  EXPECT_HAS(program.err(), "goes on from here");
+  EXPECT_HAS(program.err(), "run the same command again to resume");
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "out"))
     EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
 }
