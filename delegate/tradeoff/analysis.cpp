@@ -18,7 +18,7 @@ struct DisplayError {
   double rmse = kUnknown, flip = kUnknown;
 };
 
-/// Only one configuration's pictures are in memory at a time, besides the reference's mean.
+/// Holds one configuration's pictures in memory at a time, besides the reference's mean.
 class Analysis {
  public:
   Analysis(const StudyStore& store, const ConfigurationList& list, const DisplayFunction& display)
@@ -39,7 +39,7 @@ class Analysis {
     BySamples renders;
     for (const StoredRender& render : store_.renders())
       if (find_configuration(list_, render) == configuration) renders[render.samples].push_back(&render);
-    for (auto& [samples, replicas] : renders)  // sums must not depend on the order in which they were rendered
+    for (auto& [samples, replicas] : renders)  // sums must not depend on the order of rendering
       std::sort(replicas.begin(), replicas.end(),
                 [](const StoredRender* a, const StoredRender* b) { return a->replica < b->replica; });
     return renders;
@@ -50,7 +50,7 @@ class Analysis {
     for (const StoredRender* render : renders) {
       auto image = store_.read(*render);
       if (!image) {
-        *problem = render->file + " is missing or damaged: run the command again, and it is rendered again.";
+        *problem = render->file + " is missing or damaged: run the command again to render it again.";
         return false;
       }
       images->push_back(std::move(*image));
@@ -74,7 +74,8 @@ class Analysis {
     const Image mean = mean_image(images);
     scales_ = squared_scales(mean);
     if (scales_.empty()) {
-      *problem = "The reference is black: errors cannot be relative to it. Does a light reach what the camera sees?";
+      *problem =
+          "The reference is black, so no error can be relative to it. Check that light reaches the visible surfaces.";
       return false;
     }
     ReplicaGroup group(found->first);

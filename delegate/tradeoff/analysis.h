@@ -1,4 +1,4 @@
-// From the pictures of a study to its numbers.
+// Turns the pictures of a study into numbers.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace alabaster::tradeoff {
 
-/// A configuration at a number of samples. What is not known is a NaN.
+/// A configuration at a number of samples. Unknown values are NaN.
 struct Row {
   std::string configuration, group;
   uint64_t samples = 0;  // per pixel
@@ -17,8 +17,8 @@ struct Row {
   Estimate squared_noise;                    // of one replica
   Estimate squared_bias, level_bias;         // of the configuration: the same in all its rows
   double total = 0;                          // sqrt(bias^2 + noise^2); a bias^2 below zero counts as zero
-  double display_rmse = 0, flip = 0;         // against the mean of the reference, mean over replicas
-  double reported_error = 0;                 // what the renders estimate of themselves, root of the mean square
+  double display_rmse = 0, flip = 0;         // against the reference's mean; mean over replicas
+  double reported_error = 0;                 // the renders' own estimates, root of the mean square
   bool pareto = false;                       // no other row costs less CPU time and errs less
 };
 
@@ -26,8 +26,8 @@ struct ReferenceSummary {
   uint64_t samples = 0;  // of each replica
   int replicas = 0;
   double cpu_seconds = 0;             // of all of them
-  double noise = 0;                   // relative RMSE of their mean, which the estimates of bias have taken away
-  double display_rmse = 0, flip = 0;  // between the means of its two halves: display measures below are noise
+  double noise = 0;                   // relative RMSE of their mean; the estimates of bias have subtracted it
+  double display_rmse = 0, flip = 0;  // between the means of its two halves: smaller display errors are noise
 };
 
 struct StudyResult {
@@ -35,19 +35,19 @@ struct StudyResult {
   std::vector<Row> rows;  // in the order of the list, by rising samples
 };
 
-/// A linear picture as it is displayed; none: failed.
+/// Converts a linear picture to display colours; none if that failed.
 using DisplayFunction = std::function<std::optional<Image>(const Image&)>;
 
-/// Rows have two replicas at least. None, and *problem says why, if the reference does not have two yet, is black, or a
-/// picture cannot be read.
+/// Each row has at least two replicas. None, with the reason in *problem, if the reference has fewer than two or is
+/// black, or a picture cannot be read.
 std::optional<StudyResult> analyse(const StudyStore& store, const ConfigurationList& list,
                                    const DisplayFunction& display, std::string* problem);
 
-/// One line for each configuration: the base is what the others are compared with.
+/// One line for each configuration, compared with the base.
 struct ConfigurationSummary {
   const Row* best = nullptr;  // of most samples
   double cost_ratio = 0;      // CPU seconds to equal noise, relative to the base: noise^2 x CPU of both
-  uint64_t compared_at = 0;   // samples at which the ratio was taken: the most that both have
+  uint64_t compared_at = 0;   // samples at which the ratio was taken: the most that both rendered
 };
 std::vector<ConfigurationSummary> summarize(const StudyResult& result);
 

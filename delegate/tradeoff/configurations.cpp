@@ -11,7 +11,7 @@ namespace {
 
 enum class Needs { nothing, subsurface };
 
-/// Numbers for numbers, words for words, 0 and 1 for switches.
+/// A value as written here: numbers for numbers, words for words, 0 and 1 for switches.
 using KnobValue = std::variant<int64_t, const char*, bool>;
 
 struct Knob {
@@ -20,7 +20,7 @@ struct Knob {
   Needs needs = Needs::nothing;
 };
 
-// The most accurate that is still meant for pictures. Beyond 32 bounces nothing is seen to change.
+// The base is the most accurate configuration meant for pictures. Beyond 32 bounces no change is visible.
 constexpr int64_t kBaseDepth = 32, kReferenceDepth = 128;
 
 constexpr Knob kBase[] = {
@@ -28,8 +28,7 @@ constexpr Knob kBase[] = {
     {"inversion", "exact"},
 };
 
-// Each of these is measured against the base. Those that people turn first come first: when time is short, what comes
-// late is left out.
+// The knobs to measure against the base, most used first: when time is short, the last ones are left out.
 constexpr Knob kKnobs[] = {
     {"subsurface", "lambert", Needs::subsurface},
     {"subsurface", "diffusion", Needs::subsurface},
@@ -52,7 +51,7 @@ constexpr Knob kKnobs[] = {
 
 constexpr int kCoarser[] = {1, 2};
 
-// What ends a render, and whose noise it is.
+// The study itself decides when a render ends and which random numbers it takes.
 constexpr const char* kDecidedHere[] = {"samples", "seed", "targetError", "timeLimit"};
 
 constexpr const char* kPresets = "quality";  // their group
@@ -75,7 +74,7 @@ std::string text_of(const KnobValue& value) {
   return std::to_string(std::get<int64_t>(value));
 }
 
-/// Equal in meaning: scene files write numbers in other types than the table.
+/// Compares by meaning: scene files write numbers in other types than the table.
 bool same(const hd::Value& a, const hd::Value& b) {
   const std::string text = a.text_or("");
   if (!text.empty() || !b.text_or("").empty()) return text == b.text_or("");
@@ -142,9 +141,10 @@ class ListMaker {
   void add_coarser(int levels) {
     const std::string name = "refineLevel-" + std::to_string(levels);
     if (traits_.refine_level < levels)
-      return skip(name, traits_.refine_level == 0 ? "no mesh of the scene is subdivided"
-                                                  : "the scene subdivides " + std::to_string(traits_.refine_level) +
-                                                        (traits_.refine_level == 1 ? " time only" : " times only"));
+      return skip(name, traits_.refine_level == 0
+                            ? "no mesh in the scene is subdivided"
+                            : "the scene subdivides only " + std::to_string(traits_.refine_level) +
+                                  (traits_.refine_level == 1 ? " time" : " times"));
     Configuration configuration = base_;
     configuration.name = name;
     configuration.group = "refineLevel";
@@ -152,7 +152,7 @@ class ListMaker {
     list_.measured.push_back(std::move(configuration));
   }
 
-  /// The scene as --quality renders it, without what ends the render.
+  /// The scene as --quality renders it, but without the preset's limits on samples, error and time.
   void add_preset(const hd::description::QualityPreset& preset) {
     Configuration configuration{kPresets + ("=" + preset.name), kPresets, scene_settings_, 0};
     for (const auto& [name, value] : preset.settings) configuration.settings[name] = value;
@@ -197,7 +197,7 @@ ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dicti
                                       const std::vector<hd::RenderSettingDescriptor>& known, const std::string& only) {
   ConfigurationList list = ListMaker(traits, scene_settings, known).make();
   if (only.empty()) {
-    // They combine what is measured here one by one: whoever wants them asks for them.
+    // Presets combine the knobs that are measured one by one here, so they are measured only if asked for.
     std::erase_if(list.measured, [](const Configuration& configuration) { return configuration.group == kPresets; });
     return list;
   }

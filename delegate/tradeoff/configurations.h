@@ -1,4 +1,4 @@
-// What is compared: a base that spares nothing, and what differs from it in one thing.
+// The configurations that a study compares: a base without shortcuts, and others that each differ from it in one knob.
 #pragma once
 
 #include <string>
@@ -13,27 +13,28 @@ namespace alabaster::tradeoff {
 struct Configuration {
   std::string name;         // "walk", "maxDepth=4"
   std::string group;        // the knob: "base", "subsurface", "maxDepth"
-  hd::Dictionary settings;  // every setting that is not the renderer's default, but for samples and seed
-  int coarser = 0;          // by how many levels subdivided meshes are refined less than the scene asks
+  hd::Dictionary settings;  // every setting that differs from the renderer's default, except samples and seed
+  int coarser = 0;          // levels of subdivision fewer than the scene asks for
 
-  /// The same for the same settings, whatever made them: a measurement that bears it may be used again.
+  /// Identifies the settings: a stored measurement with the same fingerprint may be used again.
   std::string fingerprint() const;
 };
 
 struct SceneTraits {
   bool subsurface = false;  // some material has a scatterDistance
-  int refine_level = 0;     // the highest of a mesh that is subdivided
+  int refine_level = 0;     // the highest of any subdivided mesh
 };
 SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene);
 
 struct ConfigurationList {
-  Configuration reference;              // the yardstick: nothing is more accurate
+  Configuration reference;              // the most accurate; all others are measured against it
   std::vector<Configuration> measured;  // the base first
   std::vector<std::string> skipped;     // "inversion: the scene has no subsurface"
 };
 
-/// `scene_settings`: what the scene itself asks. `known`: the renderer's settings; a knob that it does not have is left
-/// out. Of the measured, the base and those whose name `only` finds (std::regex; throws std::regex_error).
+/// `scene_settings` are the scene's own. `known` are the renderer's settings; a knob that is not among them is left
+/// out. The base is always measured, and further configurations only if `only` matches their names (std::regex; throws
+/// std::regex_error).
 ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dictionary& scene_settings,
                                       const std::vector<hd::RenderSettingDescriptor>& known, const std::string& only);
 

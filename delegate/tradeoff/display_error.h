@@ -1,4 +1,4 @@
-// How far apart two pictures are once they are on a display: what an eye compares, unlike linear light.
+// The difference of two pictures as displayed. The eye compares those rather than linear light.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,13 @@
 
 namespace alabaster::tradeoff {
 
-/// `linear` (rendering space, premultiplied) as the display and view of `product` show it, over black, 0 to 1; empty
-/// names are the config's defaults. None + report on unknown names or a config that cannot be read.
+/// `linear` (rendering space, premultiplied) as the display and view of `product` show it, over black, 0 to 1. Empty
+/// names stand for the config's defaults. None, after a report, on unknown names or a config that cannot be read.
 std::optional<Image> to_display(const Image& linear, const hd::RenderProduct& product,
                                 const hd::host::OutputColors& colors, const hd::DiagnosticSink& sink);
 
-/// Root mean square of the differences over pixels and channels; of display pixels it lies between 0 and 1. A NaN if
-/// the images differ in size or have none.
+/// Root mean square of the differences over pixels and channels; between 0 and 1 for display pixels. NaN if the images
+/// differ in size or are empty.
 double rmse(const Image& a, const Image& b);
 
 }  // namespace alabaster::tradeoff

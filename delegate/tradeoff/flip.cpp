@@ -22,7 +22,7 @@ struct Size {
 
 // ---- colour ---------------------------------------------------------------------------------------------------------
 
-/// IEC 61966-2-1: linear sRGB to CIE XYZ. White is what the rows sum to.
+/// IEC 61966-2-1: linear sRGB to CIE XYZ. The rows sum to white.
 constexpr Matrix kToXyz = {{{0.4124f, 0.3576f, 0.1805f}, {0.2126f, 0.7152f, 0.0722f}, {0.0193f, 0.1192f, 0.9505f}}};
 constexpr Color kWhite = {0.9505f, 1.0f, 1.0890f};
 
@@ -56,7 +56,7 @@ Color relative_xyz(const Color& linear) {
   return {xyz[0] / kWhite[0], xyz[1] / kWhite[1], xyz[2] / kWhite[2]};
 }
 
-/// CIELAB after the Hunt adjustment (section "Color Metric"): a colour looks the more colourful the lighter it is.
+/// CIELAB after the Hunt adjustment (section "Color Metric"): lighter colours look more colourful.
 Color hunt_lab(const Color& linear) {
   const auto curve = [](float t) {
     constexpr float kDelta = 6.0f / 29;
@@ -95,7 +95,7 @@ Kernel normalised(const std::vector<double>& taps) {
   return kernel;
 }
 
-/// Beyond the border the picture goes on as it is at the border.
+/// Beyond the border the picture repeats the border's pixels.
 Plane filter_rows(const Plane& in, Size size, const Kernel& kernel) {
   const size_t width = size_t(size.width), radius = kernel.size() / 2;
   Plane out(in.size(), 0.0f), padded(width + 2 * radius);
@@ -129,8 +129,8 @@ Plane filter_columns(const Plane& in, Size size, const Kernel& kernel) {
 // ---- colour pipeline ------------------------------------------------------------------------------------------------
 
 /// Section "Spatial Filtering": a contrast sensitivity function is a sum of two terms a exp(-b f^2) over f in cycles
-/// per degree, so in degrees the filter is a sum of Gaussians a sqrt(pi / b) exp(-(pi d)^2 / b), of unit sum
-/// altogether.
+/// per degree, so in degrees the filter is a sum of Gaussians a sqrt(pi / b) exp(-(pi d)^2 / b), normalized to unit
+/// sum.
 struct Sensitivity {
   double a1, b1, a2, b2;
 };
@@ -138,8 +138,8 @@ constexpr Sensitivity kAchromatic{1, 0.0047, 0, 1e-5}, kRedGreen{1, 0.0053, 0, 1
     kBlueYellow{34.1, 0.04, 13.5, 0.025};
 
 Plane see(const Plane& in, Size size, const Sensitivity& csf, double pixels_per_degree) {
-  // Three standard deviations of the widest Gaussian there is (b = 0.04). Of the narrow ones it is far more than floats
-  // can add up, so those end after six of their own.
+  // Three standard deviations of the widest Gaussian (b = 0.04). Narrow ones end after six of their own, beyond which
+  // floats add nothing.
   const double widest = std::sqrt(kBlueYellow.b1 / (2 * kPi * kPi)) * pixels_per_degree;
   struct Term {
     Kernel kernel;
@@ -182,7 +182,7 @@ Opponent to_opponent(const Image& image, Size size) {
   return out;
 }
 
-/// What a viewer sees of it, in CIELAB after the Hunt adjustment.
+/// The picture as the viewer perceives it, in CIELAB after the Hunt adjustment.
 std::vector<Color> perceived(const Opponent& image, Size size, double pixels_per_degree) {
   static const Matrix kFromXyz = inverse(kToXyz);
   const Plane y = see(image.y, size, kAchromatic, pixels_per_degree);
@@ -199,8 +199,8 @@ std::vector<Color> perceived(const Opponent& image, Size size, double pixels_per
   return out;
 }
 
-/// Section "Error Redistribution": differences to the power q_c; those below p_c of the largest there is, which is that
-/// of pure green and pure blue, take the range up to p_t.
+/// Section "Error Redistribution": differences to the power q_c. Those below p_c of the largest possible, the one
+/// between pure green and pure blue, take the range up to p_t.
 float redistributed(float difference) {
   constexpr float kPower = 0.7f, kKnee = 0.4f, kKneeValue = 0.95f;
   static const float largest = std::pow(hyab(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1})), kPower);
@@ -215,7 +215,7 @@ struct Features {
   Plane edge, point;  // magnitudes over the two directions
 };
 
-/// Section "Feature Detection": first and second derivatives of a Gaussian as wide as edges are to the eye, 0.082
+/// Section "Feature Detection": first and second derivatives of a Gaussian as wide as the eye sees edges, 0.082
 /// degrees.
 Features detect_features(const Opponent& image, Size size, double pixels_per_degree) {
   const double sigma = 0.5 * 0.082 * pixels_per_degree;

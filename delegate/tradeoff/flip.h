@@ -14,14 +14,13 @@ namespace alabaster::tradeoff {
 inline constexpr float kPixelsPerDegree = 67;
 
 struct FlipDifference {
-  std::vector<float> map;  // rows top-down, one value a pixel: 0 equal to 1 as different as can be
-  double mean = 0;         // over the map: what the authors recommend as the one number
+  std::vector<float> map;  // rows top-down, one value per pixel, from 0 (equal) to 1 (as different as possible)
+  double mean = 0;         // over the map: the single number that the authors recommend
 };
 
-/// Both images are display-referred sRGB (as a .png holds them, 0 to 1); what lies outside is clamped, a NaN is black.
-/// Exchanging the two changes nothing. Pictures of different or no size have no difference: the map is empty and the
-/// mean a NaN; so it is for pixels per degree outside 1 to 1000. Any thread; takes about 0.6 s for a
-/// megapixel on one core.
+/// Both images are display-referred sRGB (as in a .png, 0 to 1). Values outside are clamped, and NaN is black.
+/// Exchanging the two changes nothing. If the sizes differ, an image is empty, or pixels per degree lie outside 1 to
+/// 1000, the map is empty and the mean NaN. Any thread; takes about 0.6 s for a megapixel on one core.
 FlipDifference flip_difference(const Image& reference, const Image& test, float pixels_per_degree = kPixelsPerDegree);
 
 }  // namespace alabaster::tradeoff

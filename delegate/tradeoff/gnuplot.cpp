@@ -29,8 +29,8 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Empty on success. Runs gnuplot without a shell and without the user's own start-up files, and in a process group of
-/// its own: Ctrl-C in a terminal goes to a whole group, and it is for the caller to decide what is still drawn.
+/// Runs gnuplot without a shell, without the user's start-up files, and in a process group of its own: Ctrl-C in a
+/// terminal goes to a whole group, but the caller decides if the plot is still drawn. Empty on success.
 std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
@@ -48,17 +48,18 @@ std::string run_gnuplot(const fs::path& script, const fs::path& messages) {
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) return "The program gnuplot is not installed: install Debian's package gnuplot-nox.";
-  if (error != 0) return "The program gnuplot cannot be started: " + std::generic_category().message(error) + ".";
+  if (error != 0) return "The program gnuplot could not be started: " + std::generic_category().message(error) + ".";
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return "The program gnuplot was lost: " + std::generic_category().message(errno) + ".";
+    if (errno != EINTR)
+      return "Waiting for the program gnuplot failed: " + std::generic_category().message(errno) + ".";
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
   return "gnuplot failed: " + content_of(messages) + "\nInstall Debian's package gnuplot-nox, or repair it.";
 }
 
 }  // namespace
 
-// Single quotes would need no escapes, but gnuplot 5.4 misreads one that is doubled at the beginning of a text.
+// Double quotes, because gnuplot 5.4 misreads a doubled single quote at the beginning of a text.
 std::string gnuplot_quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -73,8 +74,7 @@ std::string gnuplot_quoted(const std::string& text) {
 
 std::string draw_with_gnuplot(const std::function<std::string(const std::string&)>& script, const std::string& file) {
   const TemporaryFolder folder("alabaster-plot-");
-  if (folder.path().empty())
-    return "There is no folder for temporary files in which a plot could be made: set $TMPDIR to one.";
+  if (folder.path().empty()) return "No temporary folder could be made for the plot: set $TMPDIR to a writable folder.";
   const fs::path text = folder.path() / "plot.gnuplot", drawn = folder.path() / "plot";
   std::ofstream(text) << script(drawn.string());
   std::string problem = run_gnuplot(text, folder.path() / "messages");

@@ -1,12 +1,13 @@
-// Noise and bias, told apart.
+// Separates noise from bias.
 //
 // A configuration is rendered several times over, each time with other random numbers: replicas. How they scatter about
 // their mean is noise, which more samples take away; what their mean keeps from the reference is bias, which they do
 // not. Both are relative: squared errors, averaged over red, green and blue, are divided by L^2 + f^2, the level and
 // the floor of core/convergence/frame_error.h taken from the reference, and averaged over pixels.
 //
-// Every estimate here is without bias itself: the square of a difference of two noisy means exceeds the square of what
-// they differ in truth by the variances of both, which their replicas tell. So it may come out below zero.
+// Every estimate here is itself unbiased. The squared difference of two noisy means exceeds the true one by the
+// variances of both on average, so these variances, known from the replicas, are subtracted. An estimate may therefore
+// be negative.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +17,18 @@
 
 namespace alabaster::tradeoff {
 
-/// A number with the interval that holds the truth in 95 of 100 measurements.
+/// A number with its 95 % confidence interval.
 struct Estimate {
   double value = 0, low = 0, high = 0;
   double standard_error = 0;
 };
 
-/// Per pixel L^2 + f^2 of `reference`: L its mean of red, green and blue over the 3 x 3 pixels about it, f 0.05 of the
-/// frame's mean. Empty if the reference is black: nothing is relative to it.
+/// L^2 + f^2 of each pixel of `reference`, with L the mean of red, green and blue over the 3 x 3 pixels around it and f
+/// 0.05 of the frame's mean. Empty if the reference is black, because no error can be relative to it.
 std::vector<double> squared_scales(const Image& reference);
 
-/// Replicas of equally many samples each: mean and the variance of one of them, per pixel. The four channels are red,
-/// green, blue and their mean (the level), which has a variance of its own because colours are correlated.
+/// Replicas with the same number of samples: their mean and the variance of one of them, per pixel. The four channels
+/// are red, green, blue and their mean (the level), which has a variance of its own because colours are correlated.
 class ReplicaGroup {
  public:
   explicit ReplicaGroup(uint64_t samples) : samples_(samples) {}
@@ -47,25 +48,25 @@ class ReplicaGroup {
 };
 
 /// The mean of all samples of several groups, weighted by samples, and its variance: each group's own sample variance
-/// times the square of its weight, so that nothing is assumed of how noise falls with samples. Groups of fewer than two
-/// replicas are left out, for their variance is not known.
+/// times the square of its weight, so nothing is assumed about how noise falls with samples. Groups of fewer than two
+/// replicas are left out because their variance is unknown.
 struct PooledMean {
-  std::vector<double> mean, variance;  // four channels a pixel, as in ReplicaGroup
-  double samples = 0;                  // per pixel, all together
+  std::vector<double> mean, variance;  // four channels per pixel, as in ReplicaGroup
+  double samples = 0;                  // per pixel, of all groups
   size_t pixels() const { return mean.size() / 4; }
 };
 PooledMean pool(std::span<const ReplicaGroup> groups);
 
-/// noise^2 of one replica of `group` (two replicas at least). `scales` as squared_scales gives them.
+/// noise^2 of one replica of `group`, which has at least two. `scales` are those of squared_scales.
 Estimate squared_noise(const ReplicaGroup& group, std::span<const double> scales);
 
-/// bias^2: mean over pixels of ((X - Y)^2 - var X - var Y) / scale. X and Y must be of independent replicas. The
-/// interval is from the scatter over pixels, which share no random numbers: exact for a configuration without bias, and
-/// too wide, never too narrow, where the bias itself differs from pixel to pixel.
+/// bias^2: mean over pixels of ((X - Y)^2 - var X - var Y) / scale. X and Y must come from independent replicas. The
+/// interval follows from the scatter over pixels, which share no random numbers. It is exact for a configuration
+/// without bias, and too wide, never too narrow, where the bias differs from pixel to pixel.
 Estimate squared_bias(const PooledMean& x, const PooledMean& y, std::span<const double> scales);
 
-/// The difference of the mean levels of the frames, relative to that of `y`: positive is too bright. Its standard error
-/// is from the variances of the pixels.
+/// The difference of the frames' mean levels relative to that of `y`; positive is too bright. The variances of the
+/// pixels give its standard error.
 Estimate mean_level_bias(const PooledMean& x, const PooledMean& y);
 
 }  // namespace alabaster::tradeoff

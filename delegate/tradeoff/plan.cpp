@@ -8,7 +8,7 @@
 namespace alabaster::tradeoff {
 namespace {
 
-/// Answers questions about one state; made anew for each.
+/// Answers questions about one state.
 class Planner {
  public:
   explicit Planner(const StudyState& state) : state_(state) {
@@ -32,7 +32,7 @@ class Planner {
     return cost.render * double(job.samples) / double(cost.samples) + cost.around;
   }
 
-  /// Of the expected time, what is not rendering.
+  /// The part of the expected time that is not rendering.
   double around(int configuration) const {
     const auto found = costs_.find(configuration);
     return found == costs_.end() ? 0 : found->second.around;
@@ -44,8 +44,8 @@ class Planner {
     for (int rung = 0; rung < 2; ++rung)
       if (auto job = on_rung(rung, left() - reserved)) return job;
     if (auto job = reference(reference_budget() - reference_spent_)) return job;
-    // A rung that takes longer than a fair share of the time would leave others below without. The base may take twice
-    // that: all are compared with it.
+    // A rung that takes more than a fair share of the time would leave none for others' lower rungs. The base may take
+    // twice its share, because all others are compared with it.
     const double share = (state_.budget - reference_budget()) / std::max(1, state_.configurations);
     for (int rung = 2; rung_samples(rung) <= kHighestSamples; ++rung)
       if (auto job = on_rung(rung, left(), share)) return job;
@@ -67,7 +67,7 @@ class Planner {
     return found == done_.end() ? 0 : static_cast<int>(found->second.size());
   }
 
-  /// The first replica that is not there: one may have been lost.
+  /// The first missing replica; one may have been lost.
   int missing(int configuration, uint64_t samples) const {
     const auto found = done_.find({configuration, samples});
     int replica = 0;
@@ -81,8 +81,8 @@ class Planner {
     return std::nullopt;
   }
 
-  /// The first job on this rung that is still to be done and whose whole rung fits into `seconds`, those with the
-  /// fewest replicas first. A rung is not begun above one that was left out.
+  /// The first job still to be done on this rung whose whole rung fits into `seconds`, those with the fewest replicas
+  /// first. A rung is not begun above one that was left out.
   std::optional<Job> on_rung(int rung, double seconds, double share = 1e300) const {
     const uint64_t samples = rung_samples(rung);
     for (int replicas = 0; replicas < kReplicas; ++replicas)
@@ -98,7 +98,7 @@ class Planner {
     return std::nullopt;
   }
 
-  /// Seconds that the replicas take which are missing beside others of `samples`: nothing new may be begun with them.
+  /// Seconds for the missing replicas of rungs already begun at `samples`: this time is reserved for them.
   double to_complete(uint64_t samples) const {
     double seconds = 0;
     for (int c = 0; c < state_.configurations; ++c) {

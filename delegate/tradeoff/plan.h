@@ -1,10 +1,10 @@
-// What to render next, so that a budget of time tells the most.
+// Chooses the next render, so that a budget of time is best used.
 //
-// First one sample of everything tells what things cost. Then every configuration gets the two lowest rungs of samples;
-// then the reference gets its share; then the rungs above, from low to high, for as long as they fit (into a fair share
-// each at first, into what is left then); on a rung the first replicas of all come before the second ones, so that a
-// machine that grows slower meanwhile does not favour one configuration; what is left goes to the reference. The same
-// measurements always give the same next step, so an interrupted study goes on as it was.
+// First, one sample of everything measures the costs. Then every configuration gets the two lowest rungs of samples,
+// and the reference its share. Higher rungs follow from low to high while they fit, first into a fair share each, then
+// into the time that is left. On each rung the first replicas of all configurations come before the second ones, so
+// that a machine that slows down does not favour one configuration. The rest of the time goes to the reference. The
+// same measurements always give the same next step, so an interrupted study resumes where it stopped.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace alabaster::tradeoff {
 
 inline constexpr int kReplicas = 2;           // of a configuration, on every rung
-inline constexpr int kReferenceReplicas = 8;  // aimed at; more where time is left
+inline constexpr int kReferenceReplicas = 8;  // at most kMostReferenceReplicas where time is left
 inline constexpr int kMostReferenceReplicas = 64;
 inline constexpr double kReferenceShare = 0.4;      // of the budget
 inline constexpr uint64_t kHighestSamples = 65536;  // of one render
@@ -25,7 +25,7 @@ constexpr uint64_t rung_samples(int rung) {
   return uint64_t(1) << (2 * rung);
 }
 
-/// One render. `configuration` counts the measured ones; kReference is the reference.
+/// One render. `configuration` is an index into the measured ones, or kReference.
 inline constexpr int kReference = -1;
 struct Job {
   int configuration = 0;
@@ -37,7 +37,7 @@ struct Job {
 struct FinishedJob {
   Job job;
   double render_seconds = 0;  // wall time of rendering alone
-  double total_seconds = 0;   // with everything about it
+  double total_seconds = 0;   // with all overheads
 };
 
 struct StudyState {
@@ -48,25 +48,25 @@ struct StudyState {
   std::span<const FinishedJob> finished;
 };
 
-/// Seconds that `job` should take; by the longest render of its configuration so far, 0 if there is none.
+/// Expected seconds of `job`, from the longest render of its configuration so far; 0 if there is none.
 double expected_seconds(const StudyState& state, const Job& job);
 
-/// So many that kReferenceReplicas of them fit into the reference's share; a power of two.
+/// The number of samples, a power of two, at which kReferenceReplicas replicas fit into the reference's share.
 uint64_t choose_reference_samples(const StudyState& state);
 
-/// None when nothing worth having fits into what is left. Two replicas of the reference at least are rendered, for
-/// without them nothing else is worth anything.
+/// None when nothing useful fits into the time left. At least two replicas of the reference are always rendered,
+/// because without them no other render is of use.
 std::optional<Job> next_job(const StudyState& state);
 
-/// Everything that next_job would still ask for, if each took what is expected of it.
+/// All further jobs of next_job, if each took its expected time.
 struct Forecast {
   std::vector<Job> jobs;
   double seconds = 0;
 };
 Forecast forecast(const StudyState& state);
 
-/// Random numbers of a job: those of the reference are never those of a configuration, those of two replicas never the
-/// same. Configurations share theirs: what they differ in is then not drowned in noise.
+/// The seed of a job. The reference never shares random numbers with a configuration, nor one replica with another.
+/// Configurations share theirs, so that noise does not hide their differences.
 uint32_t seed_of(const Job& job);
 
 }  // namespace alabaster::tradeoff

@@ -14,17 +14,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Pixels. Margins are given, not left to gnuplot, so that names can be put beside the ends of their lines.
+// Pixels. The margins are fixed, so that names can be placed beside the ends of their lines.
 constexpr int kWidth = 1200, kHeight = 760, kLeft = 84, kBottom = 70, kCharacter = 8, kNameHeight = 18, kKeyRow = 18;
 constexpr int kTitle = 48, kKeySymbol = 64;
-constexpr size_t kManyLines = 8;     // more are drawn finer
+constexpr size_t kManyLines = 8;     // with more, lines are drawn thinner
 constexpr size_t kLongestName = 50;  // characters; longer ones are cut off by the picture's edge
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart, without yellow and black; and gnuplot's filled
+/// Okabe and Ito's colours, which the colour-blind can tell apart, without yellow and black, and gnuplot's filled
 /// markers.
 constexpr const char* kColors[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#666666"};
 constexpr int kMarkers[] = {7, 5, 9, 13, 11, 15};
-/// Lines of one group differ in their dashes.
+/// Lines of one group differ in dash pattern.
 constexpr const char* kDashes[] = {"solid", "(14,6)", "(4,4)", "(14,4,3,4)", "(8,3)", "(2,6)"};
 
 struct Style {
@@ -32,7 +32,7 @@ struct Style {
   int marker;
 };
 
-/// As there are six markers and seven colours, 42 groups differ.
+/// With six markers and seven colours, 42 groups can be told apart.
 Style style_of_group(size_t group) {
   return {kColors[group % std::size(kColors)], kMarkers[group % std::size(kMarkers)]};
 }
@@ -55,7 +55,7 @@ std::string number(double value) {
   return text;
 }
 
-/// The plot as it can be drawn: what logarithms do not have is left out.
+/// The plot without the points that a logarithmic axis cannot show.
 Plot drawable(const Plot& plot) {
   Plot out = plot;
   for (PlotLine& line : out.lines)
@@ -101,7 +101,7 @@ class Script {
     for (const PlotLine& line : plot_.lines)
       for (const PlotPoint& p : line.points) {
         x_ = {std::min(x_.low, p.seconds), std::max(x_.high, p.seconds)};
-        // An interval that reaches down to nothing runs out of the picture; it does not stretch it.
+        // An interval that reaches down to zero leaves the picture without stretching it.
         y_ = {std::min(y_.low, std::max(interval(p).low, p.error / 4)), std::max(y_.high, interval(p).high)};
       }
     for (Axis* axis : {&x_, &y_}) {
@@ -110,7 +110,7 @@ class Script {
     }
   }
 
-  /// Ticks 1 2 5 where there are few decades, else one each.
+  /// Ticks at 1, 2 and 5 where there are few decades, else one per decade.
   void ticks(const char* name, const Axis& axis) {
     const double decades = std::log10(axis.high / axis.low);
     text_ += std::string("set ") + name + "tics scale 0.6 (";
@@ -149,14 +149,14 @@ class Script {
              " left center horizontal Left reverse noenhanced samplen 2 maxrows " + std::to_string(key_rows()) + "\n";
   }
 
-  /// In the order in which they first occur.
+  /// The groups, in the order of their first occurrence.
   std::vector<std::string> groups() const {
     std::vector<std::string> all;
     for (const PlotLine& line : plot_.lines)
       if (std::find(all.begin(), all.end(), line.group) == all.end()) all.push_back(line.group);
     return all;
   }
-  /// Rows of the legend: as many entries in each as fit beside each other, one of them the front's.
+  /// Rows of the legend, with as many entries in each as fit; one entry is the front's.
   int key_rows() const {
     std::vector<std::string> all = groups();
     size_t longest = std::string("Pareto front").size();
@@ -174,7 +174,7 @@ class Script {
   }
   Style style_of(size_t line) const { return style_of_group(group_of(line)); }
 
-  /// Names stand in a column at the right, each as near the height of its line's end as the others let it.
+  /// Names stand in a column at the right, each as near to the height of its line's end as the others allow.
   void names() {
     std::vector<Name> names;
     for (size_t i = 0; i < plot_.lines.size(); ++i) {
@@ -198,7 +198,7 @@ class Script {
   /// Least squares under "at least a step apart": neighbours that want to overlap become a block about their mean.
   static void spread(std::vector<Name>& names, double step) {
     struct Block {
-      double sum;  // of (wanted height - own place in the block)
+      double sum;  // of (wanted height - position in the block)
       size_t count;
       double low(double gap) const { return std::clamp(sum / double(count), 0.0, 1 - gap * double(count - 1)); }
     };
@@ -266,10 +266,10 @@ std::string draw_plot(const Plot& plot, const std::string& file) {
   else if (ending == ".png")
     terminal = {"pngcairo size " + size + " noenhanced font 'sans,11' background '#FFFFFF'", 1.1};
   else
-    return "'" + file + "' is neither .svg nor .png: name it so.";
+    return "'" + file + "' is neither .svg nor .png: use one of these extensions.";
 
   const Plot shown = drawable(plot);
-  if (shown.lines.empty()) return "There is nothing to draw: no point has a time and an error that are positive.";
+  if (shown.lines.empty()) return "There is nothing to draw: no point has a positive time and a positive error.";
   return draw_with_gnuplot([&](const std::string& drawn) { return Script(shown, terminal, drawn).text(); }, file);
 }
 

@@ -1,4 +1,4 @@
-// Error against time as a picture: what a table of measurements says, at a glance.
+// Plots error against time.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@ namespace alabaster::tradeoff {
 
 struct PlotPoint {
   double seconds = 0, error = 0;
-  double low = 0, high = 0;  // interval of the error; both 0: not known
+  double low = 0, high = 0;  // interval of the error; both 0 if unknown
 };
 
-/// One configuration over its sample counts: points in the order in which the line connects them.
+/// One configuration at several sample counts; the line connects the points in order.
 struct PlotLine {
   std::string name;   // stands at the end of the line
   std::string group;  // lines of one group share colour and marker
@@ -24,9 +24,9 @@ struct Plot {
   std::vector<PlotLine> lines;
 };
 
-/// Draws a plot, both axes logarithmic, with the Pareto front of all points marked, into `file` (.svg or .png), written
-/// under a temporary name and renamed. Points whose time or error is not finite and positive are left out. Needs the
-/// program gnuplot. Empty on success, else what is wrong and what to do about it; then `file` is what it was.
+/// Draws a plot with two logarithmic axes and the Pareto front of all points into `file` (.svg or .png), written under
+/// a temporary name and renamed. Points whose time or error is not finite and positive are left out. Needs the program
+/// gnuplot. Empty on success, else the problem and its remedy; `file` is then unchanged.
 std::string draw_plot(const Plot& plot, const std::string& file);
 
 }  // namespace alabaster::tradeoff

@@ -9,20 +9,20 @@ namespace {
 
 using Row = std::array<double, 3>;  // one factor for each unknown: ln E^2 of the last probe, p, outline share
 
-// What other scenes show: mean and standard deviation.
+// The prior from other scenes: mean and standard deviation.
 constexpr double kExponent = 1.02, kExponentSigma = 0.08;
 constexpr double kOutlineShare = 0.10, kOutlineShareSigma = 0.12;
-// No model fits better than this: of ln E^2, and of ln cost.
+// The model's own error in ln E^2 and in ln cost.
 constexpr double kModelSigma = 0.12, kCostSigma = 0.05;
 constexpr double kOvershootSigma = 0.08;
-// The least by which all estimates of ln E^2 may be wrong alike (kSure in frame_error.cpp).
+// The least error that all estimates of ln E^2 share (kSure in frame_error.cpp).
 constexpr double kSureLaw = 0.05;
 
 double square(double x) {
   return x * x;
 }
 
-/// Observations y = row . unknowns with a standard deviation each, gathered as normal equations.
+/// Observations y = row . unknowns, each with a standard deviation, summed up as normal equations.
 class LeastSquares {
  public:
   void add(const Row& row, double y, double sigma) {
@@ -32,7 +32,8 @@ class LeastSquares {
     }
   }
 
-  /// Gauss and Jordan; priors and at least one observation make the matrix positive definite, so no pivoting is needed.
+  /// Solves by Gauss-Jordan elimination. Priors and at least one observation make the matrix positive definite, so no
+  /// pivoting is needed.
   void solve() {
     std::array<Row, 3> a = normal_;
     covariance_ = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -72,15 +73,15 @@ bool is_noisy(const Probe& p) {
   return p.error > 0;
 }
 
-// Of ln E^2, as the interval E^2 exp(+-1.96 sigma) has it (frame_error.cpp). It is made of how the frame's own error
-// scatters about its expectation, of how the estimate scatters, about as much, and of what the law of convergence is
-// not sure of, which all probes of a scene share: at least kSureLaw, much more where stratification rules. An interval
-// does not tell the parts apart, so each counts as large as it can be.
+// The standard deviation of ln E^2, from the interval E^2 exp(+-1.96 sigma) (frame_error.cpp). It has three parts: the
+// scatter of the frame's own error about its expectation, the scatter of the estimate, which is about as large, and the
+// uncertainty of the law of convergence, which all probes of a scene share: at least kSureLaw, and much more where
+// stratification dominates. The interval does not separate them, so each is taken as large as it can be.
 double variance_of(const Probe& p) {
-  return std::min(square(2 * std::log(p.high / p.low) / (2 * 1.96)), 25.0);  // an interval may reach down to nothing
+  return std::min(square(2 * std::log(p.high / p.low) / (2 * 1.96)), 25.0);  // an interval may reach down to zero
 }
 
-// The estimate's own scatter: here only the expectation counts, not the frame's own error.
+// The estimate's scatter alone, because the expectation is predicted and not the frame's own error.
 double independent_sigma(const Probe& p) {
   return std::max(0.01, std::sqrt(std::max(0.0, variance_of(p) - square(kSureLaw)) / 2));
 }
@@ -93,7 +94,7 @@ double common_variance(const std::vector<Probe>& probes) {
   return least;
 }
 
-/// How many sqrt(N)-ths of the last probe's a frame has more outlines in a pixel.
+/// The outlines per pixel of a frame relative to the last probe's, less 1; they are proportional to 1 / sqrt(N).
 double coarseness(double pixels, const Probe& last) {
   return std::sqrt(last.pixels / pixels) - 1;
 }
@@ -102,7 +103,7 @@ Range around(double value, double sigma) {
   return {value, value * std::exp(-1.96 * sigma), value * std::exp(1.96 * sigma)};
 }
 
-// How far the last two probes differ in what a sample costs, of its logarithm.
+// The difference of the last two probes in the logarithm of the cost of a sample.
 double cost_sigma(const std::vector<Probe>& probes, double Probe::*seconds) {
   if (probes.size() < 2) return 2 * kCostSigma;
   const auto cost = [&](const Probe& p) { return p.*seconds / (p.pixels * p.samples); };

@@ -1,10 +1,11 @@
-// From a few short, small renders of a frame to what the whole frame will take to reach an error.
+// Predicts the cost of rendering a frame to an error from a few short, small renders of it.
 //
-// The model: E^2(n, N) = (a + b / sqrt(N)) n^-p, n the samples per pixel, N the pixels of the frame. Of a pixel's noise
-// a comes from light and material, whatever the pixel's size; b from the outlines and details in it, of which a coarse
-// picture has more a pixel: an outline crosses a number of pixels that grows with sqrt(N), not with N. p is 1 for
-// independent samples and somewhat more for stratified ones. In logarithms the three unknowns are linear: weighted
-// least squares, with what other scenes showed of p and b as a prior, for probes of a second tell little about either.
+// The model: E^2(n, N) = (a + b / sqrt(N)) n^-p, with n samples per pixel and N pixels in the frame. The term a is the
+// noise of light and material, whatever the pixel's size. The term b is the noise of outlines and details, of which
+// each pixel of a coarse picture has more: the number of pixels that an outline crosses grows with sqrt(N), not with N.
+// p is 1 for independent samples and somewhat more for stratified ones. The three unknowns are linear in logarithms and
+// found by weighted least squares. Other scenes give the prior of p and b, because probes of a second say little about
+// either.
 #pragma once
 
 #include <vector>
@@ -26,17 +27,18 @@ struct Range {
 
 struct Prediction {
   bool known = false;  // false: no probe was made
-  bool noisy = false;  // false: no probe shows an error (a black picture): the first look is enough
+  bool noisy = false;  // false: no probe shows an error (a black picture), and the first estimate ends the render
   Range samples;       // per pixel, on average
   Range wall, cpu;     // seconds of rendering
 };
 
-/// A render looks at its error each time that it has an eighth more samples, in quarters of its pixels, of which the
-/// slowest decides how long it takes: on average by this much longer than the error asks.
+/// A render estimates its error each time it has an eighth more samples, in quarters of its pixels, and the slowest
+/// quarter ends it. On average it takes longer than the error requires by this factor.
 inline constexpr double kOvershoot = 1.12;
 
-/// What `pixels` take to reach the relative RMSE `target` > 0. Of `probes` the last tells the cost of a sample and
-/// counts as the most alike. `least_samples`: a render looks at its error no earlier.
+/// Predicts the cost of reaching the relative RMSE `target` > 0 with `pixels` pixels. The last of `probes` gives the
+/// cost of a sample and counts as the most similar to the frame. A render does not estimate its error before
+/// `least_samples`.
 Prediction predict(const std::vector<Probe>& probes, double pixels, double target, double least_samples);
 
 }  // namespace alabaster::tradeoff

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// A number that is not known is null in JSON and empty in CSV.
+/// An unknown number is null in JSON and empty in CSV.
 ordered_json number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
 }
@@ -26,7 +26,7 @@ double z_of(const Estimate& estimate) {
                                      : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// The one list of columns. Squares are relative MSE.
+/// The columns of CSV and JSON. Squares are relative MSE.
 ordered_json columns_of(const Row& row) {
   return {{"configuration", row.configuration},
           {"group", row.group},
@@ -92,7 +92,8 @@ std::string summary_table(const std::vector<ConfigurationSummary>& summaries) {
 
 std::string row_table(const std::vector<const Row*>& rows) {
   std::string text =
-      "| configuration | samples | CPU s | wall s | noise | it says | bias | error | display RMSE | FLIP | front |\n"
+      "| configuration | samples | CPU s | wall s | noise | own estimate | bias | error | display RMSE | FLIP | front "
+      "|\n"
       "|--|--|--|--|--|--|--|--|--|--|--|\n";
   for (const Row* row : rows)
     text += "| " + row->configuration + " | " + std::to_string(row->samples) + " | " +
@@ -104,7 +105,7 @@ std::string row_table(const std::vector<const Row*>& rows) {
   return text;
 }
 
-/// What is worst, by name: the one that errs most for certain, and the one that pays most for the same noise.
+/// Names the configuration with the largest certain bias and the one that costs most at equal noise.
 std::string worst_text(const std::vector<ConfigurationSummary>& summaries) {
   const ConfigurationSummary *biased = nullptr, *dear = nullptr;
   for (const ConfigurationSummary& summary : summaries) {
@@ -115,10 +116,10 @@ std::string worst_text(const std::vector<ConfigurationSummary>& summaries) {
   }
   std::string text = biased ? "Largest bias: **" + biased->best->configuration + "**, " +
                                   percent(root(biased->best->squared_bias.value)) + ".\n"
-                            : "No configuration has a bias that the measurement can tell from zero.\n";
+                            : "No configuration has a bias that the measurement can distinguish from zero.\n";
   if (dear)
-    text += "Dearest at equal noise: **" + dear->best->configuration + "**, " + format("%.2f", dear->cost_ratio) +
-            " times the base.\n";
+    text += "Most expensive at equal noise: **" + dear->best->configuration + "**, " +
+            format("%.2f", dear->cost_ratio) + " times the cost of the base.\n";
   return text;
 }
 
@@ -126,11 +127,10 @@ std::string reference_text(const ReferenceSummary& reference) {
   return "Reference: mode `reference`, " + std::to_string(reference.replicas) + " replicas of " +
          std::to_string(reference.samples) + " samples, " + format("%.0f", reference.cpu_seconds) +
          " CPU s; the noise of its mean, " + percent(reference.noise) +
-         ", is subtracted from every bias. From display RMSE and FLIP nothing can be subtracted: between its own "
-         "halves "
-         "they are " +
+         ", is subtracted from every bias. It cannot be subtracted from display RMSE and FLIP, which between the "
+         "reference's two halves are " +
          format("%.4f", reference.display_rmse) + " and " + format("%.4f", reference.flip) +
-         ", and smaller differences mean nothing.\n";
+         ": smaller values are noise.\n";
 }
 
 std::string left_out_text(const StudyResult& result, const ConfigurationList& list) {
@@ -139,8 +139,8 @@ std::string left_out_text(const StudyResult& result, const ConfigurationList& li
   for (const Configuration& configuration : list.measured)
     if (std::none_of(result.rows.begin(), result.rows.end(),
                      [&](const Row& row) { return row.configuration == configuration.name; }))
-      lines += "- " + configuration.name + ": there was no time for two replicas\n";
-  return lines.empty() ? "" : "\n## Left out\n" + lines;
+      lines += "- " + configuration.name + ": no time for two replicas\n";
+  return lines.empty() ? "" : "\n## Skipped\n" + lines;
 }
 
 Plot plot_of(const StudyResult& result, const ReportContext& context) {
@@ -228,22 +228,21 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
   std::string text = "# Speed against accuracy: " + std::filesystem::path(identity.scene).filename().string() + "\n\n";
   text += "`" + context.command + "`, " + size_text(identity.width, identity.height);
   if (identity.width != context.scene_width || identity.height != context.scene_height)
-    text += " (the scene asks " + size_text(context.scene_width, context.scene_height) +
-            "; mode `auto` chooses by the size of pixels)";
+    text += " (the scene asks for " + size_text(context.scene_width, context.scene_height) +
+            "; mode `auto` depends on the size of pixels)";
   text += ", " + machine_name() + ", " + format("%.1f", context.spent_seconds / 60) + " minutes of rendering" +
-          (context.complete ? "" : ", INTERRUPTED: what there was by then") + ".\n\n";
+          (context.complete ? "" : ", INTERRUPTED: results so far") + ".\n\n";
   text += reference_text(result.reference);
   text +=
-      "\n## Each configuration\nEach differs from the base, `walk`, in one thing. Cost at equal noise: noise^2 x CPU "
-      "seconds, relative to the base, at the most samples that both have. Bias: relative RMSE that stays however many "
-      "samples are taken; an interval that begins at 0 means that none was found. All configurations share their "
-      "random numbers, so that chance moves their rows alike; the reference has its own. Rare bright samples that "
-      "nobody has met yet are in no "
-      "interval.\n\n" +
+      "\n## Each configuration\nEach differs from the base, `walk`, in one setting. Cost at equal noise: noise^2 x CPU "
+      "seconds relative to the base, at the highest sample count that both have. Bias: the relative RMSE that remains "
+      "with any number of samples; an interval that begins at 0 means that none was found. All configurations share "
+      "their random numbers, so their rows are correlated; the reference has its own. No interval accounts for rare "
+      "bright samples that have not occurred yet.\n\n" +
       summary_table(summaries) + "\n" + worst_text(summaries);
   text +=
-      "\n## The front\nNothing else costs less and errs less. Error: the root of bias^2 + noise^2. It says: the noise "
-      "that the renders estimate in themselves, relative to their own levels instead of the reference's.\n\n" +
+      "\n## The front\nNo other configuration both costs less and errs less. Error: the root of bias^2 + noise^2. Own "
+      "estimate: the noise that the renders report, relative to their own levels instead of the reference's.\n\n" +
       row_table(front) + "\n## All measurements\n" + row_table(all);
   return text + left_out_text(result, list);
 }

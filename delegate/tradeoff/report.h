@@ -1,4 +1,4 @@
-// A study's numbers as files: CSV and JSON for programs, Markdown and a plot for people.
+// Writes a study's numbers: CSV and JSON for programs, Markdown and a plot for people.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 
 namespace alabaster::tradeoff {
 
-/// What the numbers were measured with.
+/// The circumstances of the measurement.
 struct ReportContext {
-  std::string command;  // that makes the report again
+  std::string command;  // that repeats the report
   StudyIdentity identity;
-  int scene_width = 0, scene_height = 0;  // what the scene itself asks
+  int scene_width = 0, scene_height = 0;  // the scene's own
   double spent_seconds = 0;
   bool complete = true;  // false: interrupted
 };
@@ -21,13 +21,13 @@ std::string csv_text(const StudyResult& result);
 std::string json_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context);
 std::string markdown_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context);
 
-/// Writes tradeoff.csv, .json, .md, .svg and .png into `folder`, each under a temporary name and renamed. The files
-/// written; what could not be written is in `problems`.
+/// Writes tradeoff.csv, .json, .md, .svg and .png into `folder`, each under a temporary name and renamed. Returns the
+/// files written; `problems` names those that could not be written.
 std::vector<std::string> write_report(const StudyResult& result, const ConfigurationList& list,
                                       const ReportContext& context, const std::filesystem::path& folder,
                                       std::vector<std::string>* problems);
 
-/// "Intel(R) Xeon(R) ..., 2 cores", as the system tells.
+/// The machine as the system describes it: "Intel(R) Xeon(R) ..., 2 cores".
 std::string machine_name();
 
 }  // namespace alabaster::tradeoff

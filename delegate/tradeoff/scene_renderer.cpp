@@ -73,7 +73,7 @@ std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configur
   if (rendered.image.rgb.empty()) {
     if (scene_.diagnostics)
       scene_.diagnostics({hd::Severity::error, "tradeoff.picture", configuration.name,
-                          "the render has no colour, or values that are not finite; please report the scene"});
+                          "the render has no colour or holds values that are not finite; please report the scene"});
     return std::nullopt;
   }
   rendered.cost.cpu_seconds = stat(result.stats, "cpuSeconds", 0);

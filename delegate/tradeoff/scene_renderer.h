@@ -1,4 +1,5 @@
-// Renders one scene over and over with other settings: loaded once, refined again only where a configuration asks.
+// Renders one scene repeatedly with different settings. The scene is loaded once, and meshes are refined again only
+// where a configuration requires it.
 #pragma once
 
 #include <atomic>
@@ -16,7 +17,7 @@ struct RenderedFrame {
   RenderCost cost;
 };
 
-/// Borrows what it is given; all must outlive it. One thread.
+/// Borrows the pointers in Scene, which must outlive it. One thread.
 class SceneRenderer {
  public:
   struct Scene {
@@ -29,7 +30,7 @@ class SceneRenderer {
   explicit SceneRenderer(Scene scene);
 
   void set_size(int width, int height);
-  /// None if it was cancelled (`cancelled`) or failed (reported).
+  /// None if the render was cancelled (`cancelled`), or if it failed and this was reported.
   std::optional<RenderedFrame> render(const Configuration& configuration, uint64_t samples, uint32_t seed);
   bool cancelled() const { return scene_.cancel && *scene_.cancel; }
 
@@ -38,7 +39,7 @@ class SceneRenderer {
 
   Scene scene_;
   hd::RenderSettingsDescription frame_;  // without products and crop
-  std::map<hd::Path, int> levels_;       // of the meshes that are subdivided, as the scene asks
+  std::map<hd::Path, int> levels_;       // the scene's, of the subdivided meshes
   int coarser_ = 0;
 };
 

@@ -78,10 +78,10 @@ std::string StudyStore::open(const fs::path& folder, bool restart) {
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (!parse(text))
     return (folder / "state.json").string() +
-           " is damaged or of another version: begin anew with --restart, or choose another folder with -o.";
+           " is damaged or from another version: start afresh with --restart, or choose another folder with -o.";
   std::erase_if(renders_, [&](const StoredRender& render) {
     if (read(render)) return false;
-    notes_.push_back(render.file + " is missing or damaged: it is rendered again");
+    notes_.push_back(render.file + " is missing or damaged and will be rendered again");
     spent -= render.cost.total_seconds;
     return true;
   });
@@ -115,7 +115,7 @@ std::string StudyStore::clear() {
   std::error_code error;
   std::vector<fs::path> files{folder_ / "state.json"};
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
-    const std::string ending = entry.path().extension().string();  // .tmp: of a run that was killed
+    const std::string ending = entry.path().extension().string();  // .tmp: left by a run that was killed
     if (ending == ".f32" || ending == ".tmp") files.push_back(entry.path());
   }
   for (const fs::path& file : files)

@@ -1,7 +1,7 @@
-// A study on disk: every picture rendered so far and what it cost, so that an interrupted study goes on.
+// A study on disk: every picture rendered so far with its cost, so that an interrupted study can be resumed.
 //
-// FOLDER/state.json lists the pictures; each is a file beside it: rows of 32-bit floats in the byte order of the
-// machine, with its checksum in the list. All files are written under temporary names and renamed.
+// FOLDER/state.json lists the pictures with their checksums. Each is a file beside it, with rows of 32-bit floats in
+// the machine's byte order. All files are written under temporary names and renamed.
 #pragma once
 
 #include <filesystem>
@@ -15,20 +15,20 @@
 
 namespace alabaster::tradeoff {
 
-/// What pictures must share to be compared.
+/// Pictures can be compared only if all of this is the same.
 struct StudyIdentity {
   std::string scene;       // as given
-  std::string scene_hash;  // of what the scene holds
+  std::string scene_hash;  // of the scene's content
   int width = 0, height = 0;
-  std::string versions;  // AlabasterVersions(); empty: of a study from before they were noted
+  std::string versions;  // AlabasterVersions(); empty in studies that did not record it
   bool operator==(const StudyIdentity&) const = default;
 };
 
-/// What a picture cost, and what it said about itself.
+/// The cost of a picture and its own estimate of its error.
 struct RenderCost {
   double cpu_seconds = 0, wall_seconds = 0;  // of rendering; CPU of all threads together
-  double total_seconds = 0;                  // wall time with everything about it
-  double reported_error = -1;                // relative RMSE that the render estimated in itself; < 0: none
+  double total_seconds = 0;                  // wall time with all overheads
+  double reported_error = -1;                // relative RMSE that the render reported; < 0 if none
 };
 
 struct StoredRender {
@@ -39,14 +39,14 @@ struct StoredRender {
   std::string file, checksum;
 };
 
-/// FNV-1a over the bytes, 16 hexadecimal digits. Recognizes damage and change, not malice.
+/// FNV-1a over the bytes, 16 hexadecimal digits. Detects damage and change, not malice.
 std::string checksum(const void* bytes, size_t size);
 
 class StudyStore {
  public:
-  /// `folder` is made if it is not there. A damaged or foreign state.json is a problem; a picture that is missing or
-  /// damaged is forgotten, its time too, and noted. With `restart` whatever was there is removed. Empty on success,
-  /// else what is wrong and the remedy.
+  /// Opens `folder`, or makes it. A damaged or foreign state.json is an error. A missing or damaged picture is dropped
+  /// together with its time, and noted. With `restart` everything in the folder is removed first. Empty on success,
+  /// else the problem and its remedy.
   std::string open(const std::filesystem::path& folder, bool restart);
   bool empty() const { return renders_.empty(); }
   const std::vector<std::string>& notes() const { return notes_; }
@@ -56,9 +56,9 @@ class StudyStore {
   double spent = 0;  // seconds, of all runs
 
   const std::vector<StoredRender>& renders() const { return renders_; }
-  /// Writes the picture, then the list. Empty on success; else the reason, and the list is what it was.
+  /// Writes the picture, then the list. Empty on success, else the reason; the list is then unchanged.
   std::string add(StoredRender render, const Image& image);
-  /// None if it can no longer be read, or is not what was written.
+  /// None if the file can no longer be read or has changed.
   std::optional<Image> read(const StoredRender& render) const;
 
  private:

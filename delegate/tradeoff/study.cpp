@@ -61,7 +61,7 @@ class Study {
                        [&](const FinishedJob& f) { return f.job.configuration == configuration; });
   }
 
-  /// Kept from the first replica on: replicas must be alike, whatever is learnt of their cost later.
+  /// Fixes the reference's samples with its first replica: all replicas must have the same number.
   void choose_reference(const Job& job) {
     if (job.configuration == kReference && is_measured(kReference)) store_->reference_samples = job.samples;
   }
@@ -82,13 +82,13 @@ class Study {
     for (const FinishedJob& finished : finished_) count(finished.job);
     for (const Job& job : ahead.jobs) count(job);
     char text[160];
-    std::snprintf(text, sizeof text, "plan: %zu renders more, %.1f minutes; the reference: %d x %llu samples",
+    std::snprintf(text, sizeof text, "plan: %zu more renders, %.1f minutes; reference: %d x %llu samples",
                   ahead.jobs.size(), ahead.seconds / 60, replicas, static_cast<unsigned long long>(samples));
     hooks_.note(text);
     for (size_t c = 0; c < highest.size(); ++c)
       hooks_.note("  " + list_.measured[c].name + ": " +
                   (highest[c] == 0
-                       ? "no time is left for it"
+                       ? "no time left"
                        : std::to_string(kReplicas) + " replicas of 1 to " + std::to_string(highest[c]) + " samples"));
   }
 
@@ -131,7 +131,7 @@ double least_budget(const ConfigurationList& list, const StudyStore& store) {
     const double each = known > 0 ? known : expected_seconds(state, {0, 1, 0});
     needed += each * std::max(0.0, double(kReplicas) - double(done));
   }
-  // What the reference has not had of its share yet is kept for it.
+  // The unused part of the reference's share is reserved for it.
   return std::max(needed, (needed - reference_spent) / (1 - kReferenceShare));
 }
 
@@ -143,7 +143,7 @@ StudyOutcome run_study(const ConfigurationList& list, double budget, StudyStore*
 hd::Vec2i affordable_size(hd::Vec2i size, double seconds, size_t configurations, double budget) {
   constexpr double kSamples = kReplicas * (1 + 4 + 16 + 64);
   const double pixels = (1 - kReferenceShare) * budget / (kSamples * double(configurations) * std::max(seconds, 1e-12));
-  constexpr double kFewest = 64 * 64;  // less is no picture
+  constexpr double kFewest = 64 * 64;  // a smaller picture shows too little
   const double scale = std::sqrt(std::max(pixels, kFewest) / (double(size.x) * double(size.y)));
   if (scale >= 1) return size;
   return {std::max(1, int(std::lround(size.x * scale))), std::max(1, int(std::lround(size.y * scale)))};

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One table of several studies by `alabaster tradeoff`: prints Markdown.
+"""Summarizes several studies by `alabaster tradeoff` in one table, printed as Markdown.
 
   python3 testenv/statistical/tradeoff_summary.py out/*/tradeoff.json
 """
@@ -12,7 +12,7 @@ COSTS = ("adaptive=on", "diffusion", "lambert", "reference", "walkGuiding=off", 
 
 
 def last_rows(report):
-    """The row of most samples of each configuration."""
+    """Each configuration's row of most samples."""
     rows = {}
     for row in report["rows"]:
         if row["noise2"] and (row["configuration"] not in rows or row["samples"] > rows[row["configuration"]]["samples"]):
@@ -21,7 +21,7 @@ def last_rows(report):
 
 
 def cost(report, name):
-    """noise^2 x CPU seconds over that of the walk, at the most samples that both have."""
+    """noise^2 x CPU seconds relative to the walk, at the highest sample count that both have."""
     products = {}
     for row in report["rows"]:
         if row["noise2"] and row["configuration"] in (name, "walk"):
@@ -37,7 +37,7 @@ def bias(rows, name):
     if name not in rows:
         return "-"
     row = rows[name]
-    # An interval that holds zero shows no bias: it says how large one could be.
+    # An interval that holds zero shows no bias; its upper end bounds the bias.
     if row["bias2Low"] <= 0:
         return f"< {100 * row['bias2High'] ** 0.5:.1f} %" if row["bias2High"] > 0 else "none seen"
     return f"{100 * row['bias2'] ** 0.5:.1f} %"
@@ -48,14 +48,14 @@ def main():
     for file in sys.argv[1:]:
         report = json.loads(pathlib.Path(file).read_text())
         reports[pathlib.Path(report["scene"]).stem] = report
-    print("Bias: relative RMSE that stays however long one renders, the reference's noise subtracted; '< x' where none was found, "
-          "x the end of the 95 % interval. Each differs from the walk (maxDepth 32) in one thing.\n")
+    print("Bias: the relative RMSE that remains with any number of samples, the reference's noise subtracted. '< x' means that "
+          "none was found; x is the end of the 95 % interval. Each column differs from the walk (maxDepth 32) in one setting.\n")
     print("| scene | " + " | ".join(BIASES) + " |")
     print("|--" * (1 + len(BIASES)) + "|")
     for scene, report in reports.items():
         rows = last_rows(report)
         print(f"| {scene} | " + " | ".join(bias(rows, name) for name in BIASES) + " |")
-    print("\nCost of reaching equal noise: noise^2 x CPU seconds over that of the walk.\n")
+    print("\nCost at equal noise: noise^2 x CPU seconds relative to the walk.\n")
     print("| scene | walk: noise at samples, CPU s | " + " | ".join(COSTS) + " |")
     print("|--" * (2 + len(COSTS)) + "|")
     for scene, report in reports.items():
