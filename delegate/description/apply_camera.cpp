@@ -32,7 +32,7 @@ bool apply_camera(const Reader& reader) {
     plan.transform = look_at(to_vec3d((*look)["eye"]), to_vec3d((*look)["target"]), up, !look->contains("up"));
     if (!plan.transform)
       return reader.fail("/camera/lookAt",
-                         "The camera cannot look: eye and target coincide, or up lies along the view.");
+                         "The camera has no direction: eye and target coincide, or up lies along the view.");
   }
   static const json parameters = expanded_schema("camera")["properties"];
   for (const auto& [name, schema] : parameters.items()) {

@@ -46,7 +46,9 @@ bool place_light(const Reader& reader, const std::string& pointer, const json& e
   if (entry.contains("target")) {
     const Vec3d up = entry.contains("up") ? to_vec3d(entry["up"]) : Vec3d(0, 1, 0);
     const auto aim = look_at(position, to_vec3d(entry["target"]), up, !entry.contains("up"));
-    if (!aim) return reader.fail(pointer, "The light cannot aim: target lies at its position, or up along its aim.");
+    if (!aim)
+      return reader.fail(pointer,
+                         "The light has no direction: position and target coincide, or up lies along the aim.");
     m = *aim;
   } else if (entry.contains("up")) {
     return reader.fail(pointer + "/up", "'up' needs a 'target'.");
@@ -60,7 +62,7 @@ bool change_light(const Reader& reader, const std::string& pointer, const json& 
   for (const auto& [name, value] : entry.items())
     if (light_parameters().contains(name))
       if (!set_parameter(reader, pointer_append(pointer, name), name, value, &light)) return false;
-  // A point has no size unless one is asked for.
+  // A point light has no radius unless one is given.
   if (entry.value("treatAsPoint", false) && !light.parameters.count("radius")) light.parameters["radius"] = 0.0f;
   if (!place_light(reader, pointer, entry, &light)) return false;
   reader.scene().SetLight(path, std::move(light));
@@ -70,7 +72,7 @@ bool change_light(const Reader& reader, const std::string& pointer, const json& 
 bool apply_entry(const Reader& reader, const std::string& pointer, const json& entry) {
   if (entry.contains("match")) {
     if (entry.contains("name") || entry.contains("type"))
-      return reader.fail(pointer, "Either match existing lights, or give name and type of a new one, not both.");
+      return reader.fail(pointer, "Either match existing lights or give name and type of a new one, not both.");
     const auto paths = find_prims(reader, PrimKind::light, entry["match"], pointer + "/match");
     for (const Path& path : paths)
       if (!change_light(reader, pointer, entry, path, reader.scene().GetLights().at(path))) return false;

@@ -6,7 +6,7 @@ namespace {
 
 using nlohmann::json;
 
-// A value as the surface node takes it: numbers are floats there, never integers.
+// A value of the surface node, whose numbers are floats and never integers.
 Value material_value(const json& value) {
   return value.is_number() ? Value(value.get<float>()) : to_value(value);
 }
@@ -68,15 +68,15 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
   const bool set = entry.contains("set"), replace = entry.contains("replace");
   if (entry.contains("match") && entry.contains("name"))
     return reader.fail(pointer, "Either match existing materials or name a new one, not both.");
-  if (set && replace) return reader.fail(pointer, "Either set or replace, not both.");
-  if (!set && !replace) return reader.fail(pointer, "Nothing to change: add 'set' or 'replace'.");
+  if (set && replace) return reader.fail(pointer, "Give either set or replace, not both.");
+  if (!set && !replace) return reader.fail(pointer, "There is nothing to change: add 'set' or 'replace'.");
   const char* key = set ? "set" : "replace";
   const std::string inner = pointer_append(pointer, key);
   std::vector<Path> paths;
   if (entry.contains("name")) {
     paths = {Path("/materials").append(entry["name"].get<std::string>())};
     if (reader.scene().GetMaterials().count(paths[0]))
-      return reader.fail(pointer, "A material '" + paths[0].str() + "' exists already; match it instead.");
+      return reader.fail(pointer, "A material '" + paths[0].str() + "' already exists; match it instead.");
   } else {
     paths = find_prims(reader, PrimKind::material, entry["match"], pointer_append(pointer, "match"));
   }

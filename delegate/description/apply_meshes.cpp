@@ -59,7 +59,7 @@ bool set_scheme(const Reader& reader, const std::string& pointer, const std::str
                 host::MeshDescription* mesh) {
   const Array<int32_t>& counts = mesh->topology.faceVertexCounts;
   if (scheme == "loop" && std::any_of(counts.begin(), counts.end(), [](int32_t n) { return n != 3; }))
-    return reader.fail(pointer, "Loop subdivision needs triangles only, and mesh '" + path.str() +
+    return reader.fail(pointer, "Loop subdivision takes only triangles, but mesh '" + path.str() +
                                     "' has other faces; use catmullClark.");
   mesh->topology.scheme = scheme;
   return true;
@@ -82,7 +82,7 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
     if (found.empty()) return false;
     if (found.size() > 1)
       return reader.fail(pointer + "/material", "Several materials match: '" + found[0].str() + "', '" +
-                                                    found[1].str() + "'. Give the path of one.");
+                                                    found[1].str() + "'. Give the full path of one.");
     mesh.material = found[0];
   }
   if (entry.contains("subsurfaceSet"))
@@ -90,8 +90,8 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
         Interpolation::constant, Token(), Token(entry["subsurfaceSet"].get<std::string>()), {}};
   mesh.visible = entry.value("visible", mesh.visible);
   if (entry.value("refineLevel", 0) > 0 && mesh.topology.scheme == Token("none"))
-    reader.warn(pointer + "/refineLevel",
-                "Has no effect on mesh '" + path.str() + "', which is no subdivision surface; set its scheme as well.");
+    reader.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +
+                                              "', which is not a subdivision surface; set its scheme as well.");
   reader.scene().SetMesh(path, std::move(mesh));
   return true;
 }

@@ -7,7 +7,7 @@
 namespace alabaster::hd::description {
 namespace {
 
-// Paths of a model begin with its file's stem: a second model of that stem goes below a root of its own.
+// Paths of a model begin with its file's stem. A second model with the same stem gets a root of its own.
 Path root_for(const std::string& file, std::set<std::string>* taken) {
   const std::string stem = std::filesystem::path(file).stem();
   std::string root = "/";
@@ -34,8 +34,8 @@ bool apply_models(const Reader& reader) {
       const auto transform = to_transform(model["transform"]);
       if (!transform)
         return reader.fail(pointer + "/transform",
-                           "The transform cannot be inverted or is not affine: the last column "
-                           "must be 0, 0, 0, 1 and no scale may be 0.");
+                           "The transform cannot be inverted or is not affine: the last column must be 0, 0, 0, 1, and "
+                           "no scale may be 0.");
       options.transform = *transform;
     }
     reader.state().result->gltf.push_back(

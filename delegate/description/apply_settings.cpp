@@ -19,7 +19,7 @@ bool read_crop(const Reader& reader, const std::string& pointer, const json& ent
   const json& c = entry["crop"];
   *crop = Rect2i{c[0].get<int>(), c[1].get<int>(), c[2].get<int>(), c[3].get<int>()};
   if (!(*crop)->empty()) return true;
-  return reader.fail(pointer + "/crop", "The crop is empty: it is x0, y0, x1, y1 with x1 > x0 and y1 > y0.");
+  return reader.fail(pointer + "/crop", "The crop is empty: give x0, y0, x1, y1 with x1 > x0 and y1 > y0.");
 }
 
 WindowPolicy policy_of(const std::string& name) {
@@ -50,7 +50,7 @@ bool apply_settings(const Reader& reader) {
   settings.pixelAspectRatio = entry->value("pixelAspectRatio", settings.pixelAspectRatio);
   if (entry->contains("windowPolicy")) settings.windowPolicy = policy_of((*entry)["windowPolicy"]);
   settings.frame = entry->value("frame", settings.frame);
-  // A preset gives way to what is said beside it.
+  // Settings given beside a preset override it.
   if (const QualityPreset* preset = FindQualityPreset(entry->value("quality", "")))
     for (const auto& [name, value] : preset->settings) settings.settings[name] = value;
   constexpr const char* kNotOfTheRenderer[] = {"resolution", "crop", "pixelAspectRatio", "windowPolicy", "quality"};

@@ -7,7 +7,7 @@
 namespace alabaster::hd::description {
 namespace {
 
-// A 50 mm lens before full-frame film, in metres: what a description's camera starts from.
+// A description's camera starts from a 50 mm lens and full-frame film; metres.
 std::map<Token, Value> default_lens() {
   return {{"focalLength", 0.050f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.024f}};
 }
@@ -17,13 +17,13 @@ double parameter(const host::CameraDescription& camera, const char* name, double
   return found == camera.parameters.end() ? fallback : found->second.number_or(fallback);
 }
 
-// What the picture sees through the lens once the film has been fitted to its shape.
+// The picture's frustum, once the film has been fitted to the picture's shape.
 Frustum visible_frustum(const host::CameraDescription& camera, const RenderSettingsDescription& settings) {
   const double focal = parameter(camera, "focalLength", 0.050);
   double x = parameter(camera, "horizontalAperture", 0.036) / (2 * focal);
   double y = parameter(camera, "verticalAperture", 0.024) / (2 * focal);
   const double aspect = double(settings.width) / settings.height * double(settings.pixelAspectRatio);
-  const bool wider = aspect > x / y;  // the picture, than the film
+  const bool wider = aspect > x / y;  // the picture is wider than the film
   switch (settings.windowPolicy) {
     case WindowPolicy::dontConform:
       break;
@@ -99,7 +99,7 @@ void complete_lights(LoadState* state) {
   state->result->notes.push_back("no light: added a soft dome");
 }
 
-// One RenderSettings prim for each resolution and crop that the products ask for.
+// Makes one RenderSettings prim for each resolution and crop of the products.
 void complete_settings(LoadState* state) {
   std::vector<std::pair<FramePlan, RenderSettingsDescription>> renders{{FramePlan(), state->settings}};
   if (!state->products.empty()) renders.clear();
@@ -112,7 +112,7 @@ void complete_settings(LoadState* state) {
       if (plan.frame.resolution) {
         render->second.width = plan.frame.resolution->x;
         render->second.height = plan.frame.resolution->y;
-        render->second.crop.reset();  // was meant for the other size
+        render->second.crop.reset();  // the crop belongs to the other resolution
       }
       if (plan.frame.crop) render->second.crop = plan.frame.crop;
     }

@@ -1,5 +1,5 @@
-// The parts of a render description, each applied to the scene in its own file. Every reader takes values that the
-// schema has accepted; what a schema cannot say (names, indices, contradictions) is checked here.
+// Applies the parts of a render description to the scene, each in a file of its own. The schema has already accepted
+// all values; the readers check the rest (names, indices, contradictions).
 #pragma once
 
 #include <optional>
@@ -9,14 +9,14 @@
 
 namespace alabaster::hd::description {
 
-/// The camera while it is put together: the description first, then the overrides.
+/// The camera under construction: first from the description, then from the overrides.
 struct CameraPlan {
-  std::string use, use_place;  // name of an existing camera, and where it was asked for
+  std::string use, use_place;  // name of an existing camera, and the place that asks for it
   std::optional<Matrix4d> transform;
   std::map<Token, Value> parameters;  // in the contract's units
 };
 
-/// Where products of one size go.
+/// Resolution and crop that a product asks for.
 struct FramePlan {
   std::optional<Vec2i> resolution;
   std::optional<Rect2i> crop;
@@ -27,7 +27,7 @@ struct ProductPlan {
   RenderProduct product;
 };
 
-/// What loading works on.
+/// The state of loading, which all readers share.
 struct LoadState {
   host::RetainedSceneDelegate* scene = nullptr;
   const DiagnosticSink* sink = nullptr;
@@ -50,11 +50,11 @@ class Reader {
   /// Reports an error; returns false.
   bool fail(const std::string& pointer, const std::string& text) const;
   void warn(const std::string& pointer, const std::string& text) const;
-  /// A file's name as the description means it.
+  /// The path of a file that the description names.
   std::string resolve(const std::string& file) const;
   /// An existing file; empty after an error.
   AssetPath asset(const std::string& pointer, const std::string& file) const;
-  /// One that is an image of a kind that can be read; empty after an error.
+  /// An existing image of a kind that can be read; empty after an error.
   AssetPath image(const std::string& pointer, const std::string& file) const;
 
  private:
@@ -71,20 +71,20 @@ bool apply_camera(const Reader& reader);
 bool apply_settings(const Reader& reader);
 bool apply_products(const Reader& reader);
 
-/// The camera, default lights and RenderSettings prims, once everything has been applied.
+/// Makes the camera, default lights and RenderSettings prims, after everything else has been applied.
 bool complete_scene(LoadState* state);
 
-/// A number, truth value, text (as std::string) or list of two or three numbers, as the contract holds it.
+/// A number, boolean, text (as std::string) or list of two or three numbers, as a Value of the contract.
 Value to_value(const nlohmann::json& value);
 
 enum class PrimKind { mesh, material, light, camera };
 
-/// Those of a kind of prim that `pattern` means; if none, reports the nearest existing name.
+/// The prims of one kind that `pattern` matches. If there is none, reports the nearest existing name.
 std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::string& pattern,
                              const std::string& pointer);
 
-/// An override ("materials/skin.roughness=0.3") and a dome ("sky.hdr,0.5") as render descriptions of their own, for
-/// the same checks and readers.
+/// Turn an override ("materials/skin.roughness=0.3") and a dome ("sky.hdr,0.5") into render descriptions of their own,
+/// so that they pass the same checks and readers.
 bool override_document(const std::string& assignment, JsonDocument* document, std::string* error);
 JsonDocument dome_document(const std::string& dome);
 

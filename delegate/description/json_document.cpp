@@ -9,7 +9,7 @@ namespace {
 using nlohmann::json;
 constexpr size_t kMaxDepth = 64;
 
-// What the parser has consumed. It reads one character past a number, hence before_last().
+// The parser's position. The parser reads one character past a number, hence before_last().
 struct Progress {
   const char* at = nullptr;
   const char* end = nullptr;
@@ -25,7 +25,7 @@ struct Progress {
   size_t before_last() const { return last_was_newline ? line - 1 : line; }
 };
 
-// An input iterator over a text that counts lines in shared Progress (the parser copies its iterators).
+// An input iterator over a text. It counts lines in a shared Progress, because the parser copies its iterators.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -48,7 +48,8 @@ class CountingIterator {
   Progress* progress_;
 };
 
-// Builds the pointer -> line table and refuses what a DOM would silently accept.
+// Builds the table from pointer to line, and refuses duplicate keys and deep nesting, which a DOM would silently
+// accept.
 class LineRecorder : public nlohmann::json_sax<json> {
  public:
   LineRecorder(const Progress& progress, std::map<std::string, size_t>* lines) : progress_(progress), lines_(*lines) {}
@@ -67,7 +68,7 @@ class LineRecorder : public nlohmann::json_sax<json> {
   bool key(string_t& name) override {
     Level& level = levels_.back();
     if (!level.keys.insert(name).second) {
-      error_ = "line " + std::to_string(progress_.line) + ": the key \"" + name + "\" is there twice; keep one";
+      error_ = "line " + std::to_string(progress_.line) + ": the key \"" + name + "\" appears twice; remove one";
       return false;
     }
     level.current = pointer_append(level.pointer, name);
@@ -110,7 +111,7 @@ class LineRecorder : public nlohmann::json_sax<json> {
     if (levels_.empty()) lines_[""] = progress_.line;
     if (levels_.size() == kMaxDepth) {
       error_ = "line " + std::to_string(progress_.line) + ": nested deeper than " + std::to_string(kMaxDepth) +
-               " levels; a render description needs fewer";
+               " levels; simplify the render description";
       return false;
     }
     levels_.push_back({pointer, "", array, 0, {}});

@@ -53,7 +53,7 @@ class Loader {
     if (!complete_scene(&state_)) return false;
     if (!draws_anything(*state_.scene) && sink_)
       sink_({Severity::warning, "scene.empty", file,
-             "There is nothing to draw: no visible mesh with faces. Name a model under \"gltf\"."});
+             "There is nothing to draw: the scene has no visible mesh with faces. Name a model under \"gltf\"."});
     return true;
   }
 
@@ -75,18 +75,19 @@ class Loader {
       state_.result->gltf.push_back(gltf::LoadGltf(file, {}, state_.scene, sink_));
       return state_.result->gltf.back().ok;
     }
-    return fail("scene.kind", file, "Not a scene file: known are .gltf, .glb and .json (a render description).");
+    return fail("scene.kind", file, "This is not a scene file: use .gltf, .glb or .json (a render description).");
   }
 
   bool load_description(const std::string& file) {
     std::error_code error;
     if (std::filesystem::file_size(file, error) > kMaxDescriptionBytes)
-      return fail("description.size", file,
-                  "Larger than 64 MiB: no render description. Geometry belongs in glTF files.");
+      return fail(
+          "description.size", file,
+          "The file is larger than 64 MiB, too large for a render description. Geometry belongs in glTF files.");
     std::ifstream stream(file, std::ios::binary);
     std::ostringstream text;
     text << stream.rdbuf();
-    if (!stream) return fail("scene.read", file, "The file cannot be read. Check its permissions.");
+    if (!stream) return fail("scene.read", file, "The file could not be read. Check its permissions.");
     JsonDocument document;
     std::string problem;
     if (!parse_json(text.str(), file, &document, &problem)) return fail("description.json", file, problem);
@@ -116,7 +117,7 @@ class Loader {
     return check_schema(document, schema_, sink_) && apply(document, "");
   }
 
-  // The camera asked for, as it is; the description's own changes were meant for another.
+  // Takes the requested camera as it is, because the description's changes were meant for another one.
   bool choose_camera(const std::string& name) {
     if (name == "camera" && (state_.camera.transform || !state_.camera.parameters.empty())) return true;
     JsonDocument document;
@@ -141,7 +142,7 @@ SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
   } catch (const std::bad_alloc&) {
     if (sink) sink({Severity::error, "scene.memory", file, "Not enough memory to load the scene."});
   } catch (const std::exception& e) {
-    if (sink) sink({Severity::error, "scene.load", file, std::string("The scene cannot be loaded: ") + e.what()});
+    if (sink) sink({Severity::error, "scene.load", file, std::string("The scene could not be loaded: ") + e.what()});
   }
   return result;
 }

@@ -1,4 +1,4 @@
-// Names as people type them: globs over prims, and what to say about a wrong one.
+// Names as people type them: globs over prims, and suggestions for wrong names.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace alabaster::hd::description {
 
-/// " Did you mean 'roughness'?" or, with no name near enough, nothing.
+/// " Did you mean 'roughness'?", or nothing if no name is near enough.
 std::string suggestion(const std::string& name, const std::vector<std::string>& candidates);
 
-/// The name that the author of a model gave: of "/gltf/bust/materials/2_skin" it is "skin", of the mesh primitive
-/// "/gltf/bust/nodes/3_head/0" it is "head".
+/// The name that the author of a model gave: "skin" for "/gltf/bust/materials/2_skin", "head" for the mesh primitive
+/// "/gltf/bust/nodes/3_head/0".
 std::string authored_name(const Path& path, bool is_mesh);
 
-/// Whether `pattern` (glob: * ?) means this prim: by its path, its last component, or its authored name.
+/// True if `pattern` (a glob with * and ?) matches the prim's path, its last component, or its authored name.
 bool matches(const std::string& pattern, const Path& path, bool is_mesh);
 
 }  // namespace alabaster::hd::description

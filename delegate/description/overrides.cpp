@@ -23,7 +23,7 @@ json patch_for(const std::string& place, json value, std::string* error) {
   const std::string kind = place.substr(0, slash);
   const size_t dot = place.rfind('.');
   if (dot == std::string::npos || dot < slash + 2 || dot + 1 == place.size()) {
-    *error = "'" + place + "' names no parameter: write " + kind + "/NAME.parameter=value.";
+    *error = "'" + place + "' does not name a parameter: write " + kind + "/NAME.parameter=value.";
     return {};
   }
   const std::string name = place.substr(slash + 1, dot - slash - 1), parameter = place.substr(dot + 1);
@@ -34,7 +34,7 @@ json patch_for(const std::string& place, json value, std::string* error) {
     entry[parameter] = std::move(value);
   }
   if (kind == "materials" || kind == "meshes" || kind == "lights") return json{{kind, {entry}}};
-  *error = "'" + kind + "' is nothing to set." + suggestion(kind, {"materials", "meshes", "lights"});
+  *error = "'" + kind + "' cannot be set." + suggestion(kind, {"materials", "meshes", "lights"});
   return {};
 }
 
@@ -48,7 +48,7 @@ std::optional<double> to_number(const std::string& text) {
 bool override_document(const std::string& assignment, JsonDocument* document, std::string* error) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
-    *error = "'" + assignment + "' is no assignment: write key=value.";
+    *error = "'" + assignment + "' is not an assignment: write key=value.";
     return false;
   }
   error->clear();

@@ -43,7 +43,7 @@ bool usable(const Matrix4d& m) {
   return affine && x.cross(y).dot(z) != 0;
 }
 
-// The world transforms that an instancer gives to a prototype (or to an inner instancer), outer instancers included.
+// The world transforms that an instancer gives to a prototype (or to an inner instancer), including outer instancers'.
 class InstanceTransforms {
  public:
   explicit InstanceTransforms(const host::RetainedSceneDelegate& scene) : scene_(scene) {}
@@ -76,7 +76,7 @@ class InstanceTransforms {
     return array && index < array->size() ? &(*array)[index] : nullptr;
   }
 
-  // M * S * R * T, as Instancer::Sync documents.
+  // M * S * R * T, as documented at Instancer::Sync.
   static Matrix4d instance(const host::InstancerDescription& d, size_t index) {
     Matrix4d m;
     if (const auto* t = element<Matrix4d>(d, "hydra:instanceTransforms", index)) m = *t;
@@ -185,8 +185,8 @@ std::vector<Vec3d> enclosing_points(const host::RetainedSceneDelegate& scene) {
   return all;
 }
 
-// In camera axes a point (x, y, z) is inside when |x - cx| <= t (cz - z) for the half-angle's tangent t. With
-// A = max(x + t z) and B = max(-x + t z) the nearest such camera has cx = (A - B) / 2 and cz = (A + B) / (2 t).
+// In camera axes a point (x, y, z) is inside if |x - cx| <= t (cz - z), with t the tangent of the half-angle. With A =
+// max(x + t z) and B = max(-x + t z), the nearest such camera has cx = (A - B) / 2 and cz = (A + B) / (2 t).
 Framed frame_points(const std::vector<Vec3d>& points, const Frustum& frustum) {
   constexpr double kMargin = 0.86;
   const Matrix4d axes = three_quarter_axes(), to_camera = axes.transposed();
@@ -208,7 +208,7 @@ Framed frame_points(const std::vector<Vec3d>& points, const Frustum& frustum) {
     const double needed_x = (plus[0] + minus[0]) / (2 * tangent[0]), needed_y = (plus[1] + minus[1]) / (2 * tangent[1]);
     position = {(plus[0] - minus[0]) / 2, (plus[1] - minus[1]) / 2, std::max(needed_x, needed_y)};
     const double size = (box.high - box.low).length();
-    if (!(size > 0)) position.z += 1;  // one point: any distance shows it
+    if (!(size > 0)) position.z += 1;  // a single point is in view at any distance
     framed.distance = position.z - (box.low.z + box.high.z) / 2;
   } else {
     framed.distance = 3;

@@ -1,4 +1,4 @@
-// Quality presets: names for sets of render settings that were measured to be worth it (schemas/quality_presets.json).
+// Quality presets: named sets of measured render settings (schemas/quality_presets.json).
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@ namespace alabaster::hd::description {
 struct QualityPreset {
   std::string name;         // "draft"
   std::string description;  // one line
-  Dictionary settings;      // by the names of render_settings.json; what is not in it stays as it is
+  Dictionary settings;      // by the names of render_settings.json; settings not in it are left alone
 };
 
-/// From the coarsest to the finest. Made once; any thread.
+/// All presets, from the coarsest to the finest. Any thread.
 ALABASTER_API const std::vector<QualityPreset>& QualityPresets();
 
-/// Null if no preset is called so.
+/// The preset of that name; null if there is none.
 ALABASTER_API const QualityPreset* FindQualityPreset(const std::string& name);
 
 }  // namespace alabaster::hd::description

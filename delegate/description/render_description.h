@@ -1,40 +1,40 @@
-// The render description (.json, schemas/render_description.json): what glTF cannot say. Also the one entrance for any
-// scene file: .json, .gltf and .glb.
+// The render description (.json, schemas/render_description.json), for everything that glTF cannot express, and
+// LoadScene, which loads any scene file: .json, .gltf and .glb.
 #pragma once
 
 #include "delegate/gltf/gltf_scene.h"
 
 namespace alabaster::hd::description {
 
-/// What a host changes about a scene while it is loaded. Everything goes through the same checks as a file does.
+/// Changes to a scene while it is loaded. They pass the same checks as a file.
 struct LoadOptions {
-  /// Each "place=value", value as JSON or as bare text: "samples=16", "materials/skin.roughness=0.3",
+  /// Each is "place=value", with the value as JSON or bare text: "samples=16", "materials/skin.roughness=0.3",
   /// "lights/key.intensity=4", "meshes/head.refineLevel=3", "camera.fStop=2.8".
   std::vector<std::string> overrides;
-  std::string camera;  // name or path of the camera to look through; empty: the scene's own choice
-  /// Replaces every dome light: an image file, or a colour as one or three numbers; then, after a last comma, an
-  /// intensity: "sky.hdr", "sky.hdr,0.5", "0.2,0.3,0.4", "0.2,0.3,0.4,2". Empty: the scene's own.
+  std::string camera;  // name or path of the camera to render from; empty for the scene's own choice
+  /// Replaces every dome light by an image file, or by a colour as one or three numbers. A last comma may add an
+  /// intensity: "sky.hdr", "sky.hdr,0.5", "0.2,0.3,0.4", "0.2,0.3,0.4,2". Empty keeps the scene's own.
   std::string dome;
 };
 
 struct SceneFile {
   bool ok = false;
-  Path settings;                       // the RenderSettings prim: always made (from the file, else from defaults)
-  std::vector<Path> further_settings;  // one more for each other resolution or crop that products ask for
-  std::string color_config;            // OCIO config that the description names; empty: none
+  Path settings;                       // the RenderSettings prim, from the file or else from defaults
+  std::vector<Path> further_settings;  // one for each further resolution or crop of the products
+  std::string color_config;            // OCIO config that the description names; empty if none
   std::vector<gltf::GltfSummary> gltf;
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome"
 };
 
-/// Loads a scene and completes it: frames the scene when it has no camera, adds a soft default dome when it has no
-/// light (and reports both). Unknown keys are errors that name the nearest known key and the place (JSON pointer,
-/// line). Never throws; not ok when an error was reported, and then what `scene` holds is undefined but harmless.
+/// Loads a scene and completes it: frames the scene if it has no camera, and adds a soft dome if it has no light (both
+/// are noted). An unknown key is an error that names the nearest known key and the place (JSON pointer, line). Never
+/// throws. After a reported error `ok` is false, and the content of `scene` is undefined but harmless.
 ALABASTER_API SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
                                   const DiagnosticSink& sink, const LoadOptions& options = {});
 
-/// The text of a schema by name: disney_material, lights, camera, render_settings, render_description; and
-/// quality_presets, which is no schema but settings and measurements. Null if unknown.
-/// Embedded at build time from schemas/.
+/// The text of a schema by name: disney_material, lights, camera, render_settings, render_description, or
+/// quality_presets, which holds settings and measurements rather than a schema. Null if unknown. The texts of schemas/
+/// are embedded at build time.
 ALABASTER_API const char* SchemaText(const std::string& name);
 
 }  // namespace alabaster::hd::description

@@ -40,7 +40,7 @@ std::vector<const json*> alternatives(const json& schema) {
   return all;
 }
 
-// The schema of a member of an object or array that `schema` describes; null if it describes none.
+// The schema of a member of the object or array that `schema` describes; null if it describes none.
 const json* member_schema(const json& schema, const std::string& step, bool in_array) {
   for (const json* part : alternatives(schema)) {
     if (in_array && part->contains("items")) return &(*part)["items"];
@@ -89,7 +89,7 @@ std::string object_expectation(const json& schema) {
   return "an object" + either;
 }
 
-// In words: what the schema accepts here.
+// Puts into words which values the schema accepts.
 std::string expectation(const json& schema) {
   if (schema.contains("enum")) {
     std::string text;
@@ -147,8 +147,8 @@ class Checker {
     }
   }
 
-  // The validator names a violation and all that contains it, and of alternatives every one that failed: keep the
-  // innermost place, but no deeper than the alternatives' own.
+  // The validator names a violation and everything that contains it, and every alternative that failed. This keeps the
+  // innermost place, but none deeper than the alternatives' own.
   void report_violations() {
     std::vector<Violation> found = find_violations(document_.value, schema_);
     std::vector<std::vector<std::string>> choices;
@@ -193,7 +193,7 @@ class Checker {
       return;
     }
     fail("description.value", pointer,
-         shortened(*value) + " does not fit: expected " + (schema ? expectation(*schema) : "something else") + "." +
+         shortened(*value) + " is not valid: expected " + (schema ? expectation(*schema) : "something else") + "." +
              (schema ? " " + schema->value("description", "") : ""));
   }
 

@@ -1,4 +1,4 @@
-// Checks a document against a schema of schemas/ and says in people's words what is wrong where.
+// Checks a document against a schema of schemas/ and reports each fault and its place in plain words.
 #pragma once
 
 #include "delegate/api/types.h"
@@ -6,19 +6,19 @@
 
 namespace alabaster::hd::description {
 
-/// A schema with every $ref replaced by what it names; the result refers to nothing.
+/// A schema with every $ref replaced by its target; the result has no references.
 nlohmann::json expanded_schema(const std::string& name);
 
-/// The place of each violation, as JSON pointer steps, with the validator's words. schema_validator.cpp, the only file
-/// that compiles the validator.
+/// A violation's place, as the steps of a JSON pointer, and the validator's words. find_violations stands in
+/// schema_validator.cpp, the only file that compiles the validator.
 struct Violation {
   std::vector<std::string> steps;
   std::string text;
 };
 std::vector<Violation> find_violations(const nlohmann::json& value, const nlohmann::json& schema);
 
-/// True if `document` satisfies `schema` (expanded). Otherwise reports every violation: unknown keys first, with the
-/// nearest known key; then types, ranges and what is missing.
+/// True if `document` satisfies `schema` (expanded). Otherwise reports every violation: unknown keys first, each with
+/// the nearest known key, then types, ranges and missing keys.
 bool check_schema(const JsonDocument& document, const nlohmann::json& schema, const DiagnosticSink& sink);
 
 }  // namespace alabaster::hd::description

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kWidth = 128, kHeight = 64;
 
-// A soft spot about `axis`: radiance falls to 1/e where 1 - cos = 1/sharpness.
+// A soft spot around `axis`. Radiance falls to 1/e where 1 - cos = 1/sharpness.
 double spot(const Vec3d& direction, const Vec3d& axis, double sharpness) {
   return std::exp(sharpness * (direction.dot(axis.normalized()) - 1));
 }
@@ -30,7 +30,7 @@ void append_rgbe(const Vec3d& color, std::vector<uint8_t>* bytes) {
   bytes->push_back(static_cast<uint8_t>(exponent + 128));
 }
 
-// Lat-long as UsdLux has it: top row +y, centre +z, +x a quarter of the width left of the centre.
+// A lat-long image as in UsdLux: top row +y, centre +z, +x a quarter of the width left of the centre.
 std::shared_ptr<const std::vector<uint8_t>> image() {
   const std::string header = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 64 +X 128\n";
   auto bytes = std::make_shared<std::vector<uint8_t>>(header.begin(), header.end());

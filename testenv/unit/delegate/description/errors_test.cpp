@@ -1,4 +1,4 @@
-// Every fault of a description is named with its place and a way out.
+// Every fault of a description is reported with its place and a remedy.
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::hd::description {
@@ -23,9 +23,9 @@ TEST_F(DescriptionErrors, EveryUnknownKeyIsReported) {
 
 TEST_F(DescriptionErrors, RangeTypeAndMissingKey) {
   EXPECT_FALSE(describe("{\"settings\":\n{\"samples\": 0}}").ok);
-  EXPECT_SAYS("scene.json:2 /settings/samples: 0 does not fit: expected a whole number from 1 to 1048576.");
+  EXPECT_SAYS("scene.json:2 /settings/samples: 0 is not valid: expected a whole number from 1 to 1048576.");
   EXPECT_FALSE(describe(R"({"camera": {"focalLength": "long"}})").ok);
-  EXPECT_SAYS("/camera/focalLength: \"long\" does not fit: expected a number above 0.");
+  EXPECT_SAYS("/camera/focalLength: \"long\" is not valid: expected a number above 0.");
   EXPECT_FALSE(describe(R"({"camera": {"lookAt": {"eye": [0, 0, 1]}}})").ok);
   EXPECT_SAYS("/camera/lookAt: 'target' is missing.");
   EXPECT_FALSE(describe(R"({"lights": [{"name": "key"}]})").ok);
@@ -41,7 +41,7 @@ TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
   EXPECT_FALSE(describe("{\n  \"settings\": {\n    \"samples\": 4,,\n  }\n}").ok);
   EXPECT_SAYS("line 3: not valid JSON");
   EXPECT_FALSE(describe("{\"settings\": {},\n \"settings\": {}}").ok);
-  EXPECT_SAYS("line 2: the key \"settings\" is there twice");
+  EXPECT_SAYS("line 2: the key \"settings\" appears twice");
   EXPECT_FALSE(describe(std::string(100000, '[')).ok);
   EXPECT_SAYS("nested deeper than 64 levels");
   EXPECT_FALSE(describe("").ok);
@@ -90,7 +90,7 @@ TEST_F(DescriptionErrors, Files) {
   EXPECT_SAYS("no such file");
   write("scene.obj", "v 0 0 0");
   EXPECT_FALSE(load("scene.obj").ok);
-  EXPECT_SAYS("known are .gltf, .glb and .json");
+  EXPECT_SAYS("use .gltf, .glb or .json");
   EXPECT_FALSE(load(".").ok);
   EXPECT_SAYS("not a regular file");
 }
@@ -111,7 +111,7 @@ TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {
   EXPECT_FALSE(load("patch.gltf", with_overrides({"material/skin.roughness=1"})).ok);
   EXPECT_SAYS("Did you mean 'materials'?");
   EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/skin=1"})).ok);
-  EXPECT_SAYS("names no parameter");
+  EXPECT_SAYS("does not name a parameter");
   EXPECT_FALSE(load("patch.gltf", with_dome("absent.hdr,2")).ok);
   EXPECT_SAYS("There is no file 'absent.hdr'");
 }
