@@ -38,7 +38,7 @@ float component_to_float(const uint8_t* p, int type, bool normalized) {
   }
 }
 
-// The element `i` of a base accessor replaced by sparse entry k, for all k (glTF 2.0, section 3.6.2.3).
+// Replaces elements of the base accessor by the sparse entries (glTF 2.0, section 3.6.2.3).
 template <class Put>
 void for_each_sparse(const AccessorView& accessor, Put put) {
   const size_t element_size = component_size(accessor.component_type) * accessor.components;

@@ -1,4 +1,4 @@
-// Typed data of a document: accessors whose every byte is known to lie inside its buffer.
+// Typed data of a document: accessors all of whose bytes are known to lie inside their buffers.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ enum ComponentType : int { kByte = 5120, kUnsignedByte, kShort, kUnsignedShort, 
 /// Bytes of one component; 0 for a type glTF does not know.
 size_t component_size(int component_type);
 
-/// Pointers are into the document's buffers and live as long as they do. Built by load_accessors alone, which checks
-/// that all `count` elements and all sparse entries are in range.
+/// Only load_accessors makes these, after checking that all `count` elements and all sparse entries are in range.
+/// Pointers lead into the document's buffers and are valid as long as those.
 struct AccessorView {
   std::string type;  // SCALAR, VEC2, ...
   int component_type = kFloat;
@@ -31,11 +31,11 @@ struct AccessorView {
 /// One integer component at `p`, which need not be aligned.
 uint32_t read_index(const uint8_t* p, int component_type);
 
-/// All elements, components interleaved, normalized integers mapped to [0,1] or [-1,1] (glTF 2.0, section 3.6.2.2),
-/// sparse values put in. Not for matrices.
+/// All elements, with components interleaved, normalized integers mapped to [0,1] or [-1,1] (glTF 2.0, section
+/// 3.6.2.2), and sparse values applied. Not for matrices.
 std::vector<float> read_floats(const AccessorView& accessor);
 
-/// A scalar accessor of unsigned integers.
+/// The values of a scalar accessor of unsigned integers.
 std::vector<uint32_t> read_indices(const AccessorView& accessor);
 
 }  // namespace alabaster::hd::gltf

@@ -1,4 +1,4 @@
-// Buffers, buffer views and accessors (glTF 2.0, sections 3.6 and 5.1, 5.10, 5.11): all byte ranges are settled here.
+// Buffers, buffer views and accessors (glTF 2.0, sections 3.6 and 5.1, 5.10, 5.11): checks all byte ranges.
 #include <algorithm>
 #include <cmath>
 
@@ -7,9 +7,10 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// Accessors without data are zeros that a document gets for free; more than this no real one asks for.
+// Accessors without data are zeros that cost the document no bytes. No real document needs more than this.
 constexpr uint64_t kMostZeroBytes = uint64_t(256) << 20;
-// Bytes looked at to compare stated with real bounds: many accessors over the same bytes must not cost without limit.
+// Bytes read to compare stated with real bounds. The limit keeps many accessors over the same bytes from costing too
+// much.
 constexpr uint64_t kMostBoundsBytes = uint64_t(1) << 30;
 
 uint64_t integer_or(const Json& object, const char* name, uint64_t fallback) {
@@ -34,7 +35,7 @@ class BufferLoader {
     }
     if (bytes->size() < length) {
       report_.error("buffer.short", element + ".byteLength",
-                    std::to_string(length) + " bytes are stated but the data has " + std::to_string(bytes->size()) +
+                    std::to_string(length) + " bytes are declared, but the data has " + std::to_string(bytes->size()) +
                         "; export the file again");
       return nullptr;
     }
@@ -45,7 +46,7 @@ class BufferLoader {
  private:
   Bytes from_chunk(size_t index, uint64_t length, const std::string& element, std::string* reason) {
     if (index != 0 || !chunk_) {
-      *reason = "has no uri, and the file has no binary chunk for it; export the file again";
+      *reason = "has no uri, and the file has no binary chunk; export the file again";
       return nullptr;
     }
     if (chunk_->size() > length + 3)
@@ -117,14 +118,14 @@ class AccessorLoader {
               integer_or(json, "byteStride", 0)};
     if (view.offset > available || view.length > available - view.offset) {
       report_.error("bufferView.range", element,
-                    "byteOffset + byteLength leaves the buffer of " + std::to_string(available) +
+                    "byteOffset + byteLength exceeds the buffer of " + std::to_string(available) +
                         " bytes; export the file again");
     } else {
       view.data = buffer->data() + view.offset;
     }
     if (view.stride > 0 && (view.stride < 4 || view.stride > 252 || view.stride % 4 != 0 || view.stride > view.length))
       report_.warning("bufferView.stride", element + ".byteStride",
-                      std::to_string(view.stride) + " is not a multiple of 4 from 4 to 252 within the view");
+                      std::to_string(view.stride) + " is not a multiple of 4 from 4 to 252, or exceeds the view");
     views_.push_back(view);
   }
 
@@ -138,7 +139,7 @@ class AccessorLoader {
     if (component == 0)
       return report_.error("accessor.type", element + ".componentType", "is not a glTF type; export the file again");
     if (accessor->normalized && component == 4)
-      report_.warning("accessor.normalized", element, "only 8 and 16 bit integers can be normalized; it is ignored");
+      report_.warning("accessor.normalized", element, "only 8-bit and 16-bit integers can be normalized; ignored");
     const size_t size = element_size(accessor->type, component);
     accessor->stride = size;
     if (json.contains("bufferView")) {
@@ -146,7 +147,7 @@ class AccessorLoader {
     } else {
       zero_bytes_ += accessor->count * uint64_t(size);
       if (zero_bytes_ > kMostZeroBytes)
-        return report_.error("accessor.zeros", element, "asks for too many elements without data; lower count");
+        return report_.error("accessor.zeros", element, "declares too many elements without data; lower count");
     }
     if (json.contains("sparse")) load_sparse(json["sparse"], element + ".sparse", size, accessor);
     if (!report_.failed()) check_bounds(json, element, *accessor);
@@ -165,11 +166,11 @@ class AccessorLoader {
     const uint64_t needed = offset + accessor->stride * uint64_t(accessor->count - 1) + size;
     if (needed > view.length)
       return report_.error("accessor.range", element,
-                           "needs " + std::to_string(needed) + " bytes of a view of " + std::to_string(view.length) +
-                               "; export the file again");
+                           "needs " + std::to_string(needed) + " bytes, but the view has " +
+                               std::to_string(view.length) + "; export the file again");
     const size_t component = component_size(accessor->component_type);
     if (offset % component != 0 || (view.offset + offset) % component != 0)
-      report_.warning("accessor.alignment", element, "its offset is not a multiple of its component's size");
+      report_.warning("accessor.alignment", element, "the offset is not a multiple of the component's size");
     accessor->data = view.data + offset;
   }
 
@@ -187,7 +188,7 @@ class AccessorLoader {
       return report_.error("accessor.sparse", element + ".count", "is larger than the accessor's count");
     if (index_offset + count * uint64_t(component_size(index_type)) > index_view.length ||
         value_offset + count * uint64_t(size) > value_view.length)
-      return report_.error("accessor.sparse", element, "leaves its buffer views; export the file again");
+      return report_.error("accessor.sparse", element, "exceeds its buffer views; export the file again");
     accessor->sparse_count = count;
     accessor->sparse_index_type = index_type;
     accessor->sparse_indices = index_view.data + index_offset;
@@ -207,10 +208,12 @@ class AccessorLoader {
       rising = rising && int64_t(index) > previous;
       previous = index;
     }
-    if (!rising) report_.warning("accessor.sparse", element + ".indices", "do not rise strictly; the last one counts");
+    if (!rising)
+      report_.warning("accessor.sparse", element + ".indices",
+                      "do not increase strictly; the last value of an element is used");
   }
 
-  // Stated bounds are not relied on, but bounds that lie tell of a broken writer.
+  // The bounds are not relied on, but false ones are the sign of a broken exporter.
   void check_bounds(const Json& json, const std::string& element, const AccessorView& accessor) {
     for (const char* name : {"min", "max"}) {
       if (!json.contains(name)) continue;
@@ -228,9 +231,9 @@ class AccessorLoader {
       const double low = json["min"][c].get<double>(), high = json["max"][c].get<double>();
       const double slack = 1e-6 * std::max(std::abs(low), std::abs(high));
       if (!(values[i] >= low - slack && values[i] <= high + slack))
-        return report_.warning("accessor.bounds", element,
-                               "element " + std::to_string(i / accessor.components) +
-                                   " lies outside min and max, which are not relied on");
+        return report_.warning(
+            "accessor.bounds", element,
+            "element " + std::to_string(i / accessor.components) + " lies outside min and max, which are ignored");
     }
   }
 

@@ -1,4 +1,5 @@
-// Meshes (glTF 2.0, section 3.7): attributes against semantics and each other, indices against vertex counts.
+// Meshes (glTF 2.0, section 3.7): checks attributes against semantics and each other, and indices against vertex
+// counts.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,7 +11,8 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// Decoded geometry of all primitives together: many primitives over one accessor must not cost memory without limit.
+// Bytes of decoded geometry in all primitives. The limit keeps many primitives over one accessor from filling the
+// memory.
 constexpr uint64_t kMostDecodedBytes = uint64_t(16) << 30;
 
 struct Semantic {
@@ -26,7 +28,7 @@ constexpr Semantic kSemantics[] = {
     {"COLOR", "|VEC3|VEC4|", true, true, false}, {"JOINTS", "|VEC4|", true, true, false},
     {"WEIGHTS", "|VEC4|", true, true, false}};
 
-// The semantic of "TEXCOORD_0"; empty if it is none of glTF's.
+// The semantic of an attribute such as "TEXCOORD_0"; empty if glTF has none.
 std::optional<Semantic> find_semantic(const std::string& attribute) {
   for (const Semantic& semantic : kSemantics) {
     const std::string prefix = semantic.name + std::string(semantic.numbered ? "_" : "");
@@ -40,7 +42,7 @@ std::optional<Semantic> find_semantic(const std::string& attribute) {
   return {};
 }
 
-// `object`[name] if it is there and an integer: extensions that are not read are not checked either.
+// `object`[name] if it exists and is an integer. Extensions that are not read are not checked either.
 int integer_or(const Json& object, const char* name, int fallback) {
   const auto found = object.find(name);
   return found != object.end() && found->is_number_integer() ? found->get<int>() : fallback;
@@ -77,7 +79,7 @@ class MeshCheck {
         check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
     }
     if (decoded_bytes_ > kMostDecodedBytes)
-      report_.error("mesh.size", "meshes", "hold more than 16 GiB of geometry; split the file");
+      report_.error("mesh.size", "meshes", "contain more than 16 GiB of geometry; split the file");
   }
 
  private:
@@ -94,7 +96,7 @@ class MeshCheck {
       if (!first) first = &view;
       if (view.count != first->count)
         report_.error("mesh.count", place,
-                      "has " + std::to_string(view.count) + " elements where others have " +
+                      "has " + std::to_string(view.count) + " elements, but other attributes have " +
                           std::to_string(first->count) + "; export the file again");
       if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
       const Json& json = root_["accessors"][index.get<size_t>()];
@@ -102,7 +104,8 @@ class MeshCheck {
     }
     for (const auto& [view, users] : views)
       if (users > 1 && !root_["bufferViews"][view].contains("byteStride"))
-        report_.warning("bufferView.stride", element_name("bufferViews", view), "several attributes, no byteStride");
+        report_.warning("bufferView.stride", element_name("bufferViews", view),
+                        "is shared by several attributes but has no byteStride");
     if (!attributes.contains("POSITION")) {
       report_.warning("mesh.points", element + ".attributes", "has no POSITION; the primitive is not drawn");
     } else if (!report_.failed()) {
@@ -128,7 +131,8 @@ class MeshCheck {
     const auto semantic = find_semantic(name);
     if (!semantic) {
       if (name.empty() || name[0] != '_')
-        report_.warning("mesh.attribute", place, "is not an attribute of glTF; name your own with a leading '_'");
+        report_.warning("mesh.attribute", place,
+                        "is not a glTF attribute; begin the names of custom attributes with '_'");
       return;
     }
     if (std::string_view(semantic->types).find("|" + view.type + "|") == std::string_view::npos)
@@ -136,13 +140,13 @@ class MeshCheck {
                            "is of type " + view.type + ", not one of " + semantic->types + "; export the file again");
     if (view.component_type == kFloat || semantic->integers) {
       if (semantic->numbered && view.component_type == kUnsignedInt)
-        report_.error("mesh.attribute", place, "must not be of 32 bit integers; export the file again");
+        report_.error("mesh.attribute", place, "must not hold 32-bit integers; export the file again");
       return check_unit_length(name, view, place);
     }
     if (!semantic->quantizable || view.component_type == kUnsignedInt)
-      return report_.error("mesh.attribute", place, "must be of floats; export the file again");
+      return report_.error("mesh.attribute", place, "must hold floats; export the file again");
     if (!quantized_)
-      report_.warning("mesh.attribute", place, "integers need KHR_mesh_quantization in extensionsRequired; add it");
+      report_.warning("mesh.attribute", place, "integers require KHR_mesh_quantization in extensionsRequired; add it");
   }
 
   void check_unit_length(const std::string& name, const AccessorView& view, const std::string& place) {
@@ -155,7 +159,7 @@ class MeshCheck {
       if (unit && sign) continue;
       return report_.warning(
           "mesh.unit", place,
-          "element " + std::to_string(i) + " is not a unit vector (with sign 1 or -1); it is normalized");
+          "element " + std::to_string(i) + " is not a unit vector (with sign 1 or -1) and is normalized");
     }
   }
 
@@ -163,7 +167,7 @@ class MeshCheck {
     const AccessorView& view = accessor(index);
     const Json& json = root_["accessors"][index.get<size_t>()];
     if (!json.contains("min") || !json.contains("max"))
-      report_.warning("mesh.bounds", place, "its accessor has no min and max, which glTF requires");
+      report_.warning("mesh.bounds", place, "the accessor lacks min and max, which glTF requires");
     if (!view.data || view.component_type != kFloat || !checked_.insert(&view).second) return;
     const std::vector<float> values = read_floats(view);
     for (size_t i = 0; i < values.size(); ++i)
@@ -177,10 +181,10 @@ class MeshCheck {
     if (view.type != "SCALAR" || (view.component_type != kUnsignedByte && view.component_type != kUnsignedShort &&
                                   view.component_type != kUnsignedInt))
       return report_.error("mesh.indices", place, "must be scalars of an unsigned integer type; export the file again");
-    if (view.normalized) report_.warning("mesh.indices", place, "must not be normalized; it is ignored");
+    if (view.normalized) report_.warning("mesh.indices", place, "must not be normalized; ignored");
     const Json& json = root_["accessors"][index.get<size_t>()];
     if (json.contains("bufferView") && root_["bufferViews"][json["bufferView"].get<size_t>()].contains("byteStride"))
-      report_.warning("mesh.indices", place, "their buffer view must not have a byteStride");
+      report_.warning("mesh.indices", place, "the buffer view of indices must not have a byteStride");
     auto& largest = index_max_[index.get<size_t>()];
     if (!largest) {
       const std::vector<uint32_t> indices = read_indices(view);
@@ -197,8 +201,9 @@ class MeshCheck {
     const size_t count = primitive.contains("indices") ? accessor(primitive["indices"]).count : vertex_count;
     const int mode = primitive.value("mode", 4);
     if (mode == 4 && count % 3 != 0)
-      report_.warning("mesh.indices", element, "its count is not a multiple of three; the rest is ignored");
-    if (mode > 4 && count < 3) report_.warning("mesh.indices", element, "has no whole triangle");
+      report_.warning("mesh.indices", element,
+                      "the number of vertices is not a multiple of three; the rest is ignored");
+    if (mode > 4 && count < 3) report_.warning("mesh.indices", element, "has no complete triangle");
   }
 
   void check_texture_sets(const Json& primitive, const std::string& element) {
@@ -210,7 +215,7 @@ class MeshCheck {
       if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
         report_.warning("mesh.texcoord", element,
                         "has no TEXCOORD_" + std::to_string(set) + ", which materials[" + std::to_string(material) +
-                            "] uses; (0, 0) is taken");
+                            "] uses; (0, 0) is used instead");
   }
 
   const Json& root_;

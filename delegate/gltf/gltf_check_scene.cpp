@@ -1,4 +1,4 @@
-// Nodes, scenes, cameras and lights (glTF 2.0, sections 3.5, 3.10; KHR_lights_punctual).
+// Checks nodes, scenes, cameras and lights (glTF 2.0, sections 3.5, 3.10; KHR_lights_punctual).
 #include <cmath>
 
 #include "delegate/gltf/gltf_document.h"
@@ -16,12 +16,12 @@ void check_trees(const Json& nodes, Report& report, std::vector<int64_t>* parent
       if (parent >= 0 && parent != int64_t(n))
         report.error("node.parents", element_name("nodes", child.get<size_t>()),
                      "is a child of nodes[" + std::to_string(parent) + "] and of nodes[" + std::to_string(n) +
-                         "]; nodes must form trees, duplicate the node");
+                         "]; nodes must form trees, so duplicate the node");
       parent = int64_t(n);
     }
   }
   if (report.failed()) return;
-  // With one parent each, whoever is not reached from a root lies on or below a cycle.
+  // Each node has at most one parent, so one that is not reached from a root lies on or below a cycle.
   std::vector<char> reached(nodes.size(), 0);
   std::vector<size_t> open;
   for (size_t n = 0; n < nodes.size(); ++n)
@@ -35,25 +35,27 @@ void check_trees(const Json& nodes, Report& report, std::vector<int64_t>* parent
       for (const Json& child : nodes[n]["children"]) open.push_back(child.get<size_t>());
   }
   for (size_t n = 0; n < nodes.size(); ++n)
-    if (!reached[n]) return report.error("node.cycle", element_name("nodes", n), "is below itself; break the cycle");
+    if (!reached[n])
+      return report.error("node.cycle", element_name("nodes", n), "is its own descendant; break the cycle");
 }
 
 void check_transform(const Json& node, const std::string& element, Report& report) {
   if (node.contains("matrix")) {
     const auto m = node["matrix"].get<std::vector<double>>();
     if (node.contains("translation") || node.contains("rotation") || node.contains("scale"))
-      report.warning("node.transform", element, "has a matrix and translation, rotation or scale; the matrix counts");
+      report.warning("node.transform", element, "has a matrix and translation, rotation or scale; the matrix is used");
     const double determinant =
         m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-      report.warning("node.transform", element + ".matrix", "its last row is not 0 0 0 1; it is taken as that");
-    if (determinant == 0) report.warning("node.transform", element + ".matrix", "is singular: its contents are flat");
+      report.warning("node.transform", element + ".matrix", "the last row is not 0 0 0 1; it is replaced by that");
+    if (determinant == 0)
+      report.warning("node.transform", element + ".matrix", "is singular, so everything below it is flat");
   }
   if (node.contains("rotation")) {
     double length2 = 0;
     for (const Json& value : node["rotation"]) length2 += value.get<double>() * value.get<double>();
     if (!(std::abs(length2 - 1) < 1e-3))
-      report.warning("node.rotation", element + ".rotation", "is not a unit quaternion; it is normalized");
+      report.warning("node.rotation", element + ".rotation", "is not a unit quaternion and is normalized");
   }
 }
 
@@ -65,7 +67,7 @@ void check_scenes(const Json& root, const std::vector<int64_t>& parents, Report&
     for (const Json& node : scene["nodes"])
       if (parents[node.get<size_t>()] >= 0)
         report.warning("scene.root", element_name("scenes", s),
-                       "nodes[" + std::to_string(node.get<size_t>()) + "] is the child of another node, not a root");
+                       "nodes[" + std::to_string(node.get<size_t>()) + "] is not a root but the child of another node");
   }
 }
 
@@ -78,14 +80,14 @@ void check_cameras(const Json& cameras, Report& report) {
       continue;
     }
     if (camera.contains("perspective") && camera.contains("orthographic"))
-      report.warning("camera", element, "has two projections; its type decides");
+      report.warning("camera", element, "has two projections; the one named by type is used");
     const Json& lens = camera[type];
     if (lens.contains("zfar") && lens["zfar"].get<double>() <= lens["znear"].get<double>())
-      report.warning("camera", element + ".zfar", "is not beyond znear; no far plane is used");
+      report.warning("camera", element + ".zfar", "is not greater than znear; no far plane is used");
     if (type == "orthographic")
       for (const char* size : {"xmag", "ymag"})
         if (lens[size].get<double>() <= 0)
-          report.warning("camera", element_name(element, size), "must be positive; its absolute value is taken");
+          report.warning("camera", element_name(element, size), "must be positive; the absolute value is used");
   }
 }
 

@@ -7,9 +7,9 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// Deeper JSON overruns the stack of recursive readers; glTF itself needs about ten levels, extras rarely more.
+// Deeper JSON would overflow the stack of recursive readers. glTF itself needs about ten levels, extras rarely more.
 constexpr size_t kMostDepth = 128;
-// Each JSON value costs tens of bytes once parsed: this bounds a document at about 2 GB.
+// A parsed JSON value takes tens of bytes, so this limits a document to about 2 GB.
 constexpr size_t kMostValues = 30'000'000;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // glTF 2.0, section 4.4
@@ -18,7 +18,7 @@ uint32_t read_u32(const uint8_t* p) {
   return uint32_t(p[0]) | uint32_t(p[1]) << 8 | uint32_t(p[2]) << 16 | uint32_t(p[3]) << 24;
 }
 
-// Bounds depth and size before any parser sees the text. Knows just enough JSON: strings and brackets.
+// Limits depth and size before any parser sees the text. It knows only strings and brackets of JSON.
 bool json_is_bounded(std::string_view text, Report& report) {
   size_t depth = 0, values = 0;
   bool in_string = false;
@@ -49,7 +49,7 @@ bool json_is_bounded(std::string_view text, Report& report) {
 
 bool parse_json(std::string_view text, Report& report, Json* root) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") {
-    report.warning("json.bom", "", "the JSON begins with a byte order mark, which glTF does not allow; remove it");
+    report.warning("json.bom", "", "the JSON begins with a byte order mark, which glTF forbids; remove it");
     text.remove_prefix(3);
   }
   if (!json_is_bounded(text, report)) return false;
@@ -75,20 +75,20 @@ std::vector<Chunk> glb_chunks(const std::vector<uint8_t>& file, Report& report) 
     report.error("glb", "", text + "; the file is damaged, export it again");
     return std::vector<Chunk>();
   };
-  if (file.size() < 12) return fail("the GLB header is cut short");
+  if (file.size() < 12) return fail("the GLB header is incomplete");
   if (read_u32(&file[4]) != 2) {
-    return fail("GLB version " + std::to_string(read_u32(&file[4])) + " is not read, only version 2");
+    return fail("GLB version " + std::to_string(read_u32(&file[4])) + " is not supported, only version 2");
   }
   const size_t length = read_u32(&file[8]);
-  if (length > file.size()) return fail("the GLB header tells more bytes than the file has");
-  if (length < 12) return fail("the GLB header tells a length shorter than itself");
+  if (length > file.size()) return fail("the GLB header declares more bytes than the file has");
+  if (length < 12) return fail("the GLB header declares a length shorter than itself");
   if (length < file.size()) report.warning("glb.length", "", "bytes after the end of the GLB are ignored");
   std::vector<Chunk> chunks;
   for (size_t at = 12; at < length;) {
-    if (length - at < 8) return fail("a GLB chunk header is cut short");
+    if (length - at < 8) return fail("a GLB chunk header is incomplete");
     const Chunk chunk{read_u32(&file[at + 4]), at + 8, read_u32(&file[at])};
     if (chunk.size > length - chunk.begin)
-      return fail("GLB chunk " + std::to_string(chunks.size()) + " leaves the file");
+      return fail("GLB chunk " + std::to_string(chunks.size()) + " exceeds the file");
     if (chunk.size % 4 != 0) report.warning("glb.padding", "", "a GLB chunk's length is not a multiple of 4");
     chunks.push_back(chunk);
     at = chunk.begin + chunk.size;
@@ -110,7 +110,7 @@ bool read_glb(const std::vector<uint8_t>& file, Report& report, Container* conta
       return false;
     }
     if (chunk.type != kBinaryChunk) {
-      report.warning("glb.chunk", "", "GLB chunk " + std::to_string(i) + " is of an unknown type and is ignored");
+      report.warning("glb.chunk", "", "GLB chunk " + std::to_string(i) + " has an unknown type and is ignored");
       continue;
     }
     const auto begin = file.begin() + std::ptrdiff_t(chunk.begin);
@@ -137,7 +137,7 @@ Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason) 
   std::ifstream stream(file, std::ios::binary);
   stream.read(reinterpret_cast<char*>(bytes->data()), std::streamsize(size));
   if (!stream || size_t(stream.gcount()) != size) {
-    *reason = "the file cannot be read; check its permissions";
+    *reason = "the file could not be read; check its permissions";
     return nullptr;
   }
   return bytes;

@@ -1,4 +1,4 @@
-// The outside of a glTF document: the file, the GLB container, URIs. Everything is bounded before it is read.
+// The file, the GLB container and the URIs of a glTF document. All sizes are checked before anything is read.
 #pragma once
 
 #include <memory>
@@ -19,10 +19,10 @@ struct Container {
   Bytes binary_chunk;  // null: none
 };
 
-/// Reads .gltf or .glb (told apart by content). Faults are reported; false: nothing usable.
+/// Reads .gltf or .glb, which it distinguishes by content. Reports faults; false if nothing is usable.
 bool read_container(const std::string& file, size_t max_bytes, Report& report, Container* container);
 
-/// A regular file, whole. Null and `reason` if it cannot be read or is longer than `max_bytes`.
+/// Reads a whole regular file. Null and `reason` if it cannot be read or is longer than `max_bytes`.
 Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason);
 
 struct DataUri {

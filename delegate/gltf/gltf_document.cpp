@@ -21,7 +21,7 @@ void check_version(const Json& root, Report& report) {
       report.error("version", element,
                    std::string("'").append(version, 0, 40).append("' is not a version; write \"2.0\""));
     } else if (major != 2 || (minor > 0 && std::string_view(name) == "minVersion")) {
-      report.error("version", element, "glTF " + version + " is not read, only 2.0; convert the file");
+      report.error("version", element, "glTF " + version + " is not supported, only 2.0; convert the file");
     }
   }
 }
@@ -37,24 +37,24 @@ void read_extension_lists(const Json& root, Report& report, Document* document) 
   for (const std::string& name : document->extensionsUsed) {
     if (reads_extension(name)) continue;
     document->extensionsIgnored.push_back(name);
-    report.info("extension.ignored", "extensionsUsed", name + " is not read and is ignored");
+    report.info("extension.ignored", "extensionsUsed", name + " is not supported and is ignored");
   }
 }
 
 void report_unread_features(const Json& root, Report& report) {
   for (const char* name : {"animations", "skins"})
     if (root.contains(name))
-      report.warning("unread", name, "is not read: everything is drawn in the pose that the nodes give");
+      report.warning("unread", name, "are not supported: everything is drawn in the nodes' pose");
   if (!root.contains("meshes")) return;
   for (size_t m = 0; m < root["meshes"].size(); ++m)
     for (const Json& primitive : root["meshes"][m]["primitives"])
       if (primitive.contains("targets")) {
-        report.warning("unread", element_name("meshes", m), "morph targets are not read: the base shape is drawn");
+        report.warning("unread", element_name("meshes", m), "morph targets are not supported: the base shape is drawn");
         break;
       }
 }
 
-// What was checked is handed to the parser without the parts it must not touch (files, images) or that are not read.
+// Parses the checked document, without the parts that the parser must not touch (files, images) or that are not read.
 bool parse_model(Json root, Report& report, Document* document) {
   for (const char* name : {"images", "buffers", "skins", "animations"}) root.erase(name);
   if (root.contains("meshes"))
@@ -89,7 +89,7 @@ bool read_document(const std::string& file, size_t max_bytes, Report& report, Do
   if (report.failed()) return false;
   if (container.is_glb && !container.binary_chunk && root.contains("buffers"))
     report.warning("glb.no_binary", "buffers",
-                   "the GLB has no binary chunk: its buffers lie outside or are base64 text");
+                   "the GLB has no binary chunk: its buffers are other files or base64 text");
   load_buffers(root, container.binary_chunk, max_bytes, report, document);
   if (report.failed()) return false;
   load_accessors(root, report, document);

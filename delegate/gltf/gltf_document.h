@@ -1,5 +1,5 @@
-// A glTF document, read and checked whole: after read_document every index resolves, every accessor lies in its buffer,
-// the nodes form trees and every image can be named. Translation reads it without checking again.
+// A glTF document, completely read and checked. After read_document every index resolves, every accessor lies in its
+// buffer, the nodes form trees and every image has a name. Translation does not check again.
 #pragma once
 
 #include "delegate/gltf/gltf_accessor.h"
@@ -13,26 +13,26 @@ struct Document {
   tinygltf::Model model;  // without images, buffers, skins and animations
   std::vector<Bytes> buffers;
   std::vector<AccessorView> accessors;
-  std::vector<AssetPath> images;  // `authored` empty: not usable (reported)
+  std::vector<AssetPath> images;  // `authored` is empty if not usable (reported)
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
 };
 
-/// False: at least one error was reported and the document is not to be used.
+/// False if an error was reported; the document must not be used then.
 bool read_document(const std::string& file, size_t max_bytes, Report& report, Document* document);
 
-// The steps of read_document, in its order. Each reports; after an error the following are not run.
+// The steps of read_document, in order. Each reports faults; the steps after an error are not run.
 
-/// Gives every buffer its bytes: the GLB chunk, data URIs, files; at most `max_bytes` together.
+/// Gives every buffer its bytes from the GLB chunk, data URIs or files, at most `max_bytes` together.
 void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document);
 /// Checks buffer views and accessors against the buffers.
 void load_accessors(const Json& root, Report& report, Document* document);
-/// Attributes against their semantics and each other, indices against vertex counts.
+/// Checks attributes against their semantics and each other, and indices against vertex counts.
 void check_meshes(const Json& root, const Document& document, Report& report);
-/// Node trees, transforms, scenes, cameras, lights.
+/// Checks node trees, transforms, scenes, cameras and lights.
 void check_scene(const Json& root, Report& report);
-/// Finds every image's bytes or file; what cannot be used is a warning.
+/// Finds every image's bytes or file. An image that cannot be used is a warning.
 void load_images(const Json& root, size_t max_bytes, Report& report, Document* document);
-/// What parts of materials and textures would be lost or cannot work.
+/// Reports textures and samplers that cannot work.
 void check_materials(const Json& root, Report& report);
 
 }  // namespace alabaster::hd::gltf

@@ -1,5 +1,5 @@
-// Images (glTF 2.0, section 3.8.3) are never decoded here: they go on as a file name or as encoded bytes. And what is
-// said about materials before they are translated.
+// Finds images (glTF 2.0, section 3.8.3) as file names or encoded bytes, without decoding them. Checks textures and
+// samplers.
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -27,7 +27,7 @@ class ImageLoader {
   AssetPath load(const Json& image, size_t index) {
     element_ = element_name("images", index);
     if (image.contains("bufferView") == image.contains("uri")) {
-      if (image.contains("uri")) return unusable("has both a uri and a bufferView; leave one out");
+      if (image.contains("uri")) return unusable("has both a uri and a bufferView; remove one");
       return unusable("has neither a uri nor a bufferView, so textures that use it are left out");
     }
     if (image.contains("bufferView")) return from_view(root_["bufferViews"][image["bufferView"].get<size_t>()], index);
@@ -100,14 +100,14 @@ void check_materials(const Json& root, Report& report) {
   if (root.contains("textures"))
     for (size_t t = 0; t < root["textures"].size(); ++t)
       if (!root["textures"][t].contains("source"))
-        report.warning("texture", element_name("textures", t), "names no image that is read, so it is left out");
+        report.warning("texture", element_name("textures", t), "has no usable image, so it is left out");
   if (!root.contains("samplers")) return;
   for (size_t s = 0; s < root["samplers"].size(); ++s)
     for (const char* name : {"wrapS", "wrapT"}) {
       const int wrap = root["samplers"][s].value(name, TINYGLTF_TEXTURE_WRAP_REPEAT);
       if (wrap != TINYGLTF_TEXTURE_WRAP_REPEAT && wrap != TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE &&
           wrap != TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT)
-        report.warning("sampler", element_name(element_name("samplers", s), name), "is unknown; repeat is taken");
+        report.warning("sampler", element_name(element_name("samplers", s), name), "is unknown; repeat is used");
     }
 }
 

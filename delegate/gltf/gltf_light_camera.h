@@ -6,14 +6,15 @@
 
 namespace alabaster::hd::gltf {
 
-/// glTF gives angles, the contract a lens: the film is 24 mm high and the focal length follows from yfov. Without an
-/// aspectRatio the film is 36 mm wide: vertical framing is then as glTF wants it under every window policy that keeps
-/// the height. Orthographic: apertures are twice the magnifications, in metres. No far plane: clippingRange.y is 1e30.
+/// glTF gives an angle where the contract has a lens: the film is 24 mm high, and the focal length follows from yfov.
+/// Without an aspectRatio the film is 36 mm wide; vertical framing then agrees with glTF under every window policy that
+/// keeps the height. Orthographic apertures are twice the magnifications, in metres. Without a far plane
+/// clippingRange.y is 1e30.
 host::CameraDescription translate_camera(const tinygltf::Camera& camera, const Matrix4d& transform);
 
-/// KHR_lights_punctual. Photometric units are carried over one to one: intensity of point and spot (candela) as radiant
-/// intensity, of directional (lux) as irradiance; choose the exposure accordingly. `range` is a game engine's cut-off
-/// and is not read.
+/// KHR_lights_punctual. Photometric values are kept as radiometric ones: the intensity of point and spot lights
+/// (candela) becomes radiant intensity, and that of directional lights (lux) irradiance; choose the exposure
+/// accordingly. `range`, a cut-off for game engines, is ignored.
 host::LightDescription translate_light(const tinygltf::Light& light, const Matrix4d& transform);
 
 }  // namespace alabaster::hd::gltf

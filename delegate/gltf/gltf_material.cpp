@@ -42,7 +42,7 @@ Token wrap_token(int wrap) {
 
 constexpr float kUnlimited = std::numeric_limits<float>::max();
 
-// What a scattering volume needs to have an extinction.
+// True if the volume has an extinction, as scattering requires.
 bool attenuates(Extension volume) {
   return number_or(volume, "attenuationDistance", 0, 0, double(kUnlimited)) > 0 &&
          color_or(volume, "attenuationColor", Vec3f(1)) != Vec3f(1);
@@ -106,11 +106,12 @@ class MaterialTranslator {
     set("baseColor", base_color_);
     double metallic = std::clamp(pbr.metallicFactor, 0.0, 1.0), roughness = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
     if (pbr.metallicRoughnessTexture.index >= 0) {
-      // The factors scale a texture whose values are unknown here; alone they would make most such objects rough metal.
+      // The factors scale a texture whose values are unknown here. Without it they would turn most objects into rough
+      // metal.
       metallic = 0;
       roughness *= 0.5;
       report_.warning("material.texture", element_ + ".pbrMetallicRoughness.metallicRoughnessTexture",
-                      "is not read; metallic 0 and half the roughness factor stand in for it");
+                      "is not supported; metallic 0 and half the roughness factor are used instead");
     }
     set("metallic", metallic);
     set("roughness", roughness);
@@ -122,7 +123,7 @@ class MaterialTranslator {
     if (uses_.base_color.index >= 0 && uses_.scatter_distance.index >= 0 &&
         !same_coordinates(uses_.base_color, uses_.scatter_distance))
       report_.warning("material.texture", element_ + ".extensions.ALAB_materials_disney.scatterDistanceTexture",
-                      "is read by the texture coordinates of the base colour; give both the same");
+                      "is looked up at the base colour's texture coordinates; give both the same");
   }
 
   void connect_texture(const char* input, const TextureUse& use, const char* color_space) {
@@ -146,7 +147,7 @@ class MaterialTranslator {
   void set_dielectric() {
     double ior = number_or(find_extension(material_, "KHR_materials_ior"), "ior", 1.5, 0, 1e3);
     if (ior < 1) {
-      report_.warning("material.ior", element_, "an ior below 1 has no counterpart; 1.5 is taken");
+      report_.warning("material.ior", element_, "an ior below 1 is not supported; 1.5 is used");
       ior = 1.5;
     }
     set("ior", ior);
@@ -165,8 +166,9 @@ class MaterialTranslator {
     const Vec3f factor = to_color(material_.emissiveFactor, Vec3f(0));
     if (factor == Vec3f(0)) return;
     if (material_.emissiveTexture.index >= 0)
-      return report_.warning("material.texture", element_ + ".emissiveTexture",
-                             "is not read, so the material does not emit; remove it to emit all over");
+      return report_.warning(
+          "material.texture", element_ + ".emissiveTexture",
+          "is not supported, so the material does not emit; remove the texture for uniform emission");
     const Extension strength = find_extension(material_, "KHR_materials_emissive_strength");
     set("emission", factor * float(number_or(strength, "emissiveStrength", 1, 0, double(kUnlimited))));
   }
@@ -177,13 +179,14 @@ class MaterialTranslator {
     if (!scatter) return;
     if (!volume)
       return report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter",
-                             "needs KHR_materials_volume beside it; the surface is opaque");
+                             "requires KHR_materials_volume; the surface is opaque");
     const double distance = number_or(volume, "attenuationDistance", 0, 0, double(kUnlimited));
     const Vec3f attenuation = color_or(volume, "attenuationColor", Vec3f(1));
     if (!attenuates(volume))
-      return report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume",
-                             "gives no extinction to scatter by; set attenuationDistance and attenuationColor");
-    // The draft renamed the key; the later spelling counts.
+      return report_.warning(
+          "material.scatter", element_ + ".extensions.KHR_materials_volume",
+          "has no extinction, which scattering requires; set attenuationDistance and attenuationColor");
+    // The draft renamed the key; the later name takes precedence.
     const char* key = scatter->Has("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
     const Vec3f albedo = color_or(scatter, key, Vec3f(0));
     Vec3f d;
@@ -194,20 +197,20 @@ class MaterialTranslator {
     set("scatterDistance", d);
     if (material_.pbrMetallicRoughness.baseColorTexture.index >= 0 && uses_.base_color.index < 0)
       report_.warning("material.scatter", element_ + ".pbrMetallicRoughness.baseColorTexture",
-                      "the scattering volume is of one colour, so the texture is left out");
+                      "is left out because the scattering volume has one colour");
     if (scatter->Has("multiscatterColorTexture"))
       report_.info("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.multiscatterColorTexture",
-                   "colours the medium; how far light travels in it is that of the factor's colour everywhere");
+                   "colours the medium; the scatter distance is that of the factor's colour everywhere");
     if (!find_extension(material_, "KHR_materials_diffuse_transmission"))
       report_.info("material.scatter", element_,
-                   "is drawn as dense, though it has no KHR_materials_diffuse_transmission");
+                   "is drawn as a dense medium although it has no KHR_materials_diffuse_transmission");
   }
 
   double set_anisotropy(Extension scatter) {
     const double authored = number_or(scatter, "scatterAnisotropy", 0, -1, 1), g = std::clamp(authored, -0.9, 0.9);
     if (g != authored)
       report_.warning("material.scatter", element_ + ".extensions.KHR_materials_volume_scatter.scatterAnisotropy",
-                      "is beyond what can be rendered; 0.9 of its sign is taken");
+                      "is outside -0.9 to 0.9; the nearest value is used");
     if (g != 0) set("scatterAnisotropy", g);
     return g;
   }
@@ -255,14 +258,15 @@ class MaterialTranslator {
 
   void report_unread() {
     if (material_.normalTexture.index >= 0)
-      report_.info("material.texture", element_ + ".normalTexture", "is not read");
+      report_.info("material.texture", element_ + ".normalTexture", "is not supported and is ignored");
     if (material_.alphaMode != "OPAQUE")
-      report_.info("material.alpha", element_ + ".alphaMode", "is not read; the surface is opaque");
+      report_.info("material.alpha", element_ + ".alphaMode", "is not supported; the surface is opaque");
     for (const auto& [name, extension] : material_.extensions) {
       if (!extension.IsObject() || name == "ALAB_materials_disney") continue;
       for (const std::string& key : extension.Keys())
-        if (is_texture(key) && key != "multiscatterColorTexture")  // of that set_subsurface() speaks
-          report_.info("material.texture", element_ + ".extensions." + name + "." + key, "is not read");
+        if (is_texture(key) && key != "multiscatterColorTexture")  // set_subsurface() reports that one
+          report_.info("material.texture", element_ + ".extensions." + name + "." + key,
+                       "is not supported and is ignored");
     }
   }
 

@@ -126,7 +126,7 @@ std::optional<host::MeshDescription> translate_primitive(const Document& documen
   std::vector<Vec3f> points = read_vectors<Vec3f>(*positions);
   std::vector<Vec2f> st = read_st(document, primitive);
   if (primitive.attributes.count("COLOR_0"))
-    report.info("mesh.color", element + ".attributes.COLOR_0", "vertex colours are not read");
+    report.info("mesh.color", element + ".attributes.COLOR_0", "vertex colours are not supported and are ignored");
   if (primitive.material >= 0)
     mesh.doubleSided = document.model.materials[size_t(primitive.material)].doubleSided;
   else
@@ -136,7 +136,8 @@ std::optional<host::MeshDescription> translate_primitive(const Document& documen
     set_cage(triangles, points, st, &mesh, &dropped_faces);
     mesh.displayStyle.refineLevel = refine_level;
     if (dropped_faces > 0)
-      report.warning("mesh.degenerate", element, std::to_string(dropped_faces) + " faces without area are left out");
+      report.warning("mesh.degenerate", element,
+                     std::to_string(dropped_faces) + " faces have no area and are left out");
     if (mesh.topology.faceVertexCounts.empty()) return {};
     return mesh;
   }

@@ -64,7 +64,7 @@ int disney_parameter_components(const std::string& name) {
 }
 
 std::string nearest_disney_parameter(const std::string& name) {
-  const std::string_view text = std::string_view(name).substr(0, 64);  // longer names are nearest to nothing
+  const std::string_view text = std::string_view(name).substr(0, 64);  // longer names have no nearest one
   const auto nearest = std::min_element(std::begin(kDisneyParameters), std::end(kDisneyParameters),
                                         [&](const DisneyParameter& a, const DisneyParameter& b) {
                                           return edit_distance(text, a.name) < edit_distance(text, b.name);

@@ -15,11 +15,11 @@ Imath::V3d newell_normal(const std::vector<Imath::V3d>& polygon) {
   return normal;
 }
 
-// Shortest run that two quads written one after the other could have made.
+// The shortest run of triangles that two consecutive quads could have made.
 constexpr size_t kSuspectRun = 4;
 
-// Whether every corner turns the same way about the polygon's mean normal. Nearly straight corners fail: two quads
-// joined along an edge have them where the edge ends, polygons that a modeller made seldom do.
+// True if every corner turns the same way around the polygon's mean normal. Nearly straight corners fail: two quads
+// joined along an edge have them at the ends of the edge, but polygons of a modeller seldom do.
 bool is_convex(const std::vector<Imath::V3d>& polygon) {
   constexpr double kSmallestTurn = 0.1;  // sine
   const Imath::V3d normal = newell_normal(polygon).normalized();
@@ -46,7 +46,7 @@ struct FloatKeyHash {
   }
 };
 uint32_t float_bits(float value) {
-  const float unsigned_zero = value == 0 ? 0.0f : value;  // -0 and 0 are one place
+  const float unsigned_zero = value == 0 ? 0.0f : value;  // -0 and 0 are the same place
   uint32_t bits;
   std::memcpy(&bits, &unsigned_zero, sizeof bits);
   return bits;
@@ -65,7 +65,7 @@ class CageBuilder {
     }
   }
 
-  // A polygon by the original vertices of its corners.
+  // Adds a polygon, given by the original vertices of its corners.
   void add(std::vector<uint32_t> corners) {
     const auto same_place = [&](uint32_t a, uint32_t b) { return welded_[a] == welded_[b]; };
     corners.erase(std::unique(corners.begin(), corners.end(), same_place), corners.end());
@@ -95,7 +95,7 @@ class CageBuilder {
     return std::adjacent_find(places.begin(), places.end()) != places.end();
   }
 
-  // Equal coordinates at one point are one value, so that only real seams are seams of the refined surface.
+  // Equal coordinates at one point become one value, so that only real seams are seams of the refined surface.
   int32_t st_index(uint32_t corner) {
     const Vec2f& value = st_[corner];
     const FloatKey<3> key{{uint32_t(welded_[corner]), float_bits(value.x), float_bits(value.y)}};
@@ -124,7 +124,7 @@ std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, cons
     const auto chains = [&] {
       const uint32_t* next = &triangles[end * 3];
       if (next[0] != t[0] || next[1] != triangles[end * 3 - 1]) return false;
-      for (size_t k = first; k < end; ++k)  // a fan that comes back to an earlier corner has closed
+      for (size_t k = first; k < end; ++k)  // a fan that returns to an earlier corner is closed
         if (next[2] == triangles[k * 3 + 1]) return false;
       return true;
     };

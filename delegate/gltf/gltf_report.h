@@ -1,4 +1,4 @@
-// What a glTF reader has to say about one file, in the order found.
+// The faults that a glTF reader finds in one file, in the order found.
 #pragma once
 
 #include <string>
@@ -7,14 +7,13 @@
 
 namespace alabaster::hd::gltf {
 
-/// Names the file in front of every element. A flood of like messages ends after the first hundred of a severity; the
-/// counts go on. One thread.
+/// Puts the file before every element. After a hundred messages of a severity it only counts further ones. One thread.
 class Report {
  public:
   Report(std::string file, DiagnosticSink sink) : file_(std::move(file)), sink_(std::move(sink)) {}
 
-  /// `element` is a place in the document ("accessors[3].count"), empty for the file itself; `text` says what is wrong
-  /// and the remedy.
+  /// `element` is a place in the document ("accessors[3].count"), empty for the file itself; `text` names the fault and
+  /// the remedy.
   void error(const std::string& code, const std::string& element, const std::string& text) {
     send(Severity::error, code, element, text);
   }

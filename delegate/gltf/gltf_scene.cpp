@@ -11,7 +11,7 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// Row vectors (p' = p * M): glTF's column-major array of a column-vector matrix reads row by row as its transpose.
+// Row vectors (p' = p * M): read row by row, glTF's column-major matrix for column vectors is already transposed.
 Matrix4d local_transform(const tinygltf::Node& node) {
   Matrix4d m;
   if (node.matrix.size() == 16) {
@@ -37,7 +37,7 @@ struct PlacedNode {
   Matrix4d world;
 };
 
-// Everything a document adds, held back until all of it is known to be good.
+// The prims of a document, kept apart until all of them are known to be valid.
 struct Prims {
   std::map<Path, host::MeshDescription> meshes;
   std::map<Path, host::InstancerDescription> instancers;
@@ -89,7 +89,7 @@ class SceneTranslator {
         if (!is_child[n]) roots.push_back(n);
       return roots;
     }
-    // Children that a scene lists come last: they count only if their parents are not in the scene.
+    // Child nodes that a scene lists come last: they are used only if their parents are not in the scene.
     for (const int n : model_.scenes[size_t(scene)].nodes) (is_child[size_t(n)] ? others : roots).push_back(size_t(n));
     roots.insert(roots.end(), others.begin(), others.end());
     return roots;
@@ -122,7 +122,7 @@ class SceneTranslator {
     prims_.lights[child("lights", placed.index)] = translate_light(model_.lights[size_t(light)], placed.world);
   }
 
-  // A mesh of several nodes is one prototype below the first of them, placed by an instancer.
+  // A mesh used by several nodes becomes one prototype below the first of them, placed by an instancer.
   void add_mesh(size_t index, const std::vector<PlacedNode>& nodes) {
     const Path parent = child("nodes", nodes[0].index);
     const tinygltf::Mesh& mesh = model_.meshes[index];
@@ -190,7 +190,7 @@ void load(const std::string& file, const GltfOptions& options, host::RetainedSce
   summary->extensionsIgnored = document.extensionsIgnored;
   Prims prims = SceneTranslator(document, options, report).run();
   if (report.failed()) return;
-  if (prims.meshes.empty()) report.warning("scene.empty", "", "nothing in the scene can be drawn");
+  if (prims.meshes.empty()) report.warning("scene.empty", "", "the scene has nothing to draw");
   hand_over(std::move(prims), scene, summary);
   summary->ok = true;
 }
@@ -204,7 +204,7 @@ GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::
   try {
     load(file, options, scene, report, &summary);
   } catch (const std::bad_alloc&) {
-    report.error("memory", "", "memory ran out; split the file or lower max_file_bytes");
+    report.error("memory", "", "not enough memory; split the file or lower max_file_bytes");
   } catch (const std::exception& e) {
     report.error("internal", "", std::string("reading failed (") + e.what() + "); export the file again");
   }

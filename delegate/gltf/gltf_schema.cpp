@@ -22,7 +22,7 @@ Property integer(const char* name, double minimum, double maximum, bool required
 Property text(const char* name, const char* choices = nullptr, bool required = false) {
   return {.name = name, .kind = Kind::text, .required = required, .target = choices};
 }
-// A factor of a material or light: out of range it is clamped.
+// A factor of a material or light; values out of range are clamped.
 Property factor(const char* name, double minimum, double maximum) {
   return {.name = name, .kind = Kind::number, .minimum = minimum, .maximum = maximum, .harmless = true};
 }
@@ -40,7 +40,7 @@ Property numbers(const char* name, size_t items) {
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-const Schema kMarker{};  // an extension that is not looked into
+const Schema kMarker{};  // an extension whose content is not checked
 
 const Schema& texture_info_schema() {
   static const Schema transform{{numbers("offset", 2),

@@ -1,5 +1,5 @@
-// The shape of a glTF document as data: which property is of which type and range, and what every index refers to.
-// Source: glTF 2.0 specification, chapter 5, and the texts of the extensions named.
+// The structure of a glTF document as data: the type and range of every property, and the array that every index refers
+// to. Source: glTF 2.0 specification, chapter 5, and the specifications of the extensions.
 #pragma once
 
 #include <limits>
@@ -19,8 +19,8 @@ struct Property {
   double minimum = -std::numeric_limits<double>::infinity();  // of a number, of each of `numbers`
   double maximum = std::numeric_limits<double>::infinity();
   size_t min_items = 1, max_items = std::numeric_limits<size_t>::max();
-  bool harmless = false;         // a value out of range is a warning: the translation takes the nearest legal one
-  const char* target = nullptr;  // of references: the array referred to; of text: the choices, "|a|b|c|"
+  bool harmless = false;         // a value out of range is only a warning; the nearest legal one is used
+  const char* target = nullptr;  // the array that references refer to, or the choices of a text, "|a|b|c|"
   const Schema* schema = nullptr;
 };
 
@@ -31,7 +31,7 @@ struct Schema {
 
 const Schema& document_schema();
 
-/// Extensions whose meaning reaches the picture; every other is named in `extensionsIgnored`.
+/// True for extensions that affect the picture; all others are listed in `extensionsIgnored`.
 bool reads_extension(const std::string& name);
 
 /// Checks structure, types, ranges and every reference of the document's own arrays. Integral floats ("2.0") become

@@ -1,4 +1,4 @@
-// Walks a document along its schema (gltf_schema.cpp).
+// Checks a document against its schema (gltf_schema.cpp).
 #include <cmath>
 #include <set>
 
@@ -26,7 +26,7 @@ class StructureCheck {
     check_object(root_, "", document_schema());
     for (const std::string& name : required) {
       if (!declared_.count(name))
-        report_.warning("extension.undeclared", "extensionsRequired", name + " is missing in extensionsUsed; add it");
+        report_.warning("extension.undeclared", "extensionsRequired", name + " is missing from extensionsUsed; add it");
       if (!reads_extension(name))
         report_.error("extension.required", "extensionsRequired", name + " is not supported; re-export without it");
     }
@@ -124,7 +124,7 @@ class StructureCheck {
     if (!integral) value = number;  // tinygltf keeps the integers of extensions in 32 bits
     if (number >= property.minimum && number <= property.maximum) return;
     const std::string text = value.dump() + " is out of range";
-    if (property.harmless) return report_.warning("value.range", element, text + "; the nearest legal value is taken");
+    if (property.harmless) return report_.warning("value.range", element, text + "; the nearest legal value is used");
     report_.error("value.range", element, text + "; correct the value");
   }
 
@@ -138,7 +138,7 @@ class StructureCheck {
 
   void check_array(Json& value, const std::string& element, const Property& property) {
     if (!value.is_array()) return error(element, "must be an array");
-    // Of a list, an empty one is harmless; a matrix or colour without its numbers is not one.
+    // An empty list is harmless, but a matrix or colour without numbers is an error.
     if (value.empty() && property.min_items <= 1)
       return report_.warning("structure.empty", element, "is empty; leave it out");
     if (value.size() < property.min_items || value.size() > property.max_items)
@@ -184,7 +184,7 @@ class StructureCheck {
                                    : value.get<int64_t>() >= 0 && uint64_t(value.get<int64_t>()) < size)
       return true;
     report_.error("reference", element,
-                  value.dump() + " refers to nothing: " + target + " has " + std::to_string(size) +
+                  value.dump() + " is out of range: " + target + " has " + std::to_string(size) +
                       " elements; export the file again");
     return false;
   }

@@ -16,7 +16,7 @@ int base64_digit(char c) {
   return -1;
 }
 
-// RFC 4648 section 4. Missing padding is accepted, as writers leave it out; anything else foreign is not.
+// RFC 4648 section 4. Missing padding is accepted because exporters omit it; any other deviation is an error.
 bool decode_base64(std::string_view text, std::vector<uint8_t>* bytes) {
   for (int padding = 0; padding < 2 && !text.empty() && text.back() == '='; ++padding) text.remove_suffix(1);
   if (text.size() % 4 == 1) return false;
@@ -101,7 +101,7 @@ std::optional<std::string> resolve_uri(const std::string& folder, std::string_vi
   }
   const size_t colon = uri.find(':');
   if (colon != std::string_view::npos && colon < uri.find('/')) {
-    *reason = "URIs with a scheme are not read; store the resource beside the file and name it by a relative path";
+    *reason = "URIs with a scheme are not supported; store the resource beside the file and use a relative path";
     return {};
   }
   std::replace(path.begin(), path.end(), '\\', '/');

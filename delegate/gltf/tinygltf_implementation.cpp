@@ -1,6 +1,6 @@
-// The one translation unit that carries tinygltf's code: parsing alone. Files, image decoding and Draco stay out;
-// what it is given has been checked whole before (gltf_document.cpp).
-#include <fstream>  // tiny_gltf.h forgets it when TINYGLTF_NO_FS is set
+// The only translation unit with tinygltf's code, reduced to parsing: without file access, image decoding and Draco.
+// Its input has already been checked (gltf_document.cpp).
+#include <fstream>  // tiny_gltf.h does not include it if TINYGLTF_NO_FS is set
 
 #define TINYGLTF_IMPLEMENTATION
 #include "delegate/gltf/tinygltf_model.h"

@@ -1,4 +1,4 @@
-// tinygltf as this library uses it: a parser of checked JSON text into plain structs, without file or image access.
+// tinygltf, reduced to a parser of checked JSON text into plain structs, without file or image access.
 #pragma once
 
 #include <unistd.h>  // tiny_gltf.h uses it without including it

@@ -75,7 +75,7 @@ TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
     const TemporaryFolder folder;
     const Loaded loaded = load(folder.write("materials.gltf", document.dump()));
     ASSERT_TRUE(loaded.summary.ok) << loaded.said();
-    EXPECT_EQ(loaded.says(Severity::warning, "scatterAnisotropy is beyond"),
+    EXPECT_EQ(loaded.says(Severity::warning, "scatterAnisotropy is outside"),
               authored != double(taken) && authored != 0.9);
     const MaterialNetwork& network = loaded.scene->GetMaterials().at("/gltf/materials/materials/3_draft");
     const MaterialNode& node = network.nodes.at(network.terminals.at("surface").upstreamNode);
