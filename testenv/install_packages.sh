@@ -1,4 +1,5 @@
-# Sourced by quickstart.sh and run_tests.sh: install_packages LIST... installs what is missing of the named lists.
+# Sourced by quickstart.sh and run_tests.sh. install_packages LIST... installs the packages of the lists that are
+# missing.
 
 install_packages() {
   missing=""
@@ -8,7 +9,7 @@ install_packages() {
   [ -n "$missing" ] || return 0
   as_root=""
   if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || { echo "error: not root and no sudo; install as root:$missing" >&2; return 1; }
+    command -v sudo >/dev/null || { echo "error: packages are missing, and there is neither root nor sudo; as root, install:$missing" >&2; return 1; }
     as_root="sudo"
   fi
   echo "Installing Debian packages:$missing"

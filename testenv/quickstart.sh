@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds Alabaster and renders. Without arguments: the bundled sample scene into build/quickstart/ (EXR and PNG).
-# With arguments: they go to `alabaster render` as they are. Installs the Debian packages it lacks; may be run again.
+# Builds Alabaster and renders. Without arguments it renders the bundled sample scene into build/quickstart/ (EXR and
+# PNG). Arguments are passed to `alabaster render`. Installs missing Debian packages; may be run again.
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/testenv/install_packages.sh"
@@ -23,6 +23,6 @@ out = sys.argv[1]
 stats = json.load(open(out + "/sample.stats.json"))
 phases = stats["phases"]
 print("Done:\n  %s/sample.exr  scene-linear, with layers\n  %s/sample.png  display-ready" % (out, out))
-print("It cost " + ", ".join("%s %.1f s" % (name, phase["wall"]) for name, phase in phases.items()) +
+print("Time: " + ", ".join("%s %.1f s" % (name, phase["wall"]) for name, phase in phases.items()) +
       "; peak memory %.0f MB." % (stats["peakMemory"] / 1e6))
 PYTHON

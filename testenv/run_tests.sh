@@ -1,8 +1,9 @@
 #!/bin/sh
-# Builds everything and runs every test; in CI (environment CI set) warnings are errors. Installs the Debian packages it lacks; may be run again.
+# Builds everything and runs every test; in CI (environment variable CI set) warnings are errors. Installs missing
+# Debian packages; may be run again.
 #   run_tests.sh [--sanitize address,undefined | --sanitize thread] [arguments for ctest]
-# Environment: ALABASTER_TEST_ASSETS names a folder of glTF test files (sss, subdiv, valid, invalid); tests that need it
-# say that they were skipped when it is not set.
+# Environment: ALABASTER_TEST_ASSETS names a folder of glTF test files (sss, subdiv, valid, invalid). Without it, tests
+# that need it report that they were skipped.
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/testenv/install_packages.sh"

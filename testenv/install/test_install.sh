@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs a build into a fresh prefix, then configures, builds and runs a stranger's project against it.
+# Installs a build into a fresh prefix, then configures, builds and runs another project against it.
 #   test_install.sh BUILD_FOLDER
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)

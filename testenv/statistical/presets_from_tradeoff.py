@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Writes what the quality presets cost and err, as `alabaster tradeoff` measured them, into schemas/quality_presets.json.
+"""Writes cost and error of the quality presets, measured by `alabaster tradeoff`, into schemas/quality_presets.json.
 
   for scene in ...; do alabaster tradeoff $scene --only '^quality=' -o out/$scene; done
   presets_from_tradeoff.py --command 'the line above' out/*/tradeoff.json
 
 Each tradeoff.json has a configuration quality=NAME for each preset, at several numbers of samples. A preset ends where its
-noise reaches its targetError, or at its 'samples': time and noise are read there, between the rungs by power laws (straight
-lines of the logarithms), and beyond the last rung as noise^2 ~ 1 / samples and time ~ samples. Its error is the root of
-noise^2 + bias^2. A bias that the measurement cannot tell from zero counts as zero.
+noise reaches its targetError, or at its 'samples'. Time and noise there are interpolated between the rungs by power laws
+(straight lines of the logarithms), and extrapolated beyond the last rung as noise^2 ~ 1 / samples and time ~ samples. The
+error is the root of noise^2 + bias^2. A bias that the measurement cannot distinguish from zero counts as zero.
 """
 import argparse
 import json
@@ -18,11 +18,11 @@ import sys
 import tempfile
 
 PRESETS = pathlib.Path(__file__).resolve().parents[2] / "schemas" / "quality_presets.json"
-MINIMUM_SAMPLES = 2  # of a render that ends by its noise
+MINIMUM_SAMPLES = 2  # of a render that its noise ends
 
 
 class Unusable(Exception):
-    """A message for people: which file, what is wrong, what to do."""
+    """A message for people: the file, the fault and the remedy."""
 
 
 def read(file):
@@ -31,11 +31,11 @@ def read(file):
         report["rows"], report["scene"], report["configurations"]
         return report
     except (OSError, ValueError, KeyError, TypeError) as problem:
-        raise Unusable(f"{file}: no report of alabaster tradeoff ({problem}): measure the scene again") from problem
+        raise Unusable(f"{file}: not a report of alabaster tradeoff ({problem}): measure the scene again") from problem
 
 
 def check_settings(report, file, preset):
-    """The settings that were measured must be the preset's: those that shape the picture, not those that end it."""
+    """Checks that the preset's settings were measured, except those that only end the render."""
     name = "quality=" + preset["name"]
     texts = [c["settings"] for c in report["configurations"] if c["name"] == name]
     if not texts:
@@ -46,8 +46,8 @@ def check_settings(report, file, preset):
             continue
         wanted = str(value).lower() if isinstance(value, bool) else str(value)
         if measured.get(key) != wanted:
-            raise Unusable(f"{file}: '{name}' was measured with {key} {measured.get(key)}, the preset has {wanted}: measure "
-                           "the scene again with a build that has this preset")
+            raise Unusable(f"{file}: '{name}' was measured with {key} {measured.get(key)}, but the preset has {wanted}: "
+                           "measure the scene again with a build that has this preset")
 
 
 def rungs(report, file, name):
@@ -122,7 +122,7 @@ def run(arguments):
         numbers = {}
         for preset in presets["presets"]:
             if name in preset["measured"]["scenes"]:
-                raise Unusable(f"{file}: a scene '{name}' was given already: give each scene once")
+                raise Unusable(f"{file}: the scene '{name}' is given twice: give each scene once")
             check_settings(report, file, preset)
             numbers[preset["name"]] = measured(report, file, preset)
         production = numbers["production"]
@@ -138,7 +138,7 @@ def run(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("reports", nargs="+", metavar="tradeoff.json")
-    parser.add_argument("--command", required=True, help="what made the reports: is kept beside the numbers")
+    parser.add_argument("--command", required=True, help="the command that made the reports, stored beside the numbers")
     parser.add_argument("--presets", type=pathlib.Path, default=PRESETS, metavar="FILE",
                         help="default: schemas/quality_presets.json")
     try:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""presets_from_tradeoff.py on reports whose answers are known: noise^2 = 9 / samples, a tenth of a second a sample."""
+"""Tests presets_from_tradeoff.py on reports with known answers: noise^2 = 9 / samples, a tenth of a second per sample."""
 import json
 import pathlib
 import subprocess
@@ -47,7 +47,7 @@ class FromTradeoff(unittest.TestCase):
         self.assertEqual(wax["samples"], 100)
         for key, value in {"noise": 0.3, "bias": 0.4, "error": 0.5, "cpuSeconds": 10, "timeOfProduction": 0.1}.items():
             self.assertAlmostEqual(wax[key], value, delta=0.005 * value, msg=key)
-        # Noise 0.03 would take 10000 samples: 'samples' ends it. Its bias cannot be told from zero.
+        # Noise 0.03 would take 10000 samples, so 'samples' ends it. The bias cannot be distinguished from zero.
         wax = production["measured"]["scenes"]["wax"]
         self.assertEqual((wax["samples"], wax["highestRung"], wax["bias"], wax["cpuSeconds"]), (1000, 64, 0, 100))
         self.assertAlmostEqual(wax["error"], 0.0949, delta=1e-4)
@@ -57,7 +57,7 @@ class FromTradeoff(unittest.TestCase):
         for reports, words in (([self.report("few", rungs=(1,))], "--budget"),
                                ([self.report("other", adaptive="false")], "adaptive"),
                                ([self.report("twice")] * 2, "twice"),
-                               ([str(self.presets)], "no report"), (["absent.json"], "absent.json")):
+                               ([str(self.presets)], "not a report"), (["absent.json"], "absent.json")):
             done = self.run_script(*reports)
             self.assertEqual(done.returncode, 1)
             self.assertIn(words, done.stderr)
