@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fails when a file includes what its layer may not see, or a library outside the room that owns it.
+"""Fails when a file includes a header that its layer must not see, or a library that belongs to another room.
 
 core: a folder includes only itself and folders before it in LAYERS. delegate may include core; core never delegate; the
 delegate's installed headers never include core. Third-party libraries belong to the rooms named in OWNERS.
@@ -40,13 +40,13 @@ def faults(path, text):
         if line.count('"') == 2 and len(target) < 2:
             yield where + "write includes from the root of the repository"
         if parts[0] == "core" and target[0] in ("delegate", "testenv"):
-            yield where + "core must not see it"
+            yield where + "core must not include it"
         if parts[0] == "delegate" and target[0] == "testenv":
-            yield where + "the library must not see its tests"
+            yield where + "the library must not include its tests"
         if public_header and target[0] == "core":
-            yield where + "installed headers must not need core"
+            yield where + "installed headers must not include core"
         if parts[0] == "delegate" and parts[1] in HOSTS and (target[0] == "core" or target[:2] in (["delegate", "prims"], ["delegate", "rendering"], ["delegate", "support"])):
-            yield where + "the program uses the public contract only"
+            yield where + "the program must use only the public contract"
         if parts[0] == "delegate" and parts[1] == "tradeoff" and target[:2] == ["delegate", "cli"]:
             yield where + "the measurements must not know the program"
         if parts[0] == "core" and target[0] == "core":

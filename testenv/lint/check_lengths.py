@@ -13,7 +13,7 @@ NOT_A_FUNCTION = re.compile(r"^(namespace|extern|struct|class|enum|union|constex
 
 
 def is_text(body):
-    """A function that returns one raw string: its length is the text's."""
+    """True for a function that only returns a raw string."""
     return body and re.match(r'^\s*return R"\w*\(', body[0]) is not None
 
 

@@ -1,4 +1,4 @@
-"""Writes quad meshes as binary glTF with FB_ngon_encoding: what the scene scripts share. Standard library only."""
+"""Writes quad meshes as binary glTF with FB_ngon_encoding, for the scene scripts. Standard library only."""
 import json
 import struct
 import zlib
@@ -13,7 +13,7 @@ class Mesh:
         self.uvs = []      # 4 (u, v) per quad
 
     def add_grid(self, rows, uv_of=None, closed_u=False, flip=False):
-        """Rows of equally many points; consecutive rows are joined by quads. Returns the index of the first point."""
+        """Adds rows with equal numbers of points and joins consecutive rows by quads. Returns the index of the first point."""
         first, n = len(self.points), len(rows[0])
         for row in rows:
             self.points.extend(row)
@@ -97,7 +97,7 @@ class Document:
         return len(self.json["materials"]) - 1
 
     def add_mesh(self, name, mesh, material):
-        """Corners with equal (point, uv) share a vertex; a polygon starts at a vertex that its predecessor did not."""
+        """Corners with equal (point, uv) share a vertex. No polygon starts at the same vertex as its predecessor."""
         self.use("FB_ngon_encoding")
         vertices, index_of, indices, previous = [], {}, [], None
         for quad, uv in zip(mesh.quads, mesh.uvs):

@@ -1,6 +1,7 @@
-"""Closed quad cages around implicit bodies: surface nets (Gibson 1998), for forms that no sweep makes. Standard library only.
+"""Closed quad cages around implicit bodies by surface nets (Gibson 1998), for shapes that sweeps cannot make. Standard library
+only.
 
-A body is a function of (x, y, z): negative inside, and its size about the distance to the surface.
+A body is a function of (x, y, z): negative inside, with about the distance to the surface as its absolute value.
 """
 import math
 
@@ -40,7 +41,7 @@ def cone_chain(p, joints):
 
 
 def curve(joints, steps=4):
-    """Joints along a Catmull-Rom spline through `joints`, `steps` to a span."""
+    """Joints along a Catmull-Rom spline through `joints`, `steps` per span."""
     out = []
     ends = [joints[0]] + list(joints) + [joints[-1]]
     for a, b, c, d in zip(ends, ends[1:], ends[2:], ends[3:]):
@@ -53,11 +54,11 @@ def curve(joints, steps=4):
 
 CORNERS = [(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)]
 EDGES = [(a, b) for a in CORNERS for b in CORNERS if sum(b) - sum(a) == 1 and all(q >= p for p, q in zip(a, b))]
-BLOCK = 6  # cells to a side of the blocks that are skipped when they lie far from the surface
+BLOCK = 6  # cells per side of a block; blocks far from the surface are skipped
 
 
 class SurfaceNet:
-    """Samples a body on a lattice of `cell` within a box, and joins a point per cell that the surface crosses."""
+    """Samples a body on a lattice of `cell` within a box, and connects one point for each cell that the surface crosses."""
 
     def __init__(self, body, low, high, cell):
         self.body, self.low, self.cell = body, low, cell
@@ -73,7 +74,7 @@ class SurfaceNet:
         return self.values[node]
 
     def cells(self):
-        """The cells of blocks that are near the surface: twice the half diagonal, for bodies whose distance is no exact one."""
+        """The cells of blocks near the surface: within twice the half diagonal, because distances are not exact."""
         reach = 2.0 * math.sqrt(3.0) * 0.5 * BLOCK * self.cell
         for bx in range(0, self.size[0], BLOCK):
             for by in range(0, self.size[1], BLOCK):
@@ -85,8 +86,8 @@ class SurfaceNet:
                                     yield (i, j, k)
 
     def repair(self, cells):
-        """Fills nodes until, in every cell, both the nodes inside and those outside hang together along its edges: only then do
-        no more than two quads meet in an edge. Where two surfaces come closer than a cell they are joined, or a pit is filled."""
+        """Fills nodes until, in every cell, both the nodes inside and those outside are connected along its edges. Only then
+        do at most two quads meet in an edge. Surfaces closer than a cell are joined, and small pits are filled."""
         again = True
         while again:
             again = False
@@ -112,7 +113,7 @@ class SurfaceNet:
                         todo.append(b)
             if len(reached) != len(members):
                 return True
-        for axis in range(3):  # a face whose diagonals differ, though the cell's nodes hang together around it
+        for axis in range(3):  # a face whose diagonals differ, although the cell's nodes are connected around it
             for level in (0, 1):
                 face = [state[c] for c in CORNERS if c[axis] == level]
                 if face[0] == face[3] != face[1] == face[2]:
@@ -120,7 +121,7 @@ class SurfaceNet:
         return False
 
     def crossing(self, cell):
-        """The mean of where the surface crosses the cell's edges, or None."""
+        """The mean of the points where the surface crosses the cell's edges, or None."""
         found = []
         for a, b in EDGES:
             p, q = (tuple(c + o for c, o in zip(cell, corner)) for corner in (a, b))
@@ -133,7 +134,7 @@ class SurfaceNet:
         return self.place(tuple(sum(c) / len(found) for c in zip(*found)))
 
     def onto_surface(self, p):
-        """One step of Newton's along the gradient, of at most half a cell."""
+        """One Newton step along the gradient, of at most half a cell."""
         h, d = 0.1 * self.cell, self.body(p)
         g = [(self.body(tuple(c + (h if a == axis else 0.0) for a, c in enumerate(p))) - d) / h for axis in range(3)]
         n = sum(x * x for x in g)
@@ -179,7 +180,7 @@ class SurfaceNet:
             mesh.quads.append(quad if inside else quad[::-1])
 
     def relax(self, mesh, times):
-        """Evens the quads out: each point goes half way to its neighbours' mean, then back onto the surface."""
+        """Evens out the quads: each point moves half way to its neighbours' mean, then back onto the surface."""
         near = [set() for _ in mesh.points]
         for quad in mesh.quads:
             for a, b in zip(quad, quad[1:] + quad[:1]):
@@ -195,7 +196,7 @@ class SurfaceNet:
 
 
 def check_closed(mesh):
-    """Every edge must join two quads that run along it in opposite directions."""
+    """Checks that every edge joins two quads that run along it in opposite directions."""
     seen = {}
     for quad in mesh.quads:
         for edge in zip(quad, quad[1:] + quad[:1]):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fails when a scene's script no longer makes the files that lie beside it, byte for byte, or when a file is too large.
+"""Fails when a scene's script no longer makes the files beside it, byte for byte, or when a file is too large.
 
-Every NAME/make_NAME.py writes NAME.glb, and what else it makes, into the folder of the path that it is given.
+Every NAME/make_NAME.py writes NAME.glb and any further files into the folder of the path that it is given.
 """
 import pathlib
 import subprocess
@@ -23,9 +23,9 @@ def problems_of(folder, scratch):
     for file in made:
         kept = folder / file.name
         if not kept.exists():
-            found.append("%s is not kept beside its script: run %s and add it" % (kept, script))
+            found.append("%s is missing beside its script: run %s and add it" % (kept, script))
         elif kept.read_bytes() != file.read_bytes():
-            found.append("%s is not what its script makes: run %s" % (kept, script))
+            found.append("%s differs from its script's result: run %s" % (kept, script))
         if file.stat().st_size > LARGEST:
             found.append("%s has %d bytes; at most %d" % (kept, file.stat().st_size, LARGEST))
     return found
@@ -41,7 +41,7 @@ def main():
     for folder in folders:
         with tempfile.TemporaryDirectory() as scratch:
             found += problems_of(folder, pathlib.Path(scratch))
-    print("\n".join(found) if found else "%d scenes are what their scripts make" % len(folders))
+    print("\n".join(found) if found else "%d scenes are up to date" % len(folders))
     return 1 if found else 0
 
 

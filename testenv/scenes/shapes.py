@@ -10,7 +10,7 @@ def unit(a):
 
 
 def cube_sphere(n, point_of):
-    """A cube of n x n quads a side, pushed to point_of(unit direction)."""
+    """A cube of n x n quads per side, deformed to point_of(unit direction)."""
     mesh, index = Mesh(), {}
 
     def vertex(p):
@@ -28,7 +28,7 @@ def cube_sphere(n, point_of):
                     for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
                         p = [0.0, 0.0, 0.0]
                         p[axis] = side
-                        # Equal angles rather than equal lengths: quads of like size.
+                        # Equal angles rather than equal lengths give quads of similar size.
                         p[(axis + 1) % 3] = math.tan((2 * a / n - 1) * math.pi / 4)
                         p[(axis + 2) % 3] = math.tan((2 * b / n - 1) * math.pi / 4)
                         corners.append(vertex(p))
@@ -54,8 +54,8 @@ def fan_cap(mesh, base, sides, centre, bottom, uv=(0.5, 0.0)):
 
 
 def lathe(profile, sides=16, radius_of=None):
-    """Turns (radius, height) pairs, from the bottom up along the outside, about the y axis, and closes both ends. A profile that
-    goes up outside and down inside makes a vessel. radius_of(angle, k, radius) may bend ring k. `sides` is even."""
+    """Turns (radius, height) pairs, from the bottom up along the outside, around the y axis, and closes both ends. A profile
+    that goes up outside and down inside makes a vessel. radius_of(angle, k, radius) may deform ring k. `sides` is even."""
     mesh = Mesh()
     rings = []
     for k, (r, y) in enumerate(profile):
@@ -73,7 +73,7 @@ def lathe(profile, sides=16, radius_of=None):
 
 
 def torus(major, minor, rings=16, sides=8, bend=None):
-    """About the y axis. bend(angle) lifts the ring at that angle."""
+    """A torus around the y axis. bend(angle) lifts the ring at that angle."""
     mesh, points = Mesh(), []
     for i in range(rings):
         a = 2 * math.pi * i / rings
@@ -83,7 +83,7 @@ def torus(major, minor, rings=16, sides=8, bend=None):
                        for b in (2 * math.pi * j / sides for j in range(sides))])
     points.append(points[0])
     mesh.add_grid(points, lambda i, j: (j / sides, i / rings), closed_u=True, flip=True)
-    # The last row repeats the first: one set of points, so that subdivision sees no seam.
+    # The last row shares the points of the first, so that subdivision sees no seam.
     n, count = sides, rings * sides
     mesh.quads = [[p - count if p >= count else p for p in quad] for quad in mesh.quads]
     del mesh.points[count:count + n]
@@ -91,7 +91,7 @@ def torus(major, minor, rings=16, sides=8, bend=None):
 
 
 def box(width, height, depth, bevel):
-    """A box standing on y = 0 whose edges are kept by a loop of quads `bevel` from each."""
+    """A box standing on y = 0. A loop of quads at `bevel` from each edge keeps the edges sharp."""
     def cuts(size):
         return [-size / 2, -size / 2 + bevel, size / 2 - bevel, size / 2]
 
@@ -131,7 +131,7 @@ def backdrop(width=4.0, front=1.6, back=-0.75, rise=1.6):
 
 
 def placed(turn=0.0, lean=0.0, size=1.0, at=(0.0, 0.0, 0.0)):
-    """Column-major matrix: scale, lean towards +x, turn about y, move (radians)."""
+    """Column-major matrix: scale, lean towards +x, turn around y (radians), then move."""
     ct, st, cl, sl = math.cos(turn), math.sin(turn), math.cos(lean), math.sin(lean)
     x = (ct * cl * size, -sl * size, -st * cl * size)
     y = (ct * sl * size, cl * size, -st * sl * size)

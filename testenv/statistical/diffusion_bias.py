@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""What each rung of subsurface errs by scatter distance against the size of what scatters: prints Markdown.
+"""Measures the bias of each subsurface mode by scatter distance over feature size; prints Markdown.
 
-Runs `alabaster tradeoff` on thick_thin, whose fins are 1.8 mm thin, once for each scatter distance (of its red channel; the
-others in the scene's proportion). Studies are kept in --folder and resumed.
+Runs `alabaster tradeoff` on thick_thin, whose fins are 1.8 mm thick, once for each scatter distance (of the red channel; the
+others keep the scene's proportion). Studies are kept in --folder and resumed.
 
   python3 testenv/statistical/diffusion_bias.py [--program PATH] [--budget MINUTES] > testenv/statistical/results/diffusion_bias.md
 """
@@ -57,14 +57,14 @@ def main():
     parser.add_argument("--program", default=str(ROOT / "build/release/bin/alabaster"))
     parser.add_argument("--folder", default=str(ROOT / "build/diffusion_bias"))
     parser.add_argument("--size", default="96x64")
-    parser.add_argument("--budget", type=float, default=2, help="minutes a row")
+    parser.add_argument("--budget", type=float, default=2, help="minutes per row")
     parser.add_argument("--ratio", type=float, nargs="+", default=[0.03, 0.1, 0.3, 1, 3])
     options = parser.parse_args()
-    print("# Subsurface rungs by scatter distance against feature size\n")
+    print("# Subsurface modes by scatter distance over feature size\n")
     print("    python3 testenv/statistical/diffusion_bias.py " + shlex.join(sys.argv[1:]))
-    print(f"\n`thick_thin` at {options.size}, {options.budget:g} minutes a row. d: scatterDistance of red over the thickness of the "
-          "fins. Bias against the mode `reference`: relative RMSE over the frame with its 95 % interval, then the mean level. Cost: "
-          "noise^2 x CPU seconds over that of the walk.\n")
+    print(f"\n`thick_thin` at {options.size}, {options.budget:g} minutes per row. d: scatterDistance of red over the thickness of "
+          "the fins. Bias against the mode `reference`: relative RMSE over the frame with its 95 % interval, then the error of the "
+          "mean level. Cost: noise^2 x CPU seconds relative to the walk.\n")
     print("| d | " + " | ".join(f"{name}: bias" for name in RUNGS) + " | " + " | ".join(f"{name}: cost" for name in RUNGS[:-1]) + " |")
     print("|--" * (2 * len(RUNGS)) + "|")
     for ratio in options.ratio:

@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
 """Derives the rational inverse of the half-space albedo that core/subsurface/medium.cpp uses (needs numpy).
 
-Reference: A(s) = 1 - 2 s Int_0^1 mu H(mu) dmu, s = sqrt(1 - alpha), with Chandrasekhar's H by its closed form, both
+Reference: A(s) = 1 - 2 s Int_0^1 mu H(mu) dmu, s = sqrt(1 - alpha), with Chandrasekhar's H in closed form and both
 integrals by the tanh-sinh rule. Sought: s = (1 - A) P(A)/Q(A), P and Q cubic, exact at both ends by construction:
   P(0)/Q(0) = 1                 (alpha = 0 gives A = 0)
   (P/Q)'(0) = 1 - 1/(2c)        (A -> c alpha, c = 2/3 (1 - ln 2): single scattering)
   P(1)/Q(1) = sqrt(3)/4         (1 - A -> 4/sqrt(3) s: diffusion)
-The three coefficients left are chosen to minimise the largest error of A, relative to min(A, 1 - A), by iteratively
-reweighted least squares (Lawson) on the linearised problem. Prints the coefficients and the errors found.
+The three remaining coefficients minimize the largest error of A, relative to min(A, 1 - A), by iteratively reweighted least
+squares (Lawson) on the linearized problem. Prints the coefficients and the errors.
 """
 import numpy as np
 
-# The result: what core/subsurface/medium.cpp has. fit_anisotropic_inversion.py starts from it.
+# The result, as in core/subsurface/medium.cpp. fit_anisotropic_inversion.py starts from it.
 P = (1, 1.90590733792, 0.722472222151, 0.00527736903751)
 Q = (1, 3.35007585287, 3.22823189382, 0.813263477961)
 
@@ -52,7 +52,7 @@ def main():
     c = 2 / 3 * (1 - np.log(2))
     b = 1 - 1 / (2 * c)
     end = np.sqrt(3) / 4
-    # Unknowns q1, q2, p2: p1 = q1 + b, and p3 = end (1 + q1 + q2 + q3) - 1 - p1 - p2. Unknown q3 too: four in all.
+    # The unknowns are q1, q2, q3 and p2, with p1 = q1 + b and p3 = end (1 + q1 + q2 + q3) - 1 - p1 - p2.
     weights = np.ones_like(a)
     denominator = np.ones_like(a)
     for _ in range(400):
@@ -82,7 +82,7 @@ def main():
     grid = np.linspace(0, 1, 2001)[1:-1]
     fitted = (1 - grid) * (1 + grid * (p1 + grid * (p2 + grid * p3))) / (1 + grid * (q1 + grid * (q2 + grid * q3)))
     back = np.array([albedo(x) for x in fitted])
-    print(f"largest |A obtained - A asked| = {np.abs(back - grid).max():.3g}")
+    print(f"largest |A obtained - A requested| = {np.abs(back - grid).max():.3g}")
     print(f"largest relative to min(A, 1-A) = {(np.abs(back - grid) / np.minimum(grid, 1 - grid)).max():.3g}")
 
 

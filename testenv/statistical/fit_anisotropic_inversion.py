@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Derives the correction of similarity that core/subsurface/medium.cpp uses for anisotropic scattering.
 
-Needs numpy, which the tests do not (Debian: python3-numpy). With --check the fit is left out, the solver's answers are
-held against Chandrasekhar's H function, and what a doubled number of directions changes is printed.
+Needs numpy, unlike the tests (Debian: python3-numpy). --check skips the fit, compares the solver with Chandrasekhar's H
+function, and prints the change from twice the number of directions.
 
-Reference: an index-matched half-space of Henyey-Greenstein scatterers (Legendre moments g^l), entered through a cosine
-lobe, all exits counted. Because the entering radiance is the same in all directions, only the azimuthal mean matters:
+Reference: an index-matched half-space of Henyey-Greenstein scatterers (Legendre moments g^l), entered through a cosine lobe, with all exits counted. Because the entering radiance is the same in all directions, only the
+azimuthal mean matters:
   mu dI/dx = -I + (alpha/2) Int_-1^1 sum_l (2l+1) g^l P_l(mu) P_l(mu') I(mu') dmu',  I(0, mu > 0) = 1,
   A = 2 Int_0^1 mu I(0, -mu) dmu.
 Discrete ordinates (Chandrasekhar 1960, chapter VI) with Gauss-Legendre directions on each half range (Sykes 1951); N of
@@ -13,10 +13,10 @@ them integrate the products of the first N Legendre polynomials exactly, so the 
 Sums and differences of opposite directions decouple (Stamnes and Swanson 1981): an eigenproblem of size N, symmetric after
 Cholesky factoring; decaying modes are matched to the entering radiance. No beam source and no delta-M scaling are needed.
 
-Fitted: with s_g = sqrt((1-alpha)/(1-alpha g)), similarity (van de Hulst 1980, chapter 14) says that s_g(A) is the isotropic
-s(A), within 0.03 of A; it is exact at A = 1 (diffusion), and s_g(0) = 1 anyhow. So
+Fitted: with s_g = sqrt((1-alpha)/(1-alpha g)), similarity (van de Hulst 1980, chapter 14) gives s_g(A) = s(A), the isotropic one, within 0.03 of A. It is exact at A = 1
+(diffusion), and s_g(0) = 1 holds always. So
   s_g = s(A) (1 + g A (1-A) N(A,g)/D(A,g)),   N of degree 2 in A and g, D of 4 in A and 2 in g,
-minimising the largest error of A, relative to sqrt(min(A, 1-A)), by iteratively reweighted least squares (Lawson).
+minimizing the largest error of A, relative to sqrt(min(A, 1-A)), by iteratively reweighted least squares (Lawson).
 """
 import sys
 
@@ -119,7 +119,7 @@ def report(p, q):
         for row in values.reshape(degrees[0] + 1, degrees[1] + 1):
             print("  {" + ", ".join(f"{v:.12g}" for v in row) + "},")
     a = np.linspace(0, 1, 201)[1:-1]
-    print("       g   similarity alone   fitted: largest |A obtained - A asked|, and relative to min(A, 1-A)")
+    print("       g   similarity alone   fitted: largest |A obtained - A requested|, and relative to min(A, 1-A)")
     for g in np.linspace(-0.9, 0.9, 37):
         solver = HalfSpace(g)
         s = isotropic_s(a)

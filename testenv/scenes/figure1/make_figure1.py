@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Figure 1 of the paper (Chiang, Kutz, Burley 2016) as a picture of our own: normalized diffusion left, random walk right;
-a slab lit through a mask above, a dragon of the same wax below. Writes figure1.jpg and figure1.md (how equal the slabs are).
+"""Makes our version of Figure 1 of the paper (Chiang, Kutz, Burley 2016): normalized diffusion on the left, random walk on
+the right; a slab lit through a mask above, a dragon of the same wax below. Writes figure1.jpg and figure1.md (the
+differences between the slabs).
 
   python3 testenv/scenes/figure1/make_figure1.py --assets FOLDER [--spp N] [--program PATH] [--out FOLDER]
 
@@ -72,7 +73,7 @@ def write_slab(path):
         reach = edge / max(abs(c), abs(s))
         return (centre + reach * c, height, reach * s)
 
-    for i in range(steps):  # what a square leaves around the round hole
+    for i in range(steps):  # the corners of the square around the round hole
         a, b = 2 * math.pi * i / steps, 2 * math.pi * (i + 1) / steps
         inner = [(centre + radius * math.cos(t), height, radius * math.sin(t)) for t in (a, b)]
         black.append([inner[0], inner[1], on_square(b), on_square(a)])
@@ -98,8 +99,8 @@ def oiiotool(*arguments):
 
 
 def statistics(*arguments):
-    """Mean and root mean square of red, green and blue of what these arguments of oiiotool leave, in blocks of 4 x 4 pixels:
-    the eye, too, averages noise that fine."""
+    """Mean and root mean square of red, green and blue of oiiotool's result for these arguments, in blocks of 4 x 4 pixels,
+    because the eye also averages such fine noise."""
     text = oiiotool(*arguments, "--ch", "R,G,B", "--resize:filter=box", "25%", "--printstats")
     numbers = {key: [float(v) for v in re.search(r"Stats %s: (.*?) \(float\)" % key, text).group(1).split()]
                for key in ("Avg", "StdDev")}
@@ -107,7 +108,7 @@ def statistics(*arguments):
 
 
 def join(rows, path):
-    """Pictures of a row side by side, rows below each other."""
+    """Joins pictures: those of a row side by side, the rows below each other."""
     gap, placed, y, width = 6, [], 0, 0
     for row in rows:
         x = 0
@@ -123,7 +124,7 @@ def join(rows, path):
 
 
 def report(diffusion, walk, command):
-    """How equal the slabs are, from two renders of each; the pairs' differences tell the noise."""
+    """Compares the slabs by two renders of each; the difference of a pair gives the noise."""
     def mean_of_two(pair):
         return ["%s.exr" % pair[0], "%s.exr" % pair[1], "--add", "--mulc", "0.5"]
 
@@ -154,7 +155,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "testenv/statistical/results")
     options = parser.parse_args()
     if not options.assets:
-        parser.error("--assets or $ALABASTER_TEST_ASSETS must name the folder that holds sss/dragon_wax.glb")
+        parser.error("--assets or $ALABASTER_TEST_ASSETS must name the folder with sss/dragon_wax.glb")
     folder = ROOT / "build/figure1"
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(pathlib.Path(options.assets) / "sss/dragon_wax.glb", folder)

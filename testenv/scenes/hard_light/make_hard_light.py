@@ -26,7 +26,7 @@ def ramp(x, a, b):
 
 
 def nose(u, v):
-    """A ridge that grows from between the brows to the tip and ends there."""
+    """A ridge that grows from between the brows to the tip, where it ends."""
     along = ramp(v, 0.34, -0.17) * ramp(v, -0.27, -0.17)
     return (0.05 + 0.17 * along) * along * bump(u, 0.055 + 0.075 * along)
 

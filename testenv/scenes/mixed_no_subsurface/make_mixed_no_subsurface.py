@@ -12,7 +12,7 @@ sys.path.insert(0, str(HERE.parent))
 from gltf_writer import Document, Mesh, png  # noqa: E402
 from shapes import box, cube_sphere, lathe, placed  # noqa: E402
 
-SQUARE = 0.05  # a side of a square of the board
+SQUARE = 0.05  # side of a square of the board
 HALF_BOARD = 3 * SQUARE
 
 # The foot that all pieces share; (radius, height) for a foot of radius 1.
@@ -132,7 +132,7 @@ def board_colour(px, py, size=384):
 
 
 def board_top():
-    """The inlay: a sheet just above the box that carries it."""
+    """The inlay: a sheet just above the box below it."""
     mesh = Mesh()
     steps = 6
     mesh.add_grid([[(HALF_BOARD * (2 * j / steps - 1), 0.0, HALF_BOARD * (1 - 2 * i / steps)) for j in range(steps + 1)]

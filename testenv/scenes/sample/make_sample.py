@@ -34,8 +34,8 @@ def cross(a, b):
 
 def petal(length, width, lean, curl, cup):
     """A closed thin shell: an inner and an outer sheet that meet in the rim. The petal grows from the origin along +y and
-    leans towards +x; `lean` is its angle from the vertical at the base, `curl` what it turns by until the tip, `cup` how far
-    its sides fold towards the axis (radians)."""
+    leans towards +x. `lean` is the angle from the vertical at the base, `curl` the turn from there to the tip, and `cup` the
+    angle by which the sides fold towards the axis (radians)."""
     rows, columns = 9, 7
     spine, angle, p = [], lean, (0.0, 0.0, 0.0)
     for i in range(rows):
@@ -126,7 +126,7 @@ def stamen():
 
 
 def pebble(rx, ry, rz, seed):
-    """A rounded cube, pushed about: a river stone."""
+    """A deformed rounded cube: a river stone."""
     noise = random.Random(seed)
     bumps = [(unit((noise.uniform(-1, 1), noise.uniform(-1, 1), noise.uniform(-1, 1))), noise.uniform(-0.10, 0.16))
              for _ in range(5)]

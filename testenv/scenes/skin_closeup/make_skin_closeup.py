@@ -24,7 +24,7 @@ HELIX = curve([(-1, 1, 5.5, 1.8), (7, 5, 7.5, 2.1), (12, 13, 8.0, 2.4), (11, 23,
                (-14, -17, 12.5, 2.0), (-8, -24, 10.5, 2.2)])
 ANTIHELIX = curve([(-2.5, -13, 9.5, 2.0), (-8.5, -9, 11.5, 2.3), (-12, -1, 12.8, 2.5), (-12, 9, 13.2, 2.6), (-9, 17, 12.0, 2.5),
                    (-5, 24, 10.5, 1.9)])
-ROOT = curve([(-3, 1.5, 4.0, 1.6), (2, 2.5, 5.0, 2.0), (7, 5, 7.0, 2.3), (11, 11, 8.0, 2.5)])  # the rim's, across the bowl
+ROOT = curve([(-3, 1.5, 4.0, 1.6), (2, 2.5, 5.0, 2.0), (7, 5, 7.0, 2.3), (11, 11, 8.0, 2.5)])  # of the rim, across the bowl
 CRUS = curve([(-11, 10, 12.8, 2.2), (-4, 14.5, 10.0, 2.0), (3, 16, 7.5, 1.6)])
 
 
@@ -86,7 +86,7 @@ def noise(x, y, seed):
 
 
 def freckle(x, y):
-    """0..1: small round spots, one at most per cell of 4 mm."""
+    """Small round spots, 0..1, at most one per cell of 4 mm."""
     best = 0.0
     for i in range(math.floor(x / 4) - 1, math.floor(x / 4) + 2):
         for j in range(math.floor(y / 4) - 1, math.floor(y / 4) + 2):
@@ -98,7 +98,7 @@ def freckle(x, y):
 
 
 def colour(px, py, size=256):
-    """Seen from the side, 120 mm across: redder on rim, lobe and folds, mottled, freckled towards the cheek."""
+    """The colour seen from the side, 120 mm across: redder on rim, lobe and folds, mottled, freckled towards the cheek."""
     x, y = 120 * ((px + 0.5) / size - 0.5), 120 * (0.5 - (py + 0.5) / size)
     rim = math.exp(-(cone_chain((x, y, 0.0), [(a, b, 0.0, 0.0) for a, b, _, _ in HELIX[12:]]) / 5.0) ** 2)
     lobe = math.exp(-((x - 0.5) ** 2 + (y + 27) ** 2) / 90)

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Makes thick_thin.glb: one closed body with a solid core and thin twisted fins, as a quad cage (FB_ngon_encoding) for
-subdivision. Light passes the fins and dies in the core.
+"""Makes thick_thin.glb: one closed body with a solid core and thin twisted fins, as a quad cage (FB_ngon_encoding) for subdivision. Light passes through the fins and is absorbed in the core.
 
 Everything is modelled here, in metres, y up. Run: python3 testenv/scenes/thick_thin/make_thick_thin.py [PATH.glb]
 """
@@ -14,20 +13,20 @@ from gltf_writer import Document, Mesh  # noqa: E402
 from shapes import backdrop, fan_cap, lathe, placed  # noqa: E402
 
 FINS, RINGS = 7, 33
-HEIGHT, CORE, REACH = 0.150, 0.024, 0.060  # reach: what a fin adds to the core's radius where it is widest
+HEIGHT, CORE, REACH = 0.150, 0.024, 0.060  # reach: the part of the radius that a fin adds to the core at its widest
 THICKNESS = 0.0018
 TWIST = 0.75  # radians from the foot to the tip
 
 
 def ring(s):
-    """The outline at height s in 0..1, counter-clockwise from above: fin after fin, each up one side and down the other."""
+    """The outline at height s in 0..1, counter-clockwise from above: for each fin out along one side and back along the other."""
     core = CORE * (0.22 + 0.78 * math.sin(math.pi * (0.10 + 0.82 * s)) ** 1.3)
     points = []
     for fin in range(FINS):
         angle = 2 * math.pi * fin / FINS + TWIST * s * s + 0.06 * math.sin(9.0 * s + fin)
         reach = REACH * math.sin(math.pi * (0.02 + 0.95 * s ** 0.85)) ** 0.9 * (1.0 + 0.16 * math.sin(30.0 * s))
         direction, side = (math.cos(angle), -math.sin(angle)), (-math.sin(angle), -math.cos(angle))
-        # Radius, and half the thickness: a fillet at the root, then an even sheet with a round rim.
+        # Radius and half the thickness: a fillet at the root, then an even sheet with a round rim.
         half = 0.5 * THICKNESS
         outline = [(core, 2.6 * half), (core + 0.12 * reach, 1.3 * half), (core + 0.45 * reach, half),
                    (core + 0.80 * reach, 0.9 * half), (core + reach, 0.7 * half)]

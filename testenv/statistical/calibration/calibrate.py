@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Does the renderer know its own error? Measured from outside, with the program, on five scenes; prints Markdown.
+"""Calibrates the renderer's error estimates on five scenes, measured from outside with the program; prints Markdown.
 
-  interval    the true error of many short renders against the 95 % interval that each reports
+  interval    the true error of many short renders, compared with the 95 % interval that each reports
   target      the true error at which --target-error ends
-  prediction  what alabaster info --predict says against what rendering then takes
-  adaptive    error^2 x CPU time of adaptive sampling against uniform: below 1 it wins at equal time
+  prediction  the predictions of alabaster info --predict, compared with the renders
+  adaptive    error^2 x CPU time of adaptive sampling relative to uniform: below 1 it wins at equal time
 
   python3 testenv/statistical/calibration/calibrate.py [--program PATH] [--part NAME ...] [--scene FILE ...]
       > testenv/statistical/results/calibration.md
 
-Renders and references are kept in --folder, so that an interrupted run goes on where it was; a program that renders
-otherwise wants a new folder (references may be copied: --reference N of the same scenes). Needs oiiotool.
+Renders and references are kept in --folder, so that an interrupted run can be resumed. A program that renders differently
+needs a new folder (references may be copied: --reference N of the same scenes). Needs oiiotool.
 """
 import argparse
 import json
@@ -33,7 +33,7 @@ from pictures import Reference, read_exr  # noqa: E402
 
 SCENES = ["skin_closeup", "backlit", "mixed_no_subsurface", "hard_light", "dome_high_contrast"]
 REFERENCE_PARTS = 4
-REFERENCE_SEED = 1000000  # far from those of what is compared
+REFERENCE_SEED = 1000000  # far from the seeds of other renders
 
 
 def say(text):
@@ -41,13 +41,13 @@ def say(text):
 
 
 def mean_and_error(values):
-    """Mean, and its standard error (0 for one value)."""
+    """The mean and its standard error (0 for one value)."""
     spread = statistics.stdev(values) / math.sqrt(len(values)) if len(values) > 1 else 0.0
     return statistics.fmean(values), spread
 
 
 class Bench:
-    """Renders, and what they cost; everything is kept in the folder by what was asked."""
+    """Renders and their costs, kept in the folder under the names of the requests."""
 
     def __init__(self, options, folder):
         self.options = options
@@ -56,7 +56,7 @@ class Bench:
         self.references = {}
 
     def run(self, arguments):
-        """Output of the program, and its wall and CPU seconds from start to end."""
+        """The program's output, and its wall and CPU seconds from start to end."""
         before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
         done = subprocess.run([self.options.program, *map(str, arguments)], capture_output=True, text=True)
         wall, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -65,7 +65,7 @@ class Bench:
         return done.stdout, wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
     def kept(self, name, measure):
-        """The record `name`; made by `measure` (a function that returns a dictionary) where there is none yet."""
+        """The record `name`. `measure`, which returns a dictionary, makes it if it does not exist yet."""
         file = self.folder / (name + ".json")
         if not file.exists():
             record = measure()
@@ -75,7 +75,7 @@ class Bench:
         return json.loads(file.read_text())
 
     def render(self, scene, name, size, arguments):
-        """Statistics of a render of `scene`, with `process` seconds added; its picture is at `picture(scene, name)`."""
+        """Statistics of a render of `scene`, with `process` seconds added. The picture is at `picture(scene, name)`."""
         def measure():
             picture, stats = self.picture(scene, name), self.folder / "stats.json"
             _, wall, cpu = self.run(["render", scene, "-o", picture, "--size", size, "--stats", stats, "--quiet", *arguments])
@@ -108,7 +108,7 @@ class Bench:
 
 def print_interval(bench):
     o = bench.options
-    print(f"\n## Interval\n\n{o.seeds} renders of {o.spp} samples per pixel a scene; the reference has "
+    print(f"\n## Interval\n\n{o.seeds} renders of {o.spp} samples per pixel for each scene; the reference has "
           f"{o.reference / o.spp:.0f} times as many. Errors are relative RMSE.\n")
     print("| scene | true error | reference's own | inside | reported / true | spread of the ratio | least | most |")
     print("|--|--|--|--|--|--|--|--|")
@@ -126,13 +126,13 @@ def print_interval(bench):
         print(f"| {scene.stem} | {statistics.fmean(truths):.4f} | {own:.4f} | {hits} of {o.seeds} | {statistics.fmean(ratios):.3f} "
               f"| {spread:.3f} | {min(ratios):.3f} | {max(ratios):.3f} |", flush=True)
         inside, total = inside + hits, total + o.seeds
-    print(f"\n**{inside} of {total}** true errors lie within the interval that their render reports (asked: 90 of 100).")
+    print(f"\n**{inside} of {total}** true errors lie within the interval that their render reports (required: 90 of 100).")
 
 
 def print_target(bench):
     o = bench.options
     low, high = 0.8 * o.target, 1.2 * o.target
-    print(f"\n## Target\n\n`--target-error {o.target:g}`: the true error at the end should lie in {low:g} to {high:g}.\n")
+    print(f"\n## Target\n\n`--target-error {o.target:g}`: the true error at the end should lie between {low:g} and {high:g}.\n")
     print("| scene | seed | samples per pixel | reference : samples | reported | true | within |")
     print("|--|--|--|--|--|--|--|")
     hits = total = 0
@@ -146,24 +146,24 @@ def print_target(bench):
             print(f"| {scene.stem} | {seed} | {samples:.0f} | {o.reference / samples:.1f} | {stats['error']['relativeRmse']:.4f} "
                   f"| {truth:.4f} | {'yes' if good else 'no'} |", flush=True)
             hits, total = hits + good, total + 1
-    print(f"\n**{hits} of {total}** within a fifth of the target (asked: 9 of 10).")
+    print(f"\n**{hits} of {total}** within a fifth of the target (required: 9 of 10).")
 
 
 def predicted(bench, scene, case):
-    """{quantity: [value, low, high]} as info --predict prints them."""
+    """{quantity: [value, low, high]}, as printed by info --predict."""
     target, size = case
     text, _, _ = bench.run(["info", scene, "--predict", target, "--size", size])
     pattern = re.compile(r"^  (samples per pixel|wall time|CPU time|peak memory) +([\d.e+]+)(?: \w+)? \(([\d.e+]+) to ([\d.e+]+)\)", re.M)
     found = {name: [float(v) for v in values] for name, *values in pattern.findall(text)}
     if len(found) != 4:
-        sys.exit(f"{scene}: info --predict said something else than expected:\n{text}")
+        sys.exit(f"{scene}: unexpected output of info --predict:\n{text}")
     return found
 
 
 def print_prediction(bench):
     o = bench.options
-    print("\n## Prediction\n\n`alabaster info --predict E` (about three seconds) against the render to E, wall and CPU time "
-          "of the whole process, its peak memory. `in`: within the stated range.\n")
+    print("\n## Prediction\n\n`alabaster info --predict E` (about three seconds) compared with the render to E: wall and CPU time "
+          "of the whole process, and its peak memory. `in`: within the predicted range.\n")
     print("| scene | E | size | samples: predicted | taken | wall: predicted | taken | ratio | in | CPU: predicted | taken | ratio | in "
           "| memory: predicted | taken |")
     print("|--|--|--|--|--|--|--|--|--|--|--|--|--|--|--|")
@@ -184,11 +184,11 @@ def print_prediction(bench):
             print("| " + " | ".join(cells) + " |", flush=True)
     good = {key: sum(1 / 1.5 <= r <= 1.5 for r in values) for key, values in ratios.items()}
     print(f"\nWithin a factor of 1.5: wall time **{good['wall']} of {len(ratios['wall'])}**, CPU time **{good['cpu']} of "
-          f"{len(ratios['cpu'])}** (asked: 8 of 10).")
+          f"{len(ratios['cpu'])}** (required: 8 of 10).")
 
 
 def ratio_with_error(pairs):
-    """Ratio of the means of adaptive and uniform, and its standard error, by the delta method on pairs that were
+    """Ratio of the means of adaptive and uniform, and its standard error by the delta method. The renders of a pair were
     measured one after the other."""
     (a, sa), (u, su) = mean_and_error([p[0] for p in pairs]), mean_and_error([p[1] for p in pairs])
     return a / u, a / u * math.hypot(sa / a, su / u)
@@ -196,8 +196,8 @@ def ratio_with_error(pairs):
 
 def print_adaptive(bench):
     o = bench.options
-    print(f"\n## Adaptive sampling\n\n{o.adaptive_seeds} pairs of renders a row. Error^2 x CPU seconds does not depend on how "
-          "long one renders, so its ratio says who wins at equal time: below 1 adaptive sampling does. ± standard error.\n")
+    print(f"\n## Adaptive sampling\n\n{o.adaptive_seeds} pairs of renders per row. Error^2 x CPU seconds does not depend on the "
+          "number of samples, so its ratio decides at equal time: adaptive sampling wins below 1. ± is the standard error.\n")
     print("| scene | samples per pixel | error, uniform | error^2, adaptive : uniform | CPU | error^2 x CPU | verdict | inside, adaptive |")
     print("|--|--|--|--|--|--|--|--|")
     inside = total = 0
@@ -217,7 +217,7 @@ def print_adaptive(bench):
                 pairs["product"].append((both[0][0] * both[0][1], both[1][0] * both[1][1]))
             error, cpu, product = (ratio_with_error(pairs[key]) for key in ("error", "cpu", "product"))
             distance = (product[0] - 1) / product[1] if product[1] > 0 else 0.0
-            verdict = "wins" if distance < -2 else "loses" if distance > 2 else "no difference seen"
+            verdict = "wins" if distance < -2 else "loses" if distance > 2 else "no difference found"
             uniform = math.sqrt(max(0.0, statistics.fmean(p[1] for p in pairs["error"])))
             print(f"| {scene.stem} | {spp} | {uniform:.4f} | {error[0]:.3f} ± {error[1]:.3f} | {cpu[0]:.3f} ± {cpu[1]:.3f} "
                   f"| {product[0]:.3f} ± {product[1]:.3f} | {verdict} | {hits} of {o.adaptive_seeds} |", flush=True)
@@ -235,12 +235,12 @@ def arguments():
     add = parser.add_argument
     add("--program", default=str(ROOT / "build/release/bin/alabaster"))
     add("--folder", default=str(ROOT / "build/calibration"), help="keeps renders and references")
-    add("--quick", action="store_true", help="the sample scene, tiny, in a folder of its own: whether all of this works")
+    add("--quick", action="store_true", help="a tiny run on the sample scene, in a folder of its own, as a test of this script")
     add("--part", nargs="+", choices=PARTS, default=list(PARTS))
     add("--scene", nargs="+", type=pathlib.Path, default=[ROOT / f"testenv/scenes/{n}/{n}.json" for n in SCENES])
-    add("--size", default="96x64", help="of everything but predictions")
+    add("--size", default="96x64", help="resolution of everything but predictions")
     add("--reference", type=int, default=32768, help="samples per pixel, in %d independent parts" % REFERENCE_PARTS)
-    add("--seeds", type=int, default=20, help="interval: renders a scene")
+    add("--seeds", type=int, default=20, help="interval: renders per scene")
     add("--spp", type=int, default=16, help="interval: samples per pixel")
     add("--target", type=float, default=0.02)
     add("--target-seeds", type=int, default=2)
@@ -250,12 +250,12 @@ def arguments():
     options = parser.parse_args(QUICK + sys.argv[1:] if "--quick" in sys.argv[1:] else None)
     options.case = [tuple(case.split("@")) for case in options.case]
     if any(len(case) != 2 for case in options.case):
-        parser.error("--case: write error@size, as 0.1@384x256")
+        parser.error("--case: write error@size, for example 0.1@384x256")
     for scene in options.scene:
         if not scene.is_file():
             parser.error(f"{scene}: there is no such scene; name others with --scene")
     if len({scene.stem for scene in options.scene}) < len(options.scene):
-        parser.error("--scene: two scenes of one name would share their renders")
+        parser.error("--scene: two scenes have the same name and would share their renders")
     if min(options.reference // REFERENCE_PARTS, options.seeds, options.spp, options.target_seeds, options.adaptive_seeds) < 1:
         parser.error(f"counts must be positive, and --reference at least {REFERENCE_PARTS}")
     return options
@@ -263,10 +263,10 @@ def arguments():
 
 def main():
     options = arguments()
-    print("# Calibration: does the renderer know its own error?\n\nMade by\n")
+    print("# Calibration of the renderer's error estimates\n\nMade by\n")
     print("    python3 testenv/statistical/calibration/calibrate.py " + shlex.join(sys.argv[1:]))
-    print(f"\nReferences: {options.size} pixels, {options.reference} samples per pixel in {REFERENCE_PARTS} independent parts, whose "
-          "scatter tells the reference's own noise; it is subtracted from every true error.")
+    print(f"\nReferences: {options.size} pixels, {options.reference} samples per pixel in {REFERENCE_PARTS} independent parts. Their "
+          "scatter gives the reference's own noise, which is subtracted from every true error.")
     with tempfile.TemporaryDirectory() as scratch:
         bench = Bench(options, scratch if options.quick else options.folder)
         for part in options.part:

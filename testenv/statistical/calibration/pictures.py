@@ -1,4 +1,4 @@
-"""Pictures as flat lists of numbers, and how far one is from what it converges to."""
+"""Pictures as flat lists of numbers, and their error against a reference."""
 import re
 import subprocess
 
@@ -14,18 +14,17 @@ class Picture:
 
 
 def read_exr(file):
-    """Red, green and blue, the first three channels of what Alabaster writes."""
+    """Reads red, green and blue, the first three channels of Alabaster's EXR files."""
     text = subprocess.run(["oiiotool", "--dumpdata", str(file)], check=True, capture_output=True, text=True).stdout
     pixels = PIXEL.findall(text)
     width, height = (int(side) + 1 for side in pixels[-1][:2])
     if len(pixels) != width * height:
-        raise ValueError(f"{file}: oiiotool told {len(pixels)} of {width} x {height} pixels")
+        raise ValueError(f"{file}: oiiotool reported {len(pixels)} of {width} x {height} pixels")
     return Picture(width, height, [[float(pixel[2 + c]) for pixel in pixels] for c in range(3)])
 
 
 class Reference:
-    """The mean of independent renders; how they scatter tells its own noise, which is no error of what is compared with
-    it."""
+    """The mean of independent renders. Their scatter gives its own noise, which does not count as an error of other pictures."""
 
     def __init__(self, parts):
         count, first = len(parts), parts[0]
@@ -53,8 +52,8 @@ class Reference:
         return scales
 
     def squared_error(self, picture):
-        """E^2 of `picture` against what the reference converges to: its noise is subtracted, so that the expectation is
-        right; it may come out below zero where the reference is as noisy as the picture."""
+        """E^2 of `picture` against the reference's limit. The reference's noise is subtracted, so that the expectation is right;
+        the result may be negative where the reference is as noisy as the picture."""
         total = 0.0
         for mine, theirs, variance in zip(self.planes, picture.planes, self.variance):
             total += sum(((b - a) ** 2 - v) / s for a, b, v, s in zip(mine, theirs, variance, self.scales))
