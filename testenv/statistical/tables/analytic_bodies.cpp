@@ -1,4 +1,4 @@
-// Thin slabs, spheres and the 90-degree edge by the renderer's loop in bodies that are traced in double precision.
+// Thin slabs, spheres and the 90-degree edge by the renderer's loop, in bodies traced in double precision.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/transport_solution.h"
@@ -9,8 +9,8 @@ namespace {
 void print_slabs(Report& report, uint32_t seed) {
   report.heading("Thin slabs");
   report.paragraph(
-      "Thickness L in mean free paths, cosine entry. Theory: the integral equation of the collision density; 2 E3(L)\n"
-      "for what crosses without a collision. A = 1 absorbs nothing: R + T = 1.");
+      "Thickness L in mean free paths, cosine entry. Theory: the integral equation of the collision density, and\n"
+      "2 E3(L) for light that crosses without a collision. A = 1 absorbs nothing, so R + T = 1.");
   report.columns({"A", "L", "R", "theory", "z", "T", "theory", "z", "no collision", "2 E3(L)", "z"});
   for (const double albedo : {0.2, 0.5, 0.9, 1.0})
     for (const double thickness : {1.0, 4.0, 10.0}) {
@@ -32,8 +32,8 @@ void print_spheres(Report& report, uint32_t seed) {
   constexpr double kAlbedos[] = {0.2, 0.5, 0.8, 0.95};
   report.heading("Spheres in uniform surroundings");
   report.paragraph(
-      "Radius tau in mean free paths. Of what enters, the share that leaves: walked, theory (integral equation), z;\n"
-      "then what crosses without a collision against (1 - (1 + 2 tau) e^(-2 tau)) / (2 tau²).");
+      "Radius tau in mean free paths. Share of the entering light that leaves: walked, theory (integral equation),\n"
+      "z; then the share that crosses without a collision against (1 - (1 + 2 tau) e^(-2 tau)) / (2 tau²).");
   report.columns({"tau", "A = .2", "theory", "z", "A = .5", "theory", "z", "A = .8", "theory", "z", "A = .95", "theory",
                   "z", "no collision", "theory", "z"});
   for (const double radius : {0.1, 1.0, 3.0, 10.0, 30.0, 100.0}) {
@@ -67,8 +67,8 @@ struct ChordTotals {
 void print_chords(Report& report, uint32_t seed) {
   report.heading("Mean path inside a sphere that absorbs nothing");
   report.paragraph(
-      "4 V / S = 4/3 radius whatever the mean free path is (Blanco and Fournier 2003): path length over it, and\n"
-      "collisions over sigma_t times it. Both should be 1.");
+      "The mean path is 4 V / S = 4/3 radius for any mean free path (Blanco and Fournier 2003). Listed are the path\n"
+      "length over it, and collisions over sigma_t times it. Both should be 1.");
   report.columns({"tau", "length", "z", "collisions", "z"});
   for (const double radius : {0.01, 0.1, 1.0, 10.0, 30.0, 100.0}) {
     const double chord = 4.0 / 3 * radius;
@@ -90,8 +90,8 @@ void print_chords(Report& report, uint32_t seed) {
 void print_edges(Report& report, uint32_t seed) {
   report.heading("90-degree edge");
   report.paragraph(
-      "Albedo at a distance from the edge of a quarter space, in mean free paths: less medium to be lost in, so edges\n"
-      "are brighter than the half-space. `known`: another program, ± 1e-4.");
+      "Albedo at a distance from the edge of a quarter space, in mean free paths. Less medium absorbs there, so\n"
+      "edges are brighter than the half-space. `known`: by another program, ± 1e-4.");
   report.columns({"A", "distance", "albedo", "known"});
   struct Row {
     double albedo, distance, known;

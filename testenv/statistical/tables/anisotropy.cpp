@@ -1,5 +1,5 @@
-// Henyey-Greenstein scattering in a half-space at equal albedo and scatterDistance: the albedo obtained, how far from
-// where it entered light leaves, and what it costs.
+// Henyey-Greenstein scattering in a half-space at equal albedo and scatterDistance: the albedo obtained, the distance
+// from entry to exit, and the cost.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/anisotropic_half_space.h"
@@ -12,7 +12,7 @@ constexpr float kAlbedos[] = {0.05f, 0.2f, 0.5f, 0.8f, 0.95f};
 constexpr size_t kIsotropic = 4;
 
 struct Totals {
-  RunningStatistics out, radius, log_radius;  // radii of the walks that came out, in units of scatterDistance
+  RunningStatistics out, radius, log_radius;  // distances from entry to exit, in units of scatterDistance
   RenderCounters counters;
   void merge(const Totals& o) {
     out.merge(o.out);
@@ -40,8 +40,8 @@ using Row = std::array<Totals, std::size(kAsymmetries)>;
 void print_radii(Report& report, const std::array<Row, std::size(kAlbedos)>& rows) {
   report.heading("Distance from entry to exit by g, in units of scatterDistance");
   report.paragraph(
-      "Mean ± one standard error; in brackets the geometric mean as a multiple of that at g = 0. Eq. 3 gives\n"
-      "sigma_t (1-g), so both would be the same in a row if similarity were exact.");
+      "Mean ± one standard error; in brackets the geometric mean relative to that at g = 0. Eq. 3 gives sigma_t\n"
+      "(1-g), so both would be constant along a row if similarity were exact.");
   std::vector<std::string> names = {"A"};
   for (const float g : kAsymmetries) names.push_back(text("g = %g", static_cast<double>(g)));
   report.columns(names);
@@ -57,13 +57,13 @@ void print_radii(Report& report, const std::array<Row, std::size(kAlbedos)>& row
 }  // namespace
 
 void print_anisotropy(Report& report) {
-  report.heading("Albedo asked and obtained by g, half-space");
+  report.heading("Requested and obtained albedo by g, half-space");
   report.paragraph(
-      "`exact` inversion. Solved: the transport equation by invariant embedding, at the inversion's alpha; walked: "
-      "the\n"
-      "renderer's loop, ± one standard error, z against the solution. The last columns: what similarity alone would\n"
-      "obtain (`vanDeHulst`, whose own error of up to 0.002 at g = 0 is in it), and what a walk costs.");
-  report.columns({"A asked", "g", "1 - alpha", "solved - asked", "walked", "z", "similarity alone - asked", "events"});
+      "`exact` inversion. Solved: the transport equation by invariant embedding, at the inversion's alpha. Walked:\n"
+      "the renderer's loop, ± one standard error, z against the solution. The last columns are the result of\n"
+      "similarity alone (`vanDeHulst`, including its own error of up to 0.002 at g = 0) and the cost of a walk.");
+  report.columns(
+      {"requested A", "g", "1 - alpha", "solved - requested", "walked", "z", "similarity alone - requested", "events"});
   std::array<Row, std::size(kAlbedos)> rows;
   uint32_t seed = 9000;
   for (size_t a = 0; a < rows.size(); ++a)

@@ -41,7 +41,7 @@ LitTotals walk_lit(const Skin& skin, const WalkSettings& settings, uint64_t walk
   });
 }
 
-/// Infinite where a channel hardly gets there.
+/// Infinite where hardly any light of a channel arrives.
 double relative_variance(const RunningStatistics (&channels)[3]) {
   double sum = 0;
   for (const RunningStatistics& c : channels) {
@@ -51,7 +51,7 @@ double relative_variance(const RunningStatistics (&channels)[3]) {
   return sum;
 }
 
-/// What there is to choose from. The first is what the others are compared with.
+/// The kinds of walks. The first is the base of the comparisons.
 struct Choice {
   const char* name;
   WalkSettings settings;
@@ -110,14 +110,14 @@ void print_chromatic_walks(Report& report) {
   report.heading("Channel weights, guiding and sphere steps: noise and cost in a half-space");
   report.paragraph(
       "Relative variance of one walk (mean over channels of variance / mean²) under uniform light and behind a hard\n"
-      "shadow edge at x = d_red / 2. Gain: how much less variance times steps than the paper's weights, steps being\n"
-      "rays and distance lookups (not seconds: those are the benchmark's). z: against the albedo asked, and at the\n"
+      "shadow edge at x = d_red / 2. Gain: variance times steps of the paper's weights over that of the row. Steps\n"
+      "are rays and distance lookups (the benchmark measures seconds). z: against the requested albedo, and at the\n"
       "edge (r, g, b) against the first row. Largest T: the throughput at any event or exit.");
   report.columns({"medium", "walk", "A red", "z", "green", "z", "blue", "z", "variance, uniform", "edge", "z edge",
                   "rays", "steps", "gain, uniform", "gain, edge", "largest T"});
   uint32_t seed = 3000;
   for (const Skin& skin : skins) {
-    // A marble walk is ten times as long as one in skin.
+    // A walk in marble is ten times as long as one in skin.
     const uint64_t walks = report.walks_for(0.08, skin.albedo.r > 0.98f ? 2.5 : 1);
     LitTotals first;
     for (const Choice& choice : choices()) {

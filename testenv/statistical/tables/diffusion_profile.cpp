@@ -1,4 +1,4 @@
-// Normalized diffusion by the very probes that render, against its own formula.
+// Normalized diffusion by the probes that render, compared with its formula.
 #include "testenv/support/diffusion_profile.h"
 #include "core/subsurface/normalized_diffusion.h"
 #include "testenv/statistical/tables/report.h"
@@ -10,10 +10,10 @@ namespace {
 
 constexpr int kDecades = 5;  // of r/d: below 0.01, then up to 100
 
-/// Of a box this many d_red to either side the profile's tail is 1e-9, and floats still resolve what is below 0.01 d.
+/// Half the box's width in d_red. The profile's tail beyond is 1e-9, and floats still resolve distances below 0.01 d.
 constexpr float kHalf = 60;
 
-/// Per channel: what leaves, in all and by decades of r/d.
+/// The energy that leaves, per channel: total, and by decades of r/d.
 struct ProfileTotals {
   RunningStatistics all[3], decade[3][kDecades];
 
@@ -58,8 +58,8 @@ void print_diffusion_profile(Report& report) {
   constexpr const char* kChannels[] = {"red", "green", "blue"};
   report.heading("Normalized diffusion on a plane: probed / formula");
   report.paragraph(
-      "R = A (e^(-r/d) + e^(-r/3d)) / (8 pi d r). Energy by decades of r/d, probed on a box 120 d wide, with z; what\n"
-      "leaves in all must be A.");
+      "R = A (e^(-r/d) + e^(-r/3d)) / (8 pi d r). Energy by decades of r/d, probed on a box 120 d wide, with z. All\n"
+      "the energy that leaves must be A.");
   report.columns({"medium", "channel", "below .01", "z", "[.01,.1)", "z", "[.1,1)", "z", "[1,10)", "z", "[10,100)", "z",
                   "all", "A", "z"});
   uint32_t seed = 2500;
@@ -77,7 +77,7 @@ void print_diffusion_profile(Report& report) {
         const double to = diffusion_profile_cdf(decade_end(i), 1);
         const double expected = albedo * (to - from);
         cells.push_back(text("%.5f / %.5f", t.decade[c][i].mean(), expected));
-        // A radius is known to 4e-5: what that shifts across a decade's end.
+        // The energy that an error of 4e-5 in radius shifts across a decade's end.
         cells.push_back(report.z(t.decade[c][i], expected, 1e-4));
         from = to;
       }

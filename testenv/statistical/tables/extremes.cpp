@@ -1,4 +1,4 @@
-// The ends of the parameters' ranges, where a walk that is merely plausible goes wrong.
+// The ends of the parameters' ranges, where a walk that is merely plausible fails.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/transport_solution.h"
@@ -13,8 +13,9 @@ double exact_complement(double albedo) {
 /// A dark channel's albedo, carried by walks that a bright channel of the same extinction keeps alive.
 void print_dark_channel(Report& report, uint32_t seed) {
   report.heading("Extremes: a nearly black channel");
-  report.paragraph("Obtained over asked in a half-space, beside channels of A = 0.9 and 0.5 with the same extinction.");
-  report.columns({"A asked", "alpha, exact", "alpha, eq. 1", "obtained / asked", "z"});
+  report.paragraph(
+      "Obtained over requested albedo in a half-space, beside channels of A = 0.9 and 0.5 with the same extinction.");
+  report.columns({"requested A", "alpha, exact", "alpha, eq. 1", "obtained / requested", "z"});
   for (const float albedo : {1e-2f, 1e-4f, 1e-6f}) {
     const auto asked = static_cast<double>(albedo);
     const Rgb albedos(0.9f, albedo, 0.5f);
@@ -29,12 +30,12 @@ void print_dark_channel(Report& report, uint32_t seed) {
   }
 }
 
-/// d so long that hardly anything collides: what is lost is (1 - alpha) sigma_t times the mean chord.
+/// With d so long that hardly any light collides, the loss is (1 - alpha) sigma_t times the mean chord.
 void print_clear_sphere(Report& report, uint32_t seed) {
   report.heading("Extremes: a nearly clear sphere");
   report.paragraph(
-      "tau = 1e-3: light passes whatever A is, so the colour is lost: 1 - A_eff over (1 - alpha) 4/3 tau. The second\n"
-      "order is below 2 tau of it.");
+      "tau = 1e-3: light passes at any A, so the colour is lost. Ratio: 1 - A_eff over (1 - alpha) 4/3 tau; the\n"
+      "second order is less than 2 tau of it.");
   report.columns({"A", "lost", "ratio", "z"});
   constexpr double kTau = 1e-3;
   for (const double albedo : {0.2, 0.5}) {
@@ -48,7 +49,7 @@ void print_clear_sphere(Report& report, uint32_t seed) {
   }
 }
 
-/// Distances four decades apart in one body: each channel must be what it is alone, and weights must be bounded.
+/// Distances four decades apart in one body: each channel must equal that channel alone, and weights must be bounded.
 void print_mixed_distances(Report& report, uint32_t seed) {
   struct Mixture {
     Rgb albedo, distance;
@@ -66,8 +67,9 @@ void print_mixed_distances(Report& report, uint32_t seed) {
                             {"T, shortcuts", WalkSettings()}};
   report.heading("Extremes: scatter distances four decades apart in a thin sphere");
   report.paragraph(
-      "Each channel of a chromatic walk against that channel alone (integral equation). Largest throughput: `T` is\n"
-      "bounded by 3, guided too by a constant; `T alpha`, the paper's, by 3 max(alpha) / alpha_c at an exit.");
+      "Each channel of a chromatic walk compared with that channel alone (integral equation). The largest\n"
+      "throughput is bounded by 3 for `T`, by a constant with guiding, and by 3 max(alpha) / alpha_c at an exit for\n"
+      "the paper's `T alpha`.");
   report.columns({"A, d, radius", "weights", "red", "theory", "z", "green", "theory", "z", "blue", "theory", "z",
                   "largest T", "bound"});
   for (const Mixture& m : mixtures)

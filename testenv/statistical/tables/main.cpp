@@ -1,4 +1,4 @@
-// Prints, as Markdown, what the subsurface walk obtains against theory, and what it costs.
+// Compares the subsurface walk with theory, measures its cost, and prints both as Markdown.
 //   subsurface_tables --quick | --long [--table NAME]...
 // --quick (some twenty seconds) runs in the test suite, --long made testenv/statistical/results/subsurface.md.
 // Exit status: 0 all comparisons hold, 1 some do not, 2 wrong usage.

@@ -1,4 +1,4 @@
-// RandomWalk itself on triangle meshes through Embree: what enters, how far it goes, where it leaves.
+// RandomWalk itself on triangle meshes through Embree: shares, lengths and exits of walks.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/lone_body.h"
@@ -15,7 +15,7 @@ struct Body : BodyInWorld {
 
 struct MeshTotals {
   RunningStatistics out, collisions, crossing, uncollided;
-  RunningStatistics top, bottom, sides;  // of a box: shares that left there
+  RunningStatistics top, bottom, sides;  // shares that left there, for a box
   RenderCounters counters;
 
   void merge(const MeshTotals& o) {
@@ -75,8 +75,8 @@ void require_nothing_lost(Report& report, const MeshTotals& t, const char* where
 void print_slabs(Report& report, uint32_t seed) {
   report.heading("Meshes: a thin slab as a box");
   report.paragraph(
-      "A closed box of twelve triangles, thickness L mean free paths, 200 L + 400 wide; walks enter in the middle of\n"
-      "its top. Theory as for the thin slabs above.");
+      "A closed box of twelve triangles, L mean free paths thick and 200 L + 400 wide. Walks enter in the middle of\n"
+      "the top. Theory as for the thin slabs above.");
   report.columns({"A", "L", "R", "theory", "z", "T", "theory", "z", "no collision", "2 E3(L)", "z", "sides"});
   for (const double albedo : {0.5, 0.9, 1.0})
     for (const float thickness : {1.0f, 4.0f, 10.0f}) {
@@ -98,12 +98,13 @@ void print_slabs(Report& report, uint32_t seed) {
 
 void print_spheres(Report& report, uint32_t seed) {
   report.heading("Meshes: spheres in uniform surroundings");
-  // Volume and area of the inscribed polyhedron are below the sphere's by about (pi / 2 rings)^2 and half of that.
+  // Volume and area of the inscribed polyhedron are smaller than the sphere's by about (pi / 2 rings)^2 and half of
+  // that.
   constexpr int kRings = 256;
   const double slack = 2 * std::pow(M_PI / (2 * kRings), 2);
   report.paragraph(
-      "Latitude-longitude spheres of 256 rings, 261 120 triangles; walks enter anywhere on the surface. Theory is the\n"
-      "true sphere's; the polyhedron differs by less than 8e-5, which is not held against it.");
+      "Latitude-longitude spheres of 256 rings, 261 120 triangles. Walks enter anywhere on the surface. Theory is\n"
+      "that of the true sphere; the polyhedron's difference of less than 8e-5 is tolerated.");
   report.columns({"tau", "A", "out", "theory", "z", "no collision", "theory", "z"});
   for (const double radius : {0.1, 1.0, 3.0, 10.0})
     for (const double albedo : {0.5, 0.8, 0.95}) {
@@ -130,9 +131,8 @@ void print_chords(Report& report, uint32_t seed) {
                     {"torus 1, 0.3 (not convex)", torus_mesh(1, 0.3f, 96)}};
   report.heading("Meshes: mean path inside a body that absorbs nothing");
   report.paragraph(
-      "4 V / S of the triangles, whatever the mean free path is (Blanco and Fournier 2003). `chord`: measured length "
-      "of\n"
-      "walks that meet no scatterer (sigma_t = 0); then collisions over sigma_t 4 V / S.");
+      "4 V / S of the triangles, for any mean free path (Blanco and Fournier 2003). `chord`: measured length of\n"
+      "walks without scatterers (sigma_t = 0), followed by collisions over sigma_t 4 V / S.");
   report.columns({"mesh", "4 V / S", "chord", "z", "sigma_t 4V/S = .1", "z", "1", "z", "10", "z"});
   for (Shape& shape : shapes) {
     const double chord = 4 * mesh_volume(shape.mesh) / mesh_area(shape.mesh);
@@ -149,7 +149,7 @@ void print_chords(Report& report, uint32_t seed) {
       const uint64_t walks = report.walks_for(0.25, collisions > 1 ? 2 : 1);
       const MeshTotals t = walk_mesh(body, medium, walks, ++seed, anywhere(body));
       require_nothing_lost(report, t, shape.name);
-      report.require(t.counters.walk_exits == t.counters.walks, "what is white gives everything back");
+      report.require(t.counters.walk_exits == t.counters.walks, "a white body returns all light");
       const Estimate ratio(t.collisions.mean() / collisions, t.collisions.standard_error() / collisions);
       cells.push_back(ratio.text());
       cells.push_back(report.z(ratio, 1, 1e-6));
@@ -160,7 +160,7 @@ void print_chords(Report& report, uint32_t seed) {
 
 void print_edges(Report& report, uint32_t seed) {
   report.heading("Meshes: 90-degree edge");
-  report.paragraph("The edge of a box 800 mean free paths wide, against the loop in a quarter space.");
+  report.paragraph("The edge of a box 800 mean free paths wide, compared with the loop in a quarter space.");
   report.columns({"A", "distance", "mesh", "quarter space", "z"});
   const Vec3f half(400, 400, 400);
   const Body box(box_mesh(half));

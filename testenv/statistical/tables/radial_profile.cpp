@@ -1,5 +1,5 @@
-// How far from where it entered does light leave a half-space? The walk against Burley's normalized diffusion, which
-// shares its parameters A and d: section 4 of the paper calls the two identical on a slab.
+// The distance from entry to exit on a half-space: the walk compared with Burley's normalized diffusion, which has the
+// same parameters A and d. Section 4 of the paper calls the two identical on a slab.
 #include <array>
 
 #include "testenv/statistical/tables/report.h"
@@ -55,8 +55,8 @@ Histogram walk_radii(float albedo, uint64_t walks, uint32_t seed) {
   });
 }
 
-/// Sum over bins of |walked - Burley|. Taking the signs from one half of the walks and the shares from the other keeps
-/// noise from adding up to a difference.
+/// Sum over bins of |walked - Burley|. One half of the walks gives the signs and the other the shares, so that noise
+/// does not add up to a difference.
 double signed_difference(const Histogram& signs, const Histogram& shares) {
   double sum = 0;
   for (size_t i = 0; i < kBins; ++i)
@@ -79,16 +79,16 @@ std::string decade_cell(const Histogram& walked, int decade) {
 void print_radial_profile(Report& report) {
   struct Row {
     float albedo;
-    double difference;  // measured with another program and other bins, 2e7 walks, to three digits
+    double difference;  // measured to three digits with another program and other bins, 2e7 walks
   };
   constexpr Row kRows[] = {{0.2f, .028}, {0.5f, .037}, {0.8f, .039}, {0.95f, .159}};
   constexpr double kRowError = 1.5e-3;
 
   report.heading("Radial profile of a half-space: walked / Burley's");
   report.paragraph(
-      "Shares of the light that leaves, by decades of r/d; `exact` inversion, cosine entry. L1: the sum of absolute\n"
-      "differences of the shares over 122 bins; 0 for equal profiles, 2 for disjoint ones. Burley's profile has no\n"
-      "long tail, so the two part at A = 0.95; below they differ by less than 4 %.");
+      "Shares of the light that leaves, by decades of r/d, with the `exact` inversion and cosine entry. L1: the sum\n"
+      "of absolute differences of the shares over 122 bins, 0 for equal profiles and 2 for disjoint ones. Burley's\n"
+      "profile has no long tail, so the two diverge at A = 0.95; below that they differ by less than 4 %.");
   report.columns({"A", "[.001,.01)", "[.01,.1)", "[.1,1)", "[1,10)", "[10,100)", "L1", "mean radius / mfp"});
   uint32_t seed = 2000;
   for (const Row& row : kRows) {

@@ -1,5 +1,5 @@
-// The renderer as a whole, camera to film, in white furnaces: thin slabs, spheres and an edge. The walks take the
-// shortcuts of the default mode, but where collisions are counted.
+// The whole renderer, from camera to film, in white furnaces: thin slabs, spheres and an edge. Walks take the shortcuts
+// of the default mode, except where collisions are counted.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/mesh_bodies.h"
@@ -13,7 +13,7 @@ namespace {
 /// normal the entry's 1 - .5 F_V is one.
 constexpr double kExitLobe = 41.0 / 42;
 
-/// What sphere steps may err by.
+/// The error allowed for sphere steps.
 constexpr double kShortcutBias = 1e-4;
 
 /// The 2015 diffuse without its retro-reflective term and without a specular lobe.
@@ -33,7 +33,7 @@ class Furnace {
 
   SceneBuilder builder;
 
-  /// Mean of the film over what the exit lobe lets pass: the albedo of what the camera sees.
+  /// The albedo of the visible body: the film's mean over the exit lobe's transmission.
   Estimate albedo(const CameraParameters& camera, uint32_t seed, double factor = 2,
                   SubsurfaceMode mode = SubsurfaceMode::walk) {
     constexpr int kSize = 64;
@@ -84,12 +84,12 @@ Estimate slab(Report& report, double albedo, double depth, bool floor, uint32_t 
 void print_slabs(Report& report, uint32_t seed) {
   report.heading("Rendered: thin slabs");
   report.paragraph(
-      "A wide closed box in a white furnace, seen from above: R with a black floor below it, R + T without. A = 0:\n"
-      "nothing but what crosses without a collision. Divided by the exit lobe's 41/42.");
+      "A wide closed box in a white furnace, seen from above: R with a black floor below, R + T without. At A = 0\n"
+      "only light without collisions crosses. Values are divided by the exit lobe's 41/42.");
   report.columns({"A", "L", "R", "theory", "z", "R + T", "theory", "z"});
   for (const double albedo : {0.0, 0.5, 0.9, 1.0})
     for (const double depth : {1.0, 4.0, 10.0}) {
-      if (albedo == 0 && depth > 4) continue;  // 7e-6 of the light: too little to see here
+      if (albedo == 0 && depth > 4) continue;  // 7e-6 of the light, too little to measure here
       const SlabAnswer answer = solve_slab(depth, one_minus_alpha(albedo, AlbedoInversion::exact));
       const double both = answer.reflectance + answer.transmittance;
       const Estimate back = slab(report, albedo, depth, true, ++seed), all = slab(report, albedo, depth, false, ++seed);
@@ -104,7 +104,7 @@ void print_spheres(Report& report, uint32_t seed) {
   constexpr int kRings = 128;
   report.heading("Rendered: spheres");
   report.paragraph(
-      "Radius tau mean free paths, 128 rings, the middle seen from afar; slack for the tessellation 3e-4.");
+      "Radius of tau mean free paths, 128 rings, the middle seen from afar. The tessellation may err by 3e-4.");
   report.columns({"tau", "A", "albedo", "theory", "z"});
   const auto mesh = SceneBuilder().prototype(sphere_mesh(1, kRings, false));
   for (const double tau : {0.1, 1.0, 3.0, 10.0})
@@ -121,7 +121,7 @@ void print_spheres(Report& report, uint32_t seed) {
 
 void print_edge(Report& report, uint32_t seed) {
   report.heading("Rendered: 90-degree edge");
-  report.paragraph("One mean free path from the edge of a box 800 wide, against the loop in a quarter space.");
+  report.paragraph("One mean free path from the edge of a box 800 wide, compared with the loop in a quarter space.");
   report.columns({"A", "rendered", "quarter space", "z"});
   for (const double albedo : {0.8, 0.95}) {
     Furnace furnace(report);
@@ -142,8 +142,8 @@ void print_collisions(Report& report, uint32_t seed) {
   constexpr int kRenders = 16;
   report.heading("Rendered: collisions in a white sphere");
   report.paragraph(
-      "Events per walk over sigma_t 4 V / S, from the counters of 16 renders each. Seen from outside every point of a\n"
-      "sphere is as good as any other.");
+      "Events per walk over sigma_t 4 V / S, from the counters of 16 renders each. Every point of the visible\n"
+      "sphere is equivalent.");
   report.columns({"tau", "collisions", "z", "albedo", "z"});
   const auto mesh = SceneBuilder().prototype(sphere_mesh(1, 128, false));
   for (const double tau : {0.1, 1.0, 10.0}) {

@@ -20,7 +20,7 @@ std::string Estimate::text() const {
 }
 
 uint64_t Report::walks_for(double variance, double factor) const {
-  constexpr double kFewest = 2000;  // below that a mean of rare events has no normal distribution
+  constexpr double kFewest = 2000;  // with fewer, the mean of rare events is not normally distributed
   return static_cast<uint64_t>(std::max(kFewest, variance / (sigma_ * sigma_ * factor * factor)));
 }
 

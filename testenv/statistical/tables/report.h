@@ -1,5 +1,5 @@
-// What the tables share: how fine to measure, Markdown, and the score. A table may hold any number of comparisons with
-// theory; all of them together are one family of tests (Sidak), so that a long report does not fail by chance.
+// Shared by the tables: precision, Markdown, and the verdict. A table may have any number of comparisons with theory.
+// All of them together are one family of tests (Sidak), so that a long report does not fail by chance.
 #pragma once
 
 #include <cmath>
@@ -23,11 +23,11 @@ struct Estimate {
 
 class Report {
  public:
-  /// `sigma`: the standard error that a table should reach for a quantity between 0 and 1.
+  /// `sigma` is the standard error that a table should reach for a quantity between 0 and 1.
   explicit Report(double sigma) : sigma_(sigma) {}
 
   double sigma() const { return sigma_; }
-  /// Walks that bring the standard error of a quantity of this variance down to `factor` times sigma().
+  /// The number of walks that reduce the standard error of a quantity with this variance to `factor` times sigma().
   uint64_t walks_for(double variance, double factor = 1) const;
 
   void heading(const std::string& title);
@@ -35,20 +35,20 @@ class Report {
   void columns(const std::vector<std::string>& names);
   void row(const std::vector<std::string>& cells);
 
-  /// z of a comparison, as a cell; noted for the verdict. `slack`: known bound of the error of `expected`.
+  /// The z of a comparison, as a cell; it counts for the verdict. `slack` bounds the error of `expected`.
   std::string z(const Estimate& measured, double expected, double slack = 0);
-  /// The same for a share of walks (each counts 0 or 1): with the standard error that theory gives it, which rare
-  /// events need; "-", and not noted, where fewer than ten are expected.
+  /// The same for a share of walks (each counts 0 or 1), with the standard error from theory, which rare events need.
+  /// "-", without counting, where fewer than ten are expected.
   std::string z_share(const RunningStatistics& walks, double expected, double slack = 0);
-  /// z of the difference of two independent measurements.
+  /// The z of the difference of two independent measurements.
   std::string z_between(const Estimate& measured, const Estimate& other) {
     return z({measured.mean - other.mean, std::hypot(measured.sigma, other.sigma)}, 0);
   }
-  /// Something that holds or not; a failure is printed and ends in a non-zero verdict.
+  /// A requirement. A failure is printed and makes the verdict fail.
   void require(bool holds, const std::string& what);
 
-  /// Prints how many comparisons there were and how far off the worst is. True: the family of them passes at the
-  /// level 0.001, and everything required holds.
+  /// Prints the number of comparisons and the worst of them. True if the family passes at the level 0.001 and all
+  /// requirements hold.
   bool verdict();
 
  private:
@@ -56,7 +56,7 @@ class Report {
   int comparisons_ = 0, above_three_ = 0, failures_ = 0;
 };
 
-/// One table: what it is called on the command line, and what prints it.
+/// One table: its name on the command line, and the function that prints it.
 struct Table {
   const char* name;
   void (*print)(Report& report);

@@ -1,4 +1,4 @@
-// Guiding and sphere steps in grey media: what they cost by albedo, and how large a weight they ever make.
+// Guiding and sphere steps in grey media: their cost by albedo, and the largest weight.
 #include "testenv/statistical/tables/report.h"
 #include "testenv/statistical/tables/walks.h"
 
@@ -23,15 +23,16 @@ void print_costs(Report& report, uint32_t seed) {
   struct Mode {
     const char* name;
     WalkSettings settings;
-    bool long_walks;  // near-white walks stay as long as the plain ones
+    bool long_walks;  // near-white walks are as long as the plain ones
   };
   const Mode modes[] = {{"guiding", with(true, false), true},
                         {"sphere steps", with(false, true), false},
                         {"both", with(true, true), false}};
   report.heading("Shortcuts: cost by albedo, half-space, one channel");
   report.paragraph(
-      "Mean per walk; `exact` inversion. Plain: (1 - A)/(1 - alpha) events and A rays more, by theory. A shortcut is\n"
-      "taken where it pays, so some rows are plain. z: albedo obtained against A; sphere steps may err by 1e-4.");
+      "Means per walk, `exact` inversion. Plain, by theory: (1 - A)/(1 - alpha) events, and A more rays. A shortcut\n"
+      "is taken where it pays, so some rows are plain. z: the albedo obtained against A; sphere steps may err by\n"
+      "1e-4.");
   report.columns({"A", "plain: rays", "walk", "albedo", "z", "events", "sphere steps", "rays", "largest T"});
   for (const double albedo : {0.2, 0.5, 0.8, 0.9, 0.95, 0.99, 0.999, 1.0}) {
     const double complement = one_minus_alpha(albedo, AlbedoInversion::exact);
@@ -60,7 +61,7 @@ void print_largest_weights(Report& report, uint32_t seed) {
       {"skin, slab of 2 d_red", {0.9f, 0.6f, 0.45f}, {1.0f, 0.35f, 0.2f}, 2},
       {"d a hundredfold apart, slab", {0.9f, 0.3f, 0.6f}, {1.0f, 0.01f, 0.1f}, 1}};
   report.heading("Shortcuts: the largest weight of many walks");
-  report.paragraph("All shortcuts on; throughput at any event or exit, of a walk that enters with one.");
+  report.paragraph("All shortcuts on. The throughput at any event or exit of a walk that enters with throughput 1.");
   report.columns({"body", "walks", "largest T", "bound"});
   for (const Case& c : cases) {
     const uint64_t walks = report.walks_for(1.34);

@@ -1,4 +1,4 @@
-// What albedo each inversion obtains on a half-space, and what its walks cost.
+// The albedo that each inversion obtains on a half-space, and the cost of its walks.
 #include <limits>
 
 #include "testenv/statistical/tables/report.h"
@@ -14,13 +14,13 @@ constexpr AlbedoInversion kInversions[] = {AlbedoInversion::chiang2016, AlbedoIn
 
 struct Obtained {
   RunningStatistics walked;
-  double theory = 0;  // of the half-space; for a white one less what the safety cap takes
+  double theory = 0;  // of the half-space; for a white one, without the share that the safety cap ends
   double events = 0, expected_events = 0;
   double rays = 0;
   uint64_t capped = 0, walks = 0;
 };
 
-/// Of a white half-space's walks, the share that is still inside after n events: (4/sqrt 3) / sqrt(pi n), from
+/// The share of a white half-space's walks that is still inside after n events: (4/sqrt 3) / sqrt(pi n), from
 /// 1 - A -> (4/sqrt 3) sqrt(1 - alpha) by a Tauberian theorem.
 double white_walks_inside_after(double events) {
   return 4 / std::sqrt(3 * 3.14159265358979323846 * events);
@@ -32,7 +32,7 @@ Obtained obtain(Report& report, double complement, uint32_t seed) {
   WalkSettings settings = plain_walk();
   double loss = 0;
   if (complement > 0)
-    settings.safety_cap = std::numeric_limits<uint32_t>::max();  // every walk ends by itself
+    settings.safety_cap = std::numeric_limits<uint32_t>::max();  // no walk is ended by the cap
   else
     loss = white_walks_inside_after(settings.safety_cap);
   result.theory = albedo - loss;
@@ -50,9 +50,10 @@ Obtained obtain(Report& report, double complement, uint32_t seed) {
 void print_cost(Report& report, const std::vector<std::vector<Obtained>>& rows) {
   report.heading("Cost: scattering events and rays per walk in a half-space");
   report.paragraph(
-      "Theory: a collision absorbs 1 - alpha of a walk and 1 - A of all walks is absorbed, so there are\n"
-      "(1 - A)/(1 - alpha) events a walk. A = 1 has no finite mean: the number is that of walks capped at 1e6 events.");
-  report.columns({"A asked", "chiang2016: events", "theory", "rays", "exact: events", "theory", "rays"});
+      "Theory: a collision absorbs 1 - alpha of a walk, and 1 - A of all walks is absorbed, so there are\n"
+      "(1 - A)/(1 - alpha) events per walk. The mean at A = 1 is infinite: that row is for walks capped at 1e6 "
+      "events.");
+  report.columns({"requested A", "chiang2016: events", "theory", "rays", "exact: events", "theory", "rays"});
   for (size_t a = 0; a < rows.size(); ++a) {
     std::vector<std::string> cells = {text("%g", kAlbedoTable[a].albedo)};
     for (size_t i = 0; i < 2; ++i) {
@@ -68,13 +69,13 @@ void print_cost(Report& report, const std::vector<std::vector<Obtained>>& rows) 
 }  // namespace
 
 void print_slab_albedo(Report& report) {
-  report.heading("Albedo asked and obtained, half-space");
+  report.heading("Requested and obtained albedo, half-space");
   report.paragraph(
-      "Walked by the renderer's loop, ± one standard error; theory: Chandrasekhar's H function (1960) at the\n"
-      "inversion's alpha. At A = 1 the safety cap of 1e6 events takes 4/sqrt(3 pi 1e6) = 0.00130 of a half-space's\n"
-      "walks under `exact` and `vanDeHulst` (alpha = 1); theory is less by that. All other rows run without a cap,\n"
-      "which would take 0.0005 at A = 0.999 and nothing anywhere else.");
-  report.columns({"A asked", "chiang2016", "theory", "z", "exact", "theory", "z", "vanDeHulst", "theory", "z"});
+      "Walked by the renderer's loop, ± one standard error. Theory: Chandrasekhar's H function (1960) at the\n"
+      "inversion's alpha. At A = 1 the safety cap of 1e6 events ends 4/sqrt(3 pi 1e6) = 0.00130 of a half-space's\n"
+      "walks under `exact` and `vanDeHulst` (alpha = 1), which is subtracted from theory. All other rows run\n"
+      "without a cap, which would end 0.0005 of the walks at A = 0.999 and none elsewhere.");
+  report.columns({"requested A", "chiang2016", "theory", "z", "exact", "theory", "z", "vanDeHulst", "theory", "z"});
   std::vector<std::vector<Obtained>> rows;
   uint32_t seed = 1000;
   for (const AlbedoRow& row : kAlbedoTable) {

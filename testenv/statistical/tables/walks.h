@@ -1,5 +1,5 @@
-// Many walks at once, with the same result for any number of threads: walks come in chunks, each with a random stream
-// of its own, and the chunks are added up in their order.
+// Runs many walks, with the same result for any number of threads. Walks come in chunks, each with a random stream of
+// its own, and the chunks are added up in order.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -27,10 +27,10 @@ Totals run_chunks(uint64_t count, uint32_t seed, const Walk& walk) {
 }
 
 struct WalkTotals {
-  RunningStatistics out[3];      // throughput per channel, wherever it came out
-  RunningStatistics back;        // channel 0 that came out on side 0
-  RunningStatistics through;     // channel 0 that came out on side 1
-  RunningStatistics uncollided;  // channel 0 that came out without a scattering event
+  RunningStatistics out[3];      // throughput per channel of all exits
+  RunningStatistics back;        // channel 0 of exits on side 0
+  RunningStatistics through;     // channel 0 of exits on side 1
+  RunningStatistics uncollided;  // channel 0 of exits without a scattering event
   RunningStatistics events;
   RenderCounters counters;
 
