@@ -1,4 +1,4 @@
-// Henyey-Greenstein scattering: its sampler, and the renderer's walk with it against a deterministic solution, the
+// Henyey-Greenstein scattering: the sampler, and the renderer's walk compared with a deterministic solution, the
 // invariance of the mean path, and the white furnace.
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ std::optional<Vec3f> scatter(const Vec3f& direction, float g, Rng& rng) {
 
 ChiSquareResult test_phase(const Vec3f& direction, float g, float pdf_g, uint64_t seed) {
   ChiSquareOptions options{.bins_x = 20, .bins_y = 30, .samples = 100000, .seed = seed, .number_of_tests = 12};
-  options.frame = frame_from_normal(g < 0 ? -direction : direction);  // the fine bins where it peaks
+  options.frame = frame_from_normal(g < 0 ? -direction : direction);  // fine bins at the peak
   options.pole_exponent = 2;
   return chi_square_sphere([&](Rng& rng) { return scatter(direction, g, rng); },
                            [&](const Vec3f& w) { return pdf_henyey_greenstein(dot(direction, w), pdf_g); }, options);
@@ -73,7 +73,7 @@ RunningStatistics walk_half_space(const Medium& medium, double events_per_walk, 
   return out;
 }
 
-// The mean number of events of a walk is (1 - A)/(1 - alpha): each takes 1 - alpha, and 1 - A is taken in all.
+// The mean number of events of a walk is (1 - A)/(1 - alpha): each absorbs 1 - alpha, and 1 - A is absorbed in total.
 TEST(AnisotropicHalfSpace, WalkObtainsTheAlbedoAskedAtEveryG) {
   uint64_t seed = 400;
   for (const float g : kAsymmetries)
@@ -87,8 +87,8 @@ TEST(AnisotropicHalfSpace, WalkObtainsTheAlbedoAskedAtEveryG) {
 }
 
 TEST(AnisotropicHalfSpace, SimilarityAloneIsNoticed) {
-  // van_de_hulst knows g by similarity only: at g = -0.9 it obtains 0.024 less than A = 0.5. The walk tells, and the
-  // solver says by how much.
+  // van_de_hulst accounts for g by similarity only: at g = -0.9 it obtains 0.024 less than A = 0.5. The walk shows this
+  // difference, and the solver gives its size.
   const double complement = one_minus_alpha(0.5, AlbedoInversion::van_de_hulst, -0.9);
   const double obtained = anisotropic_half_space_albedo(complement, -0.9);
   EXPECT_GT(std::abs(obtained - 0.5), 0.02);
@@ -106,7 +106,7 @@ TEST(AnisotropicHalfSpace, AWrongPhaseFunctionIsNoticed) {
 }
 
 TEST(AnisotropicSphere, IsWhiteAndItsMeanPathDoesNotKnowG) {
-  // Blanco and Fournier 2003: without absorption the mean path is 4V/S = 4/3 radius whatever scatters inside.
+  // Blanco and Fournier 2003: without absorption the mean path is 4V/S = 4/3 radius for any scattering inside.
   constexpr double kRadius = 2;
   uint64_t seed = 500;
   for (const float g : kAsymmetries) {
@@ -130,7 +130,7 @@ TEST(AnisotropicSphere, IsWhiteAndItsMeanPathDoesNotKnowG) {
   }
 }
 
-// Guiding and sphere steps follow the diffusion modes of isotropic scattering: with g they are not taken.
+// Guiding and sphere steps rely on the diffusion modes of isotropic scattering, so walks with g != 0 take neither.
 TEST(AnisotropicSphere, TakesNoShortcut) {
   const auto sphere_steps = [](float g) {
     const Medium medium = make_medium(Rgb(0.95f), Rgb(0.05f), AlbedoInversion::exact, g);
@@ -162,8 +162,7 @@ RenderRequest sphere_picture(const DisneyParameters& parameters, double scale) {
   return request;
 }
 
-// Through the whole renderer: entry and exit lobe let 41/42 of a white body's light out again (F_V is nil at 8
-// degrees).
+// In the whole renderer, entry and exit lobes let 41/42 of a white body's light out again (F_V is zero at 8 degrees).
 TEST(AnisotropicRender, WhiteBodyReturnsEverythingAtEveryG) {
   for (const float g : kAsymmetries) {
     DisneyParameters p;

@@ -1,4 +1,4 @@
-// Mode `auto` draws the picture of the walk: means over many seeds, block by block.
+// Mode `auto` renders the same picture as the walk: compares means over many seeds, block by block.
 #include <gtest/gtest.h>
 
 #include "core/subsurface/lambert_limit.h"
@@ -42,7 +42,7 @@ Blocks render_blocks(RenderRequest request, SubsurfaceMode mode, uint32_t first_
   return out;
 }
 
-// Two-sided, with Sidak's correction; the variance of few seeds is pooled over the blocks.
+// Two-sided, with Sidak's correction. The variance of few seeds is pooled over the blocks.
 int blocks_that_differ(const Blocks& a, const Blocks& b, double tolerance) {
   int different = 0;
   double variance = 0, brightest = 0;
@@ -57,8 +57,8 @@ int blocks_that_differ(const Blocks& a, const Blocks& b, double tolerance) {
   return different;
 }
 
-// A plate whose thickness is `mean_free_paths` of the farthest reaching channel, seen from above where pixels are 0.1
-// wide, lit from below, and a little from above.
+// A plate of `mean_free_paths` of the farthest reaching channel, seen from above with pixels 0.1 wide, lit from below
+// and a little from above.
 RenderRequest plate(testing::SceneBuilder* b, float distance, float mean_free_paths) {
   DisneyParameters p;
   p.base_color = {0.9f, 0.6f, 0.45f};
@@ -93,7 +93,7 @@ TEST(AutomaticMode, DrawsTheWalksPictureOfPlates) {
     if (thickness == 3) {
       EXPECT_GT(automatic.counters.walks, 10 * automatic.counters.lambert_exits);
     }
-    // The test can fail: Lambert everywhere is told from the walk where light comes through.
+    // The test can fail: it distinguishes Lambert everywhere from the walk where light comes through.
     const Blocks lambert = render_blocks(request, SubsurfaceMode::lambert, 300);
     if (thickness <= 20) {
       EXPECT_GT(blocks_that_differ(walk, lambert, kLambertTolerance), kBlocks / 2);

@@ -1,4 +1,4 @@
-// The instrument before what it measures: the tests must accept what is right and refuse what is slightly wrong.
+// Tests the statistical tests: they must accept correct densities and reject slightly wrong ones.
 #include "testenv/support/chi_square.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Normalized diffusion, by the very probes that render, against integrals of its profile.
+// Normalized diffusion by the probes that render, compared with integrals of its profile.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,8 +21,8 @@ using testing::RunningStatistics;
 
 constexpr float kDistance = 0.7f;
 
-// Share of the balls that are smaller than s. The disk of radius s gets all of the smaller balls and (s/t)^2 of those
-// of radius t > s: CDF(s) = F(s) + pi s^2 R(s).
+// The share F(s) of balls smaller than s. The disk of radius s gets all smaller balls and (s/t)^2 of those of radius t
+// > s, so CDF(s) = F(s) + pi s^2 R(s).
 double ball_cdf(double s, double d) {
   return diffusion_profile_cdf(s, d) - M_PI * s * s * diffusion_profile(s, d);
 }
@@ -46,7 +46,7 @@ testing::SquareSampler ball_and_disk(double asked, double sampled) {
   };
 }
 
-// The radius of the disk's point, by the profile that it must follow.
+// The radius of the disk's point and its angle, as cumulative probabilities of the profile that it must follow.
 testing::SquareSampler radius_and_angle(double asked, double sampled) {
   return [=](Rng& rng) -> std::optional<Vec2f> {
     const double r = sample_diffusion_ball(sampled, rng.uniform(), rng) * std::sqrt(double(rng.uniform()));
@@ -97,7 +97,7 @@ WalkMedium medium_of(const Rgb& albedo, const Rgb& distance) {
   return make_medium(albedo, distance, AlbedoInversion::exact);
 }
 
-// On a face far larger than d the profile's whole energy comes back: A per channel, whatever the others do.
+// On a face far larger than d the profile's whole energy comes back: A in each channel, independently of the others.
 TEST(DiffusionPlane, EnergyIsTheAlbedo) {
   const BodyInWorld slab(box_mesh({200, 150, 200}));
   uint64_t seed = 1;
@@ -118,7 +118,7 @@ TEST(DiffusionPlane, AnEnergyOffByOnePercentIsNoticed) {
   EXPECT_FALSE(testing::z_test(found.value[0], 1.01 * kSkin.r, {0.01, 3, 0}).passed);
 }
 
-// A plane with a small quad in the middle: what rounding can displace an entry by goes with the size of its triangle.
+// A plane with a small quad in the middle, because rounding displaces an entry in proportion to its triangle's size.
 Mesh target_mesh(float inner, float outer) {
   Mesh mesh;
   for (const float h : {inner, outer})
@@ -133,14 +133,14 @@ Mesh target_mesh(float inner, float outer) {
   return mesh;
 }
 
-// Exits on the plane: their radius against the CDF, and their angle. Grey exits all carry the same weight.
+// Compares the radius of exits on the plane with the CDF, and their angle. All grey exits carry the same weight.
 testing::SquareSampler exits_on_plane(const BodyInWorld& plane, double d, RenderCounters* counters) {
   static const WalkMedium kGrey = medium_of(Rgb(0.6f), Rgb(kDistance));
   const SubsurfaceEntry entry = plane.entry({2e-4f, 1, 1e-4f}, {0, -1, 0}, kGrey);
   return [=, &plane](Rng& rng) -> std::optional<Vec2f> {
     const auto exit = carry(NormalizedDiffusion{}, plane.body(), entry, rng, *counters);
     if (!exit) return std::nullopt;
-    // Only the ball that floats do not resolve takes no axis.
+    // Only a ball too small for floats has no axis.
     const bool unresolved = exit->throughput.r < 0.61f;
     EXPECT_NEAR(exit->throughput.r, unresolved ? 0.6 : 0.6 / kNormalAxisProbability, 1e-5);
     const Vec3f p = plane.position(exit->hit) - entry.hit.p_object;
@@ -161,9 +161,9 @@ TEST(DiffusionPlane, ExitsFollowTheProfile) {
   EXPECT_FALSE(testing::chi_square_square(exits_on_plane(plane, 1.05 * kDistance, &counters), pdf).passed);
 }
 
-// A cap of a sphere whose rim is the chord r away from its pole has the area pi r^2: seen from any of its points a
-// sphere is a disk of radius 2a wound up, and the lobe's integral over it is A CDF(2a). Curvature, all three axes,
-// second hits and chromatic weights take part. The slack is the area that facets cut off.
+// A spherical cap whose rim is at the chord r from its pole has the area pi r^2. So, seen from any of its points, a
+// sphere equals a disk of radius 2a, and the lobe's integral over it is A CDF(2a). This covers curvature, all three
+// axes, second hits and chromatic weights. The slack is the area that facets cut off.
 TEST(DiffusionSphere, EnergyIsThatOfADiskOfItsDiameter) {
   constexpr int kRings = 256;
   uint64_t seed = 20;
@@ -178,13 +178,13 @@ TEST(DiffusionSphere, EnergyIsThatOfADiskOfItsDiameter) {
       expected[static_cast<size_t>(c)] =
           double(kSkin[c]) * kThroughput[c] * diffusion_profile_cdf(2 * radius, kSkinDistance[c]);
     expect_channels(found, expected, 3, 3e-4);
-    // At most Sum T A / min P a hit, and a line meets a sphere twice.
+    // At most Sum T A / min P per hit, and a line meets a sphere twice.
     const double bound = dot(Vec3f(kSkin.r, kSkin.g, kSkin.b), Vec3f(kThroughput.r, kThroughput.g, kThroughput.b));
     for (const auto& channel : found.value) EXPECT_LE(channel.max(), 2 * bound / kTangentAxisProbability);
   }
 }
 
-// The same, through the renderer: in a constant dome a pixel shows A CDF(2a) (1 - .5 F_V)(41/42).
+// The same in the whole renderer: in a constant dome a pixel shows A CDF(2a) (1 - .5 F_V)(41/42).
 TEST(DiffusionSphere, FurnaceThroughTheRenderer) {
   constexpr float kScatterDistance = 0.4f;
   testing::SceneBuilder b;

@@ -1,4 +1,5 @@
-// Samplers against pdfs, and what the lobes reflect: chi-square, white furnace, albedo by samples against quadrature.
+// Samplers against pdfs (chi-square), and the energy that lobes reflect (white furnace, albedo by samples against
+// quadrature).
 #include "core/material/disney_bsdf.h"
 
 #include <gtest/gtest.h>
@@ -26,14 +27,14 @@ constexpr int kChiSquareTests = 40, kZTests = 84;  // at least as many as this f
 
 Vec3f at_angle(double degrees) {
   const double theta = degrees * std::acos(-1.0) / 180;
-  // Off the axes, so that an exchange of x and y shows.
+  // Off the axes, so that swapping x and y has an effect.
   return {static_cast<float>(std::sin(theta) * 0.8), static_cast<float>(std::sin(theta) * 0.6),
           static_cast<float>(std::cos(theta))};
 }
 
 const double kAngles[] = {0, 50, 75, 89};
 
-/// Bins about the mirror direction; a larger exponent for a sharper lobe.
+/// Bins around the mirror direction; sharper lobes need a larger exponent.
 ChiSquareOptions options_at(const Vec3f& wo, double exponent) {
   ChiSquareOptions options;
   options.bins_x = options.bins_y = 20;
@@ -46,7 +47,7 @@ ChiSquareOptions options_at(const Vec3f& wo, double exponent) {
 
 template <class L>
 ChiSquareResult test_lobe(const L& lobe, const Vec3f& wo, double exponent, float wrong = 1) {
-  // `wrong` distorts the pdf but keeps its integral near one: a test of the test.
+  // `wrong` distorts the pdf but keeps its integral near one, to test the test.
   const auto pdf = [&](const Vec3f& wi) { return lobe.pdf(wo, wi) * (1 + (wrong - 1) * wi.x); };
   return chi_square_sphere([&](Rng& rng) { return lobe.sample(wo, uniform2(rng)); }, pdf, options_at(wo, exponent));
 }
@@ -162,7 +163,7 @@ TEST(ChiSquareBsdf, WholeBsdf) {
       EXPECT_TRUE(result.passed) << m.name << " at " << angle << ": " << result.report;
     }
   }
-  // A pdf that forgets that the walk may be chosen.
+  // A pdf without the probability of choosing the walk.
   const NamedParameters skin = materials()[1];
   DisneyParameters local = skin.p;
   local.scatter_distance = Rgb(0.0f);
@@ -186,7 +187,7 @@ double albedo_by_quadrature(const Vec3f& wo, const F& f, double exponent) {
                           exponent);
 }
 
-// The closed form against quadrature, at any roughness: A (1-.5F_V)(1-1/42) + E_retro.
+// Compares the closed form A (1-.5F_V)(1-1/42) + E_retro with quadrature, at any roughness.
 TEST(Furnace, DiffuseAlbedoIsAnalytic) {
   double highest = 0;
   for (float roughness : {0.0f, 0.5f, 1.0f}) {
@@ -208,9 +209,10 @@ TEST(Furnace, DiffuseAlbedoIsAnalytic) {
   EXPECT_NEAR(highest, 41.0 / 84 + 1 + 1.0 / 21 + 0.5 * (1.0 / 21 - 1.0 / 252), 2e-2);
 }
 
-// Lobes of a white, fully reflecting material: how much of a white furnace each sends back. The model guarantees at
-// most one for specular, clearcoat and sheen by themselves and for the Lambert part. The retro part makes white diffuse
-// exceed one: 1.006 at roughness 0.5 and 1.036 at roughness 1, seen head on, and 1.5575 in the grazing limit.
+// The share of a white furnace that each lobe of a white, fully reflecting material returns. The model guarantees at
+// most one for specular, clearcoat and sheen by themselves and for the Lambert part. The retro-reflective part makes
+// white diffuse exceed one: 1.006 at roughness 0.5 and 1.036 at roughness 1, seen head on, and 1.5575 in the grazing
+// limit.
 TEST(Furnace, WhiteFurnacePerLobe) {
   std::printf("%-28s", "white furnace at degrees");
   for (double angle : kAngles) std::printf("%9.0f", angle);
@@ -275,7 +277,7 @@ TEST(Furnace, LobeAlbedoBySamplesEqualsQuadrature) {
     // pi f is at most (1 + (F_D90-1))^2 = 2.5^2.
     expect_sampled_albedo(DisneyDiffuse{Rgb(1.0f), Rgb(1.0f), 1}, wo, 1, 6.25 + 1e-4, "diffuse");
     expect_sampled_albedo(DisneySheen{Rgb(1.0f)}, wo, 1, 3.15, "sheen");
-    // F (wo.wm) G1 G1 / (wo.z wm.z) / 4, each masking at most 8 times its cosine.
+    // F (wo.wm) G1 G1 / (wo.z wm.z) / 4, where each masking term is at most 8 times its cosine.
     expect_sampled_albedo(DisneyClearcoat::from(1, 0), wo, 3, 4, "clearcoat");
   }
 }
@@ -309,8 +311,8 @@ TEST(Furnace, WholeBsdfBySamplesEqualsQuadrature) {
   }
 }
 
-// Without retro-reflection, what enters and leaves again through the medium's lobes is what the Lambert part had been:
-// (1-.5F_V) Int (1/pi)(1-.5F_L) cos = (1-.5F_V)(1-1/42).
+// Without retro-reflection, the light that enters and leaves through the medium's lobes equals that of the Lambert
+// part: (1-.5F_V) Int (1/pi)(1-.5F_L) cos = (1-.5F_V)(1-1/42).
 TEST(Furnace, EntryTimesExitIsTheLambertPart) {
   DisneyParameters p;
   p.scatter_distance = Rgb(1.0f);

@@ -1,4 +1,4 @@
-// Does a frame know its own noise? Many small renders against a reference with 64 times their samples.
+// Tests a frame's estimate of its own noise: many small renders against a reference with 64 times their samples.
 #include "core/convergence/frame_error.h"
 
 #include <gtest/gtest.h>
@@ -112,14 +112,14 @@ TEST(FrameError, TheTrueErrorLiesInTheIntervalThatFramesReport) {
     inside += c.inside;
     frames += c.frames;
     EXPECT_NEAR(c.ratio, 1, 4 * c.ratio_sigma);
-    EXPECT_LT(c.ratio_sigma, 0.1) << "or the comparison says nothing";
+    EXPECT_LT(c.ratio_sigma, 0.1) << "or the comparison proves nothing";
   }
-  EXPECT_GE(inside, 50) << "of " << frames << ": below 57 +- 1.7, 95 %, by four sigma";
+  EXPECT_GE(inside, 50) << "of " << frames << ": four sigma below 57 +- 1.7, 95 %";
 }
 
-// Integrands whose answer is known, by the sampler that renders use: a sum of u - 1/2 has variance 1 / (12 n^3) where
-// n = 2^m strata have one sample each, a coin tossed by a stream of its own sigma^2 / n. The estimate must follow both,
-// and what lies between, at powers of two and where a tail is left.
+// Integrands with known variance, by the renderer's sampler: a mean of u - 1/2 has variance 1 / (12 n^3) where n = 2^m
+// strata have one sample each, and a coin tossed by a stream of its own has sigma^2 / n. The estimate must follow both
+// and mixtures of them, at powers of two and in between.
 double ratio_of_estimate(double coin, uint32_t samples) {
   constexpr int kPixels = 96;
   double estimated = 0, truth = 0;
@@ -154,8 +154,8 @@ TEST(FrameError, FollowsTheConvergence) {
     EXPECT_NEAR(ratio_of_estimate(0, samples), 1, 0.1) << samples;
     EXPECT_NEAR(ratio_of_estimate(1, samples), 1, 0.1) << samples;
     // A smooth integrand of one dimension with noise falls as a / n + b / n^3, which the law a / n + b / n^2 follows
-    // within a fifth or so; as steep a fall that is about to end in noise cannot be seen coming from eight samples:
-    // half of it.
+    // within about a fifth. Eight samples cannot show that such a steep fall is about to end in noise: their estimate
+    // is half of it.
     if (samples > 8) {
       EXPECT_NEAR(ratio_of_estimate(0.1, samples), 1, 0.25) << samples;
     }

@@ -1,4 +1,4 @@
-// Every light draws directions from the pdf it states, as seen from near, far, inside and grazing points.
+// Every light samples directions by the pdf that it states, seen from near, far, inside and grazing points.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kTests = 24;  // in this file
 
-// Directions are binned on a chart of the light as seen from p: a map to the unit square in which the light's outline
+// Directions are binned on a chart of the light as seen from p. It maps to the unit square, where the light's outline
 // follows bin edges, so that the pdf has no jumps within bins. Half the square lies outside the light.
 struct Chart {
   std::function<Vec2f(const Vec3f&)> to_square;
@@ -22,7 +22,7 @@ struct Chart {
   std::function<double(const Vec2f&)> solid_angle;  // per unit area of the square
 };
 
-// What float directions can blur: u off the light's edge by no more than that is on the light.
+// The rounding error of float directions: u within this distance of the light's edge counts as on the light.
 double snap(double u, double edge, double inward, double blur) {
   return std::abs(u - edge) < blur && (u - edge) * inward <= 0 ? edge + inward * 1e-6 : u;
 }
@@ -34,7 +34,7 @@ Vec2f in_square(double x, double y) {
 constexpr double kBlur = 0x1p-22;  // radians
 constexpr double kPiDouble = 3.14159265358979323846;
 
-// A parallelogram in the plane z = 0 about the origin with edges x, y: the square covers twice its size.
+// A parallelogram in the plane z = 0, centred at the origin, with edges x and y. The square covers twice its area.
 Chart parallelogram(const Vec3f& p, const Vec3d& x, const Vec3d& y) {
   const Vec3d origin(p);
   const double area = length(cross(x, y)), size = std::min(length(x), length(y));
@@ -59,7 +59,7 @@ Chart parallelogram(const Vec3f& p, const Vec3d& x, const Vec3d& y) {
   return {to_square, [=](const Vec2f& u) { return Vec3f(normalize(point(u))); }, solid_angle};
 }
 
-// A cone of that 1 - cos about `axis`: the square covers twice its solid angle (or the sphere, if that is less).
+// A cone of this 1 - cos around `axis`. The square covers twice its solid angle, or the sphere if that is less.
 Chart cone(const Vec3f& axis, double one_minus_cos) {
   const Frame frame = frame_from_normal(normalize(axis));
   const double range = std::min(2 * one_minus_cos, 2.0);
@@ -77,7 +77,7 @@ Chart cone(const Vec3f& axis, double one_minus_cos) {
   return {to_square, direction, [=](const Vec2f&) { return 2 * kPiDouble * range; }};
 }
 
-// Longitude and colatitude about y, as an image of the dome has them.
+// Longitude and colatitude around y, as in an image of the dome.
 Chart lat_long() {
   const auto to_square = [](const Vec3f& w) {
     const double x = w.x, z = w.z;
@@ -152,7 +152,7 @@ TEST(LightChiSquare, Sphere) {
   check(light, "inside", {0.1f, -0.3f, 0.2f}, cone({0, 0, 1}, 2), seed);
 }
 
-// Where the spot does not shine sample() is empty and intersect() too: what is left must still agree.
+// Outside the spot both sample() and intersect() are empty; the rest must still agree.
 TEST(LightChiSquare, SphereWithSpotCone) {
   LightDescription d = described(LightType::sphere);
   d.cone_inner = 10;
@@ -160,7 +160,7 @@ TEST(LightChiSquare, SphereWithSpotCone) {
   const SphereLight light(d, Vec3d(0, 0, 0));
   const Vec3f p(0, 0, -1.2f);
   const double sin2 = 0.25 / 1.44, filled = sin2 / (1 + std::sqrt(1 - sin2));
-  // The outer cone is wider than the sphere's here, narrower there.
+  // The outer cone is wider than the sphere's at one point and narrower at the other.
   check(light, "wide", p, cone(-p, filled), 40);
   d.cone_outer = 15;
   check(SphereLight(d, Vec3d(0, 0, 0)), "narrow", p, cone(-p, 1 - std::cos(15 * kPiDouble / 180)), 41);
@@ -192,8 +192,8 @@ TEST(LightChiSquare, Dome) {
   check(DomeLight(d, Vec3d(0, 0, 0)), "image turned and unevenly scaled", {0, 0, 0}, lat_long(), 62);
 }
 
-// Left half of the square: the first triangle, right half: the third; the second gives no light. Seen from p the two
-// do not overlap.
+// The left half of the square is the first triangle, the right half the third; the second gives no light. Seen from p
+// the two do not overlap.
 TEST(LightChiSquare, Mesh) {
   const std::vector<MeshLight::Triangle> triangles = {
       {{-1, -1, 1}, {1, -1, 1}, {0, 1, 1.5f}, Rgb(1, 2, 3)},
@@ -230,7 +230,7 @@ TEST(LightChiSquare, Mesh) {
   }
 }
 
-// The instrument notices a light that is slightly larger than it says, and a pdf that forgets the light's cosine.
+// The test detects a light that is slightly larger than it states, and a pdf without the light's cosine.
 TEST(LightChiSquare, WrongPdfsFail) {
   struct Wrong {
     RectLight sampled, stated;

@@ -1,4 +1,4 @@
-// Irradiance that lights give at a plane, against closed forms.
+// The irradiance of lights on a plane, compared with closed forms.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -105,8 +105,8 @@ TEST(LightIrradiance, ConstantDomeIsPiL) {
   expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 401), 0.25 * kPiDouble, "constant image");
 }
 
-// An image whose radiance is linear in longitude alone, seen from the pole axis: bilinear lookup reproduces the mean of
-// its texels in every row, and the cosine about the pole does not depend on longitude, so E = pi * mean.
+// An image whose radiance is linear in longitude alone, on a plane facing the pole. Bilinear lookup reproduces the mean
+// of the texels in every row, and the cosine to the pole does not depend on longitude, so E = pi * mean.
 TEST(LightIrradiance, DomeImage) {
   LightDescription d;
   d.type = LightType::dome;
@@ -121,7 +121,7 @@ TEST(LightIrradiance, DomeImage) {
   expect(irradiance(light, {{0, 0, 0}, {0, -1, 0}}, 100000, 411), mean * kPiDouble, "down");
 }
 
-// A cone of half angle a about the normal gives pi L sin^2(a); normalized, that is color*intensity.
+// A cone of half angle a around the normal gives pi L sin^2(a), which is color*intensity for a normalized light.
 TEST(LightIrradiance, Distant) {
   LightDescription d;
   d.type = LightType::distant;
@@ -143,7 +143,7 @@ TEST(LightIrradiance, Distant) {
   }
 }
 
-// A mesh of the rect's two triangles gives what the rect gives.
+// A mesh of the rect's two triangles gives the same irradiance as the rect.
 TEST(LightIrradiance, MeshIsLambertsFormula) {
   const std::array<Vec3d, 4> corners = {Vec3d(-1, -1, 2), Vec3d(1, -1, 2), Vec3d(1, 1, 2), Vec3d(-1, 1, 2)};
   const auto at = [&](size_t i) { return Vec3f(corners[i]); };
@@ -152,7 +152,7 @@ TEST(LightIrradiance, MeshIsLambertsFormula) {
   expect(irradiance(light, plane, 100000, 600), lambert_polygon(plane, corners), "mesh");
 }
 
-// A light set as one light: its choice draws numbers of its own.
+// Makes one light of a light set. The choice takes random numbers of its own.
 struct Choosing {
   const LightSet& set;
   mutable Rng rng;
@@ -160,7 +160,7 @@ struct Choosing {
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return set.sample(p, rng.uniform(), u); }
 };
 
-// One sample of a light and one of the cosine, weighed by the power heuristic.
+// One sample of a light and one of the cosine, weighted by the power heuristic.
 double weighed_irradiance(const LightSet& set, const Plane& plane, Rng& rng) {
   const float choice = rng.uniform();
   double value = 0;
@@ -175,8 +175,8 @@ double weighed_irradiance(const LightSet& set, const Plane& plane, Rng& rng) {
   return value;
 }
 
-// Sampling lights and sampling directions, weighed by the power heuristic, give the sum of the closed forms: it does
-// only if the pdfs, with the choice of light in them, agree on both sides.
+// Sampling lights and sampling directions, weighted by the power heuristic, give the sum of the closed forms only if
+// the pdfs of both, including the choice of the light, agree.
 TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
   LightDescription rect;
   rect.light_to_world = translation(0, 0, 2);
@@ -210,8 +210,8 @@ TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
   expect(e, expected, "light set");
 }
 
-// A small bright rect, a point and a dim dome: at each point the sum of the closed forms, whether another light
-// outshines the rest there or the rect is turned away.
+// A small bright rect, a point and a dim dome give the sum of the closed forms at each point, even where one light
+// outshines the others or the rect faces away.
 TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
   LightDescription rect;
   rect.light_to_world = translation(0, 0, 1);
@@ -245,8 +245,8 @@ TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
   }
 }
 
-// Why the choice is made at the point: a key light of 0.3 beside a sky over a ground of 20. By power the sky, which
-// enters a sphere about all of the ground, gets nearly all samples; the key gives nearly all of the light.
+// This is why the choice depends on the point: a key light of 0.3 beside a sky over a ground of 20. By power nearly all
+// samples go to the sky, which illuminates a sphere around all of the ground, but nearly all light comes from the key.
 TEST(LightIrradiance, ChoosingAtThePointPays) {
   LightDescription key;
   key.light_to_world = translation(0, 0, 0.8);
@@ -276,7 +276,8 @@ TEST(LightIrradiance, ChoosingAtThePointPays) {
   EXPECT_GT(gain, 20);
 }
 
-// Why the rect light samples solid angles: the variance of irradiance, against drawing points of its area.
+// This is why the rect light samples solid angles: compares the variance of irradiance with sampling points of its
+// area.
 TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
   LightDescription d;
   d.light_to_world = translation(0, 0, 1);
@@ -302,7 +303,7 @@ TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
   }
 }
 
-// The family would notice a radiance or pdf that is off by a percent.
+// The family would detect a radiance or pdf that is off by one per cent.
 TEST(LightIrradiance, WrongExpectationFails) {
   const Plane plane{{0, 0, 0}, {0, 0, 1}};
   LightDescription d;

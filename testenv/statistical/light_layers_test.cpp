@@ -1,4 +1,4 @@
-// The layers of light: they add up to the picture, and each is what a scene shows that has nothing else.
+// The layers of light add up to the picture, and each equals the picture of a scene that has nothing else.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using testing::RunningStatistics;
 using testing::SceneBuilder;
 
-constexpr int kTests = 24;  // the family that Sidak's correction is for
+constexpr int kTests = 24;  // size of the family for Sidak's correction
 
 DisneyParameters every_lobe() {
   DisneyParameters p;
@@ -73,7 +73,7 @@ std::vector<double> difference(std::vector<double> a, const std::vector<double>&
   return a;
 }
 
-// Bodies of every kind that throw light at each other, a lamp in the picture, a backdrop.
+// Bodies of every kind that illuminate each other, a visible lamp, and a backdrop.
 RenderRequest mixed_request() {
   SceneBuilder b;
   DisneyParameters metal, lamp;
@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, LightLayersInMode,
                          ::testing::Values(SubsurfaceMode::walk, SubsurfaceMode::reference, SubsurfaceMode::diffusion,
                                            SubsurfaceMode::automatic));
 
-// A profile stands for all numbers of events.
+// A diffusion profile does not distinguish numbers of events.
 TEST(LightLayers, DiffusionIsMultipleScattering) {
   RenderRequest request = mixed_request();
   request.settings.subsurface = SubsurfaceMode::diffusion;
@@ -139,10 +139,10 @@ TEST(LightLayers, DoNotChangeTheColor) {
   request.aovs = aov_bit(Aov::color);
   const auto plain = testing::render(request);
   EXPECT_EQ(plain->resolve_float(Aov::color), with);
-  for (const float v : plain->resolve_float(Aov::diffuse)) ASSERT_EQ(v, 0) << "not asked for";
+  for (const float v : plain->resolve_float(Aov::diffuse)) ASSERT_EQ(v, 0) << "not requested";
 }
 
-// What a mirror shows is specular, whatever scattered it before.
+// Light seen in a mirror is specular, whatever scattered it before.
 TEST(LightLayers, GoByTheFirstSurface) {
   SceneBuilder b;
   DisneyParameters mirror;
@@ -176,7 +176,7 @@ TEST(LightLayers, ShowWhatIsSeenDirectlyAsEmission) {
   EXPECT_EQ(film->resolve_float(Aov::emission)[3 * (16 * 32 + 16)], 3.0f) << "the lamp";
 }
 
-// A convex body: light scatters at one surface only. Its layers against bodies that lack the other lobes.
+// On a convex body light scatters at one surface only, so its layers equal those of bodies without the other lobes.
 class Lobes : public ::testing::Test {
  protected:
   static std::shared_ptr<const Film> body(const DisneyParameters& parameters) {
@@ -202,8 +202,8 @@ TEST_F(Lobes, SpecularIsThatOfABlackBody) {
 }
 
 TEST_F(Lobes, SubsurfaceAndDiffuseAreThoseOfBodiesWithoutSpecular) {
-  // Roughness 0 takes the retro-reflective term away, which stays local: in the scattering channels nothing but the
-  // subsurface lobe is left.
+  // Roughness 0 removes the retro-reflective term, which stays local. Only the subsurface lobe is left in the
+  // scattering channels.
   DisneyParameters walk_only = without_specular(every_lobe());
   walk_only.roughness = walk_only.sheen = 0;
   const auto matt = body(without_specular(every_lobe())), walk = body(walk_only);
@@ -217,7 +217,7 @@ TEST_F(Lobes, SubsurfaceAndDiffuseAreThoseOfBodiesWithoutSpecular) {
   for (const double v : channel(mixed(), Aov::subsurface, 2)) ASSERT_EQ(v, 0) << "this channel does not scatter";
 }
 
-// Of light that enters a sphere of radius 1 by the cosine lobe: the part that crosses it, over chords of 2 cos(theta).
+// The part of light that crosses a sphere of radius 1, over chords of 2 cos(theta), after entering by the cosine lobe.
 double unscattered_part(double tau) {
   return (1 - (1 + 2 * tau) * std::exp(-2 * tau)) / (2 * tau * tau);
 }
@@ -247,8 +247,8 @@ double single_part(double tau, double alpha) {
   return alpha * sum / kSteps;
 }
 
-// In a furnace of radiance one every exit sees the same: what a layer shows is its part of the energy that enters,
-// times the exit lobe's 1 - 1/42. Three optical depths at once, so that the channels share their walks.
+// In a furnace of radiance one every exit sees the same, so a layer shows its part of the entering energy, times the
+// exit lobe's 1 - 1/42. The channels share their walks at three optical depths.
 TEST(LightLayers, UnscatteredAndSingleAreThoseOfASphere) {
   constexpr double kTau[3] = {0.3, 1, 3}, kAlbedo[3] = {0.5, 0.9, 0.7}, kExit = 41.0 / 42;
   DisneyParameters p = without_specular({});

@@ -1,5 +1,4 @@
-// The renderer as a whole against answers derived by hand: closed forms, furnaces, and two ways to light the same
-// scene.
+// The whole renderer against answers derived by hand: closed forms, furnaces, and two ways to light the same scene.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +15,7 @@ namespace {
 using testing::MeanError;
 using testing::SceneBuilder;
 
-constexpr int kTests = 16;  // the family that Sidak's correction is for
+constexpr int kTests = 16;  // size of the family for Sidak's correction
 
 // A film's pixels are independent samples of the expected values given per pixel.
 void expect_film(const Film& film, const std::function<double(int x, int y)>& expected, double slack) {
@@ -32,7 +31,7 @@ void expect_film(const Film& film, const std::function<double(int x, int y)>& ex
   EXPECT_TRUE(result.passed) << result.report;
 }
 
-// Nothing but the 2015 diffuse: roughness 0 takes the retro-reflective term away, ior 1 the specular lobe.
+// Only the 2015 diffuse: roughness 0 removes the retro-reflective term, ior 1 the specular lobe.
 DisneyParameters diffuse_only(float albedo) {
   DisneyParameters p;
   p.base_color = Rgb(albedo);
@@ -60,8 +59,8 @@ RenderRequest straight_down(SceneBuilder* b, const DisneyParameters& material) {
   return request;
 }
 
-// Film of straight_down: up of the film is -z or +z by look_at's choice; x of the film is world x up to sign. The
-// lights below are symmetric about both axes, so signs do not matter.
+// On the film of straight_down, up is -z or +z by look_at's choice, and x is world x up to sign. The lights below are
+// symmetric about both axes, so signs do not matter.
 Vec3d film_point(int x, int y) {
   return {(x + 0.5) / 24 - 1, 0, (y + 0.5) / 24 - 1};
 }
@@ -94,8 +93,8 @@ TEST(ClosedForm, RectLightOverPlane) {
       *film, [](int x, int y) { return rect_over_plane(film_point(x, y), 0.5, 2, 7, 0.6); }, 2e-4);
 }
 
-// A sphere light wholly above the horizon: E = pi L (r/d)^2 cos(theta). Small, so that the light-dependent term is that
-// of its centre to second order; the slack bounds what is left (half the cone's variation of (1-.5F)cos).
+// A sphere light entirely above the horizon: E = pi L (r/d)^2 cos(theta). It is small, so the light-dependent term is
+// that of its centre to second order. The slack bounds the rest (half the cone's variation of (1-.5F)cos).
 TEST(ClosedForm, SphereLightOverPlane) {
   SceneBuilder b;
   LightDescription light;
@@ -172,7 +171,8 @@ void expect_within(const MeanError& m, double expected, double slack) {
   EXPECT_NEAR(m.mean, expected, bound) << "standard error " << m.standard_error;
 }
 
-// Roulette ends paths earlier or later and changes nothing else: a box of white walls, where light bounces for long.
+// Roulette ends paths earlier or later but changes no mean. Tested in a box of white walls, where light bounces many
+// times.
 TEST(Roulette, ChangesTheRaysAndNotTheMean) {
   const auto lit = [](uint32_t roulette_depth, RenderProgress* progress) {
     SceneBuilder b;
@@ -195,7 +195,7 @@ TEST(Roulette, ChangesTheRaysAndNotTheMean) {
   RenderProgress never, early;
   const MeanError a = lit(1000, &never), b = lit(0, &early);
   EXPECT_LT(early.counters.bounce_rays, never.counters.bounce_rays * 3 / 4);
-  EXPECT_LT(b.standard_error, 0.01 * b.mean) << "or the comparison says nothing";
+  EXPECT_LT(b.standard_error, 0.01 * b.mean) << "or the comparison proves nothing";
   EXPECT_NEAR(a.mean, b.mean, 3 * std::hypot(a.standard_error, b.standard_error));
 }
 
@@ -260,7 +260,7 @@ class HalvesTexture : public Texture {
   Rgb left_, right_;
 };
 
-// A convex body whose u grows with x, seen along z: light enters a medium where it is looked at, whatever the other
+// A convex body whose u grows with x, seen along z: light enters the medium of the visible half, whatever the other
 // half is made of.
 RenderRequest body_request(const std::shared_ptr<const DisneyMaterial>& material) {
   SceneBuilder b;
@@ -310,7 +310,7 @@ TEST(Textured, EachHalfIsTheConstantBodyBitForBit) {
 TEST(Textured, ZeroInTheMapIsTheDiffuseOfItsChannelBitForBit) {
   expect_halves({0.3f, 0.2f, 0.1f}, Rgb(0.0f), false);
   expect_halves({0.3f, 0, 0.1f}, {0, 0.2f, 0}, false);
-  // Nothing scatters anywhere: as if there were neither map nor distance.
+  // Nothing scatters anywhere, as without map and distance.
   auto plain = std::make_shared<DisneyMaterial>();
   plain->constants.base_color = {0.9f, 0.6f, 0.4f};
   const RenderRequest request = body_request(plain);

@@ -1,4 +1,4 @@
-// The renderer's own walk, in bodies whose answers are known by quadrature: half-space, slab, sphere.
+// The renderer's own walk in bodies with answers by quadrature: half-space, slab, sphere.
 #include <gtest/gtest.h>
 
 #include "testenv/support/albedo_table.h"
@@ -14,7 +14,7 @@ constexpr WalkWeights kWeights[] = {WalkWeights::throughput, WalkWeights::throug
 
 struct BodyStatistics {
   RunningStatistics out[3];   // throughput per channel, both sides of the body
-  RunningStatistics through;  // channel 0 that came out on side 1
+  RunningStatistics through;  // channel 0 of exits on side 1
   RunningStatistics uncollided;
   RunningStatistics events;
   RenderCounters counters;
@@ -54,7 +54,7 @@ TEST(SlabAlbedo, ObtainsWhatEachInversionReallyGives) {
     for (const AlbedoInversion inversion : {AlbedoInversion::chiang2016, AlbedoInversion::exact}) {
       const double complement = one_minus_alpha(asked, inversion);
       const double expected = half_space_albedo(complement);
-      // Known beforehand: the column of the table for eq. 1, the albedo asked for the exact inversion.
+      // The expected albedo: the table's column for eq. 1, the requested albedo for the exact inversion.
       double table = asked;
       if (inversion == AlbedoInversion::chiang2016)
         for (const AlbedoRow& row : kAlbedoTable)
@@ -105,7 +105,7 @@ TEST(SlabAlbedo, AWrongPdfIsNoticed) {
   const Rgb albedo(0.9f, 0.6f, 0.45f);
   const Medium medium = make_medium(albedo, {1.0f, 0.35f, 0.2f}, AlbedoInversion::exact);
   WalkSettings settings;
-  settings.safety_cap = 1000;  // wrong weights may let a walk go on for ever
+  settings.safety_cap = 1000;  // wrong weights may let a walk go on forever
   const BodyStatistics walked = walk_many<WronglyWeightedSegment>(kHalfSpace, medium, settings, 20000, 30);
   int failures = 0;
   for (int c = 0; c < 3; ++c) failures += z_test(walked.out[c], albedo[c], {1e-6, 3, 0}).passed ? 0 : 1;
@@ -113,7 +113,7 @@ TEST(SlabAlbedo, AWrongPdfIsNoticed) {
 }
 
 TEST(SlabAlbedo, ASlightlyWrongAlbedoIsNoticed) {
-  // The paper's eq. 1 at A = 0.8 is off by half a percent: the test above must be able to tell the two apart.
+  // The paper's eq. 1 at A = 0.8 is off by half a per cent, which the test above must be able to detect.
   const Medium medium = make_medium(Rgb(0.8f), {1.0f, 0, 0}, AlbedoInversion::chiang2016);
   const BodyStatistics walked = walk_many(kHalfSpace, medium, {}, 100000, 31);
   EXPECT_FALSE(z_test(walked.out[0], 0.8, {0.01, 16, 0}).passed);
@@ -152,7 +152,7 @@ TEST(ThinSlab, LosesNothingWithoutAbsorption) {
     settings.weights = weights;
     const Medium medium = make_medium(Rgb(1.0f), {1.0f, 0.3f, 4.0f}, AlbedoInversion::exact);
     const BodyStatistics walked = walk_many([] { return SlabTracer(2); }, medium, settings, 40000, 50);
-    // White in every channel: each walk's throughputs sum to three, whichever way out.
+    // White in every channel: each walk's throughputs add up to three at every exit.
     for (const RunningStatistics& channel : walked.out) expect_mean(channel, 1, 6);
     double total = 0;
     for (const RunningStatistics& channel : walked.out) total += channel.mean();
@@ -186,7 +186,7 @@ TEST(ClosedSphere, FurnaceAlbedoIsTheIntegralEquations) {
 }
 
 TEST(ClosedSphere, MeanPathIsFourVolumesOverSurface) {
-  // Blanco and Fournier 2003: whatever the mean free path, without absorption; here 4/3 radius.
+  // Blanco and Fournier 2003: without absorption the mean path is the same for any mean free path; here 4/3 radius.
   uint64_t seed = 90;
   for (const double radius : {0.1, 1.0, 10.0}) {
     Rng rng(++seed, 77);

@@ -49,8 +49,8 @@ TEST(Extremes, PowersOfTwoChangeNoBit) {
     EXPECT_EQ(picture_of_all(exponent), expected) << "2^" << exponent;
 }
 
-// A ball with a scatter distance of a thousandth, here and at 1e6; there also with another object left at the origin,
-// so that the scene has no centre near it.
+// A ball with a scatter distance of a thousandth, at the origin and at 1e6. At 1e6 it is also tested with another
+// object at the origin, so that the scene's centre is not near the ball.
 TEST(Extremes, FarFromTheOriginWalksAreTheSame) {
   const auto picture = [](double offset, bool other, uint32_t seed) {
     SceneBuilder b;
@@ -72,8 +72,9 @@ TEST(Extremes, FarFromTheOriginWalksAreTheSame) {
   expect_same(*picture(1e6, true, 2), *here, "at 1e6 beside another at the origin");
 }
 
-// However small the mean free path, down to rounding and beyond: a body much larger than it shows its albedo. A walk
-// begins a little below the surface, and if that is not counted as a way through the medium, light is lost at 1e-5.
+// A body much larger than the mean free path shows its albedo, however small that is, down to rounding error and below.
+// A walk begins a little below the surface; if this distance did not count as a path through the medium, light would be
+// lost at 1e-5.
 TEST(Extremes, SmallScatterDistancesKeepTheAlbedo) {
   const auto mean = [](float distance, uint32_t seed) {
     SceneBuilder b;
@@ -90,7 +91,7 @@ TEST(Extremes, SmallScatterDistancesKeepTheAlbedo) {
     const MeanError m = mean(distance, ++seed);
     const double sigma = std::hypot(m.standard_error, lambert.standard_error);
     EXPECT_LT(std::abs(m.mean - lambert.mean) / sigma, kLargest) << "d = " << distance << ": " << m.mean / lambert.mean;
-    EXPECT_LT(sigma, 0.002 * lambert.mean) << "or the comparison says nothing";
+    EXPECT_LT(sigma, 0.002 * lambert.mean) << "or the comparison proves nothing";
   }
 }
 

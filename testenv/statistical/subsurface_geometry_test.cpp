@@ -1,5 +1,5 @@
-// Subsurface scattering on the geometry that artists have: sets and overlaps are their union, open meshes lose only
-// what is counted, inverted meshes look like sound ones, and a camera may stand in the medium.
+// Subsurface scattering on artists' geometry: sets and overlaps are their union, open meshes lose only the energy that
+// is counted, inverted meshes look like correct ones, and a camera may stand in the medium.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ RenderRequest bar(const std::function<void(SceneBuilder*)>& add, uint32_t seed) 
   b.add(key);
   RenderRequest request = request_of(&b, testing::look_at({1, 2, 2.5}, {1, 0.3, 0.3}, 40), 64, 24);
   request.settings.seed = seed;
-  request.settings.max_depth = 1;  // one walk from where the light enters to where it is seen
+  request.settings.max_depth = 1;  // one walk from entry to visible exit
   return request;
 }
 
@@ -64,7 +64,7 @@ TEST(Union, OverlappingMembersOfASetAreOneBody) {
   const auto set = testing::render(bar(
       [](SceneBuilder* b) {
         const auto material = b->material(kWax);
-        // The second one is a cube that its instance stretches and mirrors.
+        // The second one is a cube, stretched and mirrored by its instance.
         b->add(b->prototype(box_mesh({0, 0, 0}, {1.2f, 0.6f, 0.6f})), material);
         b->add(b->prototype(box_mesh({0, 0, 0}, {1, 1, 1})), material,
                Matrix4d(-1.2, 0, 0, 0, 0, 0.6, 0, 0, 0, 0, 0.6, 0, 2, 0, 0, 1));
@@ -114,7 +114,7 @@ TEST(Union, DuplicatedFacesAreOne) {
   expect_same(*twice, *whole_bar(), "duplicated");
 }
 
-// That these tests would notice: by object the light stops at the seam.
+// These tests would detect a failure: without a set the light stops at the seam.
 TEST(Union, WithoutASetEachObjectScattersForItself) {
   const auto apart = testing::render(bar(
       [](SceneBuilder* b) {
@@ -127,7 +127,8 @@ TEST(Union, WithoutASetEachObjectScattersForItself) {
   EXPECT_FALSE(same_quarters(*apart, *whole_bar(), &report)) << report;
 }
 
-// Two white boxes that overlap to a longer one. Every passage through a surface takes 1/42: of a set there is one.
+// Two white boxes that overlap to form a longer one. Every passage through a surface takes 1/42, and a set has only
+// one.
 SceneBuilder white_pair(bool set) {
   SceneBuilder b;
   const auto box = b.prototype(box_mesh({-1, -1, -1}, {1, 1, 1}, 4));
@@ -139,7 +140,7 @@ SceneBuilder white_pair(bool set) {
   return b;
 }
 
-// Without a set each walk starts anew where it leaves one body within the other: nothing is lost but the passages.
+// Without a set each walk starts anew where it leaves one body within the other, and only the passages lose light.
 TEST(Union, WhiteOverlapsStayWhite) {
   for (const bool set : {true, false}) {
     SceneBuilder b = white_pair(set);
@@ -189,14 +190,14 @@ TEST(OpenMesh, APlaneIsAHalfSpace) {
     const MeanError m = testing::film_mean(*testing::render(request_of(&b, camera, 24), &progress), 1);
     EXPECT_NEAR(m.mean, albedo * kExit, 3 * m.standard_error);
     EXPECT_EQ(progress.counters.walk_lost, 0u);
-    // From below it is one as well.
+    // Seen from below it is a half-space as well.
     b.description.instances[0].object_to_world = Matrix4d().setScale(Vec3d(1, -1, 1));
     const MeanError below = testing::film_mean(*testing::render(request_of(&b, camera, 24), &progress), 1);
     EXPECT_NEAR(below.mean, albedo * kExit, 3 * below.standard_error);
   }
 }
 
-// White and open: what does not come back is what the counter says, to the last walk.
+// White and open: the light that does not come back equals the counter, to the last walk.
 TEST(OpenMesh, WhatIsLostIsCounted) {
   SceneBuilder b;
   const float hole = 0.9f;  // cosine of its half angle: a cap of 5 % of the sphere
@@ -207,18 +208,18 @@ TEST(OpenMesh, WhatIsLostIsCounted) {
   camera.orthographic = true;
   camera.horizontal_aperture = camera.vertical_aperture = 0.05f;
   RenderRequest request = request_of(&b, camera, 64);
-  request.settings.max_depth = 1;  // one walk a sample
+  request.settings.max_depth = 1;  // one walk per sample
   RenderProgress progress;
   const MeanError m = testing::film_mean(*testing::render(request, &progress), 1);
   const auto& n = progress.counters;
   const double lost = n.walk_lost_energy / static_cast<double>(n.walks);
   EXPECT_GT(lost, 0.002);
-  EXPECT_LT(lost, 0.05) << "from opposite a hole of 5 % less than that escapes";
+  EXPECT_LT(lost, 0.05) << "less than 5 % escapes through a hole of 5 % on the opposite side";
   EXPECT_NEAR(m.mean, kExit * (1 - lost), 3 * m.standard_error + 1e-6);
   EXPECT_EQ(n.walks, n.walk_exits + n.walk_lost + n.walk_roulette_ends);
 }
 
-// ---- camera within
+// ---- camera inside
 
 TEST(CameraWithin, WhiteStaysWhite) {
   for (const bool inverted : {false, true}) {
@@ -234,7 +235,7 @@ TEST(CameraWithin, WhiteStaysWhite) {
   }
 }
 
-// In a set, where the first surface that is met belongs to a body that is entered.
+// In a set, where the first surface met belongs to a body that is entered.
 TEST(CameraWithin, ASetIsOneBody) {
   SceneBuilder b = white_pair(true);
   RenderProgress progress;
@@ -259,7 +260,7 @@ TEST(CameraWithin, MovingThroughTheSurfaceIsHarmless) {
 
 // ---- smooth normals
 
-// Mean colour of what is covered: silhouettes of coarse meshes are smaller, which is no fault of the shading.
+// Mean colour of the covered pixels. Coarse meshes have smaller silhouettes, which is not a fault of the shading.
 double covered_mean(const Film& film) {
   const auto color = film.resolve_float(Aov::color);
   double sum = 0, coverage = 0;
@@ -295,8 +296,8 @@ TEST(SmoothNormals, ACoarseSphereIsAsBrightAsAFineOne) {
 TEST(SmoothNormals, WhiteStaysWhite) {
   for (const float scatter_distance : {0.0f, 0.05f})
     for (const int rings : {8, 32}) {
-      // Of the lambertian lobe the view takes (1-.5F_V), of both the exit takes 1/42; (1-.5F_V) is what a fine sphere
-      // says.
+      // The view takes (1-.5F_V) of the Lambertian lobe, and the exit takes 1/42 of both. A fine sphere gives
+      // (1-.5F_V).
       const double fine = covered_mean(*smooth_sphere(96, medium_only(1, scatter_distance), true));
       const double coarse = covered_mean(*smooth_sphere(rings, medium_only(1, scatter_distance), true));
       EXPECT_NEAR(coarse / fine, 1, 0.01) << rings << " rings, scatterDistance " << scatter_distance;

@@ -1,5 +1,5 @@
-// Frames that end when they look good enough, and pixels that get more samples than others, on light that few samples
-// find: does their mean stay what it is?
+// Frames that end at a target error, and pixels with more samples than others, must keep their mean on light that few
+// samples find.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -66,8 +66,8 @@ TEST(UnbiasedStopping, OtherPixelsDecideAndTheMeanStays) {
   EXPECT_TRUE(result.passed) << result.report;
 }
 
-// The test above can tell: a frame that ends by its own error is biased, here by more than a per cent: more light by
-// chance is less relative error.
+// The test above can fail: a frame that ends by its own error is biased, here by more than one per cent, because more
+// light by chance means less relative error.
 TEST(UnbiasedStopping, AFrameThatEndsItselfIsBiased) {
   const auto result = testing::z_test(many_frames(2.5, true), 1, {.number_of_tests = kTests});
   EXPECT_GT(std::abs(result.z), 6) << result.report;
@@ -86,12 +86,12 @@ TEST(UnbiasedStopping, SamplesAreDealtOutByOtherPixels) {
     const auto samples = film.resolve_int(Aov::sample_count);
     uneven += *std::max_element(samples.begin(), samples.end()) > 80 ? 1 : 0;
   }
-  EXPECT_GT(uneven, 2000) << "or nothing was dealt out";
+  EXPECT_GT(uneven, 2000) << "or no pixel had more samples than another";
   const auto result = testing::z_test(means, 1, {.number_of_tests = kTests});
   EXPECT_TRUE(result.passed) << result.report;
 }
 
-// A floor beside a polished ball that throws the light of a small lamp on it: few diffuse paths find that light.
+// A floor beside a polished ball that reflects the light of a small lamp onto it. Few diffuse paths find that light.
 RenderRequest caustic() {
   SceneBuilder b;
   DisneyParameters polished;
@@ -134,9 +134,9 @@ TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
   }
   const double mean_samples = double(samples) / 250 / 144;
   EXPECT_GT(mean_samples, 18);
-  EXPECT_LT(mean_samples, 200) << "or the error ended nothing";
+  EXPECT_LT(mean_samples, 200) << "or the error ended no frame";
   const double sigma = std::hypot(truth.standard_error(), frames.standard_error());
-  EXPECT_LT(sigma, 0.01 * truth.mean()) << "or the comparison says nothing";
+  EXPECT_LT(sigma, 0.01 * truth.mean()) << "or the comparison proves nothing";
   EXPECT_NEAR(frames.mean(), truth.mean(), 3 * sigma);
   std::printf("mean %.5f +- %.5f of frames that ended after %.1f samples a pixel; truth %.5f +- %.5f\n", frames.mean(),
               frames.standard_error(), mean_samples, truth.mean(), truth.standard_error());

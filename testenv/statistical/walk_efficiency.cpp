@@ -1,6 +1,6 @@
-// Prints, as Markdown, what the walk's shortcuts gain: variance times CPU seconds on real meshes, under uniform light
-// and across the edge of a shadow; events and rays by albedo; the largest weight; the bias of sphere steps. Not a test:
-// runs for minutes.
+// Prints the gain of the walk's shortcuts as Markdown: variance times CPU seconds on real meshes, under uniform light
+// and across the edge of a shadow; events and rays by albedo; the largest weight; the bias of sphere steps. This is not
+// a test: it runs for minutes.
 //   walk_efficiency [--walks N] [--weights N] [--bias N]
 // Meshes: sss/*.glb in the folder that ALABASTER_TEST_ASSETS names.
 
@@ -80,7 +80,7 @@ struct Measured {
   RenderCounters counters;
 };
 
-/// The first primitive of the first mesh of a .glb: float positions, 16-bit indices. Null if it is anything else.
+/// The first primitive of the first mesh of a .glb, with float positions and 16-bit indices. Null for anything else.
 std::optional<Mesh> read_glb(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   uint32_t header[5] = {};
@@ -110,7 +110,7 @@ std::optional<Mesh> read_glb(const std::string& file) {
   return mesh;
 }
 
-/// A mesh with one scattering material, compiled as a scene: its instance tells where walks live.
+/// A mesh with one scattering material, compiled as a scene, whose instance has the body for walks.
 struct Body {
   SceneBuilder builder;
   std::shared_ptr<const MeshPrototype> prototype;
@@ -129,8 +129,8 @@ struct Body {
   Rgb distances(double share) const { return kDistanceRatio * static_cast<float>(share * diagonal); }
 };
 
-/// Walks from random points of the surface. The shadow's edge is the plane x = the body's centre: light on the far side
-/// only, entries on the near side, up to one scatter distance of red away from it.
+/// Walks from random points of the surface. The shadow's edge is the plane through the body's centre at right angles to
+/// x, with light only on the far side, and entries on the near side up to one red scatter distance away.
 class MeshRun {
  public:
   MeshRun(const Body& body, const MediumCase& medium, double distance_share)
@@ -216,7 +216,7 @@ void print_mesh_table(const Mesh& mesh, const std::string& name, double distance
     body.is_inner = is_inner;
     const MeshRun run(body, medium, distance_share);
     Measured measured[std::size(kVariants)];
-    // Interleaved, so that what else the machine does hits all alike.
+    // Interleaved, so that other work of the machine affects all alike.
     constexpr int kRounds = 20;
     for (int round = 0; round < kRounds; ++round)
       for (size_t v = 0; v < std::size(kVariants); ++v)
@@ -331,7 +331,7 @@ void print_union(int walks) {
 void print_meshes(int walks) {
   const char* assets = std::getenv("ALABASTER_TEST_ASSETS");
   if (!assets) {
-    std::printf("skipped: the meshes, because ALABASTER_TEST_ASSETS is not set\n");
+    std::printf("skipped the meshes: ALABASTER_TEST_ASSETS is not set\n");
     return;
   }
   std::printf(
@@ -341,7 +341,7 @@ void print_meshes(int walks) {
   for (const char* name : {"bunny_marble", "dragon_wax"}) {
     const auto mesh = read_glb(std::string(assets) + "/sss/" + name + ".glb");
     if (!mesh) {
-      std::printf("skipped: %s.glb cannot be read\n", name);
+      std::printf("skipped %s.glb: it could not be read\n", name);
       continue;
     }
     for (const double share : {0.0025, 0.005, 0.01}) print_mesh_table(*mesh, name, share, walks);
@@ -361,7 +361,7 @@ int main(int argc, char** argv) {
                                               : nullptr;
     if (count && i + 1 < argc) *count = std::strtol(argv[i + 1], nullptr, 10);
     if (!count || i + 1 == argc || *count < 0) {
-      std::fprintf(stderr, "usage: walk_efficiency [--walks N] [--weights N] [--bias N]   (0 leaves that part out)\n");
+      std::fprintf(stderr, "usage: walk_efficiency [--walks N] [--weights N] [--bias N]   (0 skips a part)\n");
       return 2;
     }
   }

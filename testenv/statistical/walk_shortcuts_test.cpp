@@ -1,4 +1,4 @@
-// The shortcuts of the walk, guiding and sphere steps, against the answers that hold without them.
+// The shortcuts of the walk, guiding and sphere steps, must give the same answers as walks without them.
 #include <gtest/gtest.h>
 
 #include "testenv/support/analytic_bodies.h"
@@ -18,9 +18,10 @@ WalkSettings with(bool guiding, bool sphere_steps) {
 const WalkSettings kShortcuts[] = {with(true, false), with(false, true), with(true, true)};
 
 struct Outcome {
-  RunningStatistics out[3];          // per channel, whichever way out
-  RunningStatistics through;         // channel 0 out of side 1
-  RunningStatistics beyond_edge[3];  // out of side 0 half a unit or more to one side: as lit across a shadow's edge
+  RunningStatistics out[3];   // per channel, of all exits
+  RunningStatistics through;  // channel 0 out of side 1
+  RunningStatistics
+      beyond_edge[3];  // out of side 0, at least half a unit to one side, as if lit across a shadow's edge
   RenderCounters counters;
 };
 
@@ -88,7 +89,7 @@ TEST(Dwivedi, SamplerDrawsFromItsPdf) {
     const auto result = chi_square_sphere(
         sample, [&](const Vec3f& w) { return static_cast<float>(pdf_dwivedi(w.z, mode) / kTwoPi); }, options);
     EXPECT_TRUE(result.passed) << complement << "\n" << result.report;
-    // The pdf of a slightly darker medium is told apart, where the lobe is one at all.
+    // The test detects the pdf of a slightly darker medium, where there is a lobe.
     if (complement < 1e-2) continue;
     const DwivediMode other = dwivedi_mode(complement * 1.3);
     EXPECT_FALSE(
@@ -166,7 +167,7 @@ TEST(WalkShortcuts, ThinSlabReflectsAndTransmitsWhatItShould) {
 }
 
 TEST(WalkShortcuts, AThinSlabsTransmissionGainsFromTheBackwardShare) {
-  // Guided towards the entry surface alone, transmission would be many times noisier than unguided.
+  // With guiding towards the entry surface alone, transmission would be many times noisier than without guiding.
   const double complement = one_minus_alpha(0.5, AlbedoInversion::exact);
   const Outcome plain = walk_many(SlabTracer(8), unit_medium(complement), with(false, false), 60000, 280);
   const Outcome guided = walk_many(SlabTracer(8), unit_medium(complement), with(true, false), 60000, 281);
@@ -212,7 +213,7 @@ TEST(WalkShortcuts, PapersWeightsAreRightToo) {
 }
 
 TEST(WalkShortcuts, WeightsStayBelowTheirBoundWhereGuidingIsWrong) {
-  // Channels far apart, in slabs whose other side the walk must leave by.
+  // Channels far apart, in slabs that the walk must leave by the other side.
   const Medium medium = make_medium({0.9f, 0.3f, 0.6f}, {1.0f, 0.02f, 0.1f}, AlbedoInversion::exact);
   for (const double thickness : {0.1, 1.0, 5.0}) {
     const Outcome walked = walk_many(SlabTracer(thickness), medium, {}, 30000, 330);
@@ -242,7 +243,7 @@ TEST(WalkShortcuts, ExtremesGiveNoNan) {
     }
 }
 
-/// Weighs each segment as if it had been a tenth longer.
+/// Weights each segment as if it were a tenth longer.
 class WrongGuidedSegment : public GuidedSegment {
  public:
   using GuidedSegment::GuidedSegment;

@@ -1,4 +1,4 @@
-// Every warp draws from the pdf it states; a pdf that is slightly wrong is refused.
+// Every warp samples the pdf that it states, and the test rejects slightly wrong pdfs.
 #include <gtest/gtest.h>
 
 #include "core/sampling/distribution.h"
@@ -67,7 +67,8 @@ TEST(WarpChiSquare, PiecewiseConstantDistributions) {
   EXPECT_TRUE(r.passed) << r.report;
 }
 
-// Cells of one, two and three steps of the random numbers: what a float cdf rounds to is drawn exactly as claimed.
+// Cells of one, two and three steps of the random numbers: probabilities rounded by a float cdf are exactly those
+// stated.
 TEST(WarpChiSquare, SteepDistributionIsDrawnAsClaimed) {
   std::vector<float> weights(4096, 1.0f);
   weights[100] = 5e6f;
@@ -88,7 +89,7 @@ TEST(WarpChiSquare, WrongPdfsFail) {
   const auto cone = [](Rng& rng) -> std::optional<Vec3f> { return sample_uniform_cone(uniform2(rng), 0.3f); };
   const auto wider = [](const Vec3f& w) { return 1 - w.z <= 0.31f ? pdf_uniform_cone(0.31f) : 0; };
   EXPECT_FALSE(chi_square_sphere(cone, wider).passed);
-  // The classic mistake: the square root left out.
+  // The classic mistake: omitting the square root.
   const auto crowded = [](Rng& rng) -> std::optional<Vec2f> {
     const Vec2f u = uniform2(rng);
     return Vec2f(1 - u.x, u.y * u.x);
