@@ -1,4 +1,4 @@
-// What a description makes of a scene, compared with values worked out by hand.
+// Scenes loaded from descriptions, compared with values worked out by hand.
 #include <cmath>
 
 #include "delegate/api/render_delegate.h"
@@ -33,7 +33,7 @@ TEST_F(LoadSceneTest, BareModelIsFramedAndLit) {
   EXPECT_EQ(file.notes, (std::vector<std::string>{"no camera: framed the scene", "no light: added a soft dome"}));
   EXPECT_EQ(scene.GetLights().size(), 1u);
   EXPECT_EQ(scene.GetLights().begin()->second.type, Token("domeLight"));
-  // Every corner is inside the film, and the two widest apart use most of one of its dimensions.
+  // Every corner is inside the film, and the two widest apart span most of its width or height.
   const host::CameraDescription& camera = scene.GetCameras().at(settings(file).camera);
   const Matrix4d to_camera = camera.transform.inverse();
   const double tan_y = 0.024 / 2 / 0.050, tan_x = tan_y * 1280 / 720;

@@ -1,4 +1,4 @@
-// Presets, the settings that the renderer knows, and the numbers that were measured with them say the same.
+// The presets agree with the renderer's settings and with their measurements.
 #include "delegate/description/quality_presets.h"
 
 #include <nlohmann/json.hpp>
@@ -98,7 +98,7 @@ TEST_F(QualityPresetsTest, AWrongNameIsAnError) {
   EXPECT_NE(errors().find("production"), std::string::npos) << errors();
 }
 
-// Who changes a preset measures it anew.
+// A changed preset must be measured again.
 TEST_F(QualityPresetsTest, WereMeasuredAsTheyAre) {
   const json presets = presets_file()["presets"];
   const auto by_name = [&](const std::string& name) {
@@ -128,7 +128,7 @@ TEST_F(QualityPresetsTest, WereMeasuredAsTheyAre) {
   }
 }
 
-// Numbers that another targetError or bound of samples had given do not pass, wherever the settings are written.
+// Numbers measured with another targetError or bound on samples do not pass, wherever the settings are written.
 TEST_F(QualityPresetsTest, WereMeasuredWhereTheyEnd) {
   for (const json& preset : presets_file()["presets"]) {
     const double target = preset["settings"]["targetError"];
@@ -142,7 +142,7 @@ TEST_F(QualityPresetsTest, WereMeasuredWhereTheyEnd) {
       if (samples < most) {
         EXPECT_LE(noise, 1.01 * target) << where;
       }
-      // One sample less does not reach it, so it is reached by little.
+      // One sample less does not reach it.
       if (samples >= 20) {
         EXPECT_GE(noise, 0.9 * target) << where;
       }
@@ -150,7 +150,7 @@ TEST_F(QualityPresetsTest, WereMeasuredWhereTheyEnd) {
   }
 }
 
-// Presets are points of the front of error against time: who waits longer gets less error, in every scene.
+// Presets are points on the front of error against time: more time means less error, in every scene.
 TEST_F(QualityPresetsTest, AreAFrontInEveryMeasuredScene) {
   const json presets = presets_file()["presets"];
   for (size_t i = 1; i < presets.size(); ++i)
@@ -161,7 +161,7 @@ TEST_F(QualityPresetsTest, AreAFrontInEveryMeasuredScene) {
     }
 }
 
-/// The scenes to measure on: rows of the table in testenv/scenes/README.md.
+/// The scenes for measurements: the rows of the table in testenv/scenes/README.md.
 std::vector<std::string> bundled_scenes() {
   std::ifstream file(ALABASTER_SOURCE_DIR "/testenv/scenes/README.md");
   std::vector<std::string> names;

@@ -1,4 +1,4 @@
-// A folder of small scene files and what loading one of them said.
+// A folder of small scene files, and the reports of loading one of them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace alabaster::hd::description {
 
-/// Two quads of a 2 x 2 x 0 patch as one triangle pair: node "patch", material "skin", camera "front" when asked for.
+/// A 2 x 2 x 0 patch of two triangles: node "patch", material "skin", camera "front" on request.
 inline std::string patch_gltf(bool with_camera, bool with_light) {
   std::string nodes = R"({"name": "patch", "mesh": 0})";
   std::string roots = "0";
@@ -78,7 +78,7 @@ class SceneFiles : public ::testing::Test {
     return folder_ / name;
   }
 
-  /// One grey pixel, as Radiance files hold it; images are known by what is in them, whatever their name.
+  /// One grey pixel as a Radiance file. Images are recognized by their content, whatever their name.
   std::string write_image(const std::string& name) const {
     return write(name, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81");
   }

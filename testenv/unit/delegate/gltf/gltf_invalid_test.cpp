@@ -8,7 +8,7 @@
 namespace alabaster::hd::gltf::testing {
 namespace {
 
-// A triangle with everything in it that the cases below break.
+// A triangle with all the elements that the cases below break.
 Json sound_document() {
   return Json::parse(R"({
     "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
@@ -52,7 +52,7 @@ struct Case {
   bool fatal = true;
 };
 
-// The rows of what tinygltf lets pass, and more of their kind.
+// Faults that tinygltf accepts, and more of their kind.
 const std::vector<Case> kCases = {
     {"accessor view out of range", [](Json& d) { accessor(d)["bufferView"] = 9; }, "accessors[0].bufferView"},
     {"accessor offset past the view", [](Json& d) { accessor(d)["byteOffset"] = 1000000000; }, "accessors[0]"},
@@ -259,7 +259,7 @@ TEST(GltfInvalid, ContainerThatLies) {
     EXPECT_FALSE(loaded.summary.ok) << length;
     EXPECT_GE(loaded.count(Severity::error), 1u) << length;
   }
-  for (size_t byte = 0; byte < 24; ++byte) {  // any outcome but a crash or silence about a refusal
+  for (size_t byte = 0; byte < 24; ++byte) {  // any outcome except a crash or an unreported refusal
     std::string broken = sound;
     broken[byte] = char(0xff);
     const Loaded loaded = load(folder.write("broken.glb", broken));
@@ -282,7 +282,7 @@ TEST(GltfInvalid, ManyChildrenListedTwiceDoNotMultiply) {
   for (int i = 0; i < 64; ++i) document["nodes"].push_back({{"children", {i + 1, i + 1}}});
   document["nodes"].push_back(Json::object());
   const TemporaryFolder folder;
-  EXPECT_TRUE(folder.load_text(document.dump()).summary.ok);  // 2^64 visits would not end
+  EXPECT_TRUE(folder.load_text(document.dump()).summary.ok);  // 2^64 visits would never end
 }
 
 TEST(GltfInvalid, LongNodeChainsAreWalkedWithoutRecursion) {
@@ -293,7 +293,7 @@ TEST(GltfInvalid, LongNodeChainsAreWalkedWithoutRecursion) {
   EXPECT_TRUE(folder.load_text(document.dump()).summary.ok);
 }
 
-// Faults of these kinds leave nothing to trust; the corpus's file names tell them.
+// Documents with these faults must be refused. The corpus's file names tell the fault.
 bool must_be_refused(const std::string& path) {
   for (const char* kind : {"/unresolved_", "/validator/glb/", "/validator/json/", "/validator/asset/",
                            "index_buffer_oob", "IndexOutOfRange", "node_loop", "RecursiveNodes", "scene-invalid-cycle",
@@ -313,7 +313,7 @@ TEST(GltfInvalid, EveryInvalidAssetIsRefusedOrWarnedOf) {
     const Loaded loaded = load(path);
     ++files;
     refused += !loaded.summary.ok;
-    // That a scene is empty is said of sound files too: it does not count as having found the fault.
+    // Valid files may have an empty scene too, so that warning does not count as having found the fault.
     const size_t empty = loaded.says(Severity::warning, "gltf.scene.empty");
     EXPECT_GT(loaded.count(Severity::error) + loaded.count(Severity::warning), empty) << path;
     EXPECT_EQ(loaded.summary.ok, loaded.count(Severity::error) == 0) << path;

@@ -1,5 +1,5 @@
-// Small documents of our own and the text of what they become (testenv/translate). To regenerate after a wanted change,
-// run with ALABASTER_UPDATE_EXPECTED=1 and read the difference.
+// Small documents of our own, compared with the text of their scenes (testenv/translate). After an intended change run
+// with ALABASTER_UPDATE_EXPECTED=1 and read the difference.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,8 +38,8 @@ void expect_near(const Vec3d& a, const Vec3d& b) {
   EXPECT_LT((a - b).length(), 1e-12) << Value(a).to_string();
 }
 
-// By hand: scale (2,3,4), a third of a turn about (1,1,1) ((x,y,z) -> (z,x,y)), translation (1,2,3); then the parent, a
-// quarter turn about z ((x,y,z) -> (-y,x,z)) and translation (10,20,30).
+// By hand: scale (2,3,4), a third of a turn around (1,1,1) ((x,y,z) -> (z,x,y)), translation (1,2,3); then the parent's
+// quarter turn around z ((x,y,z) -> (-y,x,z)) and translation (10,20,30).
 TEST(GltfTransforms, ScaleRotateTranslateThenParent) {
   const Loaded loaded = load_own("nodes");
   const Matrix4d& world = loaded.scene->GetMeshes().at("/gltf/nodes/nodes/1_child_with_slash/0").transform;
@@ -67,7 +67,7 @@ TEST(GltfTransforms, OptionTransformComesLastAndRootNamesThePrims) {
   expect_near(transformed({1, 0, 0}, (*transforms)[1]), {99, 0, 0});
 }
 
-// A file may ask for more anisotropy than can be rendered: said, and the nearest taken.
+// A file may ask for more anisotropy than can be rendered. This is reported, and the nearest value used.
 TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
   Json document = Json::parse(read_text(kFolder + "materials.gltf"));
   for (const auto& [authored, taken] : {std::pair(0.9, 0.9f), {-0.95, -0.9f}, {1.0, 0.9f}}) {
@@ -83,7 +83,7 @@ TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
   }
 }
 
-// Every triangle of a strip and of a fan faces the way the specification's formula says: here all towards +z.
+// Every triangle of a strip and of a fan faces as in the specification's formula: here all towards +z.
 TEST(GltfModes, StripAndFanKeepTheirWinding) {
   const Loaded loaded = load_own("modes");
   EXPECT_TRUE(loaded.says(Severity::warning, "points and lines are not drawn"));
@@ -103,11 +103,11 @@ TEST(GltfNgons, SeamsStayInTextureSpaceAndPointsAreWelded) {
   EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "points").size(), 9u);  // 13 vertices, 4 of them twice
   const auto& st = mesh.primvars.at("st");
   EXPECT_EQ(st.interpolation, Interpolation::faceVarying);
-  // 8 corners of the quads; the pentagon's two at the first quad agree with it, its other three are new
+  // 8 corners of the quads; the pentagon shares two with the first quad, and its other three are new
   EXPECT_EQ(primvar<Array<Vec2f>>(mesh, "st").size(), 11u);
 }
 
-// Of a hexagon and two quads that share their first index and chain, only geometry can tell.
+// Only geometry distinguishes a hexagon from two chained quads with the same first index.
 TEST(GltfNgons, ChainedQuadsAreTwoPolygonsAndHexagonsOne) {
   Json document = Json::parse(read_text(kFolder + "ngons.gltf"));
   const auto load_fan = [&](const std::vector<Vec3f>& points) {
@@ -138,7 +138,7 @@ TEST(GltfNgons, ChainedQuadsAreTwoPolygonsAndHexagonsOne) {
   EXPECT_EQ(load_fan({{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}}), (Array<int32_t>{4, 4}));
 }
 
-// Image space has v down, ours up; a quarter turn and half scale as in the extension's own example.
+// v points down in image space and up in ours. A quarter turn and half scale, as in the extension's own example.
 TEST(GltfTextures, TransformIsAppliedBeforeTurningVUp) {
   const Loaded loaded = load_own("texture");
   ASSERT_EQ(loaded.scene->GetMeshes().size(), 1u) << loaded.said();

@@ -1,4 +1,4 @@
-// Published models and our conversions of them: what is in them, by counts that other programs agree on.
+// Published models and our conversions of them, compared with counts on which other programs agree.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace alabaster::hd::gltf::testing {
 namespace {
 
-// Triangles held: a mesh of several nodes counts once, a polygon as the triangles it was written as.
+// The number of triangles: a mesh of several nodes counts once, a polygon counts as its stored triangles.
 size_t triangle_count(const host::RetainedSceneDelegate& scene) {
   size_t count = 0;
   for (const auto& [id, mesh] : scene.GetMeshes())
@@ -104,7 +104,8 @@ TEST(GltfValidAssets, ClosedCageHasEveryEdgeTwice) {
   const Loaded loaded = load(assets + "/subdiv/spot_quads_textured.glb");
   ASSERT_EQ(loaded.scene->GetMeshes().size(), 1u);
   const host::MeshDescription& mesh = loaded.scene->GetMeshes().begin()->second;
-  std::map<std::pair<int32_t, int32_t>, int> edges;  // directed: closed and consistently wound means once each way
+  std::map<std::pair<int32_t, int32_t>, int>
+      edges;  // directed: in a closed, consistently wound mesh each occurs once in each direction
   size_t first = 0;
   for (const int32_t corners : mesh.topology.faceVertexCounts) {
     for (int32_t c = 0; c < corners; ++c)
@@ -119,7 +120,7 @@ TEST(GltfValidAssets, ClosedCageHasEveryEdgeTwice) {
   EXPECT_EQ(mesh.primvars.at("st").indices.size(), mesh.topology.faceVertexIndices.size());
 }
 
-// The draft's spelling and the later one mean the same; d = 1 / (sigma_t (1-g) s(A)).
+// The draft's name and the later one mean the same; d = 1 / (sigma_t (1-g) s(A)).
 TEST(GltfValidAssets, ScatteringVolumesBecomeSubsurface) {
   const std::string assets = assets_folder();
   if (assets.empty()) return;

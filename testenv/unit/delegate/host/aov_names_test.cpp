@@ -1,4 +1,4 @@
-// The AOVs that files hold are those that the delegate renders and that the schema names.
+// The AOVs of files are those that the delegate renders and the schema names.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

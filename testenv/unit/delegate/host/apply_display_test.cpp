@@ -7,7 +7,7 @@ namespace {
 
 using ApplyDisplayFile = ProductFile;
 
-// What ApplyDisplay answers must be what stands in a file: a 16-bit PNG holds it without dither.
+// ApplyDisplay must return the values that a file holds: a 16-bit PNG stores them without dither.
 TEST_F(ApplyDisplayFile, AnswersWhatAPngHolds) {
   ProductImage image = frame();
   image.aovs["color"] =

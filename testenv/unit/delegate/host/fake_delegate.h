@@ -1,4 +1,4 @@
-// A RenderDelegate that draws nothing and writes down every call: what tests of the host kit hold against the contract.
+// A RenderDelegate that draws nothing and records every call, so that tests can compare the host kit with the contract.
 #pragma once
 
 #include <mutex>
@@ -54,7 +54,7 @@ class FakeInstancer final : public Instancer {
 class FakeDelegate final : public RenderDelegate {
  public:
   Journal journal;
-  DirtyBits prims_leave = dirty::kClean;  // what Sync of an R-, S- or Bprim leaves dirty
+  DirtyBits prims_leave = dirty::kClean;  // the dirty bits that Sync of an R-, S- or Bprim leaves
 
   const std::vector<Token>& GetSupportedRprimTypes() const override { return rprims_; }
   const std::vector<Token>& GetSupportedSprimTypes() const override { return sprims_; }

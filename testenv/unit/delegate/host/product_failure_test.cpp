@@ -96,7 +96,7 @@ TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
   EXPECT_TRUE(listing().empty());
 }
 
-/// Files of this process may not grow beyond `bytes`: what a full disk does to a writer.
+/// Limits the files of this process to `bytes`, as a full disk would.
 struct FileSizeLimit {
   rlimit old{};
   void (*handler)(int) = std::signal(SIGXFSZ, SIG_IGN);

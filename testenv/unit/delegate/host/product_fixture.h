@@ -1,4 +1,4 @@
-// A folder, a small frame with every AOV, and the reports of what is done with them.
+// A folder, a small frame with every AOV, and the reports of operations on them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ class ProductFile : public testing::Test {
     for (const Diagnostic& d : reports_) joined += d.where + ": " + d.text + "\n";
     return joined;
   }
-  /// What is in the folder, so that no temporary file can hide.
+  /// All names in the folder, so that no temporary file goes unnoticed.
   std::vector<std::string> listing() const {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename().string());

@@ -52,7 +52,7 @@ TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
     const auto value = [&](const char* aov, int components, int c) {
       return image.aovs.at(aov).floats[size_t(i * components + c)];
     };
-    // Halves are bit-exact halves of the floats, floats are themselves.
+    // Halves are the floats rounded to half, bit for bit; floats are unchanged.
     const char* rgba[] = {"R", "G", "B", "A"};
     for (int c = 0; c < 4; ++c) ASSERT_EQ(exr.at(i, rgba[c]), float(half(value("color", 4, c))));
     const char* xyz[] = {"N.X", "N.Y", "N.Z"};
@@ -159,7 +159,7 @@ float srgb(float v) {
   return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
 }
 
-// The same picture whether somebody waits for it or not, and each of several at once.
+// The picture is the same with and without somebody waiting for it, and for each of several at once.
 TEST_F(ProductFile, IncompleteImagesHoldTheSamePixelsUncompressed) {
   ProductImage image = frame();
   const std::vector<RenderProduct> whole{product("a.exr"), product("a.png")}, hasty{product("b.exr"), product("b.png")};
@@ -258,7 +258,7 @@ TEST_F(ProductFile, DitherKeepsTheMeanAndIsTheSameEveryTime) {
   EXPECT_NEAR(sum / n, double(srgb(0.2f)), 4 * 0.5 / 255 / std::sqrt(n) + 1e-5);
   ASSERT_TRUE(write(p, image));
   EXPECT_EQ(Read(p.file).pixels, first.pixels);
-  // Exact levels stay: black and white are flat.
+  // Exact levels get no dither: black and white are flat.
   for (const float level : {0.0f, 1.0f}) {
     image.aovs["color"] = floats(
         3, [&](int, int) { return level; }, 64 * 64);

@@ -1,4 +1,4 @@
-// A host whose scene delegate throws: nothing crosses the contract, and what failed is tried again.
+// A host whose scene delegate throws: no exception crosses the contract, and a failed Sync is tried again.
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -8,7 +8,7 @@
 namespace alabaster::hd {
 namespace {
 
-/// Throws from one call of every pull that a prim makes, while told to.
+/// Throws from one of a prim's calls, while `failing` names it.
 class FailingScene final : public host::RetainedSceneDelegate {
  public:
   std::string failing;  // name of the call that throws; empty: none

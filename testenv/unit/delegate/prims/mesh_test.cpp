@@ -1,4 +1,4 @@
-// Meshes through Sync: everything that can be wrong with one, and what must not cost a rebuild.
+// Meshes through Sync: all faults that a mesh can have, and changes that must not cost a rebuild.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -273,7 +273,7 @@ TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
   EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
 }
 
-// Walls are unions, and CPU is shared out: meshes that are synced together never add up to more than went by.
+// Wall time is a union, and CPU time is divided: meshes synced together never add up to more time than passed.
 TEST(MeshSync, SecondsOfMeshesSyncedTogetherCountOnce) {
   Stage stage;
   host::MeshDescription mesh = Stage::quad();

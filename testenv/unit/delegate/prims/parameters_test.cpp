@@ -19,7 +19,7 @@ json schema_properties(const std::string& name) {
   return json::parse(file).at("properties");
 }
 
-/// A value other than the default, inside the range; and how the dump writes it.
+/// A value other than the default and inside the range, and its text in the dump.
 struct Probe {
   Value value;
   std::string text;
@@ -191,7 +191,7 @@ TEST(Materials, UnknownNodesFallBackWithOneReport) {
   EXPECT_EQ(stage.count("material.surface"), 1u);
 }
 
-/// One grey pixel of 0.5, as Radiance files hold it.
+/// One grey pixel of 0.5 as a Radiance file.
 AssetPath grey_image(const std::string& name) {
   const std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80";
   return {name, name, std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};

@@ -133,7 +133,7 @@ TEST(RenderBuffer, FormatsAgreeWithFloat) {
     for (size_t c = 0; c < 3; ++c) {
       const float value = floats[i * 4 + c];
       lit = lit || value > 0.1f;
-      const uint16_t h = halves[i * 4 + c];  // normal or zero here: value is 0 or well above 2^-14
+      const uint16_t h = halves[i * 4 + c];  // normal or zero: values are 0 or well above 2^-14
       const float read = h == 0 ? 0.0f : std::ldexp(static_cast<float>((h & 0x3ff) | 0x400), (h >> 10) - 25);
       EXPECT_NEAR(read, value, value * 0.0005f);
       EXPECT_NEAR(static_cast<float>(bytes[i * 3 + c]), std::min(value, 1.0f) * 255.0f, 0.5001f);
@@ -159,7 +159,7 @@ TEST(RenderBuffer, OutsideTheDataWindowIsTheClearValueAndInsideEqualsTheFullFram
     }
 }
 
-// The same crop with a moved display window and a buffer of the crop's size: what the frame recorder does.
+// The same crop with a moved display window and a buffer of the crop's size, as in the frame recorder.
 TEST(RenderBuffer, AMovedDisplayWindowGivesTheSamePixels) {
   Rendered full(16, Format::int32, "primId");
   ASSERT_TRUE(full.finish());

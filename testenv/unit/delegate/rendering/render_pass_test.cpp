@@ -1,4 +1,4 @@
-// What restarts a render, what does not, and how a render ends.
+// Restarts of a render, changes without a restart, and the end of a render.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,7 +23,7 @@ struct Shot {
     state = Stage::state_for(size, size, "color", buffer);
   }
   bool finish() { return Stage::finish(*pass, state); }
-  /// Whether one more Execute starts anew.
+  /// True if one more Execute restarts the render.
   bool restarts() {
     pass->Execute(state);
     return !pass->IsConverged();
@@ -55,7 +55,7 @@ TEST(RenderPass, NothingThatStaysTheSameRestarts) {
   for (int i = 0; i < 1000; ++i) s.stage.delegate->SetRenderSetting("samples", 1);
   EXPECT_EQ(s.stage.delegate->GetRenderSettingsVersion(), version);
   s.stage.scene.SetMesh("/quad", Stage::quad());
-  s.stage.index->GetChangeTracker().MarkDirty("/quad", dirty::kAll);  // dirty, and yet unchanged
+  s.stage.index->GetChangeTracker().MarkDirty("/quad", dirty::kAll);  // dirty but unchanged
   s.stage.index->GetChangeTracker().MarkDirty("/dome", dirty::kAll);
   s.stage.scene.SetMaterial("/unused", {});
   s.stage.index->SyncAll();
@@ -150,7 +150,7 @@ TEST(RenderPass, AFrameBeyondTheMachinesMemoryIsRefused) {
   EXPECT_NE(s.stage.text_stat("error").find("1048576 x 1048576 pixels needs 118748 GB"), std::string::npos)
       << s.stage.text_stat("error");
   EXPECT_EQ(s.stage.count("pass.failed"), 1u);
-  s.state.framing.dataWindow = {0, 0, 8, 8};  // a part of it is no trouble
+  s.state.framing.dataWindow = {0, 0, 8, 8};  // a crop of it fits
   EXPECT_TRUE(s.finish());
   EXPECT_EQ(s.pass->GetState(), PassState::converged);
 }

@@ -11,7 +11,7 @@
 namespace alabaster::tradeoff {
 namespace {
 
-/// The renderer's own settings: what is measured must exist.
+/// The renderer's own settings, because measured settings must exist.
 std::vector<hd::RenderSettingDescriptor> known() {
   hd::RenderDelegate* delegate = CreateAlabasterRenderDelegate(hd::kAbiVersion, nullptr);
   auto descriptors = delegate->GetRenderSettingDescriptors();

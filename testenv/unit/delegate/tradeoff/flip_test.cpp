@@ -28,8 +28,8 @@ Image noisy(double amplitude, unsigned seed) {
   return picture(64, 48, [&](int x, int y, int) { return 0.2 + 0.005 * x + 0.006 * y + amplitude * u(random); });
 }
 
-/// The difference of two colours that fill their pictures, by hand: no filter changes them and no feature is in them,
-/// so it is HyAB of the Hunt-adjusted CIELAB colours, redistributed.
+/// The difference of two uniform pictures, by hand. No filter changes them and they have no features, so it is the
+/// redistributed HyAB of the Hunt-adjusted CIELAB colours.
 double difference_of_colors(const Triple& a, const Triple& b) {
   const auto lab = [](const Triple& srgb) {
     Triple l, xyz;
@@ -111,7 +111,7 @@ TEST(Flip, FineDetailIsLostOnTheEye) {
   const double coarse = flip_difference(checker(16, 0), checker(16, 16)).mean;
   EXPECT_LT(fine, 0.35 * coarse);
   EXPECT_GT(coarse, 0.8);
-  // The same pixels from further away are smaller to the eye.
+  // The same pixels look smaller from farther away.
   const Image a = noisy(0.2, 1), b = noisy(0.2, 2);
   EXPECT_LT(flip_difference(a, b, 120).mean, flip_difference(a, b, 60).mean);
   EXPECT_LT(flip_difference(a, b, 60).mean, flip_difference(a, b, 30).mean);
@@ -153,7 +153,7 @@ TEST(Flip, WhatCannotBeComparedHasNoDifference) {
   EXPECT_EQ(flip_difference(image, image, 1000).mean, 0);
 }
 
-// What the authors' own program says (flip-evaluator 1.7 of the Python Package Index, LDR) of waves that move or
+// Results of the authors' own program (flip-evaluator 1.7 of the Python Package Index, LDR) for waves that move or
 // weaken.
 TEST(Flip, AgreesWithTheAuthorsProgram) {
   const auto waves = [](double shift, double amplitude) {

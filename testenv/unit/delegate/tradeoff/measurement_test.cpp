@@ -1,4 +1,4 @@
-// Estimators against pictures whose bias and noise are known because they were made that way.
+// Estimators on synthetic pictures with known bias and noise.
 #include "delegate/tradeoff/measurement.h"
 
 #include <gtest/gtest.h>
@@ -17,12 +17,12 @@ using alabaster::testing::z_test;
 
 constexpr int kSide = 24;
 
-/// The truth: a slope from 0.2 to 1.2, another in each channel.
+/// The truth: a slope from 0.2 to 1.2, different in each channel.
 double truth(size_t pixel, size_t channel) {
   return 0.2 + double(pixel) / (kSide * kSide) + 0.1 * double(channel);
 }
 
-/// Noise of standard deviation `noise` x truth / sqrt(samples), bias of `bias` x truth.
+/// Has noise of standard deviation `noise` x truth / sqrt(samples) and a bias of `bias` x truth.
 Image picture(std::mt19937& random, double bias, double noise, double samples) {
   std::normal_distribution<double> normal;
   Image image{kSide, kSide, std::vector<float>(3 * kSide * kSide)};
@@ -38,7 +38,7 @@ Image exact() {
   return picture(random, 0, 0, 1);
 }
 
-/// Mean over pixels of truth^2 / scale: what a relative error of one is as relMSE.
+/// Mean over pixels of truth^2 / scale: the relMSE of a relative error of one.
 double relative_unit(const std::vector<double>& scales) {
   double sum = 0;
   for (size_t pixel = 0; pixel < scales.size(); ++pixel)
@@ -91,7 +91,7 @@ TEST(Measurement, NoiseAndBiasAreWithoutBiasThemselves) {
   }
   const auto squared_bias_test = z_test(bias, 0.1 * 0.1 * unit, {0.01, 3, 1e-6});
   const auto noise_test = z_test(noise, 0.4 * 0.4 / 4 * unit, {0.01, 3, 1e-6});
-  // The quotient of two means has a bias of its own, of the reference's relative variance: 1e-6 here.
+  // The quotient of two means is itself biased by the reference's relative variance, 1e-6 here.
   const auto level_test = z_test(level, 0.1, {0.01, 3, 1e-5});
   EXPECT_TRUE(squared_bias_test.passed) << squared_bias_test.report;
   EXPECT_TRUE(noise_test.passed) << noise_test.report;

@@ -73,7 +73,7 @@ TEST(Plan, NoneGetsAThirdRungBeforeAllHaveTwo) {
 }
 
 TEST(Plan, ReplicasOfARungTakeTurns) {
-  std::map<uint64_t, std::vector<int>> order;  // replicas as they come
+  std::map<uint64_t, std::vector<int>> order;  // replicas in the order of rendering
   for (const FinishedJob& finished : simulate(8, 0.02, 60))
     if (finished.job.configuration != kReference) order[finished.job.samples].push_back(finished.job.replica);
   for (const uint64_t samples : {1u, 4u, 16u}) {
@@ -92,7 +92,7 @@ TEST(Plan, NothingIsBegunThatCannotBeCompleted) {
 }
 
 TEST(Plan, WhatIsLeftGoesToStragglersBeforeItGoesToTheReference) {
-  // The reference has had its share. Of three configurations one takes a little more than its fair share for the third
+  // The reference has used its share. One of three configurations takes a little more than its fair share for the third
   // rung.
   std::vector<FinishedJob> finished;
   const auto add = [&](int c, uint64_t samples, int replica, double each) {

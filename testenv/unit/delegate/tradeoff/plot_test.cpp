@@ -72,7 +72,7 @@ TEST_F(PlotFile, RingsStandAboutTheFrontAlone) {
   // 'auto' beats the two others everywhere: four rings. Another cheap point on the front is a fifth.
   Plot plot = example();
   const std::string ring = "xlink:href='#gpPt5'";
-  const size_t definitions = 1;  // the filled circle is made of it
+  const size_t definitions = 1;  // the filled circle contains one too
   EXPECT_EQ(count(svg(plot), ring) - definitions, 4u);
   plot.lines.push_back({"quick", "cheap", {{0.1, 0.9}}});
   EXPECT_EQ(count(svg(plot), ring) - definitions, 5u);

@@ -12,8 +12,8 @@ namespace {
 /// A scene whose error follows the model of prediction.h exactly.
 struct ModelScene {
   double level = 1, outlines = 20, exponent = 1.03, cost = 1e-6;
-  double law = 0.05;  // what the estimates of ln E^2 are not sure of, all alike
-  double shift = 0;   // by how much they are off, all alike
+  double law = 0.05;  // uncertainty of ln E^2 that all estimates share
+  double shift = 0;   // the error that they share
 
   double error(double pixels, double samples) const {
     return std::sqrt((level + outlines / std::sqrt(pixels)) * std::pow(samples, -exponent));
@@ -21,11 +21,11 @@ struct ModelScene {
   double samples_for(double pixels, double target) const {
     return kOvershoot * std::pow((level + outlines / std::sqrt(pixels)) / (target * target), 1 / exponent);
   }
-  /// As a render would report it whose estimate of ln E^2 is off by `deviation` standard deviations `sigma`.
+  /// The report of a render whose estimate of ln E^2 is off by `deviation` standard deviations `sigma`.
   Probe probe(double pixels, double samples, double sigma, double deviation = 0) const {
     Probe p{pixels, samples, cost * pixels * samples / 2, cost * pixels * samples, 0, 0, 0};
     p.error = error(pixels, samples) * std::exp((deviation * sigma + shift) / 2);
-    const double reach = 1.96 * std::sqrt(2 * sigma * sigma + law * law);  // a frame's own error scatters by as much
+    const double reach = 1.96 * std::sqrt(2 * sigma * sigma + law * law);  // a frame's own error has the same scatter
     p.low = p.error * std::exp(-reach / 2);
     p.high = p.error * std::exp(reach / 2);
     return p;
@@ -48,8 +48,8 @@ TEST(Prediction, FollowsSizeSamplesAndCost) {
   }
 }
 
-// A frame of many outlines, seen coarsely, needs fewer samples for each of its pixels than a pixel of the probe does;
-// without outlines the size is nothing to a pixel.
+// With many outlines, a pixel of the frame needs fewer samples than a pixel of the coarser probe. Without outlines the
+// size does not matter.
 TEST(Prediction, KnowsOutlinesFromNoiseOfThePixels) {
   for (const double outlines : {0.0, 60.0}) {
     const ModelScene scene{1, outlines, 1};
@@ -60,8 +60,8 @@ TEST(Prediction, KnowsOutlinesFromNoiseOfThePixels) {
   }
 }
 
-/// Of 1000 scenes, how many need what the range says; its widest, high over low. `law`: by how much the estimates of a
-/// scene are off, all alike.
+/// Counts the scenes of 1000 that lie within the range, and finds its largest width, high over low. `law` is the error
+/// that all estimates of a scene share.
 std::pair<int, double> ranges_that_hold(double law) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -86,7 +86,7 @@ TEST(Prediction, TheRangeHoldsWhatItPromises) {
   EXPECT_LT(widest, 5) << "or the range says nothing";
 }
 
-// Where stratification rules all probes of a scene err alike: their number makes the range no narrower.
+// Where stratification dominates, all probes of a scene share an error, and more probes do not narrow the range.
 TEST(Prediction, WhatAllProbesGetWrongIsNotAveragedAway) {
   const auto [inside, widest] = ranges_that_hold(0.5);
   EXPECT_GE(inside, 950);
@@ -110,7 +110,7 @@ TEST(Prediction, WithoutNoiseTheFirstLookIsEnough) {
   EXPECT_NEAR(p.cpu.value, 0.2, 1e-9);
 }
 
-// A probe whose interval reaches down to nothing still counts for something, and one of few samples does not spoil it.
+// A probe whose interval reaches down to zero still counts, and one of few samples does no harm.
 TEST(Prediction, AnUncertainProbeCountsLittle) {
   const ModelScene scene{1, 0, 1};
   Probe wild{2500, 16, 0.1, 0.1, 5, 0, 10};

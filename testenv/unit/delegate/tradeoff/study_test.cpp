@@ -1,4 +1,4 @@
-// Studies of a renderer that is a random number generator: what is kept, what goes on, what is written.
+// Studies of a renderer that is a random number generator: storage, resumption, reports.
 #include "delegate/tradeoff/study.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +58,7 @@ class Study : public ::testing::Test {
     return frame;
   }
 
-  /// Renders until the budget is spent or `most` pictures are there.
+  /// Renders until the budget is spent or there are `most` pictures.
   StudyOutcome run(StudyStore* store, size_t most = 1000000, double budget = 20,
                    std::vector<StudyProgress>* told = nullptr) {
     rendered_ = 0;
@@ -129,7 +129,7 @@ TEST_F(Study, DamagedPicturesAreRenderedAgain) {
   file.seekp(100);
   file.put('x');
   file.close();
-  // What is left of the budget would not do for it.
+  // The rest of the budget is not enough for it.
   const auto dearest = std::max_element(
       first.renders().begin(), first.renders().end(),
       [](const StoredRender& x, const StoredRender& y) { return x.cost.total_seconds < y.cost.total_seconds; });
@@ -175,7 +175,7 @@ TEST_F(Study, NothingIsLeftOfWhatCannotBeListedOrIsBegunAnew) {
   EXPECT_EQ(store.renders().size(), before);
   EXPECT_DOUBLE_EQ(store.spent, spent);
   const auto files = [&] { return std::distance(fs::directory_iterator(folder_ / "a"), {}); };
-  EXPECT_EQ(files(), 4);  // two pictures, the list that is none, and what the killed run left
+  EXPECT_EQ(files(), 4);  // two pictures, the invalid list, and the files of the killed run
   StudyStore stuck;
   EXPECT_NE(stuck.open(folder_ / "a", true).find("-o"), std::string::npos);
   fs::remove_all(folder_ / "a" / "state.json");
@@ -217,7 +217,7 @@ TEST_F(Study, TheLeastBudgetIsNeededAndSuffices) {
 TEST_F(Study, WhatIsExpectedIsToldOnceTheCostIsKnown) {
   StudyStore store = open("a");
   std::vector<StudyProgress> told;
-  ASSERT_EQ(run(&store, 1000000, 1e-3, &told), StudyOutcome::finished);  // ends while costs are being learnt
+  ASSERT_EQ(run(&store, 1000000, 1e-3, &told), StudyOutcome::finished);  // ends while costs are being measured
   std::set<std::string> seen;
   for (const StudyProgress& progress : told)
     EXPECT_EQ(progress.total == 0, seen.insert(progress.configuration).second) << progress.configuration;
