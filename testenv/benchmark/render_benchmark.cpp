@@ -1,5 +1,4 @@
-// Whole frames, measured against Embree's own limit: how much CPU time a render takes per bare trace of the very same
-// rays.
+// Measures whole frames against Embree's own limit: a render's CPU time over that of tracing the same rays alone.
 //   render_benchmark [--samples N] [--size N] [--out FILE.json]
 // Rays are recorded through wrappers of the two scene interfaces, then replayed in order; render and replay are timed
 // in the same process, single-threaded, by CPU time.
@@ -32,7 +31,7 @@ class RecordingObject : public ObjectScene {
     return inner_->intersect(ray, hit);
   }
   void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const override {
-    inner_->intersect_all(ray, hits);  // no mode measured here asks
+    inner_->intersect_all(ray, hits);  // no mode measured here calls it
   }
   size_t memory_bytes() const override { return inner_->memory_bytes(); }
 
@@ -110,7 +109,7 @@ double replay(const Recording& rays, const InstancedScene& top) {
             : r.occlusion ? top.occluded(r.ray)
                           : top.intersect(r.ray, &hit);
   const double seconds = testing::cpu_seconds() - begin;
-  if (hits == rays.size() + 1) std::puts("");  // the hits are used: the loop cannot be dropped
+  if (hits == rays.size() + 1) std::puts("");  // uses the hits, so that the loop is not optimized away
   return seconds;
 }
 

@@ -1,6 +1,6 @@
 // The paper's headline (Chiang, Kutz, Burley 2016, section 4): with parameters typical of skin, path-traced subsurface
-// scattering renders in time, and with noise, comparable to ray-traced diffusion. Prints, as Markdown, what the walk
-// and normalized diffusion cost and how noisy they are.
+// scattering renders in time, and with noise, comparable to ray-traced diffusion. Prints the cost and noise of the walk
+// and of normalized diffusion as Markdown.
 //   subsurface_headline [--repeats N] [--size PIXELS] [--samples N]
 // Both modes render the same frames in turn, in one thread of one process, each repeat with another seed: time is CPU
 // time, variance is that of a pixel over the repeats. Bodies: a torus, and the dragon of the test assets if
@@ -23,7 +23,7 @@
 namespace alabaster {
 namespace {
 
-/// The one mesh of a .glb with 32-bit floats and 16-bit indices, as the test assets are.
+/// The only mesh of a .glb with 32-bit floats and 16-bit indices, as in the test assets.
 Mesh read_asset(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
@@ -54,7 +54,7 @@ Mesh read_asset(const std::string& path) {
   return mesh;
 }
 
-/// About the origin, the longest side of its bounds one.
+/// The mesh centred at the origin, with 1 as the longest side of its bounds.
 Mesh unit_size(Mesh mesh) {
   Bounds bounds;
   for (const auto& p : mesh.points) bounds.extend(p);
@@ -101,7 +101,7 @@ struct Measured {
     for (const auto& v : values) sum += v.mean();
     return sum / static_cast<double>(values.size() * 3 / 4);
   }
-  /// Of one sample, averaged over pixels and channels.
+  /// The variance of one sample, averaged over pixels and channels.
   double variance(uint32_t samples) const {
     double sum = 0;
     for (const auto& v : values) sum += v.variance();
@@ -175,7 +175,7 @@ void measure_body(const char* name, const Mesh& mesh, const RenderRequest& frame
 }
 
 /// Largest |z| of the difference of two modes over 8 x 8 blocks, and the largest difference itself in units of the
-/// brightest block. Of 192 blocks and channels alike, noise alone shows a |z| of about 3.
+/// brightest block. With 192 blocks and channels, noise alone gives a |z| of about 3.
 struct Difference {
   double z = 0, relative = 0;
 };
@@ -216,7 +216,7 @@ void measure_automatic(const Mesh& mesh, uint32_t repeats) {
       request.data_window = {0, 0, size, size};
       request.settings.samples = static_cast<uint32_t>(96 * 96 / (size * size));
       Measured walk, automatic;
-      // Few samples and many repeats: the variance of a mean has to be known well for its z.
+      // Few samples and many repeats, because the z of a mean needs an accurate variance.
       for (uint32_t repeat = 0; repeat < 4 * repeats; ++repeat) {
         request.settings.seed = 2 * repeat;
         request.settings.subsurface = SubsurfaceMode::walk;

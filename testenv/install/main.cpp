@@ -1,4 +1,4 @@
-// The least an embedding host does: a delegate, a scene, a frame, its pixels.
+// A minimal embedding host: a delegate, a scene, a frame, its pixels.
 #include <chrono>
 #include <cstdio>
 

@@ -1,14 +1,14 @@
-// What each albedo inversion obtains on an index-matched half-space, from a computation independent of the renderer's
+// The albedo that each inversion obtains on an index-matched half-space, from a computation independent of the renderer
 // (Chandrasekhar's H by tanh-sinh quadrature, printed to five digits).
 #pragma once
 
 namespace alabaster::testing {
 
 struct AlbedoRow {
-  double albedo;                 // asked
-  double exact_one_minus_alpha;  // that obtains it
+  double albedo;                 // requested
+  double exact_one_minus_alpha;  // 1 - alpha that obtains it
   double chiang2016;             // obtained with the paper's eq. 1
-  double van_de_hulst_error;     // obtained minus asked
+  double van_de_hulst_error;     // obtained minus requested
 };
 
 inline constexpr AlbedoRow kAlbedoTable[] = {

@@ -1,5 +1,5 @@
-// The albedo of a half-space of Henyey-Greenstein scatterers, deterministically and by another road than
-// testenv/statistical/fit_anisotropic_inversion.py: what inversion and walks are held against.
+// The albedo of a half-space of Henyey-Greenstein scatterers, by a deterministic method other than that of
+// testenv/statistical/fit_anisotropic_inversion.py. Inversion and walks are compared with it.
 #pragma once
 
 namespace alabaster::testing {

@@ -1,4 +1,4 @@
-// Small cages that several tests share, and a sink that remembers.
+// Small cages that several tests share, and a sink that keeps its diagnostics.
 #pragma once
 
 #include <algorithm>

@@ -139,7 +139,7 @@ std::string worst_bins(const Bins& bins) {
   return text.str();
 }
 
-/// Why the samples cannot come from this pdf whatever the statistic; empty: they may.
+/// The reason why the samples cannot come from this pdf, whatever the statistic; empty if they can.
 std::string plain_contradiction(const Bins& bins, double integral, int samples) {
   std::ostringstream text;
   if (!std::isfinite(integral)) return "the pdf is not finite or is negative somewhere";
@@ -182,7 +182,7 @@ ChiSquareResult judge(const Bins& bins, const ChiSquareOptions& options) {
   return result;
 }
 
-/// A pdf value as a number that poisons the sum if it is not a density.
+/// A pdf value, or NaN if it is not a density, so that the sum is NaN as well.
 double checked(float density) {
   return density >= 0 && std::isfinite(density) ? static_cast<double>(density)
                                                 : std::numeric_limits<double>::quiet_NaN();
@@ -203,8 +203,8 @@ void integrate_bins(const Plane& density, double tolerance, Bins& bins) {
     observed += bins.observed[i];
     if (bins.expected[i] == 0) impossible += bins.observed[i];
   }
-  // The support may reach into a bin by a sliver between the nodes of the rule: look closer before a few samples are
-  // called impossible. Many are no sliver.
+  // The support may reach into a bin by a sliver between the nodes of the rule, so look closer before a few samples are
+  // called impossible. Many samples are not from a sliver.
   if (impossible > 1e-3 * observed) return;
   for (size_t i = 0; i < bins.size(); ++i) {
     if (bins.expected[i] == 0 && bins.observed[i] > 0) bins.expected[i] = probability(i, 6);

@@ -1,5 +1,5 @@
-// Does a sampler draw from the pdf it claims? Pearson's chi-square test of binned samples against the pdf integrated
-// over each bin, on the sphere and on the unit square.
+// Tests that a sampler follows its pdf. Pearson's chi-square test of binned samples against the pdf integrated over
+// each bin, on the sphere and on the unit square.
 //
 //   const auto result = chi_square_sphere([&](Rng& rng) { return light.sample(uniform2(rng)); },
 //                                         [&](const Vec3f& w) { return light.pdf(w); }, {.number_of_tests = 12});

@@ -1,4 +1,4 @@
-// What a measurement has cost, whatever else the machine does meanwhile.
+// CPU time, which does not count the machine's other work.
 #pragma once
 
 #include <ctime>

@@ -1,7 +1,6 @@
-// The Disney BRDF of 2012 once more, written from the published formulas in angles and in double precision, sharing no
-// code with core/material: what the lobes are compared with.
-// Burley 2012, "Physically Based Shading at Disney", sections 5.3 to 5.7 and appendix B; masking without the roughness
-// remapping of 2012 (Burley 2015, section 2).
+// A second Disney BRDF of 2012, written from the published formulas in angles and in double precision, without code of
+// core/material. Tests compare the lobes with it. Burley 2012, "Physically Based Shading at Disney", sections 5.3 to
+// 5.7 and appendix B; masking without the roughness remapping of 2012 (Burley 2015, section 2).
 #pragma once
 
 #include <array>

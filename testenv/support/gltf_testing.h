@@ -1,4 +1,4 @@
-// Loading glTF documents in tests: from assets, from text made in the test; and a stable text of what was loaded.
+// Loads glTF documents in tests, from assets or from text made in the test, and writes loaded scenes as stable text.
 #pragma once
 
 #include <cstdlib>
@@ -14,7 +14,7 @@ namespace alabaster::hd::gltf::testing {
 
 using Json = nlohmann::json;
 
-/// A document's outcome with all that was said about it.
+/// The result of loading a document, with all diagnostics.
 struct Loaded {
   GltfSummary summary;
   std::vector<Diagnostic> diagnostics;
@@ -25,7 +25,7 @@ struct Loaded {
     for (const Diagnostic& diagnostic : diagnostics) n += diagnostic.severity == severity;
     return n;
   }
-  /// Whether something of this severity was said whose code, place and text together hold `text`.
+  /// True if a diagnostic of this severity has `text` in its code, place and text together.
   bool says(Severity severity, const std::string& text) const {
     for (const Diagnostic& d : diagnostics)
       if (d.severity == severity && (d.code + " " + d.where + " " + d.text).find(text) != std::string::npos)
@@ -46,7 +46,7 @@ inline Loaded load(const std::string& file, const GltfOptions& options = {}) {
   return loaded;
 }
 
-/// A folder of its own that goes away with it.
+/// A temporary folder; the destructor removes it.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -87,7 +87,7 @@ inline std::string assets_folder() {
   return folder ? folder : "";
 }
 
-/// A GLB of a JSON text and a binary chunk (left out when empty); lengths padded as the container asks.
+/// A GLB of a JSON text and a binary chunk (omitted if empty), padded as the container requires.
 inline std::string make_glb(std::string json, std::string binary) {
   const auto u32 = [](size_t v) {
     return std::string{char(v & 255), char(v >> 8 & 255), char(v >> 16 & 255), char(v >> 24 & 255)};

@@ -1,4 +1,4 @@
-// A texture of given texels, for tests of what looks at textures. Repeats in u and v, bilinear.
+// A texture of given texels, for tests of its users. Repeats in u and v, bilinear.
 #pragma once
 
 #include <cmath>

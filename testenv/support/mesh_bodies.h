@@ -1,5 +1,5 @@
-// Closed meshes whose volume and surface follow exactly from their triangles, and points on them: what walks on real
-// geometry are held against.
+// Closed meshes with exact volume and surface area from their triangles, and points on them, for tests of walks on
+// meshes.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ Mesh box_mesh(const Vec3f& half_extents);
 /// About the y axis; not convex. `segments` around, half as many across the tube.
 Mesh torus_mesh(float radius, float tube_radius, int segments);
 
-/// Of the triangles themselves, in double.
+/// Computed from the triangles, in double.
 double mesh_area(const Mesh& mesh);
 double mesh_volume(const Mesh& mesh);  // of a closed mesh wound counter-clockwise from outside
 

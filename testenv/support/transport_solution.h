@@ -1,6 +1,6 @@
 // Deterministic answers to transport problems of isotropic scatterers in an index-matched body, by solving the integral
-// equation for the density of collisions (Galerkin, piecewise constant, Richardson extrapolation): what Monte Carlo
-// walks are held against. Lengths in mean free paths.
+// equation for the density of collisions (Galerkin, piecewise constant, Richardson extrapolation). Monte Carlo walks
+// are compared with them. Lengths are in mean free paths.
 #pragma once
 
 namespace alabaster::testing {
@@ -14,7 +14,7 @@ struct SlabAnswer {
 SlabAnswer solve_slab(double thickness, double one_minus_alpha);
 
 struct SphereAnswer {
-  double albedo = 0;  // of what enters, the fraction that comes out
+  double albedo = 0;  // fractions of the entering light that come out
   double error = 0;
 };
 

@@ -1,5 +1,5 @@
-// Is a Monte Carlo mean what it should be? Means and standard errors by Welford's update, a two-sided z-test, and
-// Sidak's correction for a family of tests of which any one may fail by chance.
+// Tests Monte Carlo means: means and standard errors by Welford's update, a two-sided z-test, and Sidak's correction
+// for a family of tests of which any one may fail by chance.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ double sidak_level(double significance, int number_of_tests);
 class RunningStatistics {
  public:
   void add(double x);
-  /// As if all of the other's values had been added (Chan, Golub and LeVeque 1979).
+  /// Adds all values of the other one (Chan, Golub and LeVeque 1979).
   void merge(const RunningStatistics& other);
   uint64_t count() const { return count_; }
   double mean() const { return mean_; }
@@ -31,7 +31,7 @@ class RunningStatistics {
 struct ZTestOptions {
   double significance = 0.01;  // chance of a false alarm of the whole family
   int number_of_tests = 1;     // tests in the family
-  double slack = 0;  // known bound of the error of `expected` (quadrature, float rounding): not held against it
+  double slack = 0;  // known bound of the error of `expected` (quadrature, float rounding), which is tolerated
 };
 
 struct ZTestResult {

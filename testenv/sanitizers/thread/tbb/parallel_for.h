@@ -1,7 +1,7 @@
 // Only in builds with ThreadSanitizer. Debian's libtbb is not instrumented: the sanitizer sees its tasks on several
-// threads but nothing that orders them, and takes every hand-over of data for a race. Here the order that
-// tbb::parallel_for promises is told to it: what came before the loop happens before every task, and every task happens
-// before what follows the loop. Races between tasks of one loop stay visible.
+// threads but nothing that orders them, and takes every hand-over of data for a race. This header tells it the order
+// that tbb::parallel_for promises: the code before the loop happens before every task, and every task happens before
+// the code after the loop. Races between tasks of one loop stay visible.
 #pragma once
 
 #include_next <tbb/parallel_for.h>

@@ -1,5 +1,5 @@
-// Only in builds with ThreadSanitizer: see parallel_for.h. What is sorted is data of one thread before and after, so
-// the sanitizer learns nothing from sorting it on several.
+// Only in builds with ThreadSanitizer: see parallel_for.h. The data belongs to one thread before and after, so the
+// sanitizer learns nothing from a parallel sort.
 #pragma once
 
 #include <algorithm>

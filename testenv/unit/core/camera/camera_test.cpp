@@ -35,7 +35,7 @@ TEST(Camera, ApertureOffsetShiftsTheFilm) {
   expect_near(Camera(p, 300, 200, {0, 0, 0}).generate_ray({0, 100}, {0, 0}).dir, {0, 0, -1}, 1e-6f);
 }
 
-// What the rays through neighbouring pixels span, in the narrower direction.
+// The spread of the rays through neighbouring pixels, in the narrower direction.
 TEST(Camera, PixelConeIsTheDistanceOfNeighbouringRays) {
   CameraParameters p = at({0, 0, 0});
   for (const Vec2f& film : {Vec2f(150, 100), Vec2f(0, 100), Vec2f(20, 7)}) {

@@ -47,7 +47,7 @@ std::shared_ptr<const ColorConfig> builtin() {
   return ColorConfig::load("built-in", [](const Diagnostic& d) { ADD_FAILURE() << d.text; });
 }
 
-/// A hand-made configuration that renders in ACEScg-like AP1 and has roles as asked.
+/// A hand-made configuration that renders in AP1, like ACEScg, and has the given roles.
 std::string foreign_config(const std::string& extra_roles, const std::string& extra_spaces = "") {
   return "ocio_profile_version: 2\nsearch_path: luts\nroles:\n  default: AP1\n  scene_linear: AP1\n" + extra_roles +
          "file_rules:\n  - !<Rule> {name: Default, colorspace: AP1}\n"
@@ -240,7 +240,7 @@ TEST(ColorConfig, CommonNamesWorkInForeignConfigsThroughEitherInterchangeRole) {
     Reports reports;
     const auto config = ColorConfig::load(folder.write("f.ocio", foreign_config(role, xyz)), reports.sink);
     ASSERT_TRUE(config);
-    // sRGB texels in AP1: what the built-in config makes of them by way of its own rendering space.
+    // sRGB texels in AP1, as converted by the built-in config by way of its own rendering space.
     std::array<float, 4> here = {0.8f, 0.3f, 0.1f, 1}, there = here;
     config->to_rendering_space("sRGB", reports.sink)->apply(here.data(), 1);
     reference->to_rendering_space("sRGB", {})->apply(there.data(), 1);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr PixelRect kWindows[] = {{0, 0, 6, 4}, {-3, 5, 4, 10}, {1, 1, 2, 9}, {7, -2, 8, -1}};
 
-// Every pixel is in one group's image, at the place that its coordinates say.
+// Every pixel is in exactly one group's image, at the place given by its coordinates.
 TEST(PixelGroup, GroupsPartitionAnyWindow) {
   for (const PixelRect& window : kWindows) {
     const auto width = size_t(window.width());
@@ -29,8 +29,8 @@ TEST(PixelGroup, GroupsPartitionAnyWindow) {
   }
 }
 
-// Nobody decides about itself, nor about whom it hears from: g + 1 allocates, g + 2 ends, and g + 3 allocated for g
-// + 2.
+// No group decides about itself or about the groups that decide about it: g + 1 allocates, g + 2 ends, and g + 3
+// allocated for g + 2.
 TEST(PixelGroup, WhoDecidesAboutAGroupNeverHeardOfIt) {
   for (int g = 0; g < kPixelGroups; ++g) {
     EXPECT_NE(allocating_group(g), g);

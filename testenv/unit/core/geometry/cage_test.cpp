@@ -31,7 +31,7 @@ void PrintTo(const BadInput& input, std::ostream* out) {
 
 class BadCage : public testing::TestWithParam<BadInput> {};
 
-// Each is something that OpenSubdiv or Embree reads out of bounds on, hangs on, or spreads.
+// OpenSubdiv or Embree reads out of bounds, hangs, or spreads the damage on each of these.
 TEST_P(BadCage, IsReportedAndMadeSafe) {
   for (SubdivisionScheme scheme : {SubdivisionScheme::catmull_clark, SubdivisionScheme::bilinear}) {
     Cage cage = cube_cage(scheme);
@@ -50,7 +50,7 @@ TEST_P(BadCage, IsReportedAndMadeSafe) {
         for (uint32_t i : t) EXPECT_TRUE(is_finite(mesh.points.at(i)));
       for (const Vec2f& uv : mesh.uvs) EXPECT_TRUE(is_finite(Vec3f(uv.x, uv.y, 0)));
     }
-    // What is safe stays as it is.
+    // Safe values are unchanged.
     RecordingSink again;
     const bool drawable = sanitize_cage(cage, "cube", again.sink());
     EXPECT_EQ(drawable, GetParam().faces_left > 0);

@@ -158,8 +158,8 @@ Affine scaled(float x, float y, float z) {
   return {{x, 0, 0}, {0, y, 0}, {0, 0, z}, {0, 0, 0}};
 }
 
-// Embree carries rays into object space and aborts if they are too large there: what it would make of a placement must
-// be known before.
+// Embree transforms rays into object space and aborts if they are too large there, so placements must be checked
+// before.
 TEST_F(EmbreeScene, ExtremePlacementsMissInsteadOfAborting) {
   const auto object = cube();
   for (int exponent = -45; exponent <= 38; ++exponent) {
@@ -225,7 +225,7 @@ TEST_F(EmbreeScene, BuildStaysInTheArenaOfItsCaller) {
   EXPECT_EQ(elsewhere, 0);
 }
 
-// Runs in a process of its own, which it leaves with what it found.
+// Runs in a process of its own, whose exit status is the result.
 enum Outcome { kBuilt = 0, kNull = 1, kNullAndReported = 2 };
 
 template <class Build>

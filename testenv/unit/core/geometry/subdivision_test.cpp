@@ -23,7 +23,7 @@ Mesh refine(const Cage& cage, int level) {
   return build_mesh(cage, options, {});
 }
 
-// What OpenSubdiv's primvar refiner interpolates.
+// A point for OpenSubdiv's primvar refiner.
 struct Value {
   Vec3f p{0, 0, 0};
   void Clear(void* = nullptr) { p = Vec3f(0, 0, 0); }

@@ -49,7 +49,7 @@ TEST(DistantLight, NormalizeDividesByTheSizeFactor) {
   }
 }
 
-// A cone that float directions cannot resolve is a delta with the irradiance the cone would give.
+// A cone too narrow for float directions is a delta light with the cone's irradiance.
 TEST(DistantLight, VeryNarrowConesAreDeltas) {
   LightDescription d = distant(1e-6f);
   d.intensity = 1e16f;

@@ -57,7 +57,7 @@ TEST(DomeLight, TurnsAndMirrorsButDoesNotScale) {
   EXPECT_NEAR(seen(DomeLight(d, Vec3d(0, 0, 0)), {-0.5f, std::sqrt(0.5f), 0.5f}).r, 7, 1e-4f);
 }
 
-// The pdf must cover what filtering spreads: every direction with radiance has a chance.
+// The pdf must cover the spread of filtering: every direction with radiance can be sampled.
 TEST(DomeLight, PdfIsPositiveWhereverThereIsLight) {
   std::vector<Rgb> texels(size_t{16} * 8, Rgb(0.0f));
   texels[5] = texels[16 * 4] = texels[16 * 7 + 15] = Rgb(0, 0, 1);  // the top row, a seam, a corner

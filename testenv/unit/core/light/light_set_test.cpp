@@ -44,7 +44,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   const auto sky = set.sample(p, 0.999f, {0.3f, 0.4f});
   ASSERT_TRUE(sky);
   EXPECT_EQ(sky->pdf, set.choice_probability(1, p) / (4 * kPi));
-  // What a ray that meets both is told about the two.
+  // The radiance and pdf for a ray that meets both lights.
   std::vector<float> pdfs;
   set.emitted({p, {0, 0, 1}}, true, false, [&](float pdf) {
     pdfs.push_back(pdf);

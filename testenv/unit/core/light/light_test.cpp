@@ -1,4 +1,4 @@
-// What all lights promise alike: samples and hits agree, nothing bad comes out of bad input, units do not matter.
+// The contract of all lights: samples and hits agree, bad input gives no bad values, and units do not matter.
 #include "core/light/light.h"
 
 #include <gtest/gtest.h>

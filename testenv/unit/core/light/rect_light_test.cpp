@@ -52,7 +52,7 @@ TEST(RectLight, SizesTimesScaleAndNormalize) {
   EXPECT_NEAR(normalized.intersect({{0, 0, -1}, {0, 0, 1}})->radiance.r, 1.0f / 12, 1e-7f);
 }
 
-// Solid angles of squares seen straight on, 4 asin(a^2 / (a^2 + z^2)) for half edge a, are what is estimated.
+// Estimates solid angles of squares seen straight on, 4 asin(a^2 / (a^2 + z^2)) for half edge a.
 TEST(RectLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
   const RectLight light({}, Vec3d(0, 0, 0));
   for (double z : {0.01, 0.3, 1.0, 30.0, 1e4}) {

@@ -126,7 +126,7 @@ TEST(SphereLight, SpotTurnsWithTheLight) {
   EXPECT_EQ(light.importance({0, 0, -2}), 0);
 }
 
-// The cone's edge (20 degrees) widened by what the sphere fills (30 degrees at twice its radius).
+// The cone's edge (20 degrees), widened by the sphere's extent (30 degrees at twice its radius).
 TEST(SphereLight, ImportanceReachesAsFarAsTheSpotOfEveryPart) {
   LightDescription d = sphere();
   d.cone_inner = 10;

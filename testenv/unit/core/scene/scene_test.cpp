@@ -18,8 +18,8 @@ Matrix4d scaled(double x, double y, double z) {
   return m;
 }
 
-// Two unit spheres, the second under a transform that spoils it: what is left is the first alone, as if the other had
-// never been there, and the report names it.
+// Two unit spheres, the second with an unusable transform. Only the first remains, as if the other did not exist, and
+// the report names the second.
 TEST(Scene, InstancesThatCannotBeTracedAreLeftOutAndReported) {
   const auto device = make_trace_device({});
   auto prototype = std::make_shared<MeshPrototype>();

@@ -1,4 +1,4 @@
-// schemas/ and the structs of core say the same: names, defaults and ranges.
+// schemas/ and the structs of core agree on names, defaults and ranges.
 #include <gtest/gtest.h>
 
 #include <fstream>

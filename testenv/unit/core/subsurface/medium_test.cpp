@@ -70,8 +70,8 @@ TEST(AlbedoInversion, EveryRowOfTheTable) {
     EXPECT_NEAR(testing::half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::chiang2016)), row.chiang2016,
                 5.1e-6)
         << row.albedo;
-    // That column was made with the usual closed form of this inverse, whose rounded coefficients are off by 1.2e-5 at
-    // A = 1; ours is the root itself.
+    // The column comes from the usual closed form of this inverse, whose rounded coefficients are off by 1.2e-5 at A =
+    // 1; ours is the root itself.
     EXPECT_NEAR(testing::half_space_albedo(one_minus_alpha(row.albedo, AlbedoInversion::van_de_hulst)) - row.albedo,
                 row.van_de_hulst_error, 1.3e-5)
         << row.albedo;
@@ -118,13 +118,13 @@ TEST(AlbedoInversion, FallsStrictly) {
       EXPECT_GT(one_minus_alpha(i / 1000.0, inversion), one_minus_alpha((i + 1) / 1000.0, inversion));
 }
 
-// The solver of the tests is right where the answer is known in closed form...
+// The tests' solver is right where a closed form is known...
 TEST(AnisotropicHalfSpace, IsChandrasekharsWithoutAnisotropy) {
   for (const double complement : {0.9, 0.5, 0.1, 1e-2, 1e-4})
     EXPECT_NEAR(testing::anisotropic_half_space_albedo(complement, 0), testing::half_space_albedo(complement), 2e-9);
 }
 
-// ... and where another method has been there: testenv/statistical/fit_anisotropic_inversion.py, 128 directions.
+// ... and agrees with another method: testenv/statistical/fit_anisotropic_inversion.py, 128 directions.
 TEST(AnisotropicHalfSpace, IsTheDiscreteOrdinatesSolution) {
   constexpr double kKnown[][3] = {{-0.9, 0.5, 0.2502786709}, {-0.9, 0.01, 0.8475340929}, {-0.5, 0.1, 0.5468555899},
                                   {0.3, 0.01, 0.7600990986}, {0.7, 0.1, 0.2768330240},   {0.7, 1e-4, 0.9587718126},

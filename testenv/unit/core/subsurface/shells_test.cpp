@@ -130,7 +130,7 @@ TEST(Shells, CoincidentTrianglesAreOne) {
   EXPECT_EQ(thrice.winding({0.1f, 0.2f, 0}), 1);
 }
 
-// Two cubes that touch in a face: what is between them is no surface.
+// Two cubes that touch in a face: the face between them is not a surface.
 TEST(Shells, BackToBackTrianglesWithinABodyAreAWall) {
   Cage cage = both(box({-1, 0, 0}, 1), box({1, 0, 0}, 1));
   const Found f = find(cage);

@@ -1,4 +1,4 @@
-// What holds for every medium, however extreme, about the throughput of the chromatic distance sampling.
+// Invariants of the throughput in chromatic distance sampling, for every medium, however extreme.
 #include <gtest/gtest.h>
 
 #include "testenv/support/analytic_bodies.h"

@@ -285,7 +285,7 @@ TEST_F(TextureFile, FlippedBitsNeverCrashOrPrint) {
     for (int trial = 0; trial < 60; ++trial) {
       auto damaged = whole;
       for (int flips = 0; flips <= trial % 4; ++flips) {
-        // The first bytes hold what sizes and offsets are made of: half of the damage goes there.
+        // The first bytes hold sizes and offsets, so half of the damage goes there.
         const size_t range = trial % 2 ? damaged.size() : std::min<size_t>(damaged.size(), 200);
         damaged[random() % range] ^= uint8_t(1u << (random() % 8));
       }
