@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Fails on comments and sentences that a reader has to read twice.
 
-A comment's first sentence opens with its subject, not with a word of FIRST; no sentence of a comment or of a Markdown page
-opens with a word of ANY. No text, strings that users see included, holds a phrase of BANNED. No line of a comment ends early
-where a formatter broke the line before it.
+- A comment does not open with a word of FIRST: its subject comes first. No later sentence of a comment, and no sentence of
+  a Markdown page, opens with a word of ANY, which make a clause or a fragment of the subject. Questions may.
+- No comment, no string that users see, and no page holds a phrase of BANNED.
+- No line of a comment ends early where a formatter broke the line before it.
 
-Rooms in NOT_YET are left out until somebody has mended them.
+Rooms in NOT_YET are not checked yet.
 """
 import ast
 import io
@@ -16,8 +17,16 @@ import tokenize
 
 FIRST = {"Of", "Its", "Whether", "That", "What", "Ditto"}
 ANY = {"Of", "Whether", "What", "Ditto"}
-BANNED = [r"\bforetold\b"]
-NOT_YET = []
+BANNED = [
+    r"\bforet(old|ell)", r"\brenders more\b", r"\bnothing to set\b", r"\bwhat there (is|was)\b", r"\btold from\b", r"\bnor cheaper\b",
+    r"' is no\b", r"\bgoes on (with|from)\b", r"\bheld against\b", r"\b(says?|tells?) nothing\b", r"\bdear(er|est)\b",
+    r"\bfor ever\b", r"\bhangs? together\b", r"\banew\b", r"\bwhoever\b",
+    r"[;:] what (?!if\b)",  # a clause as a subject
+]
+NOT_YET = [f"core/{room}" for room in (
+    "README.md", "camera", "color", "convergence", "diagnostics", "film", "geometry", "integrator", "light", "material", "math",
+    "sampling", "scene", "session", "subsurface", "texture")]
+NOT_YET += [f"delegate/{room}/" for room in ("api", "host", "prims", "rendering", "support")]
 WIDTH = 120
 
 CPP_TOKEN = re.compile(r'R"(\w*)\((?:.|\n)*?\)\1"|"(?:\\.|[^"\\\n])*"|' r"'(?:\\.|[^'\\\n])+'|//[^\n]*|/\*(?:.|\n)*?\*/")
@@ -135,8 +144,10 @@ def markdown_faults(path, text):
     text = re.sub(r"```.*?```", lambda match: "\n" * match.group().count("\n"), text, flags=re.S)
     number = 1
     for paragraph in text.split("\n\n"):
-        pieces = [paragraph] if not paragraph.lstrip().startswith("|") else re.split(r"\||\n", paragraph)
-        for piece in pieces:
+        headings = re.findall(r"^#.*$", paragraph, re.M)
+        rest = re.sub(r"^#.*\n?", "", paragraph, flags=re.M)
+        pieces = re.split(r"\||\n", rest) if rest.lstrip().startswith("|") else re.split(r"\n(?=[-*] |\d\. )", rest)
+        for piece in headings + pieces:
             joined = " ".join(piece.split()).lstrip("#-* ")
             for fault in [*opener_faults(joined, ANY), *banned_faults(joined)]:
                 yield f"{path}:{number}: {fault}"
@@ -166,7 +177,7 @@ def main():
                                           for p in (root / folder).rglob("*") if p.suffix in (*READERS, ".md", ".json"))
     for file in files:
         path = file.relative_to(root).as_posix()
-        if path == "testenv/lint/check_prose.py" or path.startswith(tuple(NOT_YET)):
+        if path.startswith(("testenv/lint/check_prose", *NOT_YET)):
             continue
         found += faults(path, file.read_text())
         count += 1

@@ -140,7 +140,7 @@ SceneBuilder white_pair(bool set) {
   return b;
 }
 
-// Without a set each walk starts anew where it leaves one body within the other, and only the passages lose light.
+// Without a set each walk starts again where it leaves one body within the other, and only the passages lose light.
 TEST(Union, WhiteOverlapsStayWhite) {
   for (const bool set : {true, false}) {
     SceneBuilder b = white_pair(set);

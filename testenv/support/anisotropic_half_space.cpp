@@ -90,7 +90,7 @@ double anisotropic_half_space_albedo(double one_minus_alpha, double g) {
         reflection[i][j] = sum / (1 / q.mu[i] + 1 / q.mu[j]);
         next += 2 * q.weight[i] * q.mu[i] * reflection[i][j];
       }
-    // Each step adds a collision; what is left of the series is at most the last term over sqrt(1 - alpha).
+    // Each step adds a collision. The rest of the series is at most the last term over sqrt(1 - alpha).
     if (next - albedo < 1e-10 * std::sqrt(one_minus_alpha)) return next;
     albedo = next;
   }

@@ -1,4 +1,4 @@
-// Bodies of nothing but a medium, and the comparison of two pictures of them: what tests of subsurface geometry share.
+// Bodies that are only a medium, and a comparison of two pictures of them, for tests of subsurface geometry.
 #pragma once
 
 #include <gtest/gtest.h>

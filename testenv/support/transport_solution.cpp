@@ -70,7 +70,7 @@ double solve_sphere_on(int cells, double radius, double one_minus_alpha) {
     source[i] = centre(i);
     for (size_t j = 0; j < n; ++j) {
       const double k = coupling[i > j ? i - j : j - i] - coupling[i + j + 1];
-      source[i] -= k * centre(j);  // without scatterers: what uniform surroundings leave at r
+      source[i] -= k * centre(j);  // radiance at r from uniform surroundings, without scatterers
       kernel[i * n + j] = alpha * k;
     }
   }

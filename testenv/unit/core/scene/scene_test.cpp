@@ -49,7 +49,7 @@ TEST(Scene, InstancesThatCannotBeTracedAreLeftOutAndReported) {
   }
 }
 
-// A scene has no natural unit: only what is small beside the rest is left out.
+// A scene has no natural unit: an object is left out only if it is tiny beside the rest.
 TEST(Scene, WholeScenesMayBeTinyOrHuge) {
   const auto device = make_trace_device({});
   auto prototype = std::make_shared<MeshPrototype>();

@@ -71,7 +71,7 @@ TEST(RenderIndex, InvisibleMeshesKeepTheirBitsQueued) {
   EXPECT_EQ(s.sync(), Lines{"commit"});
   mesh.visible = true;
   s.scene.SetMesh("/m", mesh);
-  EXPECT_EQ(s.sync(), (Lines{"sync /m", "commit"})) << "what was queued is synced together with the visibility";
+  EXPECT_EQ(s.sync(), (Lines{"sync /m", "commit"})) << "the queued prim is synced together with the visibility";
   EXPECT_EQ(s.bits("/m"), dirty::kClean);
 }
 

@@ -67,7 +67,7 @@ TEST(RenderBuffer, AMappingSurvivesAllocateExecuteResolveAndUnmapEndsIt) {
   ASSERT_TRUE(r.finish());
   r.buffer->Resolve();
   EXPECT_EQ(std::vector<int32_t>(mapped, mapped + 64), before) << "the old mapping is untouched";
-  EXPECT_EQ(r.buffer->GetWidth(), 8) << "sizes speak of what is mapped";
+  EXPECT_EQ(r.buffer->GetWidth(), 8) << "sizes are those of the mapping";
   r.buffer->Unmap();
   EXPECT_FALSE(r.buffer->IsMapped());
   EXPECT_EQ(r.buffer->GetWidth(), 16);

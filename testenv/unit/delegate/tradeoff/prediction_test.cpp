@@ -83,7 +83,7 @@ std::pair<int, double> ranges_that_hold(double law) {
 TEST(Prediction, TheRangeHoldsWhatItPromises) {
   const auto [inside, widest] = ranges_that_hold(0.05);
   EXPECT_GE(inside, 950);
-  EXPECT_LT(widest, 5) << "or the range says nothing";
+  EXPECT_LT(widest, 5) << "or the range is useless";
 }
 
 // Where stratification dominates, all probes of a scene share an error, and more probes do not narrow the range.
