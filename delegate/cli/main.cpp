@@ -82,7 +82,7 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   c->add_option("--only", a->only,
                 "Measure only walk and the configurations whose name matches; '^quality=' selects the presets")
       ->type_name("REGEX");
-  c->add_option("--set", a->overrides, "As for render")
+  c->add_option("--set", a->overrides, "Override a value, as in render")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -106,7 +106,7 @@ int run(int argc, char** argv) {
   const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
   CLI::App* info_command = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
   info_command->add_option("scene", info.scene, "Scene file")->required()->type_name("SCENE");
-  info_command->add_option("--set", info.overrides, "As for render")
+  info_command->add_option("--set", info.overrides, "Override a value, as in render")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
