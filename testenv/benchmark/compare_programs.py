@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares two builds of the program on the bundled scenes: are the pictures the same, and what does a sample cost?
+"""Compares pictures and cost per sample of two builds of the program on the bundled scenes.
 
   compare_programs.py BEFORE AFTER [--instructions] [--scene NAME ...]
 
@@ -20,7 +20,7 @@ SCENES = pathlib.Path(__file__).resolve().parents[1] / "scenes"
 BUNDLED = ["backlit", "dome_high_contrast", "hard_light", "mixed_no_subsurface", "skin_closeup", "thick_thin"]
 LAYERS = ["depth", "cameraDepth", "normal", "albedo", "primId", "instanceId", "elementId", "sampleCount", "diffuse", "specular",
           "emission", "subsurface", "subsurfaceUnscattered", "subsurfaceSingle", "subsurfaceMultiple", "error"]
-MODES = {  # what is rendered of every scene
+MODES = {  # every scene is rendered in each
     "walk": [],
     "walk with layers": [flag for layer in LAYERS for flag in ("--aov", layer)],
     "reference": ["--subsurface", "reference"],
@@ -58,7 +58,7 @@ def pictures_equal(scene, mode, flags, programs, folder):
 
 
 def instructions_per_sample(scene, program, folder):
-    """Of one camera sample in one thread; AOVs none."""
+    """Instructions of one camera sample in one thread, without AOVs."""
     width, height, few = 48, 32, 4
     totals = []
     for samples in (few, 2 * few):

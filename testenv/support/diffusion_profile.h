@@ -1,4 +1,4 @@
-// Burley's normalized diffusion profile in closed form: what the carrier is held against.
+// Burley's normalized diffusion profile in closed form, for comparison with the carrier.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// An index-matched half-space of isotropic scatterers, solved: what the albedo inversions are held against.
+// The exact solution of an index-matched half-space of isotropic scatterers, for comparison with the albedo inversions.
 #pragma once
 
 namespace alabaster::testing {

@@ -1,4 +1,4 @@
-// Bodies of one object, and points of their surface: what carriers of light are given in tests.
+// Bodies of one object and points of their surface, as the input of carriers of light in tests.
 #pragma once
 
 #include "core/subsurface/body.h"

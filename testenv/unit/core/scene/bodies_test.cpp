@@ -101,7 +101,7 @@ TEST(Bodies, ShortcutsArePlannedByRoomInUnionsToo) {
   }
 }
 
-// What sphere steps do in a union is what walks without them do: a set of two overlapping spheres, lit from one side.
+// Walks with and without sphere steps agree in a union: a set of two overlapping spheres, lit from one side.
 TEST(Bodies, SphereStepsInAUnionChangeNoMean) {
   SceneBuilder b;
   const auto sphere = b.prototype(testing::sphere_mesh(1, 64, false));
