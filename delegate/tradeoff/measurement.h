@@ -1,9 +1,9 @@
 // Separates noise from bias.
 //
-// A configuration is rendered several times over, each time with other random numbers: replicas. How they scatter about
-// their mean is noise, which more samples take away; what their mean keeps from the reference is bias, which they do
-// not. Both are relative: squared errors, averaged over red, green and blue, are divided by L^2 + f^2, the level and
-// the floor of core/convergence/frame_error.h taken from the reference, and averaged over pixels.
+// A configuration is rendered several times, each time with other random numbers: these are replicas. Their scatter
+// about their mean is noise, which more samples reduce. The difference of their mean from the reference is bias, which
+// more samples do not reduce. Both are relative: squared errors, averaged over red, green and blue, are divided by L^2
+// + f^2, the level and the floor of core/convergence/frame_error.h taken from the reference, and averaged over pixels.
 //
 // Every estimate here is itself unbiased. The squared difference of two noisy means exceeds the true one by the
 // variances of both on average, so these variances, known from the replicas, are subtracted. An estimate may therefore

@@ -39,7 +39,7 @@ class Reference:
         self.scales = self._scales()
 
     def _scales(self):
-        """L^2 + f^2 of every pixel, as core/convergence/frame_error.h defines them."""
+        """L^2 + f^2 of every pixel, as defined in core/convergence/frame_error.h."""
         w, h = self.width, self.height
         levels = [sum(rgb) / 3 for rgb in zip(*self.planes)]
         floor = ERROR_FLOOR * sum(levels) / len(levels)

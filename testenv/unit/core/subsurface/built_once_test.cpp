@@ -22,7 +22,7 @@ TEST(BuiltOnce, ABuilderThatWaitsTakesUpNoOtherTask) {
   tbb::task_arena arena(3, 3);
   BuiltOnce<int> part;
   std::atomic<bool> shared{false}, over{false}, taken{false};
-  tbb::task_group until_over;  // whoever waits for it works for others
+  tbb::task_group until_over;  // a thread that waits for it works for others
   tbb::task_handle end_of_help = until_over.defer([] {});
   std::thread helper([&] { arena.execute([&] { until_over.wait(); }); });
   std::thread builder([&] {
