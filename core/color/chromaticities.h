@@ -18,8 +18,8 @@ using XyzColumns = std::array<std::array<double, 3>, 3>;
 XyzColumns xyz_d65_columns(const Chromaticities& chromaticities);
 
 /// The native chromaticities when the columns are those of a well-known space (Rec.709, ACES AP0 and AP1, P3-D65,
-/// Rec.2020): an adapted matrix no longer tells the space's own white, so it is recognised instead. Else the columns'
-/// own xy, which describe the space relative to D65. Rec.709 when the columns describe no space at all.
+/// Rec.2020): an adapted matrix no longer holds the space's own white, so the space is recognised instead. Else the
+/// columns' own xy, which describe the space relative to D65. Rec.709 when the columns describe no space at all.
 Chromaticities chromaticities_of(const XyzColumns& columns);
 
 }  // namespace alabaster

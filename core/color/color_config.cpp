@@ -35,7 +35,7 @@ OCIO::ConstConfigRcPtr builtin_config() {
   return config;
 }
 
-/// What a colour space name means in some config.
+/// The meaning of a colour space name in some config.
 struct SpaceMeaning {
   enum class Kind { unknown, rendering, data, in_config, in_builtin } kind = Kind::unknown;
   std::string name;  // of the space, for in_config and in_builtin
@@ -54,9 +54,6 @@ class OcioColorConfig final : public ColorConfig {
   std::vector<std::string> views(const std::string& display) const override;
   std::string default_view(const std::string& display) const override;
   std::vector<std::string> looks() const override;
-  bool has_color_space(const std::string& name) const override {
-    return meaning_of(name).kind != SpaceMeaning::Kind::unknown;
-  }
   std::array<float, 8> chromaticities(const std::string& space) const override;
   std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from,
                                                            const DiagnosticSink& sink) const override {
@@ -257,7 +254,7 @@ std::shared_ptr<const ColorTransform> OcioColorConfig::display_transform(const D
       pipeline->setLooksOverrideEnabled(true);
       pipeline->setLooksOverride(request.look.c_str());
     }
-    // The exposure is a plain scale in the scene-linear space, done with the scrub: what OCIO sees stays in half range.
+    // The exposure is a plain scale in the scene-linear space, done with the scrub: OCIO sees values in half range.
     return make_transform(pipeline->getProcessor(config_), scale);
   } catch (const std::exception& e) {
     fail(sink, "ocio.transform",

@@ -35,8 +35,8 @@ class ColorConfig {
   virtual ~ColorConfig() = default;
 
   /// `path` empty: $OCIO if it is set and non-empty, else the built-in configuration (made of OCIO's built-in
-  /// transforms alone), which the path "built-in" names too. On failure returns null and reports what file, what is
-  /// wrong, and what to do.
+  /// transforms alone), which the path "built-in" names too. On failure returns null and reports the file, the
+  /// fault and the remedy.
   static std::shared_ptr<const ColorConfig> load(const std::string& path, const DiagnosticSink& sink);
 
   /// Where it came from: a path, or "built-in".
@@ -48,15 +48,14 @@ class ColorConfig {
   virtual std::vector<std::string> views(const std::string& display) const = 0;
   virtual std::string default_view(const std::string& display) const = 0;
   virtual std::vector<std::string> looks() const = 0;
-  virtual bool has_color_space(const std::string& name) const = 0;
 
-  /// CIE xy of red, green, blue, white of the rendering space or of `space`, for EXR's chromaticities; Rec.709 when the
-  /// config does not tell (documented in the .cpp how it is found).
+  /// CIE xy of red, green, blue, white of the rendering space or of `space`, for EXR's chromaticities. Rec.709 where
+  /// the config has no way to CIE XYZ.
   virtual std::array<float, 8> chromaticities(const std::string& space) const = 0;
 
-  /// Names understood everywhere, whatever the config: "auto" (sRGB for 8/16-bit images, which load_texture replaces;
-  /// here the rendering space), "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709"; anything else is a
-  /// name in the config. All return null and report on failure.
+  /// Names that work with every config: "auto" (here the rendering space; load_texture takes sRGB for 8/16-bit images),
+  /// "sRGB" / "srgb_texture", "raw" / "data", "linear" / "lin_rec709". Any other name is the config's. All three return
+  /// null and report on failure.
   virtual std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from,
                                                                    const DiagnosticSink& sink) const = 0;
   virtual std::shared_ptr<const ColorTransform> from_rendering_space(const std::string& to,
@@ -64,7 +63,7 @@ class ColorConfig {
   virtual std::shared_ptr<const ColorTransform> display_transform(const DisplayRequest& request,
                                                                   const DiagnosticSink& sink) const = 0;
 
-  /// The whole configuration as text (what --ocio would take as a file).
+  /// The whole configuration as text, as a file for --ocio holds it.
   virtual std::string serialize() const = 0;
 };
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +13,8 @@ namespace alabaster {
 struct ImageLayout {
   int width = 0, height = 0;
   size_t channels = 0;          // floats per pixel that read_rows gives
-  std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image
-  std::optional<size_t> alpha;  // straight (not multiplied into the colour) wherever the format lets us choose
+  std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
+                                // wherever the format lets us choose
   bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
 };
 
@@ -24,7 +23,7 @@ class ImageReader {
   virtual ~ImageReader() = default;
   virtual const ImageLayout& layout() const = 0;
   /// Decodes the rows from `y` on, as many as it likes, into `pixels`; returns how many, 0 + report on failure. To be
-  /// called with y = 0, then with y + what it returned.
+  /// called with y = 0, then with y plus the number returned.
   virtual int read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) = 0;
 };
 

@@ -61,11 +61,6 @@ class HalfTexture final : public Texture {
     for_each_tap(uv, [&](const half* t, float weight) { sum += Rgb(t[0], t[1], t[2]) * weight; });
     return sum;
   }
-  float alpha(const Vec2f& uv) const override {
-    float sum = 0;
-    for_each_tap(uv, [&](const half* t, float weight) { sum += float(t[3]) * weight; });
-    return sum;
-  }
   int width() const override { return width_; }
   int height() const override { return height_; }
   size_t memory_bytes() const override { return texels_.capacity() * sizeof(half); }
@@ -75,7 +70,7 @@ class HalfTexture final : public Texture {
   }
 
  private:
-  const half* at(int x, int y) const { return &texels_[4 * (size_t(y) * size_t(width_) + size_t(x))]; }
+  const half* at(int x, int y) const { return &texels_[3 * (size_t(y) * size_t(width_) + size_t(x))]; }
 
   template <class F>
   void for_each_tap(const Vec2f& uv, const F& f) const {
@@ -94,18 +89,17 @@ class HalfTexture final : public Texture {
 
   int width_, height_;
   Wrap wrap_s_, wrap_t_;
-  std::vector<half> texels_;  // RGBA, rows from the top
+  std::vector<half> texels_;  // RGB, rows from the top
 };
 
-/// Grey to RGB, opaque where there is no alpha.
+/// Grey to RGB; opaque, as ColorTransform takes RGBA.
 void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vector<float>& rgba) {
   const size_t count = pixels.size() / layout.channels;
   rgba.resize(4 * count);
   for (size_t i = 0; i < count; ++i) {
     const float* p = &pixels[i * layout.channels];
     for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = p[layout.rgb[c]];
-    const float a = layout.alpha ? p[*layout.alpha] : 1.0f;
-    rgba[4 * i + 3] = std::isfinite(a) ? std::clamp(a, 0.0f, 1.0f) : 1.0f;
+    rgba[4 * i + 3] = 1;
   }
 }
 
@@ -126,14 +120,15 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
     // Memory is reserved at once but touched only as rows arrive: a small file that claims to be huge costs nothing.
     const ImageLayout& layout = reader->layout();
     std::vector<half> texels;
-    texels.reserve(4 * size_t(layout.width) * size_t(layout.height));
+    texels.reserve(3 * size_t(layout.width) * size_t(layout.height));
     std::vector<float> pixels, rgba;
     for (int y = 0; y < layout.height;) {
       const int rows = reader->read_rows(y, pixels, sink);
       if (rows == 0) return nullptr;
       to_rgba(pixels, layout, rgba);
       transform->apply(rgba.data(), rgba.size() / 4);
-      for (const float v : rgba) texels.emplace_back(std::clamp(v, -kLargestHalf, kLargestHalf));
+      for (size_t i = 0; i < rgba.size(); ++i)
+        if (i % 4 < 3) texels.emplace_back(std::clamp(rgba[i], -kLargestHalf, kLargestHalf));
       y += rows;
     }
     return std::make_shared<HalfTexture>(layout.width, layout.height, std::move(texels), source);

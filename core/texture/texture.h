@@ -23,13 +23,12 @@ struct TextureSource {
   bool operator==(const TextureSource&) const = default;
 };
 
-/// An immutable decoded image. uv: u to the right, v UP (v = 0 is the bottom row). Bilinear, texel centres at half
-/// integers.
+/// An immutable decoded image, without its alpha. uv: u to the right, v UP (v = 0 is the bottom row). Bilinear, texel
+/// centres at half integers.
 class Texture {
  public:
   virtual ~Texture() = default;
   virtual Rgb rgb(const Vec2f& uv) const = 0;
-  virtual float alpha(const Vec2f& uv) const = 0;
   virtual int width() const = 0;
   virtual int height() const = 0;
   virtual size_t memory_bytes() const = 0;
@@ -37,25 +36,9 @@ class Texture {
   virtual Rgb texel(int x, int y) const = 0;
 };
 
-/// Reads, converts and keeps an image. Null + a report (file, reason, remedy) when it cannot be had.
-/// Images above `max_pixels` are refused before anything is allocated.
+/// Reads, converts and keeps an image. Null + a report (file, reason, remedy) on failure. Images above `max_pixels` are
+/// refused before memory is allocated.
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
                                             const DiagnosticSink& sink, size_t max_pixels = size_t(1) << 28);
-
-/// A parameter that is a constant or constant * image.
-template <class T>
-struct Textured {
-  T value{};
-  std::shared_ptr<const Texture> map;
-  Textured() = default;
-  Textured(T v) : value(v) {}  // NOLINT(google-explicit-constructor)
-};
-
-inline Rgb evaluate(const Textured<Rgb>& t, const Vec2f& uv) {
-  return t.map ? t.value * t.map->rgb(uv) : t.value;
-}
-inline float evaluate(const Textured<float>& t, const Vec2f& uv) {
-  return t.map ? t.value * t.map->rgb(uv).g : t.value;
-}
 
 }  // namespace alabaster

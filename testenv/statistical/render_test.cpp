@@ -250,7 +250,6 @@ class HalvesTexture : public Texture {
  public:
   HalvesTexture(const Rgb& left, const Rgb& right) : left_(left), right_(right) {}
   Rgb rgb(const Vec2f& uv) const override { return uv.x < 0.5f ? left_ : right_; }
-  float alpha(const Vec2f&) const override { return 1; }
   int width() const override { return 2; }
   int height() const override { return 1; }
   size_t memory_bytes() const override { return 0; }

@@ -22,7 +22,6 @@ class MemoryTexture : public Texture {
     return lerp(lerp(wrapped(x0, y0), wrapped(x0 + 1, y0), fx), lerp(wrapped(x0, y0 + 1), wrapped(x0 + 1, y0 + 1), fx),
                 fy);
   }
-  float alpha(const Vec2f& /*uv*/) const override { return 1; }
   int width() const override { return width_; }
   int height() const override { return height_; }
   size_t memory_bytes() const override { return texels_.size() * sizeof(Rgb); }

@@ -81,9 +81,9 @@ TEST(ColorConfig, BuiltinValidatesAndOffersWhatIsPromised) {
   }
   for (const char* name :
        {"auto", "sRGB", "srgb_texture", "raw", "data", "linear", "lin_rec709", "ACEScg", "ACES2065-1", "scene_linear"})
-    EXPECT_TRUE(config->has_color_space(name)) << name;
-  EXPECT_FALSE(config->has_color_space("nonsense"));
-  EXPECT_FALSE(config->has_color_space(""));
+    EXPECT_TRUE(config->to_rendering_space(name, {})) << name;
+  EXPECT_FALSE(config->to_rendering_space("nonsense", {}));
+  EXPECT_FALSE(config->to_rendering_space("", {}));
 }
 
 TEST(ColorConfig, BuiltinColoursHaveKnownValues) {

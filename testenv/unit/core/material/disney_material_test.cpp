@@ -16,7 +16,6 @@ class CountingTexture : public Texture {
     ++reads;
     return {uv.x, uv.y, 2};
   }
-  float alpha(const Vec2f&) const override { return 1; }
   int width() const override { return 1; }
   int height() const override { return 1; }
   size_t memory_bytes() const override { return 0; }
