@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/material/fresnel.h"
 #include "delegate/gltf/gltf_names.h"
 
 namespace alabaster::hd::gltf {
@@ -220,11 +221,10 @@ class MaterialTranslator {
     const Vec3f color = color_or(extension, "sheenColorFactor", Vec3f(0));
     const float sheen = std::max({color.x, color.y, color.z});
     if (sheen <= 0) return;
-    // minimise |color / sheen - (white + t (tint - white))| over t in [0, 1]
-    const float luminance = 0.2126f * base_color_.x + 0.7152f * base_color_.y + 0.0722f * base_color_.z;
-    const Vec3f tint = luminance > 0 ? base_color_ / luminance - Vec3f(1) : Vec3f(0);
-    const Vec3f wanted = color / sheen - Vec3f(1);
-    const float t = tint.length2() > 1e-8f ? tint.dot(wanted) / tint.length2() : 0.0f;
+    // minimise |color / sheen - (white + t (hue - white))| over t in [0, 1], with the hue that the lobe mixes with
+    const Rgb hue = tint({base_color_.x, base_color_.y, base_color_.z});
+    const Vec3f colored = Vec3f(hue.r, hue.g, hue.b) - Vec3f(1), wanted = color / sheen - Vec3f(1);
+    const float t = colored.length2() > 1e-8f ? colored.dot(wanted) / colored.length2() : 0.0f;
     set("sheen", double(sheen));
     set("sheenTint", double(std::clamp(t, 0.0f, 1.0f)));
   }

@@ -11,8 +11,8 @@ namespace alabaster::hd::gltf {
 /// Metallic-roughness, KHR_materials_ior, _specular and _emissive_strength carry over unchanged.
 /// _clearcoat: clearcoat = factor. The GTR1 lobe's alpha mix(.1, .001, gloss) (Burley 2012, section 5.4) is set to
 ///   roughness^2, so clearcoatGloss = (.1 - roughness^2) / .099.
-/// _sheen: sheen = largest component of sheenColorFactor. sheenTint = the mix of white and the base colour's hue
-///   (colour over luminance) nearest to sheenColorFactor's hue by least squares. Its roughness has no counterpart.
+/// _sheen: sheen = largest component of sheenColorFactor. sheenTint = the mix of white and the base colour's tint, that
+///   of the sheen lobe, nearest to sheenColorFactor / sheen by least squares. Its roughness has no counterpart.
 /// _volume with _volume_scatter: subsurface. baseColor = multiscatterColor. The extinction of the volume,
 ///   sigma_t = -ln(attenuationColor) / attenuationDistance, fixes scatterDistance d by sigma_t (1-g) = 1 / (d s(A)),
 ///   s(A) = 1.9 - A + 3.5 (A - .8)^2 (Chiang, Kutz, Burley 2016, eq. 3), per channel, so that the walk uses the file's

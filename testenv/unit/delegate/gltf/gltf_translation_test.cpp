@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/material/fresnel.h"
 #include "testenv/support/gltf_testing.h"
 
 namespace alabaster::hd::gltf::testing {
@@ -80,6 +81,31 @@ TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
     const MaterialNetwork& network = loaded.scene->GetMaterials().at("/gltf/materials/materials/3_draft");
     const MaterialNode& node = network.nodes.at(network.terminals.at("surface").upstreamNode);
     EXPECT_EQ(node.parameters.at("scatterAnisotropy"), Value(taken)) << authored;
+  }
+}
+
+// sheenTint is the mix with which the sheen lobe itself, color = lerp(1, tint(baseColor), sheenTint), comes nearest.
+TEST(GltfMaterials, SheenTintIsFittedWithTheTintOfTheLobe) {
+  Json document = Json::parse(read_text(kFolder + "materials.gltf"));
+  for (const Rgb& base : {Rgb(0.9f, 0.3f, 0.1f), Rgb(0.2f, 0.5f, 0.9f), Rgb(0.7f, 0.8f, 0.1f)}) {
+    const Rgb wanted = lerp(Rgb(1.0f), tint(base), 0.4f) * (1 / max_component(tint(base)));
+    document["materials"] = {
+        {{"pbrMetallicRoughness", {{"baseColorFactor", {base.r, base.g, base.b, 1}}}},
+         {"extensions", {{"KHR_materials_sheen", {{"sheenColorFactor", {wanted.r, wanted.g, wanted.b}}}}}}}};
+    const TemporaryFolder folder;
+    const Loaded loaded = load(folder.write("sheen.gltf", document.dump()));
+    ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+    const MaterialNetwork& network = loaded.scene->GetMaterials().begin()->second;
+    const MaterialNode& node = network.nodes.at(network.terminals.at("surface").upstreamNode);
+    const float* fitted = node.parameters.at("sheenTint").get<float>();
+    ASSERT_NE(fitted, nullptr);
+    const auto distance = [&](float t) {
+      const Rgb apart = wanted * (1 / max_component(wanted)) - lerp(Rgb(1.0f), tint(base), t);
+      return apart.r * apart.r + apart.g * apart.g + apart.b * apart.b;
+    };
+    EXPECT_GT(*fitted, 0.1f);
+    EXPECT_LT(*fitted, 0.9f);
+    for (const float step : {-0.01f, 0.01f}) EXPECT_LT(distance(*fitted), distance(*fitted + step)) << *fitted;
   }
 }
 
