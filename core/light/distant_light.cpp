@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPiDouble = 3.14159265358979323846;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-// Half angles (radians) below the spacing of float directions cannot be told from zero.
+// Half angles (radians) below the spacing of float directions are taken as zero.
 constexpr double kMinHalfAngle = 0x1p-23;
 
 // UsdLux's size factor: the irradiance a unit radiance gives on a facing plane (for cones beyond a hemisphere, on both

@@ -4,8 +4,8 @@
 
 namespace alabaster {
 
-/// Light from infinity along local -z, filling a cone of the angular diameter (UsdLuxDistantLight). Only the direction
-/// of the transform counts. A cone too narrow for float directions to resolve is a delta of the same irradiance.
+/// Light from infinity along local -z, filling a cone of the angular diameter (UsdLuxDistantLight). Only the
+/// transform's direction counts. A cone too narrow for float directions to resolve is a delta of the same irradiance.
 class DistantLight {
  public:
   DistantLight(const LightDescription& description, const Vec3d& render_origin);

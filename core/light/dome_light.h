@@ -10,12 +10,12 @@ namespace alabaster {
 /// Orientation is OpenUSD's, which is OpenEXR's for latitude-longitude maps: the top row is the pole +y; the centre of
 /// the image looks along +z, longitude 0; a quarter of the width LEFT of it is longitude +pi/2, +x; the left and right
 /// edges meet at -z. So u = 1/2 - atan2(x, z) / 2pi and, v being up, v = 1 - acos(y) / pi, all in the light's local
-/// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Of the transform only the
-/// rotation counts, and whether it mirrors.
+/// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Only the transform's rotation
+/// and mirroring count.
 ///
-/// The image is filtered bilinearly, wrapping around in longitude and clamped at the poles whatever wrap modes it was
-/// loaded with. Directions are drawn from a density that is constant per texel and solid angle, proportional to the
-/// mean of the FILTERED luminance over the texel: it is positive wherever the filtered image is. Negative and NaN
+/// The image is filtered bilinearly. It wraps around in longitude and is clamped at the poles; the texture's own wrap
+/// modes do not count. Directions are drawn from a density that is constant per texel and solid angle, proportional to
+/// the mean of the FILTERED luminance over the texel: it is positive wherever the filtered image is. Negative and NaN
 /// texels count as black, infinite ones as the largest half float.
 class DomeLight {
  public:
@@ -24,6 +24,10 @@ class DomeLight {
   /// Always hits, at infinity, unless the dome is black or the direction is zero.
   std::optional<LightHit> intersect(const Ray& ray) const;
   double importance(const Vec3f& p) const;
+  /// Null: a constant dome.
+  const Texture* texture() const { return texture_.get(); }
+  /// On the heap, without the texture, which others may share.
+  size_t memory_bytes() const { return distribution_ ? distribution_->memory_bytes() : 0; }
 
  private:
   Rgb texel(int x, int y) const;

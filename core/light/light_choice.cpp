@@ -22,33 +22,39 @@ double LightChoice::importance(size_t i) const {
   return std::visit([&](const auto& light) { return light.importance(p_); }, lights_[i]);
 }
 
-// To the next light: its range follows the one before.
+// Each light's range follows the one before.
 void LightChoice::advance() {
-  const size_t i = next_++;
-  begin_ = end_;
+  Cursor& c = cursor_;
+  const size_t i = c.next++;
+  c.begin = c.end;
   if (lights_.size() == 1) {
-    end_ = kSteps;
+    c.end = kSteps;
     return;
   }
   const double weight = i < kKept ? kept_[i] : importance(i);
   if (!(weight > 0)) return;
-  running_ += weight;
-  ++shone_;
-  const double until = (1 - kUniformShare) * (running_ / total_) +
-                       kUniformShare * (static_cast<double>(shone_) / static_cast<double>(shining_));
-  end_ = shone_ == shining_ ? kSteps : std::min(kSteps, static_cast<uint32_t>(until * kSteps + 0.5));
+  c.running += weight;
+  ++c.shining;
+  const double until = (1 - kUniformShare) * (c.running / total_) +
+                       kUniformShare * (static_cast<double>(c.shining) / static_cast<double>(shining_));
+  c.end = c.shining == shining_ ? kSteps : std::min(kSteps, static_cast<uint32_t>(until * kSteps + 0.5));
+}
+
+float LightChoice::probability_of_current() const {
+  return static_cast<float>(cursor_.end - cursor_.begin) / static_cast<float>(kSteps);
 }
 
 float LightChoice::probability(size_t i) {
-  while (next_ <= i) advance();
-  return static_cast<float>(end_ - begin_) / static_cast<float>(kSteps);
+  if (i + 1 < cursor_.next) cursor_ = {};
+  while (cursor_.next <= i) advance();
+  return probability_of_current();
 }
 
 std::optional<LightChoice::Chosen> LightChoice::choose(float u) {
   const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kSteps));
-  while (next_ < lights_.size()) {
+  while (cursor_.next < lights_.size()) {
     advance();
-    if (step < end_) return Chosen{next_ - 1, static_cast<float>(end_ - begin_) / static_cast<float>(kSteps)};
+    if (step < cursor_.end) return Chosen{cursor_.next - 1, probability_of_current()};
   }
   return std::nullopt;
 }

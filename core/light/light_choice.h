@@ -5,7 +5,7 @@
 // The uniform part is defensive (Hesterberg 1995, "Weighted Average Importance Sampling and Defensive Mixture
 // Distributions"): where the estimate errs because of an occluder or a cosine, no light starves.
 //
-// Costs O(n) per point, which a light tree behind the same three calls could lower for scenes of very many lights.
+// The cost is O(n) per point. A light tree behind the same calls could lower it for scenes of very many lights.
 #pragma once
 
 #include <array>
@@ -18,26 +18,27 @@
 namespace alabaster {
 
 /// The choice at one point; allocates nothing. Random numbers have 24 bits, so the probabilities are whole multiples of
-/// 2^-24 and exactly how often choose() takes a light (and positive where w is, up to a million lights). A set of one
-/// light is not weighed: it has probability 1.
+/// 2^-24: choose() takes each light exactly as often as its probability says. Up to a million lights, the probability
+/// is positive wherever w is. A set of one light is not weighed: it has probability 1.
 class LightChoice {
  public:
   /// Keeps a reference to `lights`.
   LightChoice(const std::vector<Light>& lights, const Vec3f& p);
 
-  /// Goes through the lights in order: i must not decrease from call to call.
+  /// Any i; fastest where i does not decrease from call to call.
   float probability(size_t i);
 
   struct Chosen {
     size_t index = 0;
     float probability = 0;
   };
-  /// Empty if no light gives anything at p. Instead of probability(), not after it.
+  /// Empty if no light gives anything at p. Call it before probability().
   std::optional<Chosen> choose(float u);
 
  private:
   double importance(size_t i) const;
   void advance();
+  float probability_of_current() const;
 
   static constexpr size_t kKept = 32;
 
@@ -46,10 +47,13 @@ class LightChoice {
   std::array<double, kKept> kept_;  // importances of the first lights; those of the rest are computed again
   double total_ = 0;
   size_t shining_ = 0;  // n
-  // The range of random numbers, in steps of 2^-24, of light next_ - 1; and what came before next_.
-  uint32_t begin_ = 0, end_ = 0;
-  size_t next_ = 0, shone_ = 0;
-  double running_ = 0;
+  /// Goes through the lights in order.
+  struct Cursor {
+    size_t next = 0;              // the light after the current one
+    uint32_t begin = 0, end = 0;  // random numbers that choose the current light, in steps of 2^-24
+    size_t shining = 0;           // lights before `next` with w > 0
+    double running = 0;           // sum of their w
+  } cursor_;
 };
 
 }  // namespace alabaster

@@ -1,4 +1,4 @@
-// What all lights share: the description a scene gives, and the answers every light gives.
+// Common to all lights: the description that a scene gives, and the answers that every light gives.
 //
 // Units follow UsdLux: `intensity` is a radiance (nits when the scene is calibrated so) scaled by 2^exposure; see
 // emission(). Everything after construction is in render space; pdfs are per solid angle at the reference point.
@@ -14,7 +14,7 @@
 
 namespace alabaster {
 
-/// What sample() gives. Always finite and worth tracing: pdf > 0 and some radiance; otherwise sample() is empty.
+/// Answer of sample(). Always finite and worth tracing: pdf > 0 and some radiance; otherwise sample() is empty.
 struct LightSample {
   Vec3f wi{0, 0, 1};   // unit, from the reference point to the light
   float distance = 0;  // to the sampled point; infinity for distant and dome
@@ -24,20 +24,20 @@ struct LightSample {
   bool on_mesh = false;  // the point lies on geometry: a shadow ray must stop short of it
 };
 
-/// What intersect() gives. ray.dir need not be unit and ray.tmax is not looked at (LightSet does).
+/// Answer of intersect(). ray.dir need not be unit; ray.tmax does not count (LightSet compares with it).
 struct LightHit {
   float t = 0;         // along the ray, in units of |dir|; infinity for distant and dome
   Rgb radiance{0.0f};  // emitted towards the ray's origin
-  float pdf = 0;       // that sample() would have had for this direction from the ray's origin
+  float pdf = 0;       // of sample() for this direction from the ray's origin
 };
 
 enum class LightType { rect, sphere, distant, dome };
 
 /// A light as the scene gives it (before placement in render space).
 ///
-/// Bad values never spread: a transform that is not finite, not affine or not invertible, a width or height of
-/// zero, and an emission that is negative (per channel), not finite or not representable make a light that gives no
-/// light and is never sampled. The sign of a size is ignored.
+/// Bad values never spread. A light gives no light and is never sampled if its transform is not finite, not affine or
+/// not invertible, if its width or height is zero, or if its emission is not finite or not representable. Negative
+/// channels count as black. The sign of a size is ignored.
 struct LightDescription {
   LightType type = LightType::rect;
   Matrix4d light_to_world;  // lights emit down their local -z (rect, distant); scale applies to sizes
@@ -50,8 +50,8 @@ struct LightDescription {
   bool normalize = false;
   float width = 1, height = 1;  // rect
   float radius = 0.5f;          // sphere; under a transform that scales unevenly the sphere keeps its volume
-  /// sphere: a point light; then (and for radius 0) `intensity` is radiant intensity (candela-like), whatever the
-  /// radius: irradiance at distance d is intensity / d^2.
+  /// sphere: a point light. The radius then does not count, and `intensity` is radiant intensity (candela-like), as it
+  /// is for radius 0: irradiance at distance d is intensity / d^2.
   bool treat_as_point = false;
   float angle = 0.53f;  // distant: angular diameter in degrees; 0: delta, color*intensity is then irradiance
   float cone_inner = 180, cone_outer = 180;  // spot shaping of a sphere light about -z, half angles in degrees;
@@ -66,8 +66,8 @@ Rgb emission(const LightDescription& description);
 /// Light given as double to the float that is stored: black if any channel is not finite.
 Rgb finite_or_black(const Rgb& color, double scale);
 
-/// Luminance of radiance * scale for the choice of light: 0 where either is (or the scale is NaN), else positive, and
-/// finite even in sums, where the product over- or underflows.
+/// Luminance of radiance * scale for the choice of light: 0 where either is 0 or the scale is NaN, else positive. Where
+/// the product would over- or underflow the result is clamped, so that even sums of it are finite.
 double representable_importance(const Rgb& radiance, double scale);
 
 inline Vec3f to_float(const Vec3d& v) {

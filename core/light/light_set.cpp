@@ -1,6 +1,7 @@
 #include "core/light/light_set.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace alabaster {
 
@@ -9,9 +10,15 @@ LightSet::LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camer
       lights_(std::move(lights)),
       visible_to_camera_(std::move(visible_to_camera)) {
   visible_to_camera_.resize(lights_.size(), true);
-  for (size_t i = 0; i < lights_.size(); ++i)
-    if (const auto* mesh = std::get_if<MeshLight>(&lights_[i]))
-      mesh_light_of_instance_.emplace_back(mesh->instance(), static_cast<uint32_t>(i));
+  for (uint32_t i = 0; i < lights_.size(); ++i) {
+    const Light& light = lights_[i];
+    if (const auto* mesh = std::get_if<MeshLight>(&light))
+      mesh_light_of_instance_.emplace_back(mesh->instance(), i);
+    else if (std::holds_alternative<DistantLight>(light) || std::holds_alternative<DomeLight>(light))
+      infinite_.push_back(i);
+    else
+      finite_.push_back(i);
+  }
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
 }
 
@@ -42,6 +49,15 @@ std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray) const {
           return light.intersect(ray);
       },
       lights_[i]);
+}
+
+size_t LightSet::memory_bytes() const {
+  size_t bytes = lights_.capacity() * sizeof(Light);
+  for (const Light& light : lights_) {
+    if (const auto* dome = std::get_if<DomeLight>(&light)) bytes += dome->memory_bytes();
+    if (const auto* mesh = std::get_if<MeshLight>(&light)) bytes += mesh->memory_bytes();
+  }
+  return bytes;
 }
 
 float LightSet::mesh_light_pdf(const Ray& ray, float t, uint32_t instance, uint32_t triangle) const {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -14,9 +13,9 @@ namespace alabaster {
 class LightSet {
  public:
   LightSet() = default;
-  /// `visible_to_camera[i]` belongs to lights[i]; those it lacks are visible. A set of up to `sample_all_up_to` lights
-  /// is sampled whole, each light once per point (probability 1): most of a light's samples that face away cost no ray,
-  /// and no light's noise is paid for another's. Larger sets choose one.
+  /// `visible_to_camera[i]` belongs to lights[i]; lights beyond its end are visible. In a set of up to
+  /// `sample_all_up_to` lights each is sampled once per point (probability 1): samples that face away mostly cost no
+  /// ray, and no light adds to another's noise. In larger sets one light is chosen.
   LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera, size_t sample_all_up_to = 0);
 
   bool empty() const { return lights_.empty(); }
@@ -34,24 +33,28 @@ class LightSet {
       if (const auto s = sample_light(i, p, shifted({u[1], u[2]}, i))) visit(*s);
   }
 
-  /// One light by choice, one direction. pdf already includes the choice of light (also for a delta light). Empty:
-  /// nothing to gain here.
+  /// One direction of one chosen light. The pdf includes the choice of light, for a delta light too. Empty: no light
+  /// arrives.
   std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u) const;
 
-  /// Sum of what analytic lights nearer than ray.tmax (rect, sphere) or, when `escaped`, at infinity (distant, dome)
-  /// emit along the ray. Lights do not block rays: all are added, each weighed by `weigh(pdf)`, the pdf that
-  /// sample_lights(ray.org, ...) has for this direction of this light, with the choice in it.
+  /// Sum of the light that lights without geometry emit along the ray: finite ones (rect, sphere) nearer than ray.tmax
+  /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
+  /// each weighed by `weigh(pdf)`, the pdf that sample_lights(ray.org, ...) has for this direction of this light, with
+  /// the choice in it.
   template <class Weigh>
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const Weigh& weigh) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
-    for (size_t i = 0; i < lights_.size(); ++i) {
-      if (camera_ray && !visible_to_camera_[i]) continue;
+    const auto add = [&](size_t i) {
+      if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray);
-      if (!hit || (std::isinf(hit->t) ? !escaped : hit->t > ray.tmax)) continue;
+      if (!hit || hit->t > ray.tmax) return;
       if (!choice && !sample_all_) choice.emplace(lights_, ray.org);
       sum += hit->radiance * weigh(sample_all_ ? hit->pdf : hit->pdf * choice->probability(i));
-    }
+    };
+    for (const uint32_t i : finite_) add(i);
+    if (escaped)
+      for (const uint32_t i : infinite_) add(i);
     return sum;
   }
 
@@ -60,18 +63,21 @@ class LightSet {
   float mesh_light_pdf(const Ray& ray, float t, uint32_t instance, uint32_t triangle) const;
 
   const std::vector<Light>& lights() const { return lights_; }
+  /// On the heap, without textures, which others may share.
+  size_t memory_bytes() const;
   /// Probability that sample(p, ...) chooses light i.
   float choice_probability(size_t i, const Vec3f& p) const { return LightChoice(lights_, p).probability(i); }
 
  private:
   std::optional<LightHit> intersect(size_t i, const Ray& ray) const;
   std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u) const;
-  /// Another point of the unit square for each light, as well spread as u is (Roberts' R2 lattice as a shift).
+  /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i);
 
   bool sample_all_ = false;
   std::vector<Light> lights_;
   std::vector<bool> visible_to_camera_;
+  std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
   std::vector<std::pair<uint32_t, uint32_t>> mesh_light_of_instance_;  // sorted (instance, light index)
 };
 

@@ -78,8 +78,13 @@ float MeshLight::pdf(uint32_t triangle_id, const Vec3f& wi, float t) const {
   return entry == ~0u ? 0 : pdf_of_entry(entry, Vec3d(wi), t);
 }
 
-// All of it at the distance of its bounding sphere's far side at right angles, with the mean |cos| of 1/2 of triangles
-// that face anywhere.
+size_t MeshLight::memory_bytes() const {
+  return triangles_.capacity() * sizeof(Triangle) + index_of_triangle_.capacity() * sizeof(uint32_t) +
+         distribution_.memory_bytes();
+}
+
+// The whole power at distance sqrt(d^2 + r^2), d to the centre and r the radius of the bounding sphere, with the mean
+// |cos| of 1/2 of triangles that face anywhere.
 double MeshLight::importance(const Vec3f& p) const {
   const Vec3d d = center_ - Vec3d(p);
   return power_ > 0 ? representable_importance(Rgb(1.0f), 0.5 * power_ / (dot(d, d) + squared_radius_)) : 0;

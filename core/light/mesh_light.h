@@ -23,6 +23,8 @@ class MeshLight {
   float pdf(uint32_t triangle_id, const Vec3f& wi, float t) const;
   double importance(const Vec3f& p) const;
   uint32_t instance() const { return instance_; }
+  /// On the heap.
+  size_t memory_bytes() const;
 
  private:
   float pdf_of_entry(size_t entry, const Vec3d& wi, double distance) const;

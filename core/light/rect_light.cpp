@@ -9,7 +9,7 @@ constexpr double kMinSolidAngle = 0x1p-14;
 // Beyond this skew (cosine of the angle between the edges) it is a parallelogram; below, rounding of the transform.
 constexpr double kMaxSkew = 0x1p-20;
 
-// Solid angle, signed, of the rectangle between the foot of the perpendicular of length z and the corner (x, y).
+// Signed solid angle of the rectangle between the foot of the perpendicular of length z and the corner (x, y).
 double corner_angle(double x, double y, double z) {
   return std::atan(x * y / (z * std::sqrt(x * x + y * y + z * z)));
 }
@@ -118,8 +118,9 @@ std::optional<LightHit> RectLight::intersect(const Ray& ray) const {
   return hit;
 }
 
-// What a disk of the same area gives on its axis at the distance of the centre, L A / (d^2 + A / pi), times the cosine
-// at the light, softened by the light's size: near the plane, the nearest part of the rectangle is still overhead.
+// Irradiance from a disk of the same area on its axis at the distance of the centre, L A / (d^2 + A / pi), times the
+// cosine at the light. The cosine is softened by the light's size: near the plane, the nearest part of the rectangle is
+// still overhead.
 double RectLight::importance(const Vec3f& p) const {
   const Vec3d d = center_ - Vec3d(p);
   const double z = -dot(d, n_);

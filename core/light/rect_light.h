@@ -8,9 +8,9 @@ namespace alabaster {
 ///
 /// Directions are drawn uniformly over the solid angle of the rectangle (Urena, Fajardo, King 2013, "An Area-Preserving
 /// Parametrization for Spherical Rectangles"), so that sample weights stay bounded however near the point is: the
-/// variance of the irradiance under a unit square is 16 times less than by area at distance 1, 60 times at 0.1. Where
-/// that solid angle is too small to be told from the rounding of angles, and where a shear has made the rectangle a
-/// parallelogram, points are drawn uniformly over the area instead.
+/// variance of the irradiance under a unit square is 16 times less than by area at distance 1, 60 times at 0.1. Points
+/// are drawn uniformly over the area instead where that solid angle is lost in the rounding of angles, and where a
+/// shear has made the rectangle a parallelogram.
 class RectLight {
  public:
   RectLight(const LightDescription& description, const Vec3d& render_origin);

@@ -21,7 +21,7 @@ double one_minus_cos_sphere(double r, double d) {
   return sin2 / (1 + std::sqrt((d - r) * (d + r)) / d);
 }
 
-// The library's own need not give cbrt(8^k x) = 2^k cbrt(x) to the last bit, and the unit of length would show.
+// std::cbrt need not give cbrt(8^k x) = 2^k cbrt(x) to the last bit, and the unit of length would show.
 double cube_root(double x) {
   int exponent = 0;
   const double mantissa = std::frexp(x, &exponent);
@@ -55,7 +55,7 @@ float SpotCone::attenuation_at(double one_minus_cos) const {
 
 float SpotCone::largest_attenuation(const Vec3d& direction, double sin_half_angle) const {
   if (inner_ >= 2) return 1;
-  // Directions of rays are rounded to float: what they meet may be off by that.
+  // Directions of rays are rounded to float, and so are the points that they meet.
   constexpr double kRounding = 0x1p-20;
   const double off_axis = std::atan2(length(cross(direction, axis_)), dot(direction, axis_));
   const double s = std::sin(0.5 * std::max(0.0, off_axis - std::asin(sin_half_angle) - kRounding));

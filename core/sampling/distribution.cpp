@@ -93,4 +93,10 @@ float Distribution2D::pdf(const Vec2f& p) const {
   return marginal_.pdf(p.y) * rows_[row].pdf(p.x);
 }
 
+size_t Distribution2D::memory_bytes() const {
+  size_t bytes = marginal_.memory_bytes() + rows_.capacity() * sizeof(Distribution1D);
+  for (const Distribution1D& row : rows_) bytes += row.memory_bytes();
+  return bytes;
+}
+
 }  // namespace alabaster

@@ -1,8 +1,8 @@
 // Piecewise-constant distributions over [0,1) and [0,1)^2.
 //
-// Random numbers have 24 bits (to_unit_float), so the probabilities are whole multiples of 2^-24: what probability()
-// says is then exactly how often a cell is chosen, and every cell of positive weight keeps at least one such step
-// (unless there are more cells than steps).
+// Random numbers have 24 bits (to_unit_float), so the probabilities are whole multiples of 2^-24: a cell is chosen
+// exactly as often as probability() says. Every cell of positive weight has at least one such step, unless there are
+// more cells than steps.
 #pragma once
 
 #include <cstddef>
@@ -29,9 +29,11 @@ class Distribution1D {
   float pdf(float x) const;
   /// Probability of a cell.
   float probability(size_t index) const;
-  /// Of the weights as given.
+  /// Sum of the weights as given.
   double sum() const { return sum_; }
   size_t size() const { return cdf_.empty() ? 0 : cdf_.size() - 1; }
+  /// On the heap.
+  size_t memory_bytes() const { return cdf_.capacity() * sizeof(float); }
 
  private:
   size_t cell_of(float x) const;
@@ -48,6 +50,8 @@ class Distribution2D {
   Vec2f sample(const Vec2f& u, float* pdf) const;  // pdf per unit square
   float pdf(const Vec2f& p) const;
   bool empty() const { return rows_.empty(); }
+  /// On the heap.
+  size_t memory_bytes() const;
 
  private:
   std::vector<Distribution1D> rows_;

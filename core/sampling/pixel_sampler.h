@@ -4,8 +4,8 @@
 // Each purpose at each bounce has a block of four dimensions: the first four of Sobol, Owen-scrambled, with the sample
 // index shuffled per block (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)). Every aligned run of 2^m
 // indices stratifies each dimension into 2^m intervals, and dimensions (0, 1) into every elementary box of area 2^-m: a
-// (0,m,2)-net. Give those two to what matters most. What needs an
-// unbounded number of dimensions (the random walk) takes a stream (Rng) seeded by its block.
+// (0,m,2)-net. Give those two to the choice that matters most. A purpose that needs an unbounded number of dimensions
+// (the random walk) takes a stream (Rng) seeded by its block.
 #pragma once
 
 #include <array>

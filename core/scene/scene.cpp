@@ -1,6 +1,7 @@
 #include "core/scene/scene.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "core/scene/bodies.h"
@@ -136,12 +137,19 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
     snapshot->memory_bytes += p->mesh.memory_bytes() + p->object->memory_bytes();
     snapshot->features.smooth_normals |= !p->mesh.normals.empty();
   }
-  for (const auto& m : snapshot->materials) {
-    for (const Texture* map : {m->base_color_map.get(), m->scatter_distance_map.get()}) {
-      snapshot->features.textures |= map != nullptr;
-      if (map) snapshot->memory_bytes += map->memory_bytes();
-    }
-  }
+  for (const auto& m : snapshot->materials) snapshot->features.textures |= m->base_color_map || m->scatter_distance_map;
+}
+
+// Materials and lights may share textures: each counts once.
+size_t texture_bytes(const SceneSnapshot& snapshot) {
+  std::set<const Texture*> textures;
+  for (const auto& m : snapshot.materials) textures.insert({m->base_color_map.get(), m->scatter_distance_map.get()});
+  for (const Light& light : snapshot.lights.lights())
+    if (const auto* dome = std::get_if<DomeLight>(&light)) textures.insert(dome->texture());
+  textures.erase(nullptr);
+  size_t bytes = 0;
+  for (const Texture* texture : textures) bytes += texture->memory_bytes();
+  return bytes;
 }
 
 }  // namespace
@@ -193,6 +201,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   snapshot->memory_bytes += snapshot->top->memory_bytes();
   keep_alive(drawn, snapshot.get());
   add_lights(description, sink, snapshot.get());
+  snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
   return snapshot;
 }
 

@@ -58,11 +58,13 @@ TEST(LightChoice, ProbabilitiesAreTheMixtureAndSumToOne) {
       shining += importance(light, p) > 0 ? 1 : 0;
     }
     const auto probability = probabilities(lights, p);
+    LightChoice backwards(lights, p);
     for (size_t i = 0; i < lights.size(); ++i) {
       const double w = importance(lights[i], p);
       EXPECT_NEAR(probability[i], w > 0 ? 0.9 * w / total + 0.1 / shining : 0, 0x1p-23);
       EXPECT_EQ(probability[i] > 0, w > 0);
       EXPECT_EQ(LightChoice(lights, p).probability(i), probability[i]) << "asked alone";
+      EXPECT_EQ(backwards.probability(lights.size() - 1 - i), probability[lights.size() - 1 - i]);
       sum += static_cast<double>(probability[i]);
     }
     EXPECT_EQ(sum, 1);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/sampling/pixel_sampler.h"
+#include "core/sampling/warp.h"
 
 namespace alabaster {
 namespace {
@@ -70,6 +71,23 @@ TEST(LightSet, EmittedHonoursDistanceEscapeAndCamera) {
   ray.tmax = 2;
   EXPECT_EQ(set.emitted(ray, false, false, kUnweighted), Rgb(0.0f)) << "stopped before it";
   EXPECT_EQ(set.emitted(ray, false, false, [](float) { return 0.5f; }), Rgb(0.0f));
+}
+
+// Infinite lights are asked by escaped rays only, after the finite ones, wherever they stand in the list.
+TEST(LightSet, OnlyEscapedRaysMeetInfiniteLights) {
+  LightDescription disk = described(LightType::distant, 8);
+  disk.angle = 20;
+  const LightSet set({dome(4), DistantLight(disk, kOrigin), sphere(1)}, {});
+  const Ray ray{{0, 0, -3}, {0, 0, 1}};
+  std::vector<float> pdfs;
+  const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
+  EXPECT_EQ(set.emitted(ray, false, false, keep), Rgb(1.0f));
+  EXPECT_EQ(pdfs.size(), 1u);
+  pdfs.clear();
+  EXPECT_EQ(set.emitted(ray, true, false, keep), Rgb(13.0f));
+  ASSERT_EQ(pdfs.size(), 3u);
+  EXPECT_EQ(pdfs[1], set.choice_probability(0, ray.org) / (4 * kPi));
+  EXPECT_NEAR(pdfs[2] / pdf_uniform_cone(1 - std::cos(kPi / 18)), set.choice_probability(1, ray.org), 1e-5f);
 }
 
 TEST(LightSet, FindsMeshLightsByInstance) {

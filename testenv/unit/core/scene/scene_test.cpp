@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "testenv/support/cages.h"
+#include "testenv/support/memory_texture.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -65,6 +66,48 @@ TEST(Scene, WholeScenesMayBeTinyOrHuge) {
     TriangleHit hit;
     EXPECT_TRUE(snapshot->top->intersect({Vec3f(0, 0, float(900 * s)), {0, 0, -1}}, &hit)) << s;
   }
+}
+
+class SceneMemory : public ::testing::Test {
+ protected:
+  static constexpr size_t kTexels = 64 * 32, kTextureBytes = kTexels * sizeof(Rgb);
+  const std::shared_ptr<const Texture> image_ =
+      std::make_shared<testing::MemoryTexture>(64, std::vector<Rgb>(kTexels, Rgb(0.5f)));
+
+  // Two planes under a sky, each of a material of its own.
+  static size_t bytes(const DisneyMaterial& a, const DisneyMaterial& b, const LightDescription& sky) {
+    testing::SceneBuilder builder;
+    const auto plane = builder.prototype(testing::plane_mesh(1));
+    builder.add(plane, std::make_shared<DisneyMaterial>(a)).add(plane, std::make_shared<DisneyMaterial>(b)).add(sky);
+    return builder.snapshot()->memory_bytes;
+  }
+};
+
+TEST_F(SceneMemory, CountsATextureOnceWhoeverHoldsIt) {
+  LightDescription sky = testing::constant_dome(1, false);
+  const size_t plain = bytes({}, {}, sky);
+  DisneyMaterial textured;
+  textured.base_color_map = image_;
+  EXPECT_EQ(bytes(textured, {}, sky), plain + kTextureBytes);
+  EXPECT_EQ(bytes(textured, textured, sky), plain + kTextureBytes);
+  sky.texture = image_;
+  const size_t tables = bytes({}, {}, sky) - plain - kTextureBytes;
+  EXPECT_GE(tables, kTexels * sizeof(float)) << "a dome's image and its distribution";
+  EXPECT_LT(tables, 2 * kTexels * sizeof(float));
+  EXPECT_EQ(bytes(textured, textured, sky), plain + kTextureBytes + tables) << "image shared with the dome";
+}
+
+TEST_F(SceneMemory, CountsMeshLights) {
+  const auto bytes_of_sphere = [](float emission) {
+    testing::SceneBuilder builder;
+    DisneyParameters lamp;
+    lamp.emission = Rgb(emission);
+    builder.add(builder.prototype(testing::sphere_mesh(1, 16, false)), builder.material(lamp));
+    const auto snapshot = builder.snapshot();
+    return std::pair(snapshot->memory_bytes, snapshot->instances[0].prototype->mesh.triangles.size());
+  };
+  const auto [dark, triangles] = bytes_of_sphere(0);
+  EXPECT_GE(bytes_of_sphere(1).first, dark + triangles * sizeof(MeshLight::Triangle));
 }
 
 }  // namespace
