@@ -37,9 +37,6 @@ const AovInfo& info(Aov a) {
   return kAovs[static_cast<size_t>(a)];
 }
 
-constexpr uint32_t kClosestAovs = aov_bit(Aov::depth) | aov_bit(Aov::camera_depth) | aov_bit(Aov::prim_id) |
-                                  aov_bit(Aov::instance_id) | aov_bit(Aov::element_id);
-
 Rgb layer_of(const LightLayers& layers, Aov aov) {
   switch (aov) {
     case Aov::diffuse:

@@ -46,6 +46,9 @@ inline constexpr uint32_t kLayerAovs = aov_bit(Aov::diffuse) | aov_bit(Aov::subs
                                        aov_bit(Aov::subsurface_single) | aov_bit(Aov::subsurface_multiple) |
                                        aov_bit(Aov::subsurface_unscattered) | aov_bit(Aov::specular) |
                                        aov_bit(Aov::emission);
+/// The AOVs that show the closest sample's first hit.
+inline constexpr uint32_t kClosestAovs = aov_bit(Aov::depth) | aov_bit(Aov::camera_depth) | aov_bit(Aov::prim_id) |
+                                         aov_bit(Aov::instance_id) | aov_bit(Aov::element_id);
 
 /// "color", "depth", ... ; components per pixel (color 4: premultiplied RGBA); whether values are int32.
 const char* aov_name(Aov a);
@@ -62,7 +65,7 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
-/// The result of one camera sample.
+/// The result of one camera sample. Values of the first hit keep their defaults where no bound AOV shows them.
 struct FilmSample {
   Rgb color{0.0f};
   float alpha = 0;

@@ -1,6 +1,6 @@
 // Next-event estimation: one direction for each sampled light, weighed against the sampling of the lobe by the power
 // heuristic. The other half of the weight is taken where a lobe's ray meets a light (path_integrator.cpp,
-// add_light_emission).
+// analytic_light_emission and add_mesh_emission).
 #pragma once
 
 #include "core/integrator/path_state.h"
@@ -8,10 +8,11 @@
 
 namespace alabaster {
 
-/// What a scattering function answers for a direction: f times the cosine, and the pdf of sampling it.
+/// A scattering function's answer for a direction.
 struct ScatterValue {
   Rgb f_cos{0.0f};
-  float pdf = 0;
+  float pdf = 0;             // of sampling the direction
+  Rgb specular_share{0.0f};  // of f, per channel; only where layers are split
 };
 
 /// A shadow ray to a point on an emissive mesh stops this fraction short of it, so that the light does not shade
@@ -25,8 +26,8 @@ inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightS
 }
 
 /// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. `scatter(wi)`
-/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(wi, light)` for
-/// each light that arrives.
+/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(value, light)`,
+/// with the ScatterValue, for each light that arrives.
 template <class Scatter, class Add>
 void for_direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter,
                       const Add& add) {
@@ -34,23 +35,24 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const std::arr
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    add(light.wi, value.f_cos * light.radiance * (weight / light.pdf));
+    add(value, value.f_cos * light.radiance * (weight / light.pdf));
   });
 }
 
-/// Whether nothing lies between the facet and the curved surface over it: where bodies touch, light must not slip
-/// through what is between them.
-inline bool stands_free(const PathContext& context, const Departure& from) {
+/// True if no geometry lies between the facet and the curved surface over it: where bodies touch, light must not slip
+/// in between them.
+inline bool reaches_curved_surface(const PathContext& context, const Departure& from) {
   ++context.counters.shadow_rays;
   return !context.scene.top->occluded({from.flat, from.curved - from.flat, 1});
 }
 
 /// Origin of a ray in direction `wi`.
 inline Vec3f origin_of(const PathContext& context, const Departure& from, const Vec3f& wi) {
-  return from.wedge > 0 && !from.is_above(wi) && stands_free(context, from) ? from.curved : from.flat;
+  return from.wedge > 0 && !from.is_above(wi) && reaches_curved_surface(context, from) ? from.curved : from.flat;
 }
 
-/// The same for both origins. The wedge is small where the mesh is fine, and lights are sampled from there as seldom.
+/// Light scattered at a departure: each direction is lit from its own origin. Lights are sampled from the curved
+/// surface with a probability that falls with the wedge, which is small where the mesh is fine.
 template <class Scatter, class Add>
 void for_direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
                       const Scatter& scatter, const Add& add) {
@@ -58,23 +60,23 @@ void for_direct_light(const PathContext& context, const Departure& from, const s
   for_direct_light(context, from.flat, u, above, add);
   const float chance = std::min(1.0f, 8 * from.wedge);
   if (!(u[3] < chance)) return;
-  std::optional<bool> free;
+  std::optional<bool> reached;
   const auto below = [&](const Vec3f& wi) {
     const ScatterValue value = from.is_above(wi) ? ScatterValue() : scatter(wi);
     if (is_black(value.f_cos)) return ScatterValue();
-    if (!free) free = stands_free(context, from);
-    return *free ? value : ScatterValue();
+    if (!reached) reached = reaches_curved_surface(context, from);
+    return *reached ? value : ScatterValue();
   };
   for_direct_light(context, from.curved, u, below,
-                   [&](const Vec3f& wi, const Rgb& light) { add(wi, light * (1 / chance)); });
+                   [&](const ScatterValue& value, const Rgb& light) { add(value, light * (1 / chance)); });
 }
 
-/// Its sum.
+/// Sum over the lights that arrive.
 template <class Scatter>
 Rgb direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
                  const Scatter& scatter) {
   Rgb sum(0.0f);
-  for_direct_light(context, from, u, scatter, [&](const Vec3f&, const Rgb& light) { sum += light; });
+  for_direct_light(context, from, u, scatter, [&](const ScatterValue&, const Rgb& light) { sum += light; });
   return sum;
 }
 

@@ -5,24 +5,31 @@
 
 namespace alabaster {
 
-/// What of a path's first vertex decides the layers. A direction is sampled with the f of all local lobes together, so
-/// what comes back along it belongs to each group by its share of that f, per channel: the estimate of a group is then
-/// the one that f_group alone would give, unbiased, and the groups add up to the path.
+/// part / all per channel; 0 where all is 0.
+inline Rgb share_of(const Rgb& part, const Rgb& all) {
+  Rgb share;
+  for (int c = 0; c < 3; ++c) share[c] = all[c] > 0 ? part[c] / all[c] : 0;
+  return share;
+}
+
+/// The state of a path at its first vertex, which decides the layers. A direction is sampled with the f of all local
+/// lobes together, so light that comes back along it belongs to each group by the group's share of that f, per channel:
+/// the estimate of a group is then the one that f_group alone would give, unbiased, and the groups add up to the path.
 struct LayerSplit {
   Rgb emission{0.0f};                             // seen directly
-  bool scattered = false;                         // there was such a vertex; if not, all is seen directly
+  bool scattered = false;                         // false: no such vertex, all light is seen directly
   Rgb local_diffuse{0.0f}, local_specular{0.0f};  // scattered at the vertex itself, gathered so far
   Rgb gathered{0.0f};                             // the path's radiance when it left the vertex
-  Rgb specular_share{0.0f};                       // of the direction that it left in
-  bool below = false;                             // it left into the body,
-  uint32_t events = 0;                            // and scattered so often in it
+  Rgb specular_share{0.0f};                       // of f in the direction that it left in
+  bool below = false;                             // it left into the body
+  uint32_t events = 0;                            // scattering events in the body
 
   void add_local(const Rgb& light, const Rgb& share) {
     local_specular += light * share;
     local_diffuse += light - light * share;
   }
 
-  /// `radiance`: all that the path has brought.
+  /// `radiance`: all light of the finished path.
   LightLayers finish(const Rgb& radiance) {
     LightLayers layers;
     layers.emission = scattered ? emission : radiance;

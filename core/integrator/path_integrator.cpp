@@ -34,8 +34,8 @@ bool intersect(const PathContext& context, const Ray& ray, TriangleHit* hit) {
   return false;
 }
 
-// Emission of lights that are no geometry, met by the path's ray.
-Rgb light_emission(const PathContext& context, const PathState& path, bool escaped) {
+// Emission of the lights without geometry that the path's segment meets.
+Rgb analytic_light_emission(const PathContext& context, const PathState& path, bool escaped) {
   const float pdf = path.scatter_pdf;
   return context.scene.lights.emitted(path.ray, escaped, path.depth == 0, [pdf](float light_pdf) {
     return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f;
@@ -53,11 +53,12 @@ void add_mesh_emission(const PathContext& context, const PathVertex& v, const Tr
 
 void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out) {
   out->alpha = 1;
+  if (context.aovs & aov_bit(Aov::normal)) out->normal = v.frame.n;
+  if (context.aovs & aov_bit(Aov::albedo)) out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo();
+  if (!(context.aovs & kClosestAovs)) return;
   out->distance = hit.t;
   out->camera_depth = context.camera.axial_depth(v.hit.p);
   out->depth = context.camera.clip_depth(out->camera_depth);
-  out->normal = v.frame.n;
-  out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo();
   out->prim_id = v.instance->prim_id;
   out->instance_id = v.instance->instance_id;
   out->element_id = v.hit.element;
@@ -79,7 +80,7 @@ void scatter_at_surface(const PathContext& context, const PathVertex& v, const B
   path->ray = {origin_of(context, v.departure, wi), wi};
 }
 
-// The ray came to the vertex through the medium; it has no lobes on that side.
+// Continues a path that came to the vertex through the medium: the surface has no lobes on that side.
 template <SubsurfaceMode kMode, bool kLayers>
 bool scatter_within(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
                     LayerSplit* split) {
@@ -92,29 +93,39 @@ bool scatter_within(const PathContext& context, const PixelSampler& sampler, con
   return goes_on && !is_black(path->throughput) && survives_roulette(context, u_roulette, path);
 }
 
+// Samples direct light and the next direction at the vertex. False: the path ends.
 template <SubsurfaceMode kMode, bool kLayers>
 bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
              LayerSplit* split) {
+  // Evaluate the BSDF's parameters for the viewer's direction
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = path->radiance;
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0)) return {};
-    return {bsdf.eval(wi) * wi.z, bsdf.pdf(wi)};
+    Rgb specular;
+    const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
+    return {value.f * wi.z, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
   };
+
+  // Sample the lights
   Rgb direct(0.0f);
   for_direct_light(context, v.departure, sampler.draw(Dimension::light, path->depth), local_lobes,
-                   [&](const Vec3f& wi, const Rgb& light) {
+                   [&](const ScatterValue& value, const Rgb& light) {
                      direct += light;
-                     if (splits) split->add_local(path->throughput * light, bsdf.specular_share(v.frame.to_local(wi)));
+                     if (splits) split->add_local(path->throughput * light, value.specular_share);
                    });
   path->radiance += path->throughput * direct;
   if (splits) split->gathered = path->radiance, split->scattered = true;
 
+  // Sample a lobe and a direction
   const auto u = sampler.draw(Dimension::bsdf, path->depth);
-  const auto sample = bsdf.sample(u[0], {u[1], u[2]});
+  Rgb specular;
+  const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
   if (!sample) return false;
+
+  // Continue below the surface if the subsurface lobe was chosen, else from it
   bool goes_on = true;
   if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
@@ -122,10 +133,19 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
     if (splits) split->below = true, split->events = path->walk_events;
   } else {
     scatter_at_surface(context, v, *sample, path);
-    if (splits) split->specular_share = bsdf.specular_share(sample->wi);
+    if (splits) split->specular_share = share_of(specular, sample->f);
   }
   ++path->depth;
   return goes_on && !is_black(path->throughput) && survives_roulette(context, u[3], path);
+}
+
+template <SubsurfaceMode kMode, bool kLayers>
+bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
+                   LayerSplit* split) {
+  // A diffusion profile has no way through the medium, only ways into it.
+  if constexpr (kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic)
+    if (is_within_medium(v, *path)) return scatter_within<kMode, kLayers>(context, sampler, v, path, split);
+  return scatter<kMode, kLayers>(context, sampler, v, path, split);
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
@@ -137,38 +157,37 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   while (true) {
+    // Trace the path's ray to the nearest surface
     ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
     const bool found = intersect(context, path.ray, &hit);
     if (found) path.ray.tmax = hit.t;
-    path.radiance += path.throughput * light_emission(context, path, !found);
+
+    // Add emission of lights without geometry; of infinite lights only if the ray escaped
+    path.radiance += path.throughput * analytic_light_emission(context, path, !found);
     if (!found) break;
 
+    // Find the surface and the material at the vertex
     PathVertex vertex = make_vertex(context, path.ray, hit);
     if (kMode == SubsurfaceMode::lambert)
       vertex.material.scatter_distance = Rgb(0.0f);
     else if (vertex.material.scatters())
       drop_unresolved_distances(&vertex);
+
+    // Add the surface's emission and record the first hit; end at the depth limit
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;
     if (kMode == SubsurfaceMode::automatic) path.footprint.travel(hit.t);
-    LayerSplit* layers = kLayers ? &split : nullptr;
-    // A profile knows no way through the medium, only ways into it.
-    constexpr bool kWalks = kMode != SubsurfaceMode::lambert && kMode != SubsurfaceMode::diffusion;
-    bool goes_on = false;
-    if constexpr (kWalks) {
-      goes_on = is_within_medium(vertex, path) ? scatter_within<kMode, kLayers>(context, sampler, vertex, &path, layers)
-                                               : scatter<kMode, kLayers>(context, sampler, vertex, &path, layers);
-    } else {
-      goes_on = scatter<kMode, kLayers>(context, sampler, vertex, &path, layers);
-    }
-    if (!goes_on) break;
+
+    // Sample direct light and the next ray, at the surface or below it
+    if (!continue_path<kMode, kLayers>(context, sampler, vertex, &path, kLayers ? &split : nullptr)) break;
     if (kMode == SubsurfaceMode::automatic) path.footprint.scatter(path.scatter_pdf);
   }
+
+  // Sort the light into layers; a backdrop that the camera sees is part of the picture
   out.color = path.radiance;
   if (kLayers) *context.layers = split.finish(path.radiance);
-  // A backdrop that the camera sees is part of the picture.
   if (out.alpha == 0 && (context.scene.features.visible_background || !is_black(path.radiance))) out.alpha = 1;
   return out;
 }

@@ -33,14 +33,16 @@ struct PathContext {
   const Camera& camera;
   const IntegratorSettings& settings;
   RenderCounters& counters;
-  LightLayers* layers = nullptr;  // of the sample, for integrators that were selected with layers
+  LightLayers* layers = nullptr;        // of the sample, for integrators that were selected with layers
+  uint32_t aovs = aov_bit(Aov::color);  // bits of Aov: values of the first hit are computed only for these
 };
 
-/// Traces one camera sample. `camera_ray`: unit direction, render space.
+/// Traces one camera sample. `camera_ray`: unit direction, render space. Color and alpha are the same to the bit
+/// whatever else is asked for.
 using PathIntegrator = FilmSample (*)(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler);
 
-/// The variant that can do what the scene requires and nothing else: chosen once per render, so that the loop never
-/// asks. `layers`: it also fills PathContext::layers; color is the same to the bit with and without.
+/// The variant with just the abilities that the scene requires: chosen once per render, so that the loop never asks.
+/// `layers`: it also fills PathContext::layers.
 PathIntegrator select_path_integrator(const SceneFeatures& features, const IntegratorSettings& settings, bool layers);
 
 }  // namespace alabaster

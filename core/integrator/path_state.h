@@ -1,4 +1,4 @@
-// What a path carries from vertex to vertex, and what a vertex is.
+// The state that a path carries from vertex to vertex, and the vertex.
 #pragma once
 
 #include "core/geometry/surface_hit.h"
@@ -7,9 +7,9 @@
 
 namespace alabaster {
 
-/// The width of what one path stands for where it meets a surface: all paths of its pixel, then all that a lobe could
-/// have sent out in its stead, a sampled direction of density pdf standing for a solid angle 1/pdf (as in path
-/// differentials, Suykens and Willems 2001). Kept in mode `auto` only.
+/// The width of the bundle of paths that one path stands for where it meets a surface: from the camera all paths of its
+/// pixel, after a lobe a solid angle 1/pdf about the sampled direction (as in path differentials, Suykens and Willems
+/// 2001). Kept in mode `auto` only.
 struct Footprint {
   PixelCone cone;
 
@@ -29,20 +29,20 @@ struct PathState {
   Footprint footprint;
 };
 
-/// Where light leaves a facet with a smooth normal. Directions above the facet leave from it. Those that only the lobe
-/// about the smooth normal knows, in the wedge below the facet's horizon, leave from the curved surface that the facet
-/// stands for (curvature_shift): else the facets would show as dark steps where the light grazes them. Each direction
-/// has one origin, so light sampling and lobe sampling estimate the same.
+/// The points from which light leaves a facet with a smooth normal. Directions above the facet leave from it.
+/// Directions in the wedge below the facet's horizon, which only the lobe about the smooth normal has, leave from the
+/// curved surface that the facet stands for (curvature_shift): else the facets would show as dark steps where the light
+/// grazes them. Each direction has one origin, so light sampling and lobe sampling estimate the same.
 struct Departure {
   Vec3f flat;             // ray origin at the facet
-  Vec3f curved{0, 0, 0};  // and for the wedge
+  Vec3f curved{0, 0, 0};  // ray origin for the wedge
   Vec3f ng;
-  float wedge = 0;  // sine of the angle between facet and lobe; 0: nothing stands out over the facet
+  float wedge = 0;  // sine of the angle between facet and lobe; 0: the surface does not stand out over the facet
 
   bool is_above(const Vec3f& wi) const { return dot(wi, ng) > 0; }
 };
 
-// A point on a surface as seen along a ray: all normals on the viewer's side.
+/// A point on a surface as seen along a ray: all normals on the viewer's side.
 struct PathVertex {
   const Instance* instance = nullptr;
   TriangleHit triangle;
@@ -52,7 +52,7 @@ struct PathVertex {
   DisneyParameters material;
 };
 
-// The hit with all normals on the side that `towards` leaves to.
+/// The hit with all normals on the side that `towards` points to.
 inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& towards) {
   SurfaceHit hit = surface_hit(instance.prototype->mesh, triangle, instance.object_to_world, instance.world_to_object);
   if (dot(hit.ng, towards) < 0) {
@@ -63,7 +63,7 @@ inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& t
   return hit;
 }
 
-/// `hit`: normals on the side that is left to; `n`: what the lobe is about.
+/// `hit`: normals on the side that the light leaves to; `n`: the lobe's normal.
 inline Departure depart(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Vec3f& n) {
   Departure d;
   d.flat = offset_point(hit.p, hit.ng, hit.offset);

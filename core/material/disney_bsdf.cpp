@@ -25,8 +25,8 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   sheen_.color = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
 
-  // Proportional to the estimated contribution. A walk also carries light straight through thin parts, whatever the
-  // albedo: a dark medium is entered with a tenth of a white one's probability, not with none.
+  // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
+  // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
   const Rgb walked = subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f));
   float weight[kLobes];
   weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo));
@@ -40,41 +40,30 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   for (int i = 0; i < kLobes; ++i) probability_[i] = weight[i] / total;
 }
 
-Rgb DisneyBsdf::eval(const Vec3f& wi) const {
-  if (!(wo_.z > 0 && wi.z > 0)) return Rgb(0.0f);
-  Rgb f(0.0f);
-  if (probability_[index(Lobe::diffuse)] > 0) f += diffuse_.eval(wo_, wi);
-  if (probability_[index(Lobe::sheen)] > 0) f += sheen_.eval(wo_, wi);
-  if (probability_[index(Lobe::specular)] > 0) f += specular_.eval(wo_, wi);
-  if (probability_[index(Lobe::clearcoat)] > 0) f += clearcoat_.eval(wo_, wi);
-  return f;
-}
-
-// Never above one: eval adds the same terms to something that is not negative, and rounding is monotonic.
-Rgb DisneyBsdf::specular_share(const Vec3f& wi) const {
-  const Rgb all = eval(wi);
-  Rgb share(0.0f);
-  if (is_black(all)) return share;
-  if (probability_[index(Lobe::specular)] > 0) share += specular_.eval(wo_, wi);
-  if (probability_[index(Lobe::clearcoat)] > 0) share += clearcoat_.eval(wo_, wi);
-  for (int c = 0; c < 3; ++c) share[c] = all[c] > 0 ? share[c] / all[c] : 0;
-  return share;
-}
-
-float DisneyBsdf::pdf(const Vec3f& wi) const {
-  if (!(wo_.z > 0 && wi.z > 0)) return 0;
+BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
+  if (specular) *specular = Rgb(0.0f);
+  if (!(wo_.z > 0 && wi.z > 0)) return {};
+  BsdfValue sum;
   // Diffuse and sheen are sampled alike.
   const float cosine = probability_[index(Lobe::diffuse)] + probability_[index(Lobe::sheen)];
-  float pdf = cosine * pdf_cosine_hemisphere(wi);
-  if (probability_[index(Lobe::specular)] > 0) pdf += probability_[index(Lobe::specular)] * specular_.pdf(wo_, wi);
-  if (probability_[index(Lobe::clearcoat)] > 0) pdf += probability_[index(Lobe::clearcoat)] * clearcoat_.pdf(wo_, wi);
-  return pdf;
+  sum.pdf = cosine * pdf_cosine_hemisphere(wi);
+  if (probability_[index(Lobe::diffuse)] > 0) sum.f += diffuse_.evaluate(wo_, wi).f;
+  if (probability_[index(Lobe::sheen)] > 0) sum.f += sheen_.evaluate(wo_, wi).f;
+  // The specular part is never above f, which adds the same terms to a sum that is not negative: rounding is monotonic.
+  const auto add = [&](Lobe lobe, const BsdfValue& value) {
+    sum.f += value.f;
+    sum.pdf += probability_[index(lobe)] * value.pdf;
+    if (specular) *specular += value.f;
+  };
+  if (probability_[index(Lobe::specular)] > 0) add(Lobe::specular, specular_.evaluate(wo_, wi));
+  if (probability_[index(Lobe::clearcoat)] > 0) add(Lobe::clearcoat, clearcoat_.evaluate(wo_, wi));
+  return sum;
 }
 
 Lobe DisneyBsdf::choose(float u) const {
   int chosen = 0;
   for (int i = 0; i < kLobes; ++i) {
-    // The last lobe that has a probability takes what rounding leaves.
+    // The last lobe that has a probability takes the rest that rounding leaves.
     if (probability_[i] > 0) chosen = i;
     if (u < probability_[i]) break;
     u -= probability_[i];
@@ -98,10 +87,10 @@ std::optional<Vec3f> DisneyBsdf::sample_direction(Lobe lobe, const Vec2f& u) con
   return std::nullopt;
 }
 
-std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u) const {
+std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* specular) const {
   BsdfSample sample;
   sample.lobe = choose(u_lobe);
-  // No lobe at all: the first one is named and has no probability.
+  // Without any lobe choose() names the first, which has no probability.
   if (!(probability_[index(sample.lobe)] > 0)) return std::nullopt;
   if (sample.lobe == Lobe::subsurface) {
     sample.f = subsurface_entry();
@@ -111,9 +100,10 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u) const
   const std::optional<Vec3f> wi = sample_direction(sample.lobe, u);
   if (!wi) return std::nullopt;
   sample.wi = *wi;
-  sample.f = eval(*wi);
-  sample.pdf = pdf(*wi);
-  if (!(sample.pdf > 0)) return std::nullopt;
+  const BsdfValue value = evaluate(*wi, specular);
+  if (!(value.pdf > 0)) return std::nullopt;
+  sample.f = value.f;
+  sample.pdf = value.pdf;
   return sample;
 }
 

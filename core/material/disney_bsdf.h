@@ -5,8 +5,8 @@
 //
 // f = (1-metallic) [ diffuse + sheen ] + specular + clearcoat, the diffuse part being
 //   (C/pi)(1-.5F_L)(1-.5F_V)  +  (C/pi) R_R (F_L + F_V + F_L F_V (R_R-1)),  R_R = 2 roughness cos^2(theta_d).
-// In each channel with scatter_distance > 0 the first term is absent from eval/sample: it is the subsurface entry lobe,
-// which the integrator walks. In a channel with scatter_distance = 0 it is exactly the 2015 diffuse.
+// In each channel with scatter_distance > 0 the first term is absent from evaluate and sample: it is the subsurface
+// entry lobe, which the integrator walks. In a channel with scatter_distance = 0 it is exactly the 2015 diffuse.
 #pragma once
 
 #include <optional>
@@ -35,15 +35,13 @@ class DisneyBsdf {
   /// `parameters` must be clamped (clamp_to_ranges). wo.z <= 0 gives a BSDF that is zero everywhere.
   DisneyBsdf(const DisneyParameters& parameters, const Vec3f& wo);
 
-  Rgb eval(const Vec3f& wi) const;
-  /// The part of eval(wi) that specular and clearcoat have, per channel in [0,1]; 0 where eval is 0. The rest is
-  /// diffuse and sheen.
-  Rgb specular_share(const Vec3f& wi) const;
-  /// Sum of probability times pdf over the local lobes: integrates to 1 - P(subsurface) less what specular samples lose
-  /// below the horizon.
-  float pdf(const Vec3f& wi) const;
-  /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed). f and pdf are eval(wi) and pdf(wi).
-  std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u) const;
+  /// All local lobes together. The pdf is the sum of probability times pdf over them: it integrates to 1 -
+  /// P(subsurface) less the share that specular samples lose below the horizon. `specular`, unless null, receives the
+  /// specular and clearcoat lobes' part of f, which is never above f; the rest is diffuse and sheen.
+  BsdfValue evaluate(const Vec3f& wi, Rgb* specular = nullptr) const;
+  /// `u_lobe` chooses the lobe, `u` the direction. Empty: no sample (absorbed). f, pdf and `specular` are those of
+  /// evaluate(wi); `specular` is left alone for Lobe::subsurface.
+  std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
   /// Entry weight of the walk per channel: (1-metallic)(1-.5F_V) where scatter_distance > 0, else 0. The colour is in
   /// the walk's throughput, never here.

@@ -1,6 +1,6 @@
 // Diffuse reflection of the Disney BSDF 2015 in its two parts (Burley 2015, section 3, "diffuse model refactoring"):
 //
-//   lambert  (1/pi)(1-.5F_L)(1-.5F_V)                       what subsurface scattering replaces
+//   lambert  (1/pi)(1-.5F_L)(1-.5F_V)                       replaced by subsurface scattering
 //   retro    (1/pi) R_R (F_L + F_V + F_L F_V (R_R - 1))     stays at the surface, R_R = 2 roughness cos^2(theta_d)
 //
 // F_x = (1 - cos x)^5. Their sum is Burley 2012's diffuse (1/pi)(1+(F_D90-1)F_L)(1+(F_D90-1)F_V), F_D90 = .5 + R_R.
@@ -9,6 +9,7 @@
 // view: a property of the published model, which is not altered here.
 #pragma once
 
+#include "core/material/bsdf_value.h"
 #include "core/material/fresnel.h"
 #include "core/sampling/warp.h"
 
@@ -36,11 +37,10 @@ struct DisneyDiffuse {
     return kInvPi * rr * (fl + fv * (1 - fl) + rr * fl * fv);
   }
 
-  Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
-    if (!(wo.z > 0 && wi.z > 0)) return Rgb(0.0f);
-    return lambert_color * lambert(wo, wi) + retro_color * retro(wo, wi, roughness);
+  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+    if (!(wo.z > 0 && wi.z > 0)) return {};
+    return {lambert_color * lambert(wo, wi) + retro_color * retro(wo, wi, roughness), pdf_cosine_hemisphere(wi)};
   }
-  float pdf(const Vec3f&, const Vec3f& wi) const { return pdf_cosine_hemisphere(wi); }
   std::optional<Vec3f> sample(const Vec3f&, const Vec2f& u) const { return sample_cosine_hemisphere(u); }
 
   /// Directional albedo, exact: Int f wi.z dwi.
@@ -53,7 +53,7 @@ struct DisneyDiffuse {
 };
 
 /// With wi.wo = co ci + so si cos(phi), the azimuthal means are <R_R> = r(1 + co ci) and
-/// <R_R^2> = r^2((1 + co ci)^2 + so^2 si^2 / 2); what remains are moments M_n = 2 Int_0^1 c^n (1-c)^5 dc = 2 B(n+1, 6).
+/// <R_R^2> = r^2((1 + co ci)^2 + so^2 si^2 / 2); the rest are moments M_n = 2 Int_0^1 c^n (1-c)^5 dc = 2 B(n+1, 6).
 inline float DisneyDiffuse::retro_albedo(float cos_o, float roughness) {
   constexpr float m1 = 1.0f / 21, m2 = 1.0f / 84, m3 = 1.0f / 252;
   const float fv = schlick_weight(cos_o), c2 = sqr(cos_o);

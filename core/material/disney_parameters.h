@@ -1,4 +1,4 @@
-// The Disney BSDF's parameters as plain numbers: what the lobes see after texturing.
+// The Disney BSDF's parameters as plain numbers, as the lobes see them after texturing.
 // Names, meanings and ranges: schemas/disney_material.json (Burley 2012 and 2015).
 #pragma once
 

@@ -3,6 +3,7 @@
 // compensated there: at most 0.089 sheen at grazing view for a white tint.
 #pragma once
 
+#include "core/material/bsdf_value.h"
 #include "core/material/fresnel.h"
 #include "core/sampling/warp.h"
 
@@ -11,11 +12,10 @@ namespace alabaster {
 struct DisneySheen {
   Rgb color{0.0f};
 
-  Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
-    if (!(wo.z > 0 && wi.z > 0)) return Rgb(0.0f);
-    return color * schlick_weight(safe_sqrt(0.5f * (1 + dot(wo, wi))));
+  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+    if (!(wo.z > 0 && wi.z > 0)) return {};
+    return {color * schlick_weight(safe_sqrt(0.5f * (1 + dot(wo, wi)))), pdf_cosine_hemisphere(wi)};
   }
-  float pdf(const Vec3f&, const Vec3f& wi) const { return pdf_cosine_hemisphere(wi); }
   std::optional<Vec3f> sample(const Vec3f&, const Vec2f& u) const { return sample_cosine_hemisphere(u); }
 
   /// Estimate of the directional albedo, within a factor of two: it falls from 0.088 at grazing view to 0.00026 at

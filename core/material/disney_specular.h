@@ -3,6 +3,7 @@
 // f has no cosine; pdf per solid angle. Reciprocal; energy <= 1, for f wi.z / pdf = F G1(wi) <= 1.
 #pragma once
 
+#include "core/material/bsdf_value.h"
 #include "core/material/disney_parameters.h"
 #include "core/material/fresnel.h"
 #include "core/material/microfacet.h"
@@ -15,15 +16,13 @@ struct DisneySpecular {
 
   static DisneySpecular from(const DisneyParameters& p);
 
-  Rgb eval(const Vec3f& wo, const Vec3f& wi) const {
-    const auto facet = facet_above(wo, wi);
-    if (!facet) return Rgb(0.0f);
-    return schlick(f0, f90, facet->cos_d) * (0.25f * ggx.d(facet->wm) * ggx.g1_over_cos(wo) * ggx.g1_over_cos(wi));
-  }
-  /// Visible normals reflected: D_v(wm) / (4 wo.wm), in which wo.wm cancels.
-  float pdf(const Vec3f& wo, const Vec3f& wi) const {
-    const auto facet = facet_above(wo, wi);
-    return facet ? 0.25f * ggx.d(facet->wm) * ggx.g1_over_cos(wo) : 0;
+  /// The pdf is that of visible normals, reflected: D_v(wm) / (4 wo.wm), in which wo.wm cancels.
+  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+    if (!(wo.z > 0 && wi.z > 0)) return {};
+    const auto facet = mirror_facet(wo, wi);
+    if (!facet) return {};
+    const float pdf = 0.25f * ggx.d(facet->wm) * ggx.g1_over_cos(wo);
+    return {schlick(f0, f90, facet->cos_d) * (pdf * ggx.g1_over_cos(wi)), pdf};
   }
   /// Empty where the reflected direction goes below the horizon: light that a further bounce between facets would
   /// carry.
@@ -36,12 +35,6 @@ struct DisneySpecular {
   /// Estimate of the directional albedo: Schlick at wo, but at least its hemispherical mean 1/21, which a rough facet
   /// sees even at normal view.
   Rgb albedo(const Vec3f& wo) const { return lerp(f0, f90, std::max(schlick_weight(wo.z), 1.0f / 21)); }
-
- private:
-  static std::optional<MirrorFacet> facet_above(const Vec3f& wo, const Vec3f& wi) {
-    if (!(wo.z > 0 && wi.z > 0)) return std::nullopt;
-    return mirror_facet(wo, wi);
-  }
 };
 
 /// Dielectric f0 by ior, tinted by base colour (specularTint) and by KHR_materials_specular:

@@ -1,4 +1,4 @@
-// Schlick's approximation of Fresnel reflectance, and what it is fed.
+// Schlick's approximation of Fresnel reflectance, and the colours that lobes are made of.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@ inline float f0_from_ior(float ior) {
   return sqr((ior - 1) / (ior + 1));
 }
 
-/// The hue and saturation of a colour at luminance one (Burley 2012; the luminance weights .3, .6, .1 are those of the
-/// published model and belong to its look). White for black.
+/// The hue and saturation of a colour at luminance one, which specularTint and sheenTint mix with white. The luminance
+/// weights .3, .6, .1 are those of the published model (Burley 2012) and belong to its look. White for black.
 inline Rgb tint(const Rgb& color) {
   const float y = 0.3f * color.r + 0.6f * color.g + 0.1f * color.b;
   return y > 0 ? Rgb(color.r / y, color.g / y, color.b / y) : Rgb(1.0f);
@@ -37,8 +37,8 @@ inline Rgb clamp01(const Rgb& c) {
   return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)};
 }
 
-/// What lobes are weighed by when one is chosen: the plain mean, because weights by luminance leave a blue lobe with
-/// samples fourteen times too heavy.
+/// Weight of a lobe of this albedo when one is chosen: the plain mean, because weights by luminance leave a blue lobe
+/// with samples fourteen times too heavy.
 inline float choice_weight(const Rgb& c) {
   return (c.r + c.g + c.b) * (1.0f / 3.0f);
 }

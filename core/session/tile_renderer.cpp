@@ -37,7 +37,7 @@ FilmSample TileRenderer::trace_sample(int x, int y, uint32_t sample, RenderCount
   const Vec2f film_position(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
 
   // Trace its path.
-  const PathContext context{*request_.scene, camera_, integrator_settings_, *counters, layers};
+  const PathContext context{*request_.scene, camera_, integrator_settings_, *counters, layers, request_.aovs};
   FilmSample result = trace_path_(context, camera_.generate_ray(film_position, {u[2], u[3]}), sampler);
   ++counters->samples;
 

@@ -48,7 +48,7 @@ ChiSquareOptions options_at(const Vec3f& wo, double exponent) {
 template <class L>
 ChiSquareResult test_lobe(const L& lobe, const Vec3f& wo, double exponent, float wrong = 1) {
   // `wrong` distorts the pdf but keeps its integral near one, to test the test.
-  const auto pdf = [&](const Vec3f& wi) { return lobe.pdf(wo, wi) * (1 + (wrong - 1) * wi.x); };
+  const auto pdf = [&](const Vec3f& wi) { return lobe.evaluate(wo, wi).pdf * (1 + (wrong - 1) * wi.x); };
   return chi_square_sphere([&](Rng& rng) { return lobe.sample(wo, uniform2(rng)); }, pdf, options_at(wo, exponent));
 }
 
@@ -99,7 +99,7 @@ TEST(ChiSquareLobes, WrongPdfsAreRefused) {
   const auto sample = [&](Rng& rng) { return lobe.sample(wo, uniform2(rng)); };
   DisneySpecular other = lobe;
   other.ggx = {0.26f, 0.26f};
-  const auto wider = [&](const Vec3f& wi) { return other.pdf(wo, wi); };
+  const auto wider = [&](const Vec3f& wi) { return other.evaluate(wo, wi).pdf; };
   EXPECT_FALSE(chi_square_sphere(sample, wider, options_at(wo, 2)).passed);
   const auto all_normals = [&](const Vec3f& wi) {
     const auto facet = mirror_facet(wo, wi);
@@ -158,7 +158,7 @@ TEST(ChiSquareBsdf, WholeBsdf) {
         if (!s || s->lobe == Lobe::subsurface) return std::nullopt;
         return s->wi;
       };
-      const auto pdf = [&](const Vec3f& wi) { return bsdf.pdf(wi); };
+      const auto pdf = [&](const Vec3f& wi) { return bsdf.evaluate(wi).pdf; };
       const auto result = chi_square_sphere(sample, pdf, options_at(wo, m.exponent));
       EXPECT_TRUE(result.passed) << m.name << " at " << angle << ": " << result.report;
     }
@@ -176,7 +176,7 @@ TEST(ChiSquareBsdf, WholeBsdf) {
     return s->wi;
   };
   EXPECT_FALSE(chi_square_sphere(
-                   sample, [&](const Vec3f& wi) { return without.pdf(wi); }, options_at(wo, 2))
+                   sample, [&](const Vec3f& wi) { return without.evaluate(wi).pdf; }, options_at(wo, 2))
                    .passed);
 }
 
@@ -195,7 +195,7 @@ TEST(Furnace, DiffuseAlbedoIsAnalytic) {
       const Vec3f wo = at_angle(angle);
       const DisneyDiffuse lobe{Rgb(1.0f), Rgb(1.0f), roughness};
       const double measured = albedo_by_quadrature(
-          wo, [&](const Vec3f& wi) { return lobe.eval(wo, wi).g; }, 1);
+          wo, [&](const Vec3f& wi) { return lobe.evaluate(wo, wi).f.g; }, 1);
       EXPECT_NEAR(measured, double(lobe.albedo(wo).g), 5e-5) << roughness << " at " << angle;
       if (roughness == 0) {
         const double fv = std::pow(1 - double(wo.z), 5);
@@ -222,7 +222,7 @@ TEST(Furnace, WhiteFurnacePerLobe) {
     for (double angle : kAngles) {
       const Vec3f wo = at_angle(angle);
       const double e = albedo_by_quadrature(
-          wo, [&](const Vec3f& wi) { return lobe.eval(wo, wi).g; }, exponent);
+          wo, [&](const Vec3f& wi) { return lobe.evaluate(wo, wi).f.g; }, exponent);
       std::printf("%9.4f", e);
       EXPECT_LE(e, bound + 1e-4) << name << " at " << angle;
       EXPECT_GT(e, 0);
@@ -250,13 +250,13 @@ TEST(Furnace, WhiteFurnacePerLobe) {
 template <class L>
 void expect_sampled_albedo(const L& lobe, const Vec3f& wo, double exponent, double bound, const std::string& name) {
   const double expected = albedo_by_quadrature(
-      wo, [&](const Vec3f& wi) { return lobe.eval(wo, wi).g; }, exponent);
+      wo, [&](const Vec3f& wi) { return lobe.evaluate(wo, wi).f.g; }, exponent);
   Rng rng(42, 7);
   RunningStatistics weights;
   for (int i = 0; i < 50000; ++i) {
     const auto wi = lobe.sample(wo, uniform2(rng));
-    const float pdf = wi ? lobe.pdf(wo, *wi) : 0;
-    weights.add(pdf > 0 ? double(lobe.eval(wo, *wi).g) * double(wi->z) / double(pdf) : 0);
+    const BsdfValue value = wi ? lobe.evaluate(wo, *wi) : BsdfValue();
+    weights.add(value.pdf > 0 ? double(value.f.g) * double(wi->z) / double(value.pdf) : 0);
   }
   const auto result = z_test(weights, expected, {.number_of_tests = kZTests, .slack = 2e-5});
   EXPECT_TRUE(result.passed) << name << ": " << result.report;
@@ -301,7 +301,7 @@ TEST(Furnace, WholeBsdfBySamplesEqualsQuadrature) {
       }
       for (int c = 0; c < 3; ++c) {
         const double e = albedo_by_quadrature(
-            wo, [&](const Vec3f& wi) { return bsdf.eval(wi)[c]; }, m.exponent);
+            wo, [&](const Vec3f& wi) { return bsdf.evaluate(wi).f[c]; }, m.exponent);
         const auto r = z_test(local[c], e, {.number_of_tests = kZTests, .slack = 2e-5});
         EXPECT_TRUE(r.passed) << m.name << " at " << angle << " channel " << c << ": " << r.report;
         const auto q = z_test(entry[c], double(bsdf.subsurface_entry()[c]), {.number_of_tests = kZTests});

@@ -70,17 +70,18 @@ TEST(DisneyBsdf, FuzzIsFiniteNonNegativeAndBounded) {
     // The mirror direction and the way back are where lobes peak or lose their half vector.
     if (i % 8 == 0) wi = {-wo.x, -wo.y, wo.z};
     if (i % 8 == 1) wi = wo;
-    ASSERT_TRUE(is_valid(bsdf.eval(wi))) << i;
-    const float pdf = bsdf.pdf(wi);
+    const auto [f, pdf] = bsdf.evaluate(wi);
+    ASSERT_TRUE(is_valid(f)) << i;
     ASSERT_TRUE(std::isfinite(pdf) && pdf >= 0) << i;
     ASSERT_TRUE(is_valid(bsdf.albedo()) && max_component(bsdf.albedo()) <= 1) << i;
     ASSERT_TRUE(is_valid(bsdf.subsurface_entry()) && max_component(bsdf.subsurface_entry()) <= 1) << i;
     // A direction that light can come from can be sampled, where the cosine's density does not underflow.
-    ASSERT_TRUE(pdf > 0 || wi.z < 1e-20f || is_black(bsdf.eval(wi))) << i;
+    ASSERT_TRUE(pdf > 0 || wi.z < 1e-20f || is_black(f)) << i;
 
     const float u_lobe = i % 16 == 0 ? kOneMinusEpsilon : rng.uniform();
     const Vec2f u = i % 16 == 1 ? Vec2f(kOneMinusEpsilon, kOneMinusEpsilon) : i % 16 == 2 ? Vec2f(0, 0) : uniform2(rng);
-    const auto sample = bsdf.sample(u_lobe, u);
+    Rgb specular, evaluated_specular;
+    const auto sample = bsdf.sample(u_lobe, u, &specular);
     if (!sample) continue;
     ++samples;
     ASSERT_TRUE(is_valid(sample->f)) << i;
@@ -90,8 +91,10 @@ TEST(DisneyBsdf, FuzzIsFiniteNonNegativeAndBounded) {
     if (sample->lobe == Lobe::subsurface) continue;
     ASSERT_NEAR(length(sample->wi), 1, 1e-5) << i;
     ASSERT_GT(sample->wi.z, 0) << i;
-    ASSERT_EQ(sample->f, bsdf.eval(sample->wi)) << i;
-    ASSERT_EQ(sample->pdf, bsdf.pdf(sample->wi)) << i;
+    const BsdfValue value = bsdf.evaluate(sample->wi, &evaluated_specular);
+    ASSERT_EQ(sample->f, value.f) << i;
+    ASSERT_EQ(sample->pdf, value.pdf) << i;
+    ASSERT_EQ(specular, evaluated_specular) << i;
   }
   std::cout << "heaviest sample weight " << heaviest << " of " << samples << "\n";
   EXPECT_GT(samples, 80000);
@@ -106,15 +109,15 @@ TEST(DisneyBsdf, NothingBelowTheHorizon) {
   p.scatter_distance = {1, 0, 0};
   for (const Vec3f& wo : {Vec3f(0, 0, -1), Vec3f(1, 0, 0), Vec3f(0.8f, 0, -0.6f)}) {
     const DisneyBsdf bsdf(p, wo);
-    EXPECT_TRUE(is_black(bsdf.eval({0, 0, 1})));
-    EXPECT_EQ(bsdf.pdf({0, 0, 1}), 0);
+    EXPECT_TRUE(is_black(bsdf.evaluate({0, 0, 1}).f));
+    EXPECT_EQ(bsdf.evaluate({0, 0, 1}).pdf, 0);
     EXPECT_FALSE(bsdf.sample(0.3f, {0.4f, 0.6f}).has_value());
     EXPECT_TRUE(is_black(bsdf.subsurface_entry()));
   }
   const DisneyBsdf bsdf(p, {0, 0.6f, 0.8f});
   for (const Vec3f& wi : {Vec3f(0, 0, -1), Vec3f(0, 1, 0), Vec3f(0, 0.8f, -0.6f)}) {
-    EXPECT_TRUE(is_black(bsdf.eval(wi)));
-    EXPECT_EQ(bsdf.pdf(wi), 0);
+    EXPECT_TRUE(is_black(bsdf.evaluate(wi).f));
+    EXPECT_EQ(bsdf.evaluate(wi).pdf, 0);
     EXPECT_EQ(eval_subsurface_exit(wi), 0);
   }
 }
@@ -124,7 +127,7 @@ TEST(DisneyBsdf, ABlackSurfaceOfIorOneAbsorbsEverything) {
   p.base_color = Rgb(0.0f);
   p.ior = 1;
   const DisneyBsdf bsdf(p, {0, 0, 1});
-  EXPECT_TRUE(is_black(bsdf.eval(normalize(Vec3f(1, 0, 1)))));
+  EXPECT_TRUE(is_black(bsdf.evaluate(normalize(Vec3f(1, 0, 1))).f));
   EXPECT_FALSE(bsdf.sample(0.5f, {0.5f, 0.5f}).has_value());
 }
 
@@ -142,20 +145,22 @@ TEST(DisneyBsdf, MetalsHaveNoDiffuse) {
   }
 }
 
-TEST(DisneyBsdf, SpecularShareIsWhatSpecularAndClearcoatAddToEval) {
+TEST(DisneyBsdf, SpecularPartIsThatOfSpecularAndClearcoat) {
   Rng rng(23, 4);
   int shared = 0;
   for (int i = 0; i < 20000; ++i) {
     const DisneyParameters p = random_parameters(rng);
     const Vec3f wo = random_direction(rng), wi = random_direction(rng);
     const DisneyBsdf bsdf(p, wo);
-    const Rgb all = bsdf.eval(wi), share = bsdf.specular_share(wi);
-    const Rgb glossy =
-        DisneySpecular::from(p).eval(wo, wi) + DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss).eval(wo, wi);
+    Rgb part;
+    const Rgb all = bsdf.evaluate(wi, &part).f;
+    ASSERT_EQ(bsdf.evaluate(wi).f, all) << "whether it is asked for or not";
+    const Rgb glossy = DisneySpecular::from(p).evaluate(wo, wi).f +
+                       DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss).evaluate(wo, wi).f;
     for (int c = 0; c < 3; ++c) {
-      ASSERT_TRUE(share[c] >= 0 && share[c] <= 1) << i;
-      ASSERT_NEAR(share[c] * all[c], glossy[c], 1e-6f * all[c]) << i;
-      shared += share[c] > 0.01f && share[c] < 0.99f;
+      ASSERT_TRUE(part[c] >= 0 && part[c] <= all[c]) << i;
+      ASSERT_NEAR(part[c], glossy[c], 1e-6f * all[c]) << i;
+      shared += part[c] > 0.01f * all[c] && part[c] < 0.99f * all[c];
     }
   }
   EXPECT_GT(shared, 10000) << "both kinds of lobe were at work";
@@ -172,7 +177,7 @@ TEST(DisneyBsdf, ScatterDistanceTakesTheLambertTermOfItsChannelOnly) {
     for (int c = 0; c < 3; ++c) mixed.scatter_distance[c] = rng.next() % 2 ? 0.0f : 1e-12f + rng.uniform();
     const Vec3f wo = random_direction(rng), wi = random_direction(rng);
     const DisneyBsdf a(plain, wo), b(mixed, wo);
-    const Rgb fa = a.eval(wi), fb = b.eval(wi);
+    const Rgb fa = a.evaluate(wi).f, fb = b.evaluate(wi).f;
     const float lambert = (1 - plain.metallic) * DisneyDiffuse::lambert(wo, wi);
     for (int c = 0; c < 3; ++c) {
       const bool scatters = mixed.scatter_distance[c] > 0;
@@ -195,7 +200,7 @@ TEST(DisneyBsdf, SubsurfaceSampleCarriesEntryAndProbability) {
   p.clearcoat = 1;
   const DisneyBsdf bsdf(p, normalize(Vec3f(1, 0, 2)));
   // The local lobes' density, the walk's probability and the share of samples lost below the horizon make up one.
-  const double local = testing::integrate_sphere([&](const Vec3f& w) { return double(bsdf.pdf(w)); }, {}, 1);
+  const double local = testing::integrate_sphere([&](const Vec3f& w) { return double(bsdf.evaluate(w).pdf); }, {}, 1);
   Rng rng(3, 3);
   int walks = 0, lost = 0;
   constexpr int kSamples = 200000;
@@ -264,7 +269,7 @@ TEST(DisneyBsdf, MatchesIndependentReference) {
     const auto f0 = double(f0_from_ior(p.ior)) * double(max_component(tint(c)));
     if (f0 > 1) continue;
     const auto terms = testing::disney_reference_2012(r, normalize(Vec3d(wo)), normalize(Vec3d(wi)));
-    const Rgb f = DisneyBsdf(p, wo).eval(wi);
+    const Rgb f = DisneyBsdf(p, wo).evaluate(wi).f;
     for (int k = 0; k < 3; ++k) {
       const auto j = static_cast<size_t>(k);
       const double expected = terms.diffuse[j] + terms.sheen[j] + terms.specular[j] + terms.clearcoat;
@@ -315,7 +320,7 @@ TEST(DisneySpecular, AnisotropyStretchesAlongTheTangent) {
   EXPECT_NEAR(lobe.ggx.alpha_x / lobe.ggx.alpha_y, 10, 1e-4);
   const Vec3f wo(0, 0, 1);
   const float t = 0.3f;
-  EXPECT_GT(lobe.eval(wo, {std::sin(t), 0, std::cos(t)}).g, lobe.eval(wo, {0, std::sin(t), std::cos(t)}).g);
+  EXPECT_GT(lobe.evaluate(wo, {std::sin(t), 0, std::cos(t)}).f.g, lobe.evaluate(wo, {0, std::sin(t), std::cos(t)}).f.g);
 }
 
 // f(wo, wi) = f(wi, wo), lobe by lobe and together.
@@ -329,14 +334,14 @@ TEST(DisneyBsdf, Reciprocity) {
     const Vec3f wo = sample_cosine_hemisphere(uniform2(rng)), wi = sample_cosine_hemisphere(uniform2(rng));
     if (wo.z < 1e-3f || wi.z < 1e-3f) continue;
     const DisneyDiffuse diffuse{Rgb(0.3f), p.base_color, p.roughness};
-    expect_equal(diffuse.eval(wo, wi), diffuse.eval(wi, wo), i);
+    expect_equal(diffuse.evaluate(wo, wi).f, diffuse.evaluate(wi, wo).f, i);
     const DisneySheen sheen{p.base_color};
-    expect_equal(sheen.eval(wo, wi), sheen.eval(wi, wo), i);
+    expect_equal(sheen.evaluate(wo, wi).f, sheen.evaluate(wi, wo).f, i);
     const DisneySpecular specular = DisneySpecular::from(p);
-    expect_equal(specular.eval(wo, wi), specular.eval(wi, wo), i);
+    expect_equal(specular.evaluate(wo, wi).f, specular.evaluate(wi, wo).f, i);
     const DisneyClearcoat coat = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
-    expect_equal(coat.eval(wo, wi), coat.eval(wi, wo), i);
-    expect_equal(DisneyBsdf(p, wo).eval(wi), DisneyBsdf(p, wi).eval(wo), i);
+    expect_equal(coat.evaluate(wo, wi).f, coat.evaluate(wi, wo).f, i);
+    expect_equal(DisneyBsdf(p, wo).evaluate(wi).f, DisneyBsdf(p, wi).evaluate(wo).f, i);
   }
 }
 

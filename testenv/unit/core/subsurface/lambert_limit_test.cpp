@@ -110,7 +110,7 @@ TEST(LambertLimit, ChannelsWithoutDistanceAreTheDiffuseBitForBit) {
     const Vec3f wo = sample_cosine_hemisphere({rng.uniform(), rng.uniform()});
     const Vec3f wi = sample_cosine_hemisphere({rng.uniform(), rng.uniform()});
     const DisneyBsdf a(mixed, wo), b(plain, wo);
-    EXPECT_EQ(a.eval(wi).g, b.eval(wi).g);
+    EXPECT_EQ(a.evaluate(wi).f.g, b.evaluate(wi).f.g);
     EXPECT_EQ(a.subsurface_entry().g, 0);
   }
 }

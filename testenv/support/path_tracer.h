@@ -1,0 +1,45 @@
+// Camera samples one at a time, without session and film, for tests of the integrator.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "core/integrator/path_integrator.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster::testing {
+
+/// The camera stands at `eye` and looks at the origin.
+class PathTracer {
+ public:
+  PathTracer(std::shared_ptr<const SceneSnapshot> scene, const Vec3d& eye)
+      : scene_(std::move(scene)), camera_(look_at(eye, {0, 0, 0}, 30), 1, 1, scene_->origin) {}
+
+  IntegratorSettings settings;
+  uint32_t aovs = aov_bit(Aov::color);
+  RenderCounters counters;
+
+  PathContext context(LightLayers* layers = nullptr) { return {*scene_, camera_, settings, counters, layers, aovs}; }
+  /// Sample `index` of the only pixel, through its centre. Fills `layers` unless null.
+  FilmSample trace(uint32_t index, LightLayers* layers = nullptr) {
+    const PathIntegrator integrator = select_path_integrator(scene_->features, settings, layers != nullptr);
+    return integrator(context(layers), camera_.generate_ray({0.5f, 0.5f}, {0, 0}), PixelSampler(kPixelSeed, index));
+  }
+
+ private:
+  static constexpr uint32_t kPixelSeed = 20;
+  std::shared_ptr<const SceneSnapshot> scene_;
+  Camera camera_;
+};
+
+/// Lambert's term of the BSDF and nothing else: f = (color / pi) (1 - .5 F_L) (1 - .5 F_V).
+inline DisneyParameters matt(const Rgb& color) {
+  DisneyParameters p;
+  p.base_color = color;
+  p.roughness = 0;  // no retro-reflection
+  p.ior = 1;        // no specular
+  p.specular = 0;
+  return p;
+}
+
+}  // namespace alabaster::testing

@@ -1,0 +1,80 @@
+#include "core/integrator/layer_split.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/path_tracer.h"
+
+namespace alabaster {
+namespace {
+
+Rgb sum_of(const LightLayers& l) {
+  return l.diffuse + l.specular + l.unscattered + l.single + l.multiple + l.emission;
+}
+
+TEST(LayerSplit, SharesAreOfEachChannelAndOfNothingNothing) {
+  EXPECT_EQ(share_of({1, 3, 0}, {4, 3, 0}), Rgb(0.25f, 1, 0));
+}
+
+TEST(LayerSplit, APathWithoutAVertexIsAllEmission) {
+  const LightLayers layers = LayerSplit().finish({1, 2, 3});
+  EXPECT_EQ(layers.emission, Rgb(1, 2, 3));
+  EXPECT_EQ(sum_of(layers), Rgb(1, 2, 3));
+}
+
+TEST(LayerSplit, LocalLightGoesByTheShareOfItsDirection) {
+  LayerSplit split;
+  split.scattered = true;
+  split.emission = Rgb(1.0f);
+  split.add_local({4, 4, 4}, {0.25f, 0.5f, 1});  // direct light
+  split.gathered = Rgb(5.0f);
+  split.specular_share = {0, 1, 0.5f};  // of the path's next direction
+  const LightLayers layers = split.finish(Rgb(13.0f));
+  EXPECT_EQ(layers.emission, Rgb(1.0f));
+  EXPECT_EQ(layers.specular, Rgb(1, 2 + 8, 4 + 4));
+  EXPECT_EQ(layers.diffuse, Rgb(3 + 8, 2, 4));
+  EXPECT_EQ(sum_of(layers), Rgb(13.0f));
+}
+
+TEST(LayerSplit, LightFromBelowGoesByItsScatteringEvents) {
+  for (const uint32_t events : {0u, 1u, 2u, 7u}) {
+    LayerSplit split;
+    split.scattered = split.below = true;
+    split.add_local(Rgb(2.0f), Rgb(0.5f));
+    split.gathered = Rgb(2.0f);
+    split.events = events;
+    const LightLayers layers = split.finish(Rgb(5.0f));
+    EXPECT_EQ(layers.unscattered, Rgb(events == 0 ? 3.0f : 0.0f));
+    EXPECT_EQ(layers.single, Rgb(events == 1 ? 3.0f : 0.0f));
+    EXPECT_EQ(layers.multiple, Rgb(events >= 2 ? 3.0f : 0.0f));
+    EXPECT_EQ(sum_of(layers), Rgb(5.0f));
+  }
+}
+
+// Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers.
+TEST(LayerSplit, LayersOfEverySampleAddUpToItsColor) {
+  testing::SceneBuilder b;
+  DisneyParameters lacquer;
+  lacquer.base_color = {0.8f, 0.6f, 0.3f};
+  lacquer.clearcoat = lacquer.sheen = 1;
+  lacquer.scatter_distance = {0.3f, 0.1f, 0};
+  lacquer.emission = Rgb(0.1f);
+  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(lacquer)).add(testing::constant_dome(1, true));
+  testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
+  LightLayers total;
+  for (uint32_t i = 0; i < 512; ++i) {
+    LightLayers layers;
+    const Rgb color = tracer.trace(i, &layers).color, sum = sum_of(layers);
+    EXPECT_EQ(tracer.trace(i).color, color) << i;
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(sum[c], color[c], 16 * 0x1p-24 * double(color[c])) << i;
+    total.diffuse += layers.diffuse;
+    total.specular += layers.specular;
+    total.single += layers.single;
+    total.multiple += layers.multiple;
+    total.emission += layers.emission;
+  }
+  for (const Rgb& layer : {total.diffuse, total.specular, total.single, total.multiple, total.emission})
+    EXPECT_GT(layer.r, 0);
+}
+
+}  // namespace
+}  // namespace alabaster

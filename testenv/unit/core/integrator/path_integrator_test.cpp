@@ -1,0 +1,140 @@
+#include "core/integrator/path_integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/path_tracer.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::matt;
+using testing::PathTracer;
+using testing::RunningStatistics;
+using testing::SceneBuilder;
+
+constexpr int kZTests = 8;
+
+// Independent estimates: runs of 2^k aligned indices are stratified, so their means vary less than single samples do.
+RunningStatistics means_of_green(PathTracer* tracer, int runs, int samples) {
+  RunningStatistics statistics;
+  uint32_t index = 0;
+  for (int r = 0; r < runs; ++r) {
+    double sum = 0;
+    for (int i = 0; i < samples; ++i) sum += tracer->trace(index++).color.g;
+    statistics.add(sum / samples);
+  }
+  return statistics;
+}
+
+// A convex matt body under a white sky shows its albedo, c (1 - .5 F_V) (1 - 1/42).
+TEST(PathIntegrator, AConvexBodyInAFurnaceShowsItsAlbedo) {
+  for (const double degrees : {0.0, 50.0, 80.0}) {
+    const double theta = degrees * M_PI / 180;
+    SceneBuilder b;
+    b.add(b.prototype(testing::plane_mesh(2)), b.material(matt(Rgb(0.7f)))).add(testing::constant_dome(1, false));
+    PathTracer tracer(b.snapshot(), {3 * std::sin(theta), 3 * std::cos(theta), 0});
+    const double albedo = 0.7 * (1 - 0.5 * std::pow(1 - std::cos(theta), 5)) * 41 / 42;
+    const auto result =
+        z_test(means_of_green(&tracer, 256, 16), albedo, {.number_of_tests = kZTests, .slack = 1e-5 * albedo});
+    EXPECT_TRUE(result.passed) << degrees << ": " << result.report;
+  }
+}
+
+// Inside a matt sphere that glows with E, the exitance kernel is constant and a chord meets both ends at the same
+// angle, of cosine m. So L(m) = E + c T(m) A, T = 1 - .5 (1 - m)^5, and the mean A = 2 Int T L m dm over [0, 1] is
+// E (41/42) / (1 - c (1 - 1/21 + 1/264)). Roulette must not change it, wherever it begins.
+TEST(PathIntegrator, RouletteKeepsTheRadianceInsideAGlowingSphere) {
+  constexpr float kAlbedo = 0.7f, kEmission = 0.5f;
+  SceneBuilder b;
+  DisneyParameters wall = matt(Rgb(kAlbedo));
+  wall.emission = Rgb(kEmission);
+  b.add(b.prototype(testing::sphere_mesh(1, 48, false)), b.material(wall));
+  const double mean = kEmission * (41.0 / 42) / (1 - kAlbedo * (1 - 1.0 / 21 + 1.0 / 264));
+  const double expected = kEmission + kAlbedo * mean;  // seen head on
+  PathTracer tracer(b.snapshot(), {0, 0, 0.5});
+  tracer.settings.max_depth = 48;  // 0.7^48 = 4e-8
+  uint64_t rays_without = 0;
+  for (const uint32_t roulette_depth : {48u, 3u, 0u}) {
+    tracer.settings.roulette_depth = roulette_depth;
+    tracer.counters = {};
+    // Facets of 1/48 of a half turn lie up to 1e-3 of the radius inside the sphere.
+    const auto result =
+        z_test(means_of_green(&tracer, 512, 16), expected, {.number_of_tests = kZTests, .slack = 2e-3 * expected});
+    EXPECT_TRUE(result.passed) << roulette_depth << ": " << result.report;
+    if (roulette_depth == 48) {
+      rays_without = tracer.counters.bounce_rays;
+    } else {
+      EXPECT_LT(tracer.counters.bounce_rays, rays_without / 3) << "roulette ended paths";
+    }
+  }
+}
+
+// A plane two units below the camera, by hand.
+TEST(PathIntegrator, FirstHitValuesAreComputedForBoundAovsOnly) {
+  SceneBuilder b;
+  DisneyParameters plastic;
+  plastic.base_color = {0.5f, 0.25f, 0.125f};
+  b.add(b.prototype(testing::sphere_mesh(1e-3f, 4, false)), b.material({}), Matrix4d().setTranslation(Vec3d(1, -1, 0)));
+  b.add(b.prototype(testing::plane_mesh(4)), b.material(plastic)).add(testing::constant_dome(1, false));
+  PathTracer tracer(b.snapshot(), {0, 2, 0});
+  const FilmSample unset;
+  const Rgb color = tracer.trace(0).color;
+  EXPECT_GT(color.r, 0);
+  for (int i = 0; i < kAovCount; ++i) {
+    tracer.aovs = aov_bit(static_cast<Aov>(i));
+    const char* name = aov_name(static_cast<Aov>(i));
+    const bool normal = tracer.aovs & aov_bit(Aov::normal), albedo = tracer.aovs & aov_bit(Aov::albedo);
+    const bool closest = tracer.aovs & kClosestAovs;
+    const FilmSample s = tracer.trace(0);
+    EXPECT_EQ(s.color, color) << name;
+    EXPECT_EQ(s.alpha, 1) << name;
+    EXPECT_EQ(s.normal, normal ? Vec3f(0, 1, 0) : unset.normal) << name;
+    EXPECT_NEAR(s.albedo.g, albedo ? 0.29f : 0, 1e-6f) << name << ": base color and f0";
+    EXPECT_NEAR(s.camera_depth, closest ? 2.0f : unset.camera_depth, 1e-5f) << name;
+    EXPECT_EQ(s.prim_id, closest ? 1 : unset.prim_id) << name;
+    EXPECT_EQ(s.instance_id, closest ? 0 : unset.instance_id) << name;
+    EXPECT_EQ(s.element_id >= 0, closest) << name;
+    EXPECT_EQ(std::isfinite(s.distance), closest) << name;
+  }
+}
+
+// Every AOV alone shows the bytes that it shows beside all others, and the color is the same whatever is bound.
+TEST(PathIntegrator, BytesDoNotDependOnWhatElseIsBound) {
+  SceneBuilder b;
+  DisneyParameters skin, metal;
+  skin.base_color = {0.9f, 0.6f, 0.45f};
+  skin.scatter_distance = {0.1f, 0.05f, 0.03f};
+  metal.metallic = 1;
+  b.add(b.prototype(testing::sphere_mesh(0.5f, 12, true)), b.material(skin),
+        Matrix4d().setTranslation(Vec3d(-0.4, 0.5, 0)));
+  b.add(b.prototype(testing::sphere_mesh(0.4f, 8, false)), b.material(metal),
+        Matrix4d().setTranslation(Vec3d(0.6, 0.4, 0.2)));
+  b.add(b.prototype(testing::plane_mesh(3)), b.material({})).add(testing::constant_dome(0.5f, false));
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({0, 1.5, 3}, {0, 0.4, 0}, 50);
+  request.width = request.height = 24;
+  request.data_window = {0, 0, 24, 24};
+  request.settings.samples = 4;
+  const auto color = testing::render(request)->resolve_float(Aov::color);
+  request.aovs = ~0u;
+  const auto all = testing::render(request);
+  EXPECT_EQ(all->resolve_float(Aov::color), color);
+  for (int i = 0; i < kAovCount; ++i) {
+    const auto aov = static_cast<Aov>(i);
+    request.aovs = aov_bit(aov);
+    const auto alone = testing::render(request);
+    EXPECT_EQ(alone->resolve_float(Aov::color), color) << aov_name(aov);
+    if (aov_is_integer(aov)) {
+      EXPECT_EQ(alone->resolve_int(aov), all->resolve_int(aov)) << aov_name(aov);
+    } else {
+      EXPECT_EQ(alone->resolve_float(aov), all->resolve_float(aov)) << aov_name(aov);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
