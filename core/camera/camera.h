@@ -22,7 +22,8 @@ struct CameraParameters {
   bool orthographic = false;
 };
 
-/// What a pixel sees of a surface is at least `width` + `spread` times the distance wide, in its narrowest direction.
+/// A pixel sees a part of a surface that is at least `width` + `spread` times the distance wide, in its narrowest
+/// direction.
 struct PixelCone {
   float width = 0;   // world units
   float spread = 0;  // radians
@@ -37,7 +38,7 @@ class Camera {
   /// Unit direction. `lens` is used only with a lens. In render space.
   Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
 
-  /// Of a pixel that looks in unit direction `d`, render space, without filter and lens.
+  /// The cone of a pixel that looks in unit direction `d`, render space, without filter and lens.
   PixelCone pixel_cone(const Vec3f& d) const;
 
   /// Distance of a point along the camera's -z axis, world units.
@@ -47,8 +48,8 @@ class Camera {
 
  private:
   Vec3f origin_, x_, y_, z_;  // frame in render space, unit
-  Vec2f film_scale_,
-      film_offset_;  // film pixel -> tangent-plane coordinates at unit distance (or world units if ortho)
+  // From film pixels to coordinates in the plane at unit distance, or to world units if orthographic.
+  Vec2f film_scale_, film_offset_;
   float lens_radius_, focus_distance_, clip_near_, clip_far_;
   bool orthographic_;
 };

@@ -1,5 +1,5 @@
-// Vectors are Imath's (the type the whole field exchanges); this header adds the few free functions that read better
-// than Imath's operators. Row vectors throughout: p' = p * M.
+// Vectors are Imath's, the type that the whole field exchanges. This header adds the few free functions that read
+// better than Imath's operators. Row vectors throughout: p' = p * M.
 #pragma once
 
 #include <ImathMatrix.h>
