@@ -97,7 +97,7 @@ bool scatter_within(const PathContext& context, const PixelSampler& sampler, con
 template <SubsurfaceMode kMode, bool kLayers>
 bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
              LayerSplit* split) {
-  // Evaluate the BSDF's parameters for the viewer's direction
+  // Evaluate the BSDF's parameters for the viewer's direction.
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = path->radiance;
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
@@ -109,7 +109,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
     return {value.f * wi.z, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
   };
 
-  // Sample the lights
+  // Sample the lights.
   Rgb direct(0.0f);
   for_direct_light(context, v.departure, sampler.draw(Dimension::light, path->depth), local_lobes,
                    [&](const ScatterValue& value, const Rgb& light) {
@@ -119,13 +119,13 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   path->radiance += path->throughput * direct;
   if (splits) split->gathered = path->radiance, split->scattered = true;
 
-  // Sample a lobe and a direction
+  // Sample a lobe and a direction.
   const auto u = sampler.draw(Dimension::bsdf, path->depth);
   Rgb specular;
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
   if (!sample) return false;
 
-  // Continue below the surface if the subsurface lobe was chosen, else from it
+  // Continue below the surface if the subsurface lobe was chosen, else from it.
   bool goes_on = true;
   if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
@@ -157,35 +157,35 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   while (true) {
-    // Trace the path's ray to the nearest surface
+    // Trace the path's ray to the nearest surface.
     ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
     const bool found = intersect(context, path.ray, &hit);
     if (found) path.ray.tmax = hit.t;
 
-    // Add emission of lights without geometry; of infinite lights only if the ray escaped
+    // Add emission of lights without geometry; of infinite lights only if the ray escaped.
     path.radiance += path.throughput * analytic_light_emission(context, path, !found);
     if (!found) break;
 
-    // Find the surface and the material at the vertex
+    // Find the surface and the material at the vertex.
     PathVertex vertex = make_vertex(context, path.ray, hit);
     if (kMode == SubsurfaceMode::lambert)
       vertex.material.scatter_distance = Rgb(0.0f);
     else if (vertex.material.scatters())
       drop_unresolved_distances(&vertex);
 
-    // Add the surface's emission and record the first hit; end at the depth limit
+    // Add the surface's emission and record the first hit; end at the depth limit.
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
     if (path.depth >= context.settings.max_depth) break;
     if (kMode == SubsurfaceMode::automatic) path.footprint.travel(hit.t);
 
-    // Sample direct light and the next ray, at the surface or below it
+    // Sample direct light and the next ray, at the surface or below it.
     if (!continue_path<kMode, kLayers>(context, sampler, vertex, &path, kLayers ? &split : nullptr)) break;
     if (kMode == SubsurfaceMode::automatic) path.footprint.scatter(path.scatter_pdf);
   }
 
-  // Sort the light into layers; a backdrop that the camera sees is part of the picture
+  // Sort the light into layers; a backdrop that the camera sees is part of the picture.
   out.color = path.radiance;
   if (kLayers) *context.layers = split.finish(path.radiance);
   if (out.alpha == 0 && (context.scene.features.visible_background || !is_black(path.radiance))) out.alpha = 1;
