@@ -356,7 +356,8 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
       config->validate();
     } catch (const std::exception& e) {
       report(sink, Severity::warning, "ocio.config.invalid", origin,
-             std::string("the configuration has a fault: ") + e.what() + "; what does not need that part will work");
+             std::string("the configuration has a fault: ") + e.what() +
+                 "; transforms that do not need that part will work");
     }
     return std::make_shared<OcioColorConfig>(config, origin, linear->getName());
   } catch (const std::exception& e) {

@@ -16,7 +16,7 @@ enum class SubsurfaceMode {
   walk,       // path-traced random walk, with the shortcuts that pay
   reference,  // the walk without any shortcut: the yardstick
   diffusion,  // Burley's profile over the distance between entry and exit
-  automatic,  // Lambert where the walk cannot be told from it, the walk elsewhere
+  automatic,  // Lambert where a pixel cannot show the difference, the walk elsewhere
 };
 
 struct IntegratorSettings {

@@ -34,7 +34,7 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
   if constexpr (kMode == SubsurfaceMode::diffusion)
     return NormalizedDiffusion{}.carry(body, entry, numbers, context.counters);
   if (kMode == SubsurfaceMode::automatic && !entry.within) {
-    // The rung has numbers of its own: what the walk does must not depend on the choice.
+    // The rung has numbers of its own: the walk must not depend on the choice.
     SubsurfaceNumbers rung{sampler.draw(Dimension::subsurface_rung, path.depth), numbers.rng};
     const LambertLimit limit{context.settings.inversion, path.footprint.cone.width};
     if (const auto exit = limit.carry(body, entry, rung, context.counters)) return exit;

@@ -1,4 +1,4 @@
-// The subsurface lobe of a path: it enters at a vertex and goes on from where the light leaves the body.
+// The subsurface lobe of a path: it enters a body at a vertex and continues where the light leaves the body.
 #pragma once
 
 #include "core/integrator/path_state.h"
