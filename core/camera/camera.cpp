@@ -12,6 +12,21 @@ Vec3f axis(const Matrix4d& m, int row) {
 
 }  // namespace
 
+std::span<const Parameter<CameraParameters>> camera_parameters() {
+  using P = CameraParameters;
+  constexpr double kSmallest = 1e-30;  // of what a projection divides by
+  static constexpr Parameter<P> kTable[] = {
+      {"focalLength", &P::focal_length, kSmallest, kUnbounded},
+      {"horizontalAperture", &P::horizontal_aperture, kSmallest, kUnbounded},
+      {"verticalAperture", &P::vertical_aperture, kSmallest, kUnbounded},
+      {"horizontalApertureOffset", &P::horizontal_aperture_offset},
+      {"verticalApertureOffset", &P::vertical_aperture_offset},
+      {"fStop", &P::f_stop, 0, kUnbounded},
+      {"focusDistance", &P::focus_distance, 0, kUnbounded},
+  };
+  return kTable;
+}
+
 Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& render_origin)
     : x_(axis(p.camera_to_world, 0)),
       y_(axis(p.camera_to_world, 1)),

@@ -1,8 +1,11 @@
 // Pinhole and thin-lens perspective, and orthographic projection.
 #pragma once
 
+#include <span>
+
 #include "core/math/ray.h"
 #include "core/math/transform.h"
+#include "core/parameter/parameter.h"
 
 namespace alabaster {
 
@@ -20,7 +23,10 @@ struct CameraParameters {
   float clip_near = 0;  // 0: none
   float clip_far = 0;   // 0: none
   bool orthographic = false;
+  bool operator==(const CameraParameters&) const = default;
 };
+/// schemas/camera.json, but for projection and clippingRange.
+std::span<const Parameter<CameraParameters>> camera_parameters();
 
 /// A pixel sees a part of a surface that is at least `width` + `spread` times the distance wide, in its narrowest
 /// direction.

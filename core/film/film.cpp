@@ -8,34 +8,6 @@
 namespace alabaster {
 namespace {
 
-struct AovInfo {
-  const char* name;
-  int components;
-  bool integer;
-};
-// In the order of enum Aov.
-constexpr AovInfo kAovs[kAovCount] = {{"color", 4, false},
-                                      {"alpha", 1, false},
-                                      {"depth", 1, false},
-                                      {"cameraDepth", 1, false},
-                                      {"normal", 3, false},
-                                      {"albedo", 3, false},
-                                      {"primId", 1, true},
-                                      {"instanceId", 1, true},
-                                      {"elementId", 1, true},
-                                      {"sampleCount", 1, true},
-                                      {"diffuse", 3, false},
-                                      {"subsurface", 3, false},
-                                      {"subsurfaceSingle", 3, false},
-                                      {"subsurfaceMultiple", 3, false},
-                                      {"subsurfaceUnscattered", 3, false},
-                                      {"specular", 3, false},
-                                      {"emission", 3, false},
-                                      {"error", 1, false}};
-
-const AovInfo& info(Aov a) {
-  return kAovs[static_cast<size_t>(a)];
-}
 
 Rgb layer_of(const LightLayers& layers, Aov aov) {
   switch (aov) {
@@ -64,31 +36,12 @@ void accumulate(const Rgb& value, std::array<double, 3>* sum) {
 
 }  // namespace
 
-const char* aov_name(Aov a) {
-  return info(a).name;
-}
-int aov_components(Aov a) {
-  return info(a).components;
-}
-bool aov_is_integer(Aov a) {
-  return info(a).integer;
-}
-
-bool aov_from_name(const std::string& name, Aov* a) {
-  for (int i = 0; i < kAovCount; ++i)
-    if (name == kAovs[i].name) {
-      *a = static_cast<Aov>(i);
-      return true;
-    }
-  return false;
-}
-
 FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(pixels), halves_(pixels) {
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
   if (aovs & kClosestAovs) closest_.resize(pixels);
-  for (int i = 0; i < kAovCount; ++i)
-    if (const auto aov = static_cast<Aov>(i); aovs & kLayerAovs & aov_bit(aov)) layers_.push_back({aov, Sums(pixels)});
+  for (const AovInfo& info : kAovs)
+    if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, Sums(pixels)});
 }
 
 size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
@@ -199,13 +152,13 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
       average(albedo_, 0, 3);
       break;
     case Aov::depth:
-      *out = closest_.empty() ? 1.0f : closest_[pixel].depth;
+      *out = closest_.empty() ? aov_info(aov).background : closest_[pixel].depth;
       break;
     case Aov::camera_depth:
-      *out = closest_.empty() ? 0.0f : closest_[pixel].camera_depth;
+      *out = closest_.empty() ? aov_info(aov).background : closest_[pixel].camera_depth;
       break;
     default:
-      std::fill_n(out, aov_components(aov), 0.0f);
+      std::fill_n(out, aov_info(aov).components(), 0.0f);
       for (const LayerPlane& plane : layers_)
         if (plane.aov == aov) average(plane.sums, 0, 3);
   }
@@ -213,7 +166,7 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
 
 int32_t FilmTile::resolve_int(size_t pixel, Aov aov) const {
   if (aov == Aov::sample_count) return static_cast<int32_t>(samples_[pixel]);
-  if (closest_.empty()) return -1;
+  if (closest_.empty()) return static_cast<int32_t>(aov_info(aov).background);
   const Closest& c = closest_[pixel];
   return aov == Aov::prim_id ? c.prim_id : aov == Aov::instance_id ? c.instance_id : c.element_id;
 }
@@ -268,7 +221,7 @@ std::vector<T> Film::resolve_tiles(int components, const Write& write) const {
 }
 
 std::vector<float> Film::resolve_float(Aov aov) const {
-  return resolve_tiles<float>(aov_components(aov),
+  return resolve_tiles<float>(aov_info(aov).components(),
                               [aov](const FilmTile& tile, size_t pixel, float* out) { tile.resolve(pixel, aov, out); });
 }
 

@@ -7,54 +7,14 @@
 #include <cstdint>
 #include <limits>
 #include <mutex>
-#include <string>
 #include <vector>
 
 #include "core/color/rgb.h"
+#include "core/film/aov.h"
 #include "core/film/pixel_noise.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
-
-/// What can be asked for. Averaged: color, alpha, normal, albedo, the layers of light. Closest sample: depth and ids.
-enum class Aov {
-  color,
-  alpha,
-  depth,
-  camera_depth,
-  normal,
-  albedo,
-  prim_id,
-  instance_id,
-  element_id,
-  sample_count,
-  diffuse,  // from here on layers: see LightLayers
-  subsurface,
-  subsurface_single,
-  subsurface_multiple,
-  subsurface_unscattered,
-  specular,
-  emission,
-  error  // of color: PixelNoise::deviation()
-};
-inline constexpr int kAovCount = 18;
-constexpr uint32_t aov_bit(Aov a) {
-  return 1u << static_cast<uint32_t>(a);
-}
-/// The AOVs that need LightLayers.
-inline constexpr uint32_t kLayerAovs = aov_bit(Aov::diffuse) | aov_bit(Aov::subsurface) |
-                                       aov_bit(Aov::subsurface_single) | aov_bit(Aov::subsurface_multiple) |
-                                       aov_bit(Aov::subsurface_unscattered) | aov_bit(Aov::specular) |
-                                       aov_bit(Aov::emission);
-/// The AOVs that show the closest sample's first hit.
-inline constexpr uint32_t kClosestAovs = aov_bit(Aov::depth) | aov_bit(Aov::camera_depth) | aov_bit(Aov::prim_id) |
-                                         aov_bit(Aov::instance_id) | aov_bit(Aov::element_id);
-
-/// "color", "depth", ... ; components per pixel (color 4: premultiplied RGBA); whether values are int32.
-const char* aov_name(Aov a);
-int aov_components(Aov a);
-bool aov_is_integer(Aov a);
-bool aov_from_name(const std::string& name, Aov* a);
 
 /// Rectangle of pixels, y-down, half open.
 struct PixelRect {
@@ -97,7 +57,7 @@ class FilmTile {
   /// sums depend on the order in the last bit. `layers`: null where none of kLayerAovs is requested.
   void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
-  /// Writes aov_components() values of a pixel: averages, or the values of the closest sample.
+  /// Writes a pixel's components: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out) const;
   int32_t resolve_int(size_t pixel, Aov aov) const;
   PixelNoise noise(size_t pixel) const;
@@ -151,7 +111,7 @@ class Film {
   /// Number of tiles stored so far: as long as it stays the same, so do the pixels.
   uint64_t revision() const { return revision_.load(); }
 
-  /// Resolved values of the whole window, row-major, y-down; aov_components() values per pixel. An AOV that is not
+  /// Resolved values of the whole window, row-major, y-down; component by component. An AOV that is not
   /// requested resolves to its background value.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;

@@ -4,6 +4,25 @@
 
 namespace alabaster {
 
+std::span<const Parameter<LightDescription>> light_parameters() {
+  using P = LightDescription;
+  static constexpr Parameter<P> kTable[] = {
+      {"intensity", &P::intensity, 0, kUnbounded},
+      {"exposure", &P::exposure, -64, 64},
+      {"color", &P::color, 0, kUnbounded},
+      {"normalize", &P::normalize},
+      {"width", &P::width, 0, kUnbounded},
+      {"height", &P::height, 0, kUnbounded},
+      {"radius", &P::radius, 0, kUnbounded},
+      {"treatAsPoint", &P::treat_as_point},
+      {"angle", &P::angle, 0, 360},
+      {"coneInner", &P::cone_inner, 0, 180},
+      {"coneOuter", &P::cone_outer, 0, 180},
+      {"visibleToCamera", &P::visible_to_camera},
+  };
+  return kTable;
+}
+
 Rgb finite_or_black(const Rgb& color, double scale) {
   Rgb scaled;
   for (int i = 0; i < 3; ++i) {

@@ -6,10 +6,12 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "core/color/rgb.h"
 #include "core/math/ray.h"
 #include "core/math/transform.h"
+#include "core/parameter/parameter.h"
 #include "core/texture/texture.h"
 
 namespace alabaster {
@@ -58,7 +60,10 @@ struct LightDescription {
                                              // smooth between them as KHR_lights_punctual defines
   std::shared_ptr<const Texture> texture;    // dome: lat-long, USD's orientation (see dome_light.h)
   bool visible_to_camera = false;
+  bool operator==(const LightDescription&) const = default;
 };
+/// schemas/lights.json, but for texture:file.
+std::span<const Parameter<LightDescription>> light_parameters();
 
 /// color * intensity * 2^exposure, negative channels cut to zero; black if that is not finite.
 Rgb emission(const LightDescription& description);

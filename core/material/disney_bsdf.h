@@ -32,7 +32,7 @@ struct BsdfSample {
 
 class DisneyBsdf {
  public:
-  /// `parameters` must be clamped (clamp_to_ranges). wo.z <= 0 gives a BSDF that is zero everywhere.
+  /// `parameters` must lie in the ranges of material_parameters(). wo.z <= 0 gives a BSDF that is zero everywhere.
   DisneyBsdf(const DisneyParameters& parameters, const Vec3f& wo);
 
   /// All local lobes together. The pdf is the sum of probability times pdf over them: it integrates to 1 -

@@ -1,5 +1,5 @@
 // The Disney BSDF's parameters as plain numbers, as the lobes see them after texturing.
-// Names, meanings and ranges: schemas/disney_material.json (Burley 2012 and 2015).
+// Names and ranges: material_parameters(). Meanings: schemas/disney_material.json (Burley 2012 and 2015).
 #pragma once
 
 #include "core/color/rgb.h"
@@ -26,8 +26,5 @@ struct DisneyParameters {
 
   bool scatters() const { return max_component(scatter_distance) > 0; }
 };
-
-/// Clamps every parameter into its range and replaces non-finite values by their default: done here and only here.
-DisneyParameters clamp_to_ranges(const DisneyParameters& parameters);
 
 }  // namespace alabaster

@@ -35,6 +35,7 @@ struct InstanceDescription {
   std::string name;         // prim path, for reports
   /// Instances that scatter and name the same set do so as one body; empty: each for itself.
   std::string subsurface_set = {};
+  bool operator==(const InstanceDescription&) const = default;
 };
 
 /// True if light goes below the surface of some triangle: a material that no face uses does not count.
@@ -43,6 +44,7 @@ bool scatters(const InstanceDescription& instance);
 struct SceneDescription {
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
+  bool operator==(const SceneDescription&) const = default;
 };
 
 /// The features that the inner loop may meet, and has to be able to handle.

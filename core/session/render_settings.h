@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/film/filter.h"
 #include "core/integrator/path_integrator.h"
+#include "core/parameter/parameter.h"
 
 namespace alabaster {
 
-/// How to render. Names, ranges and defaults: schemas/render_settings.json (a test compares).
+/// How to render. Names and ranges: setting_parameters(). What each does: schemas/render_settings.json.
 struct RenderSettings {
   uint32_t samples = 64;   // per pixel, at most; with `adaptive` the mean over pixels
   float target_error = 0;  // the render ends at this relative RMSE (core/convergence/frame_error.h); 0: no target
@@ -20,11 +22,15 @@ struct RenderSettings {
   uint32_t threads = 0;         // 0: all
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
   AlbedoInversion inversion = AlbedoInversion::exact;
-  WalkWeights walk_weights = WalkWeights::throughput;
-  bool walk_guiding = true;
-  bool walk_sphere_steps = true;
+  WalkWeights walk_weights = WalkSettings().weights;
+  bool walk_guiding = WalkSettings().guiding;
+  bool walk_sphere_steps = WalkSettings().sphere_steps;
   PixelFilter filter = PixelFilter::blackman_harris;
   bool operator==(const RenderSettings&) const = default;
 };
+
+using SettingParameter = Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, WalkWeights, PixelFilter>;
+/// schemas/render_settings.json.
+std::span<const SettingParameter> setting_parameters();
 
 }  // namespace alabaster

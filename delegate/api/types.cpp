@@ -1,7 +1,7 @@
 #include "delegate/api/types.h"
 
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 #include <type_traits>
 #include <unordered_set>
@@ -44,16 +44,21 @@ bool Path::has_prefix(const Path& prefix) const {
 
 namespace {
 
-std::string number_text(double v) {
+// The shortest decimal that reads back as the same float or integer. A double has nine digits: the further ones of a
+// transform are rounding, which differs between machines.
+template <class T>
+std::string number_text(T v) {
   char text[40];
-  std::snprintf(text, sizeof text, "%.9g", v);
-  return text;
+  if constexpr (std::is_same_v<T, double>)
+    return {text, std::to_chars(text, text + sizeof text, v, std::chars_format::general, 9).ptr};
+  else
+    return {text, std::to_chars(text, text + sizeof text, v).ptr};
 }
 
 template <class V>
 std::string components_text(const V& v) {
   std::string text = "(";
-  for (unsigned i = 0; i < V::dimensions(); ++i) text += (i ? ", " : "") + number_text(static_cast<double>(v[int(i)]));
+  for (unsigned i = 0; i < V::dimensions(); ++i) text += (i ? ", " : "") + number_text(v[int(i)]);
   return text + ")";
 }
 
@@ -106,10 +111,8 @@ template <class T>
 requires std::is_arithmetic_v<T> std::string text_of(T v) {
   if constexpr (std::is_same_v<T, bool>)
     return v ? "true" : "false";
-  else if constexpr (std::is_integral_v<T>)
-    return std::to_string(v);
   else
-    return number_text(static_cast<double>(v));
+    return number_text(v);
 }
 template <class T>
 std::string text_of(const Array<T>& array) {

@@ -142,7 +142,7 @@ class ALABASTER_API Value {
   double number_or(double fallback) const;
   /// Token, string, path or asset path as text; `fallback` for the rest.
   std::string text_or(std::string fallback) const;
-  /// Stable text for dumps and messages.
+  /// Stable text for dumps and messages: a float is the shortest decimal that reads back as the same float.
   std::string to_string() const;
   bool operator==(const Value& o) const;
   const Storage& storage() const { return storage_; }

@@ -5,6 +5,7 @@
 
 #include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
+#include "delegate/support/schema_text.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -215,6 +216,10 @@ json expanded_schema(const std::string& name) {
 
 bool check_schema(const JsonDocument& document, const json& schema, const DiagnosticSink& sink) {
   return Checker(document, schema, sink).run();
+}
+
+const char* SchemaText(const std::string& name) {
+  return support::schema_text(name);
 }
 
 }  // namespace alabaster::hd::description

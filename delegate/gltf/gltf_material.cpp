@@ -4,8 +4,11 @@
 #include <cmath>
 #include <map>
 
+#include "core/material/disney_material.h"
 #include "core/material/fresnel.h"
+#include "core/subsurface/medium.h"
 #include "delegate/gltf/gltf_names.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -47,6 +50,19 @@ constexpr float kUnlimited = std::numeric_limits<float>::max();
 bool attenuates(Extension volume) {
   return number_or(volume, "attenuationDistance", 0, 0, double(kUnlimited)) > 0 &&
          color_or(volume, "attenuationColor", Vec3f(1)) != Vec3f(1);
+}
+
+const MaterialParameter* find_disney_parameter(const std::string& name) {
+  for (const MaterialParameter& parameter : material_parameters())
+    if (name == parameter.name) return &parameter;
+  return nullptr;
+}
+
+std::string suggestion(const std::string& name) {
+  std::vector<std::string> names;
+  for (const MaterialParameter& parameter : material_parameters()) names.emplace_back(parameter.name);
+  const std::string nearest = support::NearestName(name, names);
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
 }
 
 TextureUse use_in(Extension extension, const char* name) {
@@ -235,18 +251,18 @@ class MaterialTranslator {
     for (const std::string& key : disney->Keys()) {
       const tinygltf::Value& value = disney->Get(key);
       const std::string place = element_ + ".extensions.ALAB_materials_disney." + key;
-      if (key == "baseColorTexture" || key == "scatterDistanceTexture") continue;  // set_textures()
-      const int components = disney_parameter_components(key);
-      if (components == 0) {
-        report_.error("material.disney", place,
-                      "is not a parameter; did you mean '" + nearest_disney_parameter(key) + "'?");
-      } else if (components == 1 ? !value.IsNumber() : !is_color(value)) {
-        report_.error("material.disney", place, components == 1 ? "must be a number" : "must be three numbers");
-      } else if (components == 1) {
-        set(key.c_str(), value.GetNumberAsDouble());
+      const bool texture = is_texture(key);
+      const MaterialParameter* parameter = find_disney_parameter(texture ? key.substr(0, key.size() - 7) : key);
+      if (texture && parameter && parameter->map) continue;  // set_textures()
+      if (texture || !parameter) {
+        report_.error("material.disney", place, "is not a parameter" + suggestion(key));
+      } else if (parameter->is_color() ? !is_color(value) : !value.IsNumber()) {
+        report_.error("material.disney", place, parameter->is_color() ? "must be three numbers" : "must be a number");
+      } else if (parameter->is_color()) {
+        set(parameter->name, {float(value.Get(0).GetNumberAsDouble()), float(value.Get(1).GetNumberAsDouble()),
+                              float(value.Get(2).GetNumberAsDouble())});
       } else {
-        set(key.c_str(), {float(value.Get(0).GetNumberAsDouble()), float(value.Get(1).GetNumberAsDouble()),
-                          float(value.Get(2).GetNumberAsDouble())});
+        set(parameter->name, value.GetNumberAsDouble());
       }
     }
   }
@@ -304,8 +320,7 @@ TextureUses textures_of(const tinygltf::Material& material) {
 float scatter_distance(double attenuation_color, double attenuation_distance, double albedo, double g) {
   if (attenuation_color <= 0 || attenuation_distance <= 0) return 0;
   const double sigma_t = -std::log(std::min(attenuation_color, 0.999)) / attenuation_distance;
-  const double s = 1.9 - albedo + 3.5 * (albedo - 0.8) * (albedo - 0.8);
-  return float(1 / (sigma_t * (1 - g) * s));
+  return float(1 / (sigma_t * (1 - g) * distance_scale(albedo)));
 }
 
 MaterialNetwork translate_material(const Document& document, size_t index, const Path& id, Report& report) {

@@ -1,4 +1,4 @@
-// Names of prims, made from a document's names, and names of Disney parameters in a document.
+// Names of prims, made from a document's names.
 #pragma once
 
 #include <string>
@@ -9,10 +9,5 @@ namespace alabaster::hd::gltf {
 std::string prim_name(size_t index, const std::string& name);
 /// `text` with every character that a path must not have replaced by '_'.
 std::string clean_name(const std::string& text);
-
-/// 3 for a colour, 1 for a number, 0 for a name that is not a parameter of the node AlabasterDisney.
-int disney_parameter_components(const std::string& name);
-/// The known parameter with the fewest edits from `name`.
-std::string nearest_disney_parameter(const std::string& name);
 
 }  // namespace alabaster::hd::gltf

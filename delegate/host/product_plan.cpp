@@ -4,43 +4,11 @@
 #include <filesystem>
 #include <set>
 
+#include "core/film/aov.h"
 #include "delegate/host/product_writer.h"
 
 namespace alabaster::hd::host {
 namespace {
-
-struct KnownAov {
-  const char* name;
-  const char* layer;     // of the usual channel names; empty: none
-  const char* suffixes;  // one letter per component; empty: the layer is the channel's whole name
-  bool is_color, is_integer, full_precision, is_distance = false;
-};
-constexpr KnownAov kAovs[] = {
-    {"color", "", "RGBA", true, false, false},
-    {"alpha", "", "A", false, false, false},
-    {"depth", "depth", "Z", false, false, true},
-    {"cameraDepth", "", "Z", false, false, true, true},
-    {"normal", "N", "XYZ", false, false, false},
-    {"albedo", "albedo", "RGB", true, false, false},
-    {"primId", "primId", "", false, true, true},
-    {"instanceId", "instanceId", "", false, true, true},
-    {"elementId", "elementId", "", false, true, true},
-    {"sampleCount", "sampleCount", "", false, true, true},
-    {"diffuse", "diffuse", "RGB", true, false, false},
-    {"subsurface", "subsurface", "RGB", true, false, false},
-    {"subsurfaceSingle", "subsurfaceSingle", "RGB", true, false, false},
-    {"subsurfaceMultiple", "subsurfaceMultiple", "RGB", true, false, false},
-    {"subsurfaceUnscattered", "subsurfaceUnscattered", "RGB", true, false, false},
-    {"specular", "specular", "RGB", true, false, false},
-    {"emission", "emission", "RGB", true, false, false},
-    {"error", "error", "", false, false, true},
-};
-
-const KnownAov* find_aov(const Token& name) {
-  for (const KnownAov& aov : kAovs)
-    if (name.str() == aov.name) return &aov;
-  return nullptr;
-}
 
 std::string known_aov_names() {
   std::string names;
@@ -75,38 +43,43 @@ bool store_of(FileKind kind, const std::string& type, ChannelStore& store) {
   return store = ChannelStore::uint8, type.empty() || type == "uint8";
 }
 
-ChannelStore exr_store(const KnownAov& aov, const RenderVar& var, ChannelStore product_store) {
-  const bool wants_float = var.dataType == Token("float");
-  if (aov.is_integer) return wants_float ? ChannelStore::float32 : ChannelStore::uint32;
-  return wants_float || aov.full_precision ? ChannelStore::float32 : product_store;
+/// 16 bits of float are not enough.
+bool needs_full_precision(const AovInfo& aov) {
+  return aov.value == AovValue::exact || aov.value == AovValue::distance;
 }
 
-std::vector<PlannedChannel> channels_of(const RenderVar& var, const KnownAov& aov, ChannelStore store) {
+ChannelStore exr_store(const AovInfo& aov, const RenderVar& var, ChannelStore product_store) {
+  const bool wants_float = var.dataType == Token("float");
+  if (aov.is_integer()) return wants_float ? ChannelStore::float32 : ChannelStore::uint32;
+  return wants_float || needs_full_precision(aov) ? ChannelStore::float32 : product_store;
+}
+
+std::vector<PlannedChannel> channels_of(const RenderVar& var, const AovInfo& aov, ChannelStore store) {
   const bool usual = var.name.empty() || var.name == aov.name;
   const std::string layer = usual ? aov.layer : var.name;
   std::vector<PlannedChannel> channels;
-  const std::string suffixes = aov.suffixes;
-  if (suffixes.empty()) channels.push_back({layer, var.aov, 0, false, aov.is_distance, store});
+  const std::string suffixes = aov.channels;
+  const bool distance = aov.value == AovValue::distance;
+  if (suffixes.empty()) channels.push_back({layer, var.aov, 0, false, distance, store});
   for (size_t i = 0; i < suffixes.size(); ++i) {
-    const bool color = aov.is_color && suffixes[i] != 'A';
-    channels.push_back(
-        {(layer.empty() ? "" : layer + ".") + suffixes[i], var.aov, int(i), color, aov.is_distance, store});
+    const bool color = aov.is_color() && suffixes[i] != 'A';
+    channels.push_back({(layer.empty() ? "" : layer + ".") + suffixes[i], var.aov, int(i), color, distance, store});
   }
   return channels;
 }
 
 bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
-  const KnownAov* aov = find_aov(var.aov);
+  const AovInfo* aov = find_aov(var.aov.str());
   const std::string& type = var.dataType.str();
   if (!aov) {
     error = "there is no AOV '" + var.aov.str() + "'; use one of: " + known_aov_names();
   } else if (type != "half" && type != "float" && type != "int" && !type.empty()) {
     error = "AOV '" + var.aov.str() + "' has the unknown data type '" + type + "'; use half, float or int";
-  } else if (type == "int" && !aov->is_integer) {
+  } else if (type == "int" && !aov->is_integer()) {
     error = "AOV '" + var.aov.str() + "' is not made of integers; use data type half or float";
-  } else if (kind != FileKind::exr && !aov->is_color && var.aov != Token("alpha")) {
+  } else if (kind != FileKind::exr && !aov->is_color() && var.aov != Token("alpha")) {
     error = "AOV '" + var.aov.str() + "' cannot be stored in this kind of file; write it to an .exr file";
-  } else if (kind == FileKind::jpeg && !aov->is_color) {
+  } else if (kind == FileKind::jpeg && !aov->is_color()) {
     error = "a JPEG file has no alpha; write AOV 'alpha' to a .png, .tif or .exr file";
   } else {
     return true;
@@ -131,7 +104,7 @@ bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan
   std::set<std::string> names;
   for (const RenderVar& var : vars) {
     if (!check_var(var, plan.kind, error)) return false;
-    const KnownAov& aov = *find_aov(var.aov);
+    const AovInfo& aov = *find_aov(var.aov.str());
     for (PlannedChannel& c : channels_of(var, aov, plan.kind == FileKind::exr ? exr_store(aov, var, store) : store)) {
       if (plan.kind == FileKind::jpeg && !c.is_color) continue;
       if (!names.insert(c.name).second) {
@@ -154,15 +127,15 @@ bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan
 const std::vector<std::string>& ProductAovs() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> all;
-    for (const KnownAov& aov : kAovs) all.emplace_back(aov.name);
+    for (const AovInfo& aov : kAovs) all.emplace_back(aov.name);
     return all;
   }();
   return names;
 }
 
 RenderVar UsualRenderVar(const std::string& aov) {
-  const KnownAov* known = find_aov(aov);
-  const char* type = !known ? "half" : known->is_integer ? "int" : known->full_precision ? "float" : "half";
+  const AovInfo* known = find_aov(aov);
+  const char* type = !known ? "half" : known->is_integer() ? "int" : needs_full_precision(*known) ? "float" : "half";
   return {aov, aov, type};
 }
 

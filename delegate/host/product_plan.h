@@ -8,9 +8,7 @@ namespace alabaster::hd::host {
 enum class FileKind { exr, png, tiff, jpeg };
 enum class ChannelStore { half, float32, uint32, uint8, uint16 };
 
-/// One channel of the file. Usual names, as compositors know them:
-///   color -> R G B A; alpha -> A; cameraDepth -> Z; depth -> depth.Z; normal -> N.X N.Y N.Z; albedo -> albedo.R
-///   albedo.G albedo.B; primId, instanceId, elementId, sampleCount -> those names.
+/// One channel of the file. Usual names: kAovs (core/film/aov.h) and delegate/README.md.
 /// A RenderVar named otherwise than its AOV gives a layer: name.R, name.Z, ...; for ids and counts the name itself.
 /// Z is what compositors take it for: the distance along the view in world units, 1e10 where nothing was hit (as Cycles
 /// writes it); depth.Z is Hydra's clip depth, 0 near to 1 far. Depths and sample counts are never half. Ids are uint32,

@@ -7,17 +7,6 @@
 namespace alabaster::hd::sync {
 namespace {
 
-/// A parameter that can be connected to a texture.
-struct TexturedInput {
-  const char* name;
-  std::shared_ptr<const Texture> DisneyMaterial::*map;
-  Rgb DisneyParameters::*constant;
-  const char* automatic_space;  // what "auto" means: numbers are never taken for sRGB
-};
-constexpr TexturedInput kTexturedInputs[] = {
-    {"baseColor", &DisneyMaterial::base_color_map, &DisneyParameters::base_color, "auto"},
-    {"scatterDistance", &DisneyMaterial::scatter_distance_map, &DisneyParameters::scatter_distance, "raw"}};
-
 /// Reads one network; everything it cannot draw is reported once, with what is drawn instead.
 class MaterialReader {
  public:
@@ -33,7 +22,6 @@ class MaterialReader {
       for (const auto& [input, connections] : surface->inputConnections)
         if (!connections.empty()) read_connection(*surface, input, connections.front(), material.get());
     }
-    material->constants = clamp_to_ranges(material->constants);
     if (!material->scatters()) material->scatter_distance_map = nullptr;  // nothing to multiply
     return material;
   }
@@ -86,19 +74,22 @@ class MaterialReader {
                                    : "a node of unknown type '" + node->second.nodeTypeId.str() + "'";
       return warn("material.node", input.str() + " is connected to " + what + "; its constant is used");
     }
-    for (const TexturedInput& textured : kTexturedInputs)
-      if (input == Token(textured.name)) {
-        auto& map = material->*textured.map;
-        map = read_texture(node->second, textured.automatic_space);
-        // A constant that nobody gave must not scale the texture.
-        if (map && !surface.parameters.count(input)) material->constants.*textured.constant = Rgb(1.0f);
-        return;
-      }
-    warn("material.connection", "only baseColor and scatterDistance can be textured; the connection of " + input.str() +
+    std::string textured;
+    for (const MaterialParameter& parameter : material_parameters()) {
+      if (!parameter.map) continue;
+      textured += (textured.empty() ? "" : " and ") + std::string(parameter.name);
+      if (input != Token(parameter.name)) continue;
+      auto& map = material->*parameter.map;
+      map = read_texture(node->second, parameter.texels);
+      // A constant that nobody gave must not scale the texture.
+      if (map && !surface.parameters.count(input)) set_parameter(parameter, 1.0f, &material->constants);
+      return;
+    }
+    warn("material.connection", "only " + textured + " can be textured; the connection of " + input.str() +
                                     " is ignored and its constant used");
   }
 
-  std::shared_ptr<const Texture> read_texture(const MaterialNode& node, const std::string& automatic_space) const {
+  std::shared_ptr<const Texture> read_texture(const MaterialNode& node, Texels texels) const {
     const auto parameter = [&](const char* name) {
       const auto found = node.parameters.find(name);
       return found == node.parameters.end() ? Value() : found->second;
@@ -112,7 +103,8 @@ class MaterialReader {
       return nullptr;
     }
     source.color_space = parameter("sourceColorSpace").text_or("auto");
-    if (source.color_space.empty() || source.color_space == "auto") source.color_space = automatic_space;
+    if (source.color_space.empty()) source.color_space = "auto";
+    if (source.color_space == "auto" && texels == Texels::numbers) source.color_space = "raw";
     source.wrap_s = wrap(parameter("wrapS"));
     source.wrap_t = wrap(parameter("wrapT"));
     const std::string st = parameter("st").text_or("st");

@@ -1,79 +1,66 @@
-// One table per kind of parameter: name -> member, range. Reading, dumping and describing all go through it.
+// Values of the contract to and from members of core's structs, through the rows of core's tables of parameters.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
-#include <variant>
 
-#include "core/camera/camera.h"
-#include "core/light/light.h"
-#include "core/material/disney_parameters.h"
-#include "core/session/render_settings.h"
-#include "delegate/api/render_delegate.h"
+#include "core/parameter/parameter.h"
+#include "delegate/api/types.h"
 #include "delegate/prims/diagnostics.h"
 
 namespace alabaster::hd::sync {
-
-template <class T>
-struct Parameter {
-  const char* name;
-  std::variant<float T::*, bool T::*, Rgb T::*> member;
-  double minimum = -std::numeric_limits<double>::infinity();
-  double maximum = std::numeric_limits<double>::infinity();
-};
-
-std::span<const Parameter<DisneyParameters>> material_parameters();          // schemas/disney_material.json
-std::span<const Parameter<alabaster::LightDescription>> light_parameters();  // schemas/lights.json, but texture:file
-std::span<const Parameter<CameraParameters>> camera_parameters();  // schemas/camera.json, but projection, clippingRange
-
-/// A render setting: a number, a switch, or one of a few words.
-struct SettingParameter {
-  const char* name;
-  const char* documentation;
-  std::variant<uint32_t RenderSettings::*, float RenderSettings::*, bool RenderSettings::*,
-               SubsurfaceMode RenderSettings::*, AlbedoInversion RenderSettings::*, WalkWeights RenderSettings::*,
-               PixelFilter RenderSettings::*>
-      member;
-  double minimum = 0, maximum = 0;        // of numbers
-  std::vector<std::string> choices = {};  // of words, in the order of the enumeration
-};
-const std::vector<SettingParameter>& setting_parameters();  // schemas/render_settings.json
 
 enum class ParameterFault { none, type, range };
 
 /// A number that fits `minimum`..`maximum`, or the nearest that does.
 ParameterFault read_number(const Value& value, double minimum, double maximum, double* out);
 ParameterFault read_color(const Value& value, double minimum, double maximum, Rgb* out);
-ParameterFault set_setting(const SettingParameter& parameter, const Value& value, RenderSettings* settings);
-Value get_setting(const SettingParameter& parameter, const RenderSettings& settings);
 /// Says what is wrong with parameter `name` of `where` and what is used instead.
 void report_fault(const alabaster::DiagnosticSink& sink, const std::string& where, const std::string& name,
                   ParameterFault fault, const Value& value);
 
-template <class T>
-ParameterFault set_parameter(const Parameter<T>& parameter, const Value& value, T* object) {
-  if (const auto* number = std::get_if<float T::*>(&parameter.member)) {
-    double read = 0;
-    const ParameterFault fault = read_number(value, parameter.minimum, parameter.maximum, &read);
-    if (fault != ParameterFault::type) object->*(*number) = static_cast<float>(read);
-    return fault;
-  }
-  if (const auto* color = std::get_if<Rgb T::*>(&parameter.member))
-    return read_color(value, parameter.minimum, parameter.maximum, &(object->*(*color)));
-  const auto* flag = std::get_if<bool T::*>(&parameter.member);
-  const double read = value.number_or(std::numeric_limits<double>::quiet_NaN());
-  if (std::isnan(read)) return ParameterFault::type;
-  object->*(*flag) = read != 0;
-  return ParameterFault::none;
+/// Sets the row's member of `object`; leaves it as it is if the value is of the wrong type.
+template <class T, class... Words>
+ParameterFault set_parameter(const Parameter<T, Words...>& row, const Value& value, T* object) {
+  return std::visit(
+      [&](auto member) {
+        auto& out = object->*member;
+        using Member = std::decay_t<decltype(out)>;
+        if constexpr (std::is_same_v<Member, Rgb>) {
+          return read_color(value, row.minimum, row.maximum, &out);
+        } else if constexpr (std::is_enum_v<Member>) {
+          const std::string word = value.text_or("");
+          for (size_t i = 0; i < row.words.size() && row.words[i]; ++i)
+            if (word == row.words[i]) return out = static_cast<Member>(i), ParameterFault::none;
+          return ParameterFault::type;
+        } else {
+          constexpr bool kSwitch = std::is_same_v<Member, bool>;  // 0 is off, all else on
+          double read = 0;
+          const ParameterFault fault = read_number(value, row.minimum, row.maximum, &read);
+          if (fault != ParameterFault::type) out = kSwitch ? read != 0 : static_cast<Member>(read);
+          return fault;
+        }
+      },
+      row.member);
 }
 
-template <class T>
-Value get_parameter(const Parameter<T>& parameter, const T& object) {
-  if (const auto* number = std::get_if<float T::*>(&parameter.member)) return object.*(*number);
-  if (const auto* flag = std::get_if<bool T::*>(&parameter.member)) return object.*(*flag);
-  const Rgb& color = object.*std::get<Rgb T::*>(parameter.member);
-  return Vec3f(color.r, color.g, color.b);
+template <class T, class... Words>
+Value get_parameter(const Parameter<T, Words...>& row, const T& object) {
+  return std::visit(
+      [&](auto member) -> Value {
+        const auto& held = object.*member;
+        using Member = std::decay_t<decltype(held)>;
+        if constexpr (std::is_same_v<Member, Rgb>)
+          return Vec3f(held.r, held.g, held.b);
+        else if constexpr (std::is_enum_v<Member>)
+          return std::string(row.words[static_cast<size_t>(held)]);
+        else if constexpr (std::is_same_v<Member, uint32_t>)
+          return static_cast<int64_t>(held);
+        else
+          return held;
+      },
+      row.member);
 }
 
 }  // namespace alabaster::hd::sync

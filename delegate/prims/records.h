@@ -36,25 +36,26 @@ struct MaterialRecord {
 
 struct LightRecord {
   alabaster::LightDescription light;
-  bool operator==(const LightRecord& o) const;
+  bool operator==(const LightRecord&) const = default;
 };
 
 struct CameraRecord {
   CameraParameters camera;
+  bool operator==(const CameraRecord&) const = default;
 };
 
 struct SettingsRecord {
   RenderSettingsDescription settings;
+  bool operator==(const SettingsRecord&) const = default;
 };
 
 using Record = std::variant<std::monostate, MeshRecord, InstancerRecord, MaterialRecord, LightRecord, CameraRecord,
                             SettingsRecord>;
 using Records = std::map<Path, Record>;
 
-bool same_light(const alabaster::LightDescription& a, const alabaster::LightDescription& b);
-bool same_camera(const CameraParameters& a, const CameraParameters& b);
-/// True if drawing cannot tell the two apart; cameras and settings, which are compared when a render starts, never
-/// differ here.
-bool same_scene_part(const Record& a, const Record& b);
+/// False for cameras and settings: a render compares those when it starts.
+inline bool is_drawn(const Record& record) {
+  return !std::holds_alternative<CameraRecord>(record) && !std::holds_alternative<SettingsRecord>(record);
+}
 
 }  // namespace alabaster::hd::sync

@@ -9,16 +9,24 @@ std::string yes_no(bool b) {
   return b ? "yes" : "no";
 }
 
-template <class T>
-std::string parameter_lines(std::span<const Parameter<T>> table, const T& object) {
+template <class Row, class T>
+std::string parameter_lines(std::span<const Row> table, const T& object) {
   std::string text;
-  for (const auto& parameter : table)
+  for (const Row& parameter : table)
     text += std::string("  ") + parameter.name + " " + get_parameter(parameter, object).to_string() + "\n";
   return text;
 }
 
 std::string texture_text(const std::shared_ptr<const Texture>& texture) {
   return texture ? std::to_string(texture->width()) + "x" + std::to_string(texture->height()) : std::string("none");
+}
+
+std::string material_text(const DisneyMaterial& material) {
+  std::string text = parameter_lines(material_parameters(), material.constants);
+  for (const MaterialParameter& parameter : material_parameters())
+    if (parameter.map)
+      text += std::string("  ") + parameter.name + " texture " + texture_text(material.*parameter.map) + "\n";
+  return text;
 }
 
 std::string matrix_line(const Matrix4d& m) {
@@ -87,10 +95,7 @@ std::string dump_scene(const Translation& translation, const Records& records) {
     materials += instance.materials.size();
     for (const auto& material : instance.materials) used[material->name] = material.get();
   }
-  for (const auto& [name, material] : used)
-    text += "material " + name + "\n" + parameter_lines(material_parameters(), material->constants) +
-            "  baseColor texture " + texture_text(material->base_color_map) + "\n  scatterDistance texture " +
-            texture_text(material->scatter_distance_map) + "\n";
+  for (const auto& [name, material] : used) text += "material " + name + "\n" + material_text(*material);
   for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
     const auto& light = translation.scene.lights[i];
     text += std::string(type_name(light.type)) + " " + translation.light_paths[i].str() + "\n" +
@@ -115,7 +120,7 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   line("emissive meshes", snapshot.features.emissive_meshes,
        first_material(translation, [](const DisneyMaterial& m) { return m.emits(); }));
   line("textures", snapshot.features.textures,
-       first_material(translation, [](const DisneyMaterial& m) { return m.base_color_map || m.scatter_distance_map; }));
+       first_material(translation, [](const DisneyMaterial& m) { return !m.textures().empty(); }));
   std::string smooth;
   for (const auto& instance : translation.scene.instances)
     if (smooth.empty() && !instance.prototype->mesh.normals.empty()) smooth = instance.name;

@@ -152,16 +152,4 @@ Translation SceneTranslator::translate(const Records& records) {
   return std::move(run.out);
 }
 
-bool same_scene(const Translation& a, const Translation& b) {
-  const auto same_instance = [](const InstanceDescription& x, const InstanceDescription& y) {
-    return x.prototype == y.prototype && x.object_to_world == y.object_to_world && x.materials == y.materials &&
-           x.prim_id == y.prim_id && x.instance_id == y.instance_id && x.name == y.name &&
-           x.subsurface_set == y.subsurface_set;
-  };
-  return std::equal(a.scene.instances.begin(), a.scene.instances.end(), b.scene.instances.begin(),
-                    b.scene.instances.end(), same_instance) &&
-         std::equal(a.scene.lights.begin(), a.scene.lights.end(), b.scene.lights.begin(), b.scene.lights.end(),
-                    same_light);
-}
-
 }  // namespace alabaster::hd::sync

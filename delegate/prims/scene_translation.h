@@ -37,8 +37,6 @@ class SceneTranslator {
   std::set<std::pair<std::string, std::string>> reported_;
 };
 
-bool same_scene(const Translation& a, const Translation& b);
-
 /// Stable text of a translated scene and its cameras: what "dumpScene" answers.
 std::string dump_scene(const Translation& translation, const Records& records);
 /// What a snapshot requires, and which prim is the reason: what "requirements" answers.

@@ -12,6 +12,7 @@ struct FramedCamera {
   int width = 0, height = 0;
   PixelRect data_window;           // relative to the display window's corner
   int buffer_x = 0, buffer_y = 0;  // where data_window's (0, 0) lies in the buffer, y-down
+  bool operator==(const FramedCamera&) const = default;
 };
 
 /// `framing` must be valid. A display window with fractional edges is widened to whole pixels, and the apertures with

@@ -79,35 +79,18 @@ void write_clear(const Value& clear, Format format, uint8_t* pixel) {
 }
 
 AovDescriptor default_aov_descriptor(const Token& name) {
-  Aov aov{};
-  if (!aov_from_name(name.str(), &aov)) return {};
-  switch (aov) {
-    case Aov::color:
-      return described(Format::float32vec4, Vec4f(0, 0, 0, 0));
-    case Aov::normal:
-    case Aov::albedo:
-    case Aov::diffuse:
-    case Aov::subsurface:
-    case Aov::subsurface_single:
-    case Aov::subsurface_multiple:
-    case Aov::subsurface_unscattered:
-    case Aov::specular:
-    case Aov::emission:
-      return described(Format::float32vec3, Vec3f(0, 0, 0));
-    case Aov::depth:
-      return described(Format::float32, 1.0f);
-    case Aov::alpha:
-    case Aov::camera_depth:
-    case Aov::error:
-      return described(Format::float32, 0.0f);
-    case Aov::prim_id:
-    case Aov::instance_id:
-    case Aov::element_id:
-      return described(Format::int32, int32_t(-1));
-    case Aov::sample_count:
-      return described(Format::int32, int32_t(0));
+  const AovInfo* aov = find_aov(name.str());
+  if (!aov) return {};
+  const float b = aov->background;
+  if (aov->is_integer()) return described(Format::int32, static_cast<int32_t>(b));
+  switch (aov->components()) {
+    case 1:
+      return described(Format::float32, b);
+    case 3:
+      return described(Format::float32vec3, Vec3f(b));
+    default:
+      return described(Format::float32vec4, Vec4f(b));
   }
-  return {};
 }
 
 }  // namespace alabaster::hd::sync

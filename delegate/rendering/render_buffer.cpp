@@ -35,7 +35,7 @@ void write_shared_rows(const RenderBufferDescriptor& d, const BufferSource& sour
   const int x0 = std::max(window.x0, -source.buffer_x), x1 = std::min(window.x1, d.dimensions.x - source.buffer_x);
   const int y0 = std::max(window.y0, -source.buffer_y), y1 = std::min(window.y1, d.dimensions.y - source.buffer_y);
   if (x0 >= x1) return;
-  const auto components = static_cast<size_t>(aov_components(source.aov));
+  const auto components = static_cast<size_t>(aov_info(source.aov).components());
   const auto width = static_cast<size_t>(window.width());
   for (int y = y0; y < y1; ++y) {
     const size_t first = static_cast<size_t>(y - window.y0) * width + static_cast<size_t>(x0 - window.x0);
@@ -114,11 +114,11 @@ std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBu
   if (!covers_buffer(description, source)) clear_pixels(source.clear, description.format, &store->pixels);
   if (!source.film) return store;
   const Format format = description.format;
-  if (aov_is_integer(source.aov)) {
+  if (aov_info(source.aov).is_integer()) {
     write_shared_rows(description, source, source.film->resolve_int(source.aov), &store->pixels,
                       [format](const int32_t* in, size_t n, uint8_t* out) { write_pixels(in, n, format, out); });
   } else {
-    const int components = aov_components(source.aov);
+    const int components = aov_info(source.aov).components();
     write_shared_rows(description, source, source.film->resolve_float(source.aov), &store->pixels,
                       [&](const float* in, size_t n, uint8_t* out) { write_pixels(in, components, n, format, out); });
   }

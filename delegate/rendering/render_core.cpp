@@ -9,7 +9,7 @@ namespace alabaster::hd::sync {
 namespace {
 
 const SettingParameter* find_setting(const Token& key) {
-  const auto& table = setting_parameters();
+  const auto table = setting_parameters();
   const auto found = std::find_if(table.begin(), table.end(), [&](const auto& p) { return key.str() == p.name; });
   return found == table.end() ? nullptr : &*found;
 }
@@ -35,7 +35,7 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
   const SettingParameter* parameter = find_setting(key);
   RenderSettings unused;
   if (parameter && !value.empty())
-    report_fault(param->sink(), "render settings", key.str(), sync::set_setting(*parameter, value, &unused), value);
+    report_fault(param->sink(), "render settings", key.str(), set_parameter(*parameter, value, &unused), value);
   if (key == Token("threads")) param->set_threads(render_settings().threads);
 }
 
@@ -46,7 +46,7 @@ Value RenderCore::setting(const Token& key) const {
     if (held != settings_.end()) return held->second;
   }
   const SettingParameter* parameter = find_setting(key);
-  return parameter ? get_setting(*parameter, render_settings()) : Value();
+  return parameter ? get_parameter(*parameter, render_settings()) : Value();
 }
 
 uint32_t RenderCore::settings_version() const {
@@ -77,12 +77,12 @@ RenderSettings RenderCore::render_settings() const {
   const std::lock_guard lock(mutex_);
   for (const SettingParameter& parameter : setting_parameters()) {
     if (prim) {
-      if (Token("frame") == Token(parameter.name)) sync::set_setting(parameter, prim->settings.frame, &out);
+      if (Token("frame") == Token(parameter.name)) set_parameter(parameter, prim->settings.frame, &out);
       const auto value = prim->settings.settings.find(parameter.name);
-      if (value != prim->settings.settings.end()) sync::set_setting(parameter, value->second, &out);
+      if (value != prim->settings.settings.end()) set_parameter(parameter, value->second, &out);
     }
     const auto value = settings_.find(parameter.name);
-    if (value != settings_.end()) sync::set_setting(parameter, value->second, &out);
+    if (value != settings_.end()) set_parameter(parameter, value->second, &out);
   }
   return out;
 }
@@ -106,12 +106,11 @@ bool RenderCore::apply_edits() {
     const bool gone = std::holds_alternative<std::monostate>(edit.record);
     if (held == records_.end()) {
       if (gone) continue;
-      changed |=
-          !std::holds_alternative<CameraRecord>(edit.record) && !std::holds_alternative<SettingsRecord>(edit.record);
+      changed |= is_drawn(edit.record);
       records_.emplace(edit.id, std::move(edit.record));
       continue;
     }
-    changed |= !same_scene_part(held->second, edit.record);
+    changed |= (is_drawn(held->second) || is_drawn(edit.record)) && held->second != edit.record;
     if (gone)
       records_.erase(held);
     else
@@ -141,7 +140,7 @@ void RenderCore::commit() {
     committed_ = true;
     if (apply_edits() || first) {
       Translation translation = translator_.translate(records_);
-      if (first || !same_scene(translation, translation_)) {
+      if (first || translation.scene != translation_.scene) {
         translation_ = std::move(translation);
         publish();
       }

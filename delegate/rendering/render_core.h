@@ -1,6 +1,7 @@
 // What a delegate and its passes share: settings, the committed scene and its snapshot, background control.
 #pragma once
 
+#include "core/session/render_settings.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/scene_translation.h"

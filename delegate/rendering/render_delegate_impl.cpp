@@ -1,8 +1,11 @@
 #include "delegate/rendering/render_delegate_impl.h"
 
+#include <nlohmann/json.hpp>
+
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/rendering/render_pass.h"
+#include "delegate/support/schema_text.h"
 
 namespace alabaster::hd::sync {
 
@@ -72,18 +75,20 @@ Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
 
 std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescriptors() const {
   return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [&](auto& descriptors) {
+    const nlohmann::json properties = nlohmann::json::parse(support::schema_text("render_settings")).at("properties");
     const RenderSettings defaults;
     for (const SettingParameter& parameter : setting_parameters()) {
       RenderSettingDescriptor d;
       d.name = parameter.name;
       d.key = parameter.name;
-      d.defaultValue = get_setting(parameter, defaults);
-      if (parameter.maximum > parameter.minimum) {
+      d.defaultValue = get_parameter(parameter, defaults);
+      if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
         d.minimum = static_cast<int64_t>(parameter.minimum);
         d.maximum = static_cast<int64_t>(parameter.maximum);
       }
-      d.choices = parameter.choices;
-      d.documentation = parameter.documentation;
+      for (const char* word : parameter.words)
+        if (word) d.choices.emplace_back(word);
+      d.documentation = properties.at(parameter.name).at("description");
       d.effect = SettingEffect::restart;
       descriptors.push_back(std::move(d));
     }

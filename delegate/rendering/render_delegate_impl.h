@@ -1,6 +1,7 @@
 // The contract's factory over the hidden prims.
 #pragma once
 
+#include "delegate/api/render_delegate.h"
 #include "delegate/rendering/render_core.h"
 
 namespace alabaster::hd::sync {

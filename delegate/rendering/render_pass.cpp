@@ -8,13 +8,6 @@
 
 namespace alabaster::hd::sync {
 
-bool same_inputs(const PassInputs& a, const PassInputs& b) {
-  return a.scene == b.scene && same_camera(a.framed.camera, b.framed.camera) && a.framed.width == b.framed.width &&
-         a.framed.height == b.framed.height && a.framed.data_window == b.framed.data_window &&
-         a.framed.buffer_x == b.framed.buffer_x && a.framed.buffer_y == b.framed.buffer_y && a.settings == b.settings &&
-         a.bindings == b.bindings && a.restarts == b.restarts && a.error == b.error;
-}
-
 namespace {
 
 // Beyond this, pixel coordinates are no longer exact in float.
@@ -64,8 +57,8 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   in.restarts = core_->restarts();
   for (const AovBinding& binding : state.aovBindings) {
     const auto* buffer = dynamic_cast<const RenderBufferPrim*>(binding.renderBuffer);
-    Aov aov{};
-    if (!buffer || !aov_from_name(binding.aovName.str(), &aov)) {
+    const AovInfo* aov = find_aov(binding.aovName.str());
+    if (!buffer || !aov) {
       faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
                          buffer ? "this AOV is not supported; its buffer is not drawn"
                                 : "no buffer of this delegate is bound; the AOV is not drawn"});
@@ -73,7 +66,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
     }
     const Value clear =
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
-    in.bindings.push_back({aov, buffer->state(), buffer->state()->allocation(), clear});
+    in.bindings.push_back({aov->aov, buffer->state(), buffer->state()->allocation(), clear});
   }
   const Path camera = state.camera.empty() ? core_->settings_camera() : state.camera;
   const CameraParameters* parameters = core_->camera(camera);
@@ -149,7 +142,7 @@ void PassControl::start(PassInputs next) {
 void PassControl::update(PassInputs next) {
   const std::lock_guard lock(control_);
   if (core_->is_stopped()) return;
-  if (!active_ || cancelled_ || !same_inputs(running_, next)) return start(std::move(next));
+  if (!active_ || cancelled_ || running_ != next) return start(std::move(next));
   const RenderProgress progress = session_->progress();
   if (failed_ || converged_) return;
   if (progress.state == SessionState::failed) return fail(progress.error);

@@ -23,8 +23,8 @@ struct PassInputs {
   std::vector<Binding> bindings;
   uint64_t restarts = 0;
   std::string error;  // why nothing can be drawn; empty: it can
+  bool operator==(const PassInputs&) const = default;
 };
-bool same_inputs(const PassInputs& a, const PassInputs& b);
 
 /// The part of a pass that Stop, Pause, Resume and GetRenderStats reach from any thread.
 class PassControl {

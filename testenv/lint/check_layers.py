@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-LAYERS = ["diagnostics", "math", "color", "sampling", "texture", "geometry", "camera", "film", "convergence",
+LAYERS = ["diagnostics", "math", "color", "parameter", "sampling", "texture", "geometry", "camera", "film", "convergence",
           "material", "subsurface", "light", "scene", "integrator", "session"]
 PUBLIC = ["delegate/api", "delegate/host", "delegate/gltf", "delegate/description"]
 HOSTS = ["cli", "tradeoff"]  # the program and what it is made of

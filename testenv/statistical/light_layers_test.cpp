@@ -55,7 +55,7 @@ LightDescription key_light() {
 std::vector<double> channel(const Film& film, Aov aov, int c) {
   const auto values = film.resolve_float(aov);
   std::vector<double> out;
-  for (size_t i = static_cast<size_t>(c); i < values.size(); i += static_cast<size_t>(aov_components(aov)))
+  for (size_t i = static_cast<size_t>(c); i < values.size(); i += static_cast<size_t>(aov_info(aov).components()))
     out.push_back(values[i]);
   return out;
 }
@@ -106,10 +106,10 @@ TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
       const auto layer = channel(*film, part, c);
       double total = 0;
       for (const double v : layer) {
-        EXPECT_GE(v, 0) << aov_name(part);
+        EXPECT_GE(v, 0) << aov_info(part).name;
         total += v;
       }
-      EXPECT_EQ(total > 0, !(part == Aov::subsurface && c == 2)) << aov_name(part) << c;
+      EXPECT_EQ(total > 0, !(part == Aov::subsurface && c == 2)) << aov_info(part).name << c;
       left = difference(std::move(left), layer);
     }
     for (const Aov walk : walks) subsurface_left = difference(std::move(subsurface_left), channel(*film, walk, c));
@@ -157,7 +157,7 @@ TEST(LightLayers, GoByTheFirstSurface) {
   for (int c = 0; c < 3; ++c) {
     for (const double v : channel(*film, Aov::specular, c)) seen += v;
     for (const Aov none : {Aov::diffuse, Aov::subsurface, Aov::emission})
-      for (const double v : channel(*film, none, c)) ASSERT_EQ(v, 0) << aov_name(none);
+      for (const double v : channel(*film, none, c)) ASSERT_EQ(v, 0) << aov_info(none).name;
   }
   EXPECT_GT(seen, 1);
 }

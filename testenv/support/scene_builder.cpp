@@ -60,7 +60,7 @@ SceneBuilder::SceneBuilder() : device_(make_trace_device(kFailOnReport)) {}
 
 std::shared_ptr<const DisneyMaterial> SceneBuilder::material(const DisneyParameters& parameters) {
   auto m = std::make_shared<DisneyMaterial>();
-  m->constants = clamp_to_ranges(parameters);
+  m->constants = parameters;
   return m;
 }
 

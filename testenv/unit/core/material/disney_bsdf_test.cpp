@@ -42,7 +42,7 @@ DisneyParameters random_parameters(Rng& rng) {
   p.clearcoat = unit_or_extreme(rng);
   p.clearcoat_gloss = unit_or_extreme(rng);
   if (rng.next() % 2) p.scatter_distance = color_or_extreme(rng);
-  return clamp_to_ranges(p);
+  return p;
 }
 
 /// Above the horizon, often far down, seldom in the plane of the horizon's last float.

@@ -62,46 +62,32 @@ TEST(DisneyMaterial, SaysWhatItDoes) {
   EXPECT_TRUE(material.emits());
 }
 
-TEST(DisneyParameters, DefaultsAreInRange) {
-  const DisneyParameters p, q = clamp_to_ranges(p);
-  EXPECT_EQ(p.base_color, q.base_color);
-  EXPECT_EQ(p.ior, q.ior);
-  EXPECT_EQ(p.specular_color, q.specular_color);
-  EXPECT_EQ(p.scatter_distance, q.scatter_distance);
+TEST(DisneyMaterial, ProductsStayInTheirRangeAndFallBackToTheDefault) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  DisneyMaterial material;
+  material.constants.base_color = Rgb(1.0f);
+  const auto at = [&](const Rgb& texel) {
+    material.base_color_map = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel});
+    return material.evaluate({0.5f, 0.5f}).base_color;
+  };
+  const float fallback = DisneyParameters().base_color.r;
+  EXPECT_EQ(at({-1, 0.25f, 7}), Rgb(0, 0.25f, 1));
+  EXPECT_EQ(at({nan, inf, -inf}), Rgb(fallback));
 }
 
-TEST(DisneyParameters, ClampsAndReplacesNonFinite) {
-  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  DisneyParameters p;
-  p.base_color = {-1, nan, 7};
-  p.metallic = 2;
-  p.roughness = nan;
-  p.anisotropic = -inf;
-  p.specular_tint = 1.5f;
-  p.ior = 0.5f;
-  p.specular = inf;
-  p.specular_color = {-1, 5, nan};
-  p.sheen = -3;
-  p.sheen_tint = nan;
-  p.clearcoat = 9;
-  p.clearcoat_gloss = -9;
-  p.scatter_distance = {nan, inf, -2};
-  p.emission = {1e30f, -1, inf};
-  const DisneyParameters q = clamp_to_ranges(p), d;
-  EXPECT_EQ(q.base_color, Rgb(0, d.base_color.g, 1));
-  EXPECT_EQ(q.metallic, 1);
-  EXPECT_EQ(q.roughness, d.roughness);
-  EXPECT_EQ(q.anisotropic, d.anisotropic);
-  EXPECT_EQ(q.specular_tint, 1);
-  EXPECT_EQ(q.ior, 1);
-  EXPECT_EQ(q.specular, d.specular);
-  EXPECT_EQ(q.specular_color, Rgb(0, 5, 1));
-  EXPECT_EQ(q.sheen, 0);
-  EXPECT_EQ(q.sheen_tint, d.sheen_tint);
-  EXPECT_EQ(q.clearcoat, 1);
-  EXPECT_EQ(q.clearcoat_gloss, 0);
-  EXPECT_EQ(q.scatter_distance, Rgb(0.0f));
-  EXPECT_EQ(q.emission, Rgb(1e30f, 0, 0));
+TEST(MaterialParameters, DefaultsAreInRangeAndEveryMemberHasARow) {
+  const DisneyParameters defaults;
+  size_t bytes = 0;
+  for (const MaterialParameter& row : material_parameters()) {
+    bytes += row.is_color() ? sizeof(Rgb) : sizeof(float);
+    for (int c = 0; c < 3; ++c) {
+      const float value = row.is_color() ? (defaults.*std::get<Rgb DisneyParameters::*>(row.member))[c]
+                                         : defaults.*std::get<float DisneyParameters::*>(row.member);
+      EXPECT_GE(value, row.minimum) << row.name;
+      EXPECT_LE(value, row.maximum) << row.name;
+    }
+  }
+  EXPECT_EQ(bytes, sizeof(DisneyParameters));
 }
 
 }  // namespace

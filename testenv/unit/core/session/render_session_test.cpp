@@ -24,9 +24,9 @@ std::vector<float> color(const RenderRequest& request) {
 std::vector<float> light(const RenderRequest& request) {
   const auto film = testing::render(request);
   std::vector<float> all = film->resolve_float(Aov::color);
-  for (int i = 0; i < kAovCount; ++i)
-    if (const auto aov = static_cast<Aov>(i); kLayerAovs & aov_bit(aov)) {
-      const auto layer = film->resolve_float(aov);
+  for (const AovInfo& info : kAovs)
+    if (info.source == AovSource::layer) {
+      const auto layer = film->resolve_float(info.aov);
       all.insert(all.end(), layer.begin(), layer.end());
     }
   return all;

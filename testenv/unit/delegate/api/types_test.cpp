@@ -72,7 +72,11 @@ TEST(Value, EqualityComparesTypeAndContents) {
 TEST(Value, TextIsStable) {
   EXPECT_EQ(Value().to_string(), "empty");
   EXPECT_EQ(Value(true).to_string(), "true");
-  EXPECT_EQ(Value(0.1f).to_string(), "0.100000001");
+  EXPECT_EQ(Value(0.42f).to_string(), "0.42") << "the shortest decimal that reads back as the same float";
+  EXPECT_EQ(Value(0.1f + 0.2f).to_string(), "0.3");
+  EXPECT_EQ(Value(16777216.0f).to_string(), "16777216");
+  EXPECT_EQ(Value(1e-7f).to_string(), "1e-07");
+  EXPECT_EQ(Value(1 / 3.0).to_string(), "0.333333333");
   EXPECT_EQ(Value(Vec3f(1, 2, 3.5f)).to_string(), "(1, 2, 3.5)");
   EXPECT_EQ(Value(Array<int32_t>{4, 5}).to_string(), "[4, 5]");
   EXPECT_EQ(Value("x").to_string(), "\"x\"");

@@ -1,8 +1,12 @@
-// The AOVs of files are those that the delegate renders and the schema names.
+// The AOVs of files are those that the delegate renders, the schema names and the README lists.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
+#include "core/film/aov.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/product_writer.h"
 
@@ -26,6 +30,41 @@ TEST(AovNames, AreTheDelegates) {
     EXPECT_EQ(UsualRenderVar(name).dataType == Token("int"), format == Format::int32) << name;
   }
   DestroyAlabasterRenderDelegate(delegate);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) {
+    std::erase_if(part, [](char c) { return c == ' ' || c == '`'; });
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+// Rows of the README's table: | `name`, `name` | channels, channels | meaning |
+std::map<std::string, std::string> listed_channels() {
+  std::ifstream readme(std::string(ALABASTER_SOURCE_DIR) + "/delegate/README.md");
+  std::map<std::string, std::string> listed;
+  bool in_table = false;
+  for (std::string line; std::getline(readme, line);) {
+    if (line.starts_with("## ")) in_table = line == "## AOVs";
+    if (!in_table || !line.starts_with("| `")) continue;
+    const auto cells = split(line, '|');
+    const auto names = split(cells.at(1), ','), channels = split(cells.at(2), ',');
+    EXPECT_EQ(names.size(), channels.size()) << line;
+    for (size_t i = 0; i < std::min(names.size(), channels.size()); ++i) listed[names[i]] = channels[i];
+  }
+  return listed;
+}
+
+TEST(AovNames, AreTheReadmes) {
+  std::map<std::string, std::string> expected;
+  for (const AovInfo& aov : kAovs) {
+    const std::string layer = aov.layer, channels = aov.channels;
+    expected[aov.name] = layer + (layer.empty() || channels.empty() ? "" : ".") + channels;
+  }
+  EXPECT_EQ(listed_channels(), expected);
 }
 
 }  // namespace

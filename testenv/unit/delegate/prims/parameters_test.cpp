@@ -55,7 +55,6 @@ TEST(Parameters, EveryMaterialParameterOfTheSchemaArrives) {
     parameters[name] = p.value;
     expected[name] = p.text;
   }
-  EXPECT_EQ(expected.size(), 15u);
   stage.scene.SetMaterial("/m", disney(parameters));
   host::MeshDescription mesh = Stage::quad();
   mesh.material = "/m";
@@ -135,6 +134,7 @@ TEST(Parameters, RenderSettingsAreTheSchemas) {
     described.insert(name);
     ASSERT_TRUE(schema.contains(name)) << name;
     const json& property = schema.at(name);
+    EXPECT_EQ(d.documentation, property.at("description")) << name;
     EXPECT_EQ(stage.delegate->GetRenderSetting(d.key), d.defaultValue) << name;
     if (property.at("type") == "boolean") {
       ASSERT_TRUE(d.defaultValue.get<bool>()) << name;
@@ -185,8 +185,7 @@ TEST(Materials, UnknownNodesFallBackWithOneReport) {
   host::MeshDescription mesh = Stage::quad();
   mesh.material = "/unknown";
   stage.scene.SetMesh("/mesh", mesh);
-  EXPECT_NE(stage.dump().find("material /unknown\n  baseColor (0.800000012, 0.800000012, 0.800000012)"),
-            std::string::npos);
+  EXPECT_NE(stage.dump().find("material /unknown\n  baseColor (0.8, 0.8, 0.8)"), std::string::npos);
   EXPECT_EQ(stage.count("material.node"), 2u);
   EXPECT_EQ(stage.count("material.surface"), 1u);
 }

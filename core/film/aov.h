@@ -1,0 +1,116 @@
+// The AOVs: one table for the film, the delegate's descriptors, the layers of products and delegate/README.md's list.
+#pragma once
+
+#include <cstdint>
+#include <iterator>
+#include <string_view>
+
+namespace alabaster {
+
+enum class Aov {
+  color,
+  alpha,
+  depth,
+  camera_depth,
+  normal,
+  albedo,
+  prim_id,
+  instance_id,
+  element_id,
+  sample_count,
+  diffuse,
+  subsurface,
+  subsurface_single,
+  subsurface_multiple,
+  subsurface_unscattered,
+  specular,
+  emission,
+  error  // of color: PixelNoise::deviation()
+};
+constexpr uint32_t aov_bit(Aov a) {
+  return 1u << static_cast<uint32_t>(a);
+}
+
+/// Where a pixel's value comes from.
+enum class AovSource {
+  samples,  // all of them: their mean, number or error
+  layer,    // the mean of one of LightLayers
+  closest,  // the one that hit the closest surface
+};
+
+/// What a value is, and with it how files keep it.
+enum class AovValue {
+  color,     // premultiplied; files convert it to their colour space
+  number,    // 16 bits of float are enough
+  exact,     // of a float that 16 bits would merge with its neighbours
+  distance,  // such a float, of which 0 says that nothing was hit
+  integer,   // int32
+};
+
+struct AovInfo {
+  Aov aov;
+  const char* name;
+  AovSource source;
+  AovValue value;
+  float background;  // of each component, where nothing was hit
+  // The names of channels in an EXR, as compositors know them: "layer.R", or the layer's name if `channels` is empty.
+  const char* layer;     // empty: none
+  const char* channels;  // one letter per component
+
+  constexpr int components() const { return channels[0] ? static_cast<int>(std::string_view(channels).size()) : 1; }
+  constexpr bool is_integer() const { return value == AovValue::integer; }
+  constexpr bool is_color() const { return value == AovValue::color; }
+};
+
+/// In the order of enum Aov.
+inline constexpr AovInfo kAovs[] = {
+    {Aov::color, "color", AovSource::samples, AovValue::color, 0, "", "RGBA"},
+    {Aov::alpha, "alpha", AovSource::samples, AovValue::number, 0, "", "A"},
+    {Aov::depth, "depth", AovSource::closest, AovValue::exact, 1, "depth", "Z"},  // Hydra's: 0 near, 1 far
+    {Aov::camera_depth, "cameraDepth", AovSource::closest, AovValue::distance, 0, "", "Z"},
+    {Aov::normal, "normal", AovSource::samples, AovValue::number, 0, "N", "XYZ"},
+    {Aov::albedo, "albedo", AovSource::samples, AovValue::color, 0, "albedo", "RGB"},
+    {Aov::prim_id, "primId", AovSource::closest, AovValue::integer, -1, "primId", ""},
+    {Aov::instance_id, "instanceId", AovSource::closest, AovValue::integer, -1, "instanceId", ""},
+    {Aov::element_id, "elementId", AovSource::closest, AovValue::integer, -1, "elementId", ""},
+    {Aov::sample_count, "sampleCount", AovSource::samples, AovValue::integer, 0, "sampleCount", ""},
+    {Aov::diffuse, "diffuse", AovSource::layer, AovValue::color, 0, "diffuse", "RGB"},
+    {Aov::subsurface, "subsurface", AovSource::layer, AovValue::color, 0, "subsurface", "RGB"},
+    {Aov::subsurface_single, "subsurfaceSingle", AovSource::layer, AovValue::color, 0, "subsurfaceSingle", "RGB"},
+    {Aov::subsurface_multiple, "subsurfaceMultiple", AovSource::layer, AovValue::color, 0, "subsurfaceMultiple", "RGB"},
+    {Aov::subsurface_unscattered, "subsurfaceUnscattered", AovSource::layer, AovValue::color, 0,
+     "subsurfaceUnscattered", "RGB"},
+    {Aov::specular, "specular", AovSource::layer, AovValue::color, 0, "specular", "RGB"},
+    {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
+    {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", ""},
+};
+
+static_assert([] {
+  for (size_t i = 0; i < std::size(kAovs); ++i)
+    if (kAovs[i].aov != static_cast<Aov>(i)) return false;
+  return true;
+}());
+
+constexpr const AovInfo& aov_info(Aov a) {
+  return kAovs[static_cast<size_t>(a)];
+}
+/// Null if no AOV has this name.
+constexpr const AovInfo* find_aov(std::string_view name) {
+  for (const AovInfo& info : kAovs)
+    if (name == info.name) return &info;
+  return nullptr;
+}
+
+/// Bits of all AOVs from one source.
+constexpr uint32_t aovs_from(AovSource source) {
+  uint32_t bits = 0;
+  for (const AovInfo& info : kAovs)
+    if (info.source == source) bits |= aov_bit(info.aov);
+  return bits;
+}
+/// The AOVs that need LightLayers.
+inline constexpr uint32_t kLayerAovs = aovs_from(AovSource::layer);
+/// The AOVs that show the closest sample's first hit.
+inline constexpr uint32_t kClosestAovs = aovs_from(AovSource::closest);
+
+}  // namespace alabaster

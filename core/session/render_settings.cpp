@@ -1,0 +1,27 @@
+#include "core/session/render_settings.h"
+
+namespace alabaster {
+
+std::span<const SettingParameter> setting_parameters() {
+  using S = RenderSettings;
+  static constexpr SettingParameter kTable[] = {
+      {"samples", &S::samples, 1, 1048576},
+      {"targetError", &S::target_error, 0, 1},
+      {"adaptive", &S::adaptive},
+      {"timeLimit", &S::time_limit, 0, 31536000},
+      {"seed", &S::seed, 0, 4294967295.0},
+      {"frame", &S::frame, 0, 4294967295.0},
+      {"maxDepth", &S::max_depth, 0, 1024},
+      {"rouletteDepth", &S::roulette_depth, 0, 1024},
+      {"threads", &S::threads, 0, 4096},
+      {"subsurface", &S::subsurface, 0, 0, {"lambert", "walk", "reference", "diffusion", "auto"}},
+      {"inversion", &S::inversion, 0, 0, {"chiang2016", "exact", "vanDeHulst"}},
+      {"walkWeights", &S::walk_weights, 0, 0, {"throughput", "throughputTimesAlbedo"}},
+      {"walkGuiding", &S::walk_guiding},
+      {"walkSphereSteps", &S::walk_sphere_steps},
+      {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
+  };
+  return kTable;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,55 @@
+#!/usr/bin/env python3
+"""Fails when a hop of the lists in README.md, "The tree", names a function or type that its file does not define.
+
+A list is a line of bold text and the numbered items below it. An item begins with a file and what to find there, each in
+backticks: "1. `core/film/film.cpp` `FilmTile::add`: what happens there".
+"""
+import pathlib
+import re
+import sys
+
+LISTS = 3
+SECTION = re.compile(r"^## The tree$(.*?)^## ", re.M | re.S)
+LIST = re.compile(r"^\*\*.*\n(?:.+\n)*?((?:\d+\. .+\n(?:   .+\n)*)+)", re.M)
+ITEM = re.compile(r"^\d+\. (.+)", re.M)
+NO_TYPE = ("return", "else", "throw", "new", "case")
+
+
+def defines(text, name):
+    """True for a type, and for a function whose name a return type stands before."""
+    if re.search(rf"\b(?:struct|class|enum|using) {name}\b(?!;)", text):
+        return True
+    for match in re.finditer(rf"^(.*[^\w:]|)(?:\w+::)*{name}\(", text, re.M):
+        before = match.group(1).strip()
+        if re.search(r"[\w>&*]$", before) and before.split()[-1] not in NO_TYPE and not before.startswith("//"):
+            return True
+    return False
+
+
+def faults(root, items):
+    for item in items:
+        file, *names = re.findall(r"`([^`]+)`", item.split(": ")[0]) or [item]
+        path = root / file
+        if not path.is_file() or not names:
+            yield f"README.md: {file} is not a file of the repository with a function or type behind it"
+        else:
+            text = path.read_text()
+            yield from (f"README.md: {file} does not define {n}" for n in names if not defines(text, n))
+
+
+def main():
+    root = pathlib.Path(__file__).resolve().parents[2]
+    section = SECTION.search((root / "README.md").read_text())
+    lists = LIST.findall(section.group(1)) if section else []
+    found = [] if len(lists) == LISTS else [f'README.md: "The tree" has {len(lists)} lists of hops, expected {LISTS}']
+    hops = 0
+    for text in lists:
+        items = ITEM.findall(text)
+        hops += len(items)
+        found += faults(root, items)
+    print("\n".join(found) if found else f"{hops} hops are where README.md says")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
