@@ -1,6 +1,7 @@
 // The program's commands. Each returns an exit code and reports through a Console.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +19,8 @@ struct RenderArguments {
   std::string time;  // a frame number
   std::string size;  // "1280x720"
   std::string crop;  // "x0,y0,x1,y1"
-  std::string quality, samples, target_error, time_limit, seed, threads, max_depth, subsurface, inversion;
+  std::string quality;
+  std::map<std::string, std::string> settings;  // of the flags that name a render setting, by its name
   std::string display, view, look;
   std::optional<float> exposure;
   std::vector<std::string> aovs, overrides;

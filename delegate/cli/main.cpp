@@ -12,6 +12,23 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 success, 2 bad usage, 3 bad input, 4 render failed, 5 output failed, 130 interrupted (the picture "
     "so far is written and marked incomplete).";
 
+/// A flag that only names a render setting.
+struct SettingFlag {
+  const char *flag, *setting, *type, *help;
+};
+constexpr SettingFlag kSettingFlags[] = {
+    {"--spp", "samples", "N",
+     "Samples per pixel, at most; with --quality the render still ends at the preset's targetError if that comes "
+     "first"},
+    {"--target-error", "targetError", "E", "End when the noise is below this relative RMSE (0.02 is two per cent)"},
+    {"--time-limit", "timeLimit", "S", "End after this many seconds of rendering"},
+    {"--seed", "seed", "N", "Seed of the noise pattern"},
+    {"--threads", "threads", "N", "Render threads; 0 uses all cores"},
+    {"--max-depth", "maxDepth", "N", "Bounces between surfaces, at most"},
+    {"--subsurface", "subsurface", "MODE", "lambert, walk, reference, diffusion or auto"},
+    {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
+};
+
 CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
   c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
@@ -28,19 +45,8 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
                 "preset overrides the scene's settings, and every other flag overrides the preset. A render ends at "
                 "the preset's targetError unless --target-error is given")
       ->type_name("PRESET");
-  c->add_option("--spp", a->samples,
-                "Samples per pixel, at most; with --quality the render still ends at the preset's targetError if that "
-                "comes first")
-      ->type_name("N");
-  c->add_option("--target-error", a->target_error,
-                "End when the noise is below this relative RMSE (0.02 is two per cent)")
-      ->type_name("E");
-  c->add_option("--time-limit", a->time_limit, "End after this many seconds of rendering")->type_name("S");
-  c->add_option("--seed", a->seed, "Seed of the noise pattern")->type_name("N");
-  c->add_option("--threads", a->threads, "Render threads; 0 uses all cores")->type_name("N");
-  c->add_option("--max-depth", a->max_depth, "Bounces between surfaces, at most")->type_name("N");
-  c->add_option("--subsurface", a->subsurface, "lambert, walk, reference, diffusion or auto")->type_name("MODE");
-  c->add_option("--inversion", a->inversion, "chiang2016, exact or vanDeHulst")->type_name("NAME");
+  for (const SettingFlag& flag : kSettingFlags)
+    c->add_option(flag.flag, a->settings[flag.setting], flag.help)->type_name(flag.type);
   c->add_option("--dome", a->dome, "Dome light: an image, or a colour as one or three numbers; optionally an intensity")
       ->type_name("FILE|COLOR[,I]");
   c->add_option("--display", a->display, "Display of the OCIO config, for .png, .tif and .jpg")->type_name("NAME");

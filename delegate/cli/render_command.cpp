@@ -98,23 +98,18 @@ class RenderCommand {
 
   hd::description::LoadOptions load_options() const {
     hd::description::LoadOptions options;
-    const auto add = [&](const char* key, const std::string& value) {
-      if (!value.empty()) options.overrides.push_back(std::string(key) + "=" + value);
+    const auto add = [&](const std::string& key, const std::string& value) {
+      if (!value.empty()) options.overrides.push_back(key + "=" + value);
     };
     if (const auto frame = parse_frame(a_.time)) add("frame", std::to_string(*frame));
     if (const auto size = parse_size(a_.size))
       add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
     add("quality", a_.quality);  // first, so that all others override it
-    const bool decided = !a_.target_error.empty() || !a_.time_limit.empty();
-    add("samples", a_.samples.empty() && decided ? std::to_string(most_samples()) : a_.samples);
-    add("targetError", a_.target_error);
-    add("timeLimit", a_.time_limit);
-    add("seed", a_.seed);
-    add("threads", a_.threads);
-    add("maxDepth", a_.max_depth);
-    add("subsurface", a_.subsurface);
-    add("inversion", a_.inversion);
+    std::map<std::string, std::string> settings = a_.settings;
+    const bool decided = !settings["targetError"].empty() || !settings["timeLimit"].empty();
+    if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples());
+    for (const auto& [name, value] : settings) add(name, value);
     options.overrides.insert(options.overrides.end(), a_.overrides.begin(), a_.overrides.end());
     options.camera = a_.camera;
     options.dome = a_.dome;

@@ -130,10 +130,14 @@ class TradeoffCommand {
     choose_display();
     if (!tradeoff::to_display({1, 1, {0, 0, 0}}, display_, session_.colors(), console_.sink())) return kInput;
     if (!session_.start(console_.sink())) return kRender;
+    if (!session_.index()->SyncAll()) {
+      console_.error(a_.scene, "The scene could not be prepared: not enough memory or threads.");
+      return kRender;
+    }
     const auto& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings);
     scene_size_ = {settings.width, settings.height};
     const auto configurations = [&](const std::string& only) {
-      return tradeoff::make_configurations(tradeoff::traits_of(session_.scene), settings.settings,
+      return tradeoff::make_configurations(tradeoff::traits_of(session_.scene, session_.delegate()), settings.settings,
                                            session_.delegate()->GetRenderSettingDescriptors(), only);
     };
     list_ = configurations(a_.only);
@@ -146,10 +150,6 @@ class TradeoffCommand {
       return usage_error("--only", "'" + a_.only + "' matches none of this scene's configurations: " + known + ".");
     }
     if (settings.crop) console_.note("note: the scene's crop is ignored: the whole frame is measured");
-    if (!session_.index()->SyncAll()) {
-      console_.error(a_.scene, "The scene could not be prepared: not enough memory or threads.");
-      return kRender;
-    }
     renderer_.emplace(tradeoff::SceneRenderer::Scene{&session_.scene, session_.index(), session_.file.settings,
                                                      &interrupted(), console_.sink()});
     return kDone;

@@ -167,14 +167,6 @@ class ListMaker {
   ConfigurationList list_;
 };
 
-bool scatters(const hd::MaterialNode& node) {
-  if (node.inputConnections.count("scatterDistance")) return true;
-  const auto found = node.parameters.find("scatterDistance");
-  if (found == node.parameters.end()) return false;
-  const auto* distance = found->second.get<hd::Vec3f>();
-  return distance ? distance->x > 0 || distance->y > 0 || distance->z > 0 : found->second.number_or(0) > 0;
-}
-
 }  // namespace
 
 std::string Configuration::fingerprint() const {
@@ -183,10 +175,9 @@ std::string Configuration::fingerprint() const {
   return text;
 }
 
-SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene) {
+SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene, hd::RenderDelegate* delegate) {
   SceneTraits traits;
-  for (const auto& [path, network] : scene.GetMaterials())
-    for (const auto& [node_path, node] : network.nodes) traits.subsurface = traits.subsurface || scatters(node);
+  traits.subsurface = delegate->InvokeCommand("requirements", {}).text_or("").starts_with("subsurface: yes");
   for (const auto& [path, mesh] : scene.GetMeshes())
     if (mesh.topology.scheme != hd::Token("none"))
       traits.refine_level = std::max(traits.refine_level, mesh.displayStyle.refineLevel);

@@ -21,10 +21,11 @@ struct Configuration {
 };
 
 struct SceneTraits {
-  bool subsurface = false;  // some material has a scatterDistance
+  bool subsurface = false;  // light goes below some surface
   int refine_level = 0;     // the highest of any subdivided mesh
 };
-SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene);
+/// `delegate` has been synced with the scene.
+SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene, hd::RenderDelegate* delegate);
 
 struct ConfigurationList {
   Configuration reference;              // the most accurate; all others are measured against it
