@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "core/light/light_description.h"
 #include "delegate/api/prims.h"
 #include "delegate/prims/mesh_cage.h"
 #include "delegate/prims/render_param.h"
@@ -51,6 +52,9 @@ class MaterialPrim final : public Sprim {
  private:
   std::optional<MaterialNetwork> network_;
 };
+
+/// Prim types of lights, in the order of LightType.
+inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight", "domeLight"};
 
 class LightPrim final : public Sprim {
  public:

@@ -1,5 +1,6 @@
 // The translated scene as text: for goldens, and for people who ask what the renderer was given.
 #include "delegate/prims/parameters.h"
+#include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
 
 namespace alabaster::hd::sync {
@@ -46,20 +47,6 @@ std::string instance_text(const InstanceDescription& instance, const Path* mater
   return text;
 }
 
-const char* type_name(LightType type) {
-  switch (type) {
-    case LightType::rect:
-      return "rectLight";
-    case LightType::sphere:
-      return "sphereLight";
-    case LightType::distant:
-      return "distantLight";
-    case LightType::dome:
-      return "domeLight";
-  }
-  return "";
-}
-
 std::string camera_text(const Path& path, const CameraParameters& camera) {
   return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + "  projection " +
          (camera.orthographic ? "orthographic" : "perspective") + "\n" + parameter_lines(camera_parameters(), camera) +
@@ -98,7 +85,7 @@ std::string dump_scene(const Translation& translation, const Records& records) {
   for (const auto& [name, material] : used) text += "material " + name + "\n" + material_text(*material);
   for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
     const auto& light = translation.scene.lights[i];
-    text += std::string(type_name(light.type)) + " " + translation.light_paths[i].str() + "\n" +
+    text += std::string(kLightTypes[static_cast<size_t>(light.type)]) + " " + translation.light_paths[i].str() + "\n" +
             matrix_line(light.light_to_world) + parameter_lines(light_parameters(), light) + "  texture " +
             texture_text(light.texture) + "\n";
   }

@@ -19,7 +19,11 @@ const std::vector<Token>& RenderDelegateImpl::GetSupportedRprimTypes() const {
 }
 
 const std::vector<Token>& RenderDelegateImpl::GetSupportedSprimTypes() const {
-  static const std::vector<Token> types{"camera", "material", "rectLight", "sphereLight", "distantLight", "domeLight"};
+  static const std::vector<Token> types = [] {
+    std::vector<Token> all{"camera", "material"};
+    all.insert(all.end(), std::begin(kLightTypes), std::end(kLightTypes));
+    return all;
+  }();
   return types;
 }
 
@@ -38,10 +42,8 @@ Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
   return answer<Sprim*>("CreateSprim", [&](Sprim*& prim) {
     if (type == Token("camera")) prim = new CameraPrim(id);
     if (type == Token("material")) prim = new MaterialPrim(id);
-    if (type == Token("rectLight")) prim = new LightPrim(id, LightType::rect);
-    if (type == Token("sphereLight")) prim = new LightPrim(id, LightType::sphere);
-    if (type == Token("distantLight")) prim = new LightPrim(id, LightType::distant);
-    if (type == Token("domeLight")) prim = new LightPrim(id, LightType::dome);
+    for (size_t i = 0; i < std::size(kLightTypes); ++i)
+      if (type == Token(kLightTypes[i])) prim = new LightPrim(id, static_cast<LightType>(i));
   });
 }
 

@@ -83,9 +83,9 @@ TEST(PathIntegrator, FirstHitValuesAreComputedForBoundAovsOnly) {
   const FilmSample unset;
   const Rgb color = tracer.trace(0).color;
   EXPECT_GT(color.r, 0);
-  for (int i = 0; i < kAovCount; ++i) {
-    tracer.aovs = aov_bit(static_cast<Aov>(i));
-    const char* name = aov_name(static_cast<Aov>(i));
+  for (const AovInfo& info : kAovs) {
+    tracer.aovs = aov_bit(info.aov);
+    const char* name = info.name;
     const bool normal = tracer.aovs & aov_bit(Aov::normal), albedo = tracer.aovs & aov_bit(Aov::albedo);
     const bool closest = tracer.aovs & kClosestAovs;
     const FilmSample s = tracer.trace(0);
@@ -123,15 +123,15 @@ TEST(PathIntegrator, BytesDoNotDependOnWhatElseIsBound) {
   request.aovs = ~0u;
   const auto all = testing::render(request);
   EXPECT_EQ(all->resolve_float(Aov::color), color);
-  for (int i = 0; i < kAovCount; ++i) {
-    const auto aov = static_cast<Aov>(i);
+  for (const AovInfo& info : kAovs) {
+    const Aov aov = info.aov;
     request.aovs = aov_bit(aov);
     const auto alone = testing::render(request);
-    EXPECT_EQ(alone->resolve_float(Aov::color), color) << aov_name(aov);
-    if (aov_is_integer(aov)) {
-      EXPECT_EQ(alone->resolve_int(aov), all->resolve_int(aov)) << aov_name(aov);
+    EXPECT_EQ(alone->resolve_float(Aov::color), color) << info.name;
+    if (info.is_integer()) {
+      EXPECT_EQ(alone->resolve_int(aov), all->resolve_int(aov)) << info.name;
     } else {
-      EXPECT_EQ(alone->resolve_float(aov), all->resolve_float(aov)) << aov_name(aov);
+      EXPECT_EQ(alone->resolve_float(aov), all->resolve_float(aov)) << info.name;
     }
   }
 }

@@ -29,13 +29,12 @@ TileSamples samples_of(const SampleRange& range) {
 std::vector<float> contents(const FilmTile& tile) {
   std::vector<float> all;
   for (size_t pixel = 0; pixel < kPixels; ++pixel) {
-    for (int i = 0; i < kAovCount; ++i) {
-      const auto aov = static_cast<Aov>(i);
+    for (const AovInfo& info : kAovs) {
       std::array<float, 4> value{};
-      if (aov_is_integer(aov))
-        value[0] = static_cast<float>(tile.resolve_int(pixel, aov));
+      if (info.is_integer())
+        value[0] = static_cast<float>(tile.resolve_int(pixel, info.aov));
       else
-        tile.resolve(pixel, aov, value.data());
+        tile.resolve(pixel, info.aov, value.data());
       all.insert(all.end(), value.begin(), value.end());
     }
     const PixelNoise noise = tile.noise(pixel);
