@@ -2,7 +2,7 @@
 """Fails when a hop of the lists in README.md, "The tree", names a function or type that its file does not define.
 
 A list is a line of bold text and the numbered items below it. An item begins with a file and what to find there, each in
-backticks: "1. `core/film/film.cpp` `FilmTile::add`: what happens there".
+backticks: "1. `core/film/film.cpp` `FilmTile::add`: its part in the walk".
 """
 import pathlib
 import re
