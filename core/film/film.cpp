@@ -8,7 +8,6 @@
 namespace alabaster {
 namespace {
 
-
 Rgb layer_of(const LightLayers& layers, Aov aov) {
   switch (aov) {
     case Aov::diffuse:
