@@ -19,7 +19,7 @@ enum class SubsurfaceMode {
   automatic,  // Lambert where a pixel cannot show the difference, the walk elsewhere
 };
 
-/// What of a render's settings paths ask (core/session/render_settings.h has the defaults).
+/// The part of a render's settings that paths read. core/session/render_settings.h has the defaults.
 struct IntegratorSettings {
   uint32_t max_depth;       // bounces between surfaces; 1 = direct light only; a subsurface walk counts as one
   uint32_t roulette_depth;  // vertices before roulette may end a path: they carry most of the picture

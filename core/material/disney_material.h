@@ -29,7 +29,7 @@ struct DisneyMaterial {
   bool emits() const { return !is_black(constants.emission); }
 };
 
-/// What an image's texels are.
+/// The meaning of an image's texels.
 enum class Texels { colors, numbers };
 
 /// One row for each parameter of the surface node AlabasterDisney, in the order of schemas/disney_material.json.
