@@ -116,7 +116,7 @@ class ALABASTER_API RenderPass {
   /// True one Execute after the final pixels can be resolved; also true after a failure (see GetState).
   virtual bool IsConverged() const = 0;
   virtual PassState GetState() const = 0;
-  /// Blocks until the render is over or `seconds` have passed: for hosts that would otherwise poll. Any thread.
+  /// Blocks until the render is over (true) or `seconds` have passed; infinity waits without limit. Any thread.
   virtual bool WaitForConvergence(double seconds) = 0;
 };
 
