@@ -69,9 +69,9 @@ struct SampleTree {
   double m = 1;  // samples at which the law has x = 1
 
   double variance(double samples) const { return law.variance(samples / m); }
-  // Of two samples whose indices first differ in the bit of `block`.
+  // Covariance of two samples whose indices first differ in the bit of `block`.
   double covariance(double block) const { return 2 * variance(2 * block) - variance(block); }
-  // Of the sum of the first n: of a whole block, of the rest, and twice their covariance.
+  // Variance of the sum of the first n: that of a whole block, that of the rest, and twice their covariance.
   double sum_variance(uint32_t n) const {
     if (n == 0) return 0;
     const uint32_t block = std::bit_floor(n), rest = n - block;
@@ -148,7 +148,7 @@ Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::ve
   return c;
 }
 
-// Of every pixel: L^2 + f^2, and the variance of its mean over that.
+// L^2 + f^2 of every pixel, and the variance of each pixel's mean over that.
 struct RelativeErrors {
   std::vector<double> scales, values;
   Convergence convergence;

@@ -9,7 +9,7 @@
 namespace alabaster {
 namespace {
 
-// The pilot is small: neither a pixel where it found no noise nor one where it found a rare path is sure to be so.
+// Bounds of a pixel's rate: the pilot is too small to trust that a pixel has no noise, or that a rare path is not rare.
 constexpr double kLeastRate = 0.125, kLargestRate = 8;
 
 // Mean of the values within kReach pixels of (x, y).

@@ -16,12 +16,12 @@ struct PixelNoise {
   float earlier = 0;   // between the two halves of the first m / 4
   float tail = 0;      // between the first m samples and those after them; 0 if there are none
 
-  /// The tail tells more than the halves before it once it is half as long as they are together.
+  /// The tail is compared instead of the halves once it is half as long as they are together.
   static bool uses_tail(uint32_t samples) {
     const uint32_t m = std::bit_floor(samples);
     return samples - m >= (m + 1) / 2 && samples > m;
   }
-  /// The difference that tells most.
+  /// The difference with most samples behind it.
   float difference() const { return uses_tail(samples) ? tail : latest; }
   /// Standard deviation of the pixel's mean, as if its samples were independent: one pixel cannot tell how fast it
   /// converges. 0 for less than two samples.

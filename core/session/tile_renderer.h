@@ -1,5 +1,5 @@
-// Traces the camera samples of a frame, tile by tile. A tile's pixels are a function of the request and of the samples
-// asked for alone: neither the thread nor the way in which the samples are split into ranges changes a bit.
+// Traces the camera samples of a frame, tile by tile. A tile's pixels depend on the request and on their samples alone:
+// neither the thread nor the way in which the samples are split into ranges changes a bit.
 #pragma once
 
 #include <cstdint>

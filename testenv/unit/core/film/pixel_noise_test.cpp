@@ -7,7 +7,7 @@
 namespace alabaster {
 namespace {
 
-TEST(PixelNoise, TheTailTellsMoreOnceItIsHalfAsLong) {
+TEST(PixelNoise, UsesTheTailOnceItIsHalfAsLong) {
   for (const uint32_t samples : {3u, 6u, 7u, 12u, 15u, 24u}) EXPECT_TRUE(PixelNoise::uses_tail(samples)) << samples;
   for (const uint32_t samples : {0u, 1u, 2u, 4u, 5u, 8u, 11u, 16u, 23u})
     EXPECT_FALSE(PixelNoise::uses_tail(samples)) << samples;

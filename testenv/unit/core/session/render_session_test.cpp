@@ -67,7 +67,7 @@ TEST(RenderSession, TheErrorAskedEndsItAtTheSameBytesForAnyThreads) {
   }
 }
 
-TEST(RenderSession, AdaptiveSamplesAreDealtOutTheSameForAnyThreads) {
+TEST(RenderSession, AdaptiveSamplesAreAllocatedTheSameForAnyThreads) {
   const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   RenderRequest request = mixed_request(48);
   request.settings.adaptive = true;
@@ -86,7 +86,7 @@ TEST(RenderSession, AdaptiveSamplesAreDealtOutTheSameForAnyThreads) {
   }
   request.settings.samples = 31;
   for (const int32_t n : testing::render(request)->resolve_int(Aov::sample_count))
-    ASSERT_EQ(n, 31) << "too few to deal";
+    ASSERT_EQ(n, 31) << "too few to allocate";
 }
 
 TEST(RenderSession, ATimeLimitEndsItWithTwoSamplesAtLeast) {
