@@ -1,4 +1,4 @@
-// The one place where pixels meet OCIO. Internal to core/color.
+// The one place where pixels meet OCIO. Internal to this room.
 #pragma once
 
 #include <OpenColorIO/OpenColorIO.h>

@@ -1,4 +1,4 @@
-// Rows of an encoded image. Internal to core/texture.
+// Rows of an encoded image. Internal to this room.
 #pragma once
 
 #include <array>

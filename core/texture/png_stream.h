@@ -1,4 +1,4 @@
-// PNG files made safe for libpng. Internal to core/texture.
+// PNG files made safe for libpng. Internal to this room.
 #pragma once
 
 #include <cstdint>

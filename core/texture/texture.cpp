@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/texture/image_reader.h"
 
@@ -104,6 +105,10 @@ void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vect
 }
 
 }  // namespace
+
+bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
+  return open_image(source, std::numeric_limits<size_t>::max(), sink) != nullptr;
+}
 
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
                                             const DiagnosticSink& sink, size_t max_pixels) {

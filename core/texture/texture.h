@@ -41,4 +41,7 @@ class Texture {
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
                                             const DiagnosticSink& sink, size_t max_pixels = size_t(1) << 28);
 
+/// True if the file opens as an image; nothing is decoded. Otherwise a report says why not.
+bool is_image(const TextureSource& source, const DiagnosticSink& sink);
+
 }  // namespace alabaster

@@ -1,5 +1,5 @@
-// Prims: what the index creates through the RenderDelegate and syncs. They hold no pointer to an index and never look
-// other prims up: they record paths, and RenderDelegate::CommitResources resolves them.
+// Prims: the index creates them through the RenderDelegate and syncs them. They hold no pointer to an index and never
+// look other prims up: they record paths, and RenderDelegate::CommitResources resolves them.
 #pragma once
 
 #include "delegate/api/scene_delegate.h"
@@ -26,8 +26,8 @@ class ALABASTER_API Instancer {
   Path id_;
 };
 
-/// Common to R-, S- and Bprims. Sync converts what is dirty and leaves *bits clean (or what is still dirty). What the
-/// scene delegate throws is reported; *bits stay as they were, and the next Sync tries again.
+/// Common to R-, S- and Bprims. Sync converts what is dirty and leaves *bits clean, but for bits that are still
+/// dirty. An exception of the scene delegate is reported; *bits stay as they were, and the next Sync tries again.
 /// Finalize comes exactly once, before destruction.
 class ALABASTER_API Prim {
  public:
@@ -76,8 +76,8 @@ class ALABASTER_API RenderBuffer : public Bprim {
   /// Makes Map show what has been rendered so far. Any thread.
   virtual void Resolve() = 0;
   /// The pixels as last resolved, alive until the matching Unmap whatever happens to the buffer meanwhile. Null if
-  /// nothing is allocated. Any thread; nests. Pixels still mapped when their buffer is destroyed can be unmapped no
-  /// more: they live until the delegate dies. Unmap before destroying.
+  /// nothing is allocated. Any thread; nests. Unmap before destroying: pixels that are still mapped then
+  /// live until the delegate dies.
   virtual const void* Map() = 0;
   virtual void Unmap() = 0;
   virtual bool IsMapped() const = 0;
@@ -96,7 +96,7 @@ struct AovBinding {
   bool operator==(const AovBinding&) const = default;
 };
 
-/// What to render with: set by the host before Execute. A copyable value.
+/// The arguments of Execute. A copyable value.
 struct RenderPassState {
   Path camera;  // a camera Sprim; empty: the RenderSettings' camera
   Framing framing;

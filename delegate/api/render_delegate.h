@@ -10,7 +10,7 @@
 
 namespace alabaster::hd {
 
-/// What a change of a setting costs.
+/// The cost of changing a setting.
 enum class SettingEffect { live, continues, restart, resync, recreate };
 
 struct RenderSettingDescriptor {
@@ -28,10 +28,11 @@ class ALABASTER_API RenderDelegate {
   virtual ~RenderDelegate();
 
   // Prims. Unknown types give null and the host goes on. The host destroys through the delegate, after Finalize.
-  virtual const std::vector<Token>& GetSupportedRprimTypes() const = 0;  // mesh
-  virtual const std::vector<Token>& GetSupportedSprimTypes()
-      const = 0;  // camera, material, rectLight, sphereLight, ...
-  virtual const std::vector<Token>& GetSupportedBprimTypes() const = 0;  // renderSettings, renderBuffer
+  // Rprims: mesh. Sprims: camera, material, rectLight, sphereLight, distantLight, domeLight. Bprims: renderSettings,
+  // renderBuffer.
+  virtual const std::vector<Token>& GetSupportedRprimTypes() const = 0;
+  virtual const std::vector<Token>& GetSupportedSprimTypes() const = 0;
+  virtual const std::vector<Token>& GetSupportedBprimTypes() const = 0;
   virtual Rprim* CreateRprim(const Token& type, const Path& id) = 0;
   virtual Sprim* CreateSprim(const Token& type, const Path& id) = 0;
   virtual Sprim* CreateFallbackSprim(const Token& type) = 0;

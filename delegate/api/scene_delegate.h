@@ -1,4 +1,5 @@
-// What a scene must answer: the pull side of the contract. A prim pulls what its dirty bits name, and nothing else.
+// The pull side of the contract: the questions that a scene must answer. A prim pulls what its dirty bits name and
+// nothing else.
 #pragma once
 
 #include "delegate/api/scene_types.h"

@@ -1,4 +1,4 @@
-// Plain structs in Hydra's terms: what a SceneDelegate answers with.
+// Plain structs in Hydra's terms: the answers of a SceneDelegate.
 #pragma once
 
 #include <optional>
@@ -7,9 +7,8 @@
 
 namespace alabaster::hd {
 
-// ---- dirty bits
-// ------------------------------------------------------------------------------------------------------
-/// Bits are ours; an adaptor translates. kClean = nothing to do; a Sync pulls only what is dirty.
+// Dirty bits ---------------------------------------------------------------------------------------
+/// The bits are our own; an adaptor translates Hydra's. A Sync pulls only what is dirty.
 using DirtyBits = uint32_t;
 namespace dirty {
 inline constexpr DirtyBits kClean = 0;
@@ -33,8 +32,7 @@ inline constexpr DirtyBits kDescription = 1u << 16;  // render buffer
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
-// ---- mesh
-// ------------------------------------------------------------------------------------------------------------
+// Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
 struct PrimvarDescriptor {  // read of meshes: points, normals, st, subsurfaceSet (delegate/README.md)
@@ -105,8 +103,7 @@ struct MaterialNetwork {
   bool operator==(const MaterialNetwork&) const = default;
 };
 
-// ---- framing and outputs
-// ---------------------------------------------------------------------------------------------
+// Framing and outputs ------------------------------------------------------------------------------
 enum class WindowPolicy { matchVertically, matchHorizontally, fit, crop, dontConform };
 
 /// y-down, half open, in pixels.

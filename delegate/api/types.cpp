@@ -123,7 +123,7 @@ std::string text_of(const Array<T>& array) {
 
 template <class T>
 bool same(const T& a, const T& b) {
-  // NaN set twice is no change: it must not restart a render for ever.
+  // NaN set twice is no change: it must not restart a render again and again.
   if constexpr (std::is_floating_point_v<T>)
     return a == b || (std::isnan(a) && std::isnan(b));
   else

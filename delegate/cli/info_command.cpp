@@ -8,6 +8,7 @@
 #include "delegate/cli/predict.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
 namespace {
@@ -113,7 +114,8 @@ void resize(SceneSession* session, const hd::Vec2i& size) {
 }  // namespace
 
 int run_info(const InfoArguments& arguments) {
-  const double linked = process_cpu_seconds();  // the start-up ran on one thread: its wall time is the same
+  // The start-up ran on one thread: its wall time is the same.
+  const double linked = hd::support::process_cpu_seconds();
   const Stopwatch watch;
   catch_interrupts();
   Console console(false);
@@ -137,7 +139,7 @@ int run_info(const InfoArguments& arguments) {
   spent.sync = {sync_watch.wall(), sync_watch.cpu()};
   const std::string requirements = session.delegate()->InvokeCommand("requirements", {}).text_or("");
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
-  std::printf("peak memory so far: %.1f MB\n", double(peak_memory_bytes()) / 1e6);
+  std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
   const auto target = parse_target_error(arguments.predict);
   return target ? print_prediction(&session, &console, spent, *target) : kDone;

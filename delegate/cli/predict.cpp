@@ -1,13 +1,10 @@
 #include "delegate/cli/predict.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <set>
 #include <thread>
 
@@ -15,6 +12,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/stopwatch.h"
+#include "delegate/support/process_usage.h"
 #include "delegate/tradeoff/prediction.h"
 #include "delegate/tradeoff/temporary_folder.h"
 
@@ -167,14 +165,6 @@ class ProbeRenders {
   std::vector<Probe> probes_;
 };
 
-/// The process's resident memory in bytes; 0 if the system does not report it.
-double resident_memory_bytes() {
-  std::ifstream file("/proc/self/statm");
-  double total = 0, resident = 0;
-  file >> total >> resident;
-  return file ? resident * double(sysconf(_SC_PAGESIZE)) : 0;
-}
-
 std::string amount_text(double value) {
   char text[32];
   std::snprintf(text, sizeof text, value >= 100 ? "%.0f" : value >= 1 ? "%.3g" : "%.2g", value);
@@ -193,10 +183,11 @@ Range plus(const Range& range, double fixed) {
 
 /// Loading may have caused the process's peak, and the frame may fit below it: then the lower end holds.
 Range memory(const ProbeRenders& renders) {
-  const double peak = double(peak_memory_bytes());
+  const double peak = double(hd::support::peak_memory_bytes());
   const double probe = renders.frame_bytes(pixels_of(renders.last()), 1);
   const double frame = renders.frame_bytes(pixels_of(renders.full()), 2);
-  const double low = std::max(peak, resident_memory_bytes() - probe + frame), high = peak - probe + frame;
+  const double low = std::max(peak, double(hd::support::resident_memory_bytes()) - probe + frame),
+               high = peak - probe + frame;
   return {(low + high) / 2 / 1e6, 0.95 * low / 1e6, 1.1 * high / 1e6};
 }
 

@@ -10,7 +10,8 @@
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/description/quality_presets.h"
-#include "delegate/host/atomic_file.h"
+#include "delegate/support/atomic_file.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
 namespace {
@@ -260,8 +261,8 @@ class RenderCommand {
     const std::string text = stats_.to_json(a_.scene, status, settings).dump(2) + "\n";
     set_writing(true);
     const std::string problem =
-        hd::host::WriteFileAtomically(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
-                                      code == kInterrupted ? hd::host::Flush::none : hd::host::Flush::disk);
+        hd::support::WriteFileAtomically(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
+                                         code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
     if (problem.empty()) return kDone;
     console_.error(a_.stats, "The statistics could not be written: " + problem + ".");
     return kOutput;
@@ -273,7 +274,7 @@ class RenderCommand {
                         stats_.total("rays.walk");
     std::snprintf(text, sizeof text, "load %.2f s, sync %.2f s, render %.2f s, write %.2f s; %.1f Mrays; peak %.0f MB",
                   stats_.load_wall(), stats_.total("phase.sync.wall"), stats_.total("phase.render.wall"),
-                  stats_.total("phase.write.wall"), rays / 1e6, double(peak_memory_bytes()) / 1e6);
+                  stats_.total("phase.write.wall"), rays / 1e6, double(hd::support::peak_memory_bytes()) / 1e6);
     for (const std::string& file : written_) console_.note("wrote " + file);
     console_.note(text);
   }

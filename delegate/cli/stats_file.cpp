@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "delegate/cli/stopwatch.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
 namespace {
@@ -101,7 +101,7 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
     out["error"] = {{"relativeRmse", value_number(stats_.front(), "error.relativeRmse")},
                     {"low95", value_number(stats_.front(), "error.low")},
                     {"high95", value_number(stats_.front(), "error.high")}};
-  out["peakMemory"] = peak_memory_bytes();
+  out["peakMemory"] = hd::support::peak_memory_bytes();
   out["delegate"] = json::array();
   for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_to_json(stats));
   return out;

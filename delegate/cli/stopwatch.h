@@ -1,7 +1,7 @@
-// Wall and CPU time of a phase, and the process's memory.
+// Wall and CPU time of a phase.
 #pragma once
 
-#include <cstdint>
+#include <chrono>
 
 namespace alabaster::cli {
 
@@ -12,12 +12,8 @@ class Stopwatch {
   double cpu() const;   // CPU seconds of all threads since construction
 
  private:
-  double wall_start_, cpu_start_;
+  std::chrono::steady_clock::time_point wall_start_;
+  double cpu_start_;
 };
-
-/// CPU seconds of all threads since the process began.
-double process_cpu_seconds();
-
-uint64_t peak_memory_bytes();
 
 }  // namespace alabaster::cli

@@ -3,6 +3,7 @@
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/soft_dome.h"
+#include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -20,27 +21,11 @@ double parameter(const host::CameraDescription& camera, const char* name, double
 // The picture's frustum, once the film has been fitted to the picture's shape.
 Frustum visible_frustum(const host::CameraDescription& camera, const RenderSettingsDescription& settings) {
   const double focal = parameter(camera, "focalLength", 0.050);
-  double x = parameter(camera, "horizontalAperture", 0.036) / (2 * focal);
-  double y = parameter(camera, "verticalAperture", 0.024) / (2 * focal);
+  const double x = parameter(camera, "horizontalAperture", 0.036) / (2 * focal);
+  const double y = parameter(camera, "verticalAperture", 0.024) / (2 * focal);
   const double aspect = double(settings.width) / settings.height * double(settings.pixelAspectRatio);
-  const bool wider = aspect > x / y;  // the picture is wider than the film
-  switch (settings.windowPolicy) {
-    case WindowPolicy::dontConform:
-      break;
-    case WindowPolicy::matchVertically:
-      x = y * aspect;
-      break;
-    case WindowPolicy::matchHorizontally:
-      y = x / aspect;
-      break;
-    case WindowPolicy::fit:
-      (wider ? x : y) = wider ? y * aspect : x / aspect;
-      break;
-    case WindowPolicy::crop:
-      (wider ? y : x) = wider ? x / aspect : y * aspect;
-      break;
-  }
-  return {x, y};
+  const support::CameraWindow seen = support::conform_window({x, y}, aspect, settings.windowPolicy);
+  return {seen.width, seen.height};
 }
 
 Path first_camera(const LoadState& state) {

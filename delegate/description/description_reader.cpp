@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "core/texture/image_reader.h"
+#include "core/texture/texture.h"
 #include "delegate/description/name_match.h"
 
 namespace alabaster::hd::description {
@@ -72,9 +72,7 @@ AssetPath Reader::image(const std::string& pointer, const std::string& file) con
   std::string problem;
   TextureSource source;
   source.path = found.resolved;
-  const auto image =
-      open_image(source, std::numeric_limits<size_t>::max(), [&](const alabaster::Diagnostic& d) { problem = d.text; });
-  if (image) return found;
+  if (is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; })) return found;
   if (*state_.sink)
     (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});
   return {};

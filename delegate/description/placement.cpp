@@ -6,6 +6,9 @@
 #include <limits>
 #include <numbers>
 
+#include "core/math/transform.h"
+#include "delegate/support/instancing.h"
+
 namespace alabaster::hd::description {
 namespace {
 
@@ -33,62 +36,6 @@ Matrix4d axis_rotation(int axis, double degrees) {
   m[j][j] = c;
   return m;
 }
-
-bool usable(const Matrix4d& m) {
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j)
-      if (!std::isfinite(m[i][j])) return false;
-  const bool affine = m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1;
-  const Vec3d x(m[0][0], m[0][1], m[0][2]), y(m[1][0], m[1][1], m[1][2]), z(m[2][0], m[2][1], m[2][2]);
-  return affine && x.cross(y).dot(z) != 0;
-}
-
-// The world transforms that an instancer gives to a prototype (or to an inner instancer), including outer instancers'.
-class InstanceTransforms {
- public:
-  explicit InstanceTransforms(const host::RetainedSceneDelegate& scene) : scene_(scene) {}
-
-  std::vector<Matrix4d> of(const Path& instancer, const Path& prototype, int depth = 0) const {
-    const auto found = scene_.GetInstancers().find(instancer);
-    if (found == scene_.GetInstancers().end() || depth > kMaxDepth) return {Matrix4d()};
-    const host::InstancerDescription& d = found->second;
-    const auto indices = d.indices.find(prototype);
-    if (indices == d.indices.end()) return {};
-    const std::vector<Matrix4d> outer =
-        d.parent.empty() ? std::vector<Matrix4d>{Matrix4d()} : of(d.parent, instancer, depth + 1);
-    std::vector<Matrix4d> all;
-    for (const int32_t index : indices->second) {
-      if (index < 0) continue;
-      const Matrix4d own = instance(d, static_cast<size_t>(index)) * d.transform;
-      for (const Matrix4d& m : outer) all.push_back(own * m);
-    }
-    return all;
-  }
-
- private:
-  static constexpr int kMaxDepth = 16;
-
-  template <class T>
-  static const T* element(const host::InstancerDescription& d, const char* name, size_t index) {
-    const auto found = d.primvars.find(name);
-    if (found == d.primvars.end()) return nullptr;
-    const auto* array = found->second.get<Array<T>>();
-    return array && index < array->size() ? &(*array)[index] : nullptr;
-  }
-
-  // M * S * R * T, as documented at Instancer::Sync.
-  static Matrix4d instance(const host::InstancerDescription& d, size_t index) {
-    Matrix4d m;
-    if (const auto* t = element<Matrix4d>(d, "hydra:instanceTransforms", index)) m = *t;
-    if (const auto* s = element<Vec3f>(d, "hydra:instanceScales", index)) m = m * scaling(Vec3d(*s));
-    if (const auto* r = element<Quatf>(d, "hydra:instanceRotations", index))
-      m = m * Imath::Quatd(r->r, r->v.x, r->v.y, r->v.z).toMatrix44();
-    if (const auto* t = element<Vec3f>(d, "hydra:instanceTranslations", index)) m = m * translation(Vec3d(*t));
-    return m;
-  }
-
-  const host::RetainedSceneDelegate& scene_;
-};
 
 struct Box {
   Vec3d low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
@@ -155,7 +102,7 @@ std::optional<Matrix4d> to_transform(const json& value) {
     }
     if (value.contains("translate")) m = m * translation(to_vec3d(value["translate"]));
   }
-  return usable(m) ? std::optional(m) : std::nullopt;
+  return is_valid_affine(m) ? std::optional(m) : std::nullopt;
 }
 
 std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, bool free_up) {
@@ -173,13 +120,27 @@ std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec
   return Matrix4d(x.x, x.y, x.z, 0, y.x, y.y, y.z, 0, z.x, z.y, z.z, 0, eye.x, eye.y, eye.z, 1);
 }
 
-std::vector<Vec3d> enclosing_points(const host::RetainedSceneDelegate& scene) {
-  const InstanceTransforms transforms(scene);
+std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene) {
+  std::map<Path, support::InstancerRecord> instancers;
+  for (const auto& [path, description] : scene.GetInstancers())
+    instancers[path] = support::pull_instancer(scene, path, {});
+  support::Placements placements(
+      [&](const Path& path) {
+        const auto found = instancers.find(path);
+        return found == instancers.end() ? nullptr : &found->second;
+      },
+      {});  // Sync reports what is wrong
   std::vector<Vec3d> all;
   for (const auto& [path, mesh] : scene.GetMeshes()) {
     if (!mesh.visible) continue;
-    const auto instances =
-        mesh.instancer.empty() ? std::vector<Matrix4d>{Matrix4d()} : transforms.of(mesh.instancer, path);
+    std::vector<Matrix4d> instances;
+    if (mesh.instancer.empty()) {
+      instances.emplace_back();
+    } else {
+      const Array<int32_t> indices = scene.GetInstanceIndices(mesh.instancer, path);
+      for (const support::Placement& placement : placements.place(path, mesh.instancer, indices))
+        if (placement.used) instances.push_back(placement.matrix);
+    }
     add_mesh(mesh, instances, &all);
   }
   return all;

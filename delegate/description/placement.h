@@ -10,8 +10,8 @@ namespace alabaster::hd::description {
 
 Vec3d to_vec3d(const nlohmann::json& value);
 
-/// The matrix of sixteen numbers or of {translate, rotate, scale}, which the schema has accepted. Empty if it is not
-/// affine or cannot be inverted.
+/// The matrix of sixteen numbers or of {translate, rotate, scale}, which the schema has accepted. Empty if the renderer
+/// would leave out what it places: is_valid_affine (core/math/transform.h).
 std::optional<Matrix4d> to_transform(const nlohmann::json& value);
 
 /// A frame at `eye` with -z towards `target` and y as near to `up` as possible. Empty if eye and target coincide. If
@@ -19,7 +19,7 @@ std::optional<Matrix4d> to_transform(const nlohmann::json& value);
 std::optional<Matrix4d> look_at(const Vec3d& eye, const Vec3d& target, const Vec3d& up, bool free_up);
 
 /// World points that enclose the visible scene: the points of every mesh, or the corners of its box for every instance.
-std::vector<Vec3d> enclosing_points(const host::RetainedSceneDelegate& scene);
+std::vector<Vec3d> enclosing_points(host::RetainedSceneDelegate& scene);
 
 /// Half the film's size over the focal length; zero for a parallel projection.
 struct Frustum {

@@ -1,4 +1,4 @@
-// From resolved AOVs to the bytes of a product's rows. Internal to the product writer.
+// From resolved AOVs to the bytes of a product's rows. Internal to this room.
 #pragma once
 
 #include <map>

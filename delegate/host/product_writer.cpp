@@ -13,9 +13,9 @@
 #include <mutex>
 
 #include "core/color/color_config.h"
-#include "delegate/host/atomic_file.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/host/product_plan.h"
+#include "delegate/support/atomic_file.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -300,7 +300,8 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
     error = encode(spec, plan, rows, file);
     if (!error.empty())
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
-    error = WriteFileAtomically(product.file, file, image.incomplete ? Flush::none : Flush::disk);
+    error = support::WriteFileAtomically(product.file, file,
+                                         image.incomplete ? support::Flush::none : support::Flush::disk);
     if (!error.empty())
       return fail(sink, "product.write", product.file,
                   error + "; check the folder, its permissions and the space on the disk, or write elsewhere");

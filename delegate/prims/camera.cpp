@@ -3,7 +3,7 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
 
 void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::DiagnosticSink& sink,
@@ -46,4 +46,4 @@ void CameraPrim::Finalize(RenderParam* param) {
   SceneParam::of(param).remove(GetId());
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -1,6 +1,6 @@
 #include "delegate/prims/diagnostics.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
   if (!host) return {};
@@ -8,7 +8,7 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
     try {
       host({static_cast<hd::Severity>(d.severity), d.code, d.where, d.text});
     } catch (...) {
-      // A sink that fails has nobody left to be told.
+      // Nobody is left to report it to.
     }
   };
 }
@@ -16,10 +16,10 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
 void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept {
   try {
     alabaster::report(sink, alabaster::Severity::error, "delegate.exception", std::string(where),
-                      std::string("failed: ") + what + "; what was there before is kept");
+                      std::string("failed: ") + what + "; the state before it is kept");
   } catch (...) {
     // Memory has run out altogether.
   }
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -1,4 +1,4 @@
-// Reporting at the contract's edge: the host's sink as core's, and the net that no exception slips through.
+// Reporting at the contract's edge: the host's sink as core's, and exceptions as reports.
 #pragma once
 
 #include <exception>
@@ -9,12 +9,12 @@
 #include "core/diagnostics/report.h"
 #include "delegate/api/types.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
-/// Core's sink over the host's; what the host's throws is swallowed. Empty for an empty sink.
+/// Core's sink over the host's. Exceptions of the host's sink are dropped. Empty for an empty sink.
 alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host);
 
-/// Reports what an entry point caught; gives up quietly where not even a report can be made.
+/// Reports an exception that an entry point caught. Does nothing if memory does not even suffice for a report.
 void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept;
 
 /// Runs a boundary entry point. An exception becomes a report and false.
@@ -31,4 +31,4 @@ bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& 
   return false;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

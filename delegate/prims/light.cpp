@@ -3,7 +3,7 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
 
 std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id, SceneParam& param) {
@@ -42,4 +42,4 @@ void LightPrim::Finalize(RenderParam* param) {
   SceneParam::of(param).remove(GetId());
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

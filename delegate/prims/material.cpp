@@ -4,7 +4,7 @@
 #include "delegate/prims/prims.h"
 #include "delegate/support/nearest_name.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
 
 /// Reads one network; everything it cannot draw is reported once, with what is drawn instead.
@@ -146,4 +146,4 @@ void MaterialPrim::Finalize(RenderParam* param) {
   SceneParam::of(param).remove(GetId());
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

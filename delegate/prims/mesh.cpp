@@ -2,7 +2,7 @@
 
 #include "delegate/prims/prims.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
 
 constexpr DirtyBits kPrimvarBits = dirty::kPrimvar | dirty::kNormals;
@@ -135,4 +135,4 @@ void MeshPrim::Finalize(RenderParam* param) {
   SceneParam::of(param).remove(GetId());
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
 
 struct Reporter {
@@ -155,4 +155,4 @@ bool same_shape(const MeshTopology& a, const MeshTopology& b) {
   return true;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

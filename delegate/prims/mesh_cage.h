@@ -4,7 +4,7 @@
 #include "core/geometry/cage.h"
 #include "delegate/api/scene_types.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 struct PulledPrimvar {
   bool present = false;
@@ -14,7 +14,7 @@ struct PulledPrimvar {
   bool operator==(const PulledPrimvar&) const = default;
 };
 
-/// What a mesh prim has pulled so far. Arrays are shared with the scene delegate, not copied.
+/// The values that a mesh prim has pulled so far. Arrays are shared with the scene delegate, not copied.
 struct PulledMesh {
   MeshTopology topology;
   SubdivTags tags;
@@ -22,13 +22,13 @@ struct PulledMesh {
   PulledPrimvar points, normals, st;
 };
 
-/// The cage as it was given, faults included (sanitize_cage mends them). What has no counterpart in a cage is reported
-/// and left out: unknown words, primvars of another type or interpolation, subset faces that do not exist.
+/// The cage as it was given, faults included (sanitize_cage mends them). Unknown words, primvars of another type or
+/// interpolation, and subset faces that do not exist are reported and left out.
 Cage make_cage(const PulledMesh& mesh, const std::string& where, const alabaster::DiagnosticSink& sink);
 
 /// Materials by slot: `material`, then one for each subset that has one and is not empty.
 std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material);
-/// Equal but for which material a subset names.
+/// True if the two differ at most in the materials that their subsets name.
 bool same_shape(const MeshTopology& a, const MeshTopology& b);
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

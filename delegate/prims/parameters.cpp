@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 ParameterFault read_number(const Value& value, double minimum, double maximum, double* out) {
   const double number = value.number_or(std::numeric_limits<double>::quiet_NaN());
@@ -43,4 +43,4 @@ void report_fault(const alabaster::DiagnosticSink& sink, const std::string& wher
                       name + " = " + value.to_string() + " is out of range; the nearest allowed value is used");
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

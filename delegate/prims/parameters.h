@@ -9,7 +9,7 @@
 #include "delegate/api/types.h"
 #include "delegate/prims/diagnostics.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 enum class ParameterFault { none, type, range };
 
@@ -63,4 +63,4 @@ Value get_parameter(const Parameter<T, Words...>& row, const T& object) {
       row.member);
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -9,7 +9,7 @@
 #include "delegate/prims/mesh_cage.h"
 #include "delegate/prims/render_param.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 /// A mesh is refined and its BVH built only when its shape changed; transform, visibility, material and instancing cost
 /// a record.
@@ -86,4 +86,4 @@ class RenderSettingsPrim final : public Bprim {
   void Finalize(RenderParam* param) override;
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -1,13 +1,14 @@
-// What prims post to the renderer: immutable values, keyed by prim path. Other prims appear as paths only.
+// Records: the immutable values that prims post to the renderer, keyed by prim path. A record names other prims by
+// path.
 #pragma once
 
 #include <variant>
 
 #include "core/camera/camera.h"
 #include "core/scene/scene.h"
-#include "delegate/api/scene_types.h"
+#include "delegate/support/instancing.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 struct MeshRecord {
   std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
@@ -21,13 +22,7 @@ struct MeshRecord {
   bool operator==(const MeshRecord&) const = default;
 };
 
-struct InstancerRecord {
-  Matrix4d transform;
-  std::shared_ptr<const std::vector<Matrix4d>> points;  // M * S * R * T of each; null: identity for any index
-  Path parent;
-  Array<int32_t> indices_in_parent;
-  bool operator==(const InstancerRecord&) const = default;
-};
+using support::InstancerRecord;
 
 struct MaterialRecord {
   std::shared_ptr<const DisneyMaterial> material;
@@ -53,9 +48,10 @@ using Record = std::variant<std::monostate, MeshRecord, InstancerRecord, Materia
                             SettingsRecord>;
 using Records = std::map<Path, Record>;
 
-/// False for cameras and settings: a render compares those when it starts.
+/// True for records that a snapshot shows. Cameras and settings do not count: a render compares those when it starts.
 inline bool is_drawn(const Record& record) {
-  return !std::holds_alternative<CameraRecord>(record) && !std::holds_alternative<SettingsRecord>(record);
+  return !std::holds_alternative<std::monostate>(record) && !std::holds_alternative<CameraRecord>(record) &&
+         !std::holds_alternative<SettingsRecord>(record);
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -1,6 +1,6 @@
 #include "delegate/prims/render_param.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
                        std::shared_ptr<const ColorConfig> colors)
@@ -53,16 +53,12 @@ void SceneParam::remove(const Path& id) noexcept {
   guarded(sink_, id.str(), [&] { post(id, {}); });
 }
 
-std::vector<Edit> SceneParam::take_edits() {
-  std::vector<Edit> all;
+std::list<Edit> SceneParam::take_edits() noexcept {
+  std::list<Edit> all;
   for (Shard& shard : shards_) {
-    std::vector<Edit> taken;
-    {
-      const std::lock_guard lock(shard.mutex);
-      taken.swap(shard.edits);
-      edits_ -= taken.size();
-    }
-    for (Edit& edit : taken) all.push_back(std::move(edit));
+    const std::lock_guard lock(shard.mutex);
+    edits_ -= shard.edits.size();
+    all.splice(all.end(), shard.edits);
   }
   return all;
 }
@@ -72,4 +68,4 @@ void SceneParam::keep(std::shared_ptr<const void> mapped) {
   kept_.push_back(std::move(mapped));
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

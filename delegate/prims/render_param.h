@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <list>
 #include <mutex>
 
 #include <tbb/task_arena.h>
@@ -13,7 +14,7 @@
 #include "delegate/prims/records.h"
 #include "delegate/prims/sync_clock.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 struct Edit {
   Path id;
@@ -39,20 +40,19 @@ class SceneParam final : public RenderParam {
     arena()->execute(work);
   }
   void set_threads(uint32_t threads) { threads_ = threads; }
-  /// Stop also ends what Sync is building; the prim stays dirty.
+  /// Stop sets it: Sync gives up what it is building, and the prim stays dirty.
   void set_cancelled(bool cancelled) { cancelled_ = cancelled; }
   bool cancelled() const { return cancelled_; }
 
   // The edit transaction.
   void post(const Path& id, Record record);
-  /// The prim is gone. Never throws: Finalize is the last that is heard of a prim.
+  /// Posts that the prim is gone. Never throws: no call of the prim follows Finalize.
   void remove(const Path& id) noexcept;
   bool has_edits() const { return edits_.load() != 0; }
-  /// All edits since the last call; those of one prim in the order in which it posted them.
-  std::vector<Edit> take_edits();
+  /// All edits since the last call; those of one prim in the order in which it posted them. Takes no memory.
+  std::list<Edit> take_edits() noexcept;
 
-  /// Keeps what a host may still have mapped when its buffer died: nothing can be unmapped any more, so it is kept
-  /// until the delegate dies.
+  /// Keeps pixels that a host may still have mapped when their buffer was destroyed until the delegate dies.
   void keep(std::shared_ptr<const void> mapped);
 
   SyncClock clock;
@@ -60,7 +60,7 @@ class SceneParam final : public RenderParam {
  private:
   struct Shard {
     std::mutex mutex;
-    std::vector<Edit> edits;
+    std::list<Edit> edits;
   };
   struct HeldTexture {
     TextureSource source;
@@ -82,4 +82,4 @@ class SceneParam final : public RenderParam {
   std::vector<std::shared_ptr<const void>> kept_;
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

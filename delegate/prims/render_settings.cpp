@@ -1,6 +1,6 @@
 #include "delegate/prims/prims.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 void RenderSettingsPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
@@ -15,4 +15,4 @@ void RenderSettingsPrim::Finalize(RenderParam* param) {
   SceneParam::of(param).remove(GetId());
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -3,7 +3,7 @@
 #include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
 
 std::string yes_no(bool b) {
@@ -119,4 +119,4 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   return text;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

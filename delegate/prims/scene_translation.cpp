@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 namespace {
-
-constexpr size_t kMaxInstances = size_t(1) << 27;  // of one prim: beyond it, memory for placements alone exceeds 16 GB
 
 const DisneyMaterial* find_material(const Records& records, const Path& path) {
   const auto found = records.find(path);
@@ -26,65 +24,19 @@ void SceneTranslator::report_once(const char* code, const Path& where, const std
     alabaster::report(sink_, alabaster::Severity::warning, code, where.str(), text);
 }
 
-// One translation. Placements of an instancer are shared by all its prototypes.
+// One translation.
 struct SceneTranslator::Run {
   SceneTranslator& translator;
   const Records& records;
-  std::map<Path, std::vector<Placement>> outer;  // of instancers, by path
-  std::set<Path> visiting;
+  support::Placements placements{[this](const Path& path) -> const InstancerRecord* {
+                                   const auto found = records.find(path);
+                                   return found == records.end() ? nullptr
+                                                                 : std::get_if<InstancerRecord>(&found->second);
+                                 },
+                                 [this](const char* code, const Path& where, const std::string& text) {
+                                   translator.report_once(code, where, text);
+                                 }};
   Translation out;
-
-  const InstancerRecord* instancer(const Path& path) const {
-    const auto found = records.find(path);
-    return found == records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
-  }
-
-  /// Where an instancer itself stands: once if it has no parent.
-  const std::vector<Placement>& outer_of(const Path& path, const InstancerRecord& record) {
-    const auto known = outer.find(path);
-    if (known != outer.end()) return known->second;
-    std::vector<Placement> placements;
-    if (record.parent.empty()) {
-      placements.emplace_back();
-    } else if (visiting.insert(path).second) {
-      placements = place(path, record.parent, record.indices_in_parent);
-      visiting.erase(path);
-    } else {
-      translator.report_once("instancer.cycle", path, "instancers contain each other; what they place is not drawn");
-    }
-    return outer.emplace(path, std::move(placements)).first->second;
-  }
-
-  /// point * instancer * outer, for each outer and, fastest, each inner index.
-  std::vector<Placement> place(const Path& prototype, const Path& path, const Array<int32_t>& indices) {
-    const InstancerRecord* record = instancer(path);
-    if (!record) {
-      translator.report_once("instancer.missing", prototype,
-                             "instancer " + path.str() + " does not exist; the prim is not drawn");
-      return {};
-    }
-    const std::vector<Placement> outside = outer_of(path, *record);
-    std::vector<Placement> placements;
-    if (!indices.empty() && outside.size() > kMaxInstances / indices.size()) {
-      translator.report_once("instancer.size", prototype, "more than 2^27 instances; the prim is not drawn");
-      return placements;
-    }
-    placements.reserve(outside.size() * indices.size());
-    size_t dropped = 0;
-    for (const Placement& o : outside) {
-      const Matrix4d base = record->transform * o.matrix;
-      for (const int32_t index : indices) {
-        const bool exists = index >= 0 && (!record->points || static_cast<size_t>(index) < record->points->size());
-        dropped += exists ? 0 : 1;
-        const bool moved = exists && record->points;
-        placements.push_back({moved ? (*record->points)[static_cast<size_t>(index)] * base : base, o.used && exists});
-      }
-    }
-    if (dropped)
-      translator.report_once("instancer.index", prototype,
-                             "some instance indices name no point of " + path.str() + "; those instances are left out");
-    return placements;
-  }
 
   void add_mesh(const Path& path, const MeshRecord& mesh) {
     if (!mesh.visible || !mesh.prototype) return;
@@ -100,16 +52,16 @@ struct SceneTranslator::Run {
       add(std::move(instance), mesh);
       return;
     }
-    const std::vector<Placement> placements = place(path, mesh.instancer, mesh.instance_indices);
-    for (size_t i = 0; i < placements.size(); ++i) {
-      if (!placements[i].used) continue;
-      instance.object_to_world = mesh.transform * placements[i].matrix;
+    const std::vector<support::Placement> placed = placements.place(path, mesh.instancer, mesh.instance_indices);
+    for (size_t i = 0; i < placed.size(); ++i) {
+      if (!placed[i].used) continue;
+      instance.object_to_world = mesh.transform * placed[i].matrix;
       instance.instance_id = static_cast<int32_t>(i);
       add(instance, mesh);
     }
   }
 
-  // Named sets and those of a material never meet. Of several materials the first that scatters says which.
+  // A named set and the set of a material never meet. Among several materials the first that scatters names the set.
   static std::string set_of(const InstanceDescription& instance, const MeshRecord& mesh) {
     if (mesh.subsurface_set.empty() || !scatters(instance)) return {};
     if (mesh.subsurface_set != "byMaterial") return "named " + mesh.subsurface_set;
@@ -141,7 +93,7 @@ struct SceneTranslator::Run {
 };
 
 Translation SceneTranslator::translate(const Records& records) {
-  Run run{*this, records, {}, {}, {}};
+  Run run{.translator = *this, .records = records, .out = {}};
   for (const auto& [path, record] : records) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
     if (const auto* light = std::get_if<LightRecord>(&record)) {
@@ -152,4 +104,4 @@ Translation SceneTranslator::translate(const Records& records) {
   return std::move(run.out);
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -1,5 +1,5 @@
-// Committed records -> what core renders. Here, and only here, paths are resolved: to materials and instancers that
-// exist, or to their fallbacks.
+// Translates the committed records into the scene that core renders. Paths are resolved here and nowhere else: to
+// materials and instancers that exist, or to their fallbacks.
 #pragma once
 
 #include <set>
@@ -8,13 +8,7 @@
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/records.h"
 
-namespace alabaster::hd::sync {
-
-/// A prototype's place: innermost index fastest. `used` is false where an index names no point of its instancer.
-struct Placement {
-  Matrix4d matrix;
-  bool used = true;
-};
+namespace alabaster::hd::prims {
 
 struct Translation {
   SceneDescription scene;
@@ -22,7 +16,7 @@ struct Translation {
   std::vector<Path> light_paths;     // parallel to scene.lights
 };
 
-/// Remembers what it has reported, so that a fault is told once and not at every commit.
+/// Remembers its reports, so that a fault is reported once instead of at every commit.
 class SceneTranslator {
  public:
   explicit SceneTranslator(alabaster::DiagnosticSink sink);
@@ -37,9 +31,9 @@ class SceneTranslator {
   std::set<std::pair<std::string, std::string>> reported_;
 };
 
-/// Stable text of a translated scene and its cameras: what "dumpScene" answers.
+/// Stable text of a translated scene and its cameras: the answer to command "dumpScene".
 std::string dump_scene(const Translation& translation, const Records& records);
-/// What a snapshot requires, and which prim is the reason: what "requirements" answers.
+/// The features that a snapshot requires, each with a prim that is the reason: the answer to command "requirements".
 std::string describe_requirements(const SceneSnapshot& snapshot, const Translation& translation);
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

@@ -2,7 +2,7 @@
 
 #include "delegate/support/process_usage.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 SyncClock::Seconds SyncClock::seconds(SyncPhase phase) const {
   const std::lock_guard lock(mutex_);
@@ -26,4 +26,4 @@ void SyncClock::change(SyncPhase phase, int by) {
   running_[static_cast<size_t>(phase)] += by;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

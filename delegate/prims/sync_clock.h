@@ -1,28 +1,28 @@
-// Where the time of Sync goes, when meshes are refined and their BVHs built by many threads that help each other.
+// Measures the time of Sync while many threads, helping each other, refine meshes and build their BVHs.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <mutex>
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::prims {
 
 enum class SyncPhase { refine, bvh };
 
-/// No thread's own clock can tell what a phase costs: parallel loops inside it run on other threads, and its own thread
-/// takes up work of another mesh while it waits. So the clock is read whenever a phase of any mesh begins or ends, and
-/// what has passed since is noted for the phases that were running.
+/// No thread's own clock can measure a phase: parallel loops inside it run on other threads, and its own thread takes
+/// up work of another mesh while it waits. The clock is therefore read whenever a phase of any mesh begins or ends, and
+/// the time since the last reading goes to the phases that were running.
 class SyncClock {
  public:
   struct Seconds {
-    double wall = 0;  // during which this phase of at least one mesh was running; not a sum over meshes
-    /// Of the whole process while it was; each interval is shared among the phases running, in proportion to how many
-    /// meshes were in each. A render that goes on meanwhile, and the host, are counted too.
+    double wall = 0;  // while this phase of at least one mesh was running; not a sum over meshes
+    /// CPU time of the whole process meanwhile, a render that goes on and the host included. Each interval is divided
+    /// among the phases running, in proportion to the meshes in each.
     double cpu = 0;
   };
   Seconds seconds(SyncPhase phase) const;
 
-  /// Runs a phase of one mesh for as long as it lives.
+  /// A phase of one mesh, which runs while this lives.
   class Running {
    public:
     Running(SyncClock* clock, SyncPhase phase) : clock_(clock), phase_(phase) { clock_->change(phase_, 1); }
@@ -45,4 +45,4 @@ class SyncClock {
   double cpu_ = 0;
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::prims

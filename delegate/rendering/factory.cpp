@@ -1,4 +1,4 @@
-// The C entrance.
+// The C entry points.
 #include "delegate/rendering/render_delegate_impl.h"
 
 namespace {
@@ -11,11 +11,11 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   const std::string config = ocio == settings.end() ? std::string() : ocio->second.text_or("");
   auto colors = ColorConfig::load(config, sink);
   auto device = colors ? make_trace_device(sink) : nullptr;
-  if (!device) return nullptr;  // both have told why
-  auto param = std::make_shared<hd::sync::SceneParam>(sink, std::move(device), std::move(colors));
-  auto delegate = std::make_unique<hd::sync::RenderDelegateImpl>(
-      std::make_shared<hd::sync::RenderCore>(std::move(param), settings));
-  // Lists made at the first call are made here, where failing is still an answer.
+  if (!device) return nullptr;  // both have reported why
+  auto param = std::make_shared<hd::prims::SceneParam>(sink, std::move(device), std::move(colors));
+  auto delegate = std::make_unique<hd::rendering::RenderDelegateImpl>(
+      std::make_shared<hd::rendering::RenderCore>(std::move(param), settings));
+  // These make their lists at the first call: made here, a failure can still be answered with null.
   delegate->GetSupportedRprimTypes();
   delegate->GetSupportedSprimTypes();
   delegate->GetSupportedBprimTypes();
@@ -28,12 +28,12 @@ extern "C" {
 
 hd::RenderDelegate* CreateAlabasterRenderDelegate(uint32_t abi_version, const hd::DelegateOptions* options) {
   hd::RenderDelegate* delegate = nullptr;
-  if (abi_version != hd::kAbiVersion) return nullptr;  // the options' layout is not known either
+  if (abi_version != hd::kAbiVersion) return nullptr;  // the layout of the options is unknown, too
   const hd::DelegateOptions defaults;
   const hd::DelegateOptions& used = options ? *options : defaults;
-  DiagnosticSink sink;  // empty should it be what fails
-  hd::sync::guarded({}, "CreateAlabasterRenderDelegate", [&] { sink = hd::sync::core_sink(used.diagnostics); });
-  hd::sync::guarded(sink, "CreateAlabasterRenderDelegate", [&] { delegate = create(used, sink); });
+  DiagnosticSink sink;  // empty if making it fails
+  hd::prims::guarded({}, "CreateAlabasterRenderDelegate", [&] { sink = hd::prims::core_sink(used.diagnostics); });
+  hd::prims::guarded(sink, "CreateAlabasterRenderDelegate", [&] { delegate = create(used, sink); });
   return delegate;
 }
 

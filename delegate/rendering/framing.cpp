@@ -2,35 +2,10 @@
 
 #include <cmath>
 
-namespace alabaster::hd::sync {
-namespace {
+#include "delegate/support/window_policy.h"
 
-// Hydra's conformed windows: the camera's window keeps its centre and takes the image's aspect ratio.
-void conform_apertures(double aspect, WindowPolicy policy, CameraParameters* camera) {
-  const double horizontal = static_cast<double>(camera->horizontal_aperture);
-  const double vertical = static_cast<double>(camera->vertical_aperture);
-  const bool wider = horizontal > vertical * aspect;  // the camera's window is wider than the image
-  bool keep_vertical = true;
-  switch (policy) {
-    case WindowPolicy::dontConform:
-      return;
-    case WindowPolicy::matchVertically:
-      break;
-    case WindowPolicy::matchHorizontally:
-      keep_vertical = false;
-      break;
-    case WindowPolicy::fit:  // all of the camera's window is seen
-      keep_vertical = !wider;
-      break;
-    case WindowPolicy::crop:  // nothing but the camera's window is seen
-      keep_vertical = wider;
-      break;
-  }
-  if (keep_vertical)
-    camera->horizontal_aperture = static_cast<float>(vertical * aspect);
-  else
-    camera->vertical_aperture = static_cast<float>(horizontal / aspect);
-}
+namespace alabaster::hd::rendering {
+namespace {
 
 /// Widens lower..upper to whole pixels; returns the first and scales the aperture accordingly. `direction`: 1 where
 /// pixels and film run the same way, -1 where they run against each other.
@@ -43,15 +18,43 @@ int widen(float lower, float upper, float direction, float* aperture, float* off
   return static_cast<int>(first);
 }
 
+std::string window_text(const Vec2f& low, const Vec2f& high) {
+  return Value(low).to_string() + " to " + Value(high).to_string();
+}
+
 }  // namespace
+
+std::string framing_fault(const Framing& framing) {
+  constexpr float kLimit = 1 << 20;  // beyond it, pixel coordinates are no longer exact in float
+  const Vec2f& low = framing.displayMin;
+  const Vec2f& high = framing.displayMax;
+  const Rect2i& d = framing.dataWindow;
+  const Vec2f data_low(static_cast<float>(d.minX), static_cast<float>(d.minY));
+  const Vec2f data_high(static_cast<float>(d.maxX), static_cast<float>(d.maxY));
+  const std::string display = "the framing's display window, " + window_text(low, high) + ", ";
+  for (const float edge : {low.x, low.y, high.x, high.y})
+    if (!std::isfinite(edge)) return display + "is not finite";
+  if (!(framing.pixelAspectRatio > 0) || !std::isfinite(framing.pixelAspectRatio))
+    return "the framing's pixel aspect ratio is " + Value(framing.pixelAspectRatio).to_string() +
+           "; it must be positive and finite";
+  if (high.x < low.x || high.y < low.y) return display + "is inside out";
+  if (d.maxX < d.minX || d.maxY < d.minY)
+    return "the framing's data window, " + window_text(data_low, data_high) + ", is inside out";
+  for (const Vec2f& corner : {low, high, data_low, data_high})
+    if (std::abs(corner.x) > kLimit || std::abs(corner.y) > kLimit) return "the framing exceeds 2^20 pixels";
+  return {};
+}
 
 FramedCamera frame_camera(const CameraParameters& camera, const Framing& framing, WindowPolicy policy) {
   FramedCamera out;
   out.camera = camera;
   const Vec2f size = framing.displayMax - framing.displayMin;
-  conform_apertures(
-      static_cast<double>(size.x) * static_cast<double>(framing.pixelAspectRatio) / static_cast<double>(size.y), policy,
-      &out.camera);
+  const support::CameraWindow film = support::conform_window(
+      {static_cast<double>(camera.horizontal_aperture), static_cast<double>(camera.vertical_aperture)},
+      static_cast<double>(size.x) * static_cast<double>(framing.pixelAspectRatio) / static_cast<double>(size.y),
+      policy);
+  out.camera.horizontal_aperture = static_cast<float>(film.width);
+  out.camera.vertical_aperture = static_cast<float>(film.height);
   out.buffer_x = widen(framing.displayMin.x, framing.displayMax.x, 1, &out.camera.horizontal_aperture,
                        &out.camera.horizontal_aperture_offset, &out.width);
   out.buffer_y = widen(framing.displayMin.y, framing.displayMax.y, -1, &out.camera.vertical_aperture,
@@ -61,4 +64,4 @@ FramedCamera frame_camera(const CameraParameters& camera, const Framing& framing
   return out;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

@@ -1,11 +1,13 @@
-// From camera, framing and window policy to what core renders.
+// A camera, a framing and a window policy as core's camera and film windows.
 #pragma once
+
+#include <string>
 
 #include "core/camera/camera.h"
 #include "core/film/film.h"
 #include "delegate/api/scene_types.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
 struct FramedCamera {
   CameraParameters camera;  // apertures conformed to the display window
@@ -15,8 +17,13 @@ struct FramedCamera {
   bool operator==(const FramedCamera&) const = default;
 };
 
-/// `framing` must be valid. A display window with fractional edges is widened to whole pixels, and the apertures with
-/// it, so that every pixel sees what it would have seen.
+/// Why nothing can be rendered with `framing`: a number that is not finite, a pixel aspect ratio that is not positive,
+/// a window that is inside out, or more than 2^20 pixels from the origin. Empty where it can; an empty window is no
+/// fault.
+std::string framing_fault(const Framing& framing);
+
+/// `framing` must be valid and without fault. A display window with fractional edges is widened to whole pixels, and
+/// the apertures with it, so that every pixel sees what it would have seen.
 FramedCamera frame_camera(const CameraParameters& camera, const Framing& framing, WindowPolicy policy);
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 namespace {
 
 void write_component(float value, Format format, int i, uint8_t* pixel) {
@@ -93,4 +93,4 @@ AovDescriptor default_aov_descriptor(const Token& name) {
   }
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

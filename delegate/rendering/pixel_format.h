@@ -4,11 +4,10 @@
 #include "core/film/film.h"
 #include "delegate/api/scene_types.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
-/// How a value goes to a buffer: components that the buffer has and the AOV lacks become 0, a fourth 1; int -> float is
-/// a cast, float -> int rounds; unorm clamps to 0..1; not-a-number becomes 0 in unorm and int.
-/// `components` values for each of `count` pixels.
+/// Converts `count` pixels of `components` values each. Components that the AOV lacks become 0, a fourth 1. int ->
+/// float is a cast, float -> int rounds; unorm clamps to 0..1; not-a-number becomes 0 in unorm and int.
 void write_pixels(const float* values, int components, size_t count, Format format, uint8_t* pixels);
 void write_pixels(const int32_t* values, size_t count, Format format, uint8_t* pixels);
 
@@ -18,4 +17,4 @@ void write_clear(const Value& clear, Format format, uint8_t* pixel);
 /// Format, clear value; format invalid for an AOV that is not supported.
 AovDescriptor default_aov_descriptor(const Token& aov);
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

@@ -5,7 +5,7 @@
 
 #include "delegate/rendering/pixel_format.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 namespace {
 
 constexpr int kMaxSize = 1 << 16;
@@ -125,7 +125,7 @@ std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBu
   return store;
 }
 
-// Converts outside the lock. Of two Resolves at once, the one that saw the later film wins.
+// Converts outside the lock. Two Resolves may run at once: the one that saw the later film wins.
 void BufferState::resolve() {
   BufferSource source;
   RenderBufferDescriptor description;
@@ -216,18 +216,18 @@ std::vector<std::shared_ptr<const void>> BufferState::mapped_stores() const {
   return {mapped_.begin(), mapped_.end()};
 }
 
-RenderBufferPrim::RenderBufferPrim(const Path& id, std::shared_ptr<SceneParam> param)
+RenderBufferPrim::RenderBufferPrim(const Path& id, std::shared_ptr<prims::SceneParam> param)
     : RenderBuffer(id), param_(std::move(param)) {}
 
 // A mapping outlives its buffer: the delegate keeps what a host may still read.
 RenderBufferPrim::~RenderBufferPrim() {
-  guarded(param_->sink(), GetId().str(), [&] {
+  prims::guarded(param_->sink(), GetId().str(), [&] {
     for (auto& store : state_->mapped_stores()) param_->keep(std::move(store));
   });
 }
 
 void RenderBufferPrim::Sync(SceneDelegate* scene, RenderParam*, DirtyBits* bits) {
-  const bool synced = guarded(param_->sink(), GetId().str(), [&] {
+  const bool synced = prims::guarded(param_->sink(), GetId().str(), [&] {
     if (*bits & dirty::kDescription) Allocate(scene->GetRenderBufferDescriptor(GetId()));
   });
   if (synced) *bits = dirty::kClean;
@@ -237,27 +237,28 @@ void RenderBufferPrim::Finalize(RenderParam*) {}
 
 bool RenderBufferPrim::Allocate(const RenderBufferDescriptor& description) {
   bool allocated = false;
-  guarded(param_->sink(), GetId().str(), [&] { allocated = state_->allocate(description, GetId(), param_->sink()); });
+  prims::guarded(param_->sink(), GetId().str(),
+                 [&] { allocated = state_->allocate(description, GetId(), param_->sink()); });
   return allocated;
 }
 
 void RenderBufferPrim::Resolve() {
-  guarded(param_->sink(), GetId().str(), [&] { state_->resolve(); });
+  prims::guarded(param_->sink(), GetId().str(), [&] { state_->resolve(); });
 }
 
 const void* RenderBufferPrim::Map() {
   const void* pixels = nullptr;
-  guarded(param_->sink(), GetId().str(), [&] { pixels = state_->map(); });
+  prims::guarded(param_->sink(), GetId().str(), [&] { pixels = state_->map(); });
   return pixels;
 }
 
 Vec2i RenderBufferPrim::ResolveTo(std::vector<uint8_t>* out, bool y_down) {
   Vec2i size(0, 0);
-  guarded(param_->sink(), GetId().str(), [&] {
+  prims::guarded(param_->sink(), GetId().str(), [&] {
     state_->resolve();
     size = state_->copy(out, y_down);
   });
   return size;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

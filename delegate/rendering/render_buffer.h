@@ -12,9 +12,9 @@
 #include "core/film/film.h"
 #include "delegate/prims/render_param.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
-/// What a buffer shows: an AOV of a film.
+/// The AOV of a film that a buffer shows.
 struct BufferSource {
   std::shared_ptr<const Film> film;
   Aov aov = Aov::color;
@@ -66,7 +66,7 @@ class BufferState {
 
 class RenderBufferPrim final : public RenderBuffer {
  public:
-  RenderBufferPrim(const Path& id, std::shared_ptr<SceneParam> param);
+  RenderBufferPrim(const Path& id, std::shared_ptr<prims::SceneParam> param);
   ~RenderBufferPrim() override;
   const std::shared_ptr<BufferState>& state() const { return state_; }
 
@@ -86,8 +86,8 @@ class RenderBufferPrim final : public RenderBuffer {
   Vec2i ResolveTo(std::vector<uint8_t>* out, bool y_down) override;
 
  private:
-  std::shared_ptr<SceneParam> param_;
+  std::shared_ptr<prims::SceneParam> param_;
   std::shared_ptr<BufferState> state_ = std::make_shared<BufferState>();
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

@@ -5,7 +5,7 @@
 
 #include "delegate/rendering/render_pass.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 namespace {
 
 const SettingParameter* find_setting(const Token& key) {
@@ -16,7 +16,7 @@ const SettingParameter* find_setting(const Token& key) {
 
 }  // namespace
 
-RenderCore::RenderCore(std::shared_ptr<SceneParam> scene_param, const Dictionary& initial_settings)
+RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
     : param(std::move(scene_param)), translator_(param->sink()) {
   for (const auto& [key, value] : initial_settings) set_setting(key, value);
 }
@@ -35,7 +35,8 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
   const SettingParameter* parameter = find_setting(key);
   RenderSettings unused;
   if (parameter && !value.empty())
-    report_fault(param->sink(), "render settings", key.str(), set_parameter(*parameter, value, &unused), value);
+    prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
+                        value);
   if (key == Token("threads")) param->set_threads(render_settings().threads);
 }
 
@@ -46,7 +47,7 @@ Value RenderCore::setting(const Token& key) const {
     if (held != settings_.end()) return held->second;
   }
   const SettingParameter* parameter = find_setting(key);
-  return parameter ? get_parameter(*parameter, render_settings()) : Value();
+  return parameter ? prims::get_parameter(*parameter, render_settings()) : Value();
 }
 
 uint32_t RenderCore::settings_version() const {
@@ -55,7 +56,7 @@ uint32_t RenderCore::settings_version() const {
 }
 
 // The prim that setting "renderSettingsPrimPath" names, else the first by path.
-const SettingsRecord* RenderCore::settings_prim() const {
+const prims::SettingsRecord* RenderCore::settings_prim() const {
   Path named;
   {
     const std::lock_guard lock(mutex_);
@@ -64,100 +65,96 @@ const SettingsRecord* RenderCore::settings_prim() const {
   }
   if (!named.empty()) {
     const auto found = records_.find(named);
-    return found == records_.end() ? nullptr : std::get_if<SettingsRecord>(&found->second);
+    return found == records_.end() ? nullptr : std::get_if<prims::SettingsRecord>(&found->second);
   }
   for (const auto& [path, record] : records_)
-    if (const auto* settings = std::get_if<SettingsRecord>(&record)) return settings;
+    if (const auto* settings = std::get_if<prims::SettingsRecord>(&record)) return settings;
   return nullptr;
 }
 
 RenderSettings RenderCore::render_settings() const {
   RenderSettings out;
-  const SettingsRecord* prim = settings_prim();
+  const prims::SettingsRecord* prim = settings_prim();
   const std::lock_guard lock(mutex_);
   for (const SettingParameter& parameter : setting_parameters()) {
     if (prim) {
-      if (Token("frame") == Token(parameter.name)) set_parameter(parameter, prim->settings.frame, &out);
+      if (Token("frame") == Token(parameter.name)) prims::set_parameter(parameter, prim->settings.frame, &out);
       const auto value = prim->settings.settings.find(parameter.name);
-      if (value != prim->settings.settings.end()) set_parameter(parameter, value->second, &out);
+      if (value != prim->settings.settings.end()) prims::set_parameter(parameter, value->second, &out);
     }
     const auto value = settings_.find(parameter.name);
-    if (value != settings_.end()) set_parameter(parameter, value->second, &out);
+    if (value != settings_.end()) prims::set_parameter(parameter, value->second, &out);
   }
   return out;
 }
 
 Path RenderCore::settings_camera() const {
-  const SettingsRecord* prim = settings_prim();
+  const prims::SettingsRecord* prim = settings_prim();
   return prim ? prim->settings.camera : Path();
 }
 
 const CameraParameters* RenderCore::camera(const Path& path) const {
   const auto found = records_.find(path);
-  const auto* record = found == records_.end() ? nullptr : std::get_if<CameraRecord>(&found->second);
+  const auto* record = found == records_.end() ? nullptr : std::get_if<prims::CameraRecord>(&found->second);
   return record ? &record->camera : nullptr;
 }
 
-// Whether anything that is drawn changed.
-bool RenderCore::apply_edits() {
-  bool changed = false;
-  for (Edit& edit : param->take_edits()) {
-    const auto held = records_.find(edit.id);
-    const bool gone = std::holds_alternative<std::monostate>(edit.record);
-    if (held == records_.end()) {
-      if (gone) continue;
-      changed |= is_drawn(edit.record);
-      records_.emplace(edit.id, std::move(edit.record));
-      continue;
-    }
-    changed |= (is_drawn(held->second) || is_drawn(edit.record)) && held->second != edit.record;
-    if (gone)
-      records_.erase(held);
-    else
-      held->second = std::move(edit.record);
+// Memory may run out at any step: an edit leaves the list once it is applied whole.
+void RenderCore::apply_edits() {
+  edits_.splice(edits_.end(), param->take_edits());
+  for (; !edits_.empty(); edits_.pop_front()) {
+    prims::Edit& edit = edits_.front();
+    prims::Record& held = records_[edit.id];
+    stale_ |= (prims::is_drawn(held) || prims::is_drawn(edit.record)) && held != edit.record;
+    held = std::move(edit.record);
+    if (std::holds_alternative<std::monostate>(held)) records_.erase(edit.id);
   }
-  return changed;
 }
 
 void RenderCore::publish() {
   std::shared_ptr<const SceneSnapshot> compiled;
-  std::string error;
-  param->run([&] { compiled = compile_snapshot(translation_.scene, ++scene_number_, param->device(), param->sink()); });
-  if (!compiled) error = "the scene could not be compiled";
+  prims::guarded(param->sink(), "CommitResources", [&] {
+    param->run(
+        [&] { compiled = compile_snapshot(translation_.scene, ++scene_number_, param->device(), param->sink()); });
+  });
+  stale_ = !compiled;
   {
     const std::lock_guard lock(mutex_);
     snapshot_ = compiled;
-    error_ = error;
   }
   for (const auto& pass : passes()) pass->cancel_stale(compiled.get());
 }
 
+void RenderCore::update_scene() {
+  apply_edits();
+  param->set_threads(render_settings().threads);
+  if (!stale_) return;
+  prims::Translation translation = translator_.translate(records_);
+  const bool same = snapshot() && translation.scene == translation_.scene;
+  translation_ = std::move(translation);
+  if (same)
+    stale_ = false;
+  else
+    publish();
+}
+
 void RenderCore::commit() {
   const auto start = std::chrono::steady_clock::now();
-  const bool first = !committed_;
-  const bool edited = param->has_edits();
-  if (edited || first) {
-    committed_ = true;
-    if (apply_edits() || first) {
-      Translation translation = translator_.translate(records_);
-      if (first || translation.scene != translation_.scene) {
-        translation_ = std::move(translation);
-        publish();
-      }
-    }
-    param->set_threads(render_settings().threads);
-  }
+  if (!needs_commit() && edits_.empty() && !stale_) return;
+  committed_ = true;
+  prims::guarded(param->sink(), "CommitResources", [&] { update_scene(); });
+  failed_ = !snapshot();
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   commit_seconds_ = commit_seconds_ + spent.count();
 }
 
 std::string RenderCore::dump() const {
-  return dump_scene(translation_, records_);
+  return prims::dump_scene(translation_, records_);
 }
 
 std::string RenderCore::requirements() const {
   const auto held = snapshot();
-  return held ? describe_requirements(*held, translation_) : std::string();
+  return held ? prims::describe_requirements(*held, translation_) : std::string();
 }
 
 std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
@@ -166,8 +163,7 @@ std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
 }
 
 std::string RenderCore::commit_error() const {
-  const std::lock_guard lock(mutex_);
-  return error_;
+  return failed_ ? "the scene could not be compiled" : "";
 }
 
 void RenderCore::add_pass(const std::shared_ptr<PassControl>& pass) {
@@ -207,4 +203,4 @@ void RenderCore::resume() {
   for (const auto& pass : passes()) pass->resume();
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

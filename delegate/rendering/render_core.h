@@ -1,4 +1,4 @@
-// What a delegate and its passes share: settings, the committed scene and its snapshot, background control.
+// The state that a delegate shares with its passes: settings, the committed scene and its snapshot, background control.
 #pragma once
 
 #include "core/session/render_settings.h"
@@ -6,15 +6,15 @@
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/scene_translation.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
 class PassControl;
 
 class RenderCore {
  public:
-  RenderCore(std::shared_ptr<SceneParam> scene_param, const Dictionary& initial_settings);
+  RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings);
 
-  const std::shared_ptr<SceneParam> param;
+  const std::shared_ptr<prims::SceneParam> param;
 
   // Settings. Layers: defaults < the RenderSettings prim < SetRenderSetting.
   void set_setting(const Token& key, const Value& value);
@@ -25,7 +25,8 @@ class RenderCore {
 
   // The scene (host thread).
   /// Applies the edit transaction; if what is drawn changed, compiles and publishes a new snapshot and cancels the
-  /// renders of the old one.
+  /// renders of the old one. A scene that could not be compiled leaves no snapshot and a commit_error(). Whatever an
+  /// earlier commit could not do, for want of memory or threads, the next one does. Never throws.
   void commit();
   bool needs_commit() const { return param->has_edits() || !committed_; }
   std::string dump() const;
@@ -50,26 +51,29 @@ class RenderCore {
   uint64_t restarts() const { return restarts_; }
 
  private:
-  const SettingsRecord* settings_prim() const;
-  bool apply_edits();
+  const prims::SettingsRecord* settings_prim() const;
+  void apply_edits();
+  void update_scene();
   void publish();
 
-  mutable std::mutex mutex_;  // guards settings_, snapshot_, error_ and passes_, for look-ups only
+  mutable std::mutex mutex_;  // guards settings_, snapshot_ and passes_, for look-ups only
   std::map<Token, Value> settings_;
   uint32_t settings_version_ = 0;
   std::shared_ptr<const SceneSnapshot> snapshot_;
-  std::string error_;
   std::vector<std::weak_ptr<PassControl>> passes_;
 
-  Records records_;  // host thread only, as is the rest of the scene
-  SceneTranslator translator_;
-  Translation translation_;
+  std::list<prims::Edit> edits_;  // taken, but not applied yet. Host thread only, as is the rest of the scene
+  prims::Records records_;
+  prims::SceneTranslator translator_;
+  prims::Translation translation_;
   uint64_t scene_number_ = 0;
-  bool committed_ = false;
+  bool committed_ = false;  // once
+  bool stale_ = true;       // the snapshot does not show the records
 
   std::atomic<double> commit_seconds_{0};
+  std::atomic<bool> failed_{false};  // the last commit left no snapshot
   std::atomic<bool> stopped_{false}, paused_{false};
   std::atomic<uint64_t> restarts_{0};
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

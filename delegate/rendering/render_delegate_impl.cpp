@@ -7,7 +7,7 @@
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/schema_text.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
 RenderDelegateImpl::~RenderDelegateImpl() {
   RenderDelegateImpl::Stop();  // also what a host forgot to end
@@ -21,7 +21,7 @@ const std::vector<Token>& RenderDelegateImpl::GetSupportedRprimTypes() const {
 const std::vector<Token>& RenderDelegateImpl::GetSupportedSprimTypes() const {
   static const std::vector<Token> types = [] {
     std::vector<Token> all{"camera", "material"};
-    all.insert(all.end(), std::begin(kLightTypes), std::end(kLightTypes));
+    all.insert(all.end(), std::begin(prims::kLightTypes), std::end(prims::kLightTypes));
     return all;
   }();
   return types;
@@ -34,28 +34,29 @@ const std::vector<Token>& RenderDelegateImpl::GetSupportedBprimTypes() const {
 
 Rprim* RenderDelegateImpl::CreateRprim(const Token& type, const Path& id) {
   return answer<Rprim*>("CreateRprim", [&](Rprim*& prim) {
-    if (type == Token("mesh")) prim = new MeshPrim(id);
+    if (type == Token("mesh")) prim = new prims::MeshPrim(id);
   });
 }
 
 Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
   return answer<Sprim*>("CreateSprim", [&](Sprim*& prim) {
-    if (type == Token("camera")) prim = new CameraPrim(id);
-    if (type == Token("material")) prim = new MaterialPrim(id);
-    for (size_t i = 0; i < std::size(kLightTypes); ++i)
-      if (type == Token(kLightTypes[i])) prim = new LightPrim(id, static_cast<LightType>(i));
+    if (type == Token("camera")) prim = new prims::CameraPrim(id);
+    if (type == Token("material")) prim = new prims::MaterialPrim(id);
+    for (size_t i = 0; i < std::size(prims::kLightTypes); ++i)
+      if (type == Token(prims::kLightTypes[i])) prim = new prims::LightPrim(id, static_cast<LightType>(i));
   });
 }
 
 Bprim* RenderDelegateImpl::CreateBprim(const Token& type, const Path& id) {
   return answer<Bprim*>("CreateBprim", [&](Bprim*& prim) {
-    if (type == Token("renderSettings")) prim = new RenderSettingsPrim(id);
+    if (type == Token("renderSettings")) prim = new prims::RenderSettingsPrim(id);
     if (type == Token("renderBuffer")) prim = new RenderBufferPrim(id, core_->param);
   });
 }
 
 Instancer* RenderDelegateImpl::CreateInstancer(const Path& id) {
-  return answer<Instancer*>("CreateInstancer", [&](Instancer*& instancer) { instancer = new InstancerPrim(id); });
+  return answer<Instancer*>("CreateInstancer",
+                            [&](Instancer*& instancer) { instancer = new prims::InstancerPrim(id); });
 }
 
 std::unique_ptr<RenderPass> RenderDelegateImpl::CreateRenderPass() {
@@ -64,11 +65,11 @@ std::unique_ptr<RenderPass> RenderDelegateImpl::CreateRenderPass() {
 }
 
 void RenderDelegateImpl::CommitResources() {
-  guarded(core_->param->sink(), "CommitResources", [&] { core_->commit(); });
+  core_->commit();
 }
 
 void RenderDelegateImpl::SetRenderSetting(const Token& key, const Value& value) {
-  guarded(core_->param->sink(), "SetRenderSetting", [&] { core_->set_setting(key, value); });
+  prims::guarded(core_->param->sink(), "SetRenderSetting", [&] { core_->set_setting(key, value); });
 }
 
 Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
@@ -83,7 +84,7 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
       RenderSettingDescriptor d;
       d.name = parameter.name;
       d.key = parameter.name;
-      d.defaultValue = get_parameter(parameter, defaults);
+      d.defaultValue = prims::get_parameter(parameter, defaults);
       if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
         d.minimum = static_cast<int64_t>(parameter.minimum);
         d.maximum = static_cast<int64_t>(parameter.maximum);
@@ -98,19 +99,19 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
 }
 
 void RenderDelegateImpl::Pause() {
-  guarded(core_->param->sink(), "Pause", [&] { core_->pause(); });
+  prims::guarded(core_->param->sink(), "Pause", [&] { core_->pause(); });
 }
 
 void RenderDelegateImpl::Resume() {
-  guarded(core_->param->sink(), "Resume", [&] { core_->resume(); });
+  prims::guarded(core_->param->sink(), "Resume", [&] { core_->resume(); });
 }
 
 void RenderDelegateImpl::Stop() {
-  guarded(core_->param->sink(), "Stop", [&] { core_->stop(); });
+  prims::guarded(core_->param->sink(), "Stop", [&] { core_->stop(); });
 }
 
 void RenderDelegateImpl::Restart() {
-  guarded(core_->param->sink(), "Restart", [&] { core_->restart(); });
+  prims::guarded(core_->param->sink(), "Restart", [&] { core_->restart(); });
 }
 
 AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) const {
@@ -124,4 +125,4 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary&)
   });
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

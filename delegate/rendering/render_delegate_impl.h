@@ -4,7 +4,7 @@
 #include "delegate/api/render_delegate.h"
 #include "delegate/rendering/render_core.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
 class RenderDelegateImpl final : public RenderDelegate {
  public:
@@ -46,15 +46,15 @@ class RenderDelegateImpl final : public RenderDelegate {
   Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
 
  private:
-  /// Runs an entry point behind the net that no exception slips through; answers with what it made so far.
+  /// Runs an entry point; an exception becomes a report. Returns the result as far as `body` has made it.
   template <class Result, class Body>
   Result answer(const char* entry, Body&& body) const {
     Result result{};
-    guarded(core_->param->sink(), entry, [&] { body(result); });
+    prims::guarded(core_->param->sink(), entry, [&] { body(result); });
     return result;
   }
 
   std::shared_ptr<RenderCore> core_;
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

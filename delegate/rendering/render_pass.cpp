@@ -6,23 +6,12 @@
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/support/process_usage.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
 namespace {
 
-// Beyond this, pixel coordinates are no longer exact in float.
-bool is_reasonable(const Framing& framing) {
-  constexpr float kLimit = 1 << 20;
-  const auto near_zero = [](float v) { return std::abs(v) <= kLimit; };
-  const Rect2i& d = framing.dataWindow;
-  return near_zero(framing.displayMin.x) && near_zero(framing.displayMin.y) && near_zero(framing.displayMax.x) &&
-         near_zero(framing.displayMax.y) && near_zero(static_cast<float>(d.minX)) &&
-         near_zero(static_cast<float>(d.minY)) && near_zero(static_cast<float>(d.maxX)) &&
-         near_zero(static_cast<float>(d.maxY)) && std::isfinite(framing.pixelAspectRatio);
-}
-
-// The film (twice where an error ends the render: pixels that ended early are kept aside), what estimating its error
-// takes for a moment, and each bound buffer twice: what it shows and what is being resolved (or the host's copy).
+// The film (twice where an error ends the render: pixels that ended early are kept aside), the memory that an estimate
+// of its error takes for a moment, and each bound buffer twice: as shown and as being resolved (or as the host's copy).
 double frame_bytes(const PassInputs& in) {
   uint32_t aovs = 0;
   double bytes = 0;
@@ -77,8 +66,8 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
                               : "camera " + camera.str() + " does not exist";
   else if (!is_valid_affine(parameters->camera_to_world))
     in.error = "the transform of camera " + camera.str() + " is not finite or not invertible";
-  else if (state.framing.valid() && !is_reasonable(state.framing))
-    in.error = "the framing exceeds 2^20 pixels";
+  else if (const std::string fault = framing_fault(state.framing); !fault.empty())
+    in.error = fault;
   else if (state.framing.valid())
     in.framed = frame_camera(*parameters, state.framing, state.windowPolicy);
   if (in.error.empty()) in.error = memory_fault(in);
@@ -91,7 +80,7 @@ void PassControl::set_converged(bool converged) {
   converged_ = converged;
 }
 
-// A failure converges: a host that waits for the frame must not wait for ever.
+// A failure converges: a host that waits for the frame must not wait without end.
 void PassControl::fail(std::string error) {
   {
     const std::lock_guard lock(error_mutex_);
@@ -147,7 +136,8 @@ void PassControl::update(PassInputs next) {
   if (failed_ || converged_) return;
   if (progress.state == SessionState::failed) return fail(progress.error);
   if (progress.state != SessionState::finished) return;
-  // The final pixels can be resolved now: whoever shows before asking sees them, and hears of it at the next Execute.
+  // The final pixels can be resolved from now on. Convergence is reported one Execute later, when a host that resolves
+  // before it asks has seen them.
   if (finish_seen_) return set_converged(true);
   finish_seen_ = true;
 }
@@ -245,25 +235,25 @@ RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)
 }
 
 RenderPassImpl::~RenderPassImpl() {
-  guarded(core_->param->sink(), "render pass", [&] { control_->halt(); });
+  prims::guarded(core_->param->sink(), "render pass", [&] { control_->halt(); });
 }
 
 void RenderPassImpl::Execute(const RenderPassState& state) {
   const auto& sink = core_->param->sink();
-  if (!guarded(sink, "render pass", [&] { control_->execute(state); }))
-    guarded(sink, "render pass", [&] { control_->abandon(); });
+  if (!prims::guarded(sink, "render pass", [&] { control_->execute(state); }))
+    prims::guarded(sink, "render pass", [&] { control_->abandon(); });
 }
 
 PassState RenderPassImpl::GetState() const {
   PassState state = PassState::failed;
-  guarded(core_->param->sink(), "render pass", [&] { state = control_->state(); });
+  prims::guarded(core_->param->sink(), "render pass", [&] { state = control_->state(); });
   return state;
 }
 
 bool RenderPassImpl::WaitForConvergence(double seconds) {
   bool over = false;
-  guarded(core_->param->sink(), "render pass", [&] { over = control_->wait(seconds); });
+  prims::guarded(core_->param->sink(), "render pass", [&] { over = control_->wait(seconds); });
   return over;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

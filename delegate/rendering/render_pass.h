@@ -6,7 +6,7 @@
 #include "delegate/rendering/render_buffer.h"
 #include "delegate/rendering/render_core.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 
 /// Everything that a render depends on: if two are equal, nothing restarts.
 struct PassInputs {
@@ -35,7 +35,7 @@ class PassControl {
   void execute(const RenderPassState& state);  // host thread
   void abandon();                              // Execute could not even prepare: fails and converges
   void halt();                                 // Stop: blocks until no worker runs
-  void forget();                               // Restart: the next Execute starts anew
+  void forget();                               // Restart: the next Execute starts again
   void pause();
   void resume();
   /// Cancels a render of another scene; the next Execute starts the new one.
@@ -84,4 +84,4 @@ class RenderPassImpl final : public RenderPass {
   std::shared_ptr<PassControl> control_;
 };
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

@@ -2,7 +2,7 @@
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/process_usage.h"
 
-namespace alabaster::hd::sync {
+namespace alabaster::hd::rendering {
 namespace {
 
 const char* state_name(PassState state) {
@@ -74,19 +74,19 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
 
 }  // namespace
 
-// Of several passes the one created last is told about.
+// With several passes, the statistics are those of the pass that was created last.
 Dictionary RenderDelegateImpl::GetRenderStats() const {
   Dictionary stats;
-  guarded(core_->param->sink(), "GetRenderStats", [&] {
+  prims::guarded(core_->param->sink(), "GetRenderStats", [&] {
     stats["rendererName"] = std::string("Alabaster");
     stats["state"] = std::string("idle");
-    stats["peakMemory"] = support::peak_memory_bytes();
+    stats["peakMemory"] = count(support::peak_memory_bytes());
     if (const std::string error = core_->commit_error(); !error.empty()) stats["error"] = error;
     const auto snapshot = core_->snapshot();
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
     stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
-    const auto refine = core_->param->clock.seconds(SyncPhase::refine);
-    const auto bvh = core_->param->clock.seconds(SyncPhase::bvh);
+    const auto refine = core_->param->clock.seconds(prims::SyncPhase::refine);
+    const auto bvh = core_->param->clock.seconds(prims::SyncPhase::bvh);
     stats["sync.refineSeconds"] = refine.cpu;
     stats["sync.refineWallSeconds"] = refine.wall;
     stats["sync.bvhSeconds"] = bvh.cpu;
@@ -98,4 +98,4 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
   return stats;
 }
 
-}  // namespace alabaster::hd::sync
+}  // namespace alabaster::hd::rendering

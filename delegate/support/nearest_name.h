@@ -1,4 +1,4 @@
-// The nearest known name to a wrong one. Not installed.
+// The nearest known name to a wrong one, for messages that ask "did you mean ...?".
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <thread>
 
-#include "delegate/host/atomic_file.h"
+#include "delegate/support/atomic_file.h"
 #include "delegate/tradeoff/plot.h"
 
 namespace alabaster::tradeoff {
@@ -262,8 +262,8 @@ std::vector<std::string> write_report(const StudyResult& result, const Configura
                                                        {"tradeoff.md", markdown_text(result, list, context)}};
   for (const auto& [name, text] : texts) {
     const std::string file = (folder / name).string();
-    keep(file, hd::host::WriteFileAtomically(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
-                                             hd::host::Flush::none));
+    keep(file, hd::support::WriteFileAtomically(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
+                                                hd::support::Flush::none));
   }
   const Plot plot = plot_of(result, context);
   for (const char* name : {"tradeoff.svg", "tradeoff.png"}) {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "delegate/host/atomic_file.h"
+#include "delegate/support/atomic_file.h"
 
 namespace alabaster::tradeoff {
 namespace {
@@ -52,8 +52,8 @@ StoredRender from_json(const json& entry) {
 }
 
 std::string write(const fs::path& file, const void* bytes, size_t size) {
-  const std::string problem =
-      hd::host::WriteFileAtomically(file.string(), {static_cast<const uint8_t*>(bytes), size}, hd::host::Flush::none);
+  const std::string problem = hd::support::WriteFileAtomically(
+      file.string(), {static_cast<const uint8_t*>(bytes), size}, hd::support::Flush::none);
   return problem.empty() ? "" : file.string() + " cannot be written: " + problem + ".";
 }
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "testenv/support/cpu_time.h"
+#include "delegate/support/process_usage.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -101,14 +101,14 @@ SceneDescription describe(testing::SceneBuilder* builder, const std::shared_ptr<
 }
 
 double replay(const Recording& rays, const InstancedScene& top) {
-  const double begin = testing::cpu_seconds();
+  const double begin = hd::support::process_cpu_seconds();
   size_t hits = 0;
   TriangleHit hit;
   for (const auto& r : rays)
     hits += r.object      ? r.object->intersect(r.ray, &hit)
             : r.occlusion ? top.occluded(r.ray)
                           : top.intersect(r.ray, &hit);
-  const double seconds = testing::cpu_seconds() - begin;
+  const double seconds = hd::support::process_cpu_seconds() - begin;
   if (hits == rays.size() + 1) std::puts("");  // uses the hits, so that the loop is not optimized away
   return seconds;
 }
@@ -120,9 +120,9 @@ nlohmann::json measure(const Case& c, const RenderRequest& base, testing::SceneB
   request.scene = builder->snapshot();
   RenderProgress progress;
   testing::render(request, &progress);  // warms caches
-  const double begin = testing::cpu_seconds();
+  const double begin = hd::support::process_cpu_seconds();
   testing::render(request, &progress);
-  const double render_seconds = testing::cpu_seconds() - begin;
+  const double render_seconds = hd::support::process_cpu_seconds() - begin;
 
   Recording rays;
   SceneSnapshot recorded = *request.scene;

@@ -15,7 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "testenv/support/cpu_time.h"
+#include "delegate/support/process_usage.h"
 #include "testenv/support/mesh_bodies.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
@@ -87,9 +87,9 @@ struct Measured {
 
   void add(const RenderRequest& request) {
     RenderProgress progress;
-    const double begin = testing::cpu_seconds();
+    const double begin = hd::support::process_cpu_seconds();
     const auto film = testing::render(request, &progress);
-    seconds += testing::cpu_seconds() - begin;
+    seconds += hd::support::process_cpu_seconds() - begin;
     counters.add(progress.counters);
     const auto color = film->resolve_float(Aov::color);
     values.resize(color.size());

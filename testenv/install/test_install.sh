@@ -13,3 +13,10 @@ cmake --build "$scratch/build"
 for schema in disney_material lights camera render_settings render_description quality_presets; do
   test -s "$scratch/prefix/share/alabaster/schemas/$schema.json"
 done
+# The headers installed are those of the contract, and each compiles on its own.
+headers=$(cd "$scratch/prefix/include/alabaster" && find . -name '*.h' | sort)
+test "$(echo "$headers" | wc -l)" -ge 13
+for header in $headers; do
+  echo "#include \"$header\"" | c++ -std=c++20 -fsyntax-only -x c++ -I "$scratch/prefix/include/alabaster" \
+    $(pkg-config --cflags Imath 2>/dev/null || echo -I/usr/include/Imath) -
+done

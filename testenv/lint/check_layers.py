@@ -1,17 +1,36 @@
 #!/usr/bin/env python3
-"""Fails when a file includes a header that its layer must not see, or a library that belongs to another room.
+"""Fails when a file includes a header that its room must not see, or a library that belongs to another room.
 
-core: a folder includes only itself and folders before it in LAYERS. delegate may include core; core never delegate; the
-delegate's installed headers never include core. Third-party libraries belong to the rooms named in OWNERS.
+core: a room includes only itself and rooms before it in CORE_ROOMS. delegate: a room includes only itself and the rooms
+that DELEGATE_ROOMS names for it; core never delegate; installed headers neither core nor what is not installed. A header
+that calls itself "Internal to this room" in its first line, or that lies among installed ones without being installed
+itself, is included by its own room alone. Third-party libraries belong to the rooms named in OWNERS.
 """
 import pathlib
 import re
 import sys
 
-LAYERS = ["diagnostics", "math", "color", "parameter", "sampling", "texture", "geometry", "camera", "film", "convergence",
-          "material", "subsurface", "light", "scene", "integrator", "session"]
-PUBLIC = ["delegate/api", "delegate/host", "delegate/gltf", "delegate/description"]
-HOSTS = ["cli", "tradeoff"]  # the program and what it is made of
+CORE_ROOMS = ["diagnostics", "math", "color", "parameter", "sampling", "texture", "geometry", "camera", "film",
+              "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
+CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
+DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
+    "api": [],
+    "support": ["api"],
+    "prims": ["api", "support"],
+    "rendering": ["api", "support", "prims"],
+    "host": ["api", "support"],
+    "gltf": ["api", "support", "host"],
+    "description": ["api", "support", "host", "gltf"],
+    "tradeoff": CONTRACT + ["support"],
+    "cli": CONTRACT + ["support", "tradeoff"],
+}
+CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
+    "prims": CORE_ROOMS,
+    "rendering": CORE_ROOMS,
+    "host": ["color", "film"],
+    "gltf": ["material", "subsurface"],
+    "description": ["math", "texture"],
+}
 OWNERS = {  # pattern of an include -> files that may have it
     r"embree3/": ["core/geometry/"],
     r"opensubdiv/": ["core/geometry/"],
@@ -22,11 +41,33 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"CLI/": ["delegate/cli/"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+INTERNAL = re.compile(r"^//.*\bInternal to this room\b")
 
 
-def faults(path, text):
-    parts = path.split("/")
-    public_header = path.endswith(".h") and any(path.startswith(p + "/") for p in PUBLIC)
+def room_of(path):
+    """core/light, delegate/host, ...; of a unit test the room that it tests."""
+    parts = path.removeprefix("testenv/unit/").split("/")
+    return "/".join(parts[:2])
+
+
+def wrong_arrow(path, target):
+    """Why `path` may not include `target` of another room, or None."""
+    room, other = room_of(path).split("/"), room_of(target).split("/")
+    if path.startswith("testenv/") or room == other:
+        return None
+    if other[0] == "testenv":
+        return "the library must not include its tests"
+    if room[0] == "core":
+        if other[0] == "delegate":
+            return "core must not include it"
+        below = CORE_ROOMS.index(other[1]) < CORE_ROOMS.index(room[1])
+        return None if below else f"room {room[1]} lies below {other[1]}"
+    seen = DELEGATE_ROOMS[room[1]] if other[0] == "delegate" else CORE_SEEN_BY.get(room[1], [])
+    return None if other[1] in seen else f"room {room[1]} must not include {'/'.join(other)}"
+
+
+def faults(path, text, hidden, installed):
+    """The faults of one file. `hidden`: headers for their own room alone."""
     for number, line in enumerate(text.splitlines(), 1):
         match = INCLUDE.match(line)
         if not match:
@@ -34,37 +75,48 @@ def faults(path, text):
         name = match.group(1)
         where = f"{path}:{number}: includes {name}: "
         for pattern, owners in OWNERS.items():
-            if re.match(pattern, name) and not any(path.startswith(o) for o in owners):
+            if re.match(pattern, name) and not path.startswith("testenv/") and not any(path.startswith(o) for o in owners):
                 yield where + "belongs to " + ", ".join(owners)
-        target = name.split("/")
-        if line.count('"') == 2 and len(target) < 2:
+        if line.count('"') != 2:
+            continue
+        if "/" not in name:
             yield where + "write includes from the root of the repository"
-        if parts[0] == "core" and target[0] in ("delegate", "testenv"):
-            yield where + "core must not include it"
-        if parts[0] == "delegate" and target[0] == "testenv":
-            yield where + "the library must not include its tests"
-        if public_header and target[0] == "core":
-            yield where + "installed headers must not include core"
-        if parts[0] == "delegate" and parts[1] in HOSTS and (target[0] == "core" or target[:2] in (["delegate", "prims"], ["delegate", "rendering"], ["delegate", "support"])):
-            yield where + "the program must use only the public contract"
-        if parts[0] == "delegate" and parts[1] == "tradeoff" and target[:2] == ["delegate", "cli"]:
-            yield where + "the measurements must not know the program"
-        if parts[0] == "core" and target[0] == "core":
-            if LAYERS.index(target[1]) > LAYERS.index(parts[1]):
-                yield where + f"layer {parts[1]} lies below {target[1]}"
+        if name.split("/")[0] not in ("core", "delegate", "testenv"):
+            continue
+        if reason := wrong_arrow(path, name):
+            yield where + reason
+        if name in hidden and room_of(path) != room_of(name):
+            yield where + "the header is internal to " + room_of(name)
+        if path in installed and name not in installed:
+            yield where + "an installed header must include installed headers only"
+
+
+def installed_headers(cmake):
+    """Those of the list ALABASTER_INSTALLED_HEADERS."""
+    return set(re.search(r"set\(ALABASTER_INSTALLED_HEADERS\s([^)]*)\)", cmake).group(1).split())
+
+
+def hidden_headers(texts, installed):
+    return {path for path, text in texts.items() if path.endswith(".h") and (
+        INTERNAL.match(text.split("\n", 1)[0])
+        or path not in installed and path.split("/")[0] == "delegate" and path.split("/")[1] in CONTRACT)}
 
 
 def main():
     root = pathlib.Path(__file__).resolve().parents[2]
-    found = []
-    files = sorted(p for folder in ("core", "delegate") for p in (root / folder).rglob("*") if p.suffix in (".h", ".cpp"))
-    for file in files:
-        path = file.relative_to(root).as_posix()
-        if path.startswith("core/") and path.split("/")[1] not in LAYERS:
-            found.append(f"{path}: folder is not in the list of layers")
+    texts = {file.relative_to(root).as_posix(): file.read_text() for folder in ("core", "delegate", "testenv")
+             for file in sorted((root / folder).rglob("*")) if file.suffix in (".h", ".cpp")}
+    installed = installed_headers((root / "CMakeLists.txt").read_text())
+    hidden = hidden_headers(texts, installed)
+    found = [f"CMakeLists.txt: installs {path}, which does not exist" for path in sorted(installed - texts.keys())]
+    found += [f"{path}: is installed and calls itself internal" for path in sorted(installed & hidden)]
+    for path, text in texts.items():
+        room = room_of(path).split("/")
+        if room[0] == "core" and room[1] not in CORE_ROOMS or room[0] == "delegate" and room[1] not in DELEGATE_ROOMS:
+            found.append(f"{path}: {'/'.join(room)} is not in the list of rooms")
             continue
-        found += faults(path, file.read_text())
-    print("\n".join(found) if found else f"{len(files)} files keep to their layers")
+        found += faults(path, text, hidden, installed)
+    print("\n".join(found) if found else f"{len(texts)} files keep to their rooms")
     return 1 if found else 0
 
 

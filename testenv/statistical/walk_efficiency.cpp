@@ -12,8 +12,8 @@
 #include <string>
 
 #include "core/subsurface/random_walk.h"
+#include "delegate/support/process_usage.h"
 #include "testenv/support/analytic_bodies.h"
-#include "testenv/support/cpu_time.h"
 #include "testenv/support/lone_body.h"
 
 namespace alabaster::testing {
@@ -151,7 +151,7 @@ class MeshRun {
 
   void run(const WalkSettings& settings, int walks, uint64_t seed, Measured* out) const {
     Rng rng(seed, 3);
-    const double start = testing::cpu_seconds();
+    const double start = hd::support::process_cpu_seconds();
     for (int i = 0; i < walks; ++i) {
       const auto exit = walk(entries_[static_cast<size_t>(i) % entries_.size()], settings, rng, out);
       out->uniform.add(exit ? exit->throughput : Rgb(0.0f));
@@ -161,7 +161,7 @@ class MeshRun {
       const bool lit = exit && exit_x(*exit) > edge_;
       out->edge.add(lit ? exit->throughput : Rgb(0.0f));
     }
-    out->seconds += testing::cpu_seconds() - start;
+    out->seconds += hd::support::process_cpu_seconds() - start;
   }
 
  private:

@@ -18,6 +18,9 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
     change(p);
     return p;
   };
+  const auto with_vars = [&](const char* name, const std::vector<RenderVar>& vars) {
+    return with(name, [&](RenderProduct& p) { p.vars = vars; });
+  };
   const auto nothing = [](RenderProduct&) {};
   const std::pair<RenderProduct, std::string> cases[] = {
       {with("a.gif", nothing), ".exr"},
@@ -27,41 +30,13 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
       {with("folder.exr", nothing), "choose another name"},
       {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
       {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "shadow", "half"}};
-            }),
-       "sampleCount"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "color", "int"}};
-            }),
-       "not made of integers"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "color", "double"}};
-            }),
-       "half, float or int"},
-      {with("a.exr",
-            [](RenderProduct& p) {
-              p.vars = {{"x", "color", "half"}, {"x", "color", "half"}};
-            }),
-       "x.R"},
-      {with("a.png",
-            [](RenderProduct& p) {
-              p.vars = {{"", "primId", "int"}};
-            }),
-       ".exr"},
-      {with("a.png",
-            [](RenderProduct& p) {
-              p.vars = {{"", "color", "half"}, {"", "albedo", "half"}};
-            }),
-       "one AOV"},
-      {with("a.jpg",
-            [](RenderProduct& p) {
-              p.vars = {{"", "alpha", "half"}};
-            }),
-       "no alpha"},
+      {with_vars("a.exr", {{"x", "shadow", "half"}}), "sampleCount"},
+      {with_vars("a.exr", {{"x", "color", "int"}}), "not made of integers"},
+      {with_vars("a.exr", {{"x", "color", "double"}}), "half, float or int"},
+      {with_vars("a.exr", {{"x", "color", "half"}, {"x", "color", "half"}}), "x.R"},
+      {with_vars("a.png", {{"", "primId", "int"}}), ".exr"},
+      {with_vars("a.png", {{"", "color", "half"}, {"", "albedo", "half"}}), "one AOV"},
+      {with_vars("a.jpg", {{"", "alpha", "half"}}), "no alpha"},
       {with("a.png", [](RenderProduct& p) { p.colorSpace = "ACEScg", p.display = "sRGB"; }), "only one"},
       {with("a.exr", [](RenderProduct& p) { p.colorSpace = "AdobeRGB"; }), "ACEScg"},
       {with("a.png", [](RenderProduct& p) { p.display = "TV"; }), "Rec.2100-PQ"},

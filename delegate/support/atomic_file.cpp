@@ -1,4 +1,4 @@
-#include "delegate/host/atomic_file.h"
+#include "delegate/support/atomic_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace alabaster::hd::host {
+namespace alabaster::hd::support {
 namespace {
 
 std::string reason_of(int error) {
@@ -67,4 +67,4 @@ std::string WriteFileAtomically(const std::string& file, std::span<const uint8_t
   return {};
 }
 
-}  // namespace alabaster::hd::host
+}  // namespace alabaster::hd::support

@@ -1,0 +1,138 @@
+#include "delegate/support/instancing.h"
+
+#include <algorithm>
+
+namespace alabaster::hd::support {
+namespace {
+
+constexpr size_t kMaxInstances = size_t(1) << 27;  // of one prim: beyond it, memory for placements alone exceeds 16 GB
+
+struct InstancePrimvars {
+  Array<Vec3f> translations, scales;
+  Array<Quatf> rotations;
+  Array<Matrix4d> transforms;
+};
+
+template <class T>
+Array<T> pull_array(SceneDelegate& scene, const Path& id, const char* name, const InstancingReport& report) {
+  Array<int32_t> unused;
+  const Value value = scene.GetPrimvar(id, name, &unused);
+  if (const auto* array = value.get<Array<T>>()) return *array;
+  if constexpr (std::is_same_v<T, Quatf>)  // real part first
+    if (const auto* array = value.get<Array<Vec4f>>()) {
+      std::vector<Quatf> quaternions;
+      for (const Vec4f& q : *array) quaternions.emplace_back(q.x, q.y, q.z, q.w);
+      return quaternions;
+    }
+  if (!value.empty() && report)
+    report("instancer.primvar.type", id, std::string(name) + " has an unexpected type; it is left out");
+  return {};
+}
+
+// In double: a unit quaternion rounded to float is not quite a rotation.
+Matrix4d rotation_matrix(const Quatf& rotation) {
+  Imath::Quatd q(static_cast<double>(rotation.r), Vec3d(rotation.v));
+  const double norm = q.length();
+  if (!(norm > 0)) return {};
+  q /= norm;
+  return q.toMatrix44();  // Imath's is for row vectors
+}
+
+// p * M * S * R * T
+Matrix4d point_matrix(const InstancePrimvars& primvars, size_t i) {
+  Matrix4d m;
+  if (i < primvars.transforms.size()) m = primvars.transforms[i];
+  if (i < primvars.scales.size()) {
+    Matrix4d s;
+    s.setScale(Vec3d(primvars.scales[i]));
+    m = m * s;
+  }
+  if (i < primvars.rotations.size()) m = m * rotation_matrix(primvars.rotations[i]);
+  if (i < primvars.translations.size()) {
+    Matrix4d t;
+    t.setTranslation(Vec3d(primvars.translations[i]));
+    m = m * t;
+  }
+  return m;
+}
+
+}  // namespace
+
+InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report) {
+  const InstancePrimvars primvars{pull_array<Vec3f>(scene, instancer, "hydra:instanceTranslations", report),
+                                  pull_array<Vec3f>(scene, instancer, "hydra:instanceScales", report),
+                                  pull_array<Quatf>(scene, instancer, "hydra:instanceRotations", report),
+                                  pull_array<Matrix4d>(scene, instancer, "hydra:instanceTransforms", report)};
+  const size_t sizes[] = {primvars.translations.size(), primvars.scales.size(), primvars.rotations.size(),
+                          primvars.transforms.size()};
+  const size_t count = *std::max_element(std::begin(sizes), std::end(sizes));
+  if (count == 0) return nullptr;
+  if (report && std::any_of(std::begin(sizes), std::end(sizes), [&](size_t n) { return n != 0 && n != count; }))
+    report("instancer.primvar.size", instancer,
+           "instance primvars differ in length; beyond the end of the shorter ones points have the identity");
+  auto points = std::make_shared<std::vector<Matrix4d>>();
+  points->reserve(count);
+  for (size_t i = 0; i < count; ++i) points->push_back(point_matrix(primvars, i));
+  return points;
+}
+
+InstancerRecord pull_instancer(SceneDelegate& scene, const Path& instancer, const InstancingReport& report) {
+  InstancerRecord record;
+  record.transform = scene.GetInstancerTransform(instancer);
+  record.points = pull_instance_points(scene, instancer, report);
+  record.parent = scene.GetInstancerId(instancer);
+  if (!record.parent.empty()) record.indices_in_parent = scene.GetInstanceIndices(record.parent, instancer);
+  return record;
+}
+
+void Placements::warn(const char* code, const Path& where, const std::string& text) const {
+  if (report_) report_(code, where, text);
+}
+
+// An instancer stands once where it has no parent.
+const std::vector<Placement>& Placements::outer(const Path& instancer, const InstancerRecord& record) {
+  const auto known = outer_.find(instancer);
+  if (known != outer_.end()) return known->second;
+  std::vector<Placement> placements;
+  if (record.parent.empty()) {
+    placements.emplace_back();
+  } else if (visiting_.insert(instancer).second) {
+    placements = place(instancer, record.parent, record.indices_in_parent);
+    visiting_.erase(instancer);
+  } else {
+    warn("instancer.cycle", instancer, "instancers contain each other; the prims that they place are not drawn");
+  }
+  return outer_.emplace(instancer, std::move(placements)).first->second;
+}
+
+// point * instancer * outer, for each outer placement and, fastest, each index.
+std::vector<Placement> Placements::place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices) {
+  const InstancerRecord* record = find_(instancer);
+  if (!record) {
+    warn("instancer.missing", prototype, "instancer " + instancer.str() + " does not exist; the prim is not drawn");
+    return {};
+  }
+  const std::vector<Placement> outside = outer(instancer, *record);
+  std::vector<Placement> placements;
+  if (!indices.empty() && outside.size() > kMaxInstances / indices.size()) {
+    warn("instancer.size", prototype, "more than 2^27 instances; the prim is not drawn");
+    return placements;
+  }
+  placements.reserve(outside.size() * indices.size());
+  size_t dropped = 0;
+  for (const Placement& o : outside) {
+    const Matrix4d base = record->transform * o.matrix;
+    for (const int32_t index : indices) {
+      const bool exists = index >= 0 && (!record->points || static_cast<size_t>(index) < record->points->size());
+      dropped += exists ? 0 : 1;
+      const bool moved = exists && record->points;
+      placements.push_back({moved ? (*record->points)[static_cast<size_t>(index)] * base : base, o.used && exists});
+    }
+  }
+  if (dropped)
+    warn("instancer.index", prototype,
+         "some instance indices name no point of " + instancer.str() + "; those instances are left out");
+  return placements;
+}
+
+}  // namespace alabaster::hd::support

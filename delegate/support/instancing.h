@@ -1,0 +1,62 @@
+// The points of instancers and the places where nested instancers put a prototype. Drawing and automatic framing share
+// them, so that the frame encloses the instances that are drawn.
+#pragma once
+
+#include <functional>
+#include <set>
+
+#include "delegate/api/scene_delegate.h"
+
+namespace alabaster::hd::support {
+
+/// Receives each warning: its code, the prim and the text. Empty: warnings are dropped.
+using InstancingReport = std::function<void(const char* code, const Path& where, const std::string& text)>;
+
+/// The matrices of an instancer's points; null stands for identity at any index.
+using InstancePoints = std::shared_ptr<const std::vector<Matrix4d>>;
+
+/// The values that an instancer has pulled.
+struct InstancerRecord {
+  Matrix4d transform;
+  InstancePoints points;
+  Path parent;                       // empty: none
+  Array<int32_t> indices_in_parent;  // this instancer's points in its parent
+  bool operator==(const InstancerRecord&) const = default;
+};
+
+/// Pulls hydra:instanceTransforms M, ...Scales S, ...Rotations R and ...Translations T; point i is M_i S_i R_i T_i for
+/// row vectors. Rotations are normalised; one of length zero is the identity. An array that is shorter than the longest
+/// counts as identity beyond its end.
+InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report);
+
+/// Pulls everything about one instancer.
+InstancerRecord pull_instancer(SceneDelegate& scene, const Path& instancer, const InstancingReport& report);
+
+/// One instance: prototype point * matrix = world point.
+struct Placement {
+  Matrix4d matrix;
+  bool used = true;  // false where an index names no point of its instancer
+};
+
+/// Places prototypes. Remembers where instancers themselves stand, since many prototypes share them.
+class Placements {
+ public:
+  /// `find` answers with an instancer's record, or null; records must outlive this object.
+  Placements(std::function<const InstancerRecord*(const Path&)> find, InstancingReport report)
+      : find_(std::move(find)), report_(std::move(report)) {}
+
+  /// The instances of `prototype`, which `instancer` places at `indices`: the innermost index runs fastest. Empty and
+  /// reported if the instancer does not exist, if instancers contain each other, or beyond 2^27 instances.
+  std::vector<Placement> place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices);
+
+ private:
+  const std::vector<Placement>& outer(const Path& instancer, const InstancerRecord& record);
+  void warn(const char* code, const Path& where, const std::string& text) const;
+
+  std::function<const InstancerRecord*(const Path&)> find_;
+  InstancingReport report_;
+  std::map<Path, std::vector<Placement>> outer_;  // where each instancer stands
+  std::set<Path> visiting_;
+};
+
+}  // namespace alabaster::hd::support

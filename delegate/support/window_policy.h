@@ -1,0 +1,17 @@
+// How a camera's window takes the shape of an image: Hydra's conformed window.
+#pragma once
+
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::support {
+
+/// Width and height of what a camera sees: apertures, or the tangents that they make with a focal length.
+struct CameraWindow {
+  double width = 0, height = 0;
+};
+
+/// The window about the same centre with the image's aspect ratio, width over height (pixels that are not square
+/// included). Both must be positive.
+CameraWindow conform_window(CameraWindow window, double image_aspect, WindowPolicy policy);
+
+}  // namespace alabaster::hd::support

@@ -1,0 +1,45 @@
+#include "testenv/support/failing_memory.h"
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+constexpr size_t kUnlimited = ~size_t(0);
+thread_local size_t allowed_allocations = kUnlimited;
+thread_local bool refused = false;
+
+}  // namespace
+
+namespace alabaster::testing {
+
+FailingMemory::FailingMemory(size_t allowed) {
+  allowed_allocations = allowed;
+  refused = false;
+}
+FailingMemory::~FailingMemory() {
+  allowed_allocations = kUnlimited;
+}
+bool FailingMemory::failed() const {
+  return refused;
+}
+
+}  // namespace alabaster::testing
+
+void* operator new(size_t size) {
+  if (allowed_allocations != kUnlimited) {
+    if (allowed_allocations == 0) {
+      refused = true;
+      throw std::bad_alloc();
+    }
+    --allowed_allocations;
+  }
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, size_t) noexcept {
+  std::free(memory);
+}

@@ -1,0 +1,20 @@
+// Memory that runs out at a chosen moment: linking failing_memory.cpp replaces the program's operator new.
+#pragma once
+
+#include <cstddef>
+
+namespace alabaster::testing {
+
+/// While it lives, operator new grants this thread `allowed` allocations and throws std::bad_alloc for all further
+/// ones. Other threads, and what is allocated aligned or by malloc, go untouched.
+class FailingMemory {
+ public:
+  explicit FailingMemory(size_t allowed);
+  ~FailingMemory();
+  FailingMemory(const FailingMemory&) = delete;
+  FailingMemory& operator=(const FailingMemory&) = delete;
+  /// True once an allocation was refused.
+  bool failed() const;
+};
+
+}  // namespace alabaster::testing
