@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/film/aov.h"
+
 namespace alabaster::hd::rendering {
 namespace {
 
@@ -77,15 +79,11 @@ TEST(PixelFormat, ClearValuesAreNumbersOrVectors) {
 }
 
 TEST(PixelFormat, DescriptorsFitTheirAovs) {
-  for (const char* name :
-       {"color", "alpha", "diffuse", "subsurface", "subsurfaceSingle", "specular", "emission", "normal", "albedo",
-        "depth", "cameraDepth", "primId", "instanceId", "elementId", "sampleCount"}) {
-    Aov aov{};
-    ASSERT_TRUE(aov_from_name(name, &aov)) << name;
-    const AovDescriptor descriptor = default_aov_descriptor(name);
-    EXPECT_EQ(FormatComponents(descriptor.format), aov_components(aov)) << name;
-    EXPECT_EQ(descriptor.format == Format::int32, aov_is_integer(aov)) << name;
-    EXPECT_FALSE(descriptor.clearValue.empty()) << name;
+  for (const AovInfo& aov : kAovs) {
+    const AovDescriptor descriptor = default_aov_descriptor(aov.name);
+    EXPECT_EQ(FormatComponents(descriptor.format), aov.components()) << aov.name;
+    EXPECT_EQ(descriptor.format == Format::int32, aov.is_integer()) << aov.name;
+    EXPECT_FALSE(descriptor.clearValue.empty()) << aov.name;
   }
   EXPECT_EQ(default_aov_descriptor("primId").clearValue, Value(int32_t(-1))) << "the background";
   EXPECT_EQ(default_aov_descriptor("depth").clearValue, Value(1.0f)) << "the far plane";
