@@ -28,7 +28,7 @@ void take_groups(const Film& from, uint32_t groups, Film* to) {
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x, ++pixel)
         if (groups >> pixel_group(x, y) & 1) pixels.take(pixel, source);
-    to->store_tile(t, std::move(pixels));
+    to->store_tile(t, pixels);
   }
 }
 

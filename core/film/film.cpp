@@ -194,44 +194,71 @@ FilmTile Film::load_tile(int tile) const {
   return tiles_[i];
 }
 
-void Film::store_tile(int tile, FilmTile pixels) {
+// Copies, for the tile that it replaces lies in the heap of the thread that made the film, where no worker's next tile
+// would find the room again: the film would take its memory twice.
+void Film::store_tile(int tile, const FilmTile& pixels) {
   const auto i = static_cast<size_t>(tile);
   const std::lock_guard lock(locks_[i]);
-  std::swap(tiles_[i], pixels);
+  tiles_[i] = pixels;
   ++revision_;
 }
 
-template <class T, class Write>
-std::vector<T> Film::resolve_tiles(int components, const Write& write) const {
-  const auto width = static_cast<size_t>(window_.width()), n = static_cast<size_t>(components);
-  std::vector<T> out(width * static_cast<size_t>(window_.height()) * n);
+template <class T, class Resolve>
+void Film::resolve_rows(int components, const Resolve& resolve, const TakeRow<T>& take) const {
+  constexpr size_t kMostComponents = 4;
+  std::array<T, kTileSize * kMostComponents> values;
+  const auto n = static_cast<size_t>(components);
   for (int t = 0; t < tile_count(); ++t) {
     const PixelRect r = tile_rect(t);
+    const auto width = static_cast<size_t>(r.width());
     const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
     const FilmTile& tile = tiles_[static_cast<size_t>(t)];
     size_t pixel = 0;
-    for (int y = r.y0; y < r.y1; ++y)
-      for (int x = r.x0; x < r.x1; ++x, ++pixel) {
-        const size_t target = static_cast<size_t>(y - window_.y0) * width + static_cast<size_t>(x - window_.x0);
-        write(tile, pixel, out.data() + target * n);
-      }
+    for (int y = r.y0; y < r.y1; ++y) {
+      for (size_t x = 0; x < width; ++x, ++pixel) resolve(tile, pixel, values.data() + x * n);
+      take(r.x0, y, {values.data(), width * n});
+    }
   }
-  return out;
+}
+
+template <class T>
+Film::TakeRow<T> Film::copy_to(std::vector<T>* frame, int components) const {
+  const auto width = static_cast<size_t>(window_.width()), n = static_cast<size_t>(components);
+  frame->resize(width * static_cast<size_t>(window_.height()) * n);
+  return [=, this](int x, int y, std::span<const T> values) {
+    const size_t pixel = static_cast<size_t>(y - window_.y0) * width + static_cast<size_t>(x - window_.x0);
+    std::copy(values.begin(), values.end(), frame->data() + pixel * n);
+  };
+}
+
+void Film::resolve_float(Aov aov, const TakeRow<float>& take) const {
+  resolve_rows<float>(
+      aov_info(aov).components(),
+      [aov](const FilmTile& tile, size_t pixel, float* out) { tile.resolve(pixel, aov, out); }, take);
+}
+
+void Film::resolve_int(Aov aov, const TakeRow<int32_t>& take) const {
+  resolve_rows<int32_t>(
+      1, [aov](const FilmTile& tile, size_t pixel, int32_t* out) { *out = tile.resolve_int(pixel, aov); }, take);
 }
 
 std::vector<float> Film::resolve_float(Aov aov) const {
-  return resolve_tiles<float>(aov_info(aov).components(),
-                              [aov](const FilmTile& tile, size_t pixel, float* out) { tile.resolve(pixel, aov, out); });
+  std::vector<float> frame;
+  resolve_float(aov, copy_to(&frame, aov_info(aov).components()));
+  return frame;
 }
 
 std::vector<int32_t> Film::resolve_int(Aov aov) const {
-  return resolve_tiles<int32_t>(
-      1, [aov](const FilmTile& tile, size_t pixel, int32_t* out) { *out = tile.resolve_int(pixel, aov); });
+  std::vector<int32_t> frame;
+  resolve_int(aov, copy_to(&frame, 1));
+  return frame;
 }
 
 std::vector<PixelNoise> Film::noise() const {
-  return resolve_tiles<PixelNoise>(
-      1, [](const FilmTile& tile, size_t pixel, PixelNoise* out) { *out = tile.noise(pixel); });
+  std::vector<PixelNoise> frame;
+  resolve_rows<PixelNoise>(
+      1, [](const FilmTile& tile, size_t pixel, PixelNoise* out) { *out = tile.noise(pixel); }, copy_to(&frame, 1));
+  return frame;
 }
 
 }  // namespace alabaster

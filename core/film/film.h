@@ -5,8 +5,10 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "core/color/rgb.h"
@@ -107,19 +109,27 @@ class Film {
   int tile_count() const { return tiles_x_ * tiles_y_; }
   PixelRect tile_rect(int tile) const;
   FilmTile load_tile(int tile) const;
-  void store_tile(int tile, FilmTile pixels);
+  void store_tile(int tile, const FilmTile& pixels);
   /// Number of tiles stored so far: as long as it stays the same, so do the pixels.
   uint64_t revision() const { return revision_.load(); }
 
-  /// Resolved values of the whole window, row-major, y-down; component by component. An AOV that is not
-  /// requested resolves to its background value.
+  /// Takes a row of a tile: the resolved values of the pixels from (x, y) rightwards, component by component.
+  template <class T>
+  using TakeRow = std::function<void(int x, int y, std::span<const T> values)>;
+  /// Resolves the window tile by tile, without a copy of the frame. `take` is called under the tile's lock. An AOV that
+  /// is not requested resolves to its background value.
+  void resolve_float(Aov aov, const TakeRow<float>& take) const;
+  void resolve_int(Aov aov, const TakeRow<int32_t>& take) const;
+  /// The same values as one frame, row-major, y-down.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
   std::vector<PixelNoise> noise() const;
 
  private:
-  template <class T, class Write>
-  std::vector<T> resolve_tiles(int components, const Write& write) const;
+  template <class T, class Resolve>
+  void resolve_rows(int components, const Resolve& resolve, const TakeRow<T>& take) const;
+  template <class T>
+  TakeRow<T> copy_to(std::vector<T>* frame, int components) const;
 
   PixelRect window_;
   uint32_t aovs_ = 0;

@@ -147,7 +147,7 @@ bool RenderSession::State::render_tile(const TileRenderer& renderer, const Sampl
   const TileSamples samples{film->tile_rect(tile), range, allocation, stopping.groups_to_trace(),
                             pilot_rays.empty() ? nullptr : &pilot_rays};
   if (!renderer.render(samples, may_go_on, &pixels, counters)) return false;
-  film->store_tile(tile, std::move(pixels));
+  film->store_tile(tile, pixels);
   return true;
 }
 

@@ -4,13 +4,12 @@
 #include <tbb/task_arena.h>
 
 #include <chrono>
-#include <cmath>
 #include <condition_variable>
-#include <cstring>
 #include <ctime>
-#include <set>
+#include <optional>
 #include <thread>
 
+#include "delegate/host/frame_request.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::host {
@@ -22,7 +21,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// For destructors: what cannot be tidied up is left, and the host goes on.
+/// Runs a step of a destructor. If it fails, its work is left undone and the host goes on.
 template <class Body>
 void quietly(const Body& body) noexcept {
   try {
@@ -31,7 +30,7 @@ void quietly(const Body& body) noexcept {
   }
 }
 
-/// Wall and CPU seconds of one phase, noted in the statistics when it ends.
+/// Notes the wall and CPU seconds of one phase in the statistics when it ends.
 class Phase {
  public:
   Phase(Dictionary* stats, std::string name) : stats_(stats), name_("phase." + std::move(name)) {}
@@ -51,7 +50,24 @@ class Phase {
   double cpu_ = support::process_cpu_seconds();
 };
 
-/// Stops the delegate as soon as the host cancels, while the calling thread is inside Sync.
+/// Stops the delegate, and restarts it at the end of the scope. A delegate that another thread has stopped stays
+/// stopped: only that thread may restart it.
+class BriefStop {
+ public:
+  explicit BriefStop(RenderDelegate* delegate) : delegate_(delegate->IsStopped() ? nullptr : delegate) {
+    if (delegate_) delegate_->Stop();
+  }
+  ~BriefStop() {
+    if (delegate_) delegate_->Restart();
+  }
+  BriefStop(const BriefStop&) = delete;
+  BriefStop& operator=(const BriefStop&) = delete;
+
+ private:
+  RenderDelegate* delegate_;
+};
+
+/// Ends the calling thread's Sync as soon as the host cancels.
 class CancelWatch {
  public:
   CancelWatch(const std::atomic<bool>* cancel, RenderDelegate* delegate) {
@@ -74,14 +90,41 @@ class CancelWatch {
     while (!changed_.wait_for(lock, std::chrono::milliseconds(10), [this] { return over_; })) {
       if (!cancel) continue;
       lock.unlock();
-      delegate->Stop();
+      stop_.emplace(delegate);
       return;
     }
   }
+  std::optional<BriefStop> stop_;  // thread_ writes it, and is joined before it dies
   std::mutex mutex_;
   std::condition_variable changed_;
   bool over_ = false;
   std::thread thread_;
+};
+
+/// A buffer's pixels, resolved and mapped.
+class MappedPixels {
+ public:
+  MappedPixels(RenderBuffer* buffer, Vec2i size) : buffer_(buffer) {
+    buffer->Resolve();
+    const void* data = buffer->Map();
+    if (!data || Vec2i(buffer->GetWidth(), buffer->GetHeight()) != size) return;
+    const Format format = buffer->GetFormat();
+    pixels.components = FormatComponents(format);
+    const size_t values =
+        static_cast<size_t>(size.x) * static_cast<size_t>(size.y) * FormatSize(format) / sizeof(float);
+    if (format == Format::int32)
+      pixels.ints = {static_cast<const int32_t*>(data), values};
+    else
+      pixels.floats = {static_cast<const float*>(data), values};
+  }
+  ~MappedPixels() { buffer_->Unmap(); }
+  MappedPixels(const MappedPixels&) = delete;
+  MappedPixels& operator=(const MappedPixels&) = delete;
+
+  AovPixels pixels;  // empty if there are none
+
+ private:
+  RenderBuffer* buffer_;
 };
 
 std::string utc_now() {
@@ -104,7 +147,7 @@ class Recording {
   Recording(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings, const RecordOptions& options)
       : index_(index), scene_(scene), delegate_(index->GetRenderDelegate()), settings_(settings), options_(options) {}
 
-  /// The net under record(): the host's callbacks, memory and threads may all fail.
+  /// Catches everything: the host's callbacks, memory and threads may all fail.
   RecordResult run() noexcept {
     try {
       record();
@@ -119,7 +162,7 @@ class Recording {
  private:
   static constexpr const char* kSettingsPath = "renderSettingsPrimPath";
 
-  /// What a recording changes in host and delegate, put back however it ends.
+  /// Puts back whatever the recording changed in scene and delegate, however it ends.
   class Borrowed {
    public:
     explicit Borrowed(Recording* recording)
@@ -129,7 +172,6 @@ class Recording {
     ~Borrowed() {
       for (const auto& buffer : recording_->buffers_) quietly([&] { recording_->scene_->Remove(buffer.second); });
       quietly([&] { recording_->delegate_->SetRenderSetting(kSettingsPath, previous_); });
-      if (recording_->delegate_->IsStopped()) recording_->delegate_->Restart();
     }
     Borrowed(const Borrowed&) = delete;
     Borrowed& operator=(const Borrowed&) = delete;
@@ -140,13 +182,14 @@ class Recording {
   };
 
   void record() {
-    if (!prepare()) return;
+    result_.status = CheckFrame(*scene_, settings_, *delegate_, options_, &request_);
+    if (result_.status != RecordStatus::done) return;
     const Borrowed borrowed(this);
     allocate();
     if (!sync()) return;
-    if (!cancelled() && have_buffers()) render();
+    if (!interrupted() && have_buffers()) render();
     collect_stats();
-    if (result_.status == RecordStatus::done || (result_.status == RecordStatus::interrupted && rendered_)) write();
+    if (rendered_ && (result_.status == RecordStatus::done || result_.status == RecordStatus::interrupted)) write();
   }
 
   void refuse_exception(const char* what) noexcept {
@@ -164,58 +207,22 @@ class Recording {
     if (options_.diagnostics) options_.diagnostics({Severity::error, code, settings_.str(), text});
   }
 
-  // Everything that can be known to fail is refused before anything is rendered.
-  bool prepare() {
-    const auto found = scene_->GetAllRenderSettings().find(settings_);
-    if (found == scene_->GetAllRenderSettings().end())
-      return refuse(RecordStatus::input_failed, "record.settings", "there are no such render settings");
-    description_ = found->second;
-    if (description_.width < 1 || description_.height < 1 || description_.width > 65536 || description_.height > 65536)
-      return refuse(RecordStatus::input_failed, "record.resolution", "width and height must lie in 1..65536");
-    if (!can_look())
-      return refuse(RecordStatus::input_failed, "record.camera",
-                    "the transform of camera " + description_.camera.str() +
-                        " is not finite or cannot be inverted: it may be scaled to zero");
-    window_ = description_.crop.value_or(Rect2i{0, 0, description_.width, description_.height});
-    const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
-    if (!fits(window_.minX, window_.maxX) || !fits(window_.minY, window_.maxY) || !(description_.pixelAspectRatio > 0))
-      return refuse(RecordStatus::input_failed, "record.framing",
-                    "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio must be positive");
-    if (window_.minX >= description_.width || window_.minY >= description_.height || window_.maxX <= 0 ||
-        window_.maxY <= 0)
-      return refuse(RecordStatus::input_failed, "record.crop",
-                    "the crop lies wholly outside the frame of " + std::to_string(description_.width) + " x " +
-                        std::to_string(description_.height) + " pixels");
-    std::set<std::string> aovs;
-    for (const RenderProduct& product : description_.products) {
-      if (!CheckProduct(product, options_.colors, options_.diagnostics)) {
-        result_.status = RecordStatus::output_failed;
-        return false;
-      }
-      if (product.vars.empty()) aovs.insert("color");
-      for (const RenderVar& var : product.vars) aovs.insert(var.aov.str());
-    }
-    if (aovs.empty()) aovs.insert("color");
-    for (const std::string& aov : aovs) {
-      if (delegate_->GetDefaultAovDescriptor(aov).format == Format::invalid)
-        return refuse(RecordStatus::input_failed, "record.aov", "AOV '" + aov + "' is not supported");
-      buffers_[aov] = settings_.append("buffer_" + aov);
-    }
-    return true;
-  }
-
   void allocate() {
-    for (const auto& [aov, path] : buffers_) {
+    for (const std::string& aov : request_.aovs) {
       RenderBufferDescriptor buffer;
-      buffer.dimensions = {window_.width(), window_.height(), 1};
+      buffer.dimensions = {size().x, size().y, 1};
       buffer.format = delegate_->GetDefaultAovDescriptor(aov).format;
-      scene_->SetRenderBuffer(path, buffer);
+      buffers_[aov] = settings_.append("buffer_" + aov);
+      scene_->SetRenderBuffer(buffers_[aov], buffer);
     }
     if (!index_->Has(settings_)) scene_->Populate(index_);
   }
 
-  bool cancelled() {
-    if (options_.cancel && *options_.cancel) result_.status = RecordStatus::interrupted;
+  Vec2i size() const { return {request_.window.width(), request_.window.height()}; }
+  RenderBuffer* buffer(const Path& path) const { return static_cast<RenderBuffer*>(index_->GetBprim(path)); }
+
+  bool interrupted() {
+    if ((options_.cancel && *options_.cancel) || delegate_->IsStopped()) result_.status = RecordStatus::interrupted;
     return result_.status == RecordStatus::interrupted;
   }
 
@@ -226,50 +233,38 @@ class Recording {
                                        "the scene could not be synced: memory or threads ran out");
   }
 
-  // A delegate refuses buffers that are too large, and says so: rendering without them would be for nothing.
-  // A camera that does not exist is the pass' to refuse.
-  bool can_look() const {
-    const auto camera = scene_->GetCameras().find(description_.camera);
-    if (camera == scene_->GetCameras().end()) return true;
-    const double determinant = camera->second.transform.determinant();
-    return std::isfinite(determinant) && determinant != 0;
-  }
-
+  // A delegate refuses buffers that are too large and reports it. Nothing is rendered without them.
   bool have_buffers() {
     for (const auto& [aov, path] : buffers_) {
-      const auto* buffer = static_cast<RenderBuffer*>(index_->GetBprim(path));
-      if (!buffer || buffer->GetWidth() != window_.width() || buffer->GetHeight() != window_.height())
+      const RenderBuffer* held = buffer(path);
+      if (!held || Vec2i(held->GetWidth(), held->GetHeight()) != size())
         return refuse(RecordStatus::input_failed, "record.buffer",
-                      "AOV '" + aov + "' cannot have " + std::to_string(window_.width()) + " x " +
-                          std::to_string(window_.height()) + " pixels; lower the resolution or render a crop");
+                      "AOV '" + aov + "' cannot have " + std::to_string(size().x) + " x " + std::to_string(size().y) +
+                          " pixels; lower the resolution or render a crop");
     }
     return true;
   }
 
   RenderPassState pass_state() const {
+    const RenderSettingsDescription& d = request_.description;
+    const Rect2i& window = request_.window;
     RenderPassState state;
-    state.camera = description_.camera;
+    state.camera = d.camera;
     // Buffers are as large as the data window; the display window is moved so that it starts at their corner.
-    const Vec2f corner(static_cast<float>(window_.minX), static_cast<float>(window_.minY));
+    const Vec2f corner(static_cast<float>(window.minX), static_cast<float>(window.minY));
     state.framing.displayMin = -corner;
-    state.framing.displayMax =
-        Vec2f(static_cast<float>(description_.width), static_cast<float>(description_.height)) - corner;
-    state.framing.dataWindow = {0, 0, window_.width(), window_.height()};
-    state.framing.pixelAspectRatio = description_.pixelAspectRatio;
-    state.windowPolicy = description_.windowPolicy;
-    for (const auto& [aov, path] : buffers_) {
-      AovBinding binding;
-      binding.aovName = aov;
-      binding.renderBuffer = static_cast<RenderBuffer*>(index_->GetBprim(path));
-      state.aovBindings.push_back(binding);
-    }
+    state.framing.displayMax = Vec2f(static_cast<float>(d.width), static_cast<float>(d.height)) - corner;
+    state.framing.dataWindow = {0, 0, window.width(), window.height()};
+    state.framing.pixelAspectRatio = d.pixelAspectRatio;
+    state.windowPolicy = d.windowPolicy;
+    for (const auto& [aov, path] : buffers_) state.aovBindings.push_back({aov, buffer(path), {}});
     return state;
   }
 
   void render() {
     const Phase phase(&phases_, "render");
     started_ = Clock::now();
-    const std::unique_ptr<RenderPass> pass = delegate_->CreateRenderPass();
+    std::unique_ptr<RenderPass> pass = delegate_->CreateRenderPass();
     if (!pass) {
       refuse(RecordStatus::render_failed, "record.pass", "the delegate made no render pass");
       return;
@@ -277,22 +272,26 @@ class Recording {
     const RenderPassState state = pass_state();
     pass->Execute(state);
     double told = 0;
-    while (!pass->IsConverged() && !cancelled()) {
+    while (!pass->IsConverged() && !interrupted()) {
       pass->WaitForConvergence(0.02);
-      if (delegate_->IsStopped()) result_.status = RecordStatus::interrupted;  // by another thread
       pass->Execute(state);
       if (const double now = seconds_since(started_); options_.progress && now - told >= 0.1) {
         told = now;
         options_.progress(progress());
       }
     }
-    if (cancelled()) delegate_->Stop();
-    if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
-    result_.stats = delegate_->GetRenderStats();  // while the pass lives
-    if (options_.progress) options_.progress(progress());
+    end(pass);
     rendered_ = true;
-    if (options_.writing) options_.writing();
-    read_pixels();
+  }
+
+  // An interrupted render is stopped before its statistics are read, so that they agree with the pixels.
+  void end(std::unique_ptr<RenderPass>& pass) {
+    std::optional<BriefStop> stop;
+    if (interrupted()) stop.emplace(delegate_);
+    if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
+    result_.stats = delegate_->GetRenderStats();
+    if (options_.progress) options_.progress(progress());
+    pass.reset();
   }
 
   RecordProgress progress() const {
@@ -310,75 +309,63 @@ class Recording {
     return p;
   }
 
-  // Every AOV at once; an interrupted render must not keep anyone waiting.
-  void read_pixels() {
-    std::vector<std::pair<std::string, AovPixels>> read;
-    for (const auto& [aov, path] : buffers_) read.emplace_back(aov, AovPixels());
-    tbb::task_arena arena;
-    arena.execute([&] {
-      tbb::parallel_for(size_t(0), read.size(), [&](size_t i) {
-        auto* buffer = static_cast<RenderBuffer*>(index_->GetBprim(buffers_.at(read[i].first)));
-        if (buffer) read[i].second = pixels_of(*buffer);
-      });
-    });
-    for (auto& [aov, pixels] : read) {
-      if (pixels.components > 0)
-        image_.aovs[aov] = std::move(pixels);
-      else if (result_.status == RecordStatus::done)
-        refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + aov + "' has no pixels");
-    }
-  }
-
-  // Without components if it has no pixels.
-  AovPixels pixels_of(RenderBuffer& buffer) const {
-    AovPixels pixels;
-    std::vector<uint8_t> bytes;
-    if (buffer.ResolveTo(&bytes, true) != Vec2i(window_.width(), window_.height())) return pixels;
-    const Format format = buffer.GetFormat();
-    pixels.components = FormatComponents(format);
-    pixels.integer = format == Format::int32;
-    if (pixels.integer) {
-      pixels.ints.resize(bytes.size() / sizeof(int32_t));
-      std::memcpy(pixels.ints.data(), bytes.data(), bytes.size());
-    } else {
-      pixels.floats.resize(bytes.size() / sizeof(float));
-      std::memcpy(pixels.floats.data(), bytes.data(), bytes.size());
-    }
-    return pixels;
-  }
-
   void collect_stats() {
     if (result_.stats.empty()) result_.stats = delegate_->GetRenderStats();
     for (const auto& [key, value] : phases_) result_.stats[key] = value;
   }
 
-  void describe_image() {
-    const auto width = static_cast<float>(description_.width), height = static_cast<float>(description_.height);
-    image_.framing.displayMax = {width, height};
-    image_.framing.dataWindow = window_;
-    image_.framing.pixelAspectRatio = description_.pixelAspectRatio;
-    image_.incomplete = result_.status == RecordStatus::interrupted;
-    Dictionary& m = image_.metadata;
+  Dictionary metadata() const {
+    Dictionary m;
     m["capDate"] = utc_now();
-    m["alabaster/camera"] = description_.camera.str();
-    m["alabaster/frame"] = description_.frame;
+    m["alabaster/camera"] = request_.description.camera.str();
+    m["alabaster/frame"] = request_.description.frame;
     for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
       m["alabaster/" + setting.key.str()] = delegate_->GetRenderSetting(setting.key);
-    m["alabaster/samplesDone"] = result_.stats["numCompletedSamples"];
-    for (const char* key : {"relativeRmse", "low", "high"})
-      if (const auto found = result_.stats.find(std::string("error.") + key); found != result_.stats.end())
-        m[std::string("alabaster/error/") + key] = found->second;
-    m["alabaster/renderSeconds"] = result_.stats["totalClockTime"];
-    m["alabaster/cpuSeconds"] = result_.stats["cpuSeconds"];
-    m["alabaster/peakMemory"] = result_.stats["peakMemory"];
+    const std::pair<const char*, const char*> kept[] = {{"samplesDone", "numCompletedSamples"},
+                                                        {"error/relativeRmse", "error.relativeRmse"},
+                                                        {"error/low", "error.low"},
+                                                        {"error/high", "error.high"},
+                                                        {"renderSeconds", "totalClockTime"},
+                                                        {"cpuSeconds", "cpuSeconds"},
+                                                        {"peakMemory", "peakMemory"}};
+    for (const auto& [name, key] : kept)
+      if (const auto found = result_.stats.find(key); found != result_.stats.end())
+        m[std::string("alabaster/") + name] = found->second;
+    return m;
   }
 
   void write() {
+    if (options_.writing) options_.writing();
     const Phase phase(&result_.stats, "write");
-    describe_image();
-    if (options_.picture) options_.picture(image_);
-    result_.written = WriteProducts(description_.products, image_, options_.colors, options_.diagnostics);
-    if (result_.written.size() < description_.products.size() && result_.status == RecordStatus::done)
+    // Every AOV at once: an interrupted render must not keep anyone waiting.
+    const std::vector<std::pair<std::string, Path>> buffers(buffers_.begin(), buffers_.end());
+    std::vector<std::optional<MappedPixels>> mapped(buffers.size());
+    tbb::task_arena arena;
+    arena.execute([&] {
+      tbb::parallel_for(size_t(0), buffers.size(), [&](size_t i) {
+        if (RenderBuffer* held = buffer(buffers[i].second)) mapped[i].emplace(held, size());
+      });
+    });
+    ProductImage image;
+    for (size_t i = 0; i < buffers.size(); ++i) {
+      if (mapped[i] && mapped[i]->pixels.components > 0)
+        image.aovs[buffers[i].first] = mapped[i]->pixels;
+      else if (result_.status == RecordStatus::done)
+        refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + buffers[i].first + "' has no pixels");
+    }
+    if (result_.status != RecordStatus::render_failed) write_products(&image);
+  }
+
+  void write_products(ProductImage* image) {
+    const RenderSettingsDescription& d = request_.description;
+    image->framing.displayMax = {static_cast<float>(d.width), static_cast<float>(d.height)};
+    image->framing.dataWindow = request_.window;
+    image->framing.pixelAspectRatio = d.pixelAspectRatio;
+    image->incomplete = result_.status == RecordStatus::interrupted;
+    image->metadata = metadata();
+    if (options_.picture) options_.picture(*image);
+    result_.written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
+    if (result_.written.size() < d.products.size() && result_.status == RecordStatus::done)
       result_.status = RecordStatus::output_failed;
   }
 
@@ -387,12 +374,10 @@ class Recording {
   RenderDelegate* delegate_;
   Path settings_;
   const RecordOptions& options_;
-  RenderSettingsDescription description_;
-  Rect2i window_;
+  FrameRequest request_;
   std::map<std::string, Path> buffers_;  // by AOV
   Clock::time_point started_;
   bool rendered_ = false;
-  ProductImage image_;
   Dictionary phases_;
   RecordResult result_;
 };

@@ -8,6 +8,7 @@
 
 namespace alabaster::hd::host {
 
+/// `interrupted`: cancelled, or stopped by another thread, which alone may restart the delegate.
 enum class RecordStatus { done, input_failed, render_failed, output_failed, interrupted };
 
 struct RecordProgress {
@@ -20,11 +21,14 @@ struct RecordProgress {
 
 struct RecordOptions {
   OutputColors colors;
-  const std::atomic<bool>* cancel =
-      nullptr;  // polled at least every 20 ms; when set, what there is is written, marked incomplete
-  std::function<void(const RecordProgress&)> progress;  // from the calling thread, about ten times a second
-  std::function<void()> writing;  // from the calling thread, once, when rendering is over and files are to be written
-  std::function<void(const ProductImage&)> picture;  // from the calling thread, once: what the products are made of
+  /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
+  /// incomplete.
+  const std::atomic<bool>* cancel = nullptr;
+  // Called from the calling thread:
+  std::function<void(const RecordProgress&)> progress;  // about ten times a second
+  std::function<void()> writing;                        // once, when rendering is over and files are to be written
+  std::function<void(const ProductImage&)>
+      picture;  // once: what the products are made of; its pixels die with the call
   DiagnosticSink diagnostics;
 };
 
@@ -35,9 +39,9 @@ struct RecordResult {
 };
 
 /// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
-/// name (color if there is no product), syncs, renders to convergence and writes the products. Throws nothing, not even
-/// what the callbacks of `options` throw: that fails the recording. However it ends, its render buffers are removed and
-/// the delegate's settings are as before.
+/// name (color if there is no product), syncs, renders to convergence and writes the products. Throws nothing: an
+/// exception of a callback of `options` fails the recording. However it ends, its render buffers are removed and the
+/// delegate's settings are as before. A delegate that is stopped renders nothing and stays stopped.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 

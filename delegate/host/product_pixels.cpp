@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kLargestHalf = 65504.0f;
 
-/// A number in [0, 1) that depends on the pixel of the full frame alone, so that crops and re-renders agree (PCG's
-/// output permutation, O'Neill 2014, over a multiplicative mix of the position).
+/// A number in [0, 1) that depends only on the pixel's place in the full frame, so that crops and re-renders agree
+/// (PCG's output permutation, O'Neill 2014, over a multiplicative mix of the position).
 float dither_of(int x, int y, int channel) {
   uint32_t h = uint32_t(x) * 0x9e3779b1u ^ uint32_t(y) * 0x85ebca77u ^ uint32_t(channel + 1) * 0xc2b2ae3du;
   h = h * 747796405u + 2891336453u;
@@ -42,7 +42,7 @@ uint32_t count_of(float v) {
   return v >= 0 && v < 4294967040.0f ? uint32_t(v + 0.5f) : UINT32_MAX;
 }
 
-/// The level below v plus the threshold, in levels.
+/// Rounds v, scaled to levels, down after adding `threshold` levels.
 template <class Level>
 Level quantise(float v, float threshold) {
   constexpr auto kLevels = float(std::numeric_limits<Level>::max());
@@ -74,24 +74,23 @@ void RowEncoder::encode(int begin, int end, uint8_t* out) const {
 }
 
 void RowEncoder::encode_row(int row, Scratch& scratch, uint8_t* out) const {
-  for (size_t i = 0; i < colors_.size(); ++i) convert(*colors_[i], size_t(row), scratch[i]);
+  for (size_t i = 0; i < colors_.size(); ++i) convert(*colors_[i], row, scratch[i]);
   for (const Column& column : columns_) store(column, row, scratch, out + column.offset);
 }
 
-// EXR keeps its colour premultiplied, as compositors expect. PNG and TIFF hold straight colour, and what an eye sees
-// of it is what the view makes of the straight colour. JPEG, without alpha, is the frame over black: its premultiplied
-// colour.
-void RowEncoder::convert(const AovPixels& pixels, size_t row, std::vector<float>& rgba) const {
+// EXR keeps colour premultiplied, as compositors expect. PNG and TIFF hold straight colour, so the view is applied to
+// straight colour. JPEG has no alpha and holds the frame over black, which is the premultiplied colour.
+void RowEncoder::convert(const AovPixels& pixels, int row, std::vector<float>& rgba) const {
   const size_t components = size_t(pixels.components);
   const bool straight = components == 4 && (plan_.kind == FileKind::png || plan_.kind == FileKind::tiff);
-  const float* in = pixels.floats.data() + row * width_ * components;
+  const float* in = &pixels.floats[image_.row_begin(pixels, row)];
   for (size_t x = 0; x < width_; ++x) {
     const float alpha = components == 4 ? in[components * x + 3] : 1.0f;
     const float scale = straight && alpha > 0 && alpha < 1 ? 1 / alpha : 1.0f;
     for (size_t c = 0; c < 3; ++c) rgba[4 * x + c] = in[components * x + c] * scale;
     rgba[4 * x + 3] = 1;
   }
-  // Unconverted colours keep their full float range; but a NaN in a file spreads through every filter after it.
+  // Unconverted colours keep their full float range. A NaN would spread through every filter that reads the file.
   if (!transform_.is_noop()) return transform_.apply(rgba.data(), width_);
   for (float& v : rgba) v = std::isfinite(v) ? v : 0.0f;
 }
@@ -109,8 +108,8 @@ void RowEncoder::store_as(const Column& column, int row, uint8_t* out, const Val
     case ChannelStore::half:
       return put_all([&](size_t x) { return Imath::half(std::clamp(value(x), -kLargestHalf, kLargestHalf)); });
     case ChannelStore::uint8: {
-      // 8-bit colours are dithered against banding; exact levels (black, white) stay exact, for only what lies between
-      // two levels can go either way.
+      // Dither hides banding in 8 bits. It leaves exact levels such as black and white alone: only a value between two
+      // levels can round either way.
       const Rect2i& window = image_.framing.dataWindow;
       if (!channel.is_color || !plan_.display_referred)
         return put_all([&](size_t x) { return quantise<uint8_t>(value(x), 0.5f); });
@@ -131,14 +130,14 @@ void RowEncoder::store(const Column& column, int row, const Scratch& scratch, ui
   const PlannedChannel& channel = *column.channel;
   const AovPixels& pixels = *column.pixels;
   const size_t components = size_t(pixels.components), component = size_t(channel.component);
-  const size_t first = size_t(row) * width_ * components + component;
+  const size_t first = image_.row_begin(pixels, row) + component;
   if (channel.is_color) {
     const float* rgba = scratch[column.color].data() + component;
     store_as(column, row, out, [=](size_t x) { return rgba[4 * x]; });
-  } else if (pixels.integer && channel.store == ChannelStore::uint32) {
+  } else if (!pixels.ints.empty() && channel.store == ChannelStore::uint32) {
     for (size_t x = 0; x < width_; ++x)
       std::memcpy(out + x * pixel_bytes_, &pixels.ints[first + x * components], sizeof(uint32_t));
-  } else if (pixels.integer) {
+  } else if (!pixels.ints.empty()) {
     const int32_t* in = pixels.ints.data() + first;
     store_as(column, row, out, [=](size_t x) { return float(in[x * components]); });
   } else if (channel.is_distance) {

@@ -1,4 +1,4 @@
-// From resolved AOVs to the bytes of a product's rows. Internal to this room.
+// Turns resolved AOVs into the bytes of a product's rows. Internal to this room.
 #pragma once
 
 #include <map>
@@ -13,16 +13,17 @@ class ColorTransform;
 
 namespace alabaster::hd::host {
 
-/// What nothing hit becomes in a file's Z. The renderer's cameraDepth is 0 there, which compositors would take for the
-/// nearest thing of all; 1e10 is what Cycles writes, and unlike infinity it survives their filters.
+/// A file's Z where no surface was hit. The renderer's cameraDepth is 0 there, which compositors would take for the
+/// nearest surface of all. Cycles writes 1e10 too; unlike infinity it survives filters.
 inline constexpr float kFarAway = 1e10f;
 
-/// Converts and stores rows, pixel by pixel, channel after channel. `plan`, `image` and `transform` must outlive it and
-/// fit each other.
+/// Converts rows of the image to rows of the file: channels interleaved, in their file types. `plan`, `image` and
+/// `transform` must outlive it and fit each other.
 class RowEncoder {
  public:
   RowEncoder(const ProductPlan& plan, const ProductImage& image, const ColorTransform& transform);
-  /// Rows [begin, end) to `out`, `row_bytes` each, in parallel on the threads of the arena it is called in.
+  /// Writes rows [begin, end), counted from the top, to `out`, row_bytes() each. Runs on all threads of the caller's
+  /// arena.
   void encode(int begin, int end, uint8_t* out) const;
   size_t row_bytes() const { return pixel_bytes_ * width_; }
 
@@ -36,7 +37,7 @@ class RowEncoder {
   using Scratch = std::vector<std::vector<float>>;  // one RGBA row for each of colors_
 
   void encode_row(int row, Scratch& scratch, uint8_t* out) const;
-  void convert(const AovPixels& pixels, size_t row, std::vector<float>& rgba) const;
+  void convert(const AovPixels& pixels, int row, std::vector<float>& rgba) const;
   void store(const Column& column, int row, const Scratch& scratch, uint8_t* out) const;
   template <class Value>
   void store_as(const Column& column, int row, uint8_t* out, const Value& value) const;

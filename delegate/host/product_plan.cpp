@@ -27,7 +27,7 @@ bool kind_of(const std::string& file, FileKind& kind) {
   return false;
 }
 
-/// The store that colours get by the product's data type; false if the file cannot hold that type.
+/// Chooses how colours are stored. Returns false if the file cannot hold the product's data type.
 bool store_of(FileKind kind, const std::string& type, ChannelStore& store) {
   switch (kind) {
     case FileKind::exr:
@@ -87,7 +87,7 @@ bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
   return false;
 }
 
-/// Alpha beside the colour that brings its own is the same channel asked for twice, as hosts do.
+/// Color brings its own alpha. Hosts ask for alpha beside it, which would be the same channel twice.
 std::vector<RenderVar> wanted_vars(const RenderProduct& product) {
   std::vector<RenderVar> vars = product.vars;
   if (vars.empty()) vars.push_back({"", "color", "half"});
@@ -142,7 +142,7 @@ RenderVar UsualRenderVar(const std::string& aov) {
 bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error) {
   plan = {};
   if (!kind_of(product.file, plan.kind)) {
-    error = "the ending of the name says no kind of file that is written; use .exr, .png, .tif, .tiff, .jpg or .jpeg";
+    error = "the file's extension names no format that can be written; use .exr, .png, .tif, .tiff, .jpg or .jpeg";
     return false;
   }
   ChannelStore store{};

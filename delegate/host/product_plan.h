@@ -1,4 +1,4 @@
-// What a render product's file will hold: decided once, the same for the check before rendering and for the writing.
+// Decides what a render product's file will hold, once for the check before rendering and for the writing.
 #pragma once
 
 #include "delegate/api/scene_types.h"
@@ -8,12 +8,12 @@ namespace alabaster::hd::host {
 enum class FileKind { exr, png, tiff, jpeg };
 enum class ChannelStore { half, float32, uint32, uint8, uint16 };
 
-/// One channel of the file. Usual names: kAovs (core/film/aov.h) and delegate/README.md.
-/// A RenderVar named otherwise than its AOV gives a layer: name.R, name.Z, ...; for ids and counts the name itself.
-/// Z is what compositors take it for: the distance along the view in world units, 1e10 where nothing was hit (as Cycles
-/// writes it); depth.Z is Hydra's clip depth, 0 near to 1 far. Depths and sample counts are never half. Ids are uint32,
-/// of which -1 (nothing hit) becomes 4294967295, or with data type "float" float32, where -1 stays -1 and ids are exact
-/// up to 2^24; half would merge neighbouring ids.
+/// One channel of the file. The usual names are those of kAovs (core/film/aov.h) and delegate/README.md.
+/// A RenderVar whose name is not its AOV's gives a layer: name.R, name.Z, ...; for ids and counts the name alone.
+/// Z is the distance along the view in world units, 1e10 where nothing was hit (as Cycles writes it). depth.Z is
+/// Hydra's clip depth, 0 near to 1 far. Depths and sample counts are never half. Ids are uint32, and -1 (nothing hit)
+/// becomes 4294967295. With data type "float" ids are float32: -1 stays -1, and ids are exact up to 2^24. Half would
+/// merge neighbouring ids.
 struct PlannedChannel {
   std::string name;
   Token aov;
@@ -29,8 +29,8 @@ struct ProductPlan {
   std::vector<PlannedChannel> channels;
 };
 
-/// False, with what is wrong and what to do about it in `error`, if the product makes no sense by itself. Looks neither
-/// at the disk nor at the colour configuration.
+/// Returns false if the product contradicts itself; `error` then says what is wrong and what to do about it. Looks
+/// neither at the disk nor at the colour configuration.
 bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error);
 
 }  // namespace alabaster::hd::host

@@ -20,8 +20,9 @@
 namespace alabaster::hd::host {
 namespace {
 
-/// Of rows that are encoded together: enough for every thread, and little beside the frame itself.
-constexpr size_t kStripBytes = size_t(64) << 20;
+/// Bytes of the rows that are encoded together: enough for every thread, and little beside the frame. OpenImageIO hands
+/// no more than this to OpenEXR's threads at once.
+constexpr size_t kStripBytes = size_t(16) << 20;
 
 bool fail(const DiagnosticSink& sink, const char* code, const std::string& where, std::string text) {
   if (sink) sink({Severity::error, code, where, std::move(text)});
@@ -36,7 +37,7 @@ static_assert(int(Severity::info) == int(alabaster::Severity::info) &&
               int(Severity::warning) == int(alabaster::Severity::warning) &&
               int(Severity::error) == int(alabaster::Severity::error));
 
-/// How the colours of one product leave the rendering space.
+/// The conversion of one product's colours from the rendering space.
 struct OutputTransform {
   std::shared_ptr<const ColorConfig> config;
   std::shared_ptr<const ColorTransform> transform;
@@ -63,7 +64,7 @@ bool make_output_transform(const RenderProduct& product, const ProductPlan& plan
 
 // ---- attributes -----------------------------------------------------------------------------------------------------
 
-/// Sets one attribute in the type that EXR has for it; what it has no type for becomes text.
+/// Sets one attribute in EXR's own type, or as text if EXR has no such type.
 struct AttributeSetter {
   OIIO::ImageSpec& spec;
   const std::string& name;
@@ -113,7 +114,7 @@ void set_attributes(const ProductImage& image, const OutputTransform& out, FileK
   }
   if (kind == FileKind::exr) return;
 
-  // The other formats have no free attributes (PNG: only texts): one description holds them all.
+  // The other formats have no free attributes (PNG has only texts), so one description holds them all.
   std::string description;
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
     if (attribute.name() == "Software" || attribute.name() == "DateTime") continue;
@@ -154,8 +155,8 @@ void set_windows(const Framing& framing, OIIO::ImageSpec& spec) {
 
 constexpr int kPngNoFilter = 8;  // libpng's PNG_FILTER_NONE
 
-/// PNG, TIFF and JPEG hold the data window alone: viewers disagree about offsets. Somebody waits for an incomplete
-/// image, so it is not compressed: no scheme is as fast as none.
+/// PNG, TIFF and JPEG hold the data window alone, because viewers disagree about offsets. Somebody waits for an
+/// incomplete image, so it is not compressed.
 OIIO::ImageSpec make_spec(const ProductPlan& plan, const ProductImage& image, const OutputTransform& out) {
   const Rect2i& window = image.framing.dataWindow;
   OIIO::ImageSpec spec(window.width(), window.height(), int(plan.channels.size()), type_of(plan.channels[0].store));
@@ -190,8 +191,8 @@ OIIO::ImageSpec make_spec(const ProductPlan& plan, const ProductImage& image, co
   return spec;
 }
 
-/// Encodes the whole file in memory: OpenImageIO's PNG writer does not notice a full disk and its JPEG writer ends the
-/// process, so the bytes are put on the disk by code that does neither. Empty on success, else the reason.
+/// Encodes the file in memory. OpenImageIO's own PNG writer does not notice a full disk, and its JPEG writer ends the
+/// process on one. Returns an empty text on success, else the reason.
 std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, const RowEncoder& rows,
                    std::vector<unsigned char>& file) {
   constexpr const char* kNames[] = {"x.exr", "x.png", "x.tif", "x.jpg"};
@@ -213,7 +214,7 @@ std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, const R
   return output->close() ? std::string() : output->geterror();
 }
 
-/// Drops the alpha that the image does not have, and says what else is missing.
+/// Takes alpha out of the plan if the image has none. Returns false after a report if it lacks anything else.
 bool check_image(const RenderProduct& product, const ProductImage& image, ProductPlan& plan,
                  const DiagnosticSink& sink) {
   if (!image.framing.valid())
@@ -231,9 +232,8 @@ bool check_image(const RenderProduct& product, const ProductImage& image, Produc
       return fail(sink, "product.aov.missing", product.file,
                   "AOV '" + channel.aov.str() + "' was not rendered; bind a render buffer to it or leave it out");
     const AovPixels& pixels = found->second;
-    const size_t values = pixels.integer ? pixels.ints.size() : pixels.floats.size();
-    const bool fits = channel.component < pixels.components && values == count * size_t(pixels.components) &&
-                      !(channel.is_color && pixels.integer);
+    const size_t values = pixels.floats.size() + (channel.is_color ? 0 : pixels.ints.size());
+    const bool fits = channel.component < pixels.components && values == count * size_t(pixels.components);
     if (!fits)
       return fail(sink, "product.aov.size", product.file,
                   "AOV '" + channel.aov.str() + "' does not fill the data window of " + std::to_string(window.width()) +
@@ -296,7 +296,8 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
     }
     const RowEncoder rows(plan, image, *out.transform);
     std::vector<unsigned char> file;
-    if (image.incomplete) file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);  // not compressed
+    // Room that is not used costs nothing; growing would copy the file.
+    file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);
     error = encode(spec, plan, rows, file);
     if (!error.empty())
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
@@ -315,11 +316,6 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
 
 }  // namespace
 
-bool WriteProduct(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
-                  const DiagnosticSink& sink) {
-  return !WriteProducts({product}, image, colors, sink).empty();
-}
-
 std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products, const ProductImage& image,
                                        const OutputColors& colors, const DiagnosticSink& sink) {
   std::mutex mutex;
@@ -328,7 +324,7 @@ std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& product
     if (sink) sink(diagnostic);
   };
   std::vector<char> written(products.size(), 0);
-  // An arena of its own: the host's may be busy or limited to one thread.
+  // The host's own arena may be busy or limited to one thread.
   tbb::task_arena arena;
   arena.execute([&] {
     tbb::parallel_for(size_t(0), products.size(),
@@ -347,14 +343,17 @@ bool ApplyDisplay(const RenderProduct& product, const OutputColors& colors, std:
     plan.display_referred = true;
     OutputTransform out;
     if (!make_output_transform(product, plan, colors, sink, out)) return false;
-    std::vector<float> rgba(rgb.size() / 3 * 4, 1.0f);
-    for (size_t i = 0; i < rgb.size() / 3; ++i) std::copy_n(&rgb[3 * i], 3, &rgba[4 * i]);
-    out.transform->apply(rgba.data(), rgba.size() / 4);
-    for (size_t i = 0; i < rgb.size() / 3; ++i)
-      for (size_t c = 0; c < 3; ++c) {
-        const float v = rgba[4 * i + c];
-        rgb[3 * i + c] = v > 0 ? std::min(v, 1.0f) : 0.0f;  // a NaN is black
+    constexpr size_t kPixelsAtOnce = 1024;
+    std::array<float, 4 * kPixelsAtOnce> rgba;
+    for (size_t first = 0; first < rgb.size() / 3; first += kPixelsAtOnce) {
+      const std::span<float> pixels = rgb.subspan(3 * first).first(3 * std::min(kPixelsAtOnce, rgb.size() / 3 - first));
+      for (size_t i = 0; i < pixels.size(); ++i) rgba[i / 3 * 4 + i % 3] = pixels[i];
+      out.transform->apply(rgba.data(), pixels.size() / 3);
+      for (size_t i = 0; i < pixels.size(); ++i) {
+        const float v = rgba[i / 3 * 4 + i % 3];
+        pixels[i] = v > 0 ? std::min(v, 1.0f) : 0.0f;  // a NaN is black
       }
+    }
     return true;
   } catch (const std::bad_alloc&) {
     return fail(sink, "product.memory", product.file, "not enough memory to convert the image; take a smaller crop");

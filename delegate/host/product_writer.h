@@ -1,5 +1,5 @@
-// Writes render products: EXR with AOVs as layers, PNG, TIFF, JPEG; colour-managed, with metadata. A file is written
-// under a temporary name in its own folder and renamed when it is whole.
+// Writes render products: EXR with AOVs as layers, PNG, TIFF and JPEG, colour-managed and with metadata. Files appear
+// whole or not at all.
 #pragma once
 
 #include <map>
@@ -9,54 +9,58 @@
 
 namespace alabaster::hd::host {
 
-/// Resolved pixels of one AOV: rows y-DOWN, `components` values per pixel (float or int32 by `integer`).
+/// Resolved pixels of one AOV as RenderBuffer::Map gives them: rows bottom-up, `components` values per pixel, either
+/// floats or ints. The memory belongs to the caller.
 struct AovPixels {
   int components = 0;
-  bool integer = false;
-  std::vector<float> floats;
-  std::vector<int32_t> ints;
+  std::span<const float> floats;
+  std::span<const int32_t> ints;
 };
 
 struct ProductImage {
   Framing framing;                        // display window and data window
   std::map<std::string, AovPixels> aovs;  // by AOV name; each dataWindow.width() * height() pixels
   Dictionary metadata;                    // written as attributes ("alabaster/samples", "capDate", ...)
-  bool incomplete = false;                // marks the file: attribute "alabaster/incomplete" = 1
+  bool incomplete = false;                // becomes attribute "alabaster/incomplete" = 1
+
+  /// Index in `floats` or `ints` of the first value of a row; row 0 is the uppermost.
+  size_t row_begin(const AovPixels& pixels, int row) const {
+    const size_t below = static_cast<size_t>(framing.dataWindow.height() - 1 - row);
+    return below * static_cast<size_t>(framing.dataWindow.width()) * static_cast<size_t>(pixels.components);
+  }
 };
 
 struct OutputColors {
   std::string ocio;  // config path; empty: $OCIO or the built-in one
 };
 
-/// The AOVs that products can hold.
+/// Names of the AOVs that products can hold.
 ALABASTER_API const std::vector<std::string>& ProductAovs();
-/// An AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half.
+/// The AOV under its own name in the data type that suits it: ids and counts int, distances float, all else half.
 ALABASTER_API RenderVar UsualRenderVar(const std::string& aov);
 
-/// Checks a product before any rendering is done: known ending, folder exists and is writable, data type fits, known
-/// AOVs, colour space or display and view known to the config. False + report otherwise.
+/// Checks a product before anything is rendered: extension, data type, AOVs, folder and its permissions, and that the
+/// config knows its colour space, or its display and view. Returns false after a report.
 ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
 
-/// False + report (file, reason, remedy) on failure; no partial file is left under the final name. An incomplete image
-/// is written as fast as can be, for somebody waits: not compressed, and not flushed to the disk.
-ALABASTER_API bool WriteProduct(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
-                                const DiagnosticSink& sink);
-/// Several products at once, each as WriteProduct does. The files that were written, in the order of `products`; `sink`
-/// is called by one thread at a time.
+/// Writes all products at once and returns the files that were written, in the order of `products`. A failure is
+/// reported (file, reason, remedy) and leaves no partial file under the final name; `sink` is called by one thread at a
+/// time. Incomplete images are written fast, because somebody waits: not compressed, and not flushed to the disk.
 ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products,
                                                      const ProductImage& image, const OutputColors& colors,
                                                      const DiagnosticSink& sink);
 
-/// Turns RGB pixels of the rendering space, in place, into what the product's display, view, look and exposure (empty
-/// names: the config's defaults) show of them: 0 to 1, not yet rounded to levels. Whatever the file would be; over
-/// black, as a JPEG is, if the pixels are premultiplied. False + report on unknown names or a config that cannot be
-/// read.
+/// Converts RGB pixels of the rendering space, in place, for the product's display, view, look and exposure; empty
+/// names mean the config's defaults. The results lie in 0 to 1 and are not rounded to levels. The product's file does
+/// not matter. Premultiplied pixels come out over black, as in a JPEG. Returns false after a report if a name is
+/// unknown or the config cannot be read.
 ALABASTER_API bool ApplyDisplay(const RenderProduct& product, const OutputColors& colors, std::span<float> rgb,
                                 const DiagnosticSink& sink);
 
-/// What `alabaster ocio` prints: the config's origin, spaces, displays, views, looks; as lines of text.
+/// The config's origin, spaces, displays, views and looks as lines of text: the output of `alabaster ocio`. Empty after
+/// a report if it cannot be read.
 ALABASTER_API std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink);
-/// The config as a .ocio text.
+/// The config as the text of an .ocio file. Empty after a report if it cannot be read.
 ALABASTER_API std::string SerializeColors(const OutputColors& colors, const DiagnosticSink& sink);
 
 }  // namespace alabaster::hd::host

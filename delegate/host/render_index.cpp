@@ -21,7 +21,7 @@ struct Entry {
   bool visible = true;  // of an rprim, as last pulled
 };
 
-/// A host that throws here throws once more when the prim asks: and the prim reports it.
+/// A host that throws here throws again when the prim asks, and the prim reports it.
 bool pull_visible(const Entry& entry, const Path& id) {
   try {
     return entry.scene->GetVisible(id);
@@ -30,7 +30,7 @@ bool pull_visible(const Entry& entry, const Path& id) {
   }
 }
 
-/// Runs what may run out of memory or threads; false if it did.
+/// Runs `body`, which may run out of memory or threads. Returns false if it did.
 template <class Body>
 bool succeeds(const Body& body) noexcept {
   try {
@@ -40,7 +40,7 @@ bool succeeds(const Body& body) noexcept {
   }
 }
 
-/// One prim of a Sync: its bits are read before and written after the parallel part, so that the tracker needs no lock.
+/// One prim of a Sync. Its bits are read before the parallel part and written after it: the tracker needs no lock.
 struct Work {
   Path id;
   Entry* entry = nullptr;
@@ -77,11 +77,11 @@ bool RenderIndex::State::insert(const Path& id, const Entry& entry) {
   DirtyBits bits = dirty::kAll;
   if (entry.prim) bits = entry.prim->GetInitialDirtyBitsMask();
   tracker.MarkDirty(id, bits);
-  entries.emplace(id, entry);  // last: whoever fails before it has entered nothing
+  entries.emplace(id, entry);  // last, so that a failure above leaves no entry
   return true;
 }
 
-// The lowest free number: ids stay small (24 bits) however many prims come and go.
+// Takes the lowest free number: ids stay small (24 bits) however many prims come and go.
 int32_t RenderIndex::State::take_prim_id(const Path& id) {
   int32_t number = next_prim_id;
   if (free_prim_ids.empty()) {
@@ -105,7 +105,7 @@ void RenderIndex::State::destroy(const Entry& entry) {
   if (entry.kind == Kind::rprim) {
     auto* rprim = static_cast<Rprim*>(entry.prim);
     path_of_prim_id.erase(rprim->GetPrimId());
-    succeeds([&] { return free_prim_ids.insert(rprim->GetPrimId()).second; });  // else the number is lost, no more
+    succeeds([&] { return free_prim_ids.insert(rprim->GetPrimId()).second; });  // on failure only the number is lost
     delegate->DestroyRprim(rprim);
   } else if (entry.kind == Kind::sprim) {
     delegate->DestroySprim(static_cast<Sprim*>(entry.prim));
@@ -132,14 +132,14 @@ void RenderIndex::State::sync_one(Work& work) const {
 
   if (work.bits & dirty::kVisibility) entry.visible = pull_visible(entry, work.id);
   if (entry.visible) return entry.prim->Sync(entry.scene, param, &work.bits);
-  // Nobody sees it: its geometry is pulled and refined only when somebody does.
+  // An invisible prim's geometry is pulled and refined only once it is visible.
   DirtyBits now = work.bits & dirty::kVisibility;
   const DirtyBits later = work.bits & ~dirty::kVisibility;
   if (now) entry.prim->Sync(entry.scene, param, &now);
   work.bits = now | later;
 }
 
-// Never the host's own arena: waiting inside it could run, or wait for, tasks of the host's.
+// Waiting inside the host's own arena could run, or wait for, tasks of the host's.
 tbb::task_arena& RenderIndex::State::sync_arena() {
   const double wanted = delegate->GetRenderSetting("threads").number_or(0);
   const int threads = wanted >= 1 && wanted < 65536 ? static_cast<int>(wanted) : tbb::task_arena::automatic;
@@ -255,7 +255,7 @@ RenderDelegate* RenderIndex::GetRenderDelegate() const {
 
 void RenderIndex::State::sync_dirty() {
   for (const Token& type : delegate->GetSupportedBprimTypes()) sync_kind(Kind::bprim, type, false);
-  // Materials decode images: worth all threads. Other Sprims are cheap, and hosts expect them one at a time.
+  // Materials decode images, which is worth all threads. Other Sprims are cheap, and hosts expect them one at a time.
   for (const Token& type : delegate->GetSupportedSprimTypes()) sync_kind(Kind::sprim, type, type == Token("material"));
   sync_kind(Kind::instancer, Token(), false);
   for (const Token& type : delegate->GetSupportedRprimTypes()) sync_kind(Kind::rprim, type, true);

@@ -5,14 +5,14 @@
 
 namespace alabaster::hd::host {
 
-/// What is dirty, by prim. One thread at a time, never during Sync.
+/// Dirty bits by prim. One thread at a time, never during Sync.
 class ALABASTER_API ChangeTracker {
  public:
   void MarkDirty(const Path& id, DirtyBits bits);
   DirtyBits Get(const Path& id) const;
   void Set(const Path& id, DirtyBits bits);
   void Remove(const Path& id);
-  /// Rises with every mark.
+  /// Rises with every MarkDirty.
   uint64_t GetVersion() const { return version_; }
 
  private:
@@ -27,7 +27,7 @@ class ALABASTER_API RenderIndex {
   RenderIndex(const RenderIndex&) = delete;
   RenderIndex& operator=(const RenderIndex&) = delete;
 
-  /// False if the delegate does not know the type, the id is taken, or memory ran out.
+  /// Returns false if the delegate does not know the type, the id is taken, or memory ran out.
   bool InsertRprim(const Token& type, SceneDelegate* scene, const Path& id);
   bool InsertSprim(const Token& type, SceneDelegate* scene, const Path& id);
   bool InsertBprim(const Token& type, SceneDelegate* scene, const Path& id);
@@ -42,9 +42,9 @@ class ALABASTER_API RenderIndex {
   ChangeTracker& GetChangeTracker();
   RenderDelegate* GetRenderDelegate() const;
 
-  /// Bprims, Sprims (type by type), instancers, Rprims (in parallel), then CommitResources. Invisible rprims are
-  /// skipped but for their visibility; their other bits stay queued. False if memory or threads ran out: what was not
-  /// synced stays dirty for the next call.
+  /// Syncs Bprims, Sprims (type by type), instancers and Rprims (in parallel), then calls CommitResources. Of invisible
+  /// rprims only the visibility is synced; their other bits stay dirty. Returns false if memory or threads ran out: the
+  /// prims that were not synced stay dirty for the next call.
   bool SyncAll();
 
  private:

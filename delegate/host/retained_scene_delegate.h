@@ -1,5 +1,5 @@
-// A scene held as plain descriptions, pushed in and compared: unchanged values mark nothing dirty. Serves the scene
-// readers and hosts that have no scene delegate of their own.
+// Holds a scene as plain descriptions and compares what is pushed in: unchanged values mark nothing dirty. Serves the
+// scene readers and hosts that have no scene delegate of their own.
 #pragma once
 
 #include <memory>
@@ -38,7 +38,7 @@ struct InstancerDescription {
   bool operator==(const InstancerDescription&) const = default;
 };
 
-/// parameters: names of schemas/lights.json. type: rectLight sphereLight distantLight domeLight.
+/// Parameters have the names of schemas/lights.json. Types: rectLight, sphereLight, distantLight, domeLight.
 struct LightDescription {
   Token type;
   Matrix4d transform;
@@ -46,15 +46,15 @@ struct LightDescription {
   bool operator==(const LightDescription&) const = default;
 };
 
-/// parameters: names of schemas/camera.json.
+/// Parameters have the names of schemas/camera.json.
 struct CameraDescription {
   Matrix4d transform;
   std::map<Token, Value> parameters;
   bool operator==(const CameraDescription&) const = default;
 };
 
-/// One thread at a time pushes; pulls come from Sync. Before Populate it is plain data; afterwards every Set marks what
-/// changed in the index it populates.
+/// One thread at a time pushes; pulls come from Sync. Before Populate it is plain data. Afterwards every Set marks the
+/// differences in the index it populates.
 class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
  public:
   RetainedSceneDelegate();
@@ -76,7 +76,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   const std::map<Path, CameraDescription>& GetCameras() const;
   const std::map<Path, RenderSettingsDescription>& GetAllRenderSettings() const;
 
-  /// Inserts everything into `index` (which must outlive this, or be told Depopulate) and keeps it informed.
+  /// Inserts everything into `index` and keeps it informed. The index must outlive this, or Depopulate comes first.
   void Populate(RenderIndex* index);
   void Depopulate();
 

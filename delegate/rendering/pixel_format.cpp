@@ -43,27 +43,28 @@ AovDescriptor described(Format format, Value clear) {
 
 }  // namespace
 
-void write_pixels(const float* values, int components, size_t count, Format format, uint8_t* pixels) {
-  const int wanted = FormatComponents(format);
+void write_pixels(std::span<const float> values, size_t components, Format format, uint8_t* pixels) {
+  const auto wanted = static_cast<size_t>(FormatComponents(format));
   const size_t size = FormatSize(format);
-  if (wanted == components && size == static_cast<size_t>(wanted) * sizeof(float) && format != Format::int32) {
-    std::memcpy(pixels, values, count * size);
+  if (wanted == components && size == wanted * sizeof(float) && format != Format::int32) {
+    std::memcpy(pixels, values.data(), values.size_bytes());
     return;
   }
-  for (size_t p = 0; p < count; ++p, values += components, pixels += size)
-    for (int i = 0; i < wanted; ++i)
-      write_component(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, format, i, pixels);
+  for (; !values.empty(); values = values.subspan(components), pixels += size)
+    for (size_t i = 0; i < wanted; ++i)
+      write_component(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, format, static_cast<int>(i), pixels);
 }
 
-void write_pixels(const int32_t* values, size_t count, Format format, uint8_t* pixels) {
+void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixels) {
   if (format == Format::int32) {
-    std::memcpy(pixels, values, count * sizeof(int32_t));
+    std::memcpy(pixels, values.data(), values.size_bytes());
     return;
   }
   const size_t size = FormatSize(format);
-  for (size_t p = 0; p < count; ++p) {
-    const auto number = static_cast<float>(values[p]);
-    write_pixels(&number, 1, 1, format, pixels + p * size);
+  for (const int32_t value : values) {
+    const auto number = static_cast<float>(value);
+    write_pixels({&number, 1}, 1, format, pixels);
+    pixels += size;
   }
 }
 
@@ -75,7 +76,7 @@ void write_clear(const Value& clear, Format format, uint8_t* pixel) {
     values = {v3->x, v3->y, v3->z, 1};
   else
     values.fill(static_cast<float>(clear.number_or(0)));
-  write_pixels(values.data(), 4, 1, format, pixel);
+  write_pixels(values, 4, format, pixel);
 }
 
 AovDescriptor default_aov_descriptor(const Token& name) {

@@ -26,22 +26,22 @@ size_t pixel_offset(const RenderBufferDescriptor& d, int x, int y_down) {
   return (row * static_cast<size_t>(d.dimensions.x) + static_cast<size_t>(x)) * FormatSize(d.format);
 }
 
-/// Puts what film and buffer share into the buffer, row by row. `write(values, count, out)` converts a run of pixels
-/// that lie side by side in both.
-template <class T, class Write>
-void write_shared_rows(const RenderBufferDescriptor& d, const BufferSource& source, const std::vector<T>& values,
-                       std::vector<uint8_t>* pixels, const Write& write) {
-  const PixelRect& window = source.film->data_window();
-  const int x0 = std::max(window.x0, -source.buffer_x), x1 = std::min(window.x1, d.dimensions.x - source.buffer_x);
-  const int y0 = std::max(window.y0, -source.buffer_y), y1 = std::min(window.y1, d.dimensions.y - source.buffer_y);
-  if (x0 >= x1) return;
+/// Converts a row of the film's pixels, which begins at (x, y), as far as it lies in the buffer.
+template <class T>
+void store_row(const RenderBufferDescriptor& d, const BufferSource& source, int x, int y, std::span<const T> values,
+               uint8_t* pixels) {
   const auto components = static_cast<size_t>(aov_info(source.aov).components());
-  const auto width = static_cast<size_t>(window.width());
-  for (int y = y0; y < y1; ++y) {
-    const size_t first = static_cast<size_t>(y - window.y0) * width + static_cast<size_t>(x0 - window.x0);
-    write(values.data() + first * components, static_cast<size_t>(x1 - x0),
-          pixels->data() + pixel_offset(d, x0 + source.buffer_x, y + source.buffer_y));
-  }
+  const int row = y + source.buffer_y, column = x + source.buffer_x;
+  const int first = std::max(column, 0);
+  const int last = std::min(column + static_cast<int>(values.size() / components), d.dimensions.x);
+  if (row < 0 || row >= d.dimensions.y || first >= last) return;
+  const auto inside =
+      values.subspan(static_cast<size_t>(first - column) * components, static_cast<size_t>(last - first) * components);
+  uint8_t* out = pixels + pixel_offset(d, first, row);
+  if constexpr (std::is_same_v<T, int32_t>)
+    write_pixels(inside, d.format, out);
+  else
+    write_pixels(inside, components, d.format, out);
 }
 
 bool covers_buffer(const RenderBufferDescriptor& d, const BufferSource& source) {
@@ -113,15 +113,13 @@ std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBu
   if (store->pixels.empty()) return store;
   if (!covers_buffer(description, source)) clear_pixels(source.clear, description.format, &store->pixels);
   if (!source.film) return store;
-  const Format format = description.format;
-  if (aov_info(source.aov).is_integer()) {
-    write_shared_rows(description, source, source.film->resolve_int(source.aov), &store->pixels,
-                      [format](const int32_t* in, size_t n, uint8_t* out) { write_pixels(in, n, format, out); });
-  } else {
-    const int components = aov_info(source.aov).components();
-    write_shared_rows(description, source, source.film->resolve_float(source.aov), &store->pixels,
-                      [&](const float* in, size_t n, uint8_t* out) { write_pixels(in, components, n, format, out); });
-  }
+  const auto take = [&](int x, int y, const auto& values) {
+    store_row(description, source, x, y, values, store->pixels.data());
+  };
+  if (aov_info(source.aov).is_integer())
+    source.film->resolve_int(source.aov, take);
+  else
+    source.film->resolve_float(source.aov, take);
   return store;
 }
 

@@ -17,7 +17,7 @@ std::string reason_of(int error) {
   return std::generic_category().message(error);
 }
 
-/// A new file next to `file`, hidden, and unlike any that another process or thread makes.
+/// Opens a new hidden file next to `file`. No other process or thread makes one of this name.
 int open_temporary(const std::filesystem::path& file, std::string& name) {
   static std::atomic<uint64_t> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
@@ -41,7 +41,7 @@ int write_all(int handle, std::span<const uint8_t> bytes, Flush flush) {
   return flush == Flush::none || ::fsync(handle) == 0 ? 0 : errno;
 }
 
-/// The rename itself must reach the disk too. A folder that cannot be synced (some network file systems) is no failure.
+/// The rename must reach the disk too. Some network file systems cannot sync a folder: that is no failure.
 void sync_folder(const std::filesystem::path& file) {
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

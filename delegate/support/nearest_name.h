@@ -6,8 +6,8 @@
 
 namespace alabaster::hd::support {
 
-/// The name in `known` with the smallest edit distance to `name`, of which wrong case counts half a wrong letter; empty
-/// if none is near: within two letters, or within a third of them for names longer than six.
+/// Returns the name in `known` with the smallest edit distance to `name`; wrong case counts half a wrong letter. Empty
+/// if none is near. Near is two letters, or a third of the letters for names longer than six.
 std::string NearestName(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace alabaster::hd::support

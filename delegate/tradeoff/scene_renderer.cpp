@@ -13,12 +13,14 @@ using Clock = std::chrono::steady_clock;
 Image color_of(const hd::host::ProductImage& picture) {
   const auto found = picture.aovs.find("color");
   if (found == picture.aovs.end() || found->second.components < 3) return {};
-  const auto components = static_cast<size_t>(found->second.components);
-  const std::vector<float>& floats = found->second.floats;
+  const hd::host::AovPixels& color = found->second;
   Image image{picture.framing.dataWindow.width(), picture.framing.dataWindow.height(), {}};
-  image.rgb.resize(3 * image.pixels());
-  for (size_t pixel = 0; pixel < image.pixels(); ++pixel)
-    for (size_t c = 0; c < 3; ++c) image.rgb[3 * pixel + c] = floats[components * pixel + c];
+  image.rgb.reserve(3 * image.pixels());
+  for (int y = 0; y < image.height; ++y) {
+    const float* pixel = &color.floats[picture.row_begin(color, y)];
+    for (int x = 0; x < image.width; ++x, pixel += color.components)
+      image.rgb.insert(image.rgb.end(), pixel, pixel + 3);
+  }
   const bool finite = std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v); });
   return finite ? image : Image{};
 }

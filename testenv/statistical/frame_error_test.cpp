@@ -138,7 +138,7 @@ double ratio_of_estimate(double coin, uint32_t samples) {
             sample.color = Rgb(0.5f + sampler.draw(Dimension::bsdf, 0)[0] + float(coin) * toss);
             tile.add(pixel, sample);
           }
-      film.store_tile(t, std::move(tile));
+      film.store_tile(t, tile);
     }
     const FrameError error = estimate_frame_error(film);
     estimated += std::pow(error.relative_rmse, 2) / 4;

@@ -31,7 +31,7 @@ void add_samples(Film* film, const SampleAllocation& allocation, uint32_t base, 
       sample.color = Rgb(rng->uniform() < kChance ? 1 / kChance : 0.0f);
       tile.add(pixel, sample);
     }
-  film->store_tile(0, std::move(tile));
+  film->store_tile(0, tile);
 }
 
 double mean_of(const Film& film) {

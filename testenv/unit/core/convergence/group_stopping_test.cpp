@@ -47,7 +47,7 @@ void fill(uint32_t samples, uint32_t noisy, Film* film) {
       sample.color = Rgb(has_noise ? static_cast<float>(hash32(static_cast<uint32_t>(64 * i) + s) & 2) : 1);
       tile.add(i, sample);
     }
-  film->store_tile(0, std::move(tile));
+  film->store_tile(0, tile);
 }
 
 TEST(GroupStopping, GroupsThatEndedShowWhatTheyHadThen) {

@@ -48,7 +48,7 @@ TEST(PixelGroup, OnlyTheGroupsAskedForAreTaken) {
     FilmSample sample;
     sample.normal = {0, 1, 0};
     for (size_t i = 0; i < size_t(r.width()) * size_t(r.height()); ++i) tile.add(i, sample);
-    from.store_tile(t, std::move(tile));
+    from.store_tile(t, tile);
   }
   take_groups(from, 0b1001, &to);
   const auto samples = to.resolve_int(Aov::sample_count);

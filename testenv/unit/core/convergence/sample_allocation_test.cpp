@@ -20,7 +20,7 @@ TEST(SampleAllocation, HandlesOddAndTinyWindowsAndBlackFrames) {
           sample.color = Rgb(light * float((i * 7 + s * s) % 5));
           tile.add(i, sample);
         }
-      film.store_tile(0, std::move(tile));
+      film.store_tile(0, tile);
       const size_t pixels = film.noise().size();
       const SampleAllocation allocation(film, std::vector<uint32_t>(pixels, 3), 64);
       for (size_t i = 0; i < pixels; ++i) {
@@ -43,7 +43,7 @@ SampleAllocation allocate(int x_noisy, const std::vector<uint32_t>& rays) {
       sample.color = Rgb(hash32(static_cast<uint32_t>(i) * kPilotSamples + s) & 1 ? 1 + noise : 1 - noise);
       tile.add(i, sample);
     }
-  film.store_tile(0, std::move(tile));
+  film.store_tile(0, tile);
   return {film, rays, 64};
 }
 

@@ -21,7 +21,7 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
   tile.add(1, sample(1, 5, 7));
   tile.add(1, sample(3, 2, 9));
   tile.add(1, sample(5, 4, 8));
-  film.store_tile(0, std::move(tile));
+  film.store_tile(0, tile);
   EXPECT_EQ(film.resolve_float(Aov::color), (std::vector<float>{0, 0, 0, 0, 3, 3, 3, 1}));
   EXPECT_EQ(film.resolve_int(Aov::prim_id), (std::vector<int32_t>{-1, 9}));
   EXPECT_EQ(film.resolve_int(Aov::sample_count), (std::vector<int32_t>{0, 3}));
@@ -59,7 +59,7 @@ TEST(Film, ResolvePutsTilesInPlace) {
     size_t pixel = 0;
     for (int y = r.y0; y < r.y1; ++y)
       for (int x = r.x0; x < r.x1; ++x) tile.add(pixel++, sample(0, 1, y * 1000 + x));
-    film.store_tile(t, std::move(tile));
+    film.store_tile(t, tile);
   }
   const auto ids = film.resolve_int(Aov::prim_id);
   for (int y = 0; y < 35; ++y)
@@ -70,7 +70,7 @@ TEST(Film, UnrequestedPlanesResolveToBackground) {
   Film film({0, 0, 1, 1}, aov_bit(Aov::color));
   FilmTile tile = film.load_tile(0);
   tile.add(0, sample(1, 1, 3));
-  film.store_tile(0, std::move(tile));
+  film.store_tile(0, tile);
   EXPECT_EQ(film.resolve_int(Aov::prim_id)[0], -1);
   EXPECT_EQ(film.resolve_float(Aov::normal), (std::vector<float>{0, 0, 0}));
 }
@@ -89,7 +89,7 @@ TEST(Film, KeepsTheLayersThatWereAskedFor) {
   layers = {};
   tile.add(0, sample(1, 1, 3), &layers);
   tile.add(0, sample(1, 1, 3), &layers);
-  film.store_tile(0, std::move(tile));
+  film.store_tile(0, tile);
   EXPECT_EQ(film.resolve_float(Aov::subsurface), (std::vector<float>{0.5f, 1, 2}));
   EXPECT_EQ(film.resolve_float(Aov::subsurface_single), (std::vector<float>{0, 1, 0}));
   EXPECT_EQ(film.resolve_float(Aov::emission), (std::vector<float>{4, 8, 16}));

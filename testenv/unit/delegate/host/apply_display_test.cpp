@@ -16,7 +16,9 @@ TEST_F(ApplyDisplayFile, AnswersWhatAPngHolds) {
   p.dataType = Token("uint16");
   p.exposure = 0.5f;
   ASSERT_TRUE(write(p, image)) << text();
-  std::vector<float> shown = image.aovs["color"].floats;
+  std::vector<float> shown;
+  for (int i = 0; i < kCount; ++i)
+    for (int c = 0; c < 3; ++c) shown.push_back(float_of(image, "color", i, c));
   ASSERT_TRUE(ApplyDisplay(p, colors_, shown, sink_)) << text();
 
   const auto file = OIIO::ImageInput::open(p.file);

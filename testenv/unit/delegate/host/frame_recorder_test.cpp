@@ -146,5 +146,38 @@ TEST(FrameRecorder, CancelBeforeItBeginsWritesNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 }
 
+TEST(FrameRecorder, StopByAnotherThreadEndsItAndLasts) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1 << 20));
+  std::atomic<bool> rendering{false};
+  RecordOptions options;
+  options.progress = [&](const RecordProgress&) { rendering = true; };
+  std::thread other([&] {
+    while (!rendering) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stage.delegate->Stop();
+  });
+  const RecordResult result = RecordFrame(stage.index.get(), &stage.scene, "/settings", options);
+  other.join();
+  EXPECT_EQ(result.status, RecordStatus::interrupted);
+  EXPECT_EQ(result.stats.at("state").text_or(""), "stopped");
+  EXPECT_EQ(result.written.size(), 1u) << "what was rendered before is written";
+  EXPECT_TRUE(stage.delegate->IsStopped()) << "only whoever stopped it may restart it";
+}
+
+TEST(FrameRecorder, AStoppedDelegateStaysStoppedAndWritesNothing) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 2));
+  stage.delegate->Stop();
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::interrupted);
+  EXPECT_TRUE(stage.delegate->IsStopped());
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+  stage.delegate->Restart();
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::done);
+}
+
 }  // namespace
 }  // namespace alabaster::hd::host

@@ -62,7 +62,7 @@ TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
   EXPECT_FALSE(write(p, image));
   EXPECT_NE(text().find("albedo"), std::string::npos);
   image = frame();
-  image.aovs["normal"].floats.pop_back();
+  image.aovs["normal"].floats = image.aovs["normal"].floats.subspan(1);
   EXPECT_FALSE(write(p, image));
   EXPECT_NE(text().find("normal"), std::string::npos);
   image = frame();
@@ -91,8 +91,8 @@ TEST_F(ProductFile, AFullDiskLeavesTheOldFileAndNothingElse) {
   ProductImage image;
   image.framing.displayMax = {128, 128};
   image.framing.dataWindow = {0, 0, 128, 128};
-  image.aovs["color"] = floats(
-      4, [](int i, int c) { return float((i * 7919 + c * 104729) % 1013) / 1013; }, 128 * 128);
+  image.aovs["color"] =
+      floats(4, [](int i, int c) { return float((i * 7919 + c * 104729) % 1013) / 1013; }, {128, 128});
   for (const char* name : {"f.exr", "f.png", "f.tif", "f.jpg"}) {
     const RenderProduct p = product(name);
     std::ofstream(p.file) << "what was here before";

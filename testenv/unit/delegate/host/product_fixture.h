@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <list>
 
 #include "delegate/host/product_writer.h"
 
@@ -28,7 +29,7 @@ class ProductFile : public testing::Test {
   }
   bool write(const RenderProduct& p, const ProductImage& image) {
     reports_.clear();
-    return WriteProduct(p, image, colors_, sink_);
+    return !WriteProducts({p}, image, colors_, sink_).empty();
   }
   bool check(const RenderProduct& p) {
     reports_.clear();
@@ -53,19 +54,30 @@ class ProductFile : public testing::Test {
   DiagnosticSink sink_ = [this](const Diagnostic& d) { reports_.push_back(d); };
 };
 
-inline AovPixels floats(int components, const std::function<float(int, int)>& value, int count = kCount) {
-  AovPixels pixels;
-  pixels.components = components;
-  for (int i = 0; i < count; ++i)
-    for (int c = 0; c < components; ++c) pixels.floats.push_back(value(i, c));
+/// Pixels in a buffer's order that live as long as the program. Pixel i of `value(i, component)` counts from the upper
+/// left corner, row by row.
+template <class T, class Value>
+std::span<const T> pixels_of(int components, Vec2i size, const Value& value) {
+  static std::list<std::vector<T>> kept;
+  std::vector<T>& pixels = kept.emplace_back();
+  for (int y = size.y - 1; y >= 0; --y)
+    for (int x = 0; x < size.x; ++x)
+      for (int c = 0; c < components; ++c) pixels.push_back(value(y * size.x + x, c));
   return pixels;
 }
+inline AovPixels floats(int components, const std::function<float(int, int)>& value, Vec2i size = {kWidth, kHeight}) {
+  return {components, pixels_of<float>(components, size, value), {}};
+}
 inline AovPixels ints(const std::function<int32_t(int)>& value) {
-  AovPixels pixels;
-  pixels.components = 1;
-  pixels.integer = true;
-  for (int i = 0; i < kCount; ++i) pixels.ints.push_back(value(i));
-  return pixels;
+  return {1, {}, pixels_of<int32_t>(1, {kWidth, kHeight}, [&](int i, int) { return value(i); })};
+}
+/// Where values of pixel i, counted so, begin in an AOV of frame().
+inline size_t index_of(const ProductImage& image, const char* aov, int i) {
+  const AovPixels& pixels = image.aovs.at(aov);
+  return image.row_begin(pixels, i / kWidth) + size_t(i % kWidth * pixels.components);
+}
+inline float float_of(const ProductImage& image, const char* aov, int i, int component) {
+  return image.aovs.at(aov).floats[index_of(image, aov, i) + size_t(component)];
 }
 
 inline ProductImage frame() {

@@ -49,26 +49,25 @@ TEST_F(ProductFile, ExrHoldsEveryAovUnderItsUsualName) {
   const Read exr(p.file);
   EXPECT_EQ(exr.spec.nchannels, 16);
   for (int i = 0; i < kCount; ++i) {
-    const auto value = [&](const char* aov, int components, int c) {
-      return image.aovs.at(aov).floats[size_t(i * components + c)];
-    };
+    const auto value = [&](const char* aov, int c) { return float_of(image, aov, i, c); };
     // Halves are the floats rounded to half, bit for bit; floats are unchanged.
     const char* rgba[] = {"R", "G", "B", "A"};
-    for (int c = 0; c < 4; ++c) ASSERT_EQ(exr.at(i, rgba[c]), float(half(value("color", 4, c))));
+    for (int c = 0; c < 4; ++c) ASSERT_EQ(exr.at(i, rgba[c]), float(half(value("color", c))));
     const char* xyz[] = {"N.X", "N.Y", "N.Z"};
     const char* albedo[] = {"albedo.R", "albedo.G", "albedo.B"};
     for (int c = 0; c < 3; ++c) {
-      ASSERT_EQ(exr.at(i, xyz[c]), float(half(value("normal", 3, c))));
-      ASSERT_EQ(exr.at(i, albedo[c]), float(half(value("albedo", 3, c))));
+      ASSERT_EQ(exr.at(i, xyz[c]), float(half(value("normal", c))));
+      ASSERT_EQ(exr.at(i, albedo[c]), float(half(value("albedo", c))));
     }
-    ASSERT_EQ(exr.at(i, "depth.Z"), value("depth", 1, 0));
-    ASSERT_EQ(exr.at(i, "Z"), i == 0 ? 1e10f : value("cameraDepth", 1, 0)) << "0: nothing was hit";
+    ASSERT_EQ(exr.at(i, "depth.Z"), value("depth", 0));
+    ASSERT_EQ(exr.at(i, "Z"), i == 0 ? 1e10f : value("cameraDepth", 0)) << "0: nothing was hit";
   }
   EXPECT_EQ(exr.type("R"), OIIO::TypeHalf);
   EXPECT_EQ(exr.type("Z"), OIIO::TypeFloat);
   for (const char* id : {"primId", "instanceId", "elementId"}) {
     const auto read = read_uints(p.file, id);
-    for (size_t i = 0; i < kCount; ++i) ASSERT_EQ(int32_t(read[i]), image.aovs.at(id).ints[i]) << id;
+    for (int i = 0; i < kCount; ++i)
+      ASSERT_EQ(int32_t(read[size_t(i)]), image.aovs.at(id).ints[index_of(image, id, i)]) << id;
   }
   EXPECT_EQ(read_uints(p.file, "primId")[0], 4294967295u);
   EXPECT_EQ(read_uints(p.file, "sampleCount")[3], 70003u);
@@ -83,9 +82,9 @@ TEST_F(ProductFile, ExrFloatAndNamedLayers) {
   ASSERT_TRUE(write(p, image)) << text();
   const Read exr(p.file);
   for (int i = 0; i < kCount; ++i) {
-    ASSERT_EQ(exr.at(i, "beauty.G"), image.aovs.at("color").floats[size_t(4 * i + 1)]);
-    ASSERT_EQ(exr.at(i, "Zdepth.Z"), image.aovs.at("depth").floats[size_t(i)]);
-    ASSERT_EQ(exr.at(i, "N.X"), image.aovs.at("normal").floats[size_t(3 * i)]);
+    ASSERT_EQ(exr.at(i, "beauty.G"), float_of(image, "color", i, 1));
+    ASSERT_EQ(exr.at(i, "Zdepth.Z"), float_of(image, "depth", i, 0));
+    ASSERT_EQ(exr.at(i, "N.X"), float_of(image, "normal", i, 0));
   }
   EXPECT_EQ(exr.at(0, "ids"), -1.0f);
 }
@@ -198,7 +197,7 @@ TEST_F(ProductFile, IntegerFilesGoThroughTheView) {
       const float tolerance = jpeg ? 12.0f / 255 : *type ? 0.6f / 65535 + 1e-5f : 1.01f / 255;
       for (int i = 0; i < kCount; ++i)
         for (int c = 0; c < 3; ++c) {
-          const float linear = std::min(image.aovs.at("color").floats[size_t(4 * i + c)], 1.0f);
+          const float linear = std::min(float_of(image, "color", i, c), 1.0f);
           ASSERT_NEAR(read.pixels[size_t(i * read.spec.nchannels + c)], srgb(linear), tolerance) << name << type;
         }
       EXPECT_TRUE(jpeg || read.at(0, "A") == 1);
@@ -245,8 +244,7 @@ TEST_F(ProductFile, DitherKeepsTheMeanAndIsTheSameEveryTime) {
   ProductImage image;
   image.framing.displayMax = {64, 64};
   image.framing.dataWindow = {0, 0, 64, 64};
-  image.aovs["color"] = floats(
-      3, [](int, int) { return 0.2f; }, 64 * 64);
+  image.aovs["color"] = floats(3, [](int, int) { return 0.2f; }, {64, 64});
   RenderProduct p = product("d.png");
   p.view = "Un-tone-mapped";
   ASSERT_TRUE(write(p, image)) << text();
@@ -260,8 +258,7 @@ TEST_F(ProductFile, DitherKeepsTheMeanAndIsTheSameEveryTime) {
   EXPECT_EQ(Read(p.file).pixels, first.pixels);
   // Exact levels get no dither: black and white are flat.
   for (const float level : {0.0f, 1.0f}) {
-    image.aovs["color"] = floats(
-        3, [&](int, int) { return level; }, 64 * 64);
+    image.aovs["color"] = floats(3, [&](int, int) { return level; }, {64, 64});
     p.view = "Raw";
     ASSERT_TRUE(write(p, image));
     for (const float v : Read(p.file).pixels) ASSERT_EQ(v, level);

@@ -18,7 +18,7 @@ template <class T>
 std::vector<T> written(const std::vector<float>& values, int components, Format format) {
   const size_t count = values.size() / static_cast<size_t>(components);
   std::vector<T> out(count * FormatSize(format) / sizeof(T));
-  write_pixels(values.data(), components, count, format, reinterpret_cast<uint8_t*>(out.data()));
+  write_pixels(values, static_cast<size_t>(components), format, reinterpret_cast<uint8_t*>(out.data()));
   return out;
 }
 
@@ -63,10 +63,10 @@ TEST(PixelFormat, FloatsToIntRoundAndClamp) {
 TEST(PixelFormat, IdsAreExactInIntAndCastElsewhere) {
   const int32_t ids[] = {-1, 16777217, 3};
   std::vector<int32_t> exact(3);
-  write_pixels(ids, 3, Format::int32, reinterpret_cast<uint8_t*>(exact.data()));
+  write_pixels(ids, Format::int32, reinterpret_cast<uint8_t*>(exact.data()));
   EXPECT_EQ(exact, (std::vector<int32_t>{-1, 16777217, 3}));
   std::vector<float> floats(6);
-  write_pixels(ids, 3, Format::float32vec2, reinterpret_cast<uint8_t*>(floats.data()));
+  write_pixels(ids, Format::float32vec2, reinterpret_cast<uint8_t*>(floats.data()));
   EXPECT_EQ(floats, (std::vector<float>{-1, 0, 16777216, 0, 3, 0}));
 }
 

@@ -1,0 +1,76 @@
+#include "delegate/host/frame_request.h"
+
+#include <cmath>
+
+namespace alabaster::hd::host {
+namespace {
+
+struct Fault {
+  const char* code = nullptr;  // null: none
+  std::string text;
+};
+
+Fault framing_fault(const RenderSettingsDescription& d, const Rect2i& window) {
+  if (d.width < 1 || d.height < 1 || d.width > 65536 || d.height > 65536)
+    return {"record.resolution", "width and height must lie in 1..65536"};
+  const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
+  if (!fits(window.minX, window.maxX) || !fits(window.minY, window.maxY) || !(d.pixelAspectRatio > 0))
+    return {"record.framing",
+            "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio must be positive"};
+  if (window.minX >= d.width || window.minY >= d.height || window.maxX <= 0 || window.maxY <= 0)
+    return {"record.crop", "the crop lies wholly outside the frame of " + std::to_string(d.width) + " x " +
+                               std::to_string(d.height) + " pixels"};
+  return {};
+}
+
+Fault camera_fault(const RetainedSceneDelegate& scene, const Path& path) {
+  const auto camera = scene.GetCameras().find(path);
+  if (camera == scene.GetCameras().end()) return {};
+  const double determinant = camera->second.transform.determinant();
+  if (std::isfinite(determinant) && determinant != 0) return {};
+  return {"record.camera",
+          "the transform of camera " + path.str() + " is not finite or cannot be inverted: it may be scaled to zero"};
+}
+
+std::set<std::string> aovs_of(const std::vector<RenderProduct>& products) {
+  std::set<std::string> aovs;
+  for (const RenderProduct& product : products) {
+    if (product.vars.empty()) aovs.insert("color");
+    for (const RenderVar& var : product.vars) aovs.insert(var.aov.str());
+  }
+  if (aovs.empty()) aovs.insert("color");
+  return aovs;
+}
+
+Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aovs) {
+  for (const std::string& aov : aovs)
+    if (delegate.GetDefaultAovDescriptor(aov).format == Format::invalid)
+      return {"record.aov", "AOV '" + aov + "' is not supported"};
+  return {};
+}
+
+}  // namespace
+
+RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
+                        const RecordOptions& options, FrameRequest* request) {
+  const auto is_input_fault = [&](const Fault& fault) {
+    if (fault.code && options.diagnostics)
+      options.diagnostics({Severity::error, fault.code, settings.str(), fault.text});
+    return fault.code != nullptr;
+  };
+  const auto found = scene.GetAllRenderSettings().find(settings);
+  if (found == scene.GetAllRenderSettings().end()) {
+    is_input_fault({"record.settings", "there are no such render settings"});
+    return RecordStatus::input_failed;
+  }
+  const RenderSettingsDescription& d = request->description = found->second;
+  request->window = d.crop.value_or(Rect2i{0, 0, d.width, d.height});
+  if (is_input_fault(framing_fault(d, request->window)) || is_input_fault(camera_fault(scene, d.camera)))
+    return RecordStatus::input_failed;
+  for (const RenderProduct& product : d.products)
+    if (!CheckProduct(product, options.colors, options.diagnostics)) return RecordStatus::output_failed;
+  request->aovs = aovs_of(d.products);
+  return is_input_fault(aov_fault(delegate, request->aovs)) ? RecordStatus::input_failed : RecordStatus::done;
+}
+
+}  // namespace alabaster::hd::host
