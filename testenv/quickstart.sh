@@ -16,13 +16,14 @@ fi
 out="$top/build/quickstart"
 mkdir -p "$out"
 "$build/bin/alabaster" render "$top/testenv/scenes/sample/sample.json" \
-  -o "$out/sample.exr" -o "$out/sample.png" --stats "$out/sample.stats.json"
+  -o "$out/sample.exr" -o "$out/sample.png" --stats "$out/sample.stats.json" \
+  --aov albedo --aov normal --aov depth --aov subsurface
 python3 - "$out" <<'PYTHON'
 import json, sys
 out = sys.argv[1]
 stats = json.load(open(out + "/sample.stats.json"))
 phases = stats["phases"]
-print("Done:\n  %s/sample.exr  scene-linear, with layers\n  %s/sample.png  display-ready" % (out, out))
+print("Done:\n  %s/sample.exr  scene-linear, with the layers albedo, normal, depth and subsurface\n  %s/sample.png  display-ready" % (out, out))
 print("Time: " + ", ".join("%s %.1f s" % (name, phase["wall"]) for name, phase in phases.items()) +
       "; peak memory %.0f MB." % (stats["peakMemory"] / 1e6))
 PYTHON
