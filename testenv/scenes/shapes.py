@@ -137,3 +137,20 @@ def placed(turn=0.0, lean=0.0, size=1.0, at=(0.0, 0.0, 0.0)):
     y = (ct * sl * size, cl * size, -st * sl * size)
     z = (st * size, 0.0, ct * size)
     return [*x, 0.0, *y, 0.0, *z, 0.0, *at, 1.0]
+
+
+def lattice(x, y, salt):
+    """A number in 0..1 that depends on whole x, y and salt alone."""
+    n = (x * 374761393 + y * 668265263 + salt) & 0xffffffff
+    n = ((n ^ (n >> 13)) * 1274126177) & 0xffffffff
+    return ((n ^ (n >> 16)) & 0xffff) / 65535
+
+
+def noise(x, y, salt):
+    """Smooth noise in 0..1 over that lattice."""
+    i, j = math.floor(x), math.floor(y)
+    u, v = x - i, y - j
+    u, v = u * u * (3 - 2 * u), v * v * (3 - 2 * v)
+    a = lattice(i, j, salt) * (1 - u) + lattice(i + 1, j, salt) * u
+    b = lattice(i, j + 1, salt) * (1 - u) + lattice(i + 1, j + 1, salt) * u
+    return a * (1 - v) + b * v

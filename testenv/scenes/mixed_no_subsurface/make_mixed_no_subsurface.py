@@ -10,7 +10,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from gltf_writer import Document, Mesh, png  # noqa: E402
-from shapes import box, cube_sphere, lathe, placed  # noqa: E402
+from shapes import box, cube_sphere, lathe, noise, placed  # noqa: E402
 
 SQUARE = 0.05  # side of a square of the board
 HALF_BOARD = 3 * SQUARE
@@ -97,31 +97,15 @@ def velvet(width=1.1, columns=56):
     return mesh
 
 
-def lattice(x, y, seed):
-    n = (x * 374761393 + y * 668265263 + seed * 2147483647) & 0xffffffff
-    n = ((n ^ (n >> 13)) * 1274126177) & 0xffffffff
-    return ((n ^ (n >> 16)) & 0xffff) / 65535
-
-
-def noise(x, y, seed=0):
-    """Smooth noise in 0..1 over a lattice of whole numbers."""
-    i, j = math.floor(x), math.floor(y)
-    u, v = x - i, y - j
-    u, v = u * u * (3 - 2 * u), v * v * (3 - 2 * v)
-    a = lattice(i, j, seed) * (1 - u) + lattice(i + 1, j, seed) * u
-    b = lattice(i, j + 1, seed) * (1 - u) + lattice(i + 1, j + 1, seed) * u
-    return a * (1 - v) + b * v
-
-
 def board_colour(px, py, size=384):
     """Six by six squares of maple and walnut with the grain along x or z in turn, a dark line inlaid between."""
     x, y = 6 * (px + 0.5) / size, 6 * (py + 0.5) / size
     i, j = int(x), int(y)
     dark = (i + j) % 2
     along, across = (x, y) if dark else (y, x)
-    warp = 0.35 * noise(2.0 * along, 3.0 * across, 3 + i + 7 * j)
+    warp = 0.35 * noise(2.0 * along, 3.0 * across, (3 + i + 7 * j) * 2147483647)
     rings = 0.5 + 0.5 * math.sin(2 * math.pi * (5.0 * across + 2.2 * warp + 0.37 * (5 * i + 3 * j)))
-    fibre = noise(5 * along, 60 * across, 11)
+    fibre = noise(5 * along, 60 * across, 11 * 2147483647)
     t = 0.55 * rings + 0.45 * fibre
     light_wood = ((0.86, 0.70, 0.50), (0.74, 0.55, 0.35))
     dark_wood = ((0.40, 0.23, 0.14), (0.26, 0.14, 0.085))

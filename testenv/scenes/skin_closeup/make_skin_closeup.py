@@ -12,10 +12,11 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from gltf_writer import Document, png  # noqa: E402
 from implicit import SurfaceNet, cone_chain, curve, ellipsoid, smooth_max, smooth_min  # noqa: E402
-from shapes import backdrop, placed  # noqa: E402
+from shapes import backdrop, lattice, noise, placed  # noqa: E402
 
 MM = 0.001
 CELL = 1.75
+SALT = 974711
 LOW, HIGH = (-42.0, -47.0, -15.0), (58.0, 50.0, 24.0)  # of the net, mm
 
 # Joints (x, y, z, radius) in mm. The rim starts in the bowl, climbs to the front, goes over the top and down the back.
@@ -70,30 +71,15 @@ def skin(q):
     return (d + 0.035 * grain) * MM
 
 
-def lattice(x, y, seed):
-    n = (x * 374761393 + y * 668265263 + seed * 974711) & 0xffffffff
-    n = ((n ^ (n >> 13)) * 1274126177) & 0xffffffff
-    return ((n ^ (n >> 16)) & 0xffff) / 65535
-
-
-def noise(x, y, seed):
-    i, j = math.floor(x), math.floor(y)
-    u, v = x - i, y - j
-    u, v = u * u * (3 - 2 * u), v * v * (3 - 2 * v)
-    a = lattice(i, j, seed) * (1 - u) + lattice(i + 1, j, seed) * u
-    b = lattice(i, j + 1, seed) * (1 - u) + lattice(i + 1, j + 1, seed) * u
-    return a * (1 - v) + b * v
-
-
 def freckle(x, y):
     """Small round spots, 0..1, at most one per cell of 4 mm."""
     best = 0.0
     for i in range(math.floor(x / 4) - 1, math.floor(x / 4) + 2):
         for j in range(math.floor(y / 4) - 1, math.floor(y / 4) + 2):
-            if lattice(i, j, 5) > 0.62:
-                cx, cy = 4 * (i + lattice(i, j, 6)), 4 * (j + lattice(i, j, 7))
-                r = 0.35 + 0.55 * lattice(i, j, 8) ** 2
-                best = max(best, math.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (r * r)) * (0.3 + 0.7 * lattice(i, j, 9)))
+            if lattice(i, j, 5 * SALT) > 0.62:
+                cx, cy = 4 * (i + lattice(i, j, 6 * SALT)), 4 * (j + lattice(i, j, 7 * SALT))
+                r = 0.35 + 0.55 * lattice(i, j, 8 * SALT) ** 2
+                best = max(best, math.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (r * r)) * (0.3 + 0.7 * lattice(i, j, 9 * SALT)))
     return best
 
 
@@ -102,7 +88,7 @@ def colour(px, py, size=256):
     x, y = 120 * ((px + 0.5) / size - 0.5), 120 * (0.5 - (py + 0.5) / size)
     rim = math.exp(-(cone_chain((x, y, 0.0), [(a, b, 0.0, 0.0) for a, b, _, _ in HELIX[12:]]) / 5.0) ** 2)
     lobe = math.exp(-((x - 0.5) ** 2 + (y + 27) ** 2) / 90)
-    mottle = 0.5 * noise(x / 6, y / 6, 1) + 0.3 * noise(x / 2.2, y / 2.2, 2) + 0.2 * noise(x / 0.8, y / 0.8, 3)
+    mottle = 0.5 * noise(x / 6, y / 6, SALT) + 0.3 * noise(x / 2.2, y / 2.2, 2 * SALT) + 0.2 * noise(x / 0.8, y / 0.8, 3 * SALT)
     red = min(1.0, 0.55 * rim + 0.5 * lobe + 0.55 * max(0.0, mottle - 0.35))
     spot = freckle(x, y) * min(1.0, max(0.0, (x - 4) / 14)) * 0.55
     pale, ruddy, brown = (0.880, 0.680, 0.575), (0.835, 0.475, 0.400), (0.55, 0.33, 0.24)

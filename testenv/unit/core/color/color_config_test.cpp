@@ -15,6 +15,7 @@
 
 #include "core/color/builtin_config.h"
 #include "core/color/chromaticities.h"
+#include "testenv/support/reports.h"
 
 namespace alabaster {
 namespace {
@@ -22,15 +23,7 @@ namespace {
 namespace OCIO = OCIO_NAMESPACE;
 namespace fs = std::filesystem;
 
-struct Reports {
-  std::vector<Diagnostic> all;
-  DiagnosticSink sink = [this](const Diagnostic& d) { all.push_back(d); };
-  std::string text() const {
-    std::string joined;
-    for (const Diagnostic& d : all) joined += d.where + ": " + d.text + "\n";
-    return joined;
-  }
-};
+using testing::Reports;
 
 struct Folder {
   fs::path path = fs::temp_directory_path() / ("alabaster_color_" + std::to_string(::getpid()));

@@ -10,20 +10,14 @@
 #include <limits>
 #include <random>
 
+#include "testenv/support/reports.h"
+
 namespace alabaster {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Reports {
-  std::vector<Diagnostic> all;
-  DiagnosticSink sink = [this](const Diagnostic& d) { all.push_back(d); };
-  std::string text() const {
-    std::string joined;
-    for (const Diagnostic& d : all) joined += d.where + ": " + d.text + "\n";
-    return joined;
-  }
-};
+using testing::Reports;
 
 class TextureFile : public testing::Test {
  protected:
