@@ -10,9 +10,6 @@
 
 namespace alabaster::hd {
 
-/// The cost of changing a setting.
-enum class SettingEffect { live, continues, restart, resync, recreate };
-
 struct RenderSettingDescriptor {
   std::string name;  // shown to people
   Token key;
@@ -20,7 +17,6 @@ struct RenderSettingDescriptor {
   Value minimum, maximum;            // empty: unbounded
   std::vector<std::string> choices;  // of a string setting
   std::string documentation;
-  SettingEffect effect = SettingEffect::restart;
 };
 
 class ALABASTER_API RenderDelegate {
@@ -86,7 +82,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 1;
+inline constexpr uint32_t kAbiVersion = 2;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

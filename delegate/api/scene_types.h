@@ -144,14 +144,12 @@ ALABASTER_API int FormatComponents(Format format);
 struct RenderBufferDescriptor {
   Vec3i dimensions{0, 0, 1};
   Format format = Format::invalid;
-  bool multiSampled = false;
   bool operator==(const RenderBufferDescriptor&) const = default;
 };
 
 struct AovDescriptor {
   Format format = Format::invalid;  // invalid: the AOV is not supported
   Value clearValue;
-  bool multiSampled = false;
 };
 
 /// A file to write: UsdRenderProduct with its vars, flattened.

@@ -36,12 +36,6 @@ const std::string& Token::str() const {
   return rep_ ? *rep_ : empty;
 }
 
-bool Path::has_prefix(const Path& prefix) const {
-  const std::string &s = str(), &p = prefix.str();
-  if (s.compare(0, p.size(), p) != 0) return false;
-  return s.size() == p.size() || p.empty() || p.back() == '/' || s[p.size()] == '/';
-}
-
 namespace {
 
 // The shortest decimal that reads back as the same float or integer. A double has nine digits: the further ones of a

@@ -56,7 +56,6 @@ class ALABASTER_API Path {
   const std::string& str() const { return token_.str(); }
   bool empty() const { return token_.empty(); }
   /// True if this path is `prefix` or lies below it.
-  bool has_prefix(const Path& prefix) const;
   Path append(const std::string& name) const { return Path(str() == "/" ? "/" + name : str() + "/" + name); }
   bool operator==(const Path& o) const { return token_ == o.token_; }
   bool operator<(const Path& o) const { return token_ < o.token_; }
@@ -151,13 +150,6 @@ class ALABASTER_API Value {
   Storage storage_;
 };
 
-/// Values at times relative to the current frame. A single sample has time 0.
-template <class T>
-struct TimeSamples {
-  std::vector<float> times;
-  std::vector<T> values;
-};
-
 enum class Severity { info, warning, error };
 struct Diagnostic {
   Severity severity = Severity::info;
@@ -169,12 +161,3 @@ struct Diagnostic {
 using DiagnosticSink = std::function<void(const Diagnostic&)>;
 
 }  // namespace alabaster::hd
-
-template <>
-struct std::hash<alabaster::hd::Token> {
-  size_t operator()(const alabaster::hd::Token& t) const { return t.hash(); }
-};
-template <>
-struct std::hash<alabaster::hd::Path> {
-  size_t operator()(const alabaster::hd::Path& p) const { return p.hash(); }
-};

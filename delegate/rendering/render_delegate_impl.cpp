@@ -92,7 +92,6 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
       for (const char* word : parameter.words)
         if (word) d.choices.emplace_back(word);
       d.documentation = properties.at(parameter.name).at("description");
-      d.effect = SettingEffect::restart;
       descriptors.push_back(std::move(d));
     }
   });

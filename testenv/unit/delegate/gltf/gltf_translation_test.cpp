@@ -56,7 +56,7 @@ TEST(GltfTransforms, OptionTransformComesLastAndRootNamesThePrims) {
   options.root = "/set";
   const Loaded loaded = load_own("nodes", options);
   ASSERT_EQ(loaded.summary.meshes.size(), 2u);
-  for (const Path& id : loaded.summary.meshes) EXPECT_TRUE(id.has_prefix("/set/gltf/nodes")) << id.str();
+  for (const Path& id : loaded.summary.meshes) EXPECT_TRUE(id.str().starts_with("/set/gltf/nodes/")) << id.str();
   expect_near(
       transformed({0, 0, 0}, loaded.scene->GetMeshes().at("/set/gltf/nodes/nodes/1_child_with_slash/0").transform),
       {108, 21, 33});
