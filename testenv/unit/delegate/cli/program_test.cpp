@@ -100,14 +100,15 @@ TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
   EXPECT_EQ(folder.code, 5);
   EXPECT_HAS(folder.err, "absent");
   EXPECT_EQ(run(quick({"-o", "a.xyz"})).code, 2);
-  EXPECT_EQ(run(quick({"-o", "a.png", "--view", "no such view"})).code, 5);
+  for (const char* option : {"--display", "--view", "--look"})
+    EXPECT_EQ(run(quick({"-o", "a.png", option, "no such name"})).code, 5) << option;
   EXPECT_EQ(run(quick({"-o", "a.exr", "--stats", "absent/s.json"})).code, 5);
 }
 
 TEST_F(ProgramTest, RendersFilesAndStatistics) {
   const size_t before = file_count();
-  const Outcome done =
-      run(quick({"-o", "a.exr", "-o", "b.png", "--aov", "depth", "--aov", "primId", "--stats", "s.json"}));
+  const Outcome done = run(quick({"-o", "a.exr", "-o", "b.png", "--aov", "depth", "--aov", "primId", "--stats",
+                                  "s.json", "--inversion", "chiang2016"}));
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_HAS(done.err, "note: no camera: framed the scene");
   EXPECT_HAS(done.err, "note: no light: added a soft dome");
@@ -122,6 +123,7 @@ TEST_F(ProgramTest, RendersFilesAndStatistics) {
   const nlohmann::json stats = nlohmann::json::parse(file);
   EXPECT_EQ(stats["status"], "done");
   EXPECT_EQ(stats["settings"]["samples"], 2);
+  EXPECT_EQ(stats["settings"]["inversion"], "chiang2016");
   EXPECT_EQ(stats["rays"]["camera"], 32 * 24 * 2);
   EXPECT_EQ(stats["files"].size(), 2u);
   EXPECT_EQ(exr->spec().get_string_attribute("Software"), "Alabaster 0.1.0");

@@ -202,7 +202,8 @@ TEST_F(LoadSceneTest, CameraOfTheModelWithAnotherLens) {
 
 TEST_F(LoadSceneTest, ProductsOfOneSizeShareARender) {
   const SceneFile file =
-      describe(R"({"settings": {"resolution": [640, 480], "samples": 7, "frame": 3, "seed": 4294967295},
+      describe(R"({"settings": {"resolution": [640, 480], "samples": 7, "frame": 3, "seed": 4294967295,
+                 "windowPolicy": "fit", "pixelAspectRatio": 2},
     "products": [{"file": "a.exr", "aovs": ["color", "depth", "primId"], "dataType": "float"},
                  {"file": "b.png", "view": "ACES", "exposure": -1},
                  {"file": "c.png", "resolution": [64, 48], "crop": [1, 2, 3, 4]}]})");
@@ -210,6 +211,8 @@ TEST_F(LoadSceneTest, ProductsOfOneSizeShareARender) {
   const RenderSettingsDescription& first = settings(file);
   EXPECT_EQ(first.width, 640);
   EXPECT_EQ(first.height, 480);
+  EXPECT_EQ(first.windowPolicy, WindowPolicy::fit);
+  EXPECT_EQ(first.pixelAspectRatio, 2);
   EXPECT_EQ(first.frame, 3);
   EXPECT_EQ(first.settings.at("samples").number_or(0), 7);
   EXPECT_EQ(first.settings.at("seed").number_or(0), 4294967295.0);
