@@ -1,4 +1,4 @@
-// What was reported, for tests of what a function says when it fails.
+// Collects reports, for tests of what a function says when it fails.
 #pragma once
 
 #include <string>

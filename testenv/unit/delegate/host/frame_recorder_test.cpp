@@ -163,7 +163,7 @@ TEST(FrameRecorder, StopByAnotherThreadEndsItAndLasts) {
   EXPECT_EQ(result.status, RecordStatus::interrupted);
   EXPECT_EQ(result.stats.at("state").text_or(""), "stopped");
   EXPECT_EQ(result.written.size(), 1u) << "what was rendered before is written";
-  EXPECT_TRUE(stage.delegate->IsStopped()) << "only whoever stopped it may restart it";
+  EXPECT_TRUE(stage.delegate->IsStopped()) << "only the thread that stopped it may restart it";
 }
 
 TEST(FrameRecorder, AStoppedDelegateStaysStoppedAndWritesNothing) {
