@@ -14,18 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-Matrix4d scaling(const Vec3d& s) {
-  Matrix4d m;
-  m.setScale(s);
-  return m;
-}
-
-Matrix4d translation(const Vec3d& t) {
-  Matrix4d m;
-  m.setTranslation(t);
-  return m;
-}
-
 Matrix4d axis_rotation(int axis, double degrees) {
   const double a = degrees * std::numbers::pi / 180, c = std::cos(a), s = std::sin(a);
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
@@ -95,12 +83,12 @@ std::optional<Matrix4d> to_transform(const json& value) {
   if (value.is_array()) {
     for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = value[static_cast<size_t>(i)].get<double>();
   } else {
-    if (value.contains("scale")) m = scaling(to_vec3d(value["scale"]));
+    if (value.contains("scale")) m = Matrix4d().setScale(to_vec3d(value["scale"]));
     if (value.contains("rotate")) {
       const Vec3d degrees = to_vec3d(value["rotate"]);
       for (int axis = 0; axis < 3; ++axis) m = m * axis_rotation(axis, degrees[axis]);
     }
-    if (value.contains("translate")) m = m * translation(to_vec3d(value["translate"]));
+    if (value.contains("translate")) m = m * Matrix4d().setTranslation(to_vec3d(value["translate"]));
   }
   return is_valid_affine(m) ? std::optional(m) : std::nullopt;
 }
@@ -174,7 +162,7 @@ Framed frame_points(const std::vector<Vec3d>& points, const Frustum& frustum) {
   } else {
     framed.distance = 3;
   }
-  framed.camera = axes * translation(position * axes);
+  framed.camera = axes * Matrix4d().setTranslation(position * axes);
   return framed;
 }
 
