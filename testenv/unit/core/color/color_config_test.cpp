@@ -170,9 +170,9 @@ TEST(ColorConfig, ReportsSayWhatIsWrongAndWhatToDo) {
   };
   for (const Case& c : cases) {
     Reports reports;
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     EXPECT_FALSE(ColorConfig::load(c.path, reports.sink));
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
     ASSERT_EQ(reports.all.size(), 1u) << c.path;
     EXPECT_EQ(reports.all[0].where, c.path);
     EXPECT_NE(reports.all[0].text.find(c.expected), std::string::npos) << reports.text();
@@ -322,7 +322,7 @@ int run(const std::string& command) {
   return std::system((command + " >/dev/null 2>&1").c_str());
 }
 
-class AgainstOcioTools : public testing::Test {
+class AgainstOcioTools : public ::testing::Test {
  protected:
   void SetUp() override {
     available_ = run("command -v ocioconvert") == 0;

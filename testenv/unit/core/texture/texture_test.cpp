@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 using testing::Reports;
 
-class TextureFile : public testing::Test {
+class TextureFile : public ::testing::Test {
  protected:
   TextureFile() { fs::create_directories(folder_); }
   ~TextureFile() override { fs::remove_all(folder_); }
@@ -249,7 +249,7 @@ std::vector<float> noise(size_t count) {
 }
 
 TEST_F(TextureFile, TruncatedFilesAreRefusedWithoutAWord) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   for (const char* name : {"t.png", "t.jpg", "t.exr", "t.tif", "t.hdr", "t.bmp"}) {
     const bool is_float = std::string(name) == "t.exr" || std::string(name) == "t.hdr";
     const auto whole = slurp(write(name, 64, 64, 3, is_float ? OIIO::TypeFloat : OIIO::TypeUInt8, noise(64 * 64 * 3)));
@@ -260,11 +260,11 @@ TEST_F(TextureFile, TruncatedFilesAreRefusedWithoutAWord) {
       EXPECT_FALSE(reports_.all.empty());
     }
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 TEST_F(TextureFile, FlippedBitsNeverCrashOrPrint) {
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   std::mt19937 random(11);
   for (const char* name : {"f.png", "f.jpg", "f.exr", "f.tif", "f.hdr", "f.bmp", "f.tga"}) {
     const bool is_float = std::string(name) == "f.exr" || std::string(name) == "f.hdr";
@@ -282,7 +282,7 @@ TEST_F(TextureFile, FlippedBitsNeverCrashOrPrint) {
       EXPECT_FALSE(t && std::string(name) == "f.png") << "every bit of a PNG is under a checksum";
     }
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
 uint32_t crc_of(const std::vector<uint8_t>& bytes) {
@@ -326,9 +326,9 @@ TEST_F(TextureFile, OddProfilesInPngsDoNotPrint) {
   std::vector<uint8_t> file(whole.begin(), whole.begin() + 33);  // signature and IHDR
   append_chunk(file, "iCCP", {'x', 0, 0, 1, 2, 3, 4});
   file.insert(file.end(), whole.begin() + 33, whole.end());
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   const auto t = load(spit("profile.png", file));
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   ASSERT_TRUE(t) << reports_.text();
   EXPECT_EQ(t->texel(0, 0), Rgb(1, 0, 0));
 }
