@@ -1,4 +1,4 @@
-// Warps come in triples: sample(u), pdf(value), invert(value). Directions are unit, local z up; pdfs per solid angle.
+// Warps: sample(u) and pdf(value). Directions are unit, local z up; pdfs per solid angle.
 // u in [0,1)^2; on the very edge of it a cosine-weighted direction may lie in the plane (pdf 0): check before dividing.
 #pragma once
 
@@ -7,7 +7,6 @@
 namespace alabaster {
 
 Vec2f sample_concentric_disk(const Vec2f& u);
-Vec2f invert_concentric_disk(const Vec2f& d);
 
 inline float safe_sqrt(float x) {
   return std::sqrt(std::max(0.0f, x));
@@ -21,9 +20,6 @@ inline Vec3f sample_cosine_hemisphere(const Vec2f& u) {
 inline float pdf_cosine_hemisphere(const Vec3f& w) {
   return w.z > 0 ? w.z * kInvPi : 0;
 }
-inline Vec2f invert_cosine_hemisphere(const Vec3f& w) {
-  return invert_concentric_disk({w.x, w.y});
-}
 
 inline Vec3f sample_uniform_sphere(const Vec2f& u) {
   // r = sqrt(1 - z^2) without cancellation near the poles.
@@ -33,7 +29,6 @@ inline Vec3f sample_uniform_sphere(const Vec2f& u) {
 inline float pdf_uniform_sphere() {
   return 0.25f * kInvPi;
 }
-Vec2f invert_uniform_sphere(const Vec3f& w);
 
 /// Uniform in the cone of directions with cos(theta) >= cos_max; one_minus_cos_max is passed because 1 - cos_max
 /// cancels for small cones.
@@ -41,10 +36,8 @@ Vec3f sample_uniform_cone(const Vec2f& u, float one_minus_cos_max);
 inline float pdf_uniform_cone(float one_minus_cos_max) {
   return 1 / (kTwoPi * one_minus_cos_max);
 }
-Vec2f invert_uniform_cone(const Vec3f& w, float one_minus_cos_max);
 
 /// Uniform barycentric coordinates (b0, b1) of a triangle; area measure 1/area.
 Vec2f sample_uniform_triangle(const Vec2f& u);
-Vec2f invert_uniform_triangle(const Vec2f& b);
 
 }  // namespace alabaster

@@ -44,13 +44,8 @@ inline DwivediMode dwivedi_mode(double one_minus_alpha) {
   return {x, theta, x / theta};
 }
 
-/// Density of mu on [-1,1]: p(mu) = x/(2 theta (1 - x mu)); 1/2 for x = 0.
-inline double pdf_dwivedi(double mu, const DwivediMode& mode) {
-  return 0.5 * mode.alpha / (1 - mode.x * mu);
-}
-
-/// The inverse distribution function of that density, u in [0,1]; x > 0 and not tiny (cancellation: absolute error
-/// 1e-16/x).
+/// The inverse distribution function of p(mu) = x/(2 theta (1 - x mu)) on [-1,1], u in [0,1]; x > 0 and not tiny
+/// (cancellation: absolute error 1e-16/x).
 inline double sample_dwivedi(double u, const DwivediMode& mode) {
   const double mu = (1 - (1 + mode.x) * std::exp(-2 * mode.theta * u)) / mode.x;
   return std::fmin(std::fmax(mu, -1.0), 1.0);

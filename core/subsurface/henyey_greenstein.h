@@ -23,13 +23,6 @@ inline Vec3f sample_henyey_greenstein(const Vec2f& xi, float g) {
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-inline float pdf_henyey_greenstein(float cosine, float g) {
-  // 1 + g^2 - 2 g cos without cancellation where it is small.
-  const float along = g < 0 ? -cosine : cosine, size = std::abs(g);
-  const float squared = sqr(1 - size) + 2 * size * (1 - along);
-  return (1 - g * g) * 0.25f * kInvPi / (squared * std::sqrt(squared));
-}
-
 /// Scattering in all directions alike.
 struct IsotropicPhase {
   explicit IsotropicPhase(float) {}

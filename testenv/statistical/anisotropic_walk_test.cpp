@@ -6,6 +6,7 @@
 #include "testenv/support/anisotropic_half_space.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/scene_builder.h"
+#include "testenv/support/walk_pdfs.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster::testing {

@@ -4,6 +4,7 @@
 #include "testenv/support/analytic_bodies.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/transport_solution.h"
+#include "testenv/support/walk_pdfs.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster::testing {

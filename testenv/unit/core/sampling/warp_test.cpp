@@ -3,9 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "core/sampling/pixel_sampler.h"
+#include "testenv/support/warp_inverses.h"
 
 namespace alabaster {
 namespace {
+
+using testing::invert_concentric_disk;
+using testing::invert_cosine_hemisphere;
+using testing::invert_uniform_cone;
+using testing::invert_uniform_sphere;
+using testing::invert_uniform_triangle;
 
 template <class Warp, class Invert>
 void expect_round_trip(const Warp& warp, const Invert& invert, float tolerance) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/sampling/pixel_sampler.h"
+#include "testenv/support/walk_pdfs.h"
 
 namespace alabaster {
 namespace {
@@ -18,7 +19,8 @@ TEST(HenyeyGreenstein, WithoutAsymmetryIsTheUniformSphereBitForBit) {
     const Vec3f a = sample_henyey_greenstein(u, 0), b = sample_uniform_sphere(u);
     ASSERT_TRUE(a.x == b.x && a.y == b.y && a.z == b.z);
   }
-  for (const float cosine : {-1.0f, 0.3f, 1.0f}) EXPECT_EQ(pdf_henyey_greenstein(cosine, 0), pdf_uniform_sphere());
+  for (const float cosine : {-1.0f, 0.3f, 1.0f})
+    EXPECT_EQ(testing::pdf_henyey_greenstein(cosine, 0), pdf_uniform_sphere());
 }
 
 // The usual form, in double, where it is good: cos = (1 + g^2 - ((1-g^2)/(1+g x))^2) / (2g), x = 1 - 2u.
@@ -61,7 +63,7 @@ TEST(HenyeyGreenstein, PdfIsTheSamplersSlope) {
       const float h = 0x1p-8f;
       const double dz = static_cast<double>(sample_henyey_greenstein({u - h, 0}, g).z) -
                         static_cast<double>(sample_henyey_greenstein({u + h, 0}, g).z);
-      const double pdf = pdf_henyey_greenstein(sample_henyey_greenstein({u, 0}, g).z, g);
+      const double pdf = testing::pdf_henyey_greenstein(sample_henyey_greenstein({u, 0}, g).z, g);
       EXPECT_NEAR(2 * h / dz / (2 * 3.14159265 * pdf), 1, 6e-3) << g << ' ' << u;
     }
 }

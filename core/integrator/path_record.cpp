@@ -1,0 +1,107 @@
+#include "core/integrator/path_record.h"
+
+#include <cstdio>
+
+#include "core/scene/scene.h"
+
+namespace alabaster {
+namespace {
+
+template <class... Numbers>
+std::string format(const char* text, Numbers... numbers) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, text, numbers...);
+  return buffer;
+}
+
+std::string three(double x, double y, double z) {
+  return format("(%.9g %.9g %.9g)", x, y, z);
+}
+std::string three(const Vec3f& v) {
+  return three(v.x, v.y, v.z);
+}
+std::string three(const Rgb& c) {
+  return three(c.r, c.g, c.b);
+}
+
+const char* name_of(WalkStep::Kind kind) {
+  switch (kind) {
+    case WalkStep::Kind::scatter:
+      return "scatter";
+    case WalkStep::Kind::sphere_step:
+      return "sphere step";
+    case WalkStep::Kind::exit:
+      break;
+  }
+  return "surface";
+}
+
+}  // namespace
+
+void PathRecord::line(int indent, const std::string& text) {
+  finish_light();
+  text_.append(static_cast<size_t>(indent), ' ').append(text).append("\n");
+}
+
+void PathRecord::finish_light() {
+  if (light_is_open_) text_.append("; shadowed\n");
+  light_is_open_ = false;
+}
+
+std::string PathRecord::position(const Vec3f& p) const {
+  return three(origin_.x + double(p.x), origin_.y + double(p.y), origin_.z + double(p.z));
+}
+
+std::string PathRecord::surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) const {
+  return format("primId %d, instanceId %d, elementId %d, triangle %u, material '", instance.prim_id,
+                instance.instance_id, hit.element, triangle.triangle) +
+         instance.material(triangle.triangle).name + "' at " + position(hit.p) + ", ng " + three(hit.ng) + ", ns " +
+         three(hit.ns) + format(", uv (%.9g %.9g)", double(hit.uv.x), double(hit.uv.y));
+}
+
+void PathRecord::follow(const Ray& ray, const Rgb& throughput, float pdf) {
+  line(0, "ray from " + position(ray.org) + " towards " + three(ray.dir) + ", throughput " + three(throughput) +
+              (pdf > 0 ? format(", pdf %.9g", double(pdf)) : std::string()));
+}
+
+void PathRecord::meet_light(const Rgb& light) {
+  if (!is_black(light)) line(2, "meets light, adds " + three(light));
+}
+
+void PathRecord::meet_surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) {
+  line(0, format("vertex %d, distance %.9g: ", vertices_++, double(triangle.t)) + surface(instance, triangle, hit));
+}
+
+void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
+  finish_light();
+  text_ += "  light towards " + three(wi) + ": f cos " + three(f_cos) + format(", lobe pdf %.9g", double(pdf));
+  light_is_open_ = true;
+}
+
+void PathRecord::light_arrives(const Rgb& light) {
+  text_ += "; adds " + three(light) + "\n";
+  light_is_open_ = false;
+}
+
+void PathRecord::sample_lobe(const char* lobe, const Rgb& f, float pdf) {
+  line(2, std::string("samples the lobe ") + lobe + ": f " + three(f) + format(", pdf %.9g", double(pdf)));
+}
+
+void PathRecord::write_walk() {
+  for (const WalkStep& step : walk_)
+    line(4, std::string(name_of(step.kind)) + format(" after %.9g towards ", step.distance) + three(step.direction));
+  walk_.clear();
+}
+
+void PathRecord::leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit,
+                            const Rgb& throughput) {
+  write_walk();
+  line(2, "leaves the body at " + surface(instance, triangle, hit) + ", throughput " + three(throughput));
+}
+
+void PathRecord::end(const char* reason) {
+  write_walk();
+  line(0, std::string("ends: ") + reason);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,51 @@
+// A path as text, vertex by vertex: for those who ask why a sample has its color. An integrator that was selected with
+// layers writes it where PathContext::record is given; the path is the same with and without.
+#pragma once
+
+#include <string>
+
+#include "core/color/rgb.h"
+#include "core/geometry/surface_hit.h"
+#include "core/math/ray.h"
+#include "core/subsurface/walk_record.h"
+
+namespace alabaster {
+
+struct Instance;
+
+/// Positions and directions are written in the world, lengths in its units, light as radiance.
+class PathRecord {
+ public:
+  /// `origin`: the world position of render space's origin.
+  explicit PathRecord(const Vec3d& origin) : origin_(origin) {}
+
+  void follow(const Ray& ray, const Rgb& throughput, float pdf);
+  /// Emission that the ray met, already weighed against light sampling. Black is not written.
+  void meet_light(const Rgb& light);
+  void meet_surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit);
+  /// A light was sampled in direction `wi`, and the lobes answered. light_arrives() follows unless it is shadowed.
+  void sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf);
+  void light_arrives(const Rgb& light);
+  void sample_lobe(const char* lobe, const Rgb& f, float pdf);
+  /// For RandomWalk, which writes its steps there; leave_body() writes them down.
+  WalkRecord* walk() { return &walk_; }
+  void leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Rgb& throughput);
+  void end(const char* reason);
+
+  const std::string& text() const { return text_; }
+
+ private:
+  void line(int indent, const std::string& text);
+  void finish_light();
+  std::string position(const Vec3f& p) const;
+  std::string surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) const;
+  void write_walk();
+
+  Vec3d origin_;
+  std::string text_;
+  WalkRecord walk_;
+  int vertices_ = 0;
+  bool light_is_open_ = false;  // a sampled light may still arrive
+};
+
+}  // namespace alabaster
