@@ -1,7 +1,6 @@
 // CHECK and DCHECK, as pbrt has them: conditions that only a fault of ours can break. A failed one throws, because the
-// library never ends its host's process; whoever drives the work catches it (a render session fails with the message
-// and the command that repeats it). CHECK is for what is asked rarely, DCHECK for inner loops: release builds leave it
-// out.
+// library never ends its host's process; the driver of the work catches it (a render session fails with the message and
+// the sample). CHECK is for rare questions, DCHECK for inner loops: release builds leave it out.
 #pragma once
 
 #include <sstream>

@@ -3,31 +3,49 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <tuple>
 
 namespace alabaster {
+
+/// One camera sample of a frame: all that its random numbers depend on beside frame and seed.
+struct SampleAddress {
+  int32_t x = 0, y = 0;  // pixel, y-down
+  uint32_t sample = 0;   // of the pixel
+
+  /// The order in which an even frame takes them.
+  bool operator<(const SampleAddress& o) const { return std::tie(sample, y, x) < std::tie(o.sample, o.y, o.x); }
+  bool operator==(const SampleAddress&) const = default;
+};
 
 struct RenderCounters {
   uint64_t camera_rays = 0;
   uint64_t bounce_rays = 0;
   uint64_t shadow_rays = 0;
   uint64_t walk_rays = 0;      // segments of subsurface walks that were traced
-  uint64_t probe_rays = 0;     // of normalized diffusion, and of what asks whether a body is thick
+  uint64_t probe_rays = 0;     // of normalized diffusion, and of the test for thick bodies
   uint64_t probe_hits = 0;     // surfaces that they met
-  uint64_t lambert_exits = 0;  // walks that were not made because Lambert's diffuse cannot be told from them
+  uint64_t lambert_exits = 0;  // walks that Lambert's diffuse replaced because a pixel shows no difference
   uint64_t walks = 0;
   uint64_t walk_events = 0;        // scattering events
   uint64_t walk_sphere_steps = 0;  // jumps through the interior: each stands for many events
   uint64_t walk_exits = 0;
   uint64_t walk_roulette_ends = 0;
-  uint64_t walk_lost = 0;          // walks that left an open mesh through a hole: their energy is lost
-  uint64_t walk_safety_cap = 0;    // walks ended by the safety cap: must stay zero
-  uint64_t rejected_rays = 0;      // rays that were not finite and never reached Embree
-  uint64_t nonfinite_samples = 0;  // samples whose radiance was not finite: dropped, and counted here
+  uint64_t walk_lost = 0;                        // walks that left an open mesh through a hole: their energy is lost
+  uint64_t walk_safety_cap = 0;                  // walks ended by the safety cap: must stay zero
+  uint64_t rejected_rays = 0;                    // rays that were not finite and never reached Embree
+  uint64_t nonfinite_samples = 0;                // samples whose radiance was not finite: dropped, and counted here
+  std::optional<SampleAddress> first_nonfinite;  // the first of those
   uint64_t samples = 0;
   double max_walk_weight = 0;
   double walk_lost_energy = 0;  // of what was lost in walks, each walk counting 1: over walks, the share that is lost
 
   uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + walk_rays + probe_rays; }
+
+  /// The first stays, whichever thread meets it when.
+  void note_nonfinite(const SampleAddress& at) {
+    if (!first_nonfinite || at < *first_nonfinite) first_nonfinite = at;
+  }
 
   void add(const RenderCounters& o) {
     camera_rays += o.camera_rays;
@@ -46,6 +64,7 @@ struct RenderCounters {
     walk_safety_cap += o.walk_safety_cap;
     rejected_rays += o.rejected_rays;
     nonfinite_samples += o.nonfinite_samples;
+    if (o.first_nonfinite) note_nonfinite(*o.first_nonfinite);
     samples += o.samples;
     max_walk_weight = std::max(max_walk_weight, o.max_walk_weight);
     walk_lost_energy += o.walk_lost_energy;

@@ -12,7 +12,7 @@ enum class Severity { info, warning, error };
 struct Diagnostic {
   Severity severity = Severity::info;
   std::string code;   // stable short name: "mesh.points.short"
-  std::string where;  // file, prim path or element: what a user would look for
+  std::string where;  // file, prim path or element that a user can look for
   std::string text;   // what is wrong and what to do about it
 };
 

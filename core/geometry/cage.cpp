@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kMaxRefinedSize = 1000;    // OpenSubdiv fails or hangs on far larger faces and valences
 constexpr int kMaxFaceSize = 16384;      // cutting ears takes quadratic time
-constexpr float kMaxCoordinate = 1e17f;  // as is_traceable: what lies beyond cannot be traced from
+constexpr float kMaxCoordinate = 1e17f;  // as is_traceable: no ray can be traced from beyond
 constexpr float kMaxSharpness = 10;      // OpenSubdiv's infinity
 
 size_t at(int i) {

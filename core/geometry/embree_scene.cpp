@@ -32,8 +32,8 @@ class TraceDevice {
 
   RTCDevice get() const { return device_; }
   /// True if Embree refused anything that this thread asked of it since the last call, which the call forgets. The
-  /// refusal itself has been reported.
-  /// Embree keeps one error per thread; work that the thread takes up while it waits for a build asks for its own.
+  /// refusal itself has been reported. Embree keeps one error per thread; work that the thread takes up while it waits
+  /// for a build asks for its own.
   bool take_error() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
 
  private:
@@ -64,8 +64,8 @@ class SceneHandle {
     scene_ = rtcNewScene(device_->get());
     if (!scene_) return;
     // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
-    // triangles trace a quarter slower.
-    // The filter function is what collects all hits of a ray; single rays trace as fast with the flag as without.
+    // triangles trace a quarter slower. The filter function collects all hits of a ray; single rays trace as fast with
+    // the flag as without.
     rtcSetSceneFlags(scene_,
                      static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_MEDIUM);
@@ -106,7 +106,7 @@ RTCRay to_embree(const Ray& ray) {
 struct Growth {
   float stretch = 0, shift = 0;
 
-  // As Embree inverts, adjoint over determinant, all in float: what under- or overflows here does so there.
+  // As Embree inverts, adjoint over determinant, all in float: an under- or overflow here is one there.
   static Growth of(const Affine& m) {
     const Vec3f columns[] = {cross(m.y, m.z), cross(m.z, m.x), cross(m.x, m.y)};
     const float determinant = dot(m.x, columns[0]), size = std::abs(determinant);
@@ -149,7 +149,7 @@ bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit) {
   return true;
 }
 
-// Embree hands the context back to the filter: what it begins with must be Embree's.
+// Embree hands the context back to the filter, so it must begin with Embree's.
 struct CollectContext {
   RTCIntersectContext embree;
   std::pmr::vector<TriangleHit>* hits;

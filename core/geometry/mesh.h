@@ -20,7 +20,7 @@ struct Mesh {
   std::vector<std::array<uint32_t, 3>> normal_triangles;  // empty: same as triangles
   std::vector<Vec2f> uvs;                                 // empty: none
   std::vector<std::array<uint32_t, 3>> uv_triangles;      // empty: same as triangles
-  std::vector<int32_t> triangle_face;                     // face of the cage: what elementId reports
+  std::vector<int32_t> triangle_face;                     // face of the cage, which elementId reports
   std::vector<int32_t> triangle_material;                 // slot; empty: all 0
   Bounds bounds;
   bool closed = false;  // every edge is shared by an even number (>= 2) of triangles, after welding points by position

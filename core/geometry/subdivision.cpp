@@ -305,7 +305,7 @@ class LimitTessellator {
     }
   }
 
-  // Where du x dv says nothing: the mean of the triangles around, weighted by area.
+  // Where du x dv vanishes, the mean of the triangles around, weighted by area.
   void mend_degenerate_normals() {
     std::map<uint32_t, Vec3d> sums;
     for (uint32_t i = 0; i < degenerate_.size(); ++i)

@@ -71,13 +71,4 @@ void for_direct_light(const PathContext& context, const Departure& from, const s
                    [&](const ScatterValue& value, const Rgb& light) { add(value, light * (1 / chance)); });
 }
 
-/// Sum over the lights that arrive.
-template <class Scatter>
-Rgb direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
-                 const Scatter& scatter) {
-  Rgb sum(0.0f);
-  for_direct_light(context, from, u, scatter, [&](const ScatterValue&, const Rgb& light) { sum += light; });
-  return sum;
-}
-
 }  // namespace alabaster

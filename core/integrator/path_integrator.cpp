@@ -2,6 +2,7 @@
 
 #include "core/integrator/direct_light.h"
 #include "core/integrator/layer_split.h"
+#include "core/integrator/path_record.h"
 #include "core/integrator/path_state.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
@@ -80,6 +81,19 @@ void scatter_at_surface(const PathContext& context, const PathVertex& v, const B
   path->ray = {origin_of(context, v.departure, wi), wi};
 }
 
+// The record of a path, for integrators that can write one: null in all others, so that they never ask.
+template <bool kLayers>
+PathRecord* record_of(const PathContext& context) {
+  return kLayers ? context.record : nullptr;
+}
+
+template <bool kLayers>
+bool survives(const PathContext& context, float u, PathState* path) {
+  if (!is_black(path->throughput) && survives_roulette(context, u, path)) return true;
+  if (PathRecord* record = record_of<kLayers>(context)) record->end("throughput is black, or roulette ended it");
+  return false;
+}
+
 // Continues a path that came to the vertex through the medium: the surface has no lobes on that side.
 template <SubsurfaceMode kMode, bool kLayers>
 bool scatter_within(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
@@ -90,7 +104,7 @@ bool scatter_within(const PathContext& context, const PixelSampler& sampler, con
   const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, true, path);
   if (splits) split->below = true, split->events = path->walk_events;
   ++path->depth;
-  return goes_on && !is_black(path->throughput) && survives_roulette(context, u_roulette, path);
+  return goes_on && survives<kLayers>(context, u_roulette, path);
 }
 
 // Samples direct light and the next direction at the vertex. False: the path ends.
@@ -100,12 +114,14 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   // Evaluate the BSDF's parameters for the viewer's direction.
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = path->radiance;
+  PathRecord* const record = record_of<kLayers>(context);
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0)) return {};
     Rgb specular;
     const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
+    if (record) record->sample_light(wi_world, value.f * wi.z, value.pdf);
     return {value.f * wi.z, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
   };
 
@@ -114,6 +130,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   for_direct_light(context, v.departure, sampler.draw(Dimension::light, path->depth), local_lobes,
                    [&](const ScatterValue& value, const Rgb& light) {
                      direct += light;
+                     if (record) record->light_arrives(path->throughput * light);
                      if (splits) split->add_local(path->throughput * light, value.specular_share);
                    });
   path->radiance += path->throughput * direct;
@@ -123,6 +140,8 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const auto u = sampler.draw(Dimension::bsdf, path->depth);
   Rgb specular;
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
+  if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
+  if (record && !sample) record->end("no direction was sampled");
   if (!sample) return false;
 
   // Continue below the surface if the subsurface lobe was chosen, else from it.
@@ -136,7 +155,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
     if (splits) split->specular_share = share_of(specular, sample->f);
   }
   ++path->depth;
-  return goes_on && !is_black(path->throughput) && survives_roulette(context, u[3], path);
+  return goes_on && survives<kLayers>(context, u[3], path);
 }
 
 template <SubsurfaceMode kMode, bool kLayers>
@@ -156,27 +175,36 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   path.ray = camera_ray;
   if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
+  PathRecord* const record = record_of<kLayers>(context);
   while (true) {
     // Trace the path's ray to the nearest surface.
+    if (record) record->follow(path.ray, path.throughput, path.scatter_pdf);
     ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
     const bool found = intersect(context, path.ray, &hit);
     if (found) path.ray.tmax = hit.t;
 
     // Add emission of lights without geometry; of infinite lights only if the ray escaped.
-    path.radiance += path.throughput * analytic_light_emission(context, path, !found);
+    const Rgb met = path.throughput * analytic_light_emission(context, path, !found);
+    path.radiance += met;
+    if (record) record->meet_light(met);
+    if (record && !found) record->end("the ray meets no surface");
     if (!found) break;
 
     // Find the surface and the material at the vertex.
     PathVertex vertex = make_vertex(context, path.ray, hit);
+    if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
     if (kMode == SubsurfaceMode::lambert)
       vertex.material.scatter_distance = Rgb(0.0f);
     else if (vertex.material.scatters())
       drop_unresolved_distances(&vertex);
 
     // Add the surface's emission and record the first hit; end at the depth limit.
+    const Rgb before = path.radiance;
     if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
+    if (kMeshLights && record) record->meet_light(path.radiance - before);
     if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
+    if (record && path.depth >= context.settings.max_depth) record->end("maxDepth");
     if (path.depth >= context.settings.max_depth) break;
     if (kMode == SubsurfaceMode::automatic) path.footprint.travel(hit.t);
 

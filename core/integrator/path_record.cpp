@@ -75,7 +75,8 @@ void PathRecord::meet_surface(const Instance& instance, const TriangleHit& trian
 void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
   finish_light();
   text_ += "  light towards " + three(wi) + ": f cos " + three(f_cos) + format(", lobe pdf %.9g", double(pdf));
-  light_is_open_ = true;
+  light_is_open_ = !is_black(f_cos);
+  if (!light_is_open_) text_ += "\n";
 }
 
 void PathRecord::light_arrives(const Rgb& light) {

@@ -1,6 +1,8 @@
 #include "core/integrator/subsurface_scatter.h"
 
+#include "core/diagnostics/check.h"
 #include "core/integrator/direct_light.h"
+#include "core/integrator/path_record.h"
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/body.h"
@@ -39,7 +41,8 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
     const LambertLimit limit{context.settings.inversion, path.footprint.cone.width};
     if (const auto exit = limit.carry(body, entry, rung, context.counters)) return exit;
   }
-  return RandomWalk{context.settings.walk}.carry(body, entry, numbers, context.counters);
+  return RandomWalk{context.settings.walk, context.record ? context.record->walk() : nullptr}.carry(
+      body, entry, numbers, context.counters);
 }
 
 /// The exit lobe: light sampling, and the direction in which the path goes on.
@@ -55,8 +58,20 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
     if (!(cosine > 0)) return {};
     return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
   };
-  path->radiance +=
-      path->throughput * direct_light(context, departure, sampler.draw(Dimension::exit_light, path->depth), exit_lobe);
+  PathRecord* const record = context.record;
+  if (record) record->leave_body(instance, exit.hit, hit, exit.throughput);
+  const auto recorded_lobe = [&](const Vec3f& wi) {
+    const ScatterValue value = exit_lobe(wi);
+    if (record) record->sample_light(wi, value.f_cos, value.pdf);
+    return value;
+  };
+  Rgb direct(0.0f);
+  for_direct_light(context, departure, sampler.draw(Dimension::exit_light, path->depth), recorded_lobe,
+                   [&](const ScatterValue&, const Rgb& light) {
+                     direct += light;
+                     if (record) record->light_arrives(path->throughput * light);
+                   });
+  path->radiance += path->throughput * direct;
 
   const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);
   const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u[0], u[1]}));
@@ -73,10 +88,13 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
                            PathState* path) {
+  CHECK(v.instance->body);
+  CHECK_LT(v.instance->member, v.instance->body->members.size());
   std::optional<WalkMedium> made;
   SubsurfaceEntry entry = entry_at(v, within, *path);
   entry.medium = medium_at(v, context.settings.inversion, &made);
   const auto exit = carry<kMode>(context, sampler, entry, *v.instance->body, *path);
+  if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;
   path->walk_events = exit->events;
   return leave_surface(context, sampler, *exit, path);

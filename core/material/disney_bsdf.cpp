@@ -15,6 +15,11 @@ Rgb scattering_channels(const Rgb& scatter_distance) {
 
 }  // namespace
 
+const char* lobe_name(Lobe lobe) {
+  constexpr const char* kNames[] = {"diffuse", "sheen", "specular", "clearcoat", "subsurface"};
+  return kNames[static_cast<size_t>(lobe)];
+}
+
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
     : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)) {
   if (!(wo.z > 0)) return;

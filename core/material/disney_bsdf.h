@@ -21,6 +21,7 @@
 namespace alabaster {
 
 enum class Lobe { diffuse, sheen, specular, clearcoat, subsurface };
+const char* lobe_name(Lobe lobe);
 
 struct BsdfSample {
   Lobe lobe = Lobe::diffuse;

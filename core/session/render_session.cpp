@@ -220,8 +220,12 @@ void RenderSession::State::report_error(const RenderSettings& settings, uint32_t
 // Nothing may leave the driver thread: an exception there would end the host.
 void RenderSession::State::render(const RenderRequest& request) {
   std::string error;
+  std::optional<SampleAddress> failed_sample;
   try {
     run_rounds(request);
+  } catch (const SampleFailure& failure) {
+    error = std::string("rendering failed: ") + failure.what();
+    failed_sample = failure.at;
   } catch (const std::exception& e) {
     error = std::string("rendering failed: ") + e.what();
   } catch (...) {
@@ -232,6 +236,7 @@ void RenderSession::State::render(const RenderRequest& request) {
                    : stop_requested ? SessionState::stopped
                                     : SessionState::finished;
   progress.error = std::move(error);
+  progress.failed_sample = failed_sample;
   progress.wall_seconds = seconds_since(started);
   changed.notify_all();
 }

@@ -31,10 +31,11 @@ struct RenderProgress {
   /// group of pixels before.
   uint32_t passes_done = 0;
   double wall_seconds = 0;
-  double cpu_seconds = 0;   // of the render workers
-  RenderCounters counters;  // of the finished tiles
-  FrameError noise;         // measured after a pilot, at each check of target_error, and at the end
-  std::string error;        // of a failed render
+  double cpu_seconds = 0;                      // of the render workers
+  RenderCounters counters;                     // of the finished tiles
+  FrameError noise;                            // measured after a pilot, at each check of target_error, and at the end
+  std::string error;                           // of a failed render
+  std::optional<SampleAddress> failed_sample;  // the sample that failed a check, if one did
 };
 
 class RenderSession {

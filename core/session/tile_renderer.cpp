@@ -20,6 +20,11 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
 
 }  // namespace
 
+SampleFailure::SampleFailure(const CheckFailure& failure, const SampleAddress& where)
+    : CheckFailure(std::string(failure.what()) + " in sample " + std::to_string(where.sample) + " of pixel " +
+                   std::to_string(where.x) + "," + std::to_string(where.y)),
+      at(where) {}
+
 TileRenderer::TileRenderer(const RenderRequest& request)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
@@ -27,23 +32,30 @@ TileRenderer::TileRenderer(const RenderRequest& request)
       has_layers_((request.aovs & kLayerAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {}
 
-FilmSample TileRenderer::trace_sample(int x, int y, uint32_t sample, RenderCounters* counters,
-                                      LightLayers* layers) const {
+FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
+                                      PathRecord* record) const {
   // Place the sample in the pixel's filter and on the lens.
   const RenderSettings& settings = request_.settings;
-  const PixelSampler sampler(pixel_seed(x, y, settings.frame, settings.seed), sample);
+  const PixelSampler sampler(pixel_seed(at.x, at.y, settings.frame, settings.seed), at.sample);
   const auto u = sampler.draw(Dimension::film_lens, 0);
   const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
-  const Vec2f film_position(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
+  const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
 
   // Trace its path.
-  const PathContext context{*request_.scene, camera_, integrator_settings_, *counters, layers, request_.aovs};
-  FilmSample result = trace_path_(context, camera_.generate_ray(film_position, {u[2], u[3]}), sampler);
+  const PathContext context{*request_.scene, camera_, integrator_settings_, *counters, layers, request_.aovs, record};
+  const Ray ray = camera_.generate_ray(film_position, {u[2], u[3]});
+  FilmSample result;
+  try {
+    result = trace_path_(context, ray, sampler);
+  } catch (const CheckFailure& failure) {
+    throw SampleFailure(failure, at);
+  }
   ++counters->samples;
 
   // One bad number would spoil every later sum of its pixel.
   if (!is_finite(result.color)) {
     ++counters->nonfinite_samples;
+    counters->note_nonfinite(at);
     result.color = Rgb(0.0f);
     *layers = {};
   }
@@ -68,7 +80,7 @@ bool TileRenderer::render(const TileSamples& samples, const std::function<bool()
       const uint32_t end = samples.allocation.samples(in_window, samples.range.end);
       for (uint32_t s = samples.allocation.samples(in_window, samples.range.begin); s < end; ++s) {
         if (!may_go_on()) return false;
-        tile->add(pixel, trace_sample(x, y, s, counters, &layers), has_layers_ ? &layers : nullptr);
+        tile->add(pixel, trace_sample({x, y, s}, counters, &layers), has_layers_ ? &layers : nullptr);
       }
 
       // Count what the pixel cost.

@@ -10,6 +10,7 @@
 #include "core/camera/camera.h"
 #include "core/convergence/pixel_group.h"
 #include "core/convergence/sample_allocation.h"
+#include "core/diagnostics/check.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/integrator/path_integrator.h"
@@ -38,16 +39,23 @@ struct TileSamples {
   std::vector<uint32_t>* rays = nullptr;
 };
 
+/// A failed check, and the sample that failed it.
+struct SampleFailure : CheckFailure {
+  SampleFailure(const CheckFailure& failure, const SampleAddress& where);
+  SampleAddress at;
+};
+
 /// Immutable: any number of threads may share one.
 class TileRenderer {
  public:
   /// `request` must outlive the renderer.
   explicit TileRenderer(const RenderRequest& request);
 
-  /// Traces one camera sample of the pixel at raster position (x, y), y-down. The result depends on (x, y, sample) and
-  /// the request alone. A color that is not finite is counted and becomes black. `layers` are filled if the request has
-  /// any of kLayerAovs.
-  FilmSample trace_sample(int x, int y, uint32_t sample, RenderCounters* counters, LightLayers* layers) const;
+  /// Traces one camera sample. The result depends on its address and the request alone. A color that is not finite is
+  /// counted and becomes black. `layers` are filled if the request has any of kLayerAovs; then the path is written to
+  /// `record`, too, unless that is null. A check that fails throws a SampleFailure.
+  FilmSample trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
+                          PathRecord* record = nullptr) const;
 
   /// Adds the samples to `tile`, which must hold all earlier ones. `may_go_on` is called before each sample. False: it
   /// returned false, and some pixels lack their samples.

@@ -61,12 +61,12 @@ struct SubsurfaceBody {
   bool contains_in_body_space(const Vec3f& p, const Vec3f& direction, const Member* left) const;
 };
 
-/// World distance that an entry lies below the surface: what rounding can displace the surface by.
+/// World distance by which an entry lies below the surface: as far as rounding can displace the surface.
 float depth_below_surface(const SurfaceHit& hit, const Affine& object_to_world);
 
-/// True if walks can tell `scatter_distance` from zero where they begin `depth` below the surface. What scatters nearer
-/// than that does so at that depth: of the mean free paths' starts a share depth / mfp is off by as much, which is 2e-4
-/// of the light at this limit.
+/// True if walks resolve `scatter_distance` where they begin `depth` below the surface. A scattering event nearer than
+/// that happens at that depth: a share depth / mfp of the events is off by as much, which is 2e-4 of the light at this
+/// limit.
 inline bool is_resolved(float scatter_distance, float depth) {
   constexpr float kDepths = 64;
   return scatter_distance > kDepths * depth;

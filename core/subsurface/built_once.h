@@ -9,8 +9,8 @@
 namespace alabaster {
 
 /// Any thread. The build runs under a lock; a thread that waits for its own parallel loop in there must not take up
-/// another task meanwhile, because that task may ask for this very part and would wait for its own thread for ever. So
-/// the build is isolated.
+/// another task meanwhile, because that task may ask for this very part and would then wait for its own thread without
+/// end. So the build is isolated.
 template <class T>
 class BuiltOnce {
  public:

@@ -1,5 +1,5 @@
-// Where light goes below a surface and where it comes out again: what every carrier of light through a body is asked
-// and answers. A carrier (RandomWalk, NormalizedDiffusion, LambertLimit) is a small struct of settings with
+// Subsurface entries and exits: every carrier of light through a body is asked where light that enters here comes out.
+// A carrier (RandomWalk, NormalizedDiffusion, LambertLimit) is a small struct of settings with
 //
 //   std::optional<SubsurfaceExit> carry(const SubsurfaceBody&, const SubsurfaceEntry&, SubsurfaceNumbers&,
 //                                       RenderCounters&) const;

@@ -25,7 +25,7 @@ struct GuideShares {
 /// Where a walk stands between the surface that it entered through and the opposite one.
 class WalkGuide {
  public:
-  /// Least share of the plain technique: what protects from the guess being wrong.
+  /// Least share of the plain technique: it protects where the guess is wrong.
   static constexpr double kLeastPlain = 0.25;
   /// The sum of the throughputs never exceeds this: an event of plain share p can at most divide the sum by p, and p is
   /// never less than the sum over this.

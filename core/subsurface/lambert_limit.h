@@ -1,14 +1,14 @@
-// Lambert's diffuse where subsurface scattering cannot be told from it: the `auto` mode's criterion.
+// Lambert's diffuse in place of subsurface scattering, where a pixel shows no difference: the `auto` mode's criterion.
 //
-// A Lambert reflection of the albedo that the medium obtains has the walk's energy on a slab; what it lacks is the
-// walk's blur, and the light that comes through thin parts. Each is allowed to change a pixel by at most
+// A Lambert reflection of the albedo that the medium obtains has the walk's energy on a slab. It lacks the walk's
+// blur, and the light that comes through thin parts. Each is allowed to change a pixel by at most
 // kLambertTolerance of the contrast around it, one step of eight bits:
 //
 //   blur       a hard shadow edge, at worst on a pixel's border, moves E[max(x, 0)]/w = reach/(pi w) across it, for a
 //              footprint of width w and the mean exit radius `reach` (E|x| = 2/pi E[r] in a plane). Lambert is chosen
 //              with a probability p(w/reach) that rises from 0 to 1 while p times that stays below kLambertTolerance: a
 //              stochastic blend, with no seam in the picture.
-//   thickness  what an isotropic slab of thickness L mean free paths lets through is, in diffusion theory,
+//   thickness  an isotropic slab of thickness L mean free paths lets through, in diffusion theory,
 //              (4/3) kappa / sinh(kappa (L + 1.4209)), kappa = sqrt(3 (1 - alpha)). A ray in a direction of the entry's
 //              cosine lobe must cross a random 1 to 2 times the L at which that is the tolerance and meet nothing: so
 //              near edges, in folds and in thin parts the walk is kept, in proportion, even where a pixel covers them

@@ -23,7 +23,7 @@ double radial_density(double x) {
   return e * e * e + e;
 }
 
-/// Splits u among probabilities that sum to one; what is left of u is uniform again.
+/// Splits u among probabilities that sum to one; the rest of u is uniform again.
 template <size_t N>
 size_t choose(const std::array<double, N>& probability, double* u) {
   size_t chosen = 0;

@@ -1,5 +1,5 @@
 // Normalized diffusion: subsurface scattering as a profile over the distance between entry and exit (Burley 2015,
-// section 4; Christensen and Burley 2015). What the paper's walk is measured against.
+// section 4; Christensen and Burley 2015). The paper measures its walk against this.
 //
 //   R(r) = A (e^{-r/d} + e^{-r/3d}) / (8 pi d r)        Int_plane R = A;  CDF 1 - e^{-r/d}/4 - 3 e^{-r/3d}/4
 //

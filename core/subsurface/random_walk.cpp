@@ -50,7 +50,6 @@ Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, con
 std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                                                 SubsurfaceNumbers& numbers, RenderCounters& counters) const {
   CHECK(entry.medium);
-  CHECK_LT(entry.member, body.members.size());
   const float scale = max_component(entry.throughput);
   if (!(scale > 0)) return std::nullopt;
   const WalkBeginning beginning = begin_walk(body, entry, {numbers.u[0], numbers.u[1]});

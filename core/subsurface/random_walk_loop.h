@@ -30,7 +30,7 @@ inline bool survives(double q, Rng& rng) {
 /// the paper's do, so that no walk follows a channel that the path has already lost.
 struct WalkStart {
   Vec3f direction;  // unit
-  Vec3f inward;     // unit, normal of the entry surface: what guiding is about
+  Vec3f inward;     // unit, normal of the entry surface: the axis of guiding
   ChannelValues throughput{1, 1, 1};
 };
 
@@ -132,7 +132,7 @@ class WalkLoop {
     return std::nullopt;
   }
 
-  /// Counts a walk that scattered outside an open mesh, or that goes on for ever without extinction.
+  /// Counts a walk that scattered outside an open mesh, or that never ends without extinction.
   void lose(const Segment& segment, float t) {
     ended_ = true;
     ++counters_.walk_lost;

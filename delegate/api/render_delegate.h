@@ -56,6 +56,7 @@ class ALABASTER_API RenderDelegate {
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
   /// cpuSeconds, filmMemory (bytes of the accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count,
   /// walk.events, walk.exits, walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples,
+  /// suspectSample ("x,y,sample" for tracePixel: the first sample that was not finite, or that failed a check),
   /// rejectedRays, error (of a failed render), error.relativeRmse with error.low and error.high (the noise that the
   /// frame estimates in itself and its 95 % interval; absent until every pixel has two samples); and of Sync, summed
   /// up:
@@ -77,7 +78,10 @@ class ALABASTER_API RenderDelegate {
   virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
 
   /// Commands: "dumpScene" -> string (stable text of the translated scene), "requirements" -> string (what the
-  /// committed snapshot requires, and why). Unknown: empty value.
+  /// committed snapshot requires, and why), "tracePixel" {x, y, and optionally sample} -> string (the path of a sample
+  /// of the frame that Execute drew last, vertex by vertex, traced with that frame's random numbers; without a sample, the
+  /// color of each of the pixel's samples and the path of the first that is not finite, else of the brightest; pixels of
+  /// the data window, y down; empty before the first frame). Unknown: empty value.
   virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };
 

@@ -61,6 +61,10 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--pixel", a->pixel,
+                "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, list "
+                "the pixel's samples and follow the brightest")
+      ->type_name("X,Y[,SAMPLE]");
   c->add_option("--set", a->overrides,
                 "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
                 "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated")
@@ -96,6 +100,24 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   c->add_flag("--quiet", a->quiet, "Print errors only");
   c->footer(kExitCodes);
   return c;
+}
+
+// Words that a shell would split or expand are put in single quotes.
+std::string command_line(int argc, char** argv) {
+  std::string line = "alabaster";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    constexpr const char* kPlain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:=+@%";
+    std::string quoted = word;
+    if (word.empty() || word.find_first_not_of(kPlain) != std::string::npos) {
+      quoted = "'";
+      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+      quoted += "'";
+    }
+    line += " " + quoted;
+  }
+  return line;
 }
 
 int run(int argc, char** argv) {
@@ -138,6 +160,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }
+  render.command_line = command_line(argc, argv);
   if (render_command->parsed()) return run_render(render);
   if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
   if (info_command->parsed()) return run_info(info);

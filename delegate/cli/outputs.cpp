@@ -100,6 +100,15 @@ std::optional<hd::Rect2i> parse_crop(const std::string& text) {
   return hd::Rect2i{numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
+std::optional<PixelChoice> parse_pixel(const std::string& text) {
+  const auto numbers = parse_numbers<int>(text, ",");
+  if ((numbers.size() != 2 && numbers.size() != 3) || *std::min_element(numbers.begin(), numbers.end()) < 0)
+    return std::nullopt;
+  PixelChoice pixel{numbers[0], numbers[1], {}};
+  if (numbers.size() == 3) pixel.sample = static_cast<uint32_t>(numbers[2]);
+  return pixel;
+}
+
 std::optional<uint32_t> parse_frame(const std::string& text) {
   const auto numbers = parse_numbers<uint32_t>(text, "");
   return numbers.size() == 1 ? std::optional(numbers[0]) : std::nullopt;

@@ -14,6 +14,12 @@ std::vector<hd::RenderProduct> make_products(const RenderArguments& arguments,
 /// Parse "1280x720", with sides of 1 to 65536, and "x0,y0,x1,y1". Empty if malformed.
 std::optional<hd::Vec2i> parse_size(const std::string& text);
 std::optional<hd::Rect2i> parse_crop(const std::string& text);
+struct PixelChoice {
+  int x = 0, y = 0;
+  std::optional<uint32_t> sample;
+};
+/// Parses "x,y" and "x,y,sample", none of them negative. Empty if malformed.
+std::optional<PixelChoice> parse_pixel(const std::string& text);
 /// Parses a frame number, 0 to 4294967295. Empty if malformed.
 std::optional<uint32_t> parse_frame(const std::string& text);
 

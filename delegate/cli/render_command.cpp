@@ -31,6 +31,7 @@ class RenderCommand {
     if (code == kDone) code = plan_products();
     if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
+    if (!a_.pixel.empty()) return trace_pixel();
     code = render();
     if (const int stats_code = write_stats(code); code == kDone) code = stats_code;
     if (code == kDone) summarize();
@@ -53,6 +54,9 @@ class RenderCommand {
           "--crop",
           "'" + a_.crop +
               "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
+    if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
+      return usage_error("--pixel", "'" + a_.pixel +
+                                        "' is not a pixel: write x,y or x,y,sample, whole numbers from 0 on, y down.");
     if (!a_.time.empty() && !parse_frame(a_.time))
       return usage_error("--time",
                          "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
@@ -213,6 +217,7 @@ class RenderCommand {
       stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
       say_error(result.stats);
+      say_suspect(result.stats);
       code = exit_code(result.status);
       if (code != kDone) break;
     }
@@ -221,6 +226,50 @@ class RenderCommand {
       if (written_.empty()) console_.note("interrupted: nothing was written");
     }
     return code;
+  }
+
+  // Renders the pixel alone, and prints what the delegate knows of its paths.
+  int trace_pixel() {
+    const PixelChoice pixel = *parse_pixel(a_.pixel);
+    const hd::Path path = session_.file.settings;
+    hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
+    if (pixel.x >= settings.width || pixel.y >= settings.height)
+      return usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " + std::to_string(settings.width) +
+                                        "x" + std::to_string(settings.height) + ".");
+    settings.crop = hd::Rect2i{pixel.x, pixel.y, pixel.x + 1, pixel.y + 1};
+    settings.products.clear();
+    session_.scene.SetRenderSettings(path, std::move(settings));
+    hd::host::RecordOptions options;
+    options.cancel = &interrupted();
+    options.diagnostics = console_.sink();
+    const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
+    hd::Dictionary arguments{{"x", hd::Value(pixel.x)}, {"y", hd::Value(pixel.y)}};
+    if (pixel.sample) arguments["sample"] = hd::Value(static_cast<int>(*pixel.sample));
+    const std::string text = session_.delegate()->InvokeCommand(hd::Token("tracePixel"), arguments).text_or("");
+    std::fputs((text + prim_names(text)).c_str(), stdout);
+    return exit_code(result.status);
+  }
+
+  // The paths of the prims whose ids a text names.
+  std::string prim_names(const std::string& text) const {
+    const std::string key = "primId ";
+    std::map<int, std::string> names;
+    for (size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
+      const int id = std::atoi(text.c_str() + at + key.size());
+      names[id] = session_.index()->GetRprimPathFromPrimId(id).str();
+    }
+    std::string legend;
+    for (const auto& [id, name] : names) legend += key + std::to_string(id) + " is " + name + "\n";
+    return legend;
+  }
+
+  // A sample that was not finite or failed a check is a fault of ours or of the scene; this command shows it again.
+  void say_suspect(const hd::Dictionary& stats) {
+    const auto found = stats.find("suspectSample");
+    if (found == stats.end()) return;
+    console_.sink()({hd::Severity::warning, "render.sample", "",
+                     "a sample failed or was not finite (and became black); this shows its path:\n  " +
+                         a_.command_line + " --pixel " + found->second.text_or("")});
   }
 
   void say_error(const hd::Dictionary& stats) {

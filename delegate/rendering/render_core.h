@@ -38,6 +38,10 @@ class RenderCore {
   std::string commit_error() const;
   double commit_seconds() const { return commit_seconds_; }
 
+  // The frame that was started last (host thread); null: none.
+  void set_last_request(const RenderRequest& request) { last_request_ = std::make_shared<RenderRequest>(request); }
+  std::shared_ptr<const RenderRequest> last_request() const { return last_request_; }
+
   // Passes and background control (any thread).
   void add_pass(const std::shared_ptr<PassControl>& pass);
   std::vector<std::shared_ptr<PassControl>> passes() const;
@@ -69,6 +73,8 @@ class RenderCore {
   uint64_t scene_number_ = 0;
   bool committed_ = false;  // once
   bool stale_ = true;       // the snapshot does not show the records
+
+  std::shared_ptr<const RenderRequest> last_request_;
 
   std::atomic<double> commit_seconds_{0};
   std::atomic<bool> failed_{false};  // the last commit left no snapshot

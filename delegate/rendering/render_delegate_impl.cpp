@@ -117,10 +117,23 @@ AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) cons
   return answer<AovDescriptor>("GetDefaultAovDescriptor", [&](auto& d) { d = default_aov_descriptor(aov); });
 }
 
-Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary&) {
+std::string RenderDelegateImpl::trace_pixel(const Dictionary& arguments) const {
+  const auto request = core_->last_request();
+  if (!request) return {};
+  const auto number = [&](const char* key) {
+    const auto found = arguments.find(key);
+    return found == arguments.end() ? -1 : found->second.number_or(-1);
+  };
+  std::optional<uint32_t> sample;
+  if (number("sample") >= 0) sample = static_cast<uint32_t>(number("sample"));
+  return report_sample(*request, static_cast<int>(number("x")), static_cast<int>(number("y")), sample);
+}
+
+Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& arguments) {
   return answer<Value>("InvokeCommand", [&](Value& value) {
     if (command == Token("dumpScene")) value = core_->dump();
     if (command == Token("requirements")) value = core_->requirements();
+    if (command == Token("tracePixel")) value = trace_pixel(arguments);
   });
 }
 

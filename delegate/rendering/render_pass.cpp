@@ -117,6 +117,7 @@ void PassControl::start(PassInputs next) {
   request.settings = running_.settings;
   request.aovs = 0;
   for (const auto& binding : running_.bindings) request.aovs |= aov_bit(binding.aov);
+  core_->set_last_request(request);
   session_->start(request);
   for (const auto& binding : running_.bindings)
     binding.buffer->bind(

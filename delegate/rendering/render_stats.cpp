@@ -46,6 +46,9 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["walk.safetyCap"] = count(c.walk_safety_cap);
   s["walk.maxWeight"] = c.max_walk_weight;
   s["nonfiniteSamples"] = count(c.nonfinite_samples);
+  if (const auto suspect = p.failed_sample ? p.failed_sample : c.first_nonfinite)
+    s["suspectSample"] =
+        std::to_string(suspect->x) + "," + std::to_string(suspect->y) + "," + std::to_string(suspect->sample);
   s["rejectedRays"] = count(c.rejected_rays);
 }
 

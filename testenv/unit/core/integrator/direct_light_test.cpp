@@ -9,6 +9,15 @@
 namespace alabaster {
 namespace {
 
+/// Sum over the lights that arrive.
+template <class Scatter>
+Rgb direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
+                 const Scatter& scatter) {
+  Rgb sum(0.0f);
+  for_direct_light(context, from, u, scatter, [&](const ScatterValue&, const Rgb& light) { sum += light; });
+  return sum;
+}
+
 using testing::PathTracer;
 using testing::SceneBuilder;
 

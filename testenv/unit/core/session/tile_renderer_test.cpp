@@ -80,7 +80,7 @@ TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
   ASSERT_TRUE(renderer.render(samples_of({0, 1}), always, &tile, &counters));
   for (size_t pixel = 0; pixel < kPixels; pixel += 7) {
     const int x = kRect.x0 + static_cast<int>(pixel % 20), y = kRect.y0 + static_cast<int>(pixel / 20);
-    const FilmSample sample = renderer.trace_sample(x, y, 0, &counters, &layers);
+    const FilmSample sample = renderer.trace_sample({x, y, 0}, &counters, &layers);
     std::array<float, 4> color{}, diffuse{};
     tile.resolve(pixel, Aov::color, color.data());
     tile.resolve(pixel, Aov::diffuse, diffuse.data());

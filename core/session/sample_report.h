@@ -1,0 +1,16 @@
+// A pixel's samples as text: for those who ask why it has its color.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/session/tile_renderer.h"
+
+namespace alabaster {
+
+/// The path of one sample, vertex by vertex, traced with the very numbers that the render takes. Without a sample: the
+/// color of each of the pixel's samples, and the path of the first that is not finite, else of the brightest. A failed
+/// check is part of the text.
+std::string report_sample(const RenderRequest& request, int x, int y, std::optional<uint32_t> sample);
+
+}  // namespace alabaster
