@@ -81,8 +81,8 @@ TEST(SampleReport, WithoutASampleAllAreListedAndTheBrightestIsFollowed) {
 TEST(SampleReport, NonfiniteSamplesAreFound) {
   SceneBuilder b;
   RenderRequest request = wax_ball(&b);
-  DisneyParameters broken;  // no clamped material is
-  broken.base_color = Rgb(std::numeric_limits<float>::infinity());
+  DisneyParameters broken;  // clamped materials never are
+  broken.emission = Rgb(std::numeric_limits<float>::infinity());
   b.description.instances[0].materials = {b.material(broken)};
   request.scene = b.snapshot(2);
   RenderProgress one, three;
