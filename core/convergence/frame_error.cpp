@@ -133,7 +133,7 @@ Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::ve
     means.previous += pixels[i].previous / scales[i] / n;
     means.earlier += pixels[i].earlier / scales[i] / n;
   }
-  // A difference that is zero tells nothing of how the variance falls.
+  // A difference of zero does not show how the variance falls.
   if (!(means.latest > 0)) return {};
   if (!(means.previous > 0)) least = std::min(least, 3u);
   if (!(means.earlier > 0)) least = std::min(least, 7u);

@@ -61,9 +61,10 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--pixel", a->pixel,
-                "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, list "
-                "the pixel's samples and follow the brightest")
+  c->add_option(
+       "--pixel", a->pixel,
+       "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, list "
+       "the pixel's samples and follow the brightest")
       ->type_name("X,Y[,SAMPLE]");
   c->add_option("--set", a->overrides,
                 "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
@@ -107,8 +108,7 @@ std::string command_line(int argc, char** argv) {
   std::string line = "alabaster";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    constexpr const char* kPlain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:=+@%";
+    constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:=+@%";
     std::string quoted = word;
     if (word.empty() || word.find_first_not_of(kPlain) != std::string::npos) {
       quoted = "'";

@@ -55,8 +55,8 @@ class RenderCommand {
           "'" + a_.crop +
               "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
     if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
-      return usage_error("--pixel", "'" + a_.pixel +
-                                        "' is not a pixel: write x,y or x,y,sample, whole numbers from 0 on, y down.");
+      return usage_error(
+          "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, whole numbers from 0 on, y down.");
     if (!a_.time.empty() && !parse_frame(a_.time))
       return usage_error("--time",
                          "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");

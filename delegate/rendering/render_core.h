@@ -1,7 +1,7 @@
 // The state that a delegate shares with its passes: settings, the committed scene and its snapshot, background control.
 #pragma once
 
-#include "core/session/render_settings.h"
+#include "core/session/tile_renderer.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/scene_translation.h"

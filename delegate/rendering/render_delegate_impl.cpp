@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/session/sample_report.h"
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/rendering/render_pass.h"

@@ -46,6 +46,7 @@ class RenderDelegateImpl final : public RenderDelegate {
   Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
 
  private:
+  std::string trace_pixel(const Dictionary& arguments) const;
   /// Runs an entry point; an exception becomes a report. Returns the result as far as `body` has made it.
   template <class Result, class Body>
   Result answer(const char* entry, Body&& body) const {

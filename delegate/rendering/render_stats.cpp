@@ -46,9 +46,6 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["walk.safetyCap"] = count(c.walk_safety_cap);
   s["walk.maxWeight"] = c.max_walk_weight;
   s["nonfiniteSamples"] = count(c.nonfinite_samples);
-  if (const auto suspect = p.failed_sample ? p.failed_sample : c.first_nonfinite)
-    s["suspectSample"] =
-        std::to_string(suspect->x) + "," + std::to_string(suspect->y) + "," + std::to_string(suspect->sample);
   s["rejectedRays"] = count(c.rejected_rays);
 }
 
@@ -72,6 +69,9 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   }
   s["filmMemory"] = count(pass.film_memory());
   add_counters(p.counters, stats);
+  if (const auto suspect = p.failed_sample ? p.failed_sample : p.counters.first_nonfinite)
+    s["suspectSample"] =
+        std::to_string(suspect->x) + "," + std::to_string(suspect->y) + "," + std::to_string(suspect->sample);
   if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
 }
 

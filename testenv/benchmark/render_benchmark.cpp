@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "core/subsurface/body.h"
 #include "delegate/support/process_usage.h"
 #include "testenv/support/scene_builder.h"
 
@@ -133,7 +134,11 @@ nlohmann::json measure(const Case& c, const RenderRequest& base, testing::SceneB
     wrapped.back()->mesh = instance.prototype->mesh;
     wrapped.back()->object = std::make_shared<RecordingObject>(instance.prototype->object, &rays);
     instance.prototype = wrapped.back().get();
-    instance.walk.object = wrapped.back()->object.get();
+    if (!instance.body) continue;
+    const auto body = std::make_shared<SubsurfaceBody>(*instance.body);
+    body->members[instance.member].object = wrapped.back()->object.get();
+    instance.body = body.get();
+    recorded.bodies.push_back(body);
   }
   RenderRequest recording = request;
   recording.scene = std::make_shared<SceneSnapshot>(recorded);
