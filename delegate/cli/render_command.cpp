@@ -28,7 +28,7 @@ class RenderCommand {
     catch_interrupts();
     int code = check_arguments();
     if (code == kDone) code = load();
-    if (code == kDone) code = plan_products();
+    if (code == kDone && a_.pixel.empty()) code = plan_products();
     if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
     if (!a_.pixel.empty()) return trace_pixel();
@@ -233,6 +233,7 @@ class RenderCommand {
     const PixelChoice pixel = *parse_pixel(a_.pixel);
     const hd::Path path = session_.file.settings;
     hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
+    override_size(&settings);
     if (pixel.x >= settings.width || pixel.y >= settings.height)
       return usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " + std::to_string(settings.width) +
                                         "x" + std::to_string(settings.height) + ".");
