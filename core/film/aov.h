@@ -38,7 +38,7 @@ enum class AovSource {
   closest,  // the one that hit the closest surface
 };
 
-/// What a value is, and with it how files keep it.
+/// The kind of a value, by which files keep it.
 enum class AovValue {
   color,     // premultiplied; files convert it to their colour space
   number,    // 16 bits of float are enough

@@ -112,7 +112,7 @@ void RenderSession::State::tile_done(uint32_t pass, const RenderCounters& counte
 }
 
 // Work items are (pass, tile) in order. Passes overlap, so that no worker idles at the end of one. The passes of one
-// tile do not: its sums are taken in sample order, whoever takes them.
+// tile do not: its sums are taken in sample order, by whichever worker.
 void RenderSession::State::render_items(const TileRenderer& renderer, const PassSchedule& schedule) {
   const auto tiles = static_cast<size_t>(film->tile_count());
   const size_t items = tiles * schedule.size();

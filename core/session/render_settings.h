@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-/// How to render. Names and ranges: setting_parameters(). What each does: schemas/render_settings.json.
+/// How to render. Names and ranges: setting_parameters(). Meanings: schemas/render_settings.json.
 struct RenderSettings {
   uint32_t samples = 64;   // per pixel, at most; with `adaptive` the mean over pixels
   float target_error = 0;  // the render ends at this relative RMSE (core/convergence/frame_error.h); 0: no target

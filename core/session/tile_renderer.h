@@ -23,7 +23,7 @@ namespace alabaster {
 struct RenderRequest {
   std::shared_ptr<const SceneSnapshot> scene;
   CameraParameters camera;
-  int width = 0, height = 0;  // display window: what the camera is framed to
+  int width = 0, height = 0;  // display window: the camera is framed to it
   PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
   uint32_t aovs = aov_bit(Aov::color);
   RenderSettings settings;

@@ -8,7 +8,7 @@ import pathlib
 import re
 import sys
 
-LISTS = 3
+LISTS = 4
 SECTION = re.compile(r"^## The tree$(.*?)^## ", re.M | re.S)
 LIST = re.compile(r"^\*\*.*\n(?:.+\n)*?((?:\d+\. .+\n(?:   .+\n)*)+)", re.M)
 ITEM = re.compile(r"^\d+\. (.+)", re.M)

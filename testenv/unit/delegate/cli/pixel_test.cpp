@@ -25,7 +25,7 @@ TEST_F(PixelTest, PrintsThePathOfTheSampleThatTheFrameTakes) {
   EXPECT_TRUE(text.starts_with("ray from (")) << text;
   EXPECT_NE(text.find("ends: "), std::string::npos) << text;
 
-  // Its colour is the frame's.
+  // The colour is the frame's.
   const size_t line = text.find("sample 0 of pixel 8,6: color (");
   ASSERT_NE(line, std::string::npos) << text;
   float told[3] = {-1, -1, -1};
