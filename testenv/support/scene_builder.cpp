@@ -8,6 +8,25 @@
 namespace alabaster::testing {
 namespace {
 
+// As delegates read parameters: within their ranges, the default where they are not finite.
+DisneyParameters clamped(const DisneyParameters& parameters) {
+  DisneyParameters p = parameters;
+  const DisneyParameters defaults;
+  for (const MaterialParameter& row : material_parameters()) {
+    const auto clamp = [&](float value, float fallback) {
+      constexpr double kLargest = std::numeric_limits<float>::max();
+      return std::isfinite(value)
+                 ? static_cast<float>(std::clamp(double(value), row.minimum, std::min(row.maximum, kLargest)))
+                 : fallback;
+    };
+    if (const auto* number = std::get_if<float DisneyParameters::*>(&row.member))
+      p.** number = clamp(p.**number, defaults.**number);
+    if (const auto* color = std::get_if<Rgb DisneyParameters::*>(&row.member))
+      for (int c = 0; c < 3; ++c) (p.**color)[c] = clamp((p.**color)[c], (defaults.**color)[c]);
+  }
+  return p;
+}
+
 const DiagnosticSink kFailOnReport = [](const Diagnostic& d) {
   if (d.severity == Severity::error) ADD_FAILURE() << d.code << " " << d.where << ": " << d.text;
 };
@@ -60,7 +79,7 @@ SceneBuilder::SceneBuilder() : device_(make_trace_device(kFailOnReport)) {}
 
 std::shared_ptr<const DisneyMaterial> SceneBuilder::material(const DisneyParameters& parameters) {
   auto m = std::make_shared<DisneyMaterial>();
-  m->constants = parameters;
+  m->constants = clamped(parameters);
   return m;
 }
 

@@ -81,9 +81,9 @@ TEST(SampleReport, WithoutASampleAllAreListedAndTheBrightestIsFollowed) {
 TEST(SampleReport, NonfiniteSamplesAreFound) {
   SceneBuilder b;
   RenderRequest request = wax_ball(&b);
-  DisneyParameters broken;  // clamped materials never are
-  broken.emission = Rgb(std::numeric_limits<float>::infinity());
-  b.description.instances[0].materials = {b.material(broken)};
+  const auto broken = std::make_shared<DisneyMaterial>();
+  broken->constants.emission = Rgb(std::numeric_limits<float>::infinity());  // no delegate lets that pass
+  b.description.instances[0].materials = {broken};
   request.scene = b.snapshot(2);
   RenderProgress one, three;
   request.settings.threads = 1;
