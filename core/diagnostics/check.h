@@ -55,12 +55,10 @@ template <class A, class B>
 
 #ifdef NDEBUG
 #define DCHECK(condition) void(0)
-#define DCHECK_LT(a, b) void(0)
 #define DCHECK_LE(a, b) void(0)
 #define DCHECK_GE(a, b) void(0)
 #else
 #define DCHECK(condition) CHECK(condition)
-#define DCHECK_LT(a, b) CHECK_LT(a, b)
 #define DCHECK_LE(a, b) CHECK_LE(a, b)
 #define DCHECK_GE(a, b) CHECK_GE(a, b)
 #endif

@@ -15,6 +15,12 @@ struct ScatterValue {
   Rgb specular_share{0.0f};  // of f, per channel; only where layers are split
 };
 
+/// The weight of a sampled light.
+struct LightWeight {
+  float pdf;  // of sampling the direction, with the choice of light
+  float mis;  // against sampling of the lobe
+};
+
 /// A shadow ray to a point on an emissive mesh stops this fraction short of it, so that the light does not shade
 /// itself. Lights that are no geometry need no such margin.
 inline constexpr float kMeshLightFraction = 1 - 0x1p-12f;
@@ -26,8 +32,8 @@ inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightS
 }
 
 /// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. `scatter(wi)`
-/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(value, light)`,
-/// with the ScatterValue, for each light that arrives.
+/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(value, light,
+/// weight)` for each light that arrives.
 template <class Scatter, class Add>
 void for_direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter,
                       const Add& add) {
@@ -35,7 +41,7 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const std::arr
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    add(value, value.f_cos * light.radiance * (weight / light.pdf));
+    add(value, value.f_cos * light.radiance * (weight / light.pdf), LightWeight{light.pdf, weight});
   });
 }
 
@@ -68,7 +74,9 @@ void for_direct_light(const PathContext& context, const Departure& from, const s
     return *reached ? value : ScatterValue();
   };
   for_direct_light(context, from.curved, u, below,
-                   [&](const ScatterValue& value, const Rgb& light) { add(value, light * (1 / chance)); });
+                   [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
+                     add(value, light * (1 / chance), weight);
+                   });
 }
 
 }  // namespace alabaster

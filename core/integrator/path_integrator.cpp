@@ -1,5 +1,6 @@
 #include "core/integrator/path_integrator.h"
 
+#include "core/diagnostics/check.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/layer_split.h"
 #include "core/integrator/path_record.h"
@@ -69,6 +70,7 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
 bool survives_roulette(const PathContext& context, float u, PathState* path) {
   if (path->depth < context.settings.roulette_depth) return true;
   const float survival = std::min(1.0f, max_component(path->throughput));
+  DCHECK_LE(survival, 1.0f);
   if (!(u < survival)) return false;
   path->throughput *= 1 / survival;
   return true;
@@ -81,7 +83,7 @@ void scatter_at_surface(const PathContext& context, const PathVertex& v, const B
   path->ray = {origin_of(context, v.departure, wi), wi};
 }
 
-// The record of a path, for integrators that can write one: null in all others, so that they never ask.
+// The record of a path, where the integrator can write one. Variants without layers do not ask at a vertex.
 template <bool kLayers>
 PathRecord* record_of(const PathContext& context) {
   return kLayers ? context.record : nullptr;
@@ -128,9 +130,9 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   // Sample the lights.
   Rgb direct(0.0f);
   for_direct_light(context, v.departure, sampler.draw(Dimension::light, path->depth), local_lobes,
-                   [&](const ScatterValue& value, const Rgb& light) {
+                   [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
                      direct += light;
-                     if (record) record->light_arrives(path->throughput * light);
+                     if (record) record->light_arrives(path->throughput * light, weight);
                      if (splits) split->add_local(path->throughput * light, value.specular_share);
                    });
   path->radiance += path->throughput * direct;
@@ -140,6 +142,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const auto u = sampler.draw(Dimension::bsdf, path->depth);
   Rgb specular;
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
+  if (sample) DCHECK_GE(sample->pdf, 0.0f);
   if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
   if (record && !sample) record->end("no direction was sampled");
   if (!sample) return false;

@@ -38,7 +38,7 @@ struct PathContext {
   RenderCounters& counters;
   LightLayers* layers = nullptr;        // of the sample, for integrators that were selected with layers
   uint32_t aovs = aov_bit(Aov::color);  // bits of Aov: values of the first hit are computed only for these
-  PathRecord* record = nullptr;         // beside layers: the path is written there; null: it is not
+  PathRecord* record = nullptr;         // the path is written here; needs layers
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space. Color and alpha are the same to the bit

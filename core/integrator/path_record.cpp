@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "core/integrator/direct_light.h"
 #include "core/scene/scene.h"
 
 namespace alabaster {
@@ -79,8 +80,9 @@ void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
   if (!light_is_open_) text_ += "\n";
 }
 
-void PathRecord::light_arrives(const Rgb& light) {
-  text_ += "; adds " + three(light) + "\n";
+void PathRecord::light_arrives(const Rgb& light, const LightWeight& weight) {
+  text_ +=
+      format(", light pdf %.9g, weight %.9g", double(weight.pdf), double(weight.mis)) + "; adds " + three(light) + "\n";
   light_is_open_ = false;
 }
 

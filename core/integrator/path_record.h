@@ -12,6 +12,7 @@
 namespace alabaster {
 
 struct Instance;
+struct LightWeight;
 
 /// Positions and directions are written in the world, lengths in its units, light as radiance.
 class PathRecord {
@@ -25,7 +26,7 @@ class PathRecord {
   void meet_surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit);
   /// A light was sampled in direction `wi`, and the lobes answered. light_arrives() follows unless it is shadowed.
   void sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf);
-  void light_arrives(const Rgb& light);
+  void light_arrives(const Rgb& light, const LightWeight& weight);
   void sample_lobe(const char* lobe, const Rgb& f, float pdf);
   /// For RandomWalk, which writes its steps there; leave_body() writes them down.
   WalkRecord* walk() { return &walk_; }

@@ -67,15 +67,16 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   };
   Rgb direct(0.0f);
   for_direct_light(context, departure, sampler.draw(Dimension::exit_light, path->depth), recorded_lobe,
-                   [&](const ScatterValue&, const Rgb& light) {
+                   [&](const ScatterValue&, const Rgb& light, LightWeight weight) {
                      direct += light;
-                     if (record) record->light_arrives(path->throughput * light);
+                     if (record) record->light_arrives(path->throughput * light, weight);
                    });
   path->radiance += path->throughput * direct;
 
   const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);
   const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u[0], u[1]}));
   const ScatterValue value = exit_lobe(wi);
+  if (!(value.pdf > 0) && record) record->end("the exit lobe gave no direction");
   if (!(value.pdf > 0)) return false;
   path->throughput *= value.f_cos * (1 / value.pdf);
   path->scatter_pdf = value.pdf;

@@ -33,7 +33,7 @@ class BodyPlanner {
   bool plan() {
     std::map<std::string, std::vector<uint32_t>> sets;
     for (uint32_t i = 0; i < drawn_.size(); ++i) {
-      if (!scatters(*drawn_[i])) continue;
+      if (scattering_slots(*drawn_[i]).empty()) continue;
       snapshot_.features.subsurface = true;
       const std::string& set = drawn_[i]->subsurface_set;
       if (!set.empty())
@@ -115,9 +115,11 @@ class BodyPlanner {
     std::vector<const MeshInterior*> interiors;
     for (size_t i = 0; i < indices.size(); ++i) {
       interiors.push_back(&drawn_[indices[i]]->prototype->interior);
-      for (const auto& material : drawn_[indices[i]]->materials) {
-        if (material->scatters()) extend(*material, &paths[i]);
-        body->members[i].media.push_back(material->scatters() ? media_of(*material) : nullptr);
+      const auto& materials = drawn_[indices[i]]->materials;
+      body->members[i].media.resize(materials.size());
+      for (const size_t slot : scattering_slots(*drawn_[indices[i]])) {
+        extend(*materials[slot], &paths[i]);
+        body->members[i].media[slot] = media_of(*materials[slot]);
       }
     }
     plan_shortcuts(paths, interiors, body);

@@ -155,13 +155,17 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
 
 }  // namespace
 
-bool scatters(const InstanceDescription& instance) {
+std::vector<size_t> scattering_slots(const InstanceDescription& instance) {
   const auto& materials = instance.materials;
+  std::vector<size_t> found;
+  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return found;
   const auto& slots = instance.prototype->mesh.triangle_material;
-  const auto in_slot = [&](size_t slot) { return materials[slot < materials.size() ? slot : 0]->scatters(); };
-  if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return false;
-  if (slots.empty()) return in_slot(0);
-  return std::any_of(slots.begin(), slots.end(), [&](int32_t slot) { return in_slot(static_cast<size_t>(slot)); });
+  std::vector<bool> used(materials.size(), false);
+  if (slots.empty()) used[0] = true;
+  for (const int32_t slot : slots) used[static_cast<size_t>(slot) < used.size() ? static_cast<size_t>(slot) : 0] = true;
+  for (size_t slot = 0; slot < used.size(); ++slot)
+    if (used[slot] && materials[slot]->scatters()) found.push_back(slot);
+  return found;
 }
 
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,

@@ -38,8 +38,9 @@ struct InstanceDescription {
   bool operator==(const InstanceDescription&) const = default;
 };
 
-/// True if light goes below the surface of some triangle: a material that no face uses does not count.
-bool scatters(const InstanceDescription& instance);
+/// The material slots whose triangles let light below their surface, in order. A material that no face uses does not
+/// count.
+std::vector<size_t> scattering_slots(const InstanceDescription& instance);
 
 struct SceneDescription {
   std::vector<InstanceDescription> instances;

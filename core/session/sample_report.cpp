@@ -18,7 +18,8 @@ class SampleReporter {
  public:
   explicit SampleReporter(const RenderRequest& request) : request_(request), renderer_(request) {}
 
-  /// The color of every sample of the pixel; answers the first that is not finite, else the brightest.
+  /// The color of every sample of the pixel; answers the first that fails a check, else the first that is not finite,
+  /// else the brightest.
   SampleAddress list_samples(int x, int y) {
     SampleAddress brightest{x, y, 0};
     float most = -1;
@@ -26,7 +27,7 @@ class SampleReporter {
       const Rgb color = trace({x, y, s}, nullptr);
       if (max_component(color) > most) most = max_component(color), brightest.sample = s;
     }
-    return counters_.first_nonfinite.value_or(brightest);
+    return failed_.value_or(counters_.first_nonfinite.value_or(brightest));
   }
 
   void write_path(const SampleAddress& at) {
@@ -46,8 +47,10 @@ class SampleReporter {
       if (counters_.nonfinite_samples > nonfinite) text_ += "  not finite: the film takes black in its place\n";
       return color;
     } catch (const SampleFailure& failure) {
+      if (record) record->end("a check failed");
       if (record) text_ += record->text();
       text_ += std::string(failure.what()) + "\n";
+      if (!failed_) failed_ = at;
       return Rgb(0.0f);
     }
   }
@@ -56,6 +59,7 @@ class SampleReporter {
   TileRenderer renderer_;
   RenderCounters counters_;
   LightLayers layers_;
+  std::optional<SampleAddress> failed_;
   std::string text_;
 };
 

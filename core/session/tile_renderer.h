@@ -52,8 +52,8 @@ class TileRenderer {
   explicit TileRenderer(const RenderRequest& request);
 
   /// Traces one camera sample. The result depends on its address and the request alone. A color that is not finite is
-  /// counted and becomes black. `layers` are filled if the request has any of kLayerAovs; then the path is written to
-  /// `record`, too, unless that is null. A check that fails throws a SampleFailure.
+  /// counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs; then the path is
+  /// written to `record`, too, unless that is null. A check that fails throws a SampleFailure.
   FilmSample trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                           PathRecord* record = nullptr) const;
 

@@ -89,7 +89,8 @@ void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<c
   for (size_t i = 0; i < body->members.size(); ++i) {
     SubsurfaceBody::Member& m = body->members[i];
     m.least_stretch = least_stretch(m.to_body);
-    m.room_to_guide = half_thickness(m) > kRoom * paths[i].longest;
+    // Behind an open mesh the medium has no end.
+    m.room_to_guide = m.shells->any_open || half_thickness(m) > kRoom * paths[i].longest;
     m.room_for_spheres = paths[i].of_long_walks > 0 && has_room_for_spheres(m, paths[i].of_long_walks);
     anywhere |= m.room_for_spheres;
   }

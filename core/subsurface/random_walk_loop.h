@@ -115,7 +115,8 @@ class WalkLoop {
 
     // Move to the event; through an open mesh, or without extinction, the walk is lost.
     if (!(t < std::numeric_limits<float>::infinity()) || !move(direction_, t)) {
-      lose(segment, t);
+      lose(t < std::numeric_limits<float>::infinity() ? segment.scatter_throughput(t)
+                                                      : segment.exit_throughput(std::numeric_limits<float>::max()));
       return std::nullopt;
     }
 
@@ -132,13 +133,10 @@ class WalkLoop {
     return std::nullopt;
   }
 
-  /// Counts a walk that scattered outside an open mesh, or that never ends without extinction.
-  void lose(const Segment& segment, float t) {
+  /// Counts a walk that left through an open mesh, or that never ends without extinction, and its throughput.
+  void lose(const ChannelValues& lost) {
     ended_ = true;
     ++counters_.walk_lost;
-    const bool scatters = t < std::numeric_limits<float>::infinity();
-    const ChannelValues lost =
-        scatters ? segment.scatter_throughput(t) : segment.exit_throughput(std::numeric_limits<float>::max());
     counters_.walk_lost_energy += sum_of(lost) / entering_;
   }
 
@@ -194,7 +192,7 @@ class WalkLoop {
       // A radius below one mean free path gains less than an ordinary event.
       const double bound = tracer_.distance_bound((kSphereMargin + 1) * mfp), radius = bound - kSphereMargin * mfp;
       if (!(radius > mfp)) return;
-      jump(radius);
+      if (!jump(radius)) return lose(throughput_);
       ++counters_.walk_sphere_steps;
       ++events_;
       note_weight();
@@ -202,12 +200,14 @@ class WalkLoop {
     }
   }
 
-  void jump(double radius) {
+  /// False: the jump left the body through a hole.
+  bool jump(double radius) {
     if constexpr (kShortcuts.guiding) {
-      move(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
+      return move(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
     } else {
-      move(phase_.sample(direction_, draw()), radius);
+      const Vec3f direction = phase_.sample(direction_, draw());
       for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(medium_.modes.kappa[c] * radius);
+      return move(direction, radius);
     }
   }
 

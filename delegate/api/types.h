@@ -47,7 +47,7 @@ class ALABASTER_API Token {
   const std::string* rep_ = nullptr;
 };
 
-/// An interned, opaque prim id. Only equality, order and prefix are ever asked of it; '/'-separated by custom.
+/// An interned, opaque prim id. Only equality and order are asked of it; '/'-separated by custom.
 class ALABASTER_API Path {
  public:
   Path() = default;
@@ -55,7 +55,6 @@ class ALABASTER_API Path {
   Path(const std::string& text) : token_(text) {}  // NOLINT(google-explicit-constructor)
   const std::string& str() const { return token_.str(); }
   bool empty() const { return token_.empty(); }
-  /// True if this path is `prefix` or lies below it.
   Path append(const std::string& name) const { return Path(str() == "/" ? "/" + name : str() + "/" + name); }
   bool operator==(const Path& o) const { return token_ == o.token_; }
   bool operator<(const Path& o) const { return token_ < o.token_; }

@@ -61,10 +61,9 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option(
-       "--pixel", a->pixel,
-       "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, list "
-       "the pixel's samples and follow the brightest")
+  c->add_option("--pixel", a->pixel,
+                "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, "
+                "list the samples that an even frame takes there and follow the brightest")
       ->type_name("X,Y[,SAMPLE]");
   c->add_option("--set", a->overrides,
                 "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "

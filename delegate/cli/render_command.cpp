@@ -56,7 +56,8 @@ class RenderCommand {
               "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
     if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
       return usage_error(
-          "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, whole numbers from 0 on, y down.");
+          "--pixel",
+          "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, whole numbers counted from the top left.");
     if (!a_.time.empty() && !parse_frame(a_.time))
       return usage_error("--time",
                          "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
@@ -112,7 +113,8 @@ class RenderCommand {
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
     add("quality", a_.quality);  // first, so that all others override it
     std::map<std::string, std::string> settings = a_.settings;
-    const bool decided = !settings["targetError"].empty() || !settings["timeLimit"].empty();
+    if (!a_.pixel.empty()) settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
+    const bool decided = a_.pixel.empty() && (!settings["targetError"].empty() || !settings["timeLimit"].empty());
     if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples());
     for (const auto& [name, value] : settings) add(name, value);
     options.overrides.insert(options.overrides.end(), a_.overrides.begin(), a_.overrides.end());
@@ -217,8 +219,8 @@ class RenderCommand {
       stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
       say_error(result.stats);
-      say_suspect(result.stats);
       code = exit_code(result.status);
+      say_suspect(result.stats, code);
       if (code != kDone) break;
     }
     if (code == kInterrupted) {
@@ -265,12 +267,14 @@ class RenderCommand {
   }
 
   // A sample that was not finite or failed a check is a fault of ours or of the scene; this command shows it again.
-  void say_suspect(const hd::Dictionary& stats) {
+  void say_suspect(const hd::Dictionary& stats, int code) {
     const auto found = stats.find("suspectSample");
     if (found == stats.end()) return;
-    console_.sink()({hd::Severity::warning, "render.sample", "",
-                     "a sample failed or was not finite (and became black); this shows its path:\n  " +
-                         a_.command_line + " --pixel " + found->second.text_or("")});
+    const bool failed = code == kRender;
+    const std::string what =
+        failed ? "A sample failed a check." : "A sample was not finite; the picture has black in its place.";
+    console_.sink()({failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "",
+                     what + " To see its path, run:\n  " + a_.command_line + " --pixel " + found->second.text_or("")});
   }
 
   void say_error(const hd::Dictionary& stats) {

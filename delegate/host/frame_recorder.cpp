@@ -107,6 +107,7 @@ class MappedPixels {
   MappedPixels(RenderBuffer* buffer, Vec2i size) : buffer_(buffer) {
     buffer->Resolve();
     const void* data = buffer->Map();
+    mapped_ = data != nullptr;
     if (!data || Vec2i(buffer->GetWidth(), buffer->GetHeight()) != size) return;
     const Format format = buffer->GetFormat();
     pixels.components = FormatComponents(format);
@@ -117,7 +118,9 @@ class MappedPixels {
     else
       pixels.floats = {static_cast<const float*>(data), values};
   }
-  ~MappedPixels() { buffer_->Unmap(); }
+  ~MappedPixels() {
+    if (mapped_) buffer_->Unmap();
+  }
   MappedPixels(const MappedPixels&) = delete;
   MappedPixels& operator=(const MappedPixels&) = delete;
 
@@ -125,6 +128,7 @@ class MappedPixels {
 
  private:
   RenderBuffer* buffer_;
+  bool mapped_ = false;
 };
 
 std::string utc_now() {
@@ -239,8 +243,8 @@ class Recording {
       const RenderBuffer* held = buffer(path);
       if (!held || Vec2i(held->GetWidth(), held->GetHeight()) != size())
         return refuse(RecordStatus::input_failed, "record.buffer",
-                      "AOV '" + aov + "' cannot have " + std::to_string(size().x) + " x " + std::to_string(size().y) +
-                          " pixels; lower the resolution or render a crop");
+                      "AOV '" + aov + "' cannot be rendered at " + std::to_string(size().x) + " x " +
+                          std::to_string(size().y) + " pixels; lower the resolution or render a crop");
     }
     return true;
   }
@@ -287,7 +291,7 @@ class Recording {
   // An interrupted render is stopped before its statistics are read, so that they agree with the pixels.
   void end(std::unique_ptr<RenderPass>& pass) {
     std::optional<BriefStop> stop;
-    if (interrupted()) stop.emplace(delegate_);
+    if (!pass->IsConverged() && interrupted()) stop.emplace(delegate_);
     if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
     result_.stats = delegate_->GetRenderStats();
     if (options_.progress) options_.progress(progress());

@@ -1,4 +1,4 @@
-// Renders one RenderSettings prim to its products and waits for it: what a headless host needs.
+// Renders one RenderSettings prim to its products and waits for it, for headless hosts.
 #pragma once
 
 #include <atomic>
@@ -28,7 +28,7 @@ struct RecordOptions {
   std::function<void(const RecordProgress&)> progress;  // about ten times a second
   std::function<void()> writing;                        // once, when rendering is over and files are to be written
   std::function<void(const ProductImage&)>
-      picture;  // once: what the products are made of; its pixels die with the call
+      picture;  // called once with the picture; its pixels are valid during the call
   DiagnosticSink diagnostics;
 };
 

@@ -1,6 +1,6 @@
 #include "delegate/host/frame_request.h"
 
-#include <cmath>
+#include "core/math/transform.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -26,8 +26,7 @@ Fault framing_fault(const RenderSettingsDescription& d, const Rect2i& window) {
 Fault camera_fault(const RetainedSceneDelegate& scene, const Path& path) {
   const auto camera = scene.GetCameras().find(path);
   if (camera == scene.GetCameras().end()) return {};
-  const double determinant = camera->second.transform.determinant();
-  if (std::isfinite(determinant) && determinant != 0) return {};
+  if (is_valid_affine(camera->second.transform)) return {};
   return {"record.camera",
           "the transform of camera " + path.str() + " is not finite or cannot be inverted: it may be scaled to zero"};
 }

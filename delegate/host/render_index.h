@@ -42,9 +42,9 @@ class ALABASTER_API RenderIndex {
   ChangeTracker& GetChangeTracker();
   RenderDelegate* GetRenderDelegate() const;
 
-  /// Syncs Bprims, Sprims (type by type), instancers and Rprims (in parallel), then calls CommitResources. Of invisible
-  /// rprims only the visibility is synced; their other bits stay dirty. Returns false if memory or threads ran out: the
-  /// prims that were not synced stay dirty for the next call.
+  /// Syncs Bprims, Sprims (type by type), instancers and Rprims (in parallel), then calls CommitResources. Only the
+  /// visibility of invisible rprims is synced; their other bits stay dirty. Returns false if memory or threads ran out:
+  /// the prims that were not synced stay dirty for the next call.
   bool SyncAll();
 
  private:

@@ -63,15 +63,14 @@ struct SceneTranslator::Run {
 
   // A named set and the set of a material never meet. Among several materials the first that scatters names the set.
   static std::string set_of(const InstanceDescription& instance, const MeshRecord& mesh) {
-    if (mesh.subsurface_set.empty() || !scatters(instance)) return {};
+    const std::vector<size_t> slots = scattering_slots(instance);
+    if (mesh.subsurface_set.empty() || slots.empty()) return {};
     if (mesh.subsurface_set != "byMaterial") return "named " + mesh.subsurface_set;
-    size_t slot = 0;
-    while (!instance.materials[slot]->scatters()) ++slot;
-    return "material " + mesh.materials[slot].str();
+    return "material " + mesh.materials[slots.front()].str();
   }
 
   void check_closed(const InstanceDescription& instance) {
-    if (instance.prototype->mesh.closed || !scatters(instance)) return;
+    if (instance.prototype->mesh.closed || scattering_slots(instance).empty()) return;
     translator.report_once(
         "mesh.open", Path(instance.name),
         "subsurface scattering in a mesh that is not closed: the medium goes on behind it without "

@@ -118,6 +118,7 @@ void RenderCore::publish() {
         [&] { compiled = compile_snapshot(translation_.scene, ++scene_number_, param->device(), param->sink()); });
   });
   stale_ = !compiled;
+  last_request_.reset();  // it holds the old snapshot
   {
     const std::lock_guard lock(mutex_);
     snapshot_ = compiled;

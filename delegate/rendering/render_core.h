@@ -38,7 +38,7 @@ class RenderCore {
   std::string commit_error() const;
   double commit_seconds() const { return commit_seconds_; }
 
-  // The frame that was started last (host thread); null: none.
+  // The frame that was started last (host thread); null: none since the scene was edited.
   void set_last_request(const RenderRequest& request) { last_request_ = std::make_shared<RenderRequest>(request); }
   std::shared_ptr<const RenderRequest> last_request() const { return last_request_; }
 

@@ -1,5 +1,7 @@
 #include "delegate/rendering/render_delegate_impl.h"
 
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/session/sample_report.h"
@@ -121,13 +123,19 @@ AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) cons
 std::string RenderDelegateImpl::trace_pixel(const Dictionary& arguments) const {
   const auto request = core_->last_request();
   if (!request) return {};
-  const auto number = [&](const char* key) {
+  // Whole numbers within a range, else none.
+  const auto whole = [&](const char* key, double low, double high) -> std::optional<int64_t> {
     const auto found = arguments.find(key);
-    return found == arguments.end() ? -1 : found->second.number_or(-1);
+    const double value = found == arguments.end() ? NAN : found->second.number_or(NAN);
+    if (!(value >= low && value <= high) || value != std::floor(value)) return std::nullopt;
+    return static_cast<int64_t>(value);
   };
-  std::optional<uint32_t> sample;
-  if (number("sample") >= 0) sample = static_cast<uint32_t>(number("sample"));
-  return report_sample(*request, static_cast<int>(number("x")), static_cast<int>(number("y")), sample);
+  const PixelRect& window = request->data_window;
+  const auto x = whole("x", window.x0, window.x1 - 1), y = whole("y", window.y0, window.y1 - 1);
+  const auto sample = whole("sample", 0, std::numeric_limits<uint32_t>::max());
+  if (!x || !y || (!sample && arguments.contains("sample"))) return {};
+  return report_sample(*request, static_cast<int>(*x), static_cast<int>(*y),
+                       sample ? std::optional(static_cast<uint32_t>(*sample)) : std::nullopt);
 }
 
 Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& arguments) {

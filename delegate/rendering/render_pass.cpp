@@ -129,13 +129,16 @@ void PassControl::start(PassInputs next) {
     core_->end_pause();
 }
 
-void PassControl::update(PassInputs next) {
+void PassControl::update(PassInputs next, std::vector<alabaster::Diagnostic>* faults) {
   const std::lock_guard lock(control_);
   if (core_->is_stopped()) return;
   if (!active_ || cancelled_ || running_ != next) return start(std::move(next));
   const RenderProgress progress = session_->progress();
   if (failed_ || converged_) return;
-  if (progress.state == SessionState::failed) return fail(progress.error);
+  if (progress.state == SessionState::failed) {
+    faults->push_back({alabaster::Severity::error, "pass.failed", "render", progress.error});
+    return fail(progress.error);
+  }
   if (progress.state != SessionState::finished) return;
   // The final pixels can be resolved from now on. Convergence is reported one Execute later, when a host that resolves
   // before it asks has seen them.
@@ -146,7 +149,8 @@ void PassControl::update(PassInputs next) {
 void PassControl::execute(const RenderPassState& state) {
   if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
   std::vector<alabaster::Diagnostic> faults;
-  update(inputs(state, &faults));
+  PassInputs next = inputs(state, &faults);
+  update(std::move(next), &faults);
   std::vector<std::pair<std::string, std::string>> now;
   for (const auto& fault : faults) {
     now.emplace_back(fault.where, fault.text);

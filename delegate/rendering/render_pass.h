@@ -51,7 +51,7 @@ class PassControl {
 
  private:
   PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);
-  void update(PassInputs next);
+  void update(PassInputs next, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);
   void fail(std::string error);
   void set_converged(bool converged);

@@ -27,7 +27,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
 CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
-    "host": ["color", "film"],
+    "host": ["color", "film", "math"],
     "gltf": ["material", "subsurface"],
     "description": ["math", "texture"],
 }

@@ -24,7 +24,6 @@ BANNED = [
     r"[;:] what (?!if\b)",  # a clause as a subject
 ]
 NOT_YET = []
-NOT_YET += [f"delegate/{room}/" for room in ("host",)]
 WIDTH = 120
 
 CPP_TOKEN = re.compile(r'R"(\w*)\((?:.|\n)*?\)\1"|"(?:\\.|[^"\\\n])*"|' r"'(?:\\.|[^'\\\n])+'|//[^\n]*|/\*(?:.|\n)*?\*/")

@@ -125,5 +125,43 @@ TEST(Bodies, SphereStepsInAUnionChangeNoMean) {
   testing::expect_same(*stepped, *plain, "sphere steps in a union");
 }
 
+// Behind a plane the medium has no end: walks are guided, however flat its bounds are.
+TEST(Bodies, OpenPlanesAreGuided) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::plane_mesh(2)), b.material(wax(0.01f)));
+  EXPECT_TRUE(b.snapshot()->instances[0].body->members[0].room_to_guide);
+}
+
+// A slot without triangles plans no shortcut: its long distance would switch off those of the others.
+TEST(Bodies, AMaterialThatNoFaceUsesPlansNothing) {
+  SceneBuilder b;
+  Mesh mesh = testing::sphere_mesh(1, 16, false);
+  mesh.triangle_material.assign(mesh.triangles.size(), 0);
+  b.add(b.prototype(mesh), b.material(wax(0.01f)));
+  b.description.instances.back().materials.push_back(b.material(wax(5)));
+  const auto& member = b.snapshot()->instances[0].body->members[0];
+  EXPECT_TRUE(member.room_to_guide);
+  EXPECT_TRUE(member.room_for_spheres);
+  EXPECT_FALSE(member.media[1]);
+}
+
+// Light that leaves a white bowl through its opening is lost and counted, also when a sphere step carries it out.
+TEST(Bodies, WhatSphereStepsCarryOutIsCounted) {
+  SceneBuilder b;
+  Mesh bowl = testing::sphere_mesh(1, 32, false);
+  std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.points[t[0]].y > 0.9f; });
+  b.add(b.prototype(bowl), b.material(testing::medium_only(1, 0.01f))).add(testing::constant_dome(1, false));
+  const RenderRequest request = testing::request_of(&b, testing::look_at({0, 0, 5}, {0, 0, 0}, 24), 64);
+  RenderProgress progress;
+  const auto film = testing::render(request, &progress);
+  const RenderCounters& c = progress.counters;
+  EXPECT_GT(c.walk_sphere_steps, 0u);
+  EXPECT_GT(c.walk_lost, 0u);
+  EXPECT_EQ(c.nonfinite_samples, 0u);
+  // White: a walk leaves through the surface or through the opening, or roulette ends what its weights have thinned
+  // out.
+  EXPECT_NEAR(c.walk_lost_energy / static_cast<double>(c.walk_lost), 1, 0.1);
+}
+
 }  // namespace
 }  // namespace alabaster

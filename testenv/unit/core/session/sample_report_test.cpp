@@ -55,8 +55,9 @@ TEST(SampleReport, NamesHitsLobesLightsAndWalkEvents) {
   const RenderRequest request = wax_ball(&b);
   std::string text;
   for (uint32_t s = 0; s < 8; ++s) text += report_sample(request, 8, 8, s);
-  for (const char* part : {"vertex 0, distance ", "primId 0", "samples the lobe subsurface", "scatter after ",
-                           "surface after ", "leaves the body at ", "light towards ", "lobe pdf ", "; adds ("})
+  for (const char* part :
+       {"vertex 0, distance ", "primId 0", "samples the lobe subsurface", "scatter after ", "surface after ",
+        "leaves the body at ", "light towards ", "lobe pdf ", "light pdf ", "weight ", "; adds ("})
     EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
 }
 
