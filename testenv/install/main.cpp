@@ -33,7 +33,7 @@ void Describe(host::RetainedSceneDelegate* scene) {
   camera.transform.setTranslation(Vec3d(0, 0, 6));
   camera.parameters = {{"focalLength", 0.05f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.036f}};
   scene->SetCamera("/camera", camera);
-  scene->SetRenderBuffer("/color", {{16, 16, 1}, Format::float32vec4, false});
+  scene->SetRenderBuffer("/color", {{16, 16, 1}, Format::float32vec4});
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ void PrintTo(const BadInput& input, std::ostream* out) {
   *out << input.name;
 }
 
-class BadCage : public testing::TestWithParam<BadInput> {};
+class BadCage : public ::testing::TestWithParam<BadInput> {};
 
 // OpenSubdiv or Embree reads out of bounds, hangs, or spreads the damage on each of these.
 TEST_P(BadCage, IsReportedAndMadeSafe) {
@@ -94,7 +94,7 @@ Primvar<Vec2f> uvs(Interpolation interpolation, size_t n) {
 
 INSTANTIATE_TEST_SUITE_P(
     Rows, BadCage,
-    testing::Values(
+    ::testing::Values(
         BadInput{"empty_face", [](Cage& c) { add_face(c, {}); }, "mesh.faces.small", 6},
         BadInput{"one_corner", [](Cage& c) { add_face(c, {0}); }, "mesh.faces.small", 6},
         BadInput{"two_corners",

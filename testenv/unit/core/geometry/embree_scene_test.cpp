@@ -23,7 +23,7 @@ namespace {
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-class EmbreeScene : public testing::Test {
+class EmbreeScene : public ::testing::Test {
  protected:
   std::shared_ptr<const ObjectScene> build(const Mesh& mesh) { return build_object_scene(device_, mesh, {}); }
   std::shared_ptr<const ObjectScene> cube() { return build(build_mesh(test::cube_cage(), {}, {})); }

@@ -101,7 +101,7 @@ TriangleHit middle_hit(const Mesh& mesh, Random& random) {
   return hit;
 }
 
-class RayOrigins : public testing::TestWithParam<int> {
+class RayOrigins : public ::testing::TestWithParam<int> {
  protected:
   std::shared_ptr<TraceDevice> device_ = make_trace_device({});
   float scale_ = std::ldexp(1.0f, GetParam());
@@ -159,7 +159,7 @@ TEST_P(RayOrigins, ObjectSpaceIsSafeByItself) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scales, RayOrigins, testing::Values(-20, -7, 0, 9, 20));
+INSTANTIATE_TEST_SUITE_P(Scales, RayOrigins, ::testing::Values(-20, -7, 0, 9, 20));
 
 // A small bump on the offset: no more than the bound needs. Sixteen units in the last place of the largest coordinate
 // in one space are known to suffice; the top level adds the way through two more spaces.

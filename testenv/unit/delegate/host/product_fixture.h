@@ -16,7 +16,7 @@ namespace alabaster::hd::host {
 namespace fs = std::filesystem;
 inline constexpr int kWidth = 7, kHeight = 5, kCount = kWidth * kHeight;
 
-class ProductFile : public testing::Test {
+class ProductFile : public ::testing::Test {
  protected:
   ProductFile() { fs::create_directories(folder_); }
   ~ProductFile() override { fs::remove_all(folder_); }

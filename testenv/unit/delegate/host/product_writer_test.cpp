@@ -106,10 +106,10 @@ TEST_F(ProductFile, ExrWindowsAndMetadata) {
                     {"capDate", "2024:02:29 12:34:56"},
                     {"compression", "rle"},
                     {"oiio:ColorSpace", "Linear"}};
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
   ASSERT_TRUE(write(p, image)) << text();
-  EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr() + ::testing::internal::GetCapturedStdout(), "");
   const OIIO::ImageSpec spec = Read(p.file).spec;
   EXPECT_EQ(spec.x, 3);
   EXPECT_EQ(spec.y, -2);

@@ -61,7 +61,7 @@ struct Failure {
   const char* prim;
 };
 
-class HostFailure : public testing::TestWithParam<Failure> {};
+class HostFailure : public ::testing::TestWithParam<Failure> {};
 
 TEST_P(HostFailure, IsReportedAndTheSyncAfterItMakesGood) {
   Stage stage;
@@ -110,10 +110,11 @@ TEST_P(HostFailure, IsReportedAndTheSyncAfterItMakesGood) {
 
 INSTANTIATE_TEST_SUITE_P(
     EveryPull, HostFailure,
-    testing::Values(Failure{"GetTransform", "/mesh"}, Failure{"GetVisible", "/mesh"}, Failure{"GetMaterialId", "/mesh"},
-                    Failure{"GetInstancerTransform", "/instancer"}, Failure{"GetMaterialResource", "/material"},
-                    Failure{"GetLightParamValue", "/light"}, Failure{"GetCameraParamValue", "/camera"},
-                    Failure{"GetRenderBufferDescriptor", "/buffer"}, Failure{"GetRenderSettings", "/settings"}),
+    ::testing::Values(Failure{"GetTransform", "/mesh"}, Failure{"GetVisible", "/mesh"},
+                      Failure{"GetMaterialId", "/mesh"}, Failure{"GetInstancerTransform", "/instancer"},
+                      Failure{"GetMaterialResource", "/material"}, Failure{"GetLightParamValue", "/light"},
+                      Failure{"GetCameraParamValue", "/camera"}, Failure{"GetRenderBufferDescriptor", "/buffer"},
+                      Failure{"GetRenderSettings", "/settings"}),
     [](const auto& info) { return std::string(info.param.call); });
 
 TEST(HostFailure, ASinkThatThrowsIsNoTrouble) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class PlotFile : public testing::Test {
+class PlotFile : public ::testing::Test {
  protected:
   PlotFile() { fs::create_directories(folder_); }
   ~PlotFile() override { fs::remove_all(folder_); }
