@@ -13,13 +13,16 @@ namespace alabaster {
 namespace {
 
 /// The medium of a vertex: made at commit if no texture varies it and every distance can be resolved, else in `made`.
-const WalkMedium* medium_at(const PathVertex& v, AlbedoInversion inversion, std::optional<WalkMedium>* made) {
+const WalkMedium* medium_at(const PathVertex& v, const IntegratorSettings& settings, std::optional<WalkMedium>* made) {
   const auto& member = v.instance->body->members[v.instance->member];
   const size_t slot = v.instance->slot(v.triangle.triangle);
   const DisneyParameters& p = v.material;
   if (member.media[slot] && p.scatter_distance == v.instance->materials[slot]->constants.scatter_distance)
-    return &(*member.media[slot])[inversion];
-  return &made->emplace(make_medium(p.base_color, p.scatter_distance, inversion, p.scatter_anisotropy));
+    return &(*member.media[slot])[settings.inversion];
+  const WalkShortcuts shortcuts{settings.walk.guiding && member.room_to_guide,
+                                settings.walk.sphere_steps && member.distances};
+  return &made->emplace(make_medium(p.base_color, p.scatter_distance, settings.inversion, p.scatter_anisotropy),
+                        shortcuts);
 }
 
 SubsurfaceEntry entry_at(const PathVertex& v, bool within, const PathState& path) {
@@ -93,7 +96,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   CHECK_LT(v.instance->member, v.instance->body->members.size());
   std::optional<WalkMedium> made;
   SubsurfaceEntry entry = entry_at(v, within, *path);
-  entry.medium = medium_at(v, context.settings.inversion, &made);
+  entry.medium = medium_at(v, context.settings, &made);
   const auto exit = carry<kMode>(context, sampler, entry, *v.instance->body, *path);
   if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;

@@ -61,11 +61,14 @@ inline WalkShortcuts worthwhile_shortcuts(const Medium& medium) {
 struct WalkMedium {
   Medium medium;
   ChannelValues sigma_t{}, alpha{}, excess{};
-  WalkShortcuts worthwhile;
-  DiffusionModes modes;  // only where a shortcut is worthwhile
+  WalkShortcuts worthwhile;  // of those allowed
+  DiffusionModes modes;      // only where a shortcut is worthwhile
 
+  /// `shortcuts`: those that the walk may take; the modes are found for them alone.
   // NOLINTNEXTLINE(google-explicit-constructor): the same medium, in the form that the loop reads
-  WalkMedium(const Medium& m) : medium(m), worthwhile(worthwhile_shortcuts(m)) {
+  WalkMedium(const Medium& m, WalkShortcuts shortcuts = {true, true}) : medium(m), worthwhile(worthwhile_shortcuts(m)) {
+    worthwhile.guiding &= shortcuts.guiding;
+    worthwhile.sphere_steps &= shortcuts.sphere_steps;
     double clearest = std::numeric_limits<double>::infinity();
     for (int c = 0; c < 3; ++c) {
       const auto i = static_cast<size_t>(c);
