@@ -1,8 +1,6 @@
 // Lights: a closed set. UsdLux terms; radiance = color * intensity * 2^exposure (normalize divides by area).
 //
-// To add a light: 1. its pair of files with the functions below; 2. its name in the variant `Light` and, if infinite,
-// in LightSet's constructor; 3. its line in LightDescription's type; 4. its entry in schemas/lights.json; 5. its
-// chi-square line in testenv/statistical; 6. a scene that needs it.
+// README.md, "Extending", lists the steps to add a light.
 //
 // The functions (see rect_light.h): a constructor from (LightDescription, render origin), sample(p, u),
 // intersect(ray) and importance(p). A light whose surface is in the ray-traced scene (MeshLight) has pdf() in place of
