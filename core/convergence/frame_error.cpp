@@ -13,9 +13,9 @@ struct Size {
   int width, height;
 };
 
-/// Mean of the 3 x 3 pixels around (x, y). `clip`: the pixel's own level counts at most as much as its brightest
-/// neighbour's, since a sample that found much light by chance must not excuse the noise that it is.
-double local_level(const Levels& levels, const Size& size, int x, int y, bool clip) {
+/// Mean of the 3 x 3 pixels around (x, y). The pixel's own level counts at most as much as its brightest neighbour's,
+/// since a sample that found much light by chance must not excuse the noise that it is.
+double local_level(const Levels& levels, const Size& size, int x, int y) {
   double sum = 0, brightest = 0;
   int count = 0;
   for (int ny = std::max(0, y - 1); ny <= std::min(size.height - 1, y + 1); ++ny)
@@ -27,11 +27,11 @@ double local_level(const Levels& levels, const Size& size, int x, int y, bool cl
       ++count;
     }
   const double own = levels[size_t(y) * size_t(size.width) + size_t(x)];
-  return (sum + (clip && count > 0 ? std::min(own, brightest) : own)) / (count + 1);
+  return (sum + (count > 0 ? std::min(own, brightest) : own)) / (count + 1);
 }
 
 /// L^2 + f^2 of every pixel; empty if the frame is black.
-std::vector<double> squared_scales(const Levels& levels, const Size& size, bool clip) {
+std::vector<double> squared_scales(const Levels& levels, const Size& size) {
   double mean = 0;
   for (double level : levels) mean += level / double(levels.size());
   if (!(mean > 0)) return {};
@@ -39,7 +39,7 @@ std::vector<double> squared_scales(const Levels& levels, const Size& size, bool 
   std::vector<double> scales(levels.size());
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x) {
-      const double level = local_level(levels, size, x, y, clip);
+      const double level = local_level(levels, size, x, y);
       scales[size_t(y) * size_t(size.width) + size_t(x)] = level * level + floor * floor;
     }
   return scales;
@@ -165,7 +165,7 @@ RelativeErrors relative_errors(const NoiseImage& image) {
   RelativeErrors errors;
   Levels levels(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) levels[i] = pixels[i].level;
-  errors.scales = squared_scales(levels, {image.width, image.height}, true);
+  errors.scales = squared_scales(levels, {image.width, image.height});
   if (errors.scales.empty()) return errors;
   errors.convergence = fit_convergence(pixels, errors.scales);
   errors.values.resize(pixels.size());
@@ -242,20 +242,6 @@ size_t frame_error_bytes(const PixelRect& window) {
 uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target) {
   const double ratio = error / target;
   return uint32_t(std::clamp(std::ceil(done * ratio * ratio), 1.0, double(most)));
-}
-
-double relative_mse(const std::vector<float>& image, const std::vector<float>& reference, int width, int height) {
-  std::vector<double> levels(reference.size() / 4);
-  for (size_t i = 0; i < levels.size(); ++i)
-    levels[i] = (double(reference[4 * i]) + double(reference[4 * i + 1]) + double(reference[4 * i + 2])) / 3;
-  const auto scales = squared_scales(levels, {width, height}, false);
-  double sum = 0;
-  for (size_t i = 0; i < scales.size(); ++i) {
-    double squared = 0;
-    for (size_t c = 0; c < 3; ++c) squared += std::pow(double(image[4 * i + c]) - double(reference[4 * i + c]), 2) / 3;
-    sum += squared / scales[i];
-  }
-  return scales.empty() ? 0 : sum / double(scales.size());
 }
 
 }  // namespace alabaster

@@ -41,8 +41,4 @@ size_t frame_error_bytes(const PixelRect& window);
 /// taken to fall with the square root of their number.
 uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target);
 
-/// E^2 of `image` against `reference`, both as Film::resolve_float gives them (RGBA, row-major). Same definition, with
-/// the reference's levels. For tests and measurements.
-double relative_mse(const std::vector<float>& image, const std::vector<float>& reference, int width, int height);
-
 }  // namespace alabaster

@@ -18,7 +18,6 @@ class LightSet {
   /// ray, and no light adds to another's noise. In larger sets one light is chosen.
   LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera, size_t sample_all_up_to = 0);
 
-  bool empty() const { return lights_.empty(); }
   size_t size() const { return lights_.size(); }
 
   /// One direction for each light to be sampled at p (all, or the chosen one): visit(const LightSample&), pdf with the

@@ -1,5 +1,5 @@
 // Distributions of microfacet normals wm: D per projected area, so that Int D(wm) wm.z dwm = 1. All directions unit,
-// local frame, z up. Sampling comes with pdf (per solid angle of wm) and inverse.
+// local frame, z up.
 #pragma once
 
 #include <optional>
@@ -47,14 +47,10 @@ struct Ggx {
   float g1_over_cos(const Vec3f& w) const {
     return 2 / (w.z + std::sqrt(sqr(w.z) + sqr(alpha_x * w.x) + sqr(alpha_y * w.y)));
   }
-  float g1(const Vec3f& w) const { return w.z * g1_over_cos(w); }
 
-  /// Density of the normals visible from wo: D(wm) G1(wo) max(0, wo.wm) / wo.z (Heitz 2018, eq. 3).
-  float pdf(const Vec3f& wo, const Vec3f& wm) const { return d(wm) * g1_over_cos(wo) * std::max(0.0f, dot(wo, wm)); }
-
-  /// Heitz 2018, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4). wo.z > 0.
+  /// A normal visible from wo, wo.z > 0. pdf per solid angle of wm: D(wm) G1(wo) max(0, wo.wm) / wo.z (Heitz 2018,
+  /// "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), eq. 3).
   Vec3f sample(const Vec3f& wo, const Vec2f& u) const;
-  Vec2f invert(const Vec3f& wo, const Vec3f& wm) const;
 };
 
 /// GTR with exponent 1, isotropic: Berry's distribution, the long tail of the clearcoat (Burley 2012, appendix B.2,
@@ -69,11 +65,9 @@ struct Gtr1 {
     const float t = sqr(wm.x) + sqr(wm.y) + a2 * sqr(wm.z);
     return (a2 - 1) / (kPi * std::log(a2) * t);
   }
-  float pdf(const Vec3f& wm) const { return d(wm) * std::max(0.0f, wm.z); }
 
-  /// Burley 2012, appendix B.2, eq. 5: cos^2 = (1 - (a^2)^(1-u)) / (1 - a^2).
+  /// pdf per solid angle of wm: D(wm) wm.z. Burley 2012, appendix B.2, eq. 5: cos^2 = (1 - (a^2)^(1-u)) / (1 - a^2).
   Vec3f sample(const Vec2f& u) const;
-  Vec2f invert(const Vec3f& wm) const;
 };
 
 }  // namespace alabaster

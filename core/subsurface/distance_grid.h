@@ -28,7 +28,6 @@ class DistanceGrid {
     const Vec3f off = q - Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)) - Vec3f(0.5f);
     return std::max(0.0f, 0.25f * static_cast<float>(cell) - length(off) - kRounding) * unit_per_voxel_;
   }
-  float voxel() const { return unit_per_voxel_; }
   size_t memory_bytes() const { return cells_.size(); }
 
  private:

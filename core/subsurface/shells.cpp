@@ -168,10 +168,8 @@ class ShellFinder {
         pair[single - 1] = &edge[i];
       }
     }
-    if (single % 2 == 1) {
-      ++out_.open_edges;
+    if (single % 2 == 1)
       for (size_t i = 0; i < count; ++i) torn_.push_back(edge[i].triangle);
-    }
     if (single == 2 && !surfaces_.join(pair[0]->triangle, pair[1]->triangle, pair[0]->ascending == pair[1]->ascending))
       torn_.push_back(pair[0]->triangle);
     if (single > 0 && back_to_back) walls_.push_back(back_to_back->triangle);

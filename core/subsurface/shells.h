@@ -18,7 +18,6 @@ struct MeshShells {
     kInner = 4,     // a wall within a body: no surface to light
   };
   std::vector<uint8_t> triangle_flags;  // empty: closed shells that wind outward, all of them
-  size_t open_edges = 0;
   bool any_open = false, any_closed = false;
   /// Some surface lies inside a closed shell of the same mesh, or is a wall: the body is the union of its shells. Found
   /// by 4096 points spread over the area: an overlap of less than that share may be overlooked.

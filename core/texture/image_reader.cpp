@@ -1,11 +1,9 @@
 #include "core/texture/image_reader.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string_view>
 
 #include "core/texture/png_stream.h"
@@ -74,30 +72,15 @@ std::string refusal(const OIIO::ImageSpec& spec, size_t max_pixels) {
   return {};
 }
 
-class OiioReader final : public ImageReader {
- public:
-  const ImageLayout& layout() const override { return layout_; }
-  bool open(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink);
-  int read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) override;
+}  // namespace
 
- private:
-  bool fail(const DiagnosticSink& sink, const char* code, const std::string& text) const {
-    report(sink, Severity::error, code, path_, text);
-    return false;
-  }
-  bool load_bytes(const TextureSource& source, const DiagnosticSink& sink);
-  bool open_input(const DiagnosticSink& sink);
+bool ImageReader::fail(const DiagnosticSink& sink, const char* code, const std::string& text) const {
+  report(sink, Severity::error, code, path_, text);
+  return false;
+}
 
-  std::string path_, format_;
-  std::shared_ptr<const std::vector<uint8_t>> bytes_;  // null: the file is read from disk
-  // The input reads through the proxy and must be closed before it goes.
-  std::unique_ptr<OIIO::Filesystem::IOMemReader> proxy_;
-  std::unique_ptr<OIIO::ImageInput> input_;
-  ImageLayout layout_;
-};
-
-/// Finds the format, and for PNG takes the whole file into memory, cleaned.
-bool OiioReader::load_bytes(const TextureSource& source, const DiagnosticSink& sink) {
+// Finds the format, and for PNG takes the whole file into memory, cleaned.
+bool ImageReader::load_bytes(const TextureSource& source, const DiagnosticSink& sink) {
   bytes_ = source.bytes;
   std::array<uint8_t, 16> head{};
   size_t head_size = 0;
@@ -135,7 +118,7 @@ bool OiioReader::load_bytes(const TextureSource& source, const DiagnosticSink& s
   return true;
 }
 
-bool OiioReader::open_input(const DiagnosticSink& sink) {
+bool ImageReader::open_input(const DiagnosticSink& sink) {
   input_ = OIIO::ImageInput::create(format_);
   if (!input_) {
     static_cast<void>(OIIO::geterror());
@@ -156,7 +139,7 @@ bool OiioReader::open_input(const DiagnosticSink& sink) {
   return true;
 }
 
-bool OiioReader::open(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
+bool ImageReader::open(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
   path_ = source.path;
   if (!load_bytes(source, sink) || !open_input(sink)) return false;
   const OIIO::ImageSpec& spec = input_->spec();
@@ -165,7 +148,7 @@ bool OiioReader::open(const TextureSource& source, size_t max_pixels, const Diag
   return true;
 }
 
-int OiioReader::read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) {
+int ImageReader::read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) {
   const OIIO::ImageSpec& spec = input_->spec();
   const bool tiled = spec.tile_width > 0;
   const int rows = std::min(tiled ? spec.tile_height : kRowsAtOnce, spec.height - y);
@@ -181,14 +164,6 @@ int OiioReader::read_rows(int y, std::vector<float>& pixels, const DiagnosticSin
   fail(sink, "texture.damaged",
        (reason.empty() ? "the pixels cannot be decoded" : reason) + "; export or copy the image again");
   return 0;
-}
-
-}  // namespace
-
-std::unique_ptr<ImageReader> open_image(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
-  auto reader = std::make_unique<OiioReader>();
-  if (!reader->open(source, max_pixels, sink)) return nullptr;
-  return reader;
 }
 
 }  // namespace alabaster

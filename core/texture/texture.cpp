@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "core/texture/image_reader.h"
 
@@ -107,28 +108,28 @@ void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vect
 }  // namespace
 
 bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
-  return open_image(source, std::numeric_limits<size_t>::max(), sink) != nullptr;
+  return ImageReader().open(source, std::numeric_limits<size_t>::max(), sink);
 }
 
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
                                             const DiagnosticSink& sink, size_t max_pixels) {
   try {
-    const auto reader = open_image(source, max_pixels, sink);
-    if (!reader) return nullptr;
+    ImageReader reader;
+    if (!reader.open(source, max_pixels, sink)) return nullptr;
     const std::string space =
-        source.color_space == "auto" && reader->layout().low_precision ? "sRGB" : source.color_space;
+        source.color_space == "auto" && reader.layout().low_precision ? "sRGB" : source.color_space;
     const auto transform = colors.to_rendering_space(space, [&](const Diagnostic& d) {
       report(sink, d.severity, d.code, source.path, "colour space of the image: " + d.text);
     });
     if (!transform) return nullptr;
 
     // Memory is reserved at once but touched only as rows arrive: a small file that claims to be huge costs nothing.
-    const ImageLayout& layout = reader->layout();
+    const ImageLayout& layout = reader.layout();
     std::vector<half> texels;
     texels.reserve(3 * size_t(layout.width) * size_t(layout.height));
     std::vector<float> pixels, rgba;
     for (int y = 0; y < layout.height;) {
-      const int rows = reader->read_rows(y, pixels, sink);
+      const int rows = reader.read_rows(y, pixels, sink);
       if (rows == 0) return nullptr;
       to_rgba(pixels, layout, rgba);
       transform->apply(rgba.data(), rgba.size() / 4);

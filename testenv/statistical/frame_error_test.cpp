@@ -6,11 +6,13 @@
 #include <cmath>
 
 #include "core/sampling/pixel_sampler.h"
+#include "testenv/support/relative_error.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
 namespace {
 
+using testing::relative_mse;
 using testing::SceneBuilder;
 
 constexpr uint32_t kSamples = 32;

@@ -25,11 +25,9 @@ Light dome(float intensity) {
 const auto kUnweighted = [](float) { return 1.0f; };
 
 TEST(LightSet, EmptyAndDarkSetsGiveNothing) {
-  EXPECT_TRUE(LightSet().empty());
   EXPECT_FALSE(LightSet().sample({0, 0, 0}, 0.5f, {0.5f, 0.5f}));
   EXPECT_EQ(LightSet().mesh_light_pdf({}, 1, 0, 0), 0);
   const LightSet dark({sphere(0), dome(0)}, {});
-  EXPECT_FALSE(dark.empty());
   EXPECT_FALSE(dark.sample({0, 0, -3}, 0.5f, {0.5f, 0.5f}));
   EXPECT_TRUE(is_black(dark.emitted({{0, 0, -3}, {0, 0, 1}}, true, false, kUnweighted)));
   EXPECT_EQ(dark.choice_probability(0, {0, 0, -3}), 0);
