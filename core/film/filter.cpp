@@ -49,7 +49,7 @@ float sample_gaussian(float u) {
 // Harris 1978, four-term minimum Blackman-Harris window.
 float sample_blackman_harris(float u) {
   static const InverseCdf inverse(1.5f, [](double x) {
-    const double t = 2 * 3.14159265358979323846 * (x / 3 + 0.5);
+    const double t = 2 * kPiDouble * (x / 3 + 0.5);
     return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) - 0.01168 * std::cos(3 * t);
   });
   return inverse(u);

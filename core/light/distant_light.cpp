@@ -8,7 +8,6 @@
 namespace alabaster {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Half angles (radians) below the spacing of float directions are taken as zero.
 constexpr double kMinHalfAngle = 0x1p-23;

@@ -7,7 +7,6 @@
 namespace alabaster {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kLargestHalf = 65504;
 

@@ -18,7 +18,7 @@ MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const s
     : instance_(instance), triangles_(std::move(triangles)) {
   std::vector<double> powers(triangles_.size());
   double largest = 0;
-  Bounds bounds;
+  BoundsDouble bounds;
   for (size_t i = 0; i < triangles_.size(); ++i) {
     Triangle& t = triangles_[i];
     t.radiance = finite_or_black(t.radiance, 1);
@@ -27,11 +27,11 @@ MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const s
     largest = std::max(largest, powers[i]);
     power_ += powers[i];
     if (powers[i] > 0)
-      for (const Vec3f& p : {t.p0, t.p1, t.p2}) bounds.extend(p);
+      for (const Vec3f& p : {t.p0, t.p1, t.p2}) bounds.extend(Vec3d(p));
   }
   if (power_ > 0) {
-    const Vec3d diagonal = Vec3d(bounds.upper) - Vec3d(bounds.lower);
-    center_ = Vec3d(bounds.lower) + diagonal * 0.5;
+    const Vec3d diagonal = bounds.extent();
+    center_ = bounds.lower + diagonal * 0.5;
     squared_radius_ = 0.25 * dot(diagonal, diagonal);
   }
   std::vector<float> weights(triangles_.size(), 0.0f);

@@ -6,8 +6,6 @@
 namespace alabaster {
 namespace {
 
-constexpr double kPiDouble = 3.14159265358979323846;
-
 double one_minus_cos_degrees(float angle) {
   const double clamped = std::isfinite(angle) ? std::clamp(static_cast<double>(angle), 0.0, 180.0) : 180.0;
   const double s = std::sin(clamped * (kPiDouble / 360));

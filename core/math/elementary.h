@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <numbers>
 
 namespace alabaster {
 
@@ -30,7 +31,7 @@ struct SineCosine {
 /// Sine and cosine of 2 pi u, u in [0,1]; absolute error below 2e-7.
 inline SineCosine quick_sine_cosine_turns(float u) {
   const auto quadrant = static_cast<int32_t>(u * 4 + 0.5f);
-  const float x = (u - static_cast<float>(quadrant) * 0.25f) * 6.28318530717958647693f, x2 = x * x;
+  const float x = (u - static_cast<float>(quadrant) * 0.25f) * (2 * std::numbers::pi_v<float>), x2 = x * x;
   const float s = ((-1.9515295891e-4f * x2 + 8.3321608736e-3f) * x2 - 1.6666654611e-1f) * x2 * x + x;
   const float c =
       ((2.443315711809948e-5f * x2 - 1.388731625493765e-3f) * x2 + 4.166664568298827e-2f) * x2 * x2 - 0.5f * x2 + 1;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 namespace alabaster {
 
@@ -18,9 +19,10 @@ using Vec3d = Imath::V3d;
 using Vec3i = Imath::V3i;
 using Matrix4d = Imath::M44d;
 
-inline constexpr float kPi = 3.14159265358979323846f;
-inline constexpr float kInvPi = 0.31830988618379067154f;
-inline constexpr float kTwoPi = 6.28318530717958647693f;
+inline constexpr double kPiDouble = std::numbers::pi;
+inline constexpr float kPi = std::numbers::pi_v<float>;
+inline constexpr float kInvPi = std::numbers::inv_pi_v<float>;
+inline constexpr float kTwoPi = 2 * kPi;
 /// The largest float below one: random numbers lie in [0, kOneMinusEpsilon].
 inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "core/subsurface/body.h"
 
@@ -18,9 +17,7 @@ bool is_simple(const MeshShells& shells) {
 
 Bounds transformed(const Bounds& b, const Affine& to) {
   Bounds out;
-  for (int corner = 0; corner < 8; ++corner)
-    out.extend(to.point(
-        {corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y, corner & 4 ? b.upper.z : b.lower.z}));
+  for (const Vec3f& corner : b.corners()) out.extend(to.point(corner));
   return out;
 }
 
@@ -95,18 +92,10 @@ class BodyPlanner {
   }
 
   Vec3d world_centre(const std::vector<uint32_t>& indices) const {
-    const auto centre = [&](uint32_t i) {
-      return transform_point(Vec3d(drawn_[i]->prototype->mesh.bounds.center()), drawn_[i]->object_to_world);
-    };
-    Vec3d lower = centre(indices.front()), upper = lower;
-    for (const uint32_t i : indices) {
-      const Vec3d c = centre(i);
-      for (int axis = 0; axis < 3; ++axis) {
-        lower[axis] = std::min(lower[axis], c[axis]);
-        upper[axis] = std::max(upper[axis], c[axis]);
-      }
-    }
-    return (lower + upper) * 0.5;
+    BoundsDouble centres;
+    for (const uint32_t i : indices)
+      centres.extend(transform_point(Vec3d(drawn_[i]->prototype->mesh.bounds.center()), drawn_[i]->object_to_world));
+    return centres.center();
   }
 
   // The media of each member's materials, and the shortcuts that pay in them.
@@ -123,9 +112,6 @@ class BodyPlanner {
       }
     }
     plan_shortcuts(paths, interiors, body);
-    for (const Member& member : body->members)
-      if (member.distances && counted_.insert(member.distances).second)
-        snapshot_.memory_bytes += member.distances->memory_bytes();
   }
 
   // A texture may be white anywhere.
@@ -147,7 +133,6 @@ class BodyPlanner {
   const std::shared_ptr<TraceDevice>& device_;
   SceneSnapshot& snapshot_;
   std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
-  std::set<const DistanceGrid*> counted_;
 };
 
 }  // namespace

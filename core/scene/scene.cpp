@@ -9,22 +9,13 @@
 namespace alabaster {
 namespace {
 
-struct WorldBounds {
-  Vec3d lower{std::numeric_limits<double>::infinity()}, upper{-std::numeric_limits<double>::infinity()};
-
-  bool empty() const { return !(lower.x <= upper.x); }
-  void extend(const Bounds& b, const Matrix4d& m) {
-    for (int corner = 0; corner < 8 && !b.empty(); ++corner) {
-      const Vec3d p = transform_point({(corner & 1) ? b.upper.x : b.lower.x, (corner & 2) ? b.upper.y : b.lower.y,
-                                       (corner & 4) ? b.upper.z : b.lower.z},
-                                      m);
-      for (int i = 0; i < 3; ++i) {
-        lower[i] = std::min(lower[i], p[i]);
-        upper[i] = std::max(upper[i], p[i]);
-      }
-    }
-  }
-};
+BoundsDouble world_bounds(const InstanceDescription& d) {
+  BoundsDouble world;
+  const Bounds& object = d.prototype->mesh.bounds;
+  if (object.empty()) return world;
+  for (const Vec3f& corner : object.corners()) world.extend(transform_point(Vec3d(corner), d.object_to_world));
+  return world;
+}
 
 // The rest of the scene is drawn without an instance that cannot be placed or traced.
 void report_left_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink) {
@@ -38,8 +29,7 @@ bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink) {
     report_left_out(d, "the transform is not finite, not affine or not invertible in single precision", sink);
     return false;
   }
-  WorldBounds bounds;
-  bounds.extend(d.prototype->mesh.bounds, d.object_to_world);
+  const BoundsDouble bounds = world_bounds(d);
   const double limit = kTraceLimit;
   if (bounds.lower.x > -limit && bounds.lower.y > -limit && bounds.lower.z > -limit && bounds.upper.x < limit &&
       bounds.upper.y < limit && bounds.upper.z < limit)
@@ -134,7 +124,7 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
   sort_unique(&snapshot->prototypes);
   sort_unique(&snapshot->materials);
   for (const auto& p : snapshot->prototypes) {
-    snapshot->memory_bytes += p->mesh.memory_bytes() + p->object->memory_bytes();
+    snapshot->memory_bytes += p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes();
     snapshot->features.smooth_normals |= !p->mesh.normals.empty();
   }
   for (const auto& m : snapshot->materials) snapshot->features.textures |= !m->textures().empty();
@@ -175,15 +165,15 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   snapshot->number = number;
 
   std::vector<const InstanceDescription*> drawn;
-  WorldBounds bounds;
+  BoundsDouble bounds;
   for (const auto& d : description.instances)
     if (is_drawable(d, sink)) {
       drawn.push_back(&d);
-      bounds.extend(d.prototype->mesh.bounds, d.object_to_world);
+      bounds.extend(world_bounds(d));
     }
   if (!bounds.empty()) {
-    snapshot->origin = (bounds.lower + bounds.upper) * 0.5;
-    snapshot->radius = static_cast<float>(0.5 * length(bounds.upper - bounds.lower));
+    snapshot->origin = bounds.center();
+    snapshot->radius = static_cast<float>(0.5 * length(bounds.extent()));
   }
 
   // Rays come from the scene itself, and from a camera that sees it from some radii away.

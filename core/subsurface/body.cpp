@@ -106,12 +106,8 @@ void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<c
 
 Bounds widened(const Bounds& bounds) {
   if (bounds.empty()) return bounds;
-  const float diagonal = length(bounds.extent());
-  const Vec3f by(diagonal, diagonal, diagonal);
-  Bounds wide;
-  wide.lower = bounds.lower - by;
-  wide.upper = bounds.upper + by;
-  return wide;
+  const Vec3f by(length(bounds.extent()));
+  return {bounds.lower - by, bounds.upper + by};
 }
 
 }  // namespace alabaster

@@ -21,6 +21,12 @@ class BuiltOnce {
     if (!part_) tbb::this_task_arena::isolate([&] { part_.emplace(build()); });
     return *part_;
   }
+  /// `measure(part)`, or 0 if it is not built.
+  template <class Measure>
+  size_t measured(const Measure& measure) {
+    const std::scoped_lock lock(mutex_);
+    return part_ ? measure(*part_) : 0;
+  }
 
  private:
   std::mutex mutex_;

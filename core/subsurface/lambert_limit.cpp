@@ -58,7 +58,7 @@ LightReach light_reach(const Medium& medium) {
 
 float lambert_probability(float width, const LightReach& reach) {
   // The blur of p reach/(pi w) stays below the tolerance all the way; it is largest at 0.7 kFull.
-  constexpr double kFull = 1.2 / (3.14159265358979323846 * kLambertTolerance);
+  constexpr double kFull = 1.2 / (kPiDouble * kLambertTolerance);
   const double ratio = double(width) / reach.exit_radius;
   if (!(ratio > 0.25 * kFull)) return 0;
   const double x = std::min(1 + 0.5 * std::log2(ratio / kFull), 1.0);

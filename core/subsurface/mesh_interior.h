@@ -19,6 +19,11 @@ class MeshInterior {
     constexpr uint32_t kResolution = 128;
     return grid_.get([&] { return build_distance_grid(mesh, kResolution); }).get();
   }
+  /// All that has been built.
+  size_t memory_bytes() const {
+    return shells_.measured([](const MeshShells& shells) { return shells.triangle_flags.capacity(); }) +
+           grid_.measured([](const auto& grid) { return grid ? grid->memory_bytes() : 0; });
+  }
 
  private:
   mutable BuiltOnce<MeshShells> shells_;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/math/bounds.h"
 #include "core/math/transform.h"
 #include "delegate/support/instancing.h"
 
@@ -25,21 +26,6 @@ Matrix4d axis_rotation(int axis, double degrees) {
   return m;
 }
 
-struct Box {
-  Vec3d low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
-  void add(const Vec3d& p) {
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], p[i]);
-      high[i] = std::max(high[i], p[i]);
-    }
-  }
-  std::array<Vec3d, 8> corners() const {
-    std::array<Vec3d, 8> all;
-    for (size_t i = 0; i < 8; ++i) all[i] = {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
-    return all;
-  }
-};
-
 bool finite(const Vec3d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -53,13 +39,13 @@ void add_mesh(const host::MeshDescription& mesh, const std::vector<Matrix4d>& in
       if (const Vec3d world = Vec3d(p) * mesh.transform * instances[0]; finite(world)) all->push_back(world);
     return;
   }
-  Box box;
+  Bounds box;
   for (const Vec3f& p : *points)
-    if (finite(Vec3d(p))) box.add(Vec3d(p));
-  if (box.low.x > box.high.x) return;
+    if (is_finite(p)) box.extend(p);
+  if (box.empty()) return;
   for (const Matrix4d& instance : instances)
-    for (const Vec3d& corner : box.corners())
-      if (const Vec3d world = corner * mesh.transform * instance; finite(world)) all->push_back(world);
+    for (const Vec3f& corner : box.corners())
+      if (const Vec3d world = Vec3d(corner) * mesh.transform * instance; finite(world)) all->push_back(world);
 }
 
 // Camera axes of the three-quarter view: seen from 35 degrees to the right and 18 degrees above the front (+z).
@@ -142,10 +128,10 @@ Framed frame_points(const std::vector<Vec3d>& points, const Frustum& frustum) {
   const double low = -std::numeric_limits<double>::infinity();
   const double tangent[2] = {frustum.tan_x * kMargin, frustum.tan_y * kMargin};
   double plus[2] = {low, low}, minus[2] = {low, low};
-  Box box;
+  BoundsDouble box;
   for (const Vec3d& world : points) {
     const Vec3d p = world * to_camera;
-    box.add(p);
+    box.extend(p);
     for (int i = 0; i < 2; ++i) {
       plus[i] = std::max(plus[i], p[i] + tangent[i] * p.z);
       minus[i] = std::max(minus[i], -p[i] + tangent[i] * p.z);
@@ -156,9 +142,9 @@ Framed frame_points(const std::vector<Vec3d>& points, const Frustum& frustum) {
   if (!points.empty()) {
     const double needed_x = (plus[0] + minus[0]) / (2 * tangent[0]), needed_y = (plus[1] + minus[1]) / (2 * tangent[1]);
     position = {(plus[0] - minus[0]) / 2, (plus[1] - minus[1]) / 2, std::max(needed_x, needed_y)};
-    const double size = (box.high - box.low).length();
+    const double size = length(box.extent());
     if (!(size > 0)) position.z += 1;  // a single point is in view at any distance
-    framed.distance = position.z - (box.low.z + box.high.z) / 2;
+    framed.distance = position.z - box.center().z;
   } else {
     framed.distance = 3;
   }

@@ -33,8 +33,6 @@ Vec2f in_square(double x, double y) {
 }
 
 constexpr double kBlur = 0x1p-22;  // radians
-constexpr double kPiDouble = 3.14159265358979323846;
-
 // A parallelogram in the plane z = 0, centred at the origin, with edges x and y. The square covers twice its area.
 Chart parallelogram(const Vec3f& p, const Vec3d& x, const Vec3d& y) {
   const Vec3d origin(p);

@@ -14,8 +14,6 @@ namespace alabaster::testing {
 namespace {
 
 constexpr int kTests = 48;  // in this file
-constexpr double kPiDouble = 3.14159265358979323846;
-
 struct Plane {
   Vec3f p, n;
 };

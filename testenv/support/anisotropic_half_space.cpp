@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace alabaster::testing {
 namespace {
@@ -20,7 +21,7 @@ Quadrature gauss_legendre() {
   constexpr double n = kDirections;
   Quadrature q{};
   for (size_t i = 0; i < kDirections; ++i) {
-    double x = std::cos(3.14159265358979323846 * (static_cast<double>(i) + 0.75) / (n + 0.5)), slope = 1;
+    double x = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.75) / (n + 0.5)), slope = 1;
     for (int step = 0; step < 20; ++step) {
       double p = 1, previous = 0;
       for (int k = 1; k <= static_cast<int>(kDirections); ++k) {

@@ -26,7 +26,8 @@ void complete(Mesh* mesh) {
 
 Mesh box_mesh(const Vec3f& h) {
   Mesh mesh;
-  for (int i = 0; i < 8; ++i) mesh.points.emplace_back(i & 1 ? h.x : -h.x, i & 2 ? h.y : -h.y, i & 4 ? h.z : -h.z);
+  const auto corners = Bounds{-h, h}.corners();
+  mesh.points.assign(corners.begin(), corners.end());
   constexpr uint32_t kQuads[6][4] = {{2, 6, 7, 3}, {0, 1, 5, 4}, {0, 2, 3, 1},
                                      {4, 5, 7, 6}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   for (const auto& q : kQuads) {

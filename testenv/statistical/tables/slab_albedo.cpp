@@ -23,7 +23,7 @@ struct Obtained {
 /// The share of a white half-space's walks that is still inside after n events: (4/sqrt 3) / sqrt(pi n), from
 /// 1 - A -> (4/sqrt 3) sqrt(1 - alpha) by a Tauberian theorem.
 double white_walks_inside_after(double events) {
-  return 4 / std::sqrt(3 * 3.14159265358979323846 * events);
+  return 4 / std::sqrt(3 * kPiDouble * events);
 }
 
 Obtained obtain(Report& report, double complement, uint32_t seed) {

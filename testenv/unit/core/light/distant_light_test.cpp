@@ -28,7 +28,7 @@ TEST(DistantLight, FillsItsConeExactly) {
   for (float angle : {0.53f, 10.0f, 170.0f, 190.0f, 350.0f}) {
     const DistantLight light(distant(angle), Vec3d(0, 0, 0));
     for (float factor : {0.999f, 1.001f}) {
-      const double a = factor * angle / 2 * 3.14159265358979 / 180;
+      const double a = factor * angle / 2 * kPiDouble / 180;
       const Ray ray{{0, 0, 0}, Vec3f(Vec3d(std::sin(a), 0, std::cos(a)) * 3.0)};
       EXPECT_EQ(light.intersect(ray).has_value(), factor < 1) << angle;
     }
@@ -43,8 +43,8 @@ TEST(DistantLight, NormalizeDividesByTheSizeFactor) {
   for (float angle : {0.53f, 90.0f, 180.0f, 240.0f}) {
     LightDescription d = distant(angle);
     d.normalize = true;
-    const double s2 = std::pow(std::sin(angle * 3.14159265358979 / 360), 2);
-    const double factor = 3.14159265358979 * (angle <= 180 ? s2 : 2 - s2);
+    const double s2 = std::pow(std::sin(angle * kPiDouble / 360), 2);
+    const double factor = kPiDouble * (angle <= 180 ? s2 : 2 - s2);
     EXPECT_NEAR(DistantLight(d, Vec3d(0, 0, 0)).sample({0, 0, 0}, {0, 0})->radiance.r * factor, 1, 1e-6);
   }
 }
@@ -55,8 +55,8 @@ TEST(DistantLight, VeryNarrowConesAreDeltas) {
   d.intensity = 1e16f;
   const DistantLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.is_delta());
-  const double half = 0.5e-6 * 3.14159265358979 / 180;
-  EXPECT_NEAR(light.sample({0, 0, 0}, {0, 0})->radiance.r / (1e16 * 3.14159265358979 * half * half), 1, 1e-5);
+  const double half = 0.5e-6 * kPiDouble / 180;
+  EXPECT_NEAR(light.sample({0, 0, 0}, {0, 0})->radiance.r / (1e16 * kPiDouble * half * half), 1, 1e-5);
   EXPECT_FALSE(DistantLight(distant(1e-4f), Vec3d(0, 0, 0)).is_delta());
 }
 

@@ -30,8 +30,7 @@ TEST(DomeLight, OrientationIsOpenUsds) {
   const DomeLight light(dome(8, texels), Vec3d(0, 0, 0));
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 8; ++x) {
-      const double longitude = 3.14159265358979 * (1 - (x + 0.5) / 4),
-                   latitude = 3.14159265358979 * (0.5 - (y + 0.5) / 4);
+      const double longitude = kPiDouble * (1 - (x + 0.5) / 4), latitude = kPiDouble * (0.5 - (y + 0.5) / 4);
       const Vec3f w(Vec3d(std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                           std::cos(latitude) * std::cos(longitude)));
       EXPECT_NEAR(seen(light, w).r, x + 1, 1e-5);
@@ -66,7 +65,7 @@ TEST(DomeLight, PdfIsPositiveWhereverThereIsLight) {
   int lit = 0;
   for (int y = 0; y < 160; ++y)
     for (int x = 0; x < 320; ++x) {
-      const double theta = 3.14159265358979 * (y + 0.5) / 160, phi = 2 * 3.14159265358979 * (x + 0.5) / 320;
+      const double theta = kPiDouble * (y + 0.5) / 160, phi = 2 * kPiDouble * (x + 0.5) / 320;
       const auto hit = light.intersect(
           {{0, 0, 0}, Vec3f(Vec3d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)))});
       if (!hit) continue;

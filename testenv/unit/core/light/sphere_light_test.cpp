@@ -32,7 +32,7 @@ TEST(SphereLight, FarSpheresKeepTheirPrecision) {
     const auto s = SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, 100}, {0.5f, 0.5f});
     ASSERT_TRUE(s);
     const double q = static_cast<double>(ratio) * static_cast<double>(ratio);
-    EXPECT_NEAR(s->pdf * 3.14159265358979 * q * (1 + q / 4), 1, 1e-6) << ratio;
+    EXPECT_NEAR(s->pdf * kPiDouble * q * (1 + q / 4), 1, 1e-6) << ratio;
     EXPECT_NEAR(s->distance, 100 * (1 - ratio), 1);
   }
   // Just outside the surface: half of all directions.
@@ -76,7 +76,7 @@ TEST(SphereLight, NormalizeKeepsWhatItGives) {
 }
 
 float spot(float inner, float outer, float degrees) {
-  const double a = degrees * 3.14159265358979 / 180;
+  const double a = degrees * kPiDouble / 180;
   return SpotCone(inner, outer, Vec3d(0, 0, -1)).attenuation(Vec3d(std::sin(a), 0, -std::cos(a)));
 }
 
@@ -86,8 +86,8 @@ TEST(SpotCone, FollowsKhrLightsPunctual) {
   EXPECT_EQ(spot(20, 40, 19.9f), 1);
   EXPECT_EQ(spot(20, 40, 40.1f), 0);
   EXPECT_EQ(spot(20, 40, 180), 0);
-  const double ramp = (std::cos(30 * 3.14159265358979 / 180) - std::cos(40 * 3.14159265358979 / 180)) /
-                      (std::cos(20 * 3.14159265358979 / 180) - std::cos(40 * 3.14159265358979 / 180));
+  const double ramp = (std::cos(30 * kPiDouble / 180) - std::cos(40 * kPiDouble / 180)) /
+                      (std::cos(20 * kPiDouble / 180) - std::cos(40 * kPiDouble / 180));
   EXPECT_NEAR(spot(20, 40, 30), ramp * ramp, 1e-6);
   EXPECT_EQ(spot(180, 180, 180), 1) << "unshaped";
   EXPECT_EQ(spot(50, 40, 39.9f), 1) << "inner beyond outer: a hard edge";
@@ -133,7 +133,7 @@ TEST(SphereLight, ImportanceReachesAsFarAsTheSpotOfEveryPart) {
   d.cone_outer = 20;
   const SphereLight light(d, Vec3d(0, 0, 0));
   const auto at = [](double degrees) {
-    const double a = degrees * 3.14159265358979 / 180;
+    const double a = degrees * kPiDouble / 180;
     return Vec3f(Vec3d(std::sin(a), 0, -std::cos(a)));
   };
   EXPECT_NEAR(light.importance(at(0)), kPi / 4, 1e-6);

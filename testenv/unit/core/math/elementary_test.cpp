@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace alabaster {
 namespace {
@@ -20,7 +21,7 @@ TEST(QuickExp, IsRightToAFewUnitsOfTheLastPlace) {
 TEST(QuickSineCosine, IsRightAllTheWayAround) {
   for (int i = 0; i <= 100000; ++i) {
     const float u = static_cast<float>(i) * 1e-5f;
-    const double angle = 2 * 3.14159265358979323846 * static_cast<double>(u);
+    const double angle = 2 * std::numbers::pi * static_cast<double>(u);
     const SineCosine quick = quick_sine_cosine_turns(u);
     ASSERT_NEAR(quick.sine, std::sin(angle), 2e-7) << u;
     ASSERT_NEAR(quick.cosine, std::cos(angle), 2e-7) << u;

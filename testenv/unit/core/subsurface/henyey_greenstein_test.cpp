@@ -64,7 +64,7 @@ TEST(HenyeyGreenstein, PdfIsTheSamplersSlope) {
       const double dz = static_cast<double>(sample_henyey_greenstein({u - h, 0}, g).z) -
                         static_cast<double>(sample_henyey_greenstein({u + h, 0}, g).z);
       const double pdf = testing::pdf_henyey_greenstein(sample_henyey_greenstein({u, 0}, g).z, g);
-      EXPECT_NEAR(2 * h / dz / (2 * 3.14159265 * pdf), 1, 6e-3) << g << ' ' << u;
+      EXPECT_NEAR(2 * h / dz / (2 * kPiDouble * pdf), 1, 6e-3) << g << ' ' << u;
     }
 }
 

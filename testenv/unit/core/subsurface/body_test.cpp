@@ -1,0 +1,198 @@
+#include "core/subsurface/body.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+using testing::SceneBuilder;
+using testing::sphere_mesh;
+
+const Vec3f kAside = Vec3f(0.3f, 0.5f, 0.8f);
+
+Matrix4d placed(double x, double scale = 1) {
+  return Matrix4d().setScale(scale) * Matrix4d().setTranslation(Vec3d(x, 0, 0));
+}
+
+Mesh turned_inside_out(Mesh mesh) {
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+// Too many sheets through the whole of it for a distance grid.
+Mesh heap_of_sheets() {
+  Mesh mesh;
+  mesh.points = {{-1, -1, -1}, {1, 1, -1}, {-1, 1, 1}};
+  mesh.triangles.assign(2000, {0, 1, 2});
+  for (const Vec3f& p : mesh.points) mesh.bounds.extend(p);
+  return mesh;
+}
+
+// Meshes that scatter as one body, or alone if there is one only.
+class Bodies {
+ public:
+  explicit Bodies(float scatter_distance = 0.01f) {
+    DisneyParameters wax;
+    wax.scatter_distance = Rgb(scatter_distance);
+    wax_ = builder_.material(wax);
+  }
+  Bodies& add(const std::shared_ptr<const MeshPrototype>& prototype, const Matrix4d& to_world = Matrix4d()) {
+    builder_.add(prototype, wax_, to_world);
+    return *this;
+  }
+  Bodies& add(Mesh mesh, const Matrix4d& to_world = Matrix4d()) {
+    return add(builder_.prototype(std::move(mesh)), to_world);
+  }
+  const SubsurfaceBody& body() {
+    auto& instances = builder_.description.instances;
+    if (instances.size() > 1)
+      for (InstanceDescription& d : instances) d.subsurface_set = "one";
+    snapshot_ = builder_.snapshot();
+    return *snapshot_->instances[0].body;
+  }
+  /// World to render space; after body().
+  Vec3f rendered(const Vec3d& world) const { return Vec3f(world - snapshot_->origin); }
+  const SceneSnapshot& snapshot() const { return *snapshot_; }
+
+ private:
+  SceneBuilder builder_;
+  std::shared_ptr<const DisneyMaterial> wax_;
+  std::shared_ptr<const SceneSnapshot> snapshot_;
+};
+
+// At the middle of a triangle, from outside.
+SubsurfaceEntry entry_of(const SceneSnapshot& scene, uint32_t instance, uint32_t triangle) {
+  const Instance& i = scene.instances[instance];
+  SubsurfaceEntry entry;
+  entry.member = i.member;
+  entry.triangle = {.t = 0, .u = 0.3f, .v = 0.3f, .triangle = triangle};
+  entry.hit = surface_hit(i.prototype->mesh, entry.triangle, i.object_to_world, i.world_to_object);
+  return entry;
+}
+
+TEST(SubsurfaceBody, LeavesALoneObjectOutwardsHoweverItIsWoundOrMirrored) {
+  for (const Mesh& mesh : {sphere_mesh(1, 8, false), turned_inside_out(sphere_mesh(1, 8, false))})
+    for (const double scale : {2.0, -2.0}) {
+      Bodies b;
+      const SubsurfaceBody& body = b.add(mesh, placed(7, scale)).body();
+      ASSERT_FALSE(body.is_union());
+      for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Vec3f outward = entry_of(b.snapshot(), 0, t).hit.p - b.rendered({7, 0, 0});
+        EXPECT_TRUE(body.leaves(0, t, outward));
+        EXPECT_FALSE(body.leaves(0, t, -outward));
+      }
+    }
+}
+
+TEST(SubsurfaceBody, BelowALoneObjectIsJustInsideItsMesh) {
+  Bodies b;
+  const SubsurfaceBody& body = b.add(sphere_mesh(1, 8, false), placed(1e4, 3)).body();
+  for (uint32_t t = 0; t < b.snapshot().instances[0].prototype->mesh.triangles.size(); ++t) {
+    const SubsurfaceEntry entry = entry_of(b.snapshot(), 0, t);
+    const float depth = dot(entry.hit.p_object - body.below(entry), entry.hit.ng_object);
+    EXPECT_GT(depth, 0);
+    EXPECT_LT(depth, 1e-4f);
+  }
+  const Vec3f p(0.25f, -0.5f, 0.125f);
+  EXPECT_NEAR(length(body.to_walk_space(0, body.members[0].to_body.point(p)) - p), 0, 1e-5);
+}
+
+TEST(SubsurfaceBody, BelowAUnionIsJustInsideTheMemberThatIsEntered) {
+  Bodies b;
+  const auto sphere = SceneBuilder().prototype(sphere_mesh(1, 8, false));
+  const SubsurfaceBody& body = b.add(sphere, placed(1000)).add(sphere, placed(1001.5, 2)).body();
+  ASSERT_TRUE(body.is_union());
+  for (const uint32_t instance : {0u, 1u})
+    for (uint32_t t = 0; t < sphere->mesh.triangles.size(); ++t) {
+      const SubsurfaceEntry entry = entry_of(b.snapshot(), instance, t);
+      const Vec3f below = body.below(entry);
+      const float depth = dot(body.to_walk_space(entry.member, entry.hit.p) - below, entry.hit.ng);
+      EXPECT_GT(depth, 0);
+      EXPECT_LT(depth, 1e-4f);
+      EXPECT_TRUE(body.contains_in_body_space(below, kAside, nullptr));
+    }
+}
+
+// Spheres about 0 and 1.5, the second turned inside out; and a plane that contains nothing.
+TEST(SubsurfaceBody, AUnionContainsWhatAnyClosedShellDoes) {
+  Bodies b;
+  const Mesh sphere = sphere_mesh(1, 16, false);
+  b.add(sphere).add(turned_inside_out(sphere), placed(1.5)).add(testing::plane_mesh(9));
+  const SubsurfaceBody& body = b.body();
+  const auto contained = [&](double x, double y) { return body.contains(b.rendered({x, y, 0.1}), kAside); };
+  EXPECT_TRUE(contained(-0.5, 0));
+  EXPECT_TRUE(contained(0.75, 0)) << "in both";
+  EXPECT_TRUE(contained(2, 0));
+  EXPECT_FALSE(contained(0.75, 0.9)) << "between them, within the bounds";
+  EXPECT_FALSE(contained(4, -0.1)) << "behind the plane";
+  // Just left of the first sphere, all that counts is the second.
+  const Vec3f inside = b.rendered({-0.5, 0, 0.1}) - body.origin;
+  EXPECT_FALSE(body.contains_in_body_space(inside, kAside, &body.members[0]));
+}
+
+TEST(SubsurfaceBody, AUnionCrossesTheSurfaceThatWasHit) {
+  Bodies b;
+  const Mesh sphere = sphere_mesh(1, 16, false);
+  const SubsurfaceBody& body = b.add(sphere).add(turned_inside_out(sphere), placed(3)).body();
+  for (const double x : {0.0, 3.0}) {
+    TriangleHit hit;
+    const Vec3f from = b.rendered({x + 0.1, 0.2, 8}) - body.origin, direction(0, 0, -1);
+    ASSERT_TRUE(body.scene->intersect({from, direction}, &hit));
+    const Crossed in = body.cross(hit, direction);
+    EXPECT_FALSE(in.leaves);
+    EXPECT_TRUE(body.contains_in_body_space(in.beyond, direction, nullptr));
+    ASSERT_TRUE(body.scene->intersect({in.beyond, direction}, &hit));
+    const Crossed out = body.cross(hit, direction);
+    EXPECT_TRUE(out.leaves);
+    EXPECT_FALSE(body.contains_in_body_space(out.beyond, direction, nullptr));
+  }
+}
+
+TEST(SubsurfaceBody, ManyMembersHaveNoGrids) {
+  const auto sphere = SceneBuilder().prototype(sphere_mesh(1, 8, false));
+  const auto body_of = [&](int members) {
+    Bodies b;
+    for (int i = 0; i < members; ++i) b.add(sphere, placed(3 * i));
+    const SubsurfaceBody& body = b.body();
+    EXPECT_TRUE(body.members.back().room_for_spheres);
+    return std::count_if(body.members.begin(), body.members.end(), [](const auto& m) { return m.distances; });
+  };
+  EXPECT_EQ(body_of(16), 16);
+  EXPECT_EQ(body_of(17), 0);
+}
+
+// A sphere step must keep clear of every member.
+TEST(SubsurfaceBody, NoMemberHasAGridWhereOneCanHaveNone) {
+  Bodies b;
+  const SubsurfaceBody& body = b.add(sphere_mesh(1, 8, false)).add(heap_of_sheets()).body();
+  EXPECT_TRUE(body.members[0].room_for_spheres);
+  EXPECT_FALSE(body.bounds_distances());
+  for (const SubsurfaceBody::Member& m : body.members) EXPECT_FALSE(m.distances);
+}
+
+// The grid of the sphere is kept with its mesh even so, and counts.
+TEST(SubsurfaceBody, AGridThatNobodyUsesCountsInTheScenesMemory) {
+  const auto bytes_of = [&](float scatter_distance) {
+    Bodies b(scatter_distance);
+    b.add(sphere_mesh(1, 8, false)).add(heap_of_sheets()).body();
+    return b.snapshot().memory_bytes;
+  };
+  EXPECT_GE(bytes_of(0.01f), bytes_of(1) + 100 * 100 * 100);
+}
+
+TEST(MeshInterior, CountsWhatHasBeenBuilt) {
+  const auto plane = SceneBuilder().prototype(testing::plane_mesh(1));
+  const MeshInterior& interior = plane->interior;
+  EXPECT_EQ(interior.memory_bytes(), 0u);
+  const size_t flags = plane->shells().triangle_flags.size();
+  EXPECT_EQ(flags, plane->mesh.triangles.size()) << "an open mesh has flags";
+  EXPECT_EQ(interior.memory_bytes(), flags);
+  const DistanceGrid* grid = interior.distances(plane->mesh);
+  ASSERT_TRUE(grid);
+  EXPECT_EQ(interior.memory_bytes(), flags + grid->memory_bytes());
+}
+
+}  // namespace
+}  // namespace alabaster
