@@ -39,7 +39,7 @@ struct FilmSample {
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
 };
 
-/// A sample's color, split by how the light left the first surface. The layers add up to color but for float rounding.
+/// A sample's colour, split by how the light left the first surface. The layers add up to color but for float rounding.
 struct LightLayers {
   Rgb diffuse{0.0f};      // scattered by the diffuse and sheen lobes
   Rgb specular{0.0f};     // scattered by the specular and clearcoat lobes

@@ -24,4 +24,13 @@ std::span<const SettingParameter> setting_parameters() {
   return kTable;
 }
 
+IntegratorSettings integrator_settings(const RenderSettings& s) {
+  const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
+  IntegratorSettings out{s.max_depth, s.roulette_depth, s.subsurface, s.inversion, {}};
+  out.walk.weights = s.walk_weights;
+  out.walk.guiding = shortcuts && s.walk_guiding;
+  out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
+  return out;
+}
+
 }  // namespace alabaster

@@ -1,3 +1,7 @@
+// The settings of a render, and the part of them that paths read.
+//
+// Plain values: how to render, nothing of what. A default of render_settings.h is the default of the schema; hosts set
+// values by the names of setting_parameters(), which says the ranges that they are clamped to.
 #pragma once
 
 #include <cstdint>
@@ -32,5 +36,8 @@ struct RenderSettings {
 using SettingParameter = Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, WalkWeights, PixelFilter>;
 /// schemas/render_settings.json.
 std::span<const SettingParameter> setting_parameters();
+
+/// The reference mode takes no shortcut, whatever the settings of walks say.
+IntegratorSettings integrator_settings(const RenderSettings& settings);
 
 }  // namespace alabaster

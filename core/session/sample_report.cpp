@@ -9,7 +9,7 @@ namespace {
 
 std::string color_line(const SampleAddress& at, const Rgb& color) {
   char text[128];
-  std::snprintf(text, sizeof text, "sample %u of pixel %d,%d: color (%.9g %.9g %.9g)\n", at.sample, at.x, at.y,
+  std::snprintf(text, sizeof text, "sample %u of pixel %d,%d: colour (%.9g %.9g %.9g)\n", at.sample, at.x, at.y,
                 double(color.r), double(color.g), double(color.b));
   return text;
 }
@@ -18,7 +18,7 @@ class SampleReporter {
  public:
   explicit SampleReporter(const RenderRequest& request) : request_(request), renderer_(request) {}
 
-  /// The color of every sample of the pixel; answers the first that fails a check, else the first that is not finite,
+  /// The colour of every sample of the pixel; answers the first that fails a check, else the first that is not finite,
   /// else the brightest.
   SampleAddress list_samples(int x, int y) {
     SampleAddress brightest{x, y, 0};

@@ -1,28 +1,12 @@
 #include "core/session/tile_renderer.h"
 
-#include "core/sampling/pixel_sampler.h"
+#include "core/diagnostics/check.h"
 
 namespace alabaster {
-namespace {
 
-IntegratorSettings integrator_settings(const RenderSettings& s) {
-  IntegratorSettings out;
-  out.max_depth = s.max_depth;
-  out.roulette_depth = s.roulette_depth;
-  out.subsurface = s.subsurface;
-  out.inversion = s.inversion;
-  out.walk.weights = s.walk_weights;
-  const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
-  out.walk.guiding = shortcuts && s.walk_guiding;
-  out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
-  return out;
-}
-
-}  // namespace
-
-SampleFailure::SampleFailure(const CheckFailure& failure, const SampleAddress& where)
-    : CheckFailure(std::string(failure.what()) + " in sample " + std::to_string(where.sample) + " of pixel " +
-                   std::to_string(where.x) + "," + std::to_string(where.y)),
+SampleFailure::SampleFailure(const std::string& failure, const SampleAddress& where)
+    : std::logic_error(failure + " in sample " + std::to_string(where.sample) + " of pixel " + std::to_string(where.x) +
+                       "," + std::to_string(where.y)),
       at(where) {}
 
 TileRenderer::TileRenderer(const RenderRequest& request)
@@ -34,11 +18,14 @@ TileRenderer::TileRenderer(const RenderRequest& request)
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
+  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, layers, record);
+}
+
+FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
+                                      LightLayers* layers, PathRecord* record) const {
   // Place the sample in the pixel's filter and on the lens.
-  const RenderSettings& settings = request_.settings;
-  const PixelSampler sampler(pixel_seed(at.x, at.y, settings.frame, settings.seed), at.sample);
   const auto u = sampler.draw(Dimension::film_lens, 0);
-  const Vec2f offset = sample_pixel_filter(settings.filter, {u[0], u[1]});
+  const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
   const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
 
   // Trace its path.
@@ -48,7 +35,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* c
   try {
     result = trace_path_(context, ray, sampler);
   } catch (const CheckFailure& failure) {
-    throw SampleFailure(failure, at);
+    throw SampleFailure(failure.what(), at);
   }
   ++counters->samples;
 
@@ -60,33 +47,6 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* c
     *layers = {};
   }
   return result;
-}
-
-bool TileRenderer::render(const TileSamples& samples, const std::function<bool()>& may_go_on, FilmTile* tile,
-                          RenderCounters* counters) const {
-  const PixelRect& window = request_.data_window;
-  const PixelRect& rect = samples.rect;
-  LightLayers layers;
-  size_t pixel = 0;  // in the tile
-  for (int y = rect.y0; y < rect.y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
-      // Skip pixels whose group has ended.
-      if (!(samples.groups >> pixel_group(x, y) & 1)) continue;
-
-      // Take the pixel's share of the range, in sample order.
-      const size_t in_window =
-          static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
-      const uint64_t rays_before = counters->rays();
-      const uint32_t end = samples.allocation.samples(in_window, samples.range.end);
-      for (uint32_t s = samples.allocation.samples(in_window, samples.range.begin); s < end; ++s) {
-        if (!may_go_on()) return false;
-        tile->add(pixel, trace_sample({x, y, s}, counters, &layers), has_layers_ ? &layers : nullptr);
-      }
-
-      // Count what the pixel cost.
-      if (samples.rays) (*samples.rays)[in_window] += static_cast<uint32_t>(counters->rays() - rays_before);
-    }
-  return true;
 }
 
 }  // namespace alabaster

@@ -3,14 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "core/camera/camera.h"
 #include "core/convergence/pixel_group.h"
 #include "core/convergence/sample_allocation.h"
-#include "core/diagnostics/check.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/integrator/path_integrator.h"
@@ -40,8 +40,8 @@ struct TileSamples {
 };
 
 /// A failed check, and the sample that failed it.
-struct SampleFailure : CheckFailure {
-  SampleFailure(const CheckFailure& failure, const SampleAddress& where);
+struct SampleFailure : std::logic_error {
+  SampleFailure(const std::string& failure, const SampleAddress& where);
   SampleAddress at;
 };
 
@@ -51,23 +51,56 @@ class TileRenderer {
   /// `request` must outlive the renderer.
   explicit TileRenderer(const RenderRequest& request);
 
-  /// Traces one camera sample. The result depends on its address and the request alone. A color that is not finite is
+  /// Traces one camera sample. The result depends on its address and the request alone. A colour that is not finite is
   /// counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs; then the path is
   /// written to `record`, too, unless that is null. A check that fails throws a SampleFailure.
   FilmSample trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                           PathRecord* record = nullptr) const;
 
-  /// Adds the samples to `tile`, which must hold all earlier ones. `may_go_on` is called before each sample. False: it
+  /// Adds the samples to `tile`, which must hold all earlier ones. `may_go_on()` is asked before each sample. False: it
   /// returned false, and some pixels lack their samples.
-  bool render(const TileSamples& samples, const std::function<bool()>& may_go_on, FilmTile* tile,
-              RenderCounters* counters) const;
+  template <class MayGoOn>
+  bool render(const TileSamples& samples, const MayGoOn& may_go_on, FilmTile* tile, RenderCounters* counters) const;
 
  private:
+  uint32_t seed_of(int x, int y) const { return pixel_seed(x, y, request_.settings.frame, request_.settings.seed); }
+  FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
+                          LightLayers* layers, PathRecord* record) const;
+
   const RenderRequest& request_;
   Camera camera_;
   IntegratorSettings integrator_settings_;
   bool has_layers_;
   PathIntegrator trace_path_;
 };
+
+template <class MayGoOn>
+bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, FilmTile* tile,
+                          RenderCounters* counters) const {
+  const PixelRect& window = request_.data_window;
+  const PixelRect& rect = samples.rect;
+  LightLayers layers;
+  size_t pixel = 0;  // in the tile
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
+      // Skip pixels whose group has ended.
+      if (!(samples.groups >> pixel_group(x, y) & 1)) continue;
+
+      // Take the pixel's share of the range, in sample order.
+      const size_t in_window =
+          static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
+      const uint64_t rays_before = counters->rays();
+      const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.range.end);
+      for (uint32_t s = samples.allocation.samples(in_window, samples.range.begin); s < end; ++s) {
+        if (!may_go_on()) return false;
+        tile->add(pixel, trace_sample({x, y, s}, {seed, s}, counters, &layers, nullptr),
+                  has_layers_ ? &layers : nullptr);
+      }
+
+      // Count what the pixel cost.
+      if (samples.rays) (*samples.rays)[in_window] += static_cast<uint32_t>(counters->rays() - rays_before);
+    }
+  return true;
+}
 
 }  // namespace alabaster

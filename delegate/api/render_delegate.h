@@ -80,7 +80,7 @@ class ALABASTER_API RenderDelegate {
   /// Commands: "dumpScene" -> string (stable text of the translated scene), "requirements" -> string (what the
   /// committed snapshot requires, and why), "tracePixel" {x, y, and optionally sample} -> string (the path of a sample
   /// of the frame that Execute drew last, vertex by vertex, traced with that frame's random numbers; without a sample,
-  /// the color of each of the pixel's samples and the path of the first that is not finite, else of the brightest;
+  /// the colour of each of the pixel's samples and the path of the first that is not finite, else of the brightest;
   /// pixels of the data window, y down; empty before the first frame). Unknown: empty value.
   virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };

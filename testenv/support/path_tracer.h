@@ -15,7 +15,7 @@ class PathTracer {
   PathTracer(std::shared_ptr<const SceneSnapshot> scene, const Vec3d& eye)
       : scene_(std::move(scene)), camera_(look_at(eye, {0, 0, 0}, 30), 1, 1, scene_->origin) {}
 
-  IntegratorSettings settings = render_defaults();
+  IntegratorSettings settings = integrator_settings({});
   uint32_t aovs = aov_bit(Aov::color);
   RenderCounters counters;
 
@@ -27,11 +27,6 @@ class PathTracer {
   }
 
  private:
-  static IntegratorSettings render_defaults() {
-    const RenderSettings s;
-    return {s.max_depth, s.roulette_depth, s.subsurface, s.inversion, WalkSettings()};
-  }
-
   static constexpr uint32_t kPixelSeed = 20;
   std::shared_ptr<const SceneSnapshot> scene_;
   Camera camera_;

@@ -1,5 +1,9 @@
 #include "core/session/render_session.h"
 
+#if defined(CHECK) || defined(DCHECK)
+#error "a program may have macros of these names"
+#endif
+
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 

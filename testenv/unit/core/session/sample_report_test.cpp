@@ -42,7 +42,7 @@ TEST(SampleReport, ARecordedPathHasTheColorOfTheFrames) {
   for (const SampleAddress at : {SampleAddress{8, 8, 0}, {8, 8, 5}, {3, 9, 2}, {0, 0, 1}}) {
     const Rgb color = renderer.trace_sample(at, &counters, &layers).color;
     char last[128];
-    std::snprintf(last, sizeof last, "sample %u of pixel %d,%d: color (%.9g %.9g %.9g)\n", at.sample, at.x, at.y,
+    std::snprintf(last, sizeof last, "sample %u of pixel %d,%d: colour (%.9g %.9g %.9g)\n", at.sample, at.x, at.y,
                   double(color.r), double(color.g), double(color.b));
     const std::string text = report_sample(request, at.x, at.y, at.sample);
     EXPECT_TRUE(text.ends_with(last)) << text << last;
@@ -65,7 +65,7 @@ TEST(SampleReport, WithoutASampleAllAreListedAndTheBrightestIsFollowed) {
   SceneBuilder b;
   const RenderRequest request = wax_ball(&b);
   const std::string text = report_sample(request, 8, 8, std::nullopt);
-  EXPECT_EQ(count(text, "of pixel 8,8: color ("), request.settings.samples + 1u);
+  EXPECT_EQ(count(text, "of pixel 8,8: colour ("), request.settings.samples + 1u);
   const TileRenderer renderer(request);
   RenderCounters counters;
   LightLayers layers;

@@ -26,10 +26,10 @@ TEST_F(PixelTest, PrintsThePathOfTheSampleThatTheFrameTakes) {
   EXPECT_NE(text.find("ends: "), std::string::npos) << text;
 
   // The colour is the frame's.
-  const size_t line = text.find("sample 0 of pixel 8,6: color (");
+  const size_t line = text.find("sample 0 of pixel 8,6: colour (");
   ASSERT_NE(line, std::string::npos) << text;
   float told[3] = {-1, -1, -1};
-  ASSERT_EQ(std::sscanf(text.c_str() + line, "sample 0 of pixel 8,6: color (%f %f %f)", told, told + 1, told + 2), 3);
+  ASSERT_EQ(std::sscanf(text.c_str() + line, "sample 0 of pixel 8,6: colour (%f %f %f)", told, told + 1, told + 2), 3);
   const auto input = OIIO::ImageInput::open((folder_ / "a.exr").string());
   ASSERT_TRUE(input);
   std::vector<float> image(16 * 12 * static_cast<size_t>(input->spec().nchannels));
@@ -45,7 +45,7 @@ TEST_F(PixelTest, NamesThePrimsThatThePathMeets) {
   ASSERT_EQ(program.wait(), 0) << program.err();
   const std::string text = program.out();
   for (int s = 0; s < 8; ++s)
-    EXPECT_NE(text.find("sample " + std::to_string(s) + " of pixel 8,6: color ("), std::string::npos) << text;
+    EXPECT_NE(text.find("sample " + std::to_string(s) + " of pixel 8,6: colour ("), std::string::npos) << text;
   EXPECT_NE(text.find("primId 0 is /"), std::string::npos) << text;
 }
 
