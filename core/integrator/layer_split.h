@@ -21,24 +21,25 @@ struct LayerSplit {
   Rgb local_diffuse{0.0f}, local_specular{0.0f};  // scattered at the vertex itself, gathered so far
   Rgb gathered{0.0f};                             // the path's radiance when it left the vertex
   Rgb specular_share{0.0f};                       // of f in the direction that it left in
-  bool below = false;                             // it left into the body
-  uint32_t events = 0;                            // scattering events in the body
+  bool went_on = false;                           // it left from the surface
+  LightLayers below;                              // what its walks brought out
 
   void add_local(const Rgb& light, const Rgb& share) {
     local_specular += light * share;
     local_diffuse += light - light * share;
   }
 
+  /// Light of one path that went below the surface, and the scattering events of its walk.
+  void add_below(const Rgb& light, uint32_t events) {
+    (events == 0 ? below.unscattered : events == 1 ? below.single : below.multiple) += light;
+  }
+
   /// `radiance`: all light of the finished path.
   LightLayers finish(const Rgb& radiance) {
-    LightLayers layers;
+    LightLayers layers = below;
     layers.emission = scattered ? emission : radiance;
     if (!scattered) return layers;
-    const Rgb later = radiance - gathered;
-    if (below)
-      (events == 0 ? layers.unscattered : events == 1 ? layers.single : layers.multiple) = later;
-    else
-      add_local(later, specular_share);
+    if (went_on) add_local(radiance - gathered, specular_share);
     layers.diffuse = local_diffuse;
     layers.specular = local_specular;
     return layers;

@@ -96,21 +96,52 @@ bool survives(const PathContext& context, float u, PathState* path) {
   return false;
 }
 
-// Continues a path that came to the vertex through the medium: the surface has no lobes on that side.
-template <SubsurfaceMode kMode, bool kLayers>
-bool scatter_within(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
-                    LayerSplit* split) {
-  const bool splits = kLayers && path->depth == 0;
-  if (splits) split->emission = split->gathered = path->radiance, split->scattered = true;
-  const float u_roulette = sampler.draw(Dimension::bsdf, path->depth)[3];
-  const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, true, path);
-  if (splits) split->below = true, split->events = path->walk_events;
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
+void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
+                 LayerSplit* split);
+
+// Paths that a path becomes where it goes below the surface that the camera sees. The camera's ray and the surface's
+// own lobes give little of the noise there, and a walk gives much. More than two gain nothing on the bundled scenes
+// (testenv/benchmark/results/sampling.md).
+constexpr uint32_t kWalksPerSample = 2;
+
+// Splits the path at the first surface into paths that go below it, each with its share of the light.
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
+void split_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
+                         PathState* path, LayerSplit* split) {
+  for (uint32_t i = 0; i < kWalksPerSample; ++i) {
+    const PixelSampler branch_sampler = sampler.of_branch(i, kWalksPerSample);
+    if (PathRecord* record = record_of<kLayers>(context)) record->branch(i, kWalksPerSample);
+    PathState branch = *path;
+    branch.radiance = Rgb(0.0f);
+    if (scatter_below_surface<kMode>(context, branch_sampler, v, within, &branch)) {
+      ++branch.depth;
+      if (kMode == SubsurfaceMode::automatic) branch.footprint.scatter(branch.scatter_pdf);
+      const float u_roulette = branch_sampler.draw(Dimension::bsdf, 0)[3];
+      if (survives<kLayers>(context, u_roulette, &branch))
+        follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
+    }
+    const Rgb share = branch.radiance * (1 / static_cast<float>(kWalksPerSample));
+    path->radiance += share;
+    if (kLayers) split->add_below(share, branch.walk_events);
+  }
+}
+
+// Continues below the surface. `within`: the path came to the vertex through the medium.
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
+bool continue_below(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
+                    PathState* path, LayerSplit* split) {
+  if (path->depth == 0) {
+    split_below_surface<kMode, kMeshLights, kLayers>(context, sampler, v, within, path, split);
+    return false;
+  }
+  const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, within, path);
   ++path->depth;
-  return goes_on && survives<kLayers>(context, u_roulette, path);
+  return goes_on && survives<kLayers>(context, sampler.draw(Dimension::bsdf, path->depth - 1)[3], path);
 }
 
 // Samples direct light and the next direction at the vertex. False: the path ends.
-template <SubsurfaceMode kMode, bool kLayers>
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
              LayerSplit* split) {
   // Evaluate the BSDF's parameters for the viewer's direction.
@@ -148,26 +179,69 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   if (!sample) return false;
 
   // Continue below the surface if the subsurface lobe was chosen, else from it.
-  bool goes_on = true;
   if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
-    goes_on = scatter_below_surface<kMode>(context, sampler, v, false, path);
-    if (splits) split->below = true, split->events = path->walk_events;
-  } else {
-    scatter_at_surface(context, v, *sample, path);
-    if (splits) split->specular_share = share_of(specular, sample->f);
+    return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
   }
+  scatter_at_surface(context, v, *sample, path);
+  if (splits) split->specular_share = share_of(specular, sample->f), split->went_on = true;
   ++path->depth;
-  return goes_on && survives<kLayers>(context, u[3], path);
+  return survives<kLayers>(context, u[3], path);
 }
 
-template <SubsurfaceMode kMode, bool kLayers>
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
                    LayerSplit* split) {
   // A diffusion profile has no way through the medium, only ways into it.
   if constexpr (kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic)
-    if (is_within_medium(v, *path)) return scatter_within<kMode, kLayers>(context, sampler, v, path, split);
-  return scatter<kMode, kLayers>(context, sampler, v, path, split);
+    if (is_within_medium(v, *path)) {
+      // The surface has no lobes on that side.
+      if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
+      return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
+    }
+  return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, path, split);
+}
+
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
+void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
+                 LayerSplit* split) {
+  PathRecord* const record = record_of<kLayers>(context);
+  while (true) {
+    // Trace the path's ray to the nearest surface.
+    if (record) record->follow(path->ray, path->throughput, path->scatter_pdf);
+    ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
+    TriangleHit hit;
+    const bool found = intersect(context, path->ray, &hit);
+    if (found) path->ray.tmax = hit.t;
+
+    // Add emission of lights without geometry; of infinite lights only if the ray escaped.
+    const Rgb met = path->throughput * analytic_light_emission(context, *path, !found);
+    path->radiance += met;
+    if (record) record->meet_light(met);
+    if (record && !found) record->end("the ray meets no surface");
+    if (!found) return;
+
+    // Find the surface and the material at the vertex.
+    PathVertex vertex = make_vertex(context, path->ray, hit);
+    if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
+    if (kMode == SubsurfaceMode::lambert)
+      vertex.material.scatter_distance = Rgb(0.0f);
+    else if (vertex.material.scatters())
+      drop_unresolved_distances(&vertex);
+
+    // Add the surface's emission and record the first hit; end at the depth limit.
+    const Rgb before = path->radiance;
+    if (kMeshLights) add_mesh_emission(context, vertex, hit, path);
+    if (kMeshLights && record) record->meet_light(path->radiance - before);
+    if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
+    if (record && path->depth >= context.settings.max_depth) record->end("maxDepth");
+    if (path->depth >= context.settings.max_depth) return;
+    if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
+
+    // Sample direct light and the next ray, at the surface or below it.
+    if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, path, split)) return;
+    if (kMode == SubsurfaceMode::automatic) path->footprint.scatter(path->scatter_pdf);
+  }
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
@@ -178,43 +252,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   path.ray = camera_ray;
   if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
-  PathRecord* const record = record_of<kLayers>(context);
-  while (true) {
-    // Trace the path's ray to the nearest surface.
-    if (record) record->follow(path.ray, path.throughput, path.scatter_pdf);
-    ++(path.depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
-    TriangleHit hit;
-    const bool found = intersect(context, path.ray, &hit);
-    if (found) path.ray.tmax = hit.t;
-
-    // Add emission of lights without geometry; of infinite lights only if the ray escaped.
-    const Rgb met = path.throughput * analytic_light_emission(context, path, !found);
-    path.radiance += met;
-    if (record) record->meet_light(met);
-    if (record && !found) record->end("the ray meets no surface");
-    if (!found) break;
-
-    // Find the surface and the material at the vertex.
-    PathVertex vertex = make_vertex(context, path.ray, hit);
-    if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (kMode == SubsurfaceMode::lambert)
-      vertex.material.scatter_distance = Rgb(0.0f);
-    else if (vertex.material.scatters())
-      drop_unresolved_distances(&vertex);
-
-    // Add the surface's emission and record the first hit; end at the depth limit.
-    const Rgb before = path.radiance;
-    if (kMeshLights) add_mesh_emission(context, vertex, hit, &path);
-    if (kMeshLights && record) record->meet_light(path.radiance - before);
-    if (path.depth == 0) record_first_hit(context, vertex, hit, &out);
-    if (record && path.depth >= context.settings.max_depth) record->end("maxDepth");
-    if (path.depth >= context.settings.max_depth) break;
-    if (kMode == SubsurfaceMode::automatic) path.footprint.travel(hit.t);
-
-    // Sample direct light and the next ray, at the surface or below it.
-    if (!continue_path<kMode, kLayers>(context, sampler, vertex, &path, kLayers ? &split : nullptr)) break;
-    if (kMode == SubsurfaceMode::automatic) path.footprint.scatter(path.scatter_pdf);
-  }
+  follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);
 
   // Sort the light into layers; a backdrop that the camera sees is part of the picture.
   out.color = path.radiance;

@@ -102,6 +102,12 @@ void PathRecord::leave_body(const Instance& instance, const TriangleHit& triangl
   line(2, "leaves the body at " + surface(instance, triangle, hit) + ", throughput " + three(throughput));
 }
 
+void PathRecord::branch(uint32_t index, uint32_t count) {
+  if (index == 0) vertices_before_split_ = vertices_;
+  vertices_ = vertices_before_split_;
+  line(0, format("walk %u of %u, which counts 1/%u:", index + 1, count, count));
+}
+
 void PathRecord::end(const char* reason) {
   write_walk();
   line(0, std::string("ends: ") + reason);

@@ -31,6 +31,8 @@ class PathRecord {
   /// For RandomWalk, which writes its steps there; leave_body() writes them down.
   WalkRecord* walk() { return &walk_; }
   void leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Rgb& throughput);
+  /// The path splits: what follows belongs to path `index` of `count`, whose light counts 1 / count.
+  void branch(uint32_t index, uint32_t count);
   void end(const char* reason);
 
   const std::string& text() const { return text_; }
@@ -45,7 +47,7 @@ class PathRecord {
   Vec3d origin_;
   std::string text_;
   WalkRecord walk_;
-  int vertices_ = 0;
+  int vertices_ = 0, vertices_before_split_ = 0;
   bool light_is_open_ = false;  // a sampled light may still arrive
 };
 

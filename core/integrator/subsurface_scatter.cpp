@@ -34,16 +34,17 @@ SubsurfaceEntry entry_at(const PathVertex& v, bool within, const PathState& path
 template <SubsurfaceMode kMode>
 std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampler& sampler,
                                     const SubsurfaceEntry& entry, const SubsurfaceBody& body, const PathState& path) {
-  SubsurfaceNumbers numbers{sampler.draw(Dimension::subsurface, path.depth),
-                            sampler.stream(Dimension::subsurface, path.depth)};
-  if constexpr (kMode == SubsurfaceMode::diffusion)
+  if constexpr (kMode == SubsurfaceMode::diffusion) {
+    SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path.depth);
     return NormalizedDiffusion{}.carry(body, entry, numbers, context.counters);
+  }
   if (kMode == SubsurfaceMode::automatic && !entry.within) {
     // The rung has numbers of its own: the walk must not depend on the choice.
-    SubsurfaceNumbers rung{sampler.draw(Dimension::subsurface_rung, path.depth), numbers.rng};
+    SubsurfaceNumbers rung(sampler, Dimension::subsurface_rung, path.depth);
     const LambertLimit limit{context.settings.inversion, path.footprint.cone.width};
     if (const auto exit = limit.carry(body, entry, rung, context.counters)) return exit;
   }
+  SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path.depth);
   return RandomWalk{context.settings.walk, context.record ? context.record->walk() : nullptr}.carry(
       body, entry, numbers, context.counters);
 }

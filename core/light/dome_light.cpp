@@ -77,7 +77,6 @@ void DomeLight::build_distribution() {
 }
 
 Rgb DomeLight::lookup(double longitude_turns, double colatitude_turns) const {
-  if (!texture_) return scale_;
   const double x = longitude_turns * width_ - 0.5, y = colatitude_turns * height_ - 0.5;
   const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
   const auto fx = static_cast<float>(x - column), fy = static_cast<float>(y - row);
@@ -93,15 +92,9 @@ float DomeLight::pdf_of_cell(double pdf_uv, int row) const {
 }
 
 std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
-  if (is_black(scale_) || (texture_ && is_black(mean_))) return std::nullopt;
+  if (!texture_ || is_black(mean_)) return std::nullopt;
   LightSample s;
   s.distance = kInfinity;
-  if (!texture_) {
-    s.wi = sample_uniform_sphere(u);
-    s.pdf = pdf_uniform_sphere();
-    s.radiance = scale_;
-    return s;
-  }
   float pdf = 0;
   const Vec2f cell = distribution_->sample(u, &pdf);
   // Within a row: uniform in cos(colatitude), which is uniform in solid angle.
@@ -120,6 +113,7 @@ std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u)
 
 std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
   if (is_black(scale_)) return std::nullopt;
+  if (!texture_) return LightHit{kInfinity, scale_, 0};
   const Vec3d w(ray.dir);
   const double x = dot(w, x_), y = dot(w, y_), z = dot(w, z_), across = std::sqrt(x * x + z * z);
   if (!(across + std::abs(y) > 0)) return std::nullopt;
@@ -129,10 +123,6 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
   hit.t = kInfinity;
   hit.radiance = lookup(u, v);
   if (is_black(hit.radiance)) return std::nullopt;
-  if (!texture_) {
-    hit.pdf = pdf_uniform_sphere();
-    return hit;
-  }
   const int row = std::min(static_cast<int>(v * height_), height_ - 1);
   // The middle of the row: rounding v to float must not leave it.
   const Vec2f cell(static_cast<float>(u), (static_cast<float>(row) + 0.5f) / static_cast<float>(height_));
@@ -141,7 +131,7 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
 }
 
 double DomeLight::importance(const Vec3f& /*p*/) const {
-  return representable_importance(texture_ ? scale_ * mean_ : scale_, kPiDouble);
+  return texture_ ? representable_importance(scale_ * mean_, kPiDouble) : 0;
 }
 
 }  // namespace alabaster

@@ -9,9 +9,13 @@ constexpr double kMinSolidAngle = 0x1p-14;
 // Beyond this skew (cosine of the angle between the edges) it is a parallelogram; below, rounding of the transform.
 constexpr double kMaxSkew = 0x1p-20;
 
-// Signed solid angle of the rectangle between the foot of the perpendicular of length z and the corner (x, y).
-double corner_angle(double x, double y, double z) {
-  return std::atan(x * y / (z * std::sqrt(x * x + y * y + z * z)));
+// Signed solid angle of the rectangle from x = 0 to x and from y0 to y1 in the plane at distance z: the difference of
+// two corners' angles, atan(x y / (z d)) with d the distance of the corner. Their complex numbers (z d, x y) divided
+// leave one arc tangent.
+double edge_angle(double x, double y0, double y1, double z) {
+  const double across2 = x * x + z * z;
+  const double re0 = z * std::sqrt(across2 + y0 * y0), re1 = z * std::sqrt(across2 + y1 * y1);
+  return std::atan2(x * (y1 * re0 - y0 * re1), re0 * re1 + x * x * y0 * y1);
 }
 
 }  // namespace
@@ -52,8 +56,8 @@ RectLight::View RectLight::view_from(const Vec3d& p) const {
   v.z = -dot(d, n_);
   v.solid_angle = 0;
   if (skew_ != 0 || !(v.z > 0)) return v;
-  const double angle = (corner_angle(v.x1, v.y1, v.z) - corner_angle(v.x1, v.y0, v.z)) -
-                       (corner_angle(v.x0, v.y1, v.z) - corner_angle(v.x0, v.y0, v.z));
+  v.left_angle = edge_angle(v.x0, v.y0, v.y1, v.z);
+  const double angle = edge_angle(v.x1, v.y0, v.y1, v.z) - v.left_angle;
   if (angle >= kMinSolidAngle) v.solid_angle = angle;
   return v;
 }
@@ -62,7 +66,7 @@ RectLight::View RectLight::view_from(const Vec3d& p) const {
 // rectangles seen edge-on. G(x) is the solid angle left of x, counted from x = 0.
 Vec3d RectLight::sample_solid_angle(const View& v, const Vec2f& u) const {
   const double z2 = v.z * v.z;
-  const double g = corner_angle(v.x0, v.y1, v.z) - corner_angle(v.x0, v.y0, v.z) + u.x * v.solid_angle;
+  const double g = v.left_angle + u.x * v.solid_angle;
   const double near_edge = v.y0 / std::sqrt(v.y0 * v.y0 + z2), far_edge = v.y1 / std::sqrt(v.y1 * v.y1 + z2);
   const double f = (far_edge - near_edge * std::cos(g)) / std::sin(g);  // infinite at x = 0, with the sign of x
   const double reach = f * f - z2 / (v.y0 * v.y0 + z2);

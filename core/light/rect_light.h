@@ -24,6 +24,7 @@ class RectLight {
   /// The rectangle as seen from a point: edges of the projection and distance of its plane.
   struct View {
     double x0, x1, y0, y1, z;
+    double left_angle;   // signed solid angle between x = 0 and x0
     double solid_angle;  // 0: sample by area
   };
   View view_from(const Vec3d& p) const;

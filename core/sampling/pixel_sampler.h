@@ -66,6 +66,10 @@ class PixelSampler {
   /// Four numbers in [0,1): well distributed over the samples of a pixel, jointly in all four.
   std::array<float, 4> draw(Dimension purpose, uint32_t depth) const;
 
+  /// The sampler of branch `branch` of `count` that the sample's path splits into: the branches of all samples of a
+  /// pixel are as well distributed as samples are.
+  PixelSampler of_branch(uint32_t branch, uint32_t count) const { return {seed_, index_ * count + branch}; }
+
   /// An unbounded independent stream for this block.
   Rng stream(Dimension purpose, uint32_t depth) const {
     const uint32_t block = hash_combine(seed_, (static_cast<uint32_t>(purpose) << 24) + depth);

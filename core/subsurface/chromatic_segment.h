@@ -20,8 +20,9 @@ struct ChannelChoice {
     sum = sum_of(weights);
   }
 
-  size_t draw(Rng& rng) const {
-    double u = rng.uniform() * sum;
+  /// `u` is left uniform on [0, 1), independent of the choice.
+  size_t draw(float* u_channel) const {
+    double u = static_cast<double>(*u_channel) * sum;
     size_t chosen = 0;
     for (size_t c = 0; c < 3; ++c) {
       if (!(weights[c] > 0)) continue;
@@ -29,6 +30,7 @@ struct ChannelChoice {
       if (u < weights[c]) break;
       u -= weights[c];
     }
+    if (weights[chosen] > 0) *u_channel = std::min(static_cast<float>(u / weights[chosen]), kOneMinusEpsilon);
     return chosen;
   }
 };
@@ -46,9 +48,9 @@ class ChromaticSegment {
       : medium_(medium), throughput_(throughput), choice_(medium, throughput, weights) {}
 
   /// World distance to the next event; infinite if the chosen channel has no extinction.
-  float sample_distance(Rng& rng) const {
-    const size_t c = choice_.draw(rng);
-    const float optical_depth = -std::log(1 - rng.uniform());
+  float sample_distance(Vec2f u) const {
+    const size_t c = choice_.draw(&u.x);
+    const float optical_depth = -std::log(1 - u.y);
     if (!(medium_.sigma_t[c] > 0)) return std::numeric_limits<float>::infinity();
     return static_cast<float>(optical_depth / medium_.sigma_t[c]);
   }

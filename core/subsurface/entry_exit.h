@@ -41,10 +41,45 @@ struct SubsurfaceExit {
 /// The answer of a carrier that does not count events: a profile stands for all of them at once.
 inline constexpr uint32_t kManyEvents = 2;
 
-/// Random numbers of one entry: `u` moves the result most and is well stratified over a pixel's samples.
-struct SubsurfaceNumbers {
-  std::array<float, 4> u{};
-  Rng rng;
+/// Random numbers of one entry: four for each scattering event. Those of the first events, which move the result most,
+/// are well distributed over a pixel's samples; all others are independent.
+class SubsurfaceNumbers {
+ public:
+  /// Events with such numbers; more gain little (testenv/benchmark/results/sampling.md).
+  static constexpr uint32_t kStratifiedEvents = 4;
+
+  /// All independent.
+  explicit SubsurfaceNumbers(const Rng& rng) : rng_(rng), stratified_(0), first_(independent()) {}
+  SubsurfaceNumbers(const PixelSampler& sampler, Dimension purpose, uint32_t depth)
+      : sampler_(&sampler),
+        purpose_(purpose),
+        rng_(sampler.stream(purpose, depth)),
+        block_(depth * kStratifiedEvents),
+        stratified_(kStratifiedEvents),
+        first_(sampler.draw(purpose, block_)) {}
+
+  /// Of the entry: a carrier without a walk needs no others. A walk takes its entry direction from the first two.
+  const std::array<float, 4>& first() const { return first_; }
+  /// Of the event after that many others; to be asked once each.
+  std::array<float, 4> of_event(uint32_t events) {
+    if (events == 0) return first_;
+    return events < stratified_ ? sampler_->draw(purpose_, block_ + events) : independent();
+  }
+  /// A stream for what needs no stratification.
+  Rng& rng() { return rng_; }
+
+ private:
+  std::array<float, 4> independent() {
+    std::array<float, 4> u;
+    for (float& x : u) x = rng_.uniform();
+    return u;
+  }
+
+  const PixelSampler* sampler_ = nullptr;
+  Dimension purpose_ = Dimension::subsurface;
+  Rng rng_;
+  uint32_t block_ = 0, stratified_;
+  std::array<float, 4> first_;
 };
 
 }  // namespace alabaster

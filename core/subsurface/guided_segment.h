@@ -62,17 +62,16 @@ class WalkGuide {
 
 enum class GuideTechnique { plain, towards, away };
 
-inline GuideTechnique draw_technique(const GuideShares& shares, size_t channel, Rng& rng) {
+inline GuideTechnique draw_technique(const GuideShares& shares, size_t channel, double u) {
   if (!(shares.plain[channel] < 1)) return GuideTechnique::plain;
-  const double u = rng.uniform();
   if (u < shares.towards[channel]) return GuideTechnique::towards;
   return u < shares.towards[channel] + shares.away[channel] ? GuideTechnique::away : GuideTechnique::plain;
 }
 
-inline Vec3f direction_at(const Frame& frame, double cosine, Rng& rng) {
+inline Vec3f direction_at(const Frame& frame, double cosine, float u) {
   const auto mu = static_cast<float>(cosine);
   const float r = safe_sqrt(1 - mu * mu);
-  const auto [sine, cosine_of_azimuth] = quick_sine_cosine_turns(rng.uniform());
+  const auto [sine, cosine_of_azimuth] = quick_sine_cosine_turns(u);
   return frame.to_world({r * cosine_of_azimuth, r * sine, mu});
 }
 
@@ -93,24 +92,24 @@ class GuidedSegment {
 
   /// World distance to the next event; infinite if the chosen channel has no extinction. Chooses the direction, too,
   /// unless it is the walk's first, which the entry lobe has chosen: then only distances are guided.
-  float sample(bool first, Vec3f* direction, Rng& rng) {
-    const size_t c = choice_.draw(rng);
-    const GuideTechnique technique = draw_technique(shares_, c, rng);
+  float sample(bool first, Vec3f* direction, std::array<float, 4> u) {
+    const size_t c = choice_.draw(&u[2]);
+    const GuideTechnique technique = draw_technique(shares_, c, u[2]);
     const Frame& frame = state_.guide.outward();
     const DwivediMode& mode = state_.medium.modes.mode[c];
     first_ = first;
     if (!first) {
       double cosine = 0;
       if (technique == GuideTechnique::plain)
-        cosine = 1 - 2 * static_cast<double>(rng.uniform());
+        cosine = 1 - 2 * static_cast<double>(u[0]);
       else
-        cosine = sample_dwivedi(rng.uniform(), mode) * (technique == GuideTechnique::towards ? 1 : -1);
-      *direction = direction_at(frame, cosine, rng);
+        cosine = sample_dwivedi(u[0], mode) * (technique == GuideTechnique::towards ? 1 : -1);
+      *direction = direction_at(frame, cosine, u[1]);
     }
     mu_ = std::min(std::max(static_cast<double>(dot(*direction, frame.n)), -1.0), 1.0);
     const double along = technique == GuideTechnique::plain ? 0 : technique == GuideTechnique::towards ? mu_ : -mu_;
     rate_ = state_.medium.sigma_t[c] * (1 - mode.x * along);
-    const float optical_depth = -std::log(1 - rng.uniform());
+    const float optical_depth = -std::log(1 - u[3]);
     if (!(rate_ > 0)) return std::numeric_limits<float>::infinity();
     return static_cast<float>(optical_depth / rate_);
   }
@@ -166,13 +165,13 @@ class GuidedSegment {
 /// A jump to the sphere of that radius about the walk's position, with no surface within: a sphere step
 /// (random_walk.md). The plain technique lands uniformly, the guided ones with density ~ exp(+-kappa mu radius), as the
 /// light that the landing point will bring out. Returns the direction and updates the throughput.
-inline Vec3f guided_jump(const GuidedState& state, double radius, ChannelValues* throughput, Rng& rng) {
+inline Vec3f guided_jump(const GuidedState& state, double radius, ChannelValues* throughput, std::array<float, 4> u) {
   const ChannelChoice choice(state.medium, *throughput, state.weights);
   const GuideShares shares = state.guide.shares(state.medium.modes, *throughput);
-  const size_t chosen = choice.draw(rng);
-  const GuideTechnique technique = draw_technique(shares, chosen, rng);
+  const size_t chosen = choice.draw(&u[2]);
+  const GuideTechnique technique = draw_technique(shares, chosen, u[2]);
   const double reach = technique == GuideTechnique::plain ? 0 : state.medium.modes.kappa[chosen] * radius;
-  const double cosine = sample_exponential_cosine(rng.uniform(), reach) * (technique == GuideTechnique::away ? -1 : 1);
+  const double cosine = sample_exponential_cosine(u[0], reach) * (technique == GuideTechnique::away ? -1 : 1);
   double pdf = 0;
   for (size_t c = 0; c < 3; ++c) {
     if (!((*throughput)[c] > 0)) continue;
@@ -184,7 +183,7 @@ inline Vec3f guided_jump(const GuidedState& state, double radius, ChannelValues*
     (*throughput)[c] *= x_over_sinh(x);
   }
   for (double& channel : *throughput) channel *= choice.sum / pdf;
-  return direction_at(state.guide.outward(), cosine, rng);
+  return direction_at(state.guide.outward(), cosine, u[1]);
 }
 
 }  // namespace alabaster

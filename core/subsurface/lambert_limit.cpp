@@ -71,7 +71,7 @@ std::optional<SubsurfaceExit> LambertLimit::carry(const SubsurfaceBody& body, co
   // The albedo that the other inversions obtain is known for isotropic scattering alone.
   if (medium.g != 0 && inversion != AlbedoInversion::exact) return std::nullopt;
   const LightReach reach = isotropic_reach(medium, inversion);
-  const auto& u = numbers.u;
+  const auto& u = numbers.first();
   if (!(u[0] < lambert_probability(footprint, reach))) return std::nullopt;
   if (!is_thick(body, entry, reach.opaque_depth * (1 + u[1]), {u[2], u[3]}, counters)) return std::nullopt;
   ++counters.lambert_exits;

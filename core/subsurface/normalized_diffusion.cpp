@@ -212,11 +212,11 @@ std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& b
   // Sample the axis, the channel and the ball.
   const ChannelEstimators channels(entry.medium->medium, entry.throughput);
   if (channels.empty()) return std::nullopt;
-  const auto& u = numbers.u;
+  const auto& u = numbers.first();
   double u_choice = u[0];
   const size_t axis = choose(std::to_array(kAxisProbability), &u_choice);
   const double ball =
-      sample_diffusion_ball(channels.distance(choose(channels.weights(), &u_choice)), u[1], numbers.rng);
+      sample_diffusion_ball(channels.distance(choose(channels.weights(), &u_choice)), u[1], numbers.rng());
   if (!(ball > kLeastBall * double(entry.hit.offset)))
     return exit_at(body, entry, entry.triangle, entry.hit.ng, channels.throughput(ball * std::sqrt(double(u[2]))));
 
@@ -241,7 +241,7 @@ std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& b
     if (!(covered > 0) || repeated.repeats(*member.mesh, hit, probe.ray, normal[static_cast<int>(axis)])) continue;
     std::array<double, 3> throughput = channels.throughput(std::hypot(probe.radius, hit.t - probe.half_length));
     for (double& t : throughput) t /= covered;
-    chosen.add(hit, normal, throughput, numbers.rng);
+    chosen.add(hit, normal, throughput, numbers.rng());
   }
   if (chosen.empty()) return std::nullopt;
   // The exit's normal lies on the same side of the mesh as the entry's.

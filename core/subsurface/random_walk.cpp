@@ -52,13 +52,13 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   CHECK(entry.medium);
   const float scale = max_component(entry.throughput);
   if (!(scale > 0)) return std::nullopt;
-  const WalkBeginning beginning = begin_walk(body, entry, {numbers.u[0], numbers.u[1]});
+  const WalkBeginning beginning = begin_walk(body, entry, {numbers.first()[0], numbers.first()[1]});
   WalkSettings used = settings;
   used.guiding &= body.members[entry.member].room_to_guide;
   const auto walk = [&](auto tracer) {
-    if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers.rng, counters);
+    if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers, counters);
     RecordingTracer recording(tracer, record);
-    const auto end = run_walk(recording, beginning.start, *entry.medium, used, numbers.rng, counters);
+    const auto end = run_walk(recording, beginning.start, *entry.medium, used, numbers, counters);
     if (end) record->push_back({WalkStep::Kind::exit, end->direction, recording.exit_distance(end->hit)});
     return end;
   };

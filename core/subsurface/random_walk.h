@@ -32,8 +32,7 @@ struct WalkSettings {
 /// silhouettes and break the white furnace.
 Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, const Vec2f& u);
 
-/// The carrier by a random walk. `u[0]` and `u[1]` sample the entry direction, everything else comes from the stream.
-/// Empty: absorbed, ended by roulette, or lost through an open mesh (counted).
+/// The carrier by a random walk. Empty: absorbed, ended by roulette, or lost through an open mesh (counted).
 struct RandomWalk {
   WalkSettings settings;
   WalkRecord* record = nullptr;  // null: nobody looks

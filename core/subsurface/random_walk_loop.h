@@ -26,6 +26,11 @@ inline bool survives(double q, Rng& rng) {
   return drawn != whole ? drawn < whole : rng.uniform() < scaled - whole;
 }
 
+/// Roulette ends walks whose throughput has fallen below the first of these, relative to the start, and lifts survivors
+/// to the second. A guided walk loses throughput at every event and hardly any noise: roulette from the start would put
+/// back the noise that guiding has taken away (testenv/benchmark/results/sampling.md).
+inline constexpr double kRouletteBelow = 0.25, kLiftedTo = 0.5;
+
 /// The beginning of a walk. `throughput` is the path's, relative to its largest channel: the weights go on from it, as
 /// the paper's do, so that no walk follows a channel that the path has already lost.
 struct WalkStart {
@@ -62,11 +67,11 @@ class WalkLoop {
   static_assert(std::is_same_v<Phase, IsotropicPhase> || !(kShortcuts.guiding || kShortcuts.sphere_steps));
   using Exit = WalkLoopExit<typename Tracer::Hit>;
 
-  WalkLoop(Tracer& tracer, const WalkStart& start, const WalkMedium& medium, const WalkSettings& settings, Rng& rng,
-           RenderCounters& counters)
+  WalkLoop(Tracer& tracer, const WalkStart& start, const WalkMedium& medium, const WalkSettings& settings,
+           SubsurfaceNumbers& numbers, RenderCounters& counters)
       : tracer_(tracer),
         settings_(settings),
-        rng_(rng),
+        numbers_(numbers),
         counters_(counters),
         medium_(medium),
         guide_(start.inward),
@@ -149,16 +154,12 @@ class WalkLoop {
 
   float sample(Segment& segment) {
     if constexpr (kShortcuts.guiding) {
-      return segment.sample(events_ == 0, &direction_, rng_);
+      return segment.sample(events_ == 0, &direction_, numbers_.of_event(events_));
     } else {
-      if (events_ > 0) direction_ = phase_.sample(direction_, draw());
-      return segment.sample_distance(rng_);
+      const auto u = numbers_.of_event(events_);
+      if (events_ > 0) direction_ = phase_.sample(direction_, {u[0], u[1]});
+      return segment.sample_distance({u[2], u[3]});
     }
-  }
-
-  Vec2f draw() {
-    const float u = rng_.uniform();
-    return {u, rng_.uniform()};
   }
 
   bool move(const Vec3f& direction, double t) {
@@ -171,11 +172,12 @@ class WalkLoop {
     counters_.max_walk_weight = std::max(counters_.max_walk_weight, max_value(throughput_));
   }
 
-  /// Roulette on the largest channel: unbiased. Where alpha < 1 it ends the walk in the end.
+  /// Roulette on the largest channel, once it is small: unbiased. Where alpha < 1 it ends the walk in the end.
   bool survives_roulette() {
-    const double q = max_value(throughput_);
-    if (q >= 1) return true;
-    if (!survives(q, rng_)) {
+    const double largest = max_value(throughput_);
+    if (largest >= kRouletteBelow) return true;
+    const double q = largest / kLiftedTo;
+    if (!survives(q, numbers_.rng())) {
       ++counters_.walk_roulette_ends;
       ended_ = true;
       return false;
@@ -202,10 +204,11 @@ class WalkLoop {
 
   /// False: the jump left the body through a hole.
   bool jump(double radius) {
+    const auto u = numbers_.of_event(events_);
     if constexpr (kShortcuts.guiding) {
-      return move(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, rng_), radius);
+      return move(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, u), radius);
     } else {
-      const Vec3f direction = phase_.sample(direction_, draw());
+      const Vec3f direction = phase_.sample(direction_, {u[0], u[1]});
       for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(medium_.modes.kappa[c] * radius);
       return move(direction, radius);
     }
@@ -231,7 +234,7 @@ class WalkLoop {
 
   Tracer& tracer_;
   const WalkSettings& settings_;
-  Rng& rng_;
+  SubsurfaceNumbers& numbers_;
   RenderCounters& counters_;
   const WalkMedium& medium_;
   Guide guide_;
@@ -248,35 +251,37 @@ class WalkLoop {
 template <class Segment = ChromaticSegment, class Tracer>
 std::optional<WalkLoopExit<typename Tracer::Hit>> run_plain_walk(Tracer& tracer, const WalkStart& start,
                                                                  const WalkMedium& medium, const WalkSettings& settings,
-                                                                 Rng& rng, RenderCounters& counters) {
+                                                                 SubsurfaceNumbers& numbers, RenderCounters& counters) {
   constexpr WalkShortcuts kNone{};
   if (medium.medium.g == 0)
-    return WalkLoop<kNone, Segment, Tracer>(tracer, start, medium, settings, rng, counters).run();
-  return WalkLoop<kNone, Segment, Tracer, HenyeyGreensteinPhase>(tracer, start, medium, settings, rng, counters).run();
+    return WalkLoop<kNone, Segment, Tracer>(tracer, start, medium, settings, numbers, counters).run();
+  return WalkLoop<kNone, Segment, Tracer, HenyeyGreensteinPhase>(tracer, start, medium, settings, numbers, counters)
+      .run();
 }
 
 /// The walk with the shortcuts that pay; sphere steps only where the tracer can bound distances.
 template <class Tracer>
 std::optional<WalkLoopExit<typename Tracer::Hit>> run_walk(Tracer& tracer, const WalkStart& start,
                                                            const WalkMedium& medium, const WalkSettings& settings,
-                                                           Rng& rng, RenderCounters& counters) {
+                                                           SubsurfaceNumbers& numbers, RenderCounters& counters) {
   const WalkShortcuts use{settings.guiding && medium.worthwhile.guiding,
                           settings.sphere_steps && medium.worthwhile.sphere_steps};
   if constexpr (BoundsDistance<Tracer>) {
     if (use.sphere_steps && tracer.bounds_distance()) {
       if (use.guiding)
-        return WalkLoop<WalkShortcuts{true, true}, GuidedSegment, Tracer>(tracer, start, medium, settings, rng,
+        return WalkLoop<WalkShortcuts{true, true}, GuidedSegment, Tracer>(tracer, start, medium, settings, numbers,
                                                                           counters)
             .run();
-      return WalkLoop<WalkShortcuts{false, true}, ChromaticSegment, Tracer>(tracer, start, medium, settings, rng,
+      return WalkLoop<WalkShortcuts{false, true}, ChromaticSegment, Tracer>(tracer, start, medium, settings, numbers,
                                                                             counters)
           .run();
     }
   }
   if (use.guiding)
-    return WalkLoop<WalkShortcuts{true, false}, GuidedSegment, Tracer>(tracer, start, medium, settings, rng, counters)
+    return WalkLoop<WalkShortcuts{true, false}, GuidedSegment, Tracer>(tracer, start, medium, settings, numbers,
+                                                                       counters)
         .run();
-  return run_plain_walk(tracer, start, medium, settings, rng, counters);
+  return run_plain_walk(tracer, start, medium, settings, numbers, counters);
 }
 
 }  // namespace alabaster

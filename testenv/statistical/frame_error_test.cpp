@@ -186,14 +186,14 @@ TEST(FrameError, EndsTheRenderAtTheErrorAsked) {
   for (uint32_t seed = 0; seed < 10; ++seed) {
     request.settings.seed = seed;
     request.settings.samples = 65536;
-    request.settings.target_error = 0.1f;
+    request.settings.target_error = 0.05f;
     RenderProgress progress;
     const auto film = testing::render(request, &progress);
     EXPECT_EQ(progress.state, SessionState::finished);
-    EXPECT_LE(progress.noise.relative_rmse, 0.11);
+    EXPECT_LE(progress.noise.relative_rmse, 0.055);
     EXPECT_LT(progress.samples_done, uint64_t(2000) * kSize * kSize);
     const double truth = std::sqrt(relative_mse(film->resolve_float(Aov::color), reference, kSize, kSize));
-    good += truth > 0.08 && truth < 0.12 ? 1 : 0;
+    good += truth > 0.04 && truth < 0.06 ? 1 : 0;
   }
   EXPECT_GE(good, 9);
 }

@@ -93,12 +93,11 @@ TEST(LightIrradiance, InsideASphereIsPiL) {
   expect(irradiance(SphereLight(d, Vec3d(0, 0, 0)), {{0.3f, 0.2f, -0.5f}, {0, 0, 1}}, 40000, 300), kPiDouble, "inside");
 }
 
-TEST(LightIrradiance, ConstantDomeIsPiL) {
+TEST(LightIrradiance, DomeOfAConstantImageIsPiL) {
   LightDescription d;
   d.type = LightType::dome;
   d.intensity = 0.5f;
   const Plane plane{{1, 2, 3}, normalize(Vec3f(1, -2, 3))};
-  expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 400), 0.5 * kPiDouble, "constant");
   d.texture = std::make_shared<MemoryTexture>(16, std::vector<Rgb>(128, Rgb(0.5f)));
   expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 401), 0.25 * kPiDouble, "constant image");
 }
@@ -222,7 +221,7 @@ TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
   point.light_to_world = translation(20, 0, 1.5);
   LightDescription dome;
   dome.type = LightType::dome;
-  dome.intensity = 0.01f;
+  dome.texture = std::make_shared<MemoryTexture>(1, std::vector<Rgb>{Rgb(0.01f)});
   const Vec3d o(0, 0, 0);
   const LightSet set({RectLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
   const std::array<Vec3d, 4> corners = {Vec3d(-0.1, -0.1, 1), Vec3d(0.1, -0.1, 1), Vec3d(0.1, 0.1, 1),

@@ -33,8 +33,9 @@ Outcome walk_many(const Tracer& body, const Run& run, int paths, uint64_t seed) 
   Rng rng(seed, 78);
   for (int i = 0; i < paths; ++i) {
     Tracer tracer = body;
-    const WalkStart start = start_walk(rng);
-    const std::optional<WalkLoopExit<BodyHit>> end = run(tracer, start, rng, outcome.counters);
+    SubsurfaceNumbers numbers(rng);
+    const std::optional<WalkLoopExit<BodyHit>> end = run(tracer, start_walk(numbers), numbers, outcome.counters);
+    rng = numbers.rng();
     const double side = end ? end->hit.side : 0;
     const bool beyond = end && side == 0 && tracer.position().x + end->direction.x * end->hit.t > 0.5;
     for (size_t c = 0; c < 3; ++c) {
@@ -50,8 +51,8 @@ Outcome walk_many(const Tracer& body, const Run& run, int paths, uint64_t seed) 
 
 template <class Tracer>
 Outcome walk_many(const Tracer& body, const Medium& medium, const WalkSettings& settings, int paths, uint64_t seed) {
-  const auto run = [&](Tracer& tracer, const WalkStart& start, Rng& rng, RenderCounters& counters) {
-    return run_walk(tracer, start, medium, settings, rng, counters);
+  const auto run = [&](Tracer& tracer, const WalkStart& start, SubsurfaceNumbers& numbers, RenderCounters& counters) {
+    return run_walk(tracer, start, medium, settings, numbers, counters);
   };
   return walk_many(body, run, paths, seed);
 }
@@ -85,7 +86,7 @@ TEST(Dwivedi, SamplerDrawsFromItsPdf) {
     options.pole_exponent = 3;
     const auto sample = [&](Rng& rng) -> std::optional<Vec3f> {
       const double mu = sample_dwivedi(rng.uniform(), mode);
-      return direction_at(Frame(), mu, rng);
+      return direction_at(Frame(), mu, rng.uniform());
     };
     const auto result = chi_square_sphere(
         sample, [&](const Vec3f& w) { return static_cast<float>(pdf_dwivedi(w.z, mode) / kTwoPi); }, options);
@@ -109,7 +110,7 @@ TEST(Dwivedi, JumpsLandWithTheirPdf) {
     const auto result = chi_square_sphere(
         [&](Rng& rng) -> std::optional<Vec3f> {
           const double mu = sample_exponential_cosine(rng.uniform(), reach);
-          return direction_at(Frame(), mu, rng);
+          return direction_at(Frame(), mu, rng.uniform());
         },
         [&](const Vec3f& w) {
           return static_cast<float>(exponential_cosine_factor(w.z, reach)) * pdf_uniform_sphere();
@@ -254,8 +255,9 @@ class WrongGuidedSegment : public GuidedSegment {
 
 TEST(WalkShortcuts, AWrongPdfIsNoticed) {
   const Medium medium = medium_of(kSkin);
-  const auto run = [&](SlabTracer& tracer, const WalkStart& start, Rng& rng, RenderCounters& counters) {
-    return WalkLoop<WalkShortcuts{true, false}, WrongGuidedSegment, SlabTracer>(tracer, start, medium, {}, rng,
+  const auto run = [&](SlabTracer& tracer, const WalkStart& start, SubsurfaceNumbers& numbers,
+                       RenderCounters& counters) {
+    return WalkLoop<WalkShortcuts{true, false}, WrongGuidedSegment, SlabTracer>(tracer, start, medium, {}, numbers,
                                                                                 counters)
         .run();
   };

@@ -124,17 +124,20 @@ inline Medium unit_medium(double complement) {
 }
 
 /// Every body is entered along +z.
-inline WalkStart start_walk(Rng& rng) {
+inline WalkStart start_walk(const SubsurfaceNumbers& numbers) {
   constexpr Vec3f kInward(0, 0, 1);
-  const float u = rng.uniform();
-  return {sample_entry_direction(kInward, kInward, {u, rng.uniform()}), kInward, {1, 1, 1}};
+  const auto& u = numbers.first();
+  return {sample_entry_direction(kInward, kInward, {u[0], u[1]}), kInward, {1, 1, 1}};
 }
 
 /// One plain walk from the entry's cosine lobe.
 template <class Segment = ChromaticSegment, class Tracer>
 std::optional<WalkLoopExit<BodyHit>> walk_body(Tracer& tracer, const WalkMedium& medium, const WalkSettings& settings,
                                                Rng& rng, RenderCounters& counters) {
-  return run_plain_walk<Segment>(tracer, start_walk(rng), medium, settings, rng, counters);
+  SubsurfaceNumbers numbers(rng);
+  const auto exit = run_plain_walk<Segment>(tracer, start_walk(numbers), medium, settings, numbers, counters);
+  rng = numbers.rng();
+  return exit;
 }
 
 /// The same with the shortcuts that the settings allow and that pay.
@@ -142,7 +145,10 @@ template <class Tracer>
 std::optional<WalkLoopExit<BodyHit>> walk_body_with_shortcuts(Tracer& tracer, const WalkMedium& medium,
                                                               const WalkSettings& settings, Rng& rng,
                                                               RenderCounters& counters) {
-  return run_walk(tracer, start_walk(rng), medium, settings, rng, counters);
+  SubsurfaceNumbers numbers(rng);
+  const auto exit = run_walk(tracer, start_walk(numbers), medium, settings, numbers, counters);
+  rng = numbers.rng();
+  return exit;
 }
 
 }  // namespace alabaster::testing

@@ -34,11 +34,9 @@ inline SubsurfaceEntry entry_at_point(const Vec3f& p, const Vec3f& outward, cons
 template <class Carrier>
 std::optional<SubsurfaceExit> carry(const Carrier& carrier, const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                                     Rng& rng, RenderCounters& counters) {
-  std::array<float, 4> u{};
-  for (float& x : u) x = rng.uniform();
-  SubsurfaceNumbers numbers{u, rng};
+  SubsurfaceNumbers numbers(rng);
   const auto exit = carrier.carry(body, entry, numbers, counters);
-  rng = numbers.rng;
+  rng = numbers.rng();
   return exit;
 }
 

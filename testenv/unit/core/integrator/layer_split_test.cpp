@@ -28,6 +28,7 @@ TEST(LayerSplit, LocalLightGoesByTheShareOfItsDirection) {
   split.add_local({4, 4, 4}, {0.25f, 0.5f, 1});  // direct light
   split.gathered = Rgb(5.0f);
   split.specular_share = {0, 1, 0.5f};  // of the path's next direction
+  split.went_on = true;
   const LightLayers layers = split.finish(Rgb(13.0f));
   EXPECT_EQ(layers.emission, Rgb(1.0f));
   EXPECT_EQ(layers.specular, Rgb(1, 2 + 8, 4 + 4));
@@ -35,19 +36,18 @@ TEST(LayerSplit, LocalLightGoesByTheShareOfItsDirection) {
   EXPECT_EQ(sum_of(layers), Rgb(13.0f));
 }
 
-TEST(LayerSplit, LightFromBelowGoesByItsScatteringEvents) {
-  for (const uint32_t events : {0u, 1u, 2u, 7u}) {
-    LayerSplit split;
-    split.scattered = split.below = true;
-    split.add_local(Rgb(2.0f), Rgb(0.5f));
-    split.gathered = Rgb(2.0f);
-    split.events = events;
-    const LightLayers layers = split.finish(Rgb(5.0f));
-    EXPECT_EQ(layers.unscattered, Rgb(events == 0 ? 3.0f : 0.0f));
-    EXPECT_EQ(layers.single, Rgb(events == 1 ? 3.0f : 0.0f));
-    EXPECT_EQ(layers.multiple, Rgb(events >= 2 ? 3.0f : 0.0f));
-    EXPECT_EQ(sum_of(layers), Rgb(5.0f));
-  }
+TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
+  LayerSplit split;
+  split.scattered = true;
+  split.add_local(Rgb(2.0f), Rgb(0.5f));
+  split.gathered = Rgb(2.0f);
+  const std::pair<uint32_t, float> walks[] = {{0, 1.0f}, {1, 2.0f}, {2, 4.0f}, {7, 8.0f}, {1, 16.0f}};
+  for (const auto& [events, light] : walks) split.add_below(Rgb(light), events);
+  const LightLayers layers = split.finish(Rgb(33.0f));
+  EXPECT_EQ(layers.unscattered, Rgb(1.0f));
+  EXPECT_EQ(layers.single, Rgb(18.0f));
+  EXPECT_EQ(layers.multiple, Rgb(12.0f));
+  EXPECT_EQ(sum_of(layers), Rgb(33.0f));
 }
 
 // Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers.

@@ -4,6 +4,7 @@
 
 #include "core/sampling/pixel_sampler.h"
 #include "core/sampling/warp.h"
+#include "testenv/support/memory_texture.h"
 
 namespace alabaster {
 namespace {
@@ -19,7 +20,13 @@ LightDescription described(LightType type, float intensity) {
 Light sphere(float intensity) {
   return SphereLight(described(LightType::sphere, intensity), kOrigin);
 }
+/// A dome with an image, which is sampled.
 Light dome(float intensity) {
+  LightDescription d = described(LightType::dome, intensity);
+  d.texture = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{Rgb(1.0f)});
+  return DomeLight(d, kOrigin);
+}
+Light constant_dome(float intensity) {
   return DomeLight(described(LightType::dome, intensity), kOrigin);
 }
 const auto kUnweighted = [](float) { return 1.0f; };
@@ -42,7 +49,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   EXPECT_EQ(s->pdf, small.sample(p, {0.3f, 0.4f})->pdf * set.choice_probability(0, p));
   const auto sky = set.sample(p, 0.999f, {0.3f, 0.4f});
   ASSERT_TRUE(sky);
-  EXPECT_EQ(sky->pdf, set.choice_probability(1, p) / (4 * kPi));
+  EXPECT_NEAR(sky->pdf, set.choice_probability(1, p) / (4 * kPi), 1e-7f);
   // The radiance and pdf for a ray that meets both lights.
   std::vector<float> pdfs;
   set.emitted({p, {0, 0, 1}}, true, false, [&](float pdf) {
@@ -51,7 +58,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   });
   ASSERT_EQ(pdfs.size(), 2u);
   EXPECT_NEAR(pdfs[0] / s->pdf, 1, 1e-6f);
-  EXPECT_EQ(pdfs[1], sky->pdf);
+  EXPECT_NEAR(pdfs[1], sky->pdf, 1e-7f);
 
   LightDescription point = described(LightType::sphere, 1);
   point.treat_as_point = true;
@@ -84,8 +91,19 @@ TEST(LightSet, OnlyEscapedRaysMeetInfiniteLights) {
   pdfs.clear();
   EXPECT_EQ(set.emitted(ray, true, false, keep), Rgb(13.0f));
   ASSERT_EQ(pdfs.size(), 3u);
-  EXPECT_EQ(pdfs[1], set.choice_probability(0, ray.org) / (4 * kPi));
+  EXPECT_NEAR(pdfs[1], set.choice_probability(0, ray.org) / (4 * kPi), 1e-7f);
   EXPECT_NEAR(pdfs[2] / pdf_uniform_cone(1 - std::cos(kPi / 18)), set.choice_probability(1, ray.org), 1e-5f);
+}
+
+// Lobes find a constant dome as well as light sampling could: no sample and no choice is spent on it.
+TEST(LightSet, AConstantDomeIsMetButNotSampled) {
+  const LightSet set({sphere(1), constant_dome(4)}, {});
+  const Vec3f p(0, 0, -3);
+  EXPECT_EQ(set.choice_probability(0, p), 1);
+  EXPECT_EQ(set.choice_probability(1, p), 0);
+  EXPECT_FALSE(LightSet({constant_dome(4)}, {}).sample(p, 0.5f, {0.5f, 0.5f}));
+  const auto weigh = [](float pdf) { return pdf > 0 ? 0.5f : 1.0f; };
+  EXPECT_EQ(set.emitted({p, {0, 0, 1}}, true, false, weigh), Rgb(4.5f));
 }
 
 TEST(LightSet, FindsMeshLightsByInstance) {

@@ -54,14 +54,14 @@ TEST(RenderSession, BytesDoNotDependOnThreads) {
 TEST(RenderSession, TheErrorAskedEndsItAtTheSameBytesForAnyThreads) {
   const tbb::global_control more_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   RenderRequest request = mixed_request(4096);
-  request.settings.target_error = 0.08f;
+  request.settings.target_error = 0.05f;
   std::vector<float> first;
   for (const uint32_t threads : {1u, 5u}) {
     request.settings.threads = threads;
     RenderProgress progress;
     const auto film = testing::render(request, &progress);
     EXPECT_TRUE(progress.noise.known);
-    EXPECT_LE(progress.noise.relative_rmse, 0.08 * 1.1) << "other pixels decide than those that are counted";
+    EXPECT_LE(progress.noise.relative_rmse, 0.05 * 1.1) << "other pixels decide than those that are counted";
     EXPECT_GT(progress.samples_done, 16u * 72 * 72);
     EXPECT_LT(progress.samples_done, 4096u * 72 * 72);
     EXPECT_EQ(progress.fraction, 1);

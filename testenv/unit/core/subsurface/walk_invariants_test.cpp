@@ -67,7 +67,7 @@ void for_random_segments(uint64_t seed, WalkWeights weights, const Check& check)
     const ChannelValues before = random_throughput(rng, medium);
     if (!(max_value(before) > 0)) continue;
     const ChromaticSegment segment(walk_medium, before, weights);
-    const float t = segment.sample_distance(rng);
+    const float t = segment.sample_distance({rng.uniform(), rng.uniform()});
     if (t < std::numeric_limits<float>::infinity()) check(walk_medium, before, segment, static_cast<double>(t));
   }
 }
