@@ -31,7 +31,7 @@ class PathRecord {
   /// For RandomWalk, which writes its steps there; leave_body() writes them down.
   WalkRecord* walk() { return &walk_; }
   void leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Rgb& throughput);
-  /// The path splits: what follows belongs to path `index` of `count`, whose light counts 1 / count.
+  /// The path splits: all until the next call belongs to path `index` of `count`, whose light counts 1 / count.
   void branch(uint32_t index, uint32_t count);
   void end(const char* reason);
 

@@ -58,9 +58,9 @@ class SubsurfaceNumbers {
         stratified_(kStratifiedEvents),
         first_(sampler.draw(purpose, block_)) {}
 
-  /// Of the entry: a carrier without a walk needs no others. A walk takes its entry direction from the first two.
+  /// The numbers of the entry: a carrier without a walk needs no others. A walk takes its entry direction from two.
   const std::array<float, 4>& first() const { return first_; }
-  /// Of the event after that many others; to be asked once each.
+  /// The numbers of the event after `events` others; asked once each.
   std::array<float, 4> of_event(uint32_t events) {
     if (events == 0) return first_;
     return events < stratified_ ? sampler_->draw(purpose_, block_ + events) : independent();

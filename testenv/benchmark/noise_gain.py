@@ -37,7 +37,7 @@ def render(program, scene, seed, arguments, flags, folder):
 
 
 def block_means(picture, side):
-    """Means of blocks of side x side pixels, a list for each channel; what is left at the right and the bottom is dropped."""
+    """Means of blocks of side x side pixels, a list for each channel, without incomplete blocks."""
     means = []
     for plane in picture.planes:
         means.append([sum(plane[(y + j) * picture.width + x + i] for j in range(side) for i in range(side)) / side ** 2
