@@ -23,6 +23,16 @@ def read_exr(file):
     return Picture(width, height, [[float(pixel[2 + c]) for pixel in pixels] for c in range(3)])
 
 
+def block_means(picture, size):
+    """The picture of the means of size x size pixels. Incomplete blocks at the right and at the end are left out."""
+    across, down, planes = picture.width // size, picture.height // size, []
+    for plane in picture.planes:
+        rows = (plane[y * picture.width:(y + 1) * picture.width] for y in range(down * size))
+        sums = [[sum(row[x * size:(x + 1) * size]) for x in range(across)] for row in rows]
+        planes.append([sum(sums[y * size + k][x] for k in range(size)) / size ** 2 for y in range(down) for x in range(across)])
+    return Picture(across, down, planes)
+
+
 class Reference:
     """The mean of independent renders. Their scatter gives its own noise, which does not count as an error of other pictures."""
 
