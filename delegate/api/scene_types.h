@@ -112,6 +112,8 @@ struct Rect2i {
   int width() const { return maxX - minX; }
   int height() const { return maxY - minY; }
   bool empty() const { return maxX <= minX || maxY <= minY; }
+  bool contains(int x, int y) const { return minX <= x && x < maxX && minY <= y && y < maxY; }
+  bool overlaps(const Rect2i& o) const { return minX < o.maxX && minY < o.maxY && o.minX < maxX && o.minY < maxY; }
   bool operator==(const Rect2i&) const = default;
 };
 struct Framing {
@@ -180,6 +182,8 @@ struct RenderSettingsDescription {
   std::vector<RenderProduct> products;
   Dictionary settings;  // names of schemas/render_settings.json
   bool operator==(const RenderSettingsDescription&) const = default;
+  Rect2i frame_window() const { return {0, 0, width, height}; }
+  Rect2i window() const { return crop.value_or(frame_window()); }  // the pixels to render
 };
 
 }  // namespace alabaster::hd

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "delegate/cli/exit_codes.h"
+
 namespace alabaster::cli {
 namespace {
 
@@ -64,6 +66,11 @@ void Console::note(const std::string& text) {
 
 void Console::error(const std::string& where, const std::string& text) {
   show({hd::Severity::error, "cli", where, text});
+}
+
+int Console::usage_error(const std::string& where, const std::string& text) {
+  error(where, text);
+  return kUsage;
 }
 
 hd::Diagnostic Console::last_error() const {

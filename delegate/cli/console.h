@@ -17,6 +17,8 @@ class Console {
   hd::DiagnosticSink sink();
   void note(const std::string& text);
   void error(const std::string& where, const std::string& text);
+  /// Reports a fault of the command line. Returns the exit code for it.
+  int usage_error(const std::string& where, const std::string& text);
 
   /// Shows a bar that redraws itself on a terminal; elsewhere prints a line at the start and at every tenth.
   void progress(const hd::host::RecordProgress& progress);

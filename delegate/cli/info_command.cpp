@@ -85,13 +85,13 @@ void print_lights_and_cameras(const SceneSession& session) {
   for (const std::string& note : session.file.notes) std::printf("note: %s\n", note.c_str());
 }
 
-std::string problem_of(const InfoArguments& a) {
+int check_arguments(const InfoArguments& a, Console* console) {
   if (!a.predict.empty() && !parse_target_error(a.predict))
-    return "--predict: '" + a.predict +
-           "' is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.";
-  if (!a.size.empty() && !parse_size(a.size))
-    return "--size: '" + a.size + "' is not a resolution: write for example 1280x720, up to 65536x65536.";
-  return "";
+    return console->usage_error(
+        "--predict",
+        "'" + a.predict + "' is not a target error: write a relative RMSE above 0 and at most 1, for example 0.02.");
+  const std::string fault = size_fault(a.size);
+  return fault.empty() ? kDone : console->usage_error("--size", fault);
 }
 
 hd::description::LoadOptions load_options(const InfoArguments& a) {
@@ -119,10 +119,7 @@ int run_info(const InfoArguments& arguments) {
   const Stopwatch watch;
   catch_interrupts();
   Console console(false);
-  if (const std::string problem = problem_of(arguments); !problem.empty()) {
-    console.error("info", problem);
-    return kUsage;
-  }
+  if (const int code = check_arguments(arguments, &console); code != kDone) return code;
   SceneSession session;
   const hd::description::LoadOptions options = load_options(arguments);
   if (!session.load(arguments.scene, options, console.sink())) return load_failure(console.last_error(), options);
@@ -150,11 +147,10 @@ int run_schema(const std::string& name) {
     std::fputs(text, stdout);
     return kDone;
   }
-  Console(false).error(
+  return Console(false).usage_error(
       "schema",
       "There is no schema '" + name +
           "': choose from disney_material, lights, camera, render_settings, render_description and quality_presets.");
-  return kUsage;
 }
 
 int run_ocio(const OcioArguments& arguments) {

@@ -29,13 +29,19 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
 };
 
+/// An option that may be given several times, each time with one value.
+void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>* values, const char* type,
+                  const char* help) {
+  command->add_option(flags, *values, help)
+      ->type_name(type)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
   c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
-  c->add_option("-o,--output", a->outputs, "File to write: .exr, .png, .tif or .jpg; may be repeated")
-      ->type_name("FILE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
   c->add_option("--camera", a->camera, "Camera to render from")->type_name("NAME");
   c->add_option("--time", a->time, "Frame number (a whole number)")->type_name("N");
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
@@ -55,22 +61,16 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("--exposure", a->exposure, "Exposure in stops, applied before the view")->type_name("STOPS");
   c->add_option("--ocio", a->ocio, "OpenColorIO config; default: the scene's, else $OCIO, else the built-in one")
       ->type_name("FILE");
-  c->add_option("--aov", a->aovs,
-                "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
-                "error, ...; may be repeated")
-      ->type_name("NAME")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_repeated(c, "--aov", &a->aovs, "NAME",
+               "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
+               "error, ...; may be repeated");
   c->add_option("--pixel", a->pixel,
                 "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, "
                 "list the samples that an even frame takes there and follow the brightest")
       ->type_name("X,Y[,SAMPLE]");
-  c->add_option("--set", a->overrides,
-                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
-                "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_repeated(c, "--set", &a->overrides, "KEY=VALUE",
+               "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
+               "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
   c->add_flag("--quiet", a->quiet, "Print errors only");
   c->footer(kExitCodes);
@@ -92,10 +92,7 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   c->add_option("--only", a->only,
                 "Measure only walk and the configurations whose name matches; '^quality=' selects the presets")
       ->type_name("REGEX");
-  c->add_option("--set", a->overrides, "Override a value, as in render")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
   c->add_flag("--quiet", a->quiet, "Print errors only");
   c->footer(kExitCodes);
@@ -133,10 +130,7 @@ int run(int argc, char** argv) {
   const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
   CLI::App* info_command = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
   info_command->add_option("scene", info.scene, "Scene file")->required()->type_name("SCENE");
-  info_command->add_option("--set", info.overrides, "Override a value, as in render")
-      ->type_name("KEY=VALUE")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_repeated(info_command, "--set", &info.overrides, "KEY=VALUE", "Override a value, as in render");
   info_command
       ->add_option(
           "--predict", info.predict,

@@ -94,6 +94,11 @@ std::optional<hd::Vec2i> parse_size(const std::string& text) {
   return hd::Vec2i(numbers[0], numbers[1]);
 }
 
+std::string size_fault(const std::string& text) {
+  if (text.empty() || parse_size(text)) return "";
+  return "'" + text + "' is not a resolution: write for example 1280x720, up to 65536x65536.";
+}
+
 std::optional<hd::Rect2i> parse_crop(const std::string& text) {
   const auto numbers = parse_numbers<int>(text, ",");
   if (numbers.size() != 4) return std::nullopt;

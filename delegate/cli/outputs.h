@@ -11,8 +11,11 @@ namespace alabaster::cli {
 std::vector<hd::RenderProduct> make_products(const RenderArguments& arguments,
                                              const std::vector<hd::RenderProduct>& existing, std::string* error);
 
-/// Parse "1280x720", with sides of 1 to 65536, and "x0,y0,x1,y1". Empty if malformed.
+/// Parses "1280x720", with sides of 1 to 65536. Empty if malformed.
 std::optional<hd::Vec2i> parse_size(const std::string& text);
+/// The error message if the value of --size is malformed; empty if it is good or was not given.
+std::string size_fault(const std::string& text);
+/// Parses "x0,y0,x1,y1". Empty if malformed.
 std::optional<hd::Rect2i> parse_crop(const std::string& text);
 struct PixelChoice {
   int x = 0, y = 0;

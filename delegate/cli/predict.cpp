@@ -35,7 +35,7 @@ double number(const hd::Dictionary& values, const char* key, double fallback = 0
 }
 
 double pixels_of(const hd::RenderSettingsDescription& s) {
-  const hd::Rect2i window = s.crop.value_or(hd::Rect2i{0, 0, s.width, s.height});
+  const hd::Rect2i window = s.window();
   return double(window.width()) * double(window.height());
 }
 

@@ -39,33 +39,27 @@ class RenderCommand {
   }
 
  private:
-  int usage_error(const std::string& where, const std::string& text) {
-    console_.error(where, text);
-    return kUsage;
-  }
-
   // Refuses bad arguments before the scene is read.
   int check_arguments() {
-    if (!a_.size.empty() && !parse_size(a_.size))
-      return usage_error("--size",
-                         "'" + a_.size + "' is not a resolution: write for example 1280x720, up to 65536x65536.");
+    if (const std::string fault = size_fault(a_.size); !fault.empty()) return console_.usage_error("--size", fault);
     if (!a_.crop.empty() && !parse_crop(a_.crop))
-      return usage_error(
+      return console_.usage_error(
           "--crop",
           "'" + a_.crop +
               "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
     if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
-      return usage_error(
+      return console_.usage_error(
           "--pixel",
           "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, whole numbers counted from the top left.");
     if (!a_.time.empty() && !parse_frame(a_.time))
-      return usage_error("--time",
-                         "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
+      return console_.usage_error(
+          "--time", "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
     if (a_.exposure && !(std::abs(*a_.exposure) <= 64))
-      return usage_error("--exposure", "expected a number of stops from -64 to 64.");
+      return console_.usage_error("--exposure", "expected a number of stops from -64 to 64.");
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
-    if (const std::string problem = same_file_twice(files); !problem.empty()) return usage_error("render", problem);
+    if (const std::string problem = same_file_twice(files); !problem.empty())
+      return console_.usage_error("render", problem);
     if (!a_.stats.empty()) {
       const fs::path folder = fs::path(a_.stats).parent_path();
       std::error_code error;
@@ -78,7 +72,7 @@ class RenderCommand {
     if (a_.outputs.empty()) return kDone;
     std::string problem;
     const auto products = make_products(a_, {}, &problem);
-    if (!problem.empty()) return usage_error("render", problem);
+    if (!problem.empty()) return console_.usage_error("render", problem);
     // The scene may name the OCIO config, so names of displays are checked once it is loaded.
     for (hd::RenderProduct product : products) {
       product.display = product.view = product.look = "";
@@ -153,7 +147,7 @@ class RenderCommand {
       described.insert(described.end(), all.at(path).products.begin(), all.at(path).products.end());
     std::string problem;
     const auto products = make_products(a_, described, &problem);
-    if (!problem.empty()) return usage_error("render", problem);
+    if (!problem.empty()) return console_.usage_error("render", problem);
     if (const int code = check_names(products); code != kDone) return code;
     size_t next = 0;
     for (const hd::Path& path : settings_paths()) {
@@ -163,9 +157,10 @@ class RenderCommand {
                                products.begin() + static_cast<std::ptrdiff_t>(next + count));
       next += count;
       override_size(&settings);
-      if (!a_.crop.empty() && is_outside(settings))
-        return usage_error("--crop", "'" + a_.crop + "' lies wholly outside the frame of " +
-                                         std::to_string(settings.width) + "x" + std::to_string(settings.height) + ".");
+      if (!a_.crop.empty() && !settings.window().overlaps(settings.frame_window()))
+        return console_.usage_error("--crop", "'" + a_.crop + "' lies wholly outside the frame of " +
+                                                  std::to_string(settings.width) + "x" +
+                                                  std::to_string(settings.height) + ".");
       for (const hd::RenderProduct& product : settings.products)
         if (!hd::host::CheckProduct(product, session_.colors(), console_.sink())) return product_failure();
       session_.scene.SetRenderSettings(path, std::move(settings));
@@ -184,11 +179,7 @@ class RenderCommand {
     }
     if (!a_.stats.empty()) files.push_back(a_.stats);
     problem = same_file_twice(files);
-    return problem.empty() ? kDone : usage_error("--stats", problem);
-  }
-
-  static bool is_outside(const hd::RenderSettingsDescription& s) {
-    return s.crop && (s.crop->minX >= s.width || s.crop->minY >= s.height || s.crop->maxX <= 0 || s.crop->maxY <= 0);
+    return problem.empty() ? kDone : console_.usage_error("--stats", problem);
   }
 
   // Applies --size and --crop to settings other than the first, which got them while loading. They override the
@@ -237,8 +228,9 @@ class RenderCommand {
     hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
     override_size(&settings);
     if (pixel.x >= settings.width || pixel.y >= settings.height)
-      return usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " + std::to_string(settings.width) +
-                                        "x" + std::to_string(settings.height) + ".");
+      return console_.usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " +
+                                                 std::to_string(settings.width) + "x" +
+                                                 std::to_string(settings.height) + ".");
     settings.crop = hd::Rect2i{pixel.x, pixel.y, pixel.x + 1, pixel.y + 1};
     settings.products.clear();
     session_.scene.SetRenderSettings(path, std::move(settings));

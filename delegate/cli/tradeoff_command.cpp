@@ -88,18 +88,11 @@ class TradeoffCommand {
   }
 
  private:
-  int usage_error(const std::string& where, const std::string& text) {
-    console_.error(where, text);
-    return kUsage;
-  }
-
   int check_arguments() {
-    if (!a_.size.empty() && !parse_size(a_.size))
-      return usage_error("--size",
-                         "'" + a_.size + "' is not a resolution: write for example 320x180, up to 65536x65536.");
+    if (const std::string fault = size_fault(a_.size); !fault.empty()) return console_.usage_error("--size", fault);
     const auto minutes = a_.budget.empty() ? std::optional(10.0) : parse_minutes(a_.budget);
     if (!minutes)
-      return usage_error(
+      return console_.usage_error(
           "--budget",
           "'" + a_.budget +
               "' is not a time: write a number of minutes above 0 and up to 10080 (a week), for example 10.");
@@ -107,7 +100,7 @@ class TradeoffCommand {
     try {
       const std::regex pattern(a_.only);
     } catch (const std::regex_error& error) {
-      return usage_error("--only", "'" + a_.only + "' is not a regular expression: " + error.what() + ".");
+      return console_.usage_error("--only", "'" + a_.only + "' is not a regular expression: " + error.what() + ".");
     }
     folder_ = a_.folder.empty() ? fs::path(a_.scene).stem().string() + "_tradeoff" : a_.folder;
     return kDone;
@@ -147,7 +140,8 @@ class TradeoffCommand {
       std::string known;
       for (const auto& configuration : configurations(".").measured)
         known += (known.empty() ? "" : ", ") + configuration.name;
-      return usage_error("--only", "'" + a_.only + "' matches none of this scene's configurations: " + known + ".");
+      return console_.usage_error("--only",
+                                  "'" + a_.only + "' matches none of this scene's configurations: " + known + ".");
     }
     if (settings.crop) console_.note("note: the scene's crop is ignored: the whole frame is measured");
     renderer_.emplace(tradeoff::SceneRenderer::Scene{&session_.scene, session_.index(), session_.file.settings,
@@ -175,15 +169,16 @@ class TradeoffCommand {
       const tradeoff::StudyIdentity& stored = store_.identity;
       const std::string remedy = ": start afresh with --restart, or choose another folder with -o DIR.";
       if (stored.versions != identity.versions)
-        return usage_error(
+        return console_.usage_error(
             folder_.string(),
             "The folder holds a study made with another version of Alabaster or of its libraries" + remedy);
       if (stored.scene_hash != identity.scene_hash)
-        return usage_error(folder_.string(), "The folder holds a study of another scene, or of an earlier version of " +
-                                                 stored.scene + remedy);
+        return console_.usage_error(
+            folder_.string(),
+            "The folder holds a study of another scene, or of an earlier version of " + stored.scene + remedy);
       if (asked && (asked->x != stored.width || asked->y != stored.height))
-        return usage_error("--size", "The folder holds a study at " + std::to_string(stored.width) + "x" +
-                                         std::to_string(stored.height) + remedy);
+        return console_.usage_error("--size", "The folder holds a study at " + std::to_string(stored.width) + "x" +
+                                                  std::to_string(stored.height) + remedy);
       console_.note("resuming with " + std::to_string(store_.renders().size()) + " renders from an earlier run");
       identity.width = stored.width;
       identity.height = stored.height;
@@ -280,7 +275,7 @@ class TradeoffCommand {
     std::snprintf(text, sizeof text, minutes < 10 ? "%.2g" : "%.0f", minutes);
     const std::string problem = "The budget was too short to render anything but the reference twice. Give it " +
                                 std::string(text) + " minutes or more; the renders so far are kept.";
-    if (outcome == StudyOutcome::finished) return usage_error("--budget", problem);
+    if (outcome == StudyOutcome::finished) return console_.usage_error("--budget", problem);
     console_.note("nothing to report yet; run the same command again to resume");
     return kInput;
   }

@@ -222,7 +222,7 @@ class Recording {
     if (!index_->Has(settings_)) scene_->Populate(index_);
   }
 
-  Vec2i size() const { return {request_.window.width(), request_.window.height()}; }
+  Vec2i size() const { return {request_.description.window().width(), request_.description.window().height()}; }
   RenderBuffer* buffer(const Path& path) const { return static_cast<RenderBuffer*>(index_->GetBprim(path)); }
 
   bool interrupted() {
@@ -251,7 +251,7 @@ class Recording {
 
   RenderPassState pass_state() const {
     const RenderSettingsDescription& d = request_.description;
-    const Rect2i& window = request_.window;
+    const Rect2i window = d.window();
     RenderPassState state;
     state.camera = d.camera;
     // Buffers are as large as the data window; the display window is moved so that it starts at their corner.
@@ -363,7 +363,7 @@ class Recording {
   void write_products(ProductImage* image) {
     const RenderSettingsDescription& d = request_.description;
     image->framing.displayMax = {static_cast<float>(d.width), static_cast<float>(d.height)};
-    image->framing.dataWindow = request_.window;
+    image->framing.dataWindow = d.window();
     image->framing.pixelAspectRatio = d.pixelAspectRatio;
     image->incomplete = result_.status == RecordStatus::interrupted;
     image->metadata = metadata();

@@ -10,14 +10,15 @@ struct Fault {
   std::string text;
 };
 
-Fault framing_fault(const RenderSettingsDescription& d, const Rect2i& window) {
+Fault request_fault(const RenderSettingsDescription& d) {
+  const Rect2i window = d.window();
   if (d.width < 1 || d.height < 1 || d.width > 65536 || d.height > 65536)
     return {"record.resolution", "width and height must lie in 1..65536"};
   const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
   if (!fits(window.minX, window.maxX) || !fits(window.minY, window.maxY) || !(d.pixelAspectRatio > 0))
     return {"record.framing",
             "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio must be positive"};
-  if (window.minX >= d.width || window.minY >= d.height || window.maxX <= 0 || window.maxY <= 0)
+  if (!window.overlaps(d.frame_window()))
     return {"record.crop", "the crop lies wholly outside the frame of " + std::to_string(d.width) + " x " +
                                std::to_string(d.height) + " pixels"};
   return {};
@@ -52,24 +53,23 @@ Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aov
 
 RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
                         const RecordOptions& options, FrameRequest* request) {
-  const auto is_input_fault = [&](const Fault& fault) {
+  // Reports a fault, if there is one.
+  const auto refuse = [&](const Fault& fault) {
     if (fault.code && options.diagnostics)
       options.diagnostics({Severity::error, fault.code, settings.str(), fault.text});
     return fault.code != nullptr;
   };
   const auto found = scene.GetAllRenderSettings().find(settings);
   if (found == scene.GetAllRenderSettings().end()) {
-    is_input_fault({"record.settings", "there are no such render settings"});
+    refuse({"record.settings", "there are no such render settings"});
     return RecordStatus::input_failed;
   }
   const RenderSettingsDescription& d = request->description = found->second;
-  request->window = d.crop.value_or(Rect2i{0, 0, d.width, d.height});
-  if (is_input_fault(framing_fault(d, request->window)) || is_input_fault(camera_fault(scene, d.camera)))
-    return RecordStatus::input_failed;
+  if (refuse(request_fault(d)) || refuse(camera_fault(scene, d.camera))) return RecordStatus::input_failed;
   for (const RenderProduct& product : d.products)
     if (!CheckProduct(product, options.colors, options.diagnostics)) return RecordStatus::output_failed;
   request->aovs = aovs_of(d.products);
-  return is_input_fault(aov_fault(delegate, request->aovs)) ? RecordStatus::input_failed : RecordStatus::done;
+  return refuse(aov_fault(delegate, request->aovs)) ? RecordStatus::input_failed : RecordStatus::done;
 }
 
 }  // namespace alabaster::hd::host

@@ -9,7 +9,6 @@ namespace alabaster::hd::host {
 
 struct FrameRequest {
   RenderSettingsDescription description;
-  Rect2i window;               // the pixels to render: the crop, else the whole frame; y-down
   std::set<std::string> aovs;  // those that the products name; color if there is no product
 };
 
