@@ -2,7 +2,7 @@
 //
 // A frame: Sync of Bprims, then Sprims (in the order of GetSupportedSprimTypes), then instancers and Rprims (parallel)
 // -> CommitResources (resolves paths, publishes an immutable numbered snapshot by pointer swap) -> RenderPass::Execute.
-// Threads: one host thread at a time, except Stop, Pause, Resume, GetRenderStats, RenderPass::GetState and
+// Threads: one host thread at a time, except Stop, HoldStopped, Pause, Resume, GetRenderStats, RenderPass::GetState and
 // RenderBuffer::Map/Resolve/Unmap, which any thread may call at any time. No call throws.
 #pragma once
 
@@ -14,7 +14,7 @@ struct RenderSettingDescriptor {
   std::string name;  // shown to people
   Token key;
   Value defaultValue;
-  Value minimum, maximum;            // empty: unbounded
+  Value minimum, maximum;            // of the default's type; empty: unbounded
   std::vector<std::string> choices;  // of a string setting
   std::string documentation;
 };
@@ -56,10 +56,11 @@ class ALABASTER_API RenderDelegate {
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
   /// cpuSeconds, filmMemory (bytes of the accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count,
   /// walk.events, walk.exits, walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples,
-  /// suspectSample ("x,y,sample" for tracePixel: the first sample that was not finite, or that failed a check),
-  /// rejectedRays, error (of a failed render), error.relativeRmse with error.low and error.high (the noise that the
-  /// frame estimates in itself and its 95 % interval; absent until every pixel has two samples); and of Sync, summed
-  /// up:
+  /// suspectSample ("x,y,sample" for tracePixel: the sample whose failed check ended the render, which may be another
+  /// one in the next render where several fail; else the first that was not finite, by sample number, row and column,
+  /// whatever the threads), rejectedRays, error (of a failed render), error.relativeRmse with error.low and error.high
+  /// (the noise that the frame estimates in itself and its 95 % interval; absent until every pixel has two samples);
+  /// and of Sync, summed up:
   /// - sync.refineWallSeconds, sync.bvhWallSeconds: wall time during which at least one mesh was being refined, or its
   ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
   /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in
@@ -73,20 +74,26 @@ class ALABASTER_API RenderDelegate {
   virtual bool IsPaused() const = 0;
   virtual void Stop() = 0;  // blocks until no worker runs; latches until Restart
   virtual void Restart() = 0;
-  virtual bool IsStopped() const = 0;
+  virtual bool IsStopped() const = 0;  // by Stop or HoldStopped
+  /// Stops like Stop until the result is destroyed, whatever Stop and Restart do meanwhile: for code that stops a
+  /// delegate which is not its own, and must undo no Stop but its own. Null after a report if memory runs out.
+  virtual std::shared_ptr<const void> HoldStopped() = 0;
 
   virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
 
-  /// Commands: "dumpScene" -> string (stable text of the translated scene), "requirements" -> string (what the
-  /// committed snapshot requires, and why), "tracePixel" {x, y, and optionally sample} -> string (the path of a sample
-  /// of the frame that Execute drew last, vertex by vertex, traced with that frame's random numbers; without a sample,
-  /// the colour of each of the pixel's samples and the path of the first that is not finite, else of the brightest;
-  /// pixels of the data window, y down; empty before the first frame). Unknown: empty value.
+  /// Commands; an unknown one gives an empty value.
+  /// - "dumpScene" -> string: stable text of the translated scene.
+  /// - "requirements" -> string: the features that the committed snapshot requires, and why.
+  /// - "tracePixel" {x, y, and optionally sample} -> string: the path of a sample of the frame that Execute drew last,
+  ///   vertex by vertex, traced with that frame's random numbers. Without a sample: the colour of each of the pixel's
+  ///   samples, and the path of the first that fails a check, else of the first that is not finite, else of the
+  ///   brightest. x counts to the right and y down from the upper left corner of the display window. Empty before the
+  ///   first frame, for pixels outside of the data window and for numbers that are not whole.
   virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 2;
+inline constexpr uint32_t kAbiVersion = 3;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

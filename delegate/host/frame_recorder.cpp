@@ -50,23 +50,6 @@ class Phase {
   double cpu_ = support::process_cpu_seconds();
 };
 
-/// Stops the delegate, and restarts it at the end of the scope. A delegate that another thread has stopped stays
-/// stopped: only that thread may restart it.
-class BriefStop {
- public:
-  explicit BriefStop(RenderDelegate* delegate) : delegate_(delegate->IsStopped() ? nullptr : delegate) {
-    if (delegate_) delegate_->Stop();
-  }
-  ~BriefStop() {
-    if (delegate_) delegate_->Restart();
-  }
-  BriefStop(const BriefStop&) = delete;
-  BriefStop& operator=(const BriefStop&) = delete;
-
- private:
-  RenderDelegate* delegate_;
-};
-
 /// Ends the calling thread's Sync as soon as the host cancels.
 class CancelWatch {
  public:
@@ -90,11 +73,11 @@ class CancelWatch {
     while (!changed_.wait_for(lock, std::chrono::milliseconds(10), [this] { return over_; })) {
       if (!cancel) continue;
       lock.unlock();
-      stop_.emplace(delegate);
+      stop_ = delegate->HoldStopped();
       return;
     }
   }
-  std::optional<BriefStop> stop_;  // thread_ writes it, and is joined before it dies
+  std::shared_ptr<const void> stop_;  // thread_ writes it, and is joined before it dies
   std::mutex mutex_;
   std::condition_variable changed_;
   bool over_ = false;
@@ -243,7 +226,7 @@ class Recording {
       const RenderBuffer* held = buffer(path);
       if (!held || Vec2i(held->GetWidth(), held->GetHeight()) != size())
         return refuse(RecordStatus::input_failed, "record.buffer",
-                      "AOV '" + aov + "' cannot be rendered at " + std::to_string(size().x) + " x " +
+                      "the render buffer of AOV '" + aov + "' cannot hold " + std::to_string(size().x) + " x " +
                           std::to_string(size().y) + " pixels; lower the resolution or render a crop");
     }
     return true;
@@ -290,8 +273,8 @@ class Recording {
 
   // An interrupted render is stopped before its statistics are read, so that they agree with the pixels.
   void end(std::unique_ptr<RenderPass>& pass) {
-    std::optional<BriefStop> stop;
-    if (!pass->IsConverged() && interrupted()) stop.emplace(delegate_);
+    std::shared_ptr<const void> stop;
+    if (!pass->IsConverged() && interrupted()) stop = delegate_->HoldStopped();
     if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
     result_.stats = delegate_->GetRenderStats();
     if (options_.progress) options_.progress(progress());

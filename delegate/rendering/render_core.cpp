@@ -181,17 +181,30 @@ std::vector<std::shared_ptr<PassControl>> RenderCore::passes() const {
   return alive;
 }
 
+// Halts the passes, or has them start again once nothing stops them.
+void RenderCore::apply_stops() {
+  stopped_ = stop_latched_ || stop_holds_ > 0;
+  param->set_cancelled(stopped_);
+  if (!stopped_) ++restarts_;
+  for (const auto& pass : passes()) stopped_ ? pass->halt() : pass->forget();
+}
+
 void RenderCore::stop() {
-  stopped_ = true;
-  param->set_cancelled(true);
-  for (const auto& pass : passes()) pass->halt();
+  const std::lock_guard lock(stop_mutex_);
+  stop_latched_ = true;
+  apply_stops();
 }
 
 void RenderCore::restart() {
-  stopped_ = false;
-  param->set_cancelled(false);
-  ++restarts_;
-  for (const auto& pass : passes()) pass->forget();
+  const std::lock_guard lock(stop_mutex_);
+  stop_latched_ = false;
+  apply_stops();
+}
+
+void RenderCore::hold_stopped(int change) {
+  const std::lock_guard lock(stop_mutex_);
+  stop_holds_ += change;
+  apply_stops();
 }
 
 void RenderCore::pause() {

@@ -28,6 +28,8 @@ class RenderCore {
   /// renders of the old one. A scene that could not be compiled leaves no snapshot and a commit_error(). Whatever an
   /// earlier commit could not do, for want of memory or threads, the next one does. Never throws.
   void commit();
+  /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
+  /// CommitResources tries again, for a pass would compile the scene again with every Execute.
   bool needs_commit() const { return param->has_edits() || !committed_; }
   std::string dump() const;
   std::string requirements() const;
@@ -47,6 +49,7 @@ class RenderCore {
   std::vector<std::shared_ptr<PassControl>> passes() const;
   void stop();
   void restart();
+  void hold_stopped(int change);  // 1: one more hold, -1: one less
   void pause();
   void resume();
   bool is_stopped() const { return stopped_; }
@@ -55,6 +58,7 @@ class RenderCore {
   uint64_t restarts() const { return restarts_; }
 
  private:
+  void apply_stops();
   const prims::SettingsRecord* settings_prim() const;
   void apply_edits();
   void update_scene();
@@ -78,6 +82,9 @@ class RenderCore {
 
   std::atomic<double> commit_seconds_{0};
   std::atomic<bool> failed_{false};  // the last commit left no snapshot
+  std::mutex stop_mutex_;            // one at a time stops or restarts
+  bool stop_latched_ = false;        // by Stop, until Restart
+  int stop_holds_ = 0;
   std::atomic<bool> stopped_{false}, paused_{false};
   std::atomic<uint64_t> restarts_{0};
 };

@@ -89,8 +89,12 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
       d.key = parameter.name;
       d.defaultValue = prims::get_parameter(parameter, defaults);
       if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
-        d.minimum = static_cast<int64_t>(parameter.minimum);
-        d.maximum = static_cast<int64_t>(parameter.maximum);
+        const bool real = d.defaultValue.get<float>() != nullptr;
+        const auto bound = [&](double n) {
+          return real ? Value(static_cast<float>(n)) : Value(static_cast<int64_t>(n));
+        };
+        d.minimum = bound(parameter.minimum);
+        d.maximum = bound(parameter.maximum);
       }
       for (const char* word : parameter.words)
         if (word) d.choices.emplace_back(word);
@@ -114,6 +118,24 @@ void RenderDelegateImpl::Stop() {
 
 void RenderDelegateImpl::Restart() {
   prims::guarded(core_->param->sink(), "Restart", [&] { core_->restart(); });
+}
+
+namespace {
+struct StopHold {
+  explicit StopHold(std::shared_ptr<RenderCore> held) : core(std::move(held)) { count(1); }
+  ~StopHold() { count(-1); }
+  StopHold(const StopHold&) = delete;
+  StopHold& operator=(const StopHold&) = delete;
+  void count(int change) const {
+    prims::guarded(core->param->sink(), "HoldStopped", [&] { core->hold_stopped(change); });
+  }
+  std::shared_ptr<RenderCore> core;
+};
+}  // namespace
+
+std::shared_ptr<const void> RenderDelegateImpl::HoldStopped() {
+  return answer<std::shared_ptr<const void>>("HoldStopped",
+                                             [&](auto& hold) { hold = std::make_shared<const StopHold>(core_); });
 }
 
 AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) const {

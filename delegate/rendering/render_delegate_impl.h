@@ -41,6 +41,7 @@ class RenderDelegateImpl final : public RenderDelegate {
   void Stop() override;
   void Restart() override;
   bool IsStopped() const override { return core_->is_stopped(); }
+  std::shared_ptr<const void> HoldStopped() override;
 
   AovDescriptor GetDefaultAovDescriptor(const Token& aov) const override;
   Value InvokeCommand(const Token& command, const Dictionary& arguments) override;

@@ -86,6 +86,7 @@ class FakeDelegate final : public RenderDelegate {
   void Stop() override {}
   void Restart() override {}
   bool IsStopped() const override { return false; }
+  std::shared_ptr<const void> HoldStopped() override { return nullptr; }
   AovDescriptor GetDefaultAovDescriptor(const Token&) const override { return {}; }
   Value InvokeCommand(const Token&, const Dictionary&) override { return {}; }
 

@@ -166,6 +166,58 @@ TEST(FrameRecorder, StopByAnotherThreadEndsItAndLasts) {
   EXPECT_TRUE(stage.delegate->IsStopped()) << "only the thread that stopped it may restart it";
 }
 
+// The recorder itself stops the delegate for a moment to end a render that is cancelled.
+TEST(FrameRecorder, AStopDuringItsOwnLasts) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1 << 20));
+  std::atomic<bool> cancel{false};
+  RecordOptions options;
+  options.cancel = &cancel;
+  bool stopped = false;
+  options.progress = [&](const RecordProgress&) {
+    cancel = true;
+    if (!stage.delegate->IsStopped()) return;
+    std::thread([&] { stage.delegate->Stop(); }).join();
+    stopped = true;
+  };
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", options).status, RecordStatus::interrupted);
+  ASSERT_TRUE(stopped);
+  EXPECT_TRUE(stage.delegate->IsStopped()) << "only the thread that stopped it may restart it";
+  stage.delegate->Restart();
+  EXPECT_FALSE(stage.delegate->IsStopped());
+}
+
+// Pulling a mesh takes until the delegate is stopped; another thread then stops it, too.
+class StoppingScene : public RetainedSceneDelegate {
+ public:
+  explicit StoppingScene(RenderDelegate* delegate) : delegate_(delegate) {}
+  MeshTopology GetMeshTopology(const Path& id) override {
+    for (int i = 0; i < 5000 && !delegate_->IsStopped(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::thread([&] { delegate_->Stop(); }).join();
+    return RetainedSceneDelegate::GetMeshTopology(id);
+  }
+
+ private:
+  RenderDelegate* delegate_;
+};
+
+TEST(FrameRecorder, AStopDuringItsOwnInSyncLasts) {
+  const Folder folder;
+  Stage stage;
+  StoppingScene scene(stage.delegate);
+  scene.SetMesh("/quad", Stage::quad());
+  scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1));
+  scene.Populate(stage.index.get());
+  const std::atomic<bool> cancel{true};
+  RecordOptions options;
+  options.cancel = &cancel;
+  EXPECT_EQ(RecordFrame(stage.index.get(), &scene, "/settings", options).status, RecordStatus::interrupted);
+  EXPECT_TRUE(stage.delegate->IsStopped()) << "only the thread that stopped it may restart it";
+  scene.Depopulate();
+}
+
 TEST(FrameRecorder, AStoppedDelegateStaysStoppedAndWritesNothing) {
   const Folder folder;
   Stage stage;
