@@ -4,6 +4,7 @@
 #include "delegate/api/render_delegate.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
 namespace {
@@ -45,7 +46,7 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("--camera", a->camera, "Camera to render from")->type_name("NAME");
   c->add_option("--time", a->time, "Frame number (a whole number)")->type_name("N");
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
-  c->add_option("--crop", a->crop, "Region to render, in pixels from the top left")->type_name("X0,Y0,X1,Y1");
+  c->add_option("--crop", a->crop, "Region to render, in pixels from the upper left corner")->type_name("X0,Y0,X1,Y1");
   c->add_option("--quality", a->quality,
                 "preview, draft, production or reference: measured settings (alabaster schema quality_presets). A "
                 "preset overrides the scene's settings, and every other flag overrides the preset. A render ends at "
@@ -64,9 +65,12 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   add_repeated(c, "--aov", &a->aovs, "NAME",
                "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
                "error, ...; may be repeated");
-  c->add_option("--pixel", a->pixel,
-                "Print the path of one sample of a pixel, vertex by vertex, instead of writing files; without SAMPLE, "
-                "list the samples that an even frame takes there and follow the brightest")
+  c->add_option(
+       "--pixel", a->pixel,
+       "Print the path of one sample of a pixel, vertex by vertex, instead of writing files. X and Y count from "
+       "the upper left corner of the frame; pixels beyond its edges (overscan) are allowed if the scene's crop "
+       "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
+       "the brightest")
       ->type_name("X,Y[,SAMPLE]");
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE",
                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
@@ -90,7 +94,7 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   c->add_option("--size", a->size, "Resolution in pixels; default: the scene's, reduced if the budget requires it")
       ->type_name("WxH");
   c->add_option("--only", a->only,
-                "Measure only walk and the configurations whose name matches; '^quality=' selects the presets")
+                "Measure only walk and the configurations whose names match; '^quality=' selects the presets")
       ->type_name("REGEX");
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
@@ -99,25 +103,8 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   return c;
 }
 
-// Words that a shell would split or expand are put in single quotes.
-std::string command_line(int argc, char** argv) {
-  std::string line = "alabaster";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./,:=+@%";
-    std::string quoted = word;
-    if (word.empty() || word.find_first_not_of(kPlain) != std::string::npos) {
-      quoted = "'";
-      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-      quoted += "'";
-    }
-    line += " " + quoted;
-  }
-  return line;
-}
-
 int run(int argc, char** argv) {
-  CLI::App app("Alabaster, a path tracer for translucent things.", "alabaster");
+  CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
   app.set_version_flag("--version", std::string(AlabasterVersions()));
   app.require_subcommand(1);
   app.footer(kExitCodes);
@@ -153,7 +140,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kDone : kUsage;
   }
-  render.command_line = command_line(argc, argv);
+  for (int i = 2; i < argc; ++i) render.words += " " + shell_word(argv[i]);
   if (render_command->parsed()) return run_render(render);
   if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
   if (info_command->parsed()) return run_info(info);

@@ -107,11 +107,9 @@ std::optional<hd::Rect2i> parse_crop(const std::string& text) {
 
 std::optional<PixelChoice> parse_pixel(const std::string& text) {
   const auto numbers = parse_numbers<int>(text, ",");
-  if ((numbers.size() != 2 && numbers.size() != 3) || *std::min_element(numbers.begin(), numbers.end()) < 0)
-    return std::nullopt;
-  PixelChoice pixel{numbers[0], numbers[1], {}};
-  if (numbers.size() == 3) pixel.sample = static_cast<uint32_t>(numbers[2]);
-  return pixel;
+  if (numbers.size() == 2) return PixelChoice{numbers[0], numbers[1], {}};
+  if (numbers.size() != 3 || numbers[2] < 0) return std::nullopt;
+  return PixelChoice{numbers[0], numbers[1], static_cast<uint32_t>(numbers[2])};
 }
 
 std::optional<uint32_t> parse_frame(const std::string& text) {

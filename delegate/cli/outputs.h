@@ -18,10 +18,10 @@ std::string size_fault(const std::string& text);
 /// Parses "x0,y0,x1,y1". Empty if malformed.
 std::optional<hd::Rect2i> parse_crop(const std::string& text);
 struct PixelChoice {
-  int x = 0, y = 0;
+  int x = 0, y = 0;  // from the frame's upper left corner
   std::optional<uint32_t> sample;
 };
-/// Parses "x,y" and "x,y,sample", none of them negative. Empty if malformed.
+/// Parses "x,y" and "x,y,sample"; the sample is not negative. Empty if malformed.
 std::optional<PixelChoice> parse_pixel(const std::string& text);
 /// Parses a frame number, 0 to 4294967295. Empty if malformed.
 std::optional<uint32_t> parse_frame(const std::string& text);

@@ -224,7 +224,7 @@ int print_prediction(SceneSession* session, Console* console, const Preparation&
   const bool done = renders.run();
   set_worth_saving(false);
   if (interrupted()) {
-    console->note("interrupted: no prediction is made");
+    console->note("interrupted before a prediction could be made");
     return kInterrupted;
   }
   if (!done) return kRender;

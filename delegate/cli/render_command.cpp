@@ -49,8 +49,7 @@ class RenderCommand {
               "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
     if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
       return console_.usage_error(
-          "--pixel",
-          "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, whole numbers counted from the top left.");
+          "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.");
     if (!a_.time.empty() && !parse_frame(a_.time))
       return console_.usage_error(
           "--time", "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
@@ -221,17 +220,32 @@ class RenderCommand {
     return code;
   }
 
-  // Renders the pixel alone, and prints what the delegate knows of its paths.
+  // Renders the pixel alone in each of the scene's frames that has it, and prints its paths.
   int trace_pixel() {
     const PixelChoice pixel = *parse_pixel(a_.pixel);
-    const hd::Path path = session_.file.settings;
-    hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
-    override_size(&settings);
-    if (pixel.x >= settings.width || pixel.y >= settings.height)
-      return console_.usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " +
-                                                 std::to_string(settings.width) + "x" +
-                                                 std::to_string(settings.height) + ".");
-    settings.crop = hd::Rect2i{pixel.x, pixel.y, pixel.x + 1, pixel.y + 1};
+    const std::vector<hd::Path> paths = settings_paths();
+    int code = kUsage;
+    std::string sizes;
+    for (const hd::Path& path : paths) {
+      hd::RenderSettingsDescription settings = session_.scene.GetAllRenderSettings().at(path);
+      override_size(&settings);
+      const std::string size = std::to_string(settings.width) + "x" + std::to_string(settings.height);
+      sizes += (sizes.empty() ? "" : " and of ") + size;
+      const bool overscan = settings.window().contains(pixel.x, pixel.y);
+      if (!overscan && !settings.frame_window().contains(pixel.x, pixel.y)) continue;
+      if (paths.size() > 1) std::printf("frame of %s, for %s:\n", size.c_str(), settings.products[0].file.c_str());
+      code = trace_pixel(path, pixel, std::move(settings));
+      if (code != kDone) return code;
+    }
+    if (code == kUsage) console_.usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " + sizes + ".");
+    return code;
+  }
+
+  int trace_pixel(const hd::Path& path, const PixelChoice& pixel, hd::RenderSettingsDescription settings) {
+    // A crop must overlap the frame: a pixel of the overscan is rendered with those between.
+    const int x = std::clamp(pixel.x, 0, settings.width - 1), y = std::clamp(pixel.y, 0, settings.height - 1);
+    settings.crop =
+        hd::Rect2i{std::min(x, pixel.x), std::min(y, pixel.y), std::max(x, pixel.x) + 1, std::max(y, pixel.y) + 1};
     settings.products.clear();
     session_.scene.SetRenderSettings(path, std::move(settings));
     hd::host::RecordOptions options;
@@ -239,7 +253,7 @@ class RenderCommand {
     options.diagnostics = console_.sink();
     const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
     hd::Dictionary arguments{{"x", hd::Value(pixel.x)}, {"y", hd::Value(pixel.y)}};
-    if (pixel.sample) arguments["sample"] = hd::Value(static_cast<int>(*pixel.sample));
+    if (pixel.sample) arguments["sample"] = hd::Value(static_cast<int64_t>(*pixel.sample));
     const std::string text = session_.delegate()->InvokeCommand(hd::Token("tracePixel"), arguments).text_or("");
     std::fputs((text + prim_names(text)).c_str(), stdout);
     return exit_code(result.status);
@@ -263,10 +277,11 @@ class RenderCommand {
     const auto found = stats.find("suspectSample");
     if (found == stats.end()) return;
     const bool failed = code == kRender;
-    const std::string what =
-        failed ? "A sample failed a check." : "A sample was not finite; the picture has black in its place.";
-    console_.sink()({failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "",
-                     what + " To see its path, run:\n  " + a_.command_line + " --pixel " + found->second.text_or("")});
+    const std::string what = failed ? "A sample failed a check or was not finite."
+                                    : "A sample was not finite; the picture has black in its place.";
+    console_.sink()(
+        {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "",
+         what + " To see its path, run:\n  alabaster render --pixel " + found->second.text_or("") + a_.words});
   }
 
   void say_error(const hd::Dictionary& stats) {
@@ -274,11 +289,11 @@ class RenderCommand {
       const auto found = stats.find(key);
       return found == stats.end() ? -1 : 100 * found->second.number_or(-1);
     };
-    if (percent("error.relativeRmse") < 0) return;
+    const double error = percent("error.relativeRmse");
+    if (!(error >= 0) || std::isinf(error)) return;
     char text[160];
     std::snprintf(text, sizeof text, "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel",
-                  percent("error.relativeRmse"), percent("error.low"), percent("error.high"),
-                  stats.at("numCompletedSamples").number_or(0));
+                  error, percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0));
     console_.note(text);
   }
 

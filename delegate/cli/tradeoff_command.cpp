@@ -10,6 +10,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/shell_word.h"
 #include "delegate/tradeoff/display_error.h"
 #include "delegate/tradeoff/report.h"
 #include "delegate/tradeoff/study.h"
@@ -281,15 +282,15 @@ class TradeoffCommand {
   }
 
   std::string command_line() const {
-    std::string text = "alabaster tradeoff " + a_.scene;
+    std::string text = "alabaster tradeoff " + shell_word(a_.scene);
     const auto add = [&](const char* flag, const std::string& value) {
-      if (!value.empty()) text += std::string(" ") + flag + " " + value;
+      if (!value.empty()) text += std::string(" ") + flag + " " + shell_word(value);
     };
     add("-o", a_.folder);
     add("--budget", a_.budget);
     add("--size", a_.size);
-    add("--only", a_.only.empty() ? "" : "'" + a_.only + "'");
-    for (const std::string& entry : a_.overrides) add("--set", "'" + entry + "'");
+    add("--only", a_.only);
+    for (const std::string& entry : a_.overrides) add("--set", entry);
     return text;
   }
 

@@ -1,5 +1,6 @@
 #include "testenv/support/failing_memory.h"
 
+#include <atomic>
 #include <cstdlib>
 #include <new>
 
@@ -8,6 +9,8 @@ namespace {
 constexpr size_t kUnlimited = ~size_t(0);
 thread_local size_t allowed_allocations = kUnlimited;
 thread_local bool refused = false;
+std::atomic<bool> fails_elsewhere{false};
+thread_local bool is_elsewhere = true;
 
 }  // namespace
 
@@ -24,9 +27,19 @@ bool FailingMemory::failed() const {
   return refused;
 }
 
+FailingMemoryElsewhere::FailingMemoryElsewhere() {
+  is_elsewhere = false;
+  fails_elsewhere = true;
+}
+FailingMemoryElsewhere::~FailingMemoryElsewhere() {
+  fails_elsewhere = false;
+  is_elsewhere = true;
+}
+
 }  // namespace alabaster::testing
 
 void* operator new(size_t size) {
+  if (fails_elsewhere && is_elsewhere && fails_elsewhere.exchange(false)) throw std::bad_alloc();
   if (allowed_allocations != kUnlimited) {
     if (allowed_allocations == 0) {
       refused = true;

@@ -17,4 +17,13 @@ class FailingMemory {
   bool failed() const;
 };
 
+/// While it lives, operator new refuses one allocation, the next of any other thread.
+class FailingMemoryElsewhere {
+ public:
+  FailingMemoryElsewhere();
+  ~FailingMemoryElsewhere();
+  FailingMemoryElsewhere(const FailingMemoryElsewhere&) = delete;
+  FailingMemoryElsewhere& operator=(const FailingMemoryElsewhere&) = delete;
+};
+
 }  // namespace alabaster::testing

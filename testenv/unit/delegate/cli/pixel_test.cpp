@@ -50,10 +50,50 @@ TEST_F(PixelTest, NamesThePrimsThatThePathMeets) {
 }
 
 TEST_F(PixelTest, BadPixelsAreUsageErrors) {
-  for (const char* pixel : {"4", "4,", "4,-3", "1,2,3,4", "a,b", "16,0", "0,12"}) {
+  for (const char* pixel : {"4", "4,", "4,-3", "1,2,3,4", "1,2,-3", "a,b", "16,0", "0,12"}) {
     Program program(folder_, {"render", "lit.gltf", "--size", "16x12", "--pixel", pixel});
     EXPECT_EQ(program.wait(), 2) << pixel;
     EXPECT_NE(program.err().find("--pixel: '" + std::string(pixel) + "'"), std::string::npos) << program.err();
+  }
+}
+
+TEST_F(PixelTest, IsPrintedForEachFrameThatHasIt) {
+  write("scene.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"resolution": [16, 12], "samples": 1},
+    "products": [{"file": "one.exr"}, {"file": "two.exr", "resolution": [32, 24]}]})");
+  Program both(folder_, {"render", "scene.json", "--pixel", "4,3,0"});
+  ASSERT_EQ(both.wait(), 0) << both.err();
+  const size_t one = both.out().find("frame of 16x12, for "), two = both.out().find("frame of 32x24, for ");
+  ASSERT_TRUE(one != std::string::npos && two != std::string::npos) << both.out();
+  const std::string first = both.out().substr(one, two - one), second = both.out().substr(two);
+  EXPECT_NE(first.substr(first.find('\n')), second.substr(second.find('\n'))) << "two cameras of two resolutions";
+  Program larger(folder_, {"render", "scene.json", "--pixel", "20,3,0"});
+  ASSERT_EQ(larger.wait(), 0) << larger.err();
+  EXPECT_TRUE(larger.out().starts_with("frame of 32x24, for ")) << larger.out();
+  Program none(folder_, {"render", "scene.json", "--pixel", "32,3"});
+  EXPECT_EQ(none.wait(), 2);
+  EXPECT_NE(none.err().find("'32,3' lies outside the frame of 16x12 and of 32x24."), std::string::npos) << none.err();
+}
+
+// Two domes, whose sum no float can hold, in a file whose name a shell would take apart.
+TEST_F(PixelTest, ASampleThatIsNotFiniteIsShownByTheCommandThatIsPrinted) {
+  write("it's $HOME.json", R"({"gltf": [{"file": "patch.gltf"}], "settings": {"resolution": [16, 12]}, "lights": [
+    {"name": "day", "type": "domeLight", "color": [3e38, 3e38, 3e38]},
+    {"name": "sky", "type": "domeLight", "color": [3e38, 3e38, 3e38]}]})");
+  std::filesystem::create_symlink(ALABASTER_PROGRAM, folder_ / "alabaster");
+  for (const char* crop : {"0,0,16,12", "-6,-5,3,3"}) {  // the frame; overscan
+    Program frame(folder_, {"render", "-o", "a.exr", "--spp", "2", "--crop", crop, "--", "it's $HOME.json"});
+    ASSERT_EQ(frame.wait(), 0) << frame.err();
+    const std::string said = frame.err(),
+                      lead = "warning: A sample was not finite; the picture has black in its place.";
+    ASSERT_NE(said.find(lead), std::string::npos) << said;
+    const size_t command = said.find("  alabaster render --pixel ");
+    ASSERT_NE(command, std::string::npos) << said;
+    const std::string line = said.substr(command + 2, said.find('\n', command) - command - 2);
+    const std::string shell = "cd " + folder_.string() + " && ./" + line + " > path.txt";
+    ASSERT_EQ(std::system(shell.c_str()), 0) << shell;
+    std::ifstream file(folder_ / "path.txt");
+    const std::string path{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_NE(path.find("not finite: the film takes black in its place"), std::string::npos) << shell << "\n" << path;
   }
 }
 

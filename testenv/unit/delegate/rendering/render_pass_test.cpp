@@ -6,6 +6,7 @@
 #include <limits>
 #include <thread>
 
+#include "testenv/support/failing_memory.h"
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -179,6 +180,25 @@ TEST(RenderPass, AFrameBeyondTheMachinesMemoryIsRefused) {
   EXPECT_EQ(s.pass->GetState(), PassState::converged);
 }
 
+TEST(RenderPass, ARenderThatFailsOnItsOwnThreadsConvergesAndSaysWhy) {
+  Shot s(16);
+  {
+    const testing::FailingMemoryElsewhere memory;
+    s.pass->Execute(s.state);
+    ASSERT_TRUE(s.pass->WaitForConvergence(20));
+  }
+  EXPECT_EQ(s.pass->GetState(), PassState::failed);
+  for (int i = 0; i < 3; ++i) s.pass->Execute(s.state);
+  EXPECT_TRUE(s.pass->IsConverged());
+  EXPECT_TRUE(s.buffer->IsConverged());
+  EXPECT_EQ(s.stage.count("pass.failed"), 1u) << "told once";
+  EXPECT_NE(s.stage.text_stat("error").find("rendering failed"), std::string::npos) << s.stage.text_stat("error");
+  s.stage.delegate->SetRenderSetting("seed", 1);
+  EXPECT_TRUE(s.finish());
+  EXPECT_EQ(s.pass->GetState(), PassState::converged);
+  EXPECT_EQ(s.stage.text_stat("error"), "");
+}
+
 TEST(RenderPass, NothingToDrawConvergesAtOnce) {
   Shot s;
   RenderPassState unbound = s.state;
@@ -225,6 +245,31 @@ TEST(BackgroundControl, IsLegalBeforeTheFirstRender) {
   EXPECT_TRUE(s.finish());
 }
 
+TEST(BackgroundControl, AHoldOutlastsARestartAndUndoesNoStop) {
+  Shot s(kEndless);
+  RenderDelegate& delegate = *s.stage.delegate;
+  s.pass->Execute(s.state);
+  std::shared_ptr<const void> hold = delegate.HoldStopped();
+  EXPECT_TRUE(delegate.IsStopped());
+  EXPECT_TRUE(s.pass->WaitForConvergence(5)) << "no worker runs";
+  delegate.Restart();
+  s.pass->Execute(s.state);
+  EXPECT_EQ(s.pass->GetState(), PassState::stopped) << "it is still held";
+  std::shared_ptr<const void> second = delegate.HoldStopped();
+  hold.reset();
+  EXPECT_TRUE(delegate.IsStopped()) << "by the second hold";
+  second.reset();
+  EXPECT_FALSE(delegate.IsStopped());
+  s.pass->Execute(s.state);
+  EXPECT_EQ(s.pass->GetState(), PassState::rendering);
+  hold = delegate.HoldStopped();
+  delegate.Stop();
+  hold.reset();
+  EXPECT_TRUE(delegate.IsStopped()) << "by Stop";
+  delegate.Restart();
+  EXPECT_FALSE(delegate.IsStopped());
+}
+
 TEST(BackgroundControl, APauseFromBeforeHoldsTheFirstRenderAndAnEditEndsIt) {
   Shot s(kEndless);
   s.stage.delegate->Pause();
@@ -260,6 +305,7 @@ TEST(BackgroundControl, AStormFromAnotherThreadEndsWell) {
       s.buffer->Resolve();
       s.buffer->Map();
       s.stage.delegate->GetRenderStats();
+      s.stage.delegate->HoldStopped();
       s.stage.delegate->Stop();
       s.buffer->Unmap();
       s.stage.delegate->Resume();

@@ -1,0 +1,74 @@
+// The command tracePixel, and the stat that names a sample for it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+struct Frame {
+  Stage stage{{{"samples", 2}}};
+  std::unique_ptr<RenderPass> pass;
+  RenderPassState state;
+
+  Frame() {
+    stage.add_basic_scene();
+    RenderBuffer* buffer = stage.add_buffer("/b", 8, 8, Format::float32vec4);
+    stage.index->SyncAll();
+    pass = stage.delegate->CreateRenderPass();
+    state = Stage::state_for(8, 8, "color", buffer);
+  }
+  std::string trace(const Dictionary& arguments) const {
+    return stage.delegate->InvokeCommand("tracePixel", arguments).text_or("nothing");
+  }
+};
+
+TEST(TracePixel, AnswersForPixelsOfTheDataWindowAndWholeNumbers) {
+  Frame f;
+  EXPECT_EQ(f.trace({{"x", 1}, {"y", 1}}), "") << "before the first frame";
+  f.state.framing.dataWindow = {-2, 1, 6, 8};
+  ASSERT_TRUE(Stage::finish(*f.pass, f.state));
+  for (const Dictionary& good : std::vector<Dictionary>{{{"x", -2}, {"y", 1}},
+                                                        {{"x", 5}, {"y", 7}},
+                                                        {{"x", 5.0f}, {"y", int64_t(7)}, {"sample", 0}},
+                                                        {{"x", 0}, {"y", 1}, {"sample", int64_t(4294967295)}}}) {
+    const std::string pixel = "of pixel " + good.at("x").to_string() + "," + good.at("y").to_string() + ": color (";
+    EXPECT_NE(f.trace(good).find(pixel), std::string::npos) << f.trace(good);
+  }
+  for (const Dictionary& bad : std::vector<Dictionary>{{},
+                                                       {{"x", 1}},
+                                                       {{"x", 1}, {"y", "1"}},
+                                                       {{"x", -3}, {"y", 1}},
+                                                       {{"x", 6}, {"y", 1}},
+                                                       {{"x", 1}, {"y", 0}},
+                                                       {{"x", 1}, {"y", 8}},
+                                                       {{"x", 1.5}, {"y", 1}},
+                                                       {{"x", 1}, {"y", NAN}},
+                                                       {{"x", 1}, {"y", 1e300}},
+                                                       {{"x", 1}, {"y", 1}, {"sample", -1}},
+                                                       {{"x", 1}, {"y", 1}, {"sample", 0.5}},
+                                                       {{"x", 1}, {"y", 1}, {"sample", int64_t(4294967296)}},
+                                                       {{"x", 1}, {"y", 1}, {"sample", "first"}}})
+    EXPECT_EQ(f.trace(bad), "") << Value(std::make_shared<const Dictionary>(bad)).to_string();
+}
+
+// Two domes whose sum no float can hold. The first pixel of the data window sees them.
+TEST(TracePixel, TheStatNamesTheFirstSampleThatIsNotFinite) {
+  Frame f;
+  f.state.framing.dataWindow = {-2, -1, 8, 8};
+  ASSERT_TRUE(Stage::finish(*f.pass, f.state));
+  EXPECT_EQ(f.stage.text_stat("suspectSample"), "") << "every sample is finite";
+  const Vec3f bright(3e38f);
+  for (const char* path : {"/dome", "/sky"})
+    f.stage.scene.SetLight(path, {.type = "domeLight", .transform = {}, .parameters = {{"color", bright}}});
+  f.stage.index->SyncAll();
+  ASSERT_TRUE(Stage::finish(*f.pass, f.state));
+  EXPECT_EQ(f.stage.text_stat("suspectSample"), "-2,-1,0");
+  EXPECT_NE(f.trace({{"x", -2}, {"y", -1}, {"sample", 0}}).find("not finite"), std::string::npos);
+  EXPECT_EQ(f.pass->GetState(), PassState::converged) << "the render goes on";
+}
+
+}  // namespace
+}  // namespace alabaster::hd
