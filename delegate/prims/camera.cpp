@@ -32,18 +32,11 @@ void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::Diag
 
 }  // namespace
 
-void CameraPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
-  SceneParam& param = SceneParam::of(render_param);
-  const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    if (*bits & dirty::kTransform) camera_.camera_to_world = scene->GetTransform(GetId());
-    if (*bits & dirty::kParams) pull_parameters(*scene, GetId(), param.sink(), &camera_);
-    param.post(GetId(), CameraRecord{camera_});
-  });
-  if (synced) *bits = dirty::kClean;
-}
-
-void CameraPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).remove(GetId());
+DirtyBits CameraPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
+  if (bits & dirty::kTransform) camera_.camera_to_world = scene.GetTransform(GetId());
+  if (bits & dirty::kParams) pull_parameters(scene, GetId(), param.sink(), &camera_);
+  param.post(GetId(), CameraRecord{camera_});
+  return dirty::kClean;
 }
 
 }  // namespace alabaster::hd::prims

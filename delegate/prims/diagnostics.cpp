@@ -16,7 +16,7 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
 void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept {
   try {
     alabaster::report(sink, alabaster::Severity::error, "delegate.exception", std::string(where),
-                      std::string("failed: ") + what + "; the state before it is kept");
+                      std::string("failed: ") + what + "; the earlier state is kept");
   } catch (...) {
     // Memory has run out altogether.
   }

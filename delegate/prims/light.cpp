@@ -18,28 +18,21 @@ std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id
 
 }  // namespace
 
-void LightPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
-  SceneParam& param = SceneParam::of(render_param);
-  const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    if (*bits & dirty::kTransform) light_.light_to_world = scene->GetTransform(GetId());
-    if (*bits & dirty::kParams) {
-      const alabaster::LightDescription defaults;
-      for (const auto& parameter : light_parameters()) {
-        const Value value = scene->GetLightParamValue(GetId(), parameter.name);
-        set_parameter(parameter, get_parameter(parameter, defaults), &light_);
-        if (value.empty()) continue;
-        report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &light_), value);
-      }
+DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
+  if (bits & dirty::kTransform) light_.light_to_world = scene.GetTransform(GetId());
+  if (bits & dirty::kParams) {
+    const alabaster::LightDescription defaults;
+    for (const auto& parameter : light_parameters()) {
+      const Value value = scene.GetLightParamValue(GetId(), parameter.name);
+      set_parameter(parameter, get_parameter(parameter, defaults), &light_);
+      if (value.empty()) continue;
+      report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &light_), value);
     }
-    if ((*bits & (dirty::kParams | dirty::kResource)) && light_.type == LightType::dome)
-      light_.texture = pull_texture(*scene, GetId(), param);
-    param.post(GetId(), LightRecord{light_});
-  });
-  if (synced) *bits = dirty::kClean;
-}
-
-void LightPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).remove(GetId());
+  }
+  if ((bits & (dirty::kParams | dirty::kResource)) && light_.type == LightType::dome)
+    light_.texture = pull_texture(scene, GetId(), param);
+  param.post(GetId(), LightRecord{light_});
+  return dirty::kClean;
 }
 
 }  // namespace alabaster::hd::prims

@@ -40,7 +40,7 @@ class MaterialReader {
     const auto node = network_.nodes.find(terminal->second.upstreamNode);
     if (node == network_.nodes.end()) {
       warn("material.surface", "terminal 'surface' names " + terminal->second.upstreamNode.str() +
-                                   ", which is no node of the network; the default material is used");
+                                   ", which is not a node of the network; the default material is used");
       return nullptr;
     }
     if (!(node->second.nodeTypeId == Token("AlabasterDisney"))) {
@@ -61,7 +61,7 @@ class MaterialReader {
       names.emplace_back(parameter.name);
     }
     const std::string nearest = support::NearestName(name.str(), names);
-    warn("material.parameter", "parameter '" + name.str() + "' is not known and ignored" +
+    warn("material.parameter", "parameter '" + name.str() + "' is not known and is ignored" +
                                    (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?"));
   }
 
@@ -99,7 +99,7 @@ class MaterialReader {
     source.path = file.text_or("");
     if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
     if (source.path.empty() && !source.bytes) {
-      warn("material.texture.file", "a texture names no file; it is left out");
+      warn("material.texture.file", "a texture has no file; it is ignored");
       return nullptr;
     }
     source.color_space = parameter("sourceColorSpace").text_or("auto");
@@ -130,20 +130,13 @@ class MaterialReader {
 
 }  // namespace
 
-void MaterialPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
-  SceneParam& param = SceneParam::of(render_param);
-  const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    if (!(*bits & (dirty::kResource | dirty::kParams))) return;
-    MaterialNetwork network = scene->GetMaterialResource(GetId());
-    if (network_ && *network_ == network) return;
-    param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read()});
-    network_ = std::move(network);  // last: a network counts as known once it is posted
-  });
-  if (synced) *bits = dirty::kClean;
-}
-
-void MaterialPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).remove(GetId());
+DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
+  if (!(bits & (dirty::kResource | dirty::kParams))) return dirty::kClean;
+  MaterialNetwork network = scene.GetMaterialResource(GetId());
+  if (network_ && *network_ == network) return dirty::kClean;
+  param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read()});
+  network_ = std::move(network);  // last: a network counts as known once it is posted
+  return dirty::kClean;
 }
 
 }  // namespace alabaster::hd::prims

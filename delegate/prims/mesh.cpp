@@ -28,7 +28,7 @@ std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std:
   std::string name = pulled.value.text_or("");
   if (name.empty() || pulled.interpolation != Interpolation::constant)
     alabaster::report(sink, alabaster::Severity::warning, "mesh.subsurfaceSet", id.str(),
-                      "primvar subsurfaceSet must be constant and a name; the object scatters for itself");
+                      "primvar subsurfaceSet must be a constant name; the object scatters on its own");
   return pulled.interpolation == Interpolation::constant ? name : std::string();
 }
 
@@ -112,27 +112,20 @@ bool MeshPrim::build(SceneParam& param) {
   return true;
 }
 
-void MeshPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
-  SceneParam& param = SceneParam::of(render_param);
+DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   DirtyBits left = dirty::kClean;
-  const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    pull(*scene, *bits, param.sink());
-    if (shape_changed_) {
-      if (build(param))
-        shape_changed_ = false;
-      else
-        left = dirty::kPrimId;  // any bit: the index asks again, and what was pulled is held
-    }
-    record_.visible = visible_ && tag_visible_;
-    record_.prim_id = GetPrimId();
-    record_.materials = slot_materials(pulled_.topology, material_);
-    param.post(GetId(), record_);
-  });
-  if (synced) *bits = left;
-}
-
-void MeshPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).remove(GetId());
+  pull(scene, bits, param.sink());
+  if (shape_changed_) {
+    if (build(param))
+      shape_changed_ = false;
+    else
+      left = dirty::kPrimId;  // any bit: the index asks again, and what was pulled is held
+  }
+  record_.visible = visible_ && tag_visible_;
+  record_.prim_id = GetPrimId();
+  record_.materials = slot_materials(pulled_.topology, material_);
+  param.post(GetId(), record_);
+  return left;
 }
 
 }  // namespace alabaster::hd::prims

@@ -37,10 +37,10 @@ void report_fault(const alabaster::DiagnosticSink& sink, const std::string& wher
                   ParameterFault fault, const Value& value) {
   if (fault == ParameterFault::type)
     alabaster::report(sink, alabaster::Severity::warning, "parameter.type", where,
-                      name + " = " + value.to_string() + " is not a value it can have; the default is used");
+                      name + " cannot be '" + value.to_string() + "'; the default is used");
   if (fault == ParameterFault::range)
     alabaster::report(sink, alabaster::Severity::warning, "parameter.range", where,
-                      name + " = " + value.to_string() + " is out of range; the nearest allowed value is used");
+                      name + " = " + value.to_string() + " is out of range; the nearest value in range is used");
 }
 
 }  // namespace alabaster::hd::prims

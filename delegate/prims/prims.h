@@ -11,16 +11,31 @@
 
 namespace alabaster::hd::prims {
 
-/// A mesh is refined and its BVH built only when its shape changed; transform, visibility, material and instancing cost
-/// a record.
-class MeshPrim final : public Rprim {
+/// A prim that is one record for the renderer. An exception in Sync is reported and leaves the bits as they were.
+template <class Base>
+class RecordedPrim : public Base {
  public:
-  using Rprim::Rprim;
-  DirtyBits GetInitialDirtyBitsMask() const override { return dirty::kAll; }
-  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
-  void Finalize(RenderParam* param) override;
+  using Base::Base;
+  DirtyBits GetInitialDirtyBitsMask() const final { return dirty::kAll; }
+  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) final {
+    SceneParam& channel = SceneParam::of(param);
+    guarded(channel.sink(), this->GetId().str(), [&] { *bits = post_record(*scene, channel, *bits); });
+  }
+  void Finalize(RenderParam* param) final { SceneParam::of(param).remove(this->GetId()); }
 
  private:
+  /// Pulls what is dirty and posts the record. Returns the bits that are still dirty.
+  virtual DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) = 0;
+};
+
+/// A mesh is refined and its BVH built only when its shape changed; transform, visibility, material and instancing cost
+/// a record.
+class MeshPrim final : public RecordedPrim<Rprim> {
+ public:
+  using RecordedPrim::RecordedPrim;
+
+ private:
+  DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   void pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   bool build(SceneParam& param);
@@ -42,48 +57,42 @@ class InstancerPrim final : public Instancer {
   InstancerRecord record_;
 };
 
-class MaterialPrim final : public Sprim {
+class MaterialPrim final : public RecordedPrim<Sprim> {
  public:
-  using Sprim::Sprim;
-  DirtyBits GetInitialDirtyBitsMask() const override { return dirty::kAll; }
-  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
-  void Finalize(RenderParam* param) override;
+  using RecordedPrim::RecordedPrim;
 
  private:
+  DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   std::optional<MaterialNetwork> network_;
 };
 
 /// Prim types of lights, in the order of LightType.
 inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight", "domeLight"};
 
-class LightPrim final : public Sprim {
+class LightPrim final : public RecordedPrim<Sprim> {
  public:
-  LightPrim(const Path& id, LightType type) : Sprim(id) { light_.type = type; }
-  DirtyBits GetInitialDirtyBitsMask() const override { return dirty::kAll; }
-  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
-  void Finalize(RenderParam* param) override;
+  LightPrim(const Path& id, LightType type) : RecordedPrim(id) { light_.type = type; }
 
  private:
+  DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   alabaster::LightDescription light_;
 };
 
-class CameraPrim final : public Sprim {
+class CameraPrim final : public RecordedPrim<Sprim> {
  public:
-  using Sprim::Sprim;
-  DirtyBits GetInitialDirtyBitsMask() const override { return dirty::kAll; }
-  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
-  void Finalize(RenderParam* param) override;
+  using RecordedPrim::RecordedPrim;
 
  private:
+  DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   CameraParameters camera_;
 };
 
-class RenderSettingsPrim final : public Bprim {
+class RenderSettingsPrim final : public RecordedPrim<Bprim> {
  public:
-  using Bprim::Bprim;
-  DirtyBits GetInitialDirtyBitsMask() const override { return dirty::kAll; }
-  void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) override;
-  void Finalize(RenderParam* param) override;
+  using RecordedPrim::RecordedPrim;
+
+ private:
+  DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
 };
 
 }  // namespace alabaster::hd::prims

@@ -2,17 +2,10 @@
 
 namespace alabaster::hd::prims {
 
-void RenderSettingsPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
-  SceneParam& param = SceneParam::of(render_param);
-  const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    if (*bits & (dirty::kParams | dirty::kDescription))
-      param.post(GetId(), SettingsRecord{scene->GetRenderSettings(GetId())});
-  });
-  if (synced) *bits = dirty::kClean;
-}
-
-void RenderSettingsPrim::Finalize(RenderParam* param) {
-  SceneParam::of(param).remove(GetId());
+DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
+  if (bits & (dirty::kParams | dirty::kDescription))
+    param.post(GetId(), SettingsRecord{scene.GetRenderSettings(GetId())});
+  return dirty::kClean;
 }
 
 }  // namespace alabaster::hd::prims

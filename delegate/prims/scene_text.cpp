@@ -1,4 +1,6 @@
 // The translated scene as text: for goldens, and for people who ask what the renderer was given.
+#include <cstdio>
+
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
@@ -115,8 +117,9 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   text += "instances: " + std::to_string(snapshot.instances.size()) + " of " +
           std::to_string(snapshot.prototypes.size()) + " meshes\n";
   text += "lights: " + std::to_string(snapshot.lights.size()) + "\n";
-  text += "memory: " + std::to_string(snapshot.memory_bytes) + " bytes\n";
-  return text;
+  char memory[64];
+  std::snprintf(memory, sizeof memory, "memory: %.1f MB\n", double(snapshot.memory_bytes) / 1e6);
+  return text + memory;
 }
 
 }  // namespace alabaster::hd::prims
