@@ -72,7 +72,7 @@ bool change_light(const Reader& reader, const std::string& pointer, const json& 
 bool apply_entry(const Reader& reader, const std::string& pointer, const json& entry) {
   if (entry.contains("match")) {
     if (entry.contains("name") || entry.contains("type"))
-      return reader.fail(pointer, "Either match existing lights or give name and type of a new one, not both.");
+      return reader.fail(pointer, "Either match existing lights, or give the name and type of a new one.");
     const auto paths = find_prims(reader, PrimKind::light, entry["match"], pointer + "/match");
     for (const Path& path : paths)
       if (!change_light(reader, pointer, entry, path, reader.scene().GetLights().at(path))) return false;

@@ -59,7 +59,7 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
   if (!std::filesystem::is_regular_file(resolved, error)) {
     if (*state_.sink)
       (*state_.sink)({Severity::error, "asset.missing", place(pointer),
-                      "There is no file '" + resolved + "'. Relative names are relative to " +
+                      "There is no file '" + resolved + "'. Relative paths start at " +
                           (folder_.empty() ? "the working folder." : "the folder of the description.")});
     return {};
   }

@@ -194,8 +194,8 @@ class Checker {
       return;
     }
     fail("description.value", pointer,
-         shortened(*value) + " is not valid: expected " + (schema ? expectation(*schema) : "something else") + "." +
-             (schema ? " " + schema->value("description", "") : ""));
+         shortened(*value) + " is not valid" +
+             (schema ? ": expected " + expectation(*schema) + ". " + schema->value("description", "") : "."));
   }
 
   const JsonDocument& document_;

@@ -13,7 +13,7 @@ struct Fault {
 Fault request_fault(const RenderSettingsDescription& d) {
   const Rect2i window = d.window();
   if (d.width < 1 || d.height < 1 || d.width > 65536 || d.height > 65536)
-    return {"record.resolution", "width and height must lie in 1..65536"};
+    return {"record.resolution", "width and height must be from 1 to 65536"};
   const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
   if (!fits(window.minX, window.maxX) || !fits(window.minY, window.maxY) || !(d.pixelAspectRatio > 0))
     return {"record.framing",

@@ -76,7 +76,7 @@ bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
   } else if (type != "half" && type != "float" && type != "int" && !type.empty()) {
     error = "AOV '" + var.aov.str() + "' has the unknown data type '" + type + "'; use half, float or int";
   } else if (type == "int" && !aov->is_integer()) {
-    error = "AOV '" + var.aov.str() + "' is not made of integers; use data type half or float";
+    error = "AOV '" + var.aov.str() + "' does not hold integers; use data type half or float";
   } else if (kind != FileKind::exr && !aov->is_color() && var.aov != Token("alpha")) {
     error = "AOV '" + var.aov.str() + "' cannot be stored in this kind of file; write it to an .exr file";
   } else if (kind == FileKind::jpeg && !aov->is_color()) {
@@ -115,8 +115,8 @@ bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan
     }
   }
   if (plan.kind != FileKind::exr && vars.size() > 1) {
-    error = "this kind of file holds one AOV and " + std::to_string(vars.size()) +
-            " are asked for; write an .exr file, or one file for each";
+    error = "this kind of file holds one AOV, but the product has " + std::to_string(vars.size()) +
+            "; write an .exr file, or one file for each";
     return false;
   }
   return true;
@@ -153,7 +153,7 @@ bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& e
   }
   const bool wants_display = !product.display.empty() || !product.view.empty();
   if (wants_display && !product.colorSpace.empty()) {
-    error = "a colour space ('" + product.colorSpace + "') and a display or view are both asked for; name only one";
+    error = "the product has both a colour space ('" + product.colorSpace + "') and a display or view; give only one";
     return false;
   }
   plan.display_referred = wants_display || (plan.kind != FileKind::exr && product.colorSpace.empty());

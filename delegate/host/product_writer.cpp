@@ -199,7 +199,7 @@ std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, const R
   const char* name = kNames[int(plan.kind)];
   OIIO::Filesystem::IOVecOutput memory(file);
   const auto output = OIIO::ImageOutput::create(name);
-  if (!output) return "OpenImageIO has no writer for it: " + OIIO::geterror();
+  if (!output) return "OpenImageIO cannot write this format: " + OIIO::geterror();
   output->set_ioproxy(&memory);
   if (!output->open(name, spec)) return output->geterror();
   const int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
@@ -252,9 +252,8 @@ bool check_folder(const std::string& file, const DiagnosticSink& sink) {
   if (fs::is_directory(path, error))
     return fail(sink, "product.file", file, "a folder has this name; choose another name");
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    return fail(
-        sink, "product.folder", file,
-        "the folder '" + folder.string() + "' may not be written to; change its permissions or write elsewhere");
+    return fail(sink, "product.folder", file,
+                "the folder '" + folder.string() + "' is not writable; change its permissions or write elsewhere");
   return true;
 }
 

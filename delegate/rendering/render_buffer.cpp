@@ -13,7 +13,7 @@ constexpr size_t kMaxBytes = size_t(16) << 30;
 
 const char* allocation_fault(const RenderBufferDescriptor& d) {
   if (d.dimensions.x < 0 || d.dimensions.y < 0 || d.dimensions.x > kMaxSize || d.dimensions.y > kMaxSize)
-    return "width and height must lie in 0..65536";
+    return "width and height must be from 0 to 65536";
   if (d.dimensions.z != 1) return "depth must be 1";
   if (FormatComponents(d.format) == 0) return "the format is invalid";
   if (static_cast<size_t>(d.dimensions.x) * static_cast<size_t>(d.dimensions.y) * FormatSize(d.format) > kMaxBytes)

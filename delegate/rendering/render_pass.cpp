@@ -33,8 +33,8 @@ std::string memory_fault(const PassInputs& in) {
   const auto gigabytes = [](double bytes) { return std::to_string(static_cast<int64_t>(std::ceil(bytes / 1e9))); };
   return "a frame of " + std::to_string(in.framed.data_window.width()) + " x " +
          std::to_string(in.framed.data_window.height()) + " pixels needs " + gigabytes(needed) +
-         " GB and this machine has " + gigabytes(physical) +
-         " GB: choose a smaller size, fewer AOVs, or render it in parts with a data window (crop)";
+         " GB of memory, but this machine has " + gigabytes(physical) +
+         " GB: choose a smaller size or fewer AOVs, or render it in parts with a data window (crop)";
 }
 
 }  // namespace

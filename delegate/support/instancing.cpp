@@ -69,7 +69,7 @@ InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer,
   if (count == 0) return nullptr;
   if (report && std::any_of(std::begin(sizes), std::end(sizes), [&](size_t n) { return n != 0 && n != count; }))
     report("instancer.primvar.size", instancer,
-           "instance primvars differ in length; beyond the end of the shorter ones points have the identity");
+           "instance primvars differ in length; beyond the end of a shorter one the identity is used");
   auto points = std::make_shared<std::vector<Matrix4d>>();
   points->reserve(count);
   for (size_t i = 0; i < count; ++i) points->push_back(point_matrix(primvars, i));

@@ -9,6 +9,8 @@
 namespace alabaster::cli {
 namespace {
 
+#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << "said: " << (text)
+
 class ProgramTest : public hd::description::SceneFiles {
  protected:
   struct Outcome {
@@ -19,6 +21,11 @@ class ProgramTest : public hd::description::SceneFiles {
     Program program(folder_, arguments);
     const int code = program.wait();
     return {code, program.out(), program.err()};
+  }
+  void expect_error(int code, const std::vector<std::string>& arguments, const std::string& said) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_HAS(outcome.err, said);
   }
   /// A render that takes next to no time.
   std::vector<std::string> quick(const std::vector<std::string>& more) const {
@@ -33,8 +40,6 @@ class ProgramTest : public hd::description::SceneFiles {
   }
 };
 
-#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << "said: " << (text)
-
 TEST_F(ProgramTest, VersionHelpAndSchema) {
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.code, 0);
@@ -44,61 +49,39 @@ TEST_F(ProgramTest, VersionHelpAndSchema) {
   const Outcome schema = run({"schema", "lights"});
   EXPECT_EQ(schema.code, 0);
   EXPECT_EQ(schema.out, hd::description::SchemaText("lights"));
-  const Outcome unknown = run({"schema", "lamps"});
-  EXPECT_EQ(unknown.code, 2);
-  EXPECT_HAS(unknown.err, "render_description");
+  expect_error(2, {"schema", "lamps"}, "render_description");
 }
 
 TEST_F(ProgramTest, UsageErrorsEndWithTwo) {
   EXPECT_EQ(run({}).code, 2);
   EXPECT_EQ(run({"render"}).code, 2);
-  const Outcome flag = run({"render", "patch.gltf", "-o", "a.exr", "--sp", "3"});
-  EXPECT_EQ(flag.code, 2);
-  EXPECT_HAS(flag.err, "--sp");
-  const Outcome size = run({"render", "patch.gltf", "-o", "a.exr", "--size", "huge"});
-  EXPECT_EQ(size.code, 2);
-  EXPECT_HAS(size.err, "1280x720");
-  const Outcome nothing = run({"render", "patch.gltf"});
-  EXPECT_EQ(nothing.code, 2);
-  EXPECT_HAS(nothing.err, "add -o FILE");
-  const Outcome spp = run({"render", "patch.gltf", "-o", "a.exr", "--spp", "0"});
-  EXPECT_EQ(spp.code, 2);
-  EXPECT_HAS(spp.err, "from 1 to 1048576");
-  const Outcome set = run({"render", "patch.gltf", "-o", "a.exr", "--set", "materials/skin.rougness=1"});
-  EXPECT_EQ(set.code, 2);
-  EXPECT_HAS(set.err, "Did you mean 'roughness'?");
-  const Outcome camera = run({"render", "lit.gltf", "-o", "a.exr", "--camera", "frnt"});
-  EXPECT_EQ(camera.code, 2);
-  EXPECT_HAS(camera.err, "Did you mean 'front'?");
-  const Outcome aov = run({"render", "patch.gltf", "-o", "a.png", "--aov", "depth"});
-  EXPECT_EQ(aov.code, 2);
-  EXPECT_HAS(aov.err, "EXR");
+  expect_error(2, {"render", "patch.gltf", "-o", "a.exr", "--sp", "3"}, "--sp");
+  expect_error(2, {"render", "patch.gltf", "-o", "a.exr", "--size", "huge"}, "1280x720");
+  expect_error(2, {"render", "patch.gltf"}, "add -o FILE");
+  expect_error(2, {"render", "patch.gltf", "-o", "a.exr", "--spp", "0"}, "from 1 to 1048576");
+  expect_error(2, {"render", "patch.gltf", "-o", "a.exr", "--set", "materials/skin.rougness=1"},
+               "Did you mean 'roughness'?");
+  expect_error(2, {"render", "lit.gltf", "-o", "a.exr", "--camera", "frnt"}, "Did you mean 'front'?");
+  expect_error(2, {"render", "patch.gltf", "-o", "a.png", "--aov", "depth"}, "EXR");
 }
 
 TEST_F(ProgramTest, InputErrorsEndWithThree) {
   std::string flat = hd::description::patch_gltf(true, true);
   flat.replace(flat.find("\"translation\": [0, 0, 5]"), 24, "\"scale\": [0, 0, 0]");
   write("flat.gltf", flat);
-  const Outcome camera = run({"render", "flat.gltf", "-o", "a.exr", "--camera", "front"});
-  EXPECT_EQ(camera.code, 3);
-  EXPECT_HAS(camera.err, "camera");
-  EXPECT_HAS(camera.err, "scaled to zero");
-  const Outcome missing = run({"render", "absent.glb", "-o", "a.exr"});
-  EXPECT_EQ(missing.code, 3);
-  EXPECT_HAS(missing.err, "absent.glb: There is no such file");
+  expect_error(3, {"render", "flat.gltf", "-o", "a.exr", "--camera", "front"},
+               "front is not finite or cannot be inverted: it may be scaled to zero");
+  expect_error(3, {"render", "absent.glb", "-o", "a.exr"}, "absent.glb: There is no such file");
   write("bad.json", "{\n  \"gltf\": [],\n  \"cammera\": {}\n}");
-  const Outcome key = run({"render", "bad.json", "-o", "a.exr"});
-  EXPECT_EQ(key.code, 3);
-  EXPECT_HAS(key.err, "bad.json:3 /cammera: Unknown key 'cammera'. Did you mean 'camera'?");
+  expect_error(3, {"render", "bad.json", "-o", "a.exr"},
+               "bad.json:3 /cammera: Unknown key 'cammera'. Did you mean 'camera'?");
   write("broken.gltf", "{");
   EXPECT_EQ(run({"render", "broken.gltf", "-o", "a.exr"}).code, 3);
   EXPECT_FALSE(exists("a.exr"));
 }
 
 TEST_F(ProgramTest, OutputErrorsEndWithFiveBeforeRendering) {
-  const Outcome folder = run(quick({"-o", "absent/a.exr"}));
-  EXPECT_EQ(folder.code, 5);
-  EXPECT_HAS(folder.err, "absent");
+  expect_error(5, quick({"-o", "absent/a.exr"}), "absent");
   EXPECT_EQ(run(quick({"-o", "a.xyz"})).code, 2);
   for (const char* option : {"--display", "--view", "--look"})
     EXPECT_EQ(run(quick({"-o", "a.png", option, "no such name"})).code, 5) << option;
@@ -198,9 +181,7 @@ TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
     EXPECT_HAS(outcome.err, "'a.exr' and '" + twice.back() + "' are the same file");
   }
   write("scene.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "one.exr"}, {"file": "./one.exr"}]})");
-  const Outcome described = run({"render", "scene.json"});
-  EXPECT_EQ(described.code, 3);
-  EXPECT_HAS(described.err, "are the same file");
+  expect_error(3, {"render", "scene.json"}, "are the same file");
   write("single.json", R"({"gltf": [{"file": "lit.gltf"}], "products": [{"file": "one.exr"}]})");
   EXPECT_EQ(run({"render", "single.json", "--stats", "one.exr"}).code, 2);
   EXPECT_FALSE(exists("a.exr") || exists("one.exr"));
@@ -239,11 +220,8 @@ TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
 }
 
 TEST_F(ProgramTest, WrongFilesAreInputErrors) {
-  const Outcome folder = run({"render", ".", "-o", "a.exr"}), device = run({"info", "/dev/null"});
-  EXPECT_EQ(folder.code, 3);
-  EXPECT_HAS(folder.err, "is not a regular file");
-  EXPECT_EQ(device.code, 3);
-  EXPECT_HAS(device.err, "is not a regular file");
+  expect_error(3, {"render", ".", "-o", "a.exr"}, "is not a regular file");
+  expect_error(3, {"info", "/dev/null"}, "is not a regular file");
   EXPECT_EQ(run(quick({"-o", "a.exr", "--ocio", "absent.ocio"})).code, 3);
   write("ocio.json", R"({"gltf": [{"file": "lit.gltf"}], "ocio": "broken.ocio"})");
   write("broken.ocio", "nonsense");
@@ -252,15 +230,11 @@ TEST_F(ProgramTest, WrongFilesAreInputErrors) {
   write("sky.hdr", "no image");
   write("dome.json", R"({"gltf": [{"file": "lit.gltf"}],
     "lights": [{"name": "sky", "type": "domeLight", "texture:file": "sky.hdr"}]})");
-  const Outcome described = run({"render", "dome.json", "-o", "a.exr"});
-  EXPECT_EQ(described.code, 3);
-  EXPECT_HAS(described.err, "dome.json:2 /lights/0/texture:file: ");
+  expect_error(3, {"render", "dome.json", "-o", "a.exr"}, "dome.json:2 /lights/0/texture:file: ");
   EXPECT_EQ(run(quick({"-o", "a.exr", "--dome", "sky.hdr"})).code, 3);
   EXPECT_EQ(run(quick({"-o", "a.exr", "--dome", "absent.hdr"})).code, 3);
   write("crop.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"resolution": [8, 8], "crop": [8, 0, 9, 8]}})");
-  const Outcome crop = run({"render", "crop.json", "-o", "a.exr"});
-  EXPECT_EQ(crop.code, 3);
-  EXPECT_HAS(crop.err, "wholly outside the frame");
+  expect_error(3, {"render", "crop.json", "-o", "a.exr"}, "wholly outside the frame");
   EXPECT_FALSE(exists("a.exr"));
 }
 

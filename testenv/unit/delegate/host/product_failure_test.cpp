@@ -31,7 +31,7 @@ TEST_F(ProductFile, CheckRefusesWhatCannotBeWrittenAndSaysWhy) {
       {with("a.exr", [](RenderProduct& p) { p.dataType = "uint8"; }), "half or float"},
       {with("a.jpg", [](RenderProduct& p) { p.dataType = "uint16"; }), "uint8 for .jpg"},
       {with_vars("a.exr", {{"x", "shadow", "half"}}), "sampleCount"},
-      {with_vars("a.exr", {{"x", "color", "int"}}), "not made of integers"},
+      {with_vars("a.exr", {{"x", "color", "int"}}), "does not hold integers"},
       {with_vars("a.exr", {{"x", "color", "double"}}), "half, float or int"},
       {with_vars("a.exr", {{"x", "color", "half"}, {"x", "color", "half"}}), "x.R"},
       {with_vars("a.png", {{"", "primId", "int"}}), ".exr"},

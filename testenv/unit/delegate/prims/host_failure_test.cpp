@@ -61,24 +61,28 @@ struct Failure {
   const char* prim;
 };
 
+void add_a_prim_of_each_kind(host::RetainedSceneDelegate* scene) {
+  scene->SetCamera("/camera", {.transform = {}, .parameters = {{"focalLength", 35.0f}}});
+  scene->SetLight("/light", {.type = "rectLight", .transform = {}, .parameters = {{"intensity", 3.0f}}});
+  scene->SetMaterial("/material", {});
+  scene->SetInstancer("/instancer", {.transform = {},
+                                     .parent = {},
+                                     .primvars = {{"hydra:instanceTranslations", Array<Vec3f>{{1, 2, 3}}}},
+                                     .indices = {{"/mesh", {0}}}});
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/material";
+  mesh.instancer = "/instancer";
+  scene->SetMesh("/mesh", mesh);
+  scene->SetRenderBuffer("/buffer", {.dimensions = {4, 4, 1}, .format = Format::float32});
+  scene->SetRenderSettings("/settings", {});
+}
+
 class HostFailure : public ::testing::TestWithParam<Failure> {};
 
 TEST_P(HostFailure, IsReportedAndTheSyncAfterItMakesGood) {
   Stage stage;
   FailingScene scene;
-  scene.SetCamera("/camera", {.transform = {}, .parameters = {{"focalLength", 35.0f}}});
-  scene.SetLight("/light", {.type = "rectLight", .transform = {}, .parameters = {{"intensity", 3.0f}}});
-  scene.SetMaterial("/material", {});
-  scene.SetInstancer("/instancer", {.transform = {},
-                                    .parent = {},
-                                    .primvars = {{"hydra:instanceTranslations", Array<Vec3f>{{1, 2, 3}}}},
-                                    .indices = {{"/mesh", {0}}}});
-  host::MeshDescription mesh = Stage::quad();
-  mesh.material = "/material";
-  mesh.instancer = "/instancer";
-  scene.SetMesh("/mesh", mesh);
-  scene.SetRenderBuffer("/buffer", {.dimensions = {4, 4, 1}, .format = Format::float32});
-  scene.SetRenderSettings("/settings", {});
+  add_a_prim_of_each_kind(&scene);
   scene.failing = GetParam().call;
   scene.Populate(stage.index.get());
   EXPECT_NO_THROW(stage.index->SyncAll());
@@ -91,16 +95,8 @@ TEST_P(HostFailure, IsReportedAndTheSyncAfterItMakesGood) {
   EXPECT_EQ(stage.index->GetChangeTracker().Get(GetParam().prim), dirty::kClean);
 
   Stage untroubled;
-  FailingScene same;
-  for (const auto& [id, value] : scene.GetCameras()) same.SetCamera(id, value);
-  for (const auto& [id, value] : scene.GetMeshes()) same.SetMesh(id, value);
-  same.SetLight("/light", {.type = "rectLight", .transform = {}, .parameters = {{"intensity", 3.0f}}});
-  same.SetMaterial("/material", {});
-  same.SetInstancer("/instancer", {.transform = {},
-                                   .parent = {},
-                                   .primvars = {{"hydra:instanceTranslations", Array<Vec3f>{{1, 2, 3}}}},
-                                   .indices = {{"/mesh", {0}}}});
-  same.SetRenderSettings("/settings", {});
+  host::RetainedSceneDelegate same;
+  add_a_prim_of_each_kind(&same);
   same.Populate(untroubled.index.get());
   EXPECT_EQ(mended, untroubled.dump());
   EXPECT_NE(mended.find("instance /mesh"), std::string::npos);
