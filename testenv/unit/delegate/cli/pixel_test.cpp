@@ -74,11 +74,12 @@ TEST_F(PixelTest, IsPrintedForEachFrameThatHasIt) {
   EXPECT_NE(none.err().find("'32,3' lies outside the frame of 16x12 and of 32x24."), std::string::npos) << none.err();
 }
 
-// Two domes, whose sum no float can hold, in a file whose name a shell would take apart.
+// The light of dome and surface adds up to more than a float holds; the file's name is one that a shell takes apart.
 TEST_F(PixelTest, ASampleThatIsNotFiniteIsShownByTheCommandThatIsPrinted) {
-  write("it's $HOME.json", R"({"gltf": [{"file": "patch.gltf"}], "settings": {"resolution": [16, 12]}, "lights": [
-    {"name": "day", "type": "domeLight", "color": [3e38, 3e38, 3e38]},
-    {"name": "sky", "type": "domeLight", "color": [3e38, 3e38, 3e38]}]})");
+  write("it's $HOME.json", R"({"gltf": [{"file": "patch.gltf"}], "settings": {"resolution": [16, 12]},
+    "camera": {"lookAt": {"eye": [0, 0, 2], "target": [0, 0, 0]}},
+    "lights": [{"name": "sky", "type": "domeLight", "color": [3e38, 3e38, 3e38]}],
+    "materials": [{"match": "*", "set": {"emission": [3e38, 3e38, 3e38]}}]})");
   std::filesystem::create_symlink(ALABASTER_PROGRAM, folder_ / "alabaster");
   for (const char* crop : {"0,0,16,12", "-6,-5,3,3"}) {  // the frame; overscan
     Program frame(folder_, {"render", "-o", "a.exr", "--spp", "2", "--crop", crop, "--", "it's $HOME.json"});

@@ -54,10 +54,11 @@ TEST(TracePixel, AnswersForPixelsOfTheDataWindowAndWholeNumbers) {
     EXPECT_EQ(f.trace(bad), "") << Value(std::make_shared<const Dictionary>(bad)).to_string();
 }
 
-// Two domes whose sum no float can hold. The first pixel of the data window sees them.
+// Two domes whose sum no float can hold light the quad, which pixels 2 to 5 of the display window see.
 TEST(TracePixel, TheStatNamesTheFirstSampleThatIsNotFinite) {
   Frame f;
-  f.state.framing.dataWindow = {-2, -1, 8, 8};
+  f.state.framing.displayMin = {1, 1};
+  f.state.framing.displayMax = {9, 9};
   ASSERT_TRUE(Stage::finish(*f.pass, f.state));
   EXPECT_EQ(f.stage.text_stat("suspectSample"), "") << "every sample is finite";
   const Vec3f bright(3e38f);
@@ -65,8 +66,8 @@ TEST(TracePixel, TheStatNamesTheFirstSampleThatIsNotFinite) {
     f.stage.scene.SetLight(path, {.type = "domeLight", .transform = {}, .parameters = {{"color", bright}}});
   f.stage.index->SyncAll();
   ASSERT_TRUE(Stage::finish(*f.pass, f.state));
-  EXPECT_EQ(f.stage.text_stat("suspectSample"), "-2,-1,0");
-  EXPECT_NE(f.trace({{"x", -2}, {"y", -1}, {"sample", 0}}).find("not finite"), std::string::npos);
+  EXPECT_EQ(f.stage.text_stat("suspectSample"), "2,2,0");
+  EXPECT_NE(f.trace({{"x", 2}, {"y", 2}, {"sample", 0}}).find("not finite"), std::string::npos);
   EXPECT_EQ(f.pass->GetState(), PassState::converged) << "the render goes on";
 }
 
