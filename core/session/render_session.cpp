@@ -39,6 +39,15 @@ double thread_cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+// Memory may have run out, and then a report must need none: the short text fits into the string itself.
+std::string failure_text(const char* what) noexcept {
+  try {
+    return std::string("rendering failed: ") + what;
+  } catch (...) {
+    return "out of memory";
+  }
+}
+
 struct TileRelease {
   std::atomic<uint32_t>& passes;
   uint32_t pass;
@@ -224,12 +233,12 @@ void RenderSession::State::render(const RenderRequest& request) {
   try {
     run_rounds(request);
   } catch (const SampleFailure& failure) {
-    error = std::string("rendering failed: ") + failure.what();
+    error = failure_text(failure.what());
     failed_sample = failure.at;
   } catch (const std::exception& e) {
-    error = std::string("rendering failed: ") + e.what();
+    error = failure_text(e.what());
   } catch (...) {
-    error = "rendering failed";
+    error = failure_text("unknown reason");
   }
   const std::lock_guard lock(mutex);
   progress.state = !error.empty()   ? SessionState::failed

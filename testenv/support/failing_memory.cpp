@@ -9,7 +9,7 @@ namespace {
 constexpr size_t kUnlimited = ~size_t(0);
 thread_local size_t allowed_allocations = kUnlimited;
 thread_local bool refused = false;
-std::atomic<bool> fails_elsewhere{false};
+std::atomic<int> refusals_elsewhere{0};
 thread_local bool is_elsewhere = true;
 
 }  // namespace
@@ -27,19 +27,19 @@ bool FailingMemory::failed() const {
   return refused;
 }
 
-FailingMemoryElsewhere::FailingMemoryElsewhere() {
+FailingMemoryElsewhere::FailingMemoryElsewhere(int refusals) {
   is_elsewhere = false;
-  fails_elsewhere = true;
+  refusals_elsewhere = refusals;
 }
 FailingMemoryElsewhere::~FailingMemoryElsewhere() {
-  fails_elsewhere = false;
+  refusals_elsewhere = 0;
   is_elsewhere = true;
 }
 
 }  // namespace alabaster::testing
 
 void* operator new(size_t size) {
-  if (fails_elsewhere && is_elsewhere && fails_elsewhere.exchange(false)) throw std::bad_alloc();
+  if (is_elsewhere && refusals_elsewhere > 0 && refusals_elsewhere-- > 0) throw std::bad_alloc();
   if (allowed_allocations != kUnlimited) {
     if (allowed_allocations == 0) {
       refused = true;

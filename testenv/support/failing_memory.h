@@ -17,10 +17,10 @@ class FailingMemory {
   bool failed() const;
 };
 
-/// While it lives, operator new refuses one allocation, the next of any other thread.
+/// While it lives, operator new refuses the next `refusals` allocations of all other threads together.
 class FailingMemoryElsewhere {
  public:
-  FailingMemoryElsewhere();
+  explicit FailingMemoryElsewhere(int refusals);
   ~FailingMemoryElsewhere();
   FailingMemoryElsewhere(const FailingMemoryElsewhere&) = delete;
   FailingMemoryElsewhere& operator=(const FailingMemoryElsewhere&) = delete;

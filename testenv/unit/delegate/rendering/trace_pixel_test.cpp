@@ -34,7 +34,7 @@ TEST(TracePixel, AnswersForPixelsOfTheDataWindowAndWholeNumbers) {
                                                         {{"x", 5}, {"y", 7}},
                                                         {{"x", 5.0f}, {"y", int64_t(7)}, {"sample", 0}},
                                                         {{"x", 0}, {"y", 1}, {"sample", int64_t(4294967295)}}}) {
-    const std::string pixel = "of pixel " + good.at("x").to_string() + "," + good.at("y").to_string() + ": color (";
+    const std::string pixel = "of pixel " + good.at("x").to_string() + "," + good.at("y").to_string() + ": colour (";
     EXPECT_NE(f.trace(good).find(pixel), std::string::npos) << f.trace(good);
   }
   for (const Dictionary& bad : std::vector<Dictionary>{{},
