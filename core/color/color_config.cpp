@@ -27,6 +27,14 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// The names that OCIO gives one by one.
+template <class NameAt>
+std::vector<std::string> list(int count, const NameAt& name_at) {
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) names.emplace_back(name_at(i));
+  return names;
+}
+
 OCIO::ConstConfigRcPtr builtin_config() {
   static const OCIO::ConstConfigRcPtr config = [] {
     std::istringstream text(builtin_config_text());
@@ -48,12 +56,24 @@ class OcioColorConfig final : public ColorConfig {
 
   std::string origin() const override { return origin_; }
   std::string rendering_space() const override { return rendering_; }
-  std::vector<std::string> color_spaces() const override;
-  std::vector<std::string> displays() const override;
+  std::vector<std::string> color_spaces() const override {
+    return list(config_->getNumColorSpaces(), [&](int i) { return config_->getColorSpaceNameByIndex(i); });
+  }
+  std::vector<std::string> displays() const override {
+    return list(config_->getNumDisplays(), [&](int i) { return config_->getDisplay(i); });
+  }
   std::string default_display() const override { return config_->getDefaultDisplay(); }
-  std::vector<std::string> views(const std::string& display) const override;
-  std::string default_view(const std::string& display) const override;
-  std::vector<std::string> looks() const override;
+  std::vector<std::string> views(const std::string& display) const override {
+    const char* name = display.c_str();
+    return list(config_->getNumViews(name), [&](int i) { return config_->getView(name, i); });
+  }
+  std::string default_view(const std::string& display) const override {
+    const char* view = config_->getDefaultView(display.c_str());
+    return view ? view : "";
+  }
+  std::vector<std::string> looks() const override {
+    return list(config_->getNumLooks(), [&](int i) { return config_->getLookNameByIndex(i); });
+  }
   std::array<float, 8> chromaticities(const std::string& space) const override;
   std::shared_ptr<const ColorTransform> to_rendering_space(const std::string& from,
                                                            const DiagnosticSink& sink) const override {
@@ -86,36 +106,6 @@ class OcioColorConfig final : public ColorConfig {
   std::string origin_;
   std::string rendering_;
 };
-
-std::vector<std::string> OcioColorConfig::color_spaces() const {
-  std::vector<std::string> names;
-  for (int i = 0; i < config_->getNumColorSpaces(); ++i) names.emplace_back(config_->getColorSpaceNameByIndex(i));
-  return names;
-}
-
-std::vector<std::string> OcioColorConfig::displays() const {
-  std::vector<std::string> names;
-  for (int i = 0; i < config_->getNumDisplays(); ++i) names.emplace_back(config_->getDisplay(i));
-  return names;
-}
-
-std::vector<std::string> OcioColorConfig::views(const std::string& display) const {
-  std::vector<std::string> names;
-  for (int i = 0; i < config_->getNumViews(display.c_str()); ++i)
-    names.emplace_back(config_->getView(display.c_str(), i));
-  return names;
-}
-
-std::string OcioColorConfig::default_view(const std::string& display) const {
-  const char* view = config_->getDefaultView(display.c_str());
-  return view ? view : "";
-}
-
-std::vector<std::string> OcioColorConfig::looks() const {
-  std::vector<std::string> names;
-  for (int i = 0; i < config_->getNumLooks(); ++i) names.emplace_back(config_->getLookNameByIndex(i));
-  return names;
-}
 
 bool OcioColorConfig::is_scene_space(const char* name) const {
   const auto space = config_->getColorSpace(name);

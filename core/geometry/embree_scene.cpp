@@ -86,20 +86,18 @@ class SceneHandle {
 };
 
 RTCRay to_embree(const Ray& ray) {
-  RTCRay r;
-  r.org_x = ray.org.x;
-  r.org_y = ray.org.y;
-  r.org_z = ray.org.z;
-  r.tnear = 0;
-  r.dir_x = ray.dir.x;
-  r.dir_y = ray.dir.y;
-  r.dir_z = ray.dir.z;
-  r.time = 0;
-  r.tfar = ray.tmax;
-  r.mask = ~0u;
-  r.id = 0;
-  r.flags = 0;
-  return r;
+  const Vec3f &o = ray.org, &d = ray.dir;
+  // Members: org, tnear, dir, time, tfar, mask, id, flags.
+  return {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.tmax, ~0u, 0, 0};
+}
+
+// Without a hit so far.
+RTCRayHit to_query(const Ray& ray) {
+  RTCRayHit query;
+  query.ray = to_embree(ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
 }
 
 // Bounds of a placement's map into object space: coordinates there stay below stretch * coordinates + shift.
@@ -133,10 +131,7 @@ struct Growth {
 
 bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit) {
   if (!is_traceable(ray)) return false;
-  RTCRayHit query;
-  query.ray = to_embree(ray);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit query = to_query(ray);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene, &context, &query);
@@ -171,10 +166,7 @@ void collect_hit(const RTCFilterFunctionNArguments* args) noexcept {
 void intersect_all_in_scene(RTCScene scene, const Ray& ray, std::pmr::vector<TriangleHit>* hits) {
   hits->clear();
   if (!is_traceable(ray)) return;
-  RTCRayHit query;
-  query.ray = to_embree(ray);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit query = to_query(ray);
   CollectContext context{{}, hits, false};
   rtcInitIntersectContext(&context.embree);
   context.embree.filter = &collect_hit;

@@ -107,41 +107,18 @@ std::vector<int> face_varying_indices(const Cage& cage) {
   return indices;
 }
 
-// Creases as vertex pairs with one sharpness each.
-struct CreasePairs {
-  std::vector<int> vertices;
-  std::vector<float> sharpnesses;
-};
-
-CreasePairs crease_pairs(const Cage& cage) {
-  CreasePairs pairs;
-  const bool per_crease = cage.crease_sharpnesses.size() == cage.crease_lengths.size();
-  size_t first = 0, edge = 0;
-  for (size_t crease = 0; crease < cage.crease_lengths.size(); ++crease) {
-    const size_t length = at(cage.crease_lengths[crease]);
-    for (size_t i = first; i + 1 < first + length; ++i, ++edge) {
-      pairs.vertices.push_back(cage.crease_indices[i]);
-      pairs.vertices.push_back(cage.crease_indices[i + 1]);
-      pairs.sharpnesses.push_back(cage.crease_sharpnesses[per_crease ? crease : edge]);
-    }
-    first += length;
-  }
-  return pairs;
-}
-
 }  // namespace
 
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage, std::string* messages) {
   const MessageCapture capture(messages);
-  const CreasePairs creases = crease_pairs(cage);
   Far::TopologyDescriptor topology;
   topology.numVertices = static_cast<int>(cage.points.size());
   topology.numFaces = static_cast<int>(cage.face_vertex_counts.size());
   topology.numVertsPerFace = cage.face_vertex_counts.data();
   topology.vertIndicesPerFace = cage.face_vertex_indices.data();
-  topology.numCreases = static_cast<int>(creases.sharpnesses.size());
-  topology.creaseVertexIndexPairs = creases.vertices.data();
-  topology.creaseWeights = creases.sharpnesses.data();
+  topology.numCreases = static_cast<int>(cage.crease_sharpnesses.size());  // single edges in a sanitized cage
+  topology.creaseVertexIndexPairs = cage.crease_indices.data();
+  topology.creaseWeights = cage.crease_sharpnesses.data();
   topology.numCorners = static_cast<int>(cage.corner_indices.size());
   topology.cornerVertexIndices = cage.corner_indices.data();
   topology.cornerWeights = cage.corner_sharpnesses.data();

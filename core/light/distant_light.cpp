@@ -1,14 +1,11 @@
 #include "core/light/distant_light.h"
 
-#include <limits>
-
 #include "core/math/frame.h"
 #include "core/sampling/warp.h"
 
 namespace alabaster {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Half angles (radians) below the spacing of float directions are taken as zero.
 constexpr double kMinHalfAngle = 0x1p-23;
 

@@ -1,3 +1,5 @@
+// A light at infinity within a cone, such as the sun.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
 #pragma once
 
 #include "core/light/light_description.h"

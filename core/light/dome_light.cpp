@@ -1,13 +1,10 @@
 #include "core/light/dome_light.h"
 
-#include <limits>
-
 #include "core/sampling/warp.h"
 
 namespace alabaster {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kLargestHalf = 65504;
 
 float clean(float channel) {

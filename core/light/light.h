@@ -25,4 +25,7 @@ namespace alabaster {
 
 using Light = std::variant<RectLight, SphereLight, DistantLight, DomeLight, MeshLight>;
 
+/// The light of a description, placed in the render space whose origin this is in the world.
+Light make_light(const LightDescription& description, const Vec3d& render_origin);
+
 }  // namespace alabaster

@@ -4,6 +4,7 @@
 // emission(). Everything after construction is in render space; pdfs are per solid angle at the reference point.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,6 +16,8 @@
 #include "core/texture/texture.h"
 
 namespace alabaster {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Answer of sample(). Always finite and worth tracing: pdf > 0 and some radiance; otherwise sample() is empty.
 struct LightSample {

@@ -1,3 +1,5 @@
+// The emissive triangles of a mesh.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
 #pragma once
 
 #include <vector>

@@ -1,3 +1,5 @@
+// A sphere or a point, with an optional spot.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
 #pragma once
 
 #include "core/light/light_description.h"

@@ -6,9 +6,9 @@
 
 namespace alabaster {
 
-/// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts their
-/// memory. `drawn` describes snapshot->instances, in their order. False when memory runs out or Embree refuses
-/// (reported).
+/// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the
+/// bodies' memory, but for the interiors of meshes. `drawn` describes snapshot->instances, in their order. False when
+/// memory runs out or Embree refuses (reported).
 bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
                  SceneSnapshot* snapshot);
 

@@ -73,20 +73,6 @@ std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t inde
   return MeshLight(index, std::move(triangles), std::move(ids));
 }
 
-Light make_light(const LightDescription& d, const Vec3d& origin) {
-  switch (d.type) {
-    case LightType::rect:
-      return RectLight(d, origin);
-    case LightType::sphere:
-      return SphereLight(d, origin);
-    case LightType::distant:
-      return DistantLight(d, origin);
-    case LightType::dome:
-      return DomeLight(d, origin);
-  }
-  return RectLight(d, origin);
-}
-
 void add_lights(const SceneDescription& description, const DiagnosticSink& sink, SceneSnapshot* snapshot) {
   std::vector<Light> lights;
   std::vector<bool> visible;

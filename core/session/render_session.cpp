@@ -66,14 +66,13 @@ struct RenderSession::State {
   RenderProgress progress;
   std::shared_ptr<Film> film;
   Clock::time_point started;
-  bool paused = false;
   FinishedPasses finished{0, 0};  // of the current round
   uint32_t passes_before = 0;     // in earlier rounds
 
   std::atomic<bool> stop_requested{false};
   std::atomic<bool> out_of_time{false};
-  double time_limit = 0;  // seconds; 0: none
-  std::atomic<bool> pause_requested{false};
+  double time_limit = 0;                     // seconds; 0: none
+  std::atomic<bool> pause_requested{false};  // changed under the mutex
   std::thread driver;
 
   // Changed between rounds only.
@@ -90,6 +89,7 @@ struct RenderSession::State {
   void run_workers(const TileRenderer& renderer, const PassSchedule& schedule, uint32_t threads);
   void render_items(const TileRenderer& renderer, const PassSchedule& schedule);
   bool render_tile(const TileRenderer& renderer, const SampleRange& range, int tile, RenderCounters* counters);
+  void set_paused(bool pause);
   bool wait_while_paused();
   bool time_is_over();
   void tile_done(uint32_t pass, const RenderCounters& counters, double cpu_seconds);
@@ -101,8 +101,16 @@ bool RenderSession::State::wait_while_paused() {
   if (stop_requested.load(std::memory_order_relaxed)) return false;
   if (!pause_requested.load(std::memory_order_relaxed)) return true;
   std::unique_lock lock(mutex);
-  changed.wait(lock, [this] { return !paused || stop_requested; });
+  changed.wait(lock, [this] { return !pause_requested || stop_requested; });
   return !stop_requested;
+}
+
+void RenderSession::State::set_paused(bool pause) {
+  const std::lock_guard lock(mutex);
+  if (progress.state != (pause ? SessionState::rendering : SessionState::paused)) return;
+  pause_requested = pause;
+  progress.state = pause ? SessionState::paused : SessionState::rendering;
+  changed.notify_all();
 }
 
 bool RenderSession::State::time_is_over() {
@@ -270,32 +278,22 @@ void RenderSession::start(const RenderRequest& request) {
     s.progress.samples_total = s.progress.pixels * request.settings.samples;
     s.started = Clock::now();
     s.time_limit = std::max(0.0, static_cast<double>(request.settings.time_limit));
-    s.paused = false;
+    s.pause_requested = false;
   }
   s.allocation = {};
   s.pilot_rays = {};
   s.stopping = {};
   s.stop_requested = false;
   s.out_of_time = false;
-  s.pause_requested = false;
   s.driver = std::thread([&s, request] { s.render(request); });
 }
 
 void RenderSession::pause() {
-  const std::lock_guard lock(state_->mutex);
-  if (state_->progress.state != SessionState::rendering) return;
-  state_->paused = true;
-  state_->pause_requested = true;
-  state_->progress.state = SessionState::paused;
+  state_->set_paused(true);
 }
 
 void RenderSession::resume() {
-  const std::lock_guard lock(state_->mutex);
-  if (state_->progress.state != SessionState::paused) return;
-  state_->paused = false;
-  state_->pause_requested = false;
-  state_->progress.state = SessionState::rendering;
-  state_->changed.notify_all();
+  state_->set_paused(false);
 }
 
 void RenderSession::stop() {

@@ -1,7 +1,5 @@
-// The settings of a render, and the part of them that paths read.
-//
-// Plain values: how to render, nothing of what. A default of render_settings.h is the default of the schema; hosts set
-// values by the names of setting_parameters(), which says the ranges that they are clamped to.
+// How to render: settings as plain values, in the units named below. The initialisers are the defaults, and
+// setting_parameters() has names and ranges: a value that is set by its name is clamped to its range.
 #pragma once
 
 #include <cstdint>

@@ -30,20 +30,16 @@ class Rasterizer {
   explicit Rasterizer(Voxels* voxels) : voxels_(voxels) {}
 
   void mark(const Piece& piece) {
-    Vec3f lower = piece.corner[0], upper = lower;
-    for (const Vec3f& c : piece.corner) {
-      lower = {std::min(lower.x, c.x), std::min(lower.y, c.y), std::min(lower.z, c.z)};
-      upper = {std::max(upper.x, c.x), std::max(upper.y, c.y), std::max(upper.z, c.z)};
-    }
+    Bounds box;
+    for (const Vec3f& c : piece.corner) box.extend(c);
     uint32_t first[3], last[3];
     bool single = true;
     for (int i = 0; i < 3; ++i) {
-      first[i] = cell(lower[i] - kRounding, i);
-      last[i] = cell(upper[i] + kRounding, i);
+      first[i] = cell(box.lower[i] - kRounding, i);
+      last[i] = cell(box.upper[i] + kRounding, i);
       single = single && first[i] == last[i];
     }
-    const Vec3f extent = upper - lower;
-    if (!single && max_component(extent) > 0.25f) return halve(piece);
+    if (!single && max_component(box.extent()) > 0.25f) return halve(piece);
     for (uint32_t z = first[2]; z <= last[2]; ++z)
       for (uint32_t y = first[1]; y <= last[1]; ++y)
         for (uint32_t x = first[0]; x <= last[0]; ++x)

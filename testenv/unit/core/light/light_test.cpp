@@ -41,20 +41,6 @@ std::vector<LightDescription> some_of_each() {
   return {rect, sheared, sphere, spot, point, sun, ray, image};
 }
 
-Light make(const LightDescription& d, const Vec3d& origin) {
-  switch (d.type) {
-    case LightType::rect:
-      return RectLight(d, origin);
-    case LightType::sphere:
-      return SphereLight(d, origin);
-    case LightType::distant:
-      return DistantLight(d, origin);
-    case LightType::dome:
-      break;
-  }
-  return DomeLight(d, origin);
-}
-
 std::optional<LightSample> sample(const Light& light, const Vec3f& p, const Vec2f& u) {
   return std::visit([&](const auto& l) { return l.sample(p, u); }, light);
 }
@@ -82,7 +68,7 @@ TEST(Lights, HitsAgreeWithSamples) {
   Rng rng(1, 1);
   size_t kind = 0;
   for (const LightDescription& d : some_of_each()) {
-    const Light light = make(d, Vec3d(0, 0, 0));
+    const Light light = make_light(d, Vec3d(0, 0, 0));
     int sampled = 0, met = 0, equal = 0;
     for (int i = 0; i < 5000; ++i) {
       const Vec3f p(6 * rng.uniform() - 3, 6 * rng.uniform() - 3, 6 * rng.uniform() - 3);
@@ -122,7 +108,7 @@ TEST(Lights, DoNotDependOnTheUnitOfLength) {
         for (int column = 0; column < 3; ++column) scaled.light_to_world[row][column] *= std::ldexp(1.0, k);
       // Radiant intensity per distance squared is the one quantity with a length in it.
       if (d.treat_as_point) scaled.exposure = static_cast<float>(2 * k);
-      const Light a = make(d, Vec3d(1, 2, 3)), b = make(scaled, Vec3d(1, 2, 3) * std::ldexp(1.0, k));
+      const Light a = make_light(d, Vec3d(1, 2, 3)), b = make_light(scaled, Vec3d(1, 2, 3) * std::ldexp(1.0, k));
       Rng rng(2, 1);
       for (int i = 0; i < 200; ++i) {
         const Vec3f p(6 * rng.uniform() - 3, 6 * rng.uniform() - 3, 6 * rng.uniform() - 3);
@@ -152,7 +138,7 @@ TEST(Lights, ImportanceIsPositiveWhereverThereIsLight) {
   size_t kind = 0;
   for (LightDescription d : some_of_each()) {
     d.color = Rgb(0, 0, 1e-30f);
-    const Light light = make(d, Vec3d(0, 0, 0));
+    const Light light = make_light(d, Vec3d(0, 0, 0));
     int lit = 0;
     for (int i = 0; i < 20000; ++i) {
       const float reach = i % 2 == 0 ? 6.0f : 1e6f;
@@ -174,10 +160,10 @@ TEST(Lights, ImportanceIsPositiveWhereverThereIsLight) {
 // Only differences to the render origin count: a scene far from the world's origin is lit as one near it.
 TEST(Lights, AreFreeOfTheRenderOrigin) {
   for (LightDescription d : some_of_each()) {
-    const Light near_origin = make(d, Vec3d(0, 0, 0));
+    const Light near_origin = make_light(d, Vec3d(0, 0, 0));
     const Vec3d away(1 << 24, -(1 << 25), 1 << 24);
     for (int i = 0; i < 3; ++i) d.light_to_world[3][i] += away[i];
-    const Light far_away = make(d, away);
+    const Light far_away = make_light(d, away);
     const auto s = sample(near_origin, {0.5f, 0.5f, 1}, {0.3f, 0.6f}),
                t = sample(far_away, {0.5f, 0.5f, 1}, {0.3f, 0.6f});
     ASSERT_EQ(s.has_value(), t.has_value());
@@ -188,7 +174,7 @@ TEST(Lights, AreFreeOfTheRenderOrigin) {
 }
 
 void expect_dark(const LightDescription& d, const char* why) {
-  const Light light = make(d, Vec3d(0, 0, 0));
+  const Light light = make_light(d, Vec3d(0, 0, 0));
   Rng rng(3, 1);
   for (int i = 0; i < 50; ++i) {
     const Vec3f p(rng.uniform() - 0.5f, rng.uniform() - 0.5f, rng.uniform() - 5.5f);
@@ -252,7 +238,7 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
 
 TEST(Lights, BadPointsAndRaysGiveNothingBad) {
   for (const LightDescription& d : some_of_each()) {
-    const Light light = make(d, Vec3d(0, 0, 0));
+    const Light light = make_light(d, Vec3d(0, 0, 0));
     for (const Vec3f& p : {Vec3f(kNaN, 0, 0), Vec3f(0, kInf, 0), Vec3f(3e38f, 3e38f, 3e38f), Vec3f(1, 2, 3),
                            Vec3f(0, 4, 0), Vec3f(0, 4.5f, 0), Vec3f(0, 0, 0)}) {
       EXPECT_TRUE(importance(light, p) >= 0 && std::isfinite(importance(light, p)));

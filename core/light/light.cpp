@@ -1,0 +1,19 @@
+#include "core/light/light.h"
+
+namespace alabaster {
+
+Light make_light(const LightDescription& d, const Vec3d& render_origin) {
+  switch (d.type) {
+    case LightType::rect:
+      return RectLight(d, render_origin);
+    case LightType::sphere:
+      return SphereLight(d, render_origin);
+    case LightType::distant:
+      return DistantLight(d, render_origin);
+    case LightType::dome:
+      break;
+  }
+  return DomeLight(d, render_origin);
+}
+
+}  // namespace alabaster
