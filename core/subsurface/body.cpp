@@ -11,8 +11,8 @@ namespace {
 // the middle, walks leave before spheres find room, and before guiding has saved what it costs.
 constexpr float kRoom = 30;
 
-// A step in a union asks the grids of all members. In rows of overlapping spheres sphere steps save 15 % of the CPU time
-// up to 16 members and 9 % at 32, but cost 20 % at 128 (testenv/statistical/results/walk_efficiency.md).
+// A step in a union asks the grids of all members. In rows of overlapping spheres, sphere steps save 15 % of the CPU
+// time up to 16 members and 9 % at 32, but cost 20 % at 128 (testenv/statistical/results/walk_efficiency.md).
 constexpr size_t kMostGrids = 16;
 
 // World distance from the middle of a member's bounds to their nearest side, at least.
