@@ -34,9 +34,9 @@ float entry_distance(const WalkBeginning& beginning) {
   return beginning.depth / std::max(dot(beginning.start.direction, beginning.start.inward), 0x1p-4f);
 }
 
+// Through the inner side of an open shell.
 bool enters_from_behind(const SubsurfaceBody& body, const SubsurfaceEntry& entry) {
-  const SubsurfaceBody::Member& m = body.members[entry.member];
-  return !entry.within && leaves(*m.mesh, *m.shells, entry.triangle.triangle, -entry.hit.ng_object);
+  return !entry.within && body.leaves(entry.member, entry.triangle.triangle, -entry.hit.ng);
 }
 
 }  // namespace
