@@ -25,22 +25,28 @@ double burley_in_bin(size_t bin) {
   return (bin + 1 == kBins ? 1 : burley_within(bin_start(bin + 1))) - from;
 }
 
+/// Light by the distance at which it leaves.
 struct Histogram {
-  std::array<uint64_t, kBins> count{};
-  RunningStatistics radius;
+  std::array<double, kBins> light{};
+  double sum = 0, sum_of_squares = 0, sum_of_radii = 0;
 
-  void add(double r) {
+  void add(double r, double weight) {
     const double position = (std::log10(r) + 3) * kBinsPerDecade + 1;
-    ++count[static_cast<size_t>(std::clamp(position, 0.0, static_cast<double>(kBins - 1)))];
-    radius.add(r);
+    light[static_cast<size_t>(std::clamp(position, 0.0, static_cast<double>(kBins - 1)))] += weight;
+    sum += weight;
+    sum_of_squares += weight * weight;
+    sum_of_radii += weight * r;
   }
   void merge(const Histogram& o) {
-    for (size_t i = 0; i < kBins; ++i) count[i] += o.count[i];
-    radius.merge(o.radius);
+    for (size_t i = 0; i < kBins; ++i) light[i] += o.light[i];
+    sum += o.sum;
+    sum_of_squares += o.sum_of_squares;
+    sum_of_radii += o.sum_of_radii;
   }
-  double share(size_t bin) const {
-    return static_cast<double>(count[bin]) / static_cast<double>(std::max<uint64_t>(1, radius.count()));
-  }
+  double share(size_t bin) const { return light[bin] / sum; }
+  double mean_radius() const { return sum_of_radii / sum; }
+  /// The number of walks of equal weight that would be as noisy.
+  double effective_walks() const { return sum * sum / sum_of_squares; }
 };
 
 Histogram walk_radii(float albedo, uint64_t walks, uint32_t seed) {
@@ -51,7 +57,7 @@ Histogram walk_radii(float albedo, uint64_t walks, uint32_t seed) {
     const auto end = walk_body(tracer, medium, {}, rng, counters);
     if (!end) return;
     const Vec3d exit = tracer.position() + to_double(end->direction) * end->hit.t;
-    histogram.add(std::hypot(exit.x, exit.y));
+    histogram.add(std::hypot(exit.x, exit.y), end->throughput[0]);
   });
 }
 
@@ -92,19 +98,19 @@ void print_radial_profile(Report& report) {
   report.columns({"A", "[.001,.01)", "[.01,.1)", "[.1,1)", "[1,10)", "[10,100)", "L1", "mean radius / mfp"});
   uint32_t seed = 2000;
   for (const Row& row : kRows) {
-    const uint64_t walks = report.walks_for(0.25);
+    const uint64_t walks = report.walks_for(0.25, 0.5);
     Histogram halves[2] = {walk_radii(row.albedo, walks, ++seed), walk_radii(row.albedo, walks, ++seed)};
     const double difference = 0.5 * (signed_difference(halves[0], halves[1]) + signed_difference(halves[1], halves[0]));
     Histogram all = halves[0];
     all.merge(halves[1]);
-    const Estimate measured(difference, 1 / std::sqrt(static_cast<double>(all.radius.count())));
+    const Estimate measured(difference, 1 / std::sqrt(all.effective_walks()));
     report.require(std::abs(difference - row.difference) < 3 * measured.sigma + kRowError,
                    text("L1 of the profile at A = %g is known to be %g", row.albedo, row.difference));
     const double mean_free_path = distance_scale(row.albedo);
     std::vector<std::string> cells = {text("%g", row.albedo)};
     for (int decade = 0; decade < 5; ++decade) cells.push_back(decade_cell(all, decade));
     cells.push_back(text("%.4f ± %.4f", measured.mean, measured.sigma));
-    cells.push_back(text("%.3f", all.radius.mean() / mean_free_path));
+    cells.push_back(text("%.3f", all.mean_radius() / mean_free_path));
     report.row(cells);
   }
 }

@@ -50,8 +50,11 @@ Obtained obtain(Report& report, double complement, uint32_t seed) {
 void print_cost(Report& report, const std::vector<std::vector<Obtained>>& rows) {
   report.heading("Cost: scattering events and rays per walk in a half-space");
   report.paragraph(
-      "Theory: a collision absorbs 1 - alpha of a walk, and 1 - A of all walks is absorbed, so there are\n"
-      "(1 - A)/(1 - alpha) events per walk. The mean at A = 1 is infinite: that row is for walks capped at 1e6 "
+      "Theory, for walks that absorption ends: a collision absorbs 1 - alpha of them, and 1 - A are absorbed, so "
+      "there\n"
+      "are (1 - A)/(1 - alpha) events per walk. The renderer's walks keep their weight instead until a quarter is "
+      "left,\n"
+      "which is less noise for more events. The mean at A = 1 is infinite: that row is for walks capped at 1e6 "
       "events.");
   report.columns({"requested A", "chiang2016: events", "theory", "rays", "exact: events", "theory", "rays"});
   for (size_t a = 0; a < rows.size(); ++a) {
