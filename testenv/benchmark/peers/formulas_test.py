@@ -101,9 +101,12 @@ class Scenes(unittest.TestCase):
             neutral_scene.neutral_material("m", {"anisotropic": 0.5})
         with tempfile.TemporaryDirectory() as name:
             file = pathlib.Path(name) / "scene.json"
-            file.write_text(json.dumps({"gltf": [{"file": "model.gltf"}], "lights": []}))
-            with self.assertRaises(neutral_scene.Unsupported):
-                neutral_scene.write_neutral(file, pathlib.Path(name) / "out")
+            neutral_scene.write_slab(pathlib.Path(name))
+            for broken in ({"gltf": [{"file": "model.gltf"}]},
+                           {"gltf": [{"file": "scene.glb"}], "materials": [{"match": "wax", "set": {"roughness": 1}}]}):
+                file.write_text(json.dumps({"lights": [], **broken}))
+                with self.assertRaises(neutral_scene.Unsupported):
+                    neutral_scene.write_neutral(file, pathlib.Path(name) / "out")
 
 
 class Blocks(unittest.TestCase):

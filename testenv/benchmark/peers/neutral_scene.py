@@ -262,10 +262,11 @@ def scene_of(description, folder):
                     points, normals = to_world(matrix, points, normals)
                     meshes.append((names[primitive["material"]], points, normals, triangles))
     for change in description.get("materials", []):
-        for name in materials:
-            if fnmatch.fnmatch(name, change.get("match", "")):
-                replaced = change.get("replace") or {**(materials[name] or {}), **change["set"]}
-                materials[name] = replaced
+        matched = fnmatch.filter(materials, change.get("match", ""))
+        if not matched:
+            raise Unsupported(f"a change of material {change.get('match', change.get('name'))}, of which no model has the name")
+        for name in matched:
+            materials[name] = change.get("replace") or {**(materials[name] or {}), **change["set"]}
     return materials, meshes
 
 

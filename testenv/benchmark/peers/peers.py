@@ -77,7 +77,7 @@ class Script:
 
     def __init__(self, name, script, command, version):
         self.name, self.command = name, [*command]
-        self.identity = digest(version, *(HERE.joinpath(f).read_bytes() for f in (script, "formulas.py", "neutral_scene.py")))
+        self.identity = digest(version, *(HERE.joinpath(f).read_bytes() for f in (script, "formulas.py")))
 
     def render(self, job):
         file = pathlib.Path(job["renders"][0]["output"]).with_suffix(".job.json")
@@ -183,7 +183,8 @@ class Comparison:
         seconds = program.render(self.job((1, seed, files[0]), (1, seed, files[1]), (n, seed, files[2])))
         picture = read_exr(files[2])
         found = {"cpuSeconds": (seconds[2] - seconds[1]) * n / (n - 1), "relMse": references[0].squared_error(picture),
-                 "blockRelMse": references[1].squared_error(block_means(picture, BLOCK))}
+                 "blockRelMse": references[1].squared_error(block_means(picture, BLOCK)),
+                 "mean": [statistics.fmean(plane) for plane in picture.planes]}
         print(f"{self.name}: seed {seed}, {program.name}: {found}", flush=True)
         return found
 
@@ -209,16 +210,16 @@ class Comparison:
                     runs[program].append(self.measure(program, 1 + round_, references[program]))
                 except Missing as missing:
                     leave_out(program, missing)
-        return [self.summary(p, runs[p], references[p][0], p in ours) for p in references], reasons
+        return [self.summary(p, runs[p], p in ours) for p in references], reasons
 
-    def summary(self, program, runs, reference, is_ours):
+    def summary(self, program, runs, is_ours):
         def mean(key):
             return statistics.fmean(run[key] for run in runs)
 
         seconds, samples = statistics.median(run["cpuSeconds"] for run in runs), self.width * self.height * self.options.samples
         row = {"scene": self.name, "lines": self.height, "program": program.name, "ours": is_ours, "rounds": runs,
                "cpuSeconds": seconds, "samplesPerCpuSecond": samples / seconds,
-               "mean": [statistics.fmean(plane) for plane in reference.planes]}
+               "mean": [statistics.fmean(run["mean"][c] for run in runs) for c in range(3)]}
         for key, efficiency in (("relMse", "efficiency"), ("blockRelMse", "blockEfficiency")):
             row[key], row[efficiency] = mean(key), 1 / (mean(key) * seconds)
             row[key + "Error"] = (statistics.stdev(run[key] for run in runs) / math.sqrt(len(runs)) / row[key]
