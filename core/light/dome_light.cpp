@@ -17,9 +17,6 @@ double row_height(int row, int rows) {
   return 2 * std::sin(kPiDouble * (row + 0.5) / rows) * std::sin(kPiDouble * 0.5 / rows);
 }
 
-// Images that stand out less, as a share of their light, are left to the lobes: too little for a shadow ray.
-constexpr double kLeastShare = 1.0 / 64;
-
 // Mean over a texel of the bilinear interpolation of it and its neighbours: 1/8, 6/8, 1/8 along each axis.
 double filtered(double before, double here, double after) {
   return 0.125 * (before + after) + 0.75 * here;
@@ -53,13 +50,12 @@ Rgb DomeLight::texel(int x, int y) const {
 void DomeLight::build_distribution() {
   const auto w = static_cast<size_t>(width_), h = static_cast<size_t>(height_);
   std::vector<float> along_rows(w * h), weights(w * h), row(w);
-  const Rgb tint = scale_ * (1 / max_component(scale_));  // the weights are relative
   double mean[3] = {0, 0, 0};
   for (int y = 0; y < height_; ++y) {
     const double solid_angle = 2 * kPiDouble / width_ * row_height(y, height_);
     for (int x = 0; x < width_; ++x) {
       const Rgb c = texel(x, y);
-      row[static_cast<size_t>(x)] = luminance(c * tint);
+      row[static_cast<size_t>(x)] = luminance(c * scale_);
       for (int i = 0; i < 3; ++i) mean[i] += c[i] * (solid_angle / (4 * kPiDouble));
     }
     float* out = &along_rows[static_cast<size_t>(y) * w];
@@ -73,25 +69,8 @@ void DomeLight::build_distribution() {
     for (size_t x = 0; x < w; ++x)
       weights[y * w + x] = static_cast<float>(filtered(above[x], here[x], below[x]) * height);
   }
-  const double share = subtract_mean(&weights);
-  if (!(share >= kLeastShare)) return;
-  for (int i = 0; i < 3; ++i) sampled_mean_[i] = static_cast<float>(mean[i] * share);
+  for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]);
   distribution_ = std::make_shared<Distribution2D>(weights, w, h);
-}
-
-double DomeLight::subtract_mean(std::vector<float>* weights) const {
-  double total = 0, left = 0;
-  for (const float weight : *weights) total += static_cast<double>(weight);
-  // The heights of the rows sum to two.
-  const double mean = total / (2 * width_);
-  size_t i = 0;
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x, ++i) {
-      float& weight = (*weights)[i];
-      weight = static_cast<float>(std::max(0.0, static_cast<double>(weight) - mean * row_height(y, height_)));
-      left += static_cast<double>(weight);
-    }
-  return total > 0 ? left / total : 0;
 }
 
 Rgb DomeLight::lookup(double longitude_turns, double colatitude_turns) const {
@@ -110,7 +89,7 @@ float DomeLight::pdf_of_cell(double pdf_uv, int row) const {
 }
 
 std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
-  if (!distribution_) return std::nullopt;
+  if (!texture_ || is_black(mean_)) return std::nullopt;
   LightSample s;
   s.distance = kInfinity;
   float pdf = 0;
@@ -144,12 +123,12 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
   const int row = std::min(static_cast<int>(v * height_), height_ - 1);
   // The middle of the row: rounding v to float must not leave it.
   const Vec2f cell(static_cast<float>(u), (static_cast<float>(row) + 0.5f) / static_cast<float>(height_));
-  if (distribution_) hit.pdf = pdf_of_cell(distribution_->pdf(cell), row);
+  hit.pdf = pdf_of_cell(distribution_->pdf(cell), row);
   return hit;
 }
 
 double DomeLight::importance(const Vec3f& /*p*/) const {
-  return distribution_ ? representable_importance(scale_ * sampled_mean_, kPiDouble) : 0;
+  return texture_ ? representable_importance(scale_ * mean_, kPiDouble) : 0;
 }
 
 }  // namespace alabaster

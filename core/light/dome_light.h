@@ -15,13 +15,12 @@ namespace alabaster {
 /// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Only the transform's rotation
 /// and mirroring count.
 ///
-/// sample() gives only what stands out over the mean of the image; a dome without an image, or all but constant, is
-/// never sampled. The lobes' own directions find all other light with less noise than a density that knows no lobe, so
-/// MIS is the better for leaving it to them (Karlik et al. 2019, "MIS Compensation", ACM TOG 38(6)).
+/// A constant dome is never sampled: the lobes' own directions find it with less noise than a density that knows no
+/// lobe, and without a shadow ray.
 ///
 /// The image is filtered bilinearly. It wraps around in longitude and is clamped at the poles; the texture's own wrap
 /// modes do not count. Directions are drawn from a density that is constant per texel and solid angle, proportional to
-/// the mean of the FILTERED luminance over the texel less its mean over the sphere, or 0. Negative and NaN
+/// the mean of the FILTERED luminance over the texel: it is positive wherever the filtered image is. Negative and NaN
 /// texels count as black, infinite ones as the largest half float.
 class DomeLight {
  public:
@@ -39,16 +38,14 @@ class DomeLight {
   Rgb texel(int x, int y) const;
   Rgb lookup(double longitude_turns, double colatitude_turns) const;
   void build_distribution();
-  /// From the texels' shares of light; returns the share of what is left in all.
-  double subtract_mean(std::vector<float>* weights) const;
   float pdf_of_cell(double pdf_uv, int row) const;
 
   Vec3d x_{1, 0, 0}, y_{0, 1, 0}, z_{0, 0, 1};  // the light's axes in render space: orthonormal, perhaps left-handed
   Rgb scale_{0.0f};
   std::shared_ptr<const Texture> texture_;  // null: constant
   int width_ = 0, height_ = 0;
-  std::shared_ptr<const Distribution2D> distribution_;  // null: never sampled; shared: lights are copied
-  Rgb sampled_mean_{0.0f};                              // over the sphere, of what sample() gives
+  std::shared_ptr<const Distribution2D> distribution_;  // shared: lights are copied
+  Rgb mean_{1.0f};                                      // of the image over the sphere
 };
 
 }  // namespace alabaster

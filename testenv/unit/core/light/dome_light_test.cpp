@@ -56,29 +56,23 @@ TEST(DomeLight, TurnsAndMirrorsButDoesNotScale) {
   EXPECT_NEAR(seen(DomeLight(d, Vec3d(0, 0, 0)), {-0.5f, std::sqrt(0.5f), 0.5f}).r, 7, 1e-4f);
 }
 
-// Light sampling gives only the light that stands out. The rest has the density 0, so that lobes count it whole.
-TEST(DomeLight, SamplesWhatStandsOutOverTheMean) {
-  std::vector<Rgb> texels(size_t{16} * 8, Rgb(1.0f));
-  texels[16 * 3 + 9] = Rgb(100.0f);
+// The pdf must cover the spread of filtering: every direction with radiance can be sampled.
+TEST(DomeLight, PdfIsPositiveWhereverThereIsLight) {
+  std::vector<Rgb> texels(size_t{16} * 8, Rgb(0.0f));
+  texels[5] = texels[16 * 4] = texels[16 * 7 + 15] = Rgb(0, 0, 1);  // the top row, a seam, a corner
+  texels[16 * 3 + 9] = Rgb(1e6f);
   const DomeLight light(dome(16, texels), Vec3d(0, 0, 0));
-  int lit = 0, sampled = 0;
+  int lit = 0;
   for (int y = 0; y < 160; ++y)
     for (int x = 0; x < 320; ++x) {
       const double theta = kPiDouble * (y + 0.5) / 160, phi = 2 * kPiDouble * (x + 0.5) / 320;
       const auto hit = light.intersect(
           {{0, 0, 0}, Vec3f(Vec3d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)))});
-      ASSERT_TRUE(hit);
+      if (!hit) continue;
       ++lit;
-      sampled += hit->pdf > 0 ? 1 : 0;
-      if (hit->radiance.r > 50) {
-        ASSERT_GT(hit->pdf, 0) << x << ' ' << y;
-      }
+      ASSERT_GT(hit->pdf, 0) << x << ' ' << y;
     }
-  EXPECT_EQ(lit, 160 * 320);
-  EXPECT_GT(sampled, lit / 200);
-  EXPECT_LT(sampled, lit / 10);
-  for (const Vec2f& u : {Vec2f(0, 0), Vec2f(0.3f, 0.4f), Vec2f(kOneMinusEpsilon, kOneMinusEpsilon)})
-    EXPECT_TRUE(light.sample({0, 0, 0}, u));
+  EXPECT_GT(lit, 1000);
 }
 
 TEST(DomeLight, BadTexelsAreCleaned) {
@@ -90,11 +84,10 @@ TEST(DomeLight, BadTexelsAreCleaned) {
   EXPECT_TRUE(light.sample({0, 0, 0}, {0.2f, 0.7f}));
 }
 
-// The irradiance of a plane by sampled light, averaged over its orientations: filtered over texels the image is 1.3125,
-// 2.1875, 0.1875, 0.3125, of mean 1, and 3/8 of its light stand out.
-TEST(DomeLight, ImportanceIsPiTimesTheMeanOfWhatIsSampled) {
-  const LightDescription d = dome(2, {Rgb(1.0f), Rgb(3.0f), Rgb(0.0f), Rgb(0.0f)});
-  EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).importance({0, 0, 0}), 0.375 * kPi, 1e-6);
+// The irradiance of a plane, averaged over its orientations.
+TEST(DomeLight, ImportanceIsPiTimesTheMeanOverTheSphere) {
+  LightDescription d = dome(2, {Rgb(1.0f), Rgb(3.0f), Rgb(0.0f), Rgb(0.0f)});
+  EXPECT_NEAR(DomeLight(d, Vec3d(0, 0, 0)).importance({0, 0, 0}), kPi, 1e-6);  // mean 1
 }
 
 TEST(DomeLight, IsMetButNeverSampledWithoutAnImage) {
@@ -111,14 +104,14 @@ TEST(DomeLight, IsMetButNeverSampledWithoutAnImage) {
   EXPECT_EQ(hit->pdf, 0);
 }
 
-TEST(DomeLight, AnImageWithoutContrastIsLeftToTheLobes) {
+TEST(DomeLight, OneTexelIsAConstantDome) {
   const DomeLight light(dome(1, {Rgb(2.0f)}), Vec3d(0, 0, 0));
-  EXPECT_FALSE(light.sample({0, 0, 0}, {0.3f, 0.4f}));
-  EXPECT_EQ(light.importance({0, 0, 0}), 0);
-  const auto hit = light.intersect({{0, 0, 0}, {0, 0.6f, 0.8f}});
-  ASSERT_TRUE(hit);
-  EXPECT_EQ(hit->radiance, Rgb(2.0f));
-  EXPECT_EQ(hit->pdf, 0);
+  for (const Vec2f& u : {Vec2f(0, 0), Vec2f(0.3f, 0.4f), Vec2f(kOneMinusEpsilon, kOneMinusEpsilon)}) {
+    const auto s = light.sample({0, 0, 0}, u);
+    ASSERT_TRUE(s);
+    EXPECT_NEAR(s->pdf, 1 / (4 * kPi), 1e-7f);
+    EXPECT_EQ(s->radiance, Rgb(2.0f));
+  }
 }
 
 }  // namespace

