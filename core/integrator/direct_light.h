@@ -31,13 +31,19 @@ inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightS
       {p, light.wi, light.on_mesh ? light.distance * kMeshLightFraction : light.distance});
 }
 
+/// How the lights are sampled at a point.
+struct LightNumbers {
+  std::array<float, 4> u;
+  ConstantDomes domes;
+};
+
 /// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. `scatter(wi)`
 /// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(value, light,
 /// weight)` for each light that arrives.
 template <class Scatter, class Add>
-void for_direct_light(const PathContext& context, const Vec3f& p, const std::array<float, 4>& u, const Scatter& scatter,
+void for_direct_light(const PathContext& context, const Vec3f& p, const LightNumbers& numbers, const Scatter& scatter,
                       const Add& add) {
-  context.scene.lights.sample_lights(p, u, [&](const LightSample& light) {
+  context.scene.lights.sample_lights(p, numbers.u, numbers.domes, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
@@ -60,12 +66,12 @@ inline Vec3f origin_of(const PathContext& context, const Departure& from, const 
 /// Light scattered at a departure: each direction is lit from its own origin. Lights are sampled from the curved
 /// surface with a probability that falls with the wedge, which is small where the mesh is fine.
 template <class Scatter, class Add>
-void for_direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
+void for_direct_light(const PathContext& context, const Departure& from, const LightNumbers& numbers,
                       const Scatter& scatter, const Add& add) {
   const auto above = [&](const Vec3f& wi) { return from.is_above(wi) ? scatter(wi) : ScatterValue(); };
-  for_direct_light(context, from.flat, u, above, add);
+  for_direct_light(context, from.flat, numbers, above, add);
   const float chance = std::min(1.0f, 8 * from.wedge);
-  if (!(u[3] < chance)) return;
+  if (!(numbers.u[3] < chance)) return;
   std::optional<bool> reached;
   const auto below = [&](const Vec3f& wi) {
     const ScatterValue value = from.is_above(wi) ? ScatterValue() : scatter(wi);
@@ -73,7 +79,7 @@ void for_direct_light(const PathContext& context, const Departure& from, const s
     if (!reached) reached = reaches_curved_surface(context, from);
     return *reached ? value : ScatterValue();
   };
-  for_direct_light(context, from.curved, u, below,
+  for_direct_light(context, from.curved, numbers, below,
                    [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
                      add(value, light * (1 / chance), weight);
                    });

@@ -39,7 +39,7 @@ bool intersect(const PathContext& context, const Ray& ray, TriangleHit* hit) {
 // Emission of the lights without geometry that the path's segment meets.
 Rgb analytic_light_emission(const PathContext& context, const PathState& path, bool escaped) {
   const float pdf = path.scatter_pdf;
-  return context.scene.lights.emitted(path.ray, escaped, path.depth == 0, [pdf](float light_pdf) {
+  return context.scene.lights.emitted(path.ray, escaped, path.depth == 0, path.domes, [pdf](float light_pdf) {
     return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f;
   });
 }
@@ -160,7 +160,9 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
 
   // Sample the lights.
   Rgb direct(0.0f);
-  for_direct_light(context, v.departure, sampler.draw(Dimension::light, path->depth), local_lobes,
+  path->domes =
+      kMode != SubsurfaceMode::lambert && v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
+  for_direct_light(context, v.departure, {sampler.draw(Dimension::light, path->depth), path->domes}, local_lobes,
                    [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
                      direct += light;
                      if (record) record->light_arrives(path->throughput * light, weight);

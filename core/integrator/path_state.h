@@ -24,6 +24,7 @@ struct PathState {
   Rgb throughput{1.0f};
   Rgb radiance{0.0f};
   float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
+  ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
   uint32_t depth = 0;
   uint32_t walk_events = 0;  // of the last subsurface walk; any other carrier of light counts as many
   Footprint footprint;

@@ -70,7 +70,8 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
     return value;
   };
   Rgb direct(0.0f);
-  for_direct_light(context, departure, sampler.draw(Dimension::exit_light, path->depth), recorded_lobe,
+  path->domes = ConstantDomes::left_to_lobes;
+  for_direct_light(context, departure, {sampler.draw(Dimension::exit_light, path->depth), path->domes}, recorded_lobe,
                    [&](const ScatterValue&, const Rgb& light, LightWeight weight) {
                      direct += light;
                      if (record) record->light_arrives(path->throughput * light, weight);

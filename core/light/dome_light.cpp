@@ -89,9 +89,15 @@ float DomeLight::pdf_of_cell(double pdf_uv, int row) const {
 }
 
 std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
-  if (!texture_ || is_black(mean_)) return std::nullopt;
+  if (is_black(scale_) || (texture_ && is_black(mean_))) return std::nullopt;
   LightSample s;
   s.distance = kInfinity;
+  if (!texture_) {
+    s.wi = sample_uniform_sphere(u);
+    s.pdf = pdf_uniform_sphere();
+    s.radiance = scale_;
+    return s;
+  }
   float pdf = 0;
   const Vec2f cell = distribution_->sample(u, &pdf);
   // Within a row: uniform in cos(colatitude), which is uniform in solid angle.
@@ -110,7 +116,7 @@ std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u)
 
 std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
   if (is_black(scale_)) return std::nullopt;
-  if (!texture_) return LightHit{kInfinity, scale_, 0};
+  if (!texture_) return LightHit{kInfinity, scale_, pdf_uniform_sphere()};
   const Vec3d w(ray.dir);
   const double x = dot(w, x_), y = dot(w, y_), z = dot(w, z_), across = std::sqrt(x * x + z * z);
   if (!(across + std::abs(y) > 0)) return std::nullopt;
@@ -128,7 +134,7 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
 }
 
 double DomeLight::importance(const Vec3f& /*p*/) const {
-  return texture_ ? representable_importance(scale_ * mean_, kPiDouble) : 0;
+  return representable_importance(texture_ ? scale_ * mean_ : scale_, kPiDouble);
 }
 
 }  // namespace alabaster

@@ -15,9 +15,6 @@ namespace alabaster {
 /// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Only the transform's rotation
 /// and mirroring count.
 ///
-/// A constant dome is never sampled: the lobes' own directions find it with less noise than a density that knows no
-/// lobe, and without a shadow ray.
-///
 /// The image is filtered bilinearly. It wraps around in longitude and is clamped at the poles; the texture's own wrap
 /// modes do not count. Directions are drawn from a density that is constant per texel and solid angle, proportional to
 /// the mean of the FILTERED luminance over the texel: it is positive wherever the filtered image is. Negative and NaN

@@ -33,7 +33,7 @@ struct LightSample {
 struct LightHit {
   float t = 0;         // along the ray, in units of |dir|; infinity for distant and dome
   Rgb radiance{0.0f};  // emitted towards the ray's origin
-  float pdf = 0;       // of sample() for this direction from the ray's origin; 0: never sampled
+  float pdf = 0;       // of sample() for this direction from the ray's origin
 };
 
 enum class LightType { rect, sphere, distant, dome };

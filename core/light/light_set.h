@@ -10,6 +10,11 @@
 
 namespace alabaster {
 
+/// Who looks for a dome without an image. A lobe that is sampled whole, as every direction of its own, finds it with
+/// less noise than a density that knows no lobe, and without a shadow ray. Where a lobe is chosen rarely, beside a walk
+/// below the surface, light sampling must look for it too.
+enum class ConstantDomes { sampled, left_to_lobes };
+
 class LightSet {
  public:
   LightSet() = default;
@@ -23,13 +28,15 @@ class LightSet {
   /// One direction for each light to be sampled at p (all, or the chosen one): visit(const LightSample&), pdf with the
   /// choice in it. u: the choice, then the direction.
   template <class Visit>
-  void sample_lights(const Vec3f& p, const std::array<float, 4>& u, const Visit& visit) const {
+  void sample_lights(const Vec3f& p, const std::array<float, 4>& u, ConstantDomes domes, const Visit& visit) const {
     if (!sample_all_) {
       if (const auto s = sample(p, u[0], {u[1], u[2]})) visit(*s);
       return;
     }
-    for (size_t i = 0; i < lights_.size(); ++i)
+    for (size_t i = 0; i < lights_.size(); ++i) {
+      if (is_left(domes, i)) continue;
       if (const auto s = sample_light(i, p, shifted({u[1], u[2]}, i))) visit(*s);
+    }
   }
 
   /// One direction of one chosen light. The pdf includes the choice of light, for a delta light too. Empty: no light
@@ -38,16 +45,20 @@ class LightSet {
 
   /// Sum of the light that lights without geometry emit along the ray: finite ones (rect, sphere) nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
-  /// each weighed by `weigh(pdf)`, the pdf that sample_lights(ray.org, ...) has for this direction of this light, with
-  /// the choice in it.
+  /// each weighed by `weigh(pdf)`, the pdf that sample_lights(ray.org, u, domes, ...) has for this direction of this
+  /// light, with the choice in it.
   template <class Weigh>
-  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const Weigh& weigh) const {
+  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, ConstantDomes domes, const Weigh& weigh) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
     const auto add = [&](size_t i) {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray);
       if (!hit || hit->t > ray.tmax) return;
+      if (is_left(domes, i)) {
+        sum += hit->radiance * weigh(0.0f);
+        return;
+      }
       if (!choice && !sample_all_) choice.emplace(lights_, ray.org);
       sum += hit->radiance * weigh(sample_all_ ? hit->pdf : hit->pdf * choice->probability(i));
     };
@@ -72,6 +83,12 @@ class LightSet {
   std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i);
+  /// Where one light of many is chosen, constant domes are chosen as others are.
+  bool is_left(ConstantDomes domes, size_t i) const {
+    if (domes == ConstantDomes::sampled || !sample_all_) return false;
+    const auto* dome = std::get_if<DomeLight>(&lights_[i]);
+    return dome && !dome->texture();
+  }
 
   bool sample_all_ = false;
   std::vector<Light> lights_;

@@ -178,6 +178,7 @@ TEST(LightChiSquare, Distant) {
 
 TEST(LightChiSquare, Dome) {
   LightDescription d = described(LightType::dome);
+  check(DomeLight(d, Vec3d(0, 0, 0)), "constant", {0, 0, 0}, lat_long(), 60);
   // Black regions, a bright pole, a steep sun, and edges that differ.
   std::vector<Rgb> texels(size_t{12} * 6, Rgb(0.0f));
   for (size_t i = 0; i < 12; ++i) texels[i] = Rgb(static_cast<float>(i + 1), 1, 2);

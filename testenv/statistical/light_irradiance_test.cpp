@@ -93,11 +93,12 @@ TEST(LightIrradiance, InsideASphereIsPiL) {
   expect(irradiance(SphereLight(d, Vec3d(0, 0, 0)), {{0.3f, 0.2f, -0.5f}, {0, 0, 1}}, 40000, 300), kPiDouble, "inside");
 }
 
-TEST(LightIrradiance, DomeOfAConstantImageIsPiL) {
+TEST(LightIrradiance, ConstantDomeIsPiL) {
   LightDescription d;
   d.type = LightType::dome;
   d.intensity = 0.5f;
   const Plane plane{{1, 2, 3}, normalize(Vec3f(1, -2, 3))};
+  expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 400), 0.5 * kPiDouble, "constant");
   d.texture = std::make_shared<MemoryTexture>(16, std::vector<Rgb>(128, Rgb(0.5f)));
   expect(irradiance(DomeLight(d, Vec3d(0, 0, 0)), plane, 40000, 401), 0.25 * kPiDouble, "constant image");
 }
@@ -168,7 +169,8 @@ double weighed_irradiance(const LightSet& set, const Plane& plane, Rng& rng) {
   const Vec3f w = sample_cosine_hemisphere(uniform2(rng));
   const float pdf = pdf_cosine_hemisphere(w);
   const auto weigh = [&](float light_pdf) { return power_heuristic(pdf, light_pdf); };
-  if (pdf > 0) value += static_cast<double>(set.emitted({plane.p, w}, true, false, weigh).r * kPi);
+  if (pdf > 0)
+    value += static_cast<double>(set.emitted({plane.p, w}, true, false, ConstantDomes::sampled, weigh).r * kPi);
   return value;
 }
 
@@ -221,7 +223,7 @@ TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
   point.light_to_world = translation(20, 0, 1.5);
   LightDescription dome;
   dome.type = LightType::dome;
-  dome.texture = std::make_shared<MemoryTexture>(1, std::vector<Rgb>{Rgb(0.01f)});
+  dome.intensity = 0.01f;
   const Vec3d o(0, 0, 0);
   const LightSet set({RectLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
   const std::array<Vec3d, 4> corners = {Vec3d(-0.1, -0.1, 1), Vec3d(0.1, -0.1, 1), Vec3d(0.1, 0.1, 1),

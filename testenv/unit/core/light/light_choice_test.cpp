@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "core/sampling/pixel_sampler.h"
-#include "testenv/support/memory_texture.h"
 
 namespace alabaster {
 namespace {
@@ -17,8 +16,6 @@ Light described(LightType type, float intensity, double scale = 1) {
   if (type == LightType::rect) return RectLight(d, Vec3d(0, 0, 0));
   if (type == LightType::sphere) return SphereLight(d, Vec3d(0, 0, 0));
   if (type == LightType::distant) return DistantLight(d, Vec3d(0, 0, 0));
-  // A dome without an image is never chosen.
-  d.texture = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{Rgb(1.0f)});
   return DomeLight(d, Vec3d(0, 0, 0));
 }
 

@@ -32,13 +32,14 @@ std::vector<LightDescription> some_of_each() {
   sun.type = LightType::distant;
   LightDescription ray = sun;
   ray.angle = 0;
-  LightDescription image;
-  image.type = LightType::dome;
+  LightDescription sky;
+  sky.type = LightType::dome;
+  LightDescription image = sky;
   std::vector<Rgb> texels(8, Rgb(0.5f, 1, 2));
   texels[5] = Rgb(0.0f);
   texels[3] = Rgb(90, 80, 70);
   image.texture = std::make_shared<testing::MemoryTexture>(4, texels);
-  return {rect, sheared, sphere, spot, point, sun, ray, image};
+  return {rect, sheared, sphere, spot, point, sun, ray, sky, image};
 }
 
 std::optional<LightSample> sample(const Light& light, const Vec3f& p, const Vec2f& u) {
