@@ -1,5 +1,5 @@
 # Sourced by quickstart.sh and run_tests.sh. install_packages LIST... installs the packages of the lists that are
-# missing.
+# missing. install_denoiser BUILD puts Open Image Denoise where programs in BUILD find it, or says why it could not.
 
 install_packages() {
   missing=""
@@ -16,4 +16,26 @@ install_packages() {
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get update -qq
   # shellcheck disable=SC2086  # the list is meant to be split
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
+}
+
+# Debian 12 has no package of Open Image Denoise; a wheel on PyPI carries the library. It goes into build/oidn, which
+# needs no rights, and is never required.
+install_denoiser() {
+  oidn="$top/build/oidn"
+  library="pyoidn/oidn/lib/libOpenImageDenoise.so.2"
+  if [ ! -e "$oidn/$library" ]; then
+    rm -rf "$oidn.part"
+    python3 -m pip --version >/dev/null 2>&1 || echo python3-pip | install_packages - 2>/dev/null || true
+    if ! reason=$(python3 -m pip install --quiet --disable-pip-version-check --timeout 10 --retries 1 --no-deps \
+      --only-binary :all: --target "$oidn.part" pyoidn==2.5.1.0 2>&1) || [ ! -e "$oidn.part/$library" ]; then
+      rm -rf "$oidn.part"
+      echo "Open Image Denoise: not installed, --denoise will not be available ($(echo "$reason" | tail -n 1))"
+      return 0
+    fi
+    rm -rf "$oidn"
+    mv "$oidn.part" "$oidn"
+  fi
+  mkdir -p "$1"
+  ln -sfn "$oidn" "$1/oidn"
+  echo "Open Image Denoise: installed in $oidn"
 }

@@ -9,6 +9,7 @@ install_packages "$top/testenv/packages.txt"
 build="$top/build/release"
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF >/dev/null
 cmake --build "$build" --target alabaster
+install_denoiser "$build"
 
 if [ $# -gt 0 ]; then
   exec "$build/bin/alabaster" render "$@"

@@ -25,7 +25,8 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
-  error  // of color: PixelNoise::deviation()
+  error,    // of color: PixelNoise::deviation()
+  denoised  // color without its noise (core/denoise)
 };
 constexpr uint32_t aov_bit(Aov a) {
   return 1u << static_cast<uint32_t>(a);
@@ -36,6 +37,7 @@ enum class AovSource {
   samples,  // all of them: their mean, number or error
   layer,    // the mean of one of LightLayers
   closest,  // the one that hit the closest surface
+  frame,    // all pixels' samples, once the frame has its last
 };
 
 /// The kind of a value, by which files keep it.
@@ -83,6 +85,7 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::specular, "specular", AovSource::layer, AovValue::color, 0, "specular", "RGB"},
     {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
     {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", ""},
+    {Aov::denoised, "denoised", AovSource::frame, AovValue::color, 0, "denoised", "RGBA"},
 };
 
 static_assert([] {
@@ -112,5 +115,11 @@ constexpr uint32_t aovs_from(AovSource source) {
 inline constexpr uint32_t kLayerAovs = aovs_from(AovSource::layer);
 /// The AOVs that show the closest sample's first hit.
 inline constexpr uint32_t kClosestAovs = aovs_from(AovSource::closest);
+/// The AOVs that guide the denoiser.
+inline constexpr uint32_t kGuideAovs = aov_bit(Aov::normal) | aov_bit(Aov::albedo);
+/// `aovs` and those that they are made from.
+constexpr uint32_t with_guides(uint32_t aovs) {
+  return aovs & aov_bit(Aov::denoised) ? aovs | kGuideAovs : aovs;
+}
 
 }  // namespace alabaster

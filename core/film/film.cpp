@@ -54,8 +54,9 @@ size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
 
 size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
   if (data_window.empty()) return 0;
+  const size_t denoised = aovs & aov_bit(Aov::denoised) ? 3 * sizeof(float) : 0;
   return static_cast<size_t>(data_window.width()) * static_cast<size_t>(data_window.height()) *
-         FilmTile::bytes_per_pixel(aovs);
+         (FilmTile::bytes_per_pixel(aovs) + denoised);
 }
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
@@ -231,7 +232,31 @@ Film::TakeRow<T> Film::copy_to(std::vector<T>* frame, int components) const {
   };
 }
 
+void Film::store_denoised(std::vector<float> rgb) {
+  auto stored = std::make_shared<const std::vector<float>>(std::move(rgb));
+  const std::lock_guard lock(denoised_lock_);
+  denoised_.swap(stored);
+  ++revision_;
+}
+
+void Film::resolve_denoised(const TakeRow<float>& take) const {
+  std::shared_ptr<const std::vector<float>> rgb;
+  {
+    const std::lock_guard lock(denoised_lock_);
+    rgb = denoised_;
+  }
+  if (!rgb) return resolve_float(Aov::color, take);
+  resolve_float(Aov::color, [&](int x, int y, std::span<const float> color) {
+    std::array<float, kTileSize * 4> row;
+    const size_t first = static_cast<size_t>(y - window_.y0) * static_cast<size_t>(window_.width()) +
+                         static_cast<size_t>(x - window_.x0);
+    for (size_t i = 0; i < color.size(); ++i) row[i] = i % 4 < 3 ? (*rgb)[3 * (first + i / 4) + i % 4] : color[i];
+    take(x, y, {row.data(), color.size()});
+  });
+}
+
 void Film::resolve_float(Aov aov, const TakeRow<float>& take) const {
+  if (aov == Aov::denoised) return resolve_denoised(take);
   resolve_rows<float>(
       aov_info(aov).components(),
       [aov](const FilmTile& tile, size_t pixel, float* out) { tile.resolve(pixel, aov, out); }, take);

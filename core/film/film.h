@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -110,7 +111,9 @@ class Film {
   PixelRect tile_rect(int tile) const;
   FilmTile load_tile(int tile) const;
   void store_tile(int tile, const FilmTile& pixels);
-  /// Number of tiles stored so far: as long as it stays the same, so do the pixels.
+  /// Sets the red, green and blue of AOV `denoised`, row-major, which until then is color.
+  void store_denoised(std::vector<float> rgb);
+  /// Rises with each store: as long as it stays the same, so do the pixels.
   uint64_t revision() const { return revision_.load(); }
 
   /// Takes a row of a tile: the resolved values of the pixels from (x, y) rightwards, component by component.
@@ -128,6 +131,7 @@ class Film {
  private:
   template <class T, class Resolve>
   void resolve_rows(int components, const Resolve& resolve, const TakeRow<T>& take) const;
+  void resolve_denoised(const TakeRow<float>& take) const;
   template <class T>
   TakeRow<T> copy_to(std::vector<T>* frame, int components) const;
 
@@ -137,6 +141,8 @@ class Film {
   std::atomic<uint64_t> revision_{0};
   std::vector<FilmTile> tiles_;
   mutable std::vector<std::mutex> locks_;
+  mutable std::mutex denoised_lock_;
+  std::shared_ptr<const std::vector<float>> denoised_;
 };
 
 }  // namespace alabaster

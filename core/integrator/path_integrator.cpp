@@ -55,8 +55,6 @@ void add_mesh_emission(const PathContext& context, const PathVertex& v, const Tr
 
 void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out) {
   out->alpha = 1;
-  if (context.aovs & aov_bit(Aov::normal)) out->normal = v.frame.n;
-  if (context.aovs & aov_bit(Aov::albedo)) out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo();
   if (!(context.aovs & kClosestAovs)) return;
   out->distance = hit.t;
   out->camera_depth = context.camera.axial_depth(v.hit.p);
@@ -64,6 +62,20 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
   out->prim_id = v.instance->prim_id;
   out->instance_id = v.instance->instance_id;
   out->element_id = v.hit.element;
+}
+
+// The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the
+// mirrors before it, or of the last mirror if the path meets nothing else.
+void record_guides(const PathContext& context, const PathVertex& v, const PathState& path, FilmSample* out) {
+  if (context.aovs & aov_bit(Aov::normal)) out->normal = v.frame.n;
+  if (context.aovs & aov_bit(Aov::albedo))
+    out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
+}
+
+// Shows an image of its surroundings: at most a few pixels wide blurred. Rougher lobes are surfaces to a denoiser.
+bool is_mirror(const PathVertex& v, Lobe lobe) {
+  constexpr float kLargestRoughness = 0.1f;
+  return lobe == Lobe::specular && v.material.roughness <= kLargestRoughness;
 }
 
 // Unbiased: survivors carry the weight of the ended.
@@ -131,6 +143,7 @@ void split_below_surface(const PathContext& context, const PixelSampler& sampler
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool continue_below(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
                     PathState* path, LayerSplit* split) {
+  path->seeks_guides = false;
   if (path->depth == 0) {
     split_below_surface<kMode, kMeshLights, kLayers>(context, sampler, v, within, path, split);
     return false;
@@ -179,6 +192,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
   if (record && !sample) record->end("no direction was sampled");
   if (!sample) return false;
+  path->seeks_guides = path->seeks_guides && is_mirror(v, sample->lobe);
 
   // Continue below the surface if the subsurface lobe was chosen, else from it.
   if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
@@ -236,6 +250,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (kMeshLights) add_mesh_emission(context, vertex, hit, path);
     if (kMeshLights && record) record->meet_light(path->radiance - before);
     if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
+    if (path->seeks_guides) record_guides(context, vertex, *path, first_hit);
     if (record && path->depth >= context.settings.max_depth) record->end("maxDepth");
     if (path->depth >= context.settings.max_depth) return;
     if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
@@ -252,6 +267,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   out.distance = std::numeric_limits<float>::infinity();
   PathState path;
   path.ray = camera_ray;
+  path.seeks_guides = (context.aovs & kGuideAovs) != 0;
   if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);

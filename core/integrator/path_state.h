@@ -26,7 +26,8 @@ struct PathState {
   float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
   ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
   uint32_t depth = 0;
-  uint32_t walk_events = 0;  // of the last subsurface walk; any other carrier of light counts as many
+  bool seeks_guides = false;  // the next surface gives the values of kGuideAovs
+  uint32_t walk_events = 0;   // of the last subsurface walk; any other carrier of light counts as many
   Footprint footprint;
 };
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -19,6 +20,7 @@
 
 #include "core/convergence/group_stopping.h"
 #include "core/convergence/sample_allocation.h"
+#include "core/denoise/denoise_film.h"
 #include "core/session/pass_schedule.h"
 
 namespace alabaster {
@@ -33,9 +35,9 @@ double seconds_since(const Clock::time_point& start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-double thread_cpu_seconds() {
+double cpu_seconds(clockid_t clock) {
   timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  clock_gettime(clock, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
@@ -61,18 +63,21 @@ struct TileRelease {
 
 // One render from start to end. The session holds the current one; a stopped one is joined before it is replaced.
 struct RenderSession::State {
-  mutable std::mutex mutex;  // guards the members down to passes_before; never held while rendering
+  mutable std::mutex mutex;  // guards the members down to denoise_threads; never held while rendering
   std::condition_variable changed;
   RenderProgress progress;
   std::shared_ptr<Film> film;
   Clock::time_point started;
-  FinishedPasses finished{0, 0};  // of the current round
-  uint32_t passes_before = 0;     // in earlier rounds
+  FinishedPasses finished{0, 0};             // of the current round
+  uint32_t passes_before = 0;                // in earlier rounds
+  std::shared_ptr<const Denoiser> denoiser;  // null: none is asked for, or the film is denoised
+  uint32_t denoise_threads = 0;
 
   std::atomic<bool> stop_requested{false};
   std::atomic<bool> out_of_time{false};
   double time_limit = 0;                     // seconds; 0: none
   std::atomic<bool> pause_requested{false};  // changed under the mutex
+  std::mutex stopped_denoise;                // one caller denoises a stopped film, and the others wait for it
   std::thread driver;
 
   // Changed between rounds only.
@@ -94,6 +99,7 @@ struct RenderSession::State {
   bool time_is_over();
   void tile_done(uint32_t pass, const RenderCounters& counters, double cpu_seconds);
   void report_error(const RenderSettings& settings, uint32_t samples, const NoiseImage& noise);
+  void denoise(const Film* stopped);
 };
 
 // False: stop.
@@ -142,7 +148,7 @@ void RenderSession::State::render_items(const TileRenderer& renderer, const Pass
     for (uint32_t done; (done = tile_passes[tile].load()) != pass && !stop_requested;) tile_passes[tile].wait(done);
 
     // Render it. The tile is released also when an exception passes: nobody may wait for a tile that nobody works on.
-    const double cpu = thread_cpu_seconds();
+    const double cpu = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
     RenderCounters counters;
     const TileRelease release{tile_passes[tile], pass};
     try {
@@ -153,7 +159,7 @@ void RenderSession::State::render_items(const TileRenderer& renderer, const Pass
     }
 
     // Report it.
-    tile_done(pass, counters, thread_cpu_seconds() - cpu);
+    tile_done(pass, counters, cpu_seconds(CLOCK_THREAD_CPUTIME_ID) - cpu);
   }
 }
 
@@ -234,12 +240,50 @@ void RenderSession::State::report_error(const RenderSettings& settings, uint32_t
         progress.pixels * samples_for_error(samples, settings.samples, error.relative_rmse, settings.target_error);
 }
 
+// Denoises the film of the render that the driver has just ended, or, unless null, `stopped` if it is still the last.
+// Takes the denoiser, so that a film is denoised once; who is cancelled gives it back.
+void RenderSession::State::denoise(const Film* stopped) {
+  std::shared_ptr<const Denoiser> taken;
+  std::shared_ptr<Film> shown;
+  DenoiseOptions options;
+  {
+    const std::lock_guard lock(mutex);
+    if (stopped && (film.get() != stopped || progress.state != SessionState::stopped)) return;
+    taken.swap(denoiser);
+    shown = film;
+    options.threads = denoise_threads;
+  }
+  if (!taken) return;
+  options.progress = [&](double fraction) {
+    const std::lock_guard lock(mutex);
+    if (film == shown) progress.denoised = fraction;
+    return stopped || !stop_requested;
+  };
+  const Clock::time_point begun = Clock::now();
+  const double cpu = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  std::string problem;
+  const DenoiseStatus status = denoise_film(*taken, options, shown.get(), &problem);
+  const std::lock_guard lock(mutex);
+  if (film != shown) return;
+  progress.denoise_seconds += seconds_since(begun);
+  progress.denoise_cpu_seconds += cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu;
+  if (status == DenoiseStatus::cancelled) denoiser = taken;
+  if (status == DenoiseStatus::done) progress.denoiser = taken->name();
+  if (status == DenoiseStatus::failed) progress.denoise_error = problem;
+}
+
+void RenderSession::denoise_stopped(const Film* film) {
+  const std::lock_guard one_at_a_time(state_->stopped_denoise);
+  if (film) state_->denoise(film);
+}
+
 // Nothing may leave the driver thread: an exception there would end the host.
 void RenderSession::State::render(const RenderRequest& request) {
   std::string error;
   std::optional<SampleAddress> failed_sample;
   try {
     run_rounds(request);
+    if (!stop_requested) denoise(nullptr);
   } catch (const SampleFailure& failure) {
     error = failure_text(failure.what());
     failed_sample = failure.at;
@@ -269,7 +313,9 @@ void RenderSession::start(const RenderRequest& request) {
   State& s = *state_;
   {
     const std::lock_guard lock(s.mutex);
-    s.film = std::make_shared<Film>(request.data_window, request.aovs);
+    s.film = std::make_shared<Film>(request.data_window, with_guides(request.aovs));
+    s.denoiser = request.aovs & aov_bit(Aov::denoised) ? request.denoiser : nullptr;
+    s.denoise_threads = request.settings.threads;
     s.progress = {};
     s.progress.state = SessionState::rendering;
     s.progress.scene_number = request.scene->number;
@@ -285,7 +331,9 @@ void RenderSession::start(const RenderRequest& request) {
   s.stopping = {};
   s.stop_requested = false;
   s.out_of_time = false;
-  s.driver = std::thread([&s, request] { s.render(request); });
+  RenderRequest guided = request;
+  guided.aovs = with_guides(request.aovs);
+  s.driver = std::thread([&s, guided = std::move(guided)] { s.render(guided); });
 }
 
 void RenderSession::pause() {

@@ -1,6 +1,6 @@
 // One running render: threads, passes, pause, stop.
 //
-//   Idle --start--> Rendering --all samples--> Finished
+//   Idle --start--> Rendering --all samples, and denoised--> Finished
 //                   Rendering <--pause/resume--> Paused
 //                   Rendering/Paused --stop--> Stopped
 //                   Rendering --out of memory or another exception--> Failed (RenderProgress::error says what)
@@ -34,6 +34,11 @@ struct RenderProgress {
   double cpu_seconds = 0;                      // of the render workers
   RenderCounters counters;                     // of the finished tiles
   FrameError noise;                            // measured after a pilot, at each check of target_error, and at the end
+  double denoised = -1;                        // share of the denoiser's work that is done; < 0: not begun
+  double denoise_seconds = 0;                  // wall time of it; wall_seconds includes it, unless it came after a stop
+  double denoise_cpu_seconds = 0;              // of the whole process meanwhile; not in cpu_seconds
+  std::string denoiser;                        // Denoiser::name(), once AOV `denoised` shows its picture
+  std::string denoise_error;                   // why AOV `denoised` is color still
   std::string error;                           // of a failed render
   std::optional<SampleAddress> failed_sample;  // the sample that failed a check, if one did
 };
@@ -48,8 +53,12 @@ class RenderSession {
   void start(const RenderRequest& request);
   void pause();
   void resume();
-  /// Blocks until no worker runs, for less than 20 ms. Keeps the film.
+  /// Blocks until no worker runs, for less than 20 ms; a denoiser that runs ends at its next step, within about a
+  /// second for ten megapixels. Keeps the film.
   void stop();
+  /// Denoises the film of a stopped render in the calling thread, if it asks for AOV `denoised`. Else, and for a film
+  /// of another render, does nothing.
+  void denoise_stopped(const Film* film);
   /// Blocks until no more is rendered, or `seconds` have passed; true: no more is rendered. Infinity waits without
   /// limit; a negative time and NaN do not wait.
   bool wait(double seconds);

@@ -20,6 +20,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"walkGuiding", &S::walk_guiding},
       {"walkSphereSteps", &S::walk_sphere_steps},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
+      {"denoise", &S::denoise},
   };
   return kTable;
 }

@@ -28,6 +28,7 @@ struct RenderSettings {
   bool walk_guiding = WalkSettings().guiding;
   bool walk_sphere_steps = WalkSettings().sphere_steps;
   PixelFilter filter = PixelFilter::blackman_harris;
+  bool denoise = false;  // read by who binds AOVs: paths and films never depend on it
   bool operator==(const RenderSettings&) const = default;
 };
 

@@ -11,6 +11,7 @@
 #include "core/camera/camera.h"
 #include "core/convergence/pixel_group.h"
 #include "core/convergence/sample_allocation.h"
+#include "core/denoise/denoiser.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/integrator/path_integrator.h"
@@ -27,6 +28,7 @@ struct RenderRequest {
   PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
   uint32_t aovs = aov_bit(Aov::color);
   RenderSettings settings;
+  std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it
 };
 
 /// Which samples to add to a tile.

@@ -59,8 +59,10 @@ class ALABASTER_API RenderDelegate {
   /// suspectSample ("x,y,sample" for tracePixel: the sample whose failed check ended the render, which may be another
   /// one in the next render where several fail; else the first that was not finite, by sample number, row and column,
   /// whatever the threads), rejectedRays, error (of a failed render), error.relativeRmse with error.low and error.high
-  /// (the noise that the frame estimates in itself and its 95 % interval; absent until every pixel has two samples);
-  /// and of Sync, summed up:
+  /// (the noise that the frame estimates in itself and its 95 % interval; absent until every pixel has two samples; of
+  /// color, never of AOV denoised); where that AOV is drawn, denoise.fraction, denoise.seconds and denoise.cpuSeconds
+  /// (of the whole process meanwhile) once the denoiser has begun, denoiser (its name and version) once the AOV shows
+  /// its picture, or denoise.error (why it does not); and of Sync, summed up:
   /// - sync.refineWallSeconds, sync.bvhWallSeconds: wall time during which at least one mesh was being refined, or its
   ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
   /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in
@@ -93,7 +95,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 3;
+inline constexpr uint32_t kAbiVersion = 4;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

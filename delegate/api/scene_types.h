@@ -168,6 +168,7 @@ struct RenderProduct {
   std::string colorSpace;           // scene-referred output space; empty: the rendering space for EXR
   std::string display, view, look;  // display-referred output (default for png/tiff/jpeg)
   float exposure = 0;               // stops, with display output
+  std::optional<bool> denoise;      // exr: AOV denoised beside color; else it in color's place. Unset: the setting
   bool operator==(const RenderProduct&) const = default;
 };
 

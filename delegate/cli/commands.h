@@ -27,7 +27,7 @@ struct RenderArguments {
   std::optional<float> exposure;
   std::vector<std::string> aovs, overrides;
   std::string stats;
-  bool quiet = false;
+  bool denoise = false, quiet = false;
 };
 int run_render(const RenderArguments& arguments);
 
@@ -45,7 +45,7 @@ struct TradeoffArguments {
   std::string size;    // "320x180"
   std::string only;    // regular expression
   std::vector<std::string> overrides;
-  bool restart = false, quiet = false;
+  bool denoise = false, restart = false, quiet = false;
 };
 int run_tradeoff(const TradeoffArguments& arguments);
 

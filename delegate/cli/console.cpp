@@ -36,7 +36,12 @@ std::string time_text(double seconds) {
   return text;
 }
 
+bool is_denoising(const RecordProgress& p) {
+  return p.denoised >= 0 && p.denoised < 1;
+}
+
 std::string progress_text(const RecordProgress& p) {
+  if (is_denoising(p)) return format("denoising %.0f %%", p.denoised * 100);
   return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + std::to_string(p.samples_done) + "/" +
          std::to_string(p.samples_total) + " samples  " + rate_text(p.rays_per_second) + "  " +
          time_text(p.seconds_left) + " left";
@@ -90,7 +95,8 @@ void Console::progress(const RecordProgress& p) {
   if (quiet_) return;
   if (terminal_) {
     constexpr size_t kWidth = 30;
-    const auto filled = static_cast<size_t>(std::clamp(p.fraction, 0.0, 1.0) * double(kWidth));
+    const double done = is_denoising(p) ? p.denoised : p.fraction;
+    const auto filled = static_cast<size_t>(std::clamp(done, 0.0, 1.0) * double(kWidth));
     const std::string bar = std::string(filled, '=') + std::string(kWidth - filled, ' ');
     std::fprintf(stderr, "\r[%s] %s\033[K", bar.c_str(), progress_text(p).c_str());
     std::fflush(stderr);

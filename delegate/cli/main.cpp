@@ -21,7 +21,9 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--spp", "samples", "N",
      "Samples per pixel, at most; with --quality the render still ends at the preset's targetError if that comes "
      "first"},
-    {"--target-error", "targetError", "E", "End when the noise is below this relative RMSE (0.02 is two per cent)"},
+    {"--target-error", "targetError", "E",
+     "End when the noise of the picture as rendered, before any denoising, is below this relative RMSE (0.02 is two "
+     "per cent)"},
     {"--time-limit", "timeLimit", "S", "End after this many seconds of rendering"},
     {"--seed", "seed", "N", "Seed of the noise pattern"},
     {"--threads", "threads", "N", "Render threads; 0 uses all cores"},
@@ -65,6 +67,10 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   add_repeated(c, "--aov", &a->aovs, "NAME",
                "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
                "error, ...; may be repeated");
+  c->add_flag(
+      "--denoise", a->denoise,
+      "Denoise the picture after its last sample (Open Image Denoise 2, if installed): .png, .tif and .jpg show "
+      "it denoised, and .exr gets it as layer 'denoised' beside the colour as rendered");
   c->add_option(
        "--pixel", a->pixel,
        "Print the path of one sample of a pixel, vertex by vertex, instead of writing files. X and Y count from "
@@ -97,6 +103,7 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
                 "Measure only walk and the configurations whose names match; '^quality=' selects the presets")
       ->type_name("REGEX");
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
+  c->add_flag("--denoise", a->denoise, "Measure each picture denoised, too (Open Image Denoise 2, if installed)");
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
   c->add_flag("--quiet", a->quiet, "Print errors only");
   c->footer(kExitCodes);

@@ -73,6 +73,7 @@ std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std
   }
   if (!error->empty()) return {};
   for (hd::RenderProduct& product : products) {
+    if (a.denoise) product.denoise = true;
     if (is_exr(product)) {
       if (!a.aovs.empty()) add_layers(a.aovs, &product);
       continue;

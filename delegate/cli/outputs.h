@@ -6,8 +6,8 @@
 
 namespace alabaster::cli {
 
-/// The products of -o with --aov, --display, --view, --look and --exposure applied. Empty, with *error set, if the
-/// options contradict each other. `existing` are the description's products, used where -o is not given.
+/// The products of -o with --aov, --denoise, --display, --view, --look and --exposure applied. Empty, with *error set,
+/// if the options contradict each other. `existing` are the description's products, used where -o is not given.
 std::vector<hd::RenderProduct> make_products(const RenderArguments& arguments,
                                              const std::vector<hd::RenderProduct>& existing, std::string* error);
 

@@ -116,6 +116,7 @@ class ProbeRenders {
 
   bool render(const Plan& plan) {
     last_ = reduced(full_, plan.pixels);
+    last_.settings["denoise"] = false;
     last_.settings["samples"] = static_cast<int32_t>(plan.samples);
     last_.settings["timeLimit"] = static_cast<float>(plan.seconds);
     // Renders in rounds and allocates samples as a render to an error does, but never reaches this error.

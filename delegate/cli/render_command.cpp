@@ -106,7 +106,11 @@ class RenderCommand {
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
     add("quality", a_.quality);  // first, so that all others override it
     std::map<std::string, std::string> settings = a_.settings;
-    if (!a_.pixel.empty()) settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
+    if (a_.denoise) settings["denoise"] = "true";
+    if (!a_.pixel.empty()) {
+      settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
+      settings["denoise"] = "false";
+    }
     const bool decided = a_.pixel.empty() && (!settings["targetError"].empty() || !settings["timeLimit"].empty());
     if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples());
     for (const auto& [name, value] : settings) add(name, value);
@@ -292,8 +296,10 @@ class RenderCommand {
     const double error = percent("error.relativeRmse");
     if (!(error >= 0) || std::isinf(error)) return;
     char text[160];
-    std::snprintf(text, sizeof text, "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel",
-                  error, percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0));
+    std::snprintf(text, sizeof text,
+                  "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel%s", error,
+                  percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0),
+                  stats.contains("denoiser") ? ", before denoising" : "");
     console_.note(text);
   }
 

@@ -216,7 +216,8 @@ class TradeoffCommand {
   tradeoff::StudyHooks hooks() {
     tradeoff::StudyHooks hooks;
     hooks.render = [this](const tradeoff::Configuration& configuration, uint64_t samples, uint32_t seed) {
-      auto frame = renderer_->render(configuration, samples, seed);
+      const bool denoise = a_.denoise && configuration.name != list_.reference.name;
+      auto frame = renderer_->render(configuration, samples, seed, denoise);
       set_writing(true);  // the picture is about to be stored
       return frame;
     };
@@ -291,6 +292,7 @@ class TradeoffCommand {
     add("--size", a_.size);
     add("--only", a_.only);
     for (const std::string& entry : a_.overrides) add("--set", entry);
+    if (a_.denoise) text += " --denoise";
     return text;
   }
 

@@ -79,6 +79,7 @@ bool apply_products(const Reader& reader) {
     const std::string data_type = entry.value("dataType", "");
     product.dataType = data_type;
     for (const json& aov : entry.value("aovs", json::array())) product.vars.push_back(var_of(aov, data_type));
+    if (entry.contains("denoise")) product.denoise = entry["denoise"].get<bool>();
     product.colorSpace = entry.value("colorSpace", "");
     product.display = entry.value("display", "");
     product.view = entry.value("view", "");

@@ -274,7 +274,10 @@ class Recording {
   // An interrupted render is stopped before its statistics are read, so that they agree with the pixels.
   void end(std::unique_ptr<RenderPass>& pass) {
     std::shared_ptr<const void> stop;
-    if (!pass->IsConverged() && interrupted()) stop = delegate_->HoldStopped();
+    if (!pass->IsConverged() && interrupted()) {
+      stop = delegate_->HoldStopped();
+      if (buffers_.contains("denoised")) buffer(buffers_["denoised"])->Resolve();  // denoises what there is
+    }
     if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
     result_.stats = delegate_->GetRenderStats();
     if (options_.progress) options_.progress(progress());
@@ -291,6 +294,7 @@ class Recording {
     const double rendering = stat(stats, "totalClockTime");
     p.rays_per_second = rendering > 0 ? rays / rendering : 0;
     p.seconds_left = p.fraction > 0.005 ? rendering * (1 - p.fraction) / p.fraction : -1;
+    if (stats.contains("denoise.fraction")) p.denoised = stat(stats, "denoise.fraction");
     p.samples_done = static_cast<uint64_t>(stat(stats, "numCompletedSamples"));
     p.samples_total = static_cast<uint64_t>(stat(stats, "samplesTotal"));
     return p;
@@ -314,6 +318,7 @@ class Recording {
                                                         {"error/high", "error.high"},
                                                         {"renderSeconds", "totalClockTime"},
                                                         {"cpuSeconds", "cpuSeconds"},
+                                                        {"denoiser", "denoiser"},
                                                         {"peakMemory", "peakMemory"}};
     for (const auto& [name, key] : kept)
       if (const auto found = result_.stats.find(key); found != result_.stats.end())
@@ -352,8 +357,13 @@ class Recording {
     image->metadata = metadata();
     if (options_.picture) options_.picture(*image);
     result_.written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
-    if (result_.written.size() < d.products.size() && result_.status == RecordStatus::done)
-      result_.status = RecordStatus::output_failed;
+    bool complete = result_.written.size() == d.products.size();
+    if (const auto error = result_.stats.find("denoise.error"); error != result_.stats.end()) {
+      report("record.denoise",
+             "The picture could not be denoised: " + error->second.text_or("") + ". Files show it as it was rendered.");
+      complete = false;
+    }
+    if (!complete && result_.status == RecordStatus::done) result_.status = RecordStatus::output_failed;
   }
 
   RenderIndex* index_;

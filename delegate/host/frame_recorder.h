@@ -15,12 +15,14 @@ struct RecordProgress {
   double fraction = 0;
   double seconds = 0;  // since rendering began
   double rays_per_second = 0;
-  double seconds_left = 0;                       // estimate; < 0: unknown yet
+  double seconds_left = 0;                       // of rendering; estimate; < 0: unknown yet
+  double denoised = -1;                          // share of the denoising that is done; < 0: not begun
   uint64_t samples_done = 0, samples_total = 0;  // per pixel
 };
 
 struct RecordOptions {
   OutputColors colors;
+  std::vector<std::string> aovs;  // that `picture` gets besides those of the products
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.
   const std::atomic<bool>* cancel = nullptr;
@@ -40,7 +42,8 @@ struct RecordResult {
 
 /// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
 /// name (color if there is no product), syncs, renders to convergence and writes the products. Throws nothing: an
-/// exception of a callback of `options` fails the recording. However it ends, its render buffers are removed and the
+/// exception of a callback of `options` fails the recording. Where the denoiser fails, files show color in the place of
+/// AOV denoised, and the status is output_failed. However it ends, its render buffers are removed and the
 /// delegate's settings are as before. A delegate that is stopped renders nothing and stays stopped.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);

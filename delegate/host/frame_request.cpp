@@ -1,6 +1,7 @@
 #include "delegate/host/frame_request.h"
 
 #include "core/math/transform.h"
+#include "delegate/host/product_plan.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -34,12 +35,15 @@ Fault camera_fault(const RetainedSceneDelegate& scene, const Path& path) {
 
 std::set<std::string> aovs_of(const std::vector<RenderProduct>& products) {
   std::set<std::string> aovs;
-  for (const RenderProduct& product : products) {
-    if (product.vars.empty()) aovs.insert("color");
-    for (const RenderVar& var : product.vars) aovs.insert(var.aov.str());
-  }
+  for (const RenderProduct& product : products)
+    for (const RenderVar& var : WantedVars(product)) aovs.insert(var.aov.str());
   if (aovs.empty()) aovs.insert("color");
   return aovs;
+}
+
+bool wants_denoised(const RenderSettingsDescription& d, const RenderDelegate& delegate) {
+  const auto own = d.settings.find("denoise");
+  return (own != d.settings.end() ? own->second : delegate.GetRenderSetting("denoise")).number_or(0) != 0;
 }
 
 Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aovs) {
@@ -64,11 +68,15 @@ RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings
     refuse({"record.settings", "there are no such render settings"});
     return RecordStatus::input_failed;
   }
-  const RenderSettingsDescription& d = request->description = found->second;
+  RenderSettingsDescription& d = request->description = found->second;
+  const bool denoise = wants_denoised(d, delegate);
+  for (RenderProduct& product : d.products) product.denoise = product.denoise.value_or(denoise);
   if (refuse(request_fault(d)) || refuse(camera_fault(scene, d.camera))) return RecordStatus::input_failed;
   for (const RenderProduct& product : d.products)
     if (!CheckProduct(product, options.colors, options.diagnostics)) return RecordStatus::output_failed;
   request->aovs = aovs_of(d.products);
+  if (denoise && request->aovs.contains("color")) request->aovs.insert("denoised");  // else color would show it
+  request->aovs.insert(options.aovs.begin(), options.aovs.end());
   return refuse(aov_fault(delegate, request->aovs)) ? RecordStatus::input_failed : RecordStatus::done;
 }
 

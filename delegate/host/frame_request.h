@@ -8,8 +8,8 @@
 namespace alabaster::hd::host {
 
 struct FrameRequest {
-  RenderSettingsDescription description;
-  std::set<std::string> aovs;  // those that the products name; color if there is no product
+  RenderSettingsDescription description;  // each product's `denoise` is set
+  std::set<std::string> aovs;  // those that the products and RecordOptions name; color if there is no product
 };
 
 /// Refuses, with a report, every request that is known to fail: a bad size, crop or camera transform, an AOV that

@@ -87,37 +87,26 @@ bool check_var(const RenderVar& var, FileKind kind, std::string& error) {
   return false;
 }
 
-/// Color brings its own alpha. Hosts ask for alpha beside it, which would be the same channel twice.
-std::vector<RenderVar> wanted_vars(const RenderProduct& product) {
-  std::vector<RenderVar> vars = product.vars;
-  if (vars.empty()) vars.push_back({"", "color", "half"});
-  const auto usual = [](const RenderVar& v, const char* aov) {
-    return v.aov == Token(aov) && (v.name.empty() || v.name == aov);
-  };
-  const bool has_color = std::any_of(vars.begin(), vars.end(), [&](const RenderVar& v) { return usual(v, "color"); });
-  if (has_color) std::erase_if(vars, [&](const RenderVar& v) { return usual(v, "alpha"); });
-  return vars;
-}
-
 bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan& plan, std::string& error) {
-  const std::vector<RenderVar> vars = wanted_vars(product);
+  const std::vector<RenderVar> vars = WantedVars(product);
+  if (plan.kind != FileKind::exr && vars.size() > 1) {
+    error = "this kind of file holds one AOV, but the product has " + std::to_string(vars.size()) +
+            "; write an .exr file, or one file for each";
+    return false;
+  }
   std::set<std::string> names;
   for (const RenderVar& var : vars) {
     if (!check_var(var, plan.kind, error)) return false;
     const AovInfo& aov = *find_aov(var.aov.str());
     for (PlannedChannel& c : channels_of(var, aov, plan.kind == FileKind::exr ? exr_store(aov, var, store) : store)) {
       if (plan.kind == FileKind::jpeg && !c.is_color) continue;
+      if (plan.kind != FileKind::exr) c.name = c.name.back();  // these files have no layers
       if (!names.insert(c.name).second) {
         error = "two AOVs would both be stored as channel '" + c.name + "'; give each its own name";
         return false;
       }
       plan.channels.push_back(std::move(c));
     }
-  }
-  if (plan.kind != FileKind::exr && vars.size() > 1) {
-    error = "this kind of file holds one AOV, but the product has " + std::to_string(vars.size()) +
-            "; write an .exr file, or one file for each";
-    return false;
   }
   return true;
 }
@@ -131,6 +120,26 @@ const std::vector<std::string>& ProductAovs() {
     return all;
   }();
   return names;
+}
+
+std::vector<RenderVar> WantedVars(const RenderProduct& product) {
+  std::vector<RenderVar> vars = product.vars;
+  if (vars.empty()) vars.push_back({"", "color", "half"});
+  const auto usual = [](const RenderVar& v, const char* aov) {
+    return v.aov == Token(aov) && (v.name.empty() || v.name == aov);
+  };
+  const auto has = [&](const auto& is) { return std::any_of(vars.begin(), vars.end(), is); };
+  if (has([&](const RenderVar& v) { return usual(v, "color"); }))
+    std::erase_if(vars, [&](const RenderVar& v) { return usual(v, "alpha"); });
+  if (!product.denoise.value_or(false) || !has([](const RenderVar& v) { return v.aov == Token("color"); })) return vars;
+  FileKind kind{};
+  if (!kind_of(product.file, kind) || kind == FileKind::exr) {
+    if (!has([](const RenderVar& v) { return v.aov == Token("denoised"); })) vars.push_back(UsualRenderVar("denoised"));
+  } else {
+    for (RenderVar& v : vars)
+      if (v.aov == Token("color")) v.aov = "denoised";
+  }
+  return vars;
 }
 
 RenderVar UsualRenderVar(const std::string& aov) {

@@ -29,6 +29,10 @@ struct ProductPlan {
   std::vector<PlannedChannel> channels;
 };
 
+/// The vars that the product's file holds. Color brings its own alpha, so an alpha beside it is left out. With
+/// `denoise` set, AOV denoised stands beside color in an EXR and in its place in other files.
+std::vector<RenderVar> WantedVars(const RenderProduct& product);
+
 /// Returns false if the product contradicts itself; `error` then says what is wrong and what to do about it. Looks
 /// neither at the disk nor at the colour configuration.
 bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error);

@@ -135,6 +135,7 @@ void BufferState::resolve() {
     description = effective_;
     binding = binding_;
   }
+  if (source.complete) source.complete();
   const uint64_t revision = source.film->revision();
   {
     const std::lock_guard lock(mutex_);

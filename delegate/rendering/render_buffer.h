@@ -20,6 +20,7 @@ struct BufferSource {
   Aov aov = Aov::color;
   int buffer_x = 0, buffer_y = 0;  // of the film's pixel (0, 0), y-down
   Value clear;
+  std::function<void()> complete;  // called by each Resolve before it reads the film; may be empty
 };
 
 /// Shared by the prim and by passes that draw into it, so that neither outlives what it needs.

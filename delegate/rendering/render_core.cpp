@@ -99,6 +99,12 @@ const CameraParameters* RenderCore::camera(const Path& path) const {
   return record ? &record->camera : nullptr;
 }
 
+std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
+  if (!denoiser_ && denoiser_problem_.empty()) denoiser_ = Denoiser::load(&denoiser_problem_);
+  *problem = denoiser_problem_;
+  return denoiser_;
+}
+
 // Memory may run out at any step: an edit leaves the list once it is applied whole.
 void RenderCore::apply_edits() {
   edits_.splice(edits_.end(), param->take_edits());

@@ -34,6 +34,8 @@ class RenderCore {
   std::string dump() const;
   std::string requirements() const;
   const CameraParameters* camera(const Path& path) const;
+  /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
+  std::shared_ptr<const Denoiser> denoiser(std::string* problem);
 
   // Any thread.
   std::shared_ptr<const SceneSnapshot> snapshot() const;
@@ -79,6 +81,8 @@ class RenderCore {
   bool stale_ = true;       // the snapshot does not show the records
 
   std::shared_ptr<const RenderRequest> last_request_;
+  std::shared_ptr<const Denoiser> denoiser_;
+  std::string denoiser_problem_;
 
   std::atomic<double> commit_seconds_{0};
   std::atomic<bool> failed_{false};  // the last commit left no snapshot

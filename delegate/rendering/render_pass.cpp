@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/denoise/denoise_film.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/support/process_usage.h"
 
@@ -11,17 +12,19 @@ namespace alabaster::hd::rendering {
 namespace {
 
 // The film (twice where an error ends the render: pixels that ended early are kept aside), the memory that an estimate
-// of its error takes for a moment, and each bound buffer twice: as shown and as being resolved (or as the host's copy).
+// of its error and the denoiser take for a moment, and each bound buffer twice: as shown and as being resolved (or as
+// the host's copy).
 double frame_bytes(const PassInputs& in) {
   uint32_t aovs = 0;
   double bytes = 0;
   for (const auto& binding : in.bindings) {
-    aovs |= aov_bit(binding.aov);
+    aovs |= with_guides(aov_bit(binding.aov));
     const RenderBufferDescriptor buffer = binding.buffer->wanted();
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
   const double films = in.settings.target_error > 0 ? 2 : 1;
   if (!aovs) return bytes;
+  if (in.denoiser) bytes += denoise_bytes(in.framed.data_window);
   return bytes + films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) +
          static_cast<double>(frame_error_bytes(in.framed.data_window));
 }
@@ -70,9 +73,21 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
     in.error = fault;
   else if (state.framing.valid())
     in.framed = frame_camera(*parameters, state.framing, state.windowPolicy);
+  if (in.error.empty()) choose_denoiser(&in);
   if (in.error.empty()) in.error = memory_fault(in);
   if (!in.error.empty()) faults->push_back({alabaster::Severity::error, "pass.failed", camera.str(), in.error});
   return in;
+}
+
+// With setting `denoise`, a host that knows nothing of AOV `denoised` sees it as color.
+void PassControl::choose_denoiser(PassInputs* in) {
+  const auto shows = [&](Aov aov) {
+    return std::any_of(in->bindings.begin(), in->bindings.end(), [&](const auto& b) { return b.aov == aov; });
+  };
+  if (in->settings.denoise && !shows(Aov::denoised))
+    for (PassInputs::Binding& binding : in->bindings)
+      if (binding.aov == Aov::color) binding.aov = Aov::denoised;
+  if (shows(Aov::denoised)) in->denoiser = core_->denoiser(&in->error);
 }
 
 void PassControl::set_converged(bool converged) {
@@ -117,11 +132,16 @@ void PassControl::start(PassInputs next) {
   request.settings = running_.settings;
   request.aovs = 0;
   for (const auto& binding : running_.bindings) request.aovs |= aov_bit(binding.aov);
+  request.denoiser = running_.denoiser;
   core_->set_last_request(request);
   session_->start(request);
-  for (const auto& binding : running_.bindings)
-    binding.buffer->bind(
-        {session_->film(), binding.aov, running_.framed.buffer_x, running_.framed.buffer_y, binding.clear});
+  for (const auto& binding : running_.bindings) {
+    BufferSource source{session_->film(),         binding.aov,   running_.framed.buffer_x,
+                        running_.framed.buffer_y, binding.clear, {}};
+    if (binding.aov == Aov::denoised)
+      source.complete = [session = session_, film = source.film.get()] { session->denoise_stopped(film); };
+    binding.buffer->bind(std::move(source));
+  }
   // A pause from before the first render holds it; a later restart ends the pause.
   if (core_->is_paused() && first)
     session_->pause();

@@ -21,6 +21,7 @@ struct PassInputs {
     bool operator==(const Binding&) const = default;
   };
   std::vector<Binding> bindings;
+  std::shared_ptr<const Denoiser> denoiser;  // null: no binding shows its picture
   uint64_t restarts = 0;
   std::string error;  // why nothing can be drawn; empty: it can
   bool operator==(const PassInputs&) const = default;
@@ -51,6 +52,7 @@ class PassControl {
 
  private:
   PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);
+  void choose_denoiser(PassInputs* in);
   void update(PassInputs next, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);
   void fail(std::string error);

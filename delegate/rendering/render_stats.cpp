@@ -59,6 +59,15 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   s["totalClockTime"] = p.wall_seconds;
   s["cpuSeconds"] = p.cpu_seconds;
   s["renderProgressAnnotation"] = std::to_string(p.passes_done) + " passes";
+  if (p.denoised >= 0) {
+    const auto percent = static_cast<int>(100 * p.denoised);
+    s["renderProgressAnnotation"] = "denoising " + std::to_string(percent) + " %";
+    s["denoise.fraction"] = p.denoised;
+    s["denoise.seconds"] = p.denoise_seconds;
+    s["denoise.cpuSeconds"] = p.denoise_cpu_seconds;
+  }
+  if (!p.denoise_error.empty()) s["denoise.error"] = p.denoise_error;
+  if (!p.denoiser.empty()) s["denoiser"] = p.denoiser;
   s["passesDone"] = count(p.passes_done);
   s["samplesTotal"] = count(p.samples_total / pixels);
   s["numCompletedSamples"] = count(p.samples_done / pixels);

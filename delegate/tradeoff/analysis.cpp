@@ -26,9 +26,12 @@ class Analysis {
 
   bool run(StudyResult* result, std::string* problem) {
     if (!take_reference(result, problem)) return false;
-    for (size_t c = 0; c < list_.measured.size(); ++c)
-      if (!add_rows(static_cast<int>(c), result, problem)) return false;
-    mark_front(&result->rows);
+    for (const bool denoised : {false, true}) {
+      const size_t first = result->rows.size();
+      for (size_t c = 0; c < list_.measured.size(); ++c)
+        if (!add_rows(static_cast<int>(c), denoised, result, problem)) return false;
+      mark_front(std::span(result->rows).subspan(first));
+    }
     return true;
   }
 
@@ -45,12 +48,14 @@ class Analysis {
     return renders;
   }
 
-  bool read(const std::vector<const StoredRender*>& renders, std::vector<Image>* images, std::string* problem) const {
+  bool read(const std::vector<const StoredRender*>& renders, bool denoised, std::vector<Image>* images,
+            std::string* problem) const {
     images->clear();
     for (const StoredRender* render : renders) {
-      auto image = store_.read(*render);
+      auto image = denoised ? store_.read_denoised(*render) : store_.read(*render);
       if (!image) {
-        *problem = render->file + " is missing or damaged: run the command again to render it again.";
+        *problem = (denoised ? render->denoised_file : render->file) +
+                   " is missing or damaged: run the command again to render it again.";
         return false;
       }
       images->push_back(std::move(*image));
@@ -66,7 +71,7 @@ class Analysis {
       return false;
     }
     std::vector<Image> images;
-    if (!read(found->second, &images, problem)) return false;
+    if (!read(found->second, false, &images, problem)) return false;
     ReferenceSummary& summary = result->reference;
     summary.samples = found->first;
     summary.replicas = static_cast<int>(images.size());
@@ -107,35 +112,48 @@ class Analysis {
     return sum;
   }
 
-  bool add_rows(int c, StudyResult* result, std::string* problem) const {
-    const Configuration& configuration = list_.measured[static_cast<size_t>(c)];
+  bool add_rows(int c, bool denoised, StudyResult* result, std::string* problem) const {
     std::vector<ReplicaGroup> groups;
     const size_t first = result->rows.size();
-    for (const auto& [samples, renders] : renders_of(c)) {
+    for (auto& [samples, renders] : renders_of(c)) {
+      if (denoised) std::erase_if(renders, [](const StoredRender* render) { return render->denoised_file.empty(); });
       if (renders.size() < 2) continue;
       std::vector<Image> images;
-      if (!read(renders, &images, problem)) return false;
+      if (!read(renders, denoised, &images, problem)) return false;
       ReplicaGroup& group = groups.emplace_back(samples);
       for (const Image& image : images) group.add(image);
-      result->rows.push_back(row_of(configuration, renders, images, group));
+      result->rows.push_back(row_of(list_.measured[static_cast<size_t>(c)], denoised, renders, images, group));
     }
-    if (groups.empty()) return true;
+    const std::span<Row> rows = std::span(result->rows).subspan(first);
+    if (denoised)
+      for (size_t i = 0; i < rows.size(); ++i) set_bias(std::span(groups).subspan(i, 1), true, rows.subspan(i, 1));
+    else if (!groups.empty())
+      set_bias(groups, false, rows);
+    return true;
+  }
+
+  PixelBlocks blocks(bool denoised) const {
+    return denoised ? PixelBlocks{store_.identity.width, kDenoisedBlock} : PixelBlocks{};
+  }
+
+  /// Sets the bias of the mean of all `groups` in all `rows`.
+  void set_bias(std::span<const ReplicaGroup> groups, bool denoised, std::span<Row> rows) const {
     const PooledMean pooled = pool(groups);
-    const Estimate bias = squared_bias(pooled, reference_, scales_), level = mean_level_bias(pooled, reference_);
-    for (size_t i = first; i < result->rows.size(); ++i) {
-      Row& row = result->rows[i];
+    const Estimate bias = squared_bias(pooled, reference_, scales_, blocks(denoised));
+    const Estimate level = mean_level_bias(pooled, reference_, blocks(denoised));
+    for (Row& row : rows) {
       row.squared_bias = bias;
       row.level_bias = level;
       row.total = std::sqrt(std::max(0.0, bias.value) + row.squared_noise.value);
     }
-    return true;
   }
 
-  Row row_of(const Configuration& configuration, const std::vector<const StoredRender*>& renders,
+  Row row_of(const Configuration& configuration, bool denoised, const std::vector<const StoredRender*>& renders,
              const std::vector<Image>& images, const ReplicaGroup& group) const {
     Row row;
-    row.configuration = configuration.name;
-    row.group = configuration.group;
+    row.configuration = configuration.name + (denoised ? std::string(" ") + kDenoised : "");
+    row.group = denoised ? kDenoised : configuration.group;
+    row.denoised = denoised;
     row.samples = group.samples();
     row.replicas = group.count();
     const auto n = double(renders.size());
@@ -143,21 +161,26 @@ class Analysis {
     for (const StoredRender* render : renders) {
       row.cpu_seconds += render->cost.cpu_seconds / n;
       row.wall_seconds += render->cost.wall_seconds / n;
+      if (denoised) {
+        row.denoise_cpu_seconds += render->cost.denoise_cpu_seconds / n;
+        row.wall_seconds += render->cost.denoise_wall_seconds / n;
+      }
       const double error = render->cost.reported_error;
       reported += error < 0 ? kUnknown : error * error / n;
     }
+    row.cpu_seconds += row.denoise_cpu_seconds;
     row.reported_error = std::sqrt(reported);
-    row.squared_noise = squared_noise(group, scales_);
+    row.squared_noise = squared_noise(group, scales_, blocks(denoised));
     const DisplayError error = display_error(images);
     row.display_rmse = error.rmse;
     row.flip = error.flip;
     return row;
   }
 
-  static void mark_front(std::vector<Row>* rows) {
+  static void mark_front(std::span<Row> rows) {
     std::vector<CostError> points;
-    for (const Row& row : *rows) points.push_back({row.cpu_seconds, row.total});
-    for (const size_t i : pareto_front(points)) (*rows)[i].pareto = true;
+    for (const Row& row : rows) points.push_back({row.cpu_seconds, row.total});
+    for (const size_t i : pareto_front(points)) rows[i].pareto = true;
   }
 
   const StudyStore& store_;
@@ -183,6 +206,7 @@ std::vector<ConfigurationSummary> summarize(const StudyResult& result) {
     if (row.group == "base") base[row.samples] = &row;
   std::vector<ConfigurationSummary> summaries;
   for (const Row& row : result.rows) {
+    if (row.denoised) continue;
     if (summaries.empty() || summaries.back().best->configuration != row.configuration)
       summaries.push_back({&row, kUnknown, 0});
     ConfigurationSummary& summary = summaries.back();

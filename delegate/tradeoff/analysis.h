@@ -11,16 +11,19 @@ namespace alabaster::tradeoff {
 /// A configuration at a number of samples. Unknown values are NaN.
 struct Row {
   std::string configuration, group;
-  uint64_t samples = 0;  // per pixel
+  bool denoised = false;  // then group is kDenoised, and the bias belongs to this row alone
+  uint64_t samples = 0;   // per pixel
   int replicas = 0;
-  double cpu_seconds = 0, wall_seconds = 0;  // mean of the replicas
+  double cpu_seconds = 0, wall_seconds = 0;  // mean of the replicas, with denoising
+  double denoise_cpu_seconds = 0;            // of it
   Estimate squared_noise;                    // of one replica
-  Estimate squared_bias, level_bias;         // of the configuration: the same in all its rows
+  Estimate squared_bias, level_bias;         // of the configuration: the same in all its rows that are not denoised
   double total = 0;                          // sqrt(bias^2 + noise^2); a bias^2 below zero counts as zero
   double display_rmse = 0, flip = 0;         // against the reference's mean; mean over replicas
   double reported_error = 0;                 // the renders' own estimates, root of the mean square
-  bool pareto = false;                       // no other row costs less CPU time and errs less
+  bool pareto = false;  // no other row costs less CPU time and errs less, among those that are denoised or not
 };
+inline constexpr const char* kDenoised = "denoised";
 
 struct ReferenceSummary {
   uint64_t samples = 0;  // of each replica
@@ -43,7 +46,7 @@ using DisplayFunction = std::function<std::optional<Image>(const Image&)>;
 std::optional<StudyResult> analyse(const StudyStore& store, const ConfigurationList& list,
                                    const DisplayFunction& display, std::string* problem);
 
-/// One line for each configuration, compared with the base.
+/// One line for each configuration, as rendered, compared with the base.
 struct ConfigurationSummary {
   const Row* best = nullptr;  // of most samples
   double cost_ratio = 0;      // CPU seconds to equal noise, relative to the base: noise^2 x CPU of both

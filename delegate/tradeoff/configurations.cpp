@@ -51,8 +51,8 @@ constexpr Knob kKnobs[] = {
 
 constexpr int kCoarser[] = {1, 2};
 
-// The study itself decides when a render ends and which random numbers it takes.
-constexpr const char* kDecidedHere[] = {"samples", "seed", "targetError", "timeLimit"};
+// The study itself decides when a render ends, which random numbers it takes and whether it is denoised.
+constexpr const char* kDecidedHere[] = {"samples", "seed", "targetError", "timeLimit", "denoise"};
 
 constexpr const char* kPresets = "quality";  // their group
 

@@ -17,13 +17,16 @@ Estimate with_interval(double value, double standard_error) {
   return {value, value - kNormal95 * standard_error, value + kNormal95 * standard_error, standard_error};
 }
 
-/// Mean of independent values and its standard error.
-Estimate mean_of(std::span<const double> values) {
+/// Mean of the pixels' values, and its standard error from the independent sums of blocks.
+Estimate mean_of(std::span<const double> values, const PixelBlocks& blocks) {
   const auto n = double(values.size());
   double mean = 0, squares = 0;
   for (const double value : values) mean += value / n;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  return with_interval(mean, values.size() > 1 ? std::sqrt(squares / (n - 1) / n) : std::abs(mean));
+  std::vector<double> sums(values.empty() ? 0 : blocks.block(values.size() - 1) + 1, 0.0);
+  for (size_t pixel = 0; pixel < values.size(); ++pixel) sums[blocks.block(pixel)] += values[pixel] - mean;
+  for (const double sum : sums) squares += sum * sum;
+  const auto count = double(sums.size());
+  return with_interval(mean, count > 1 ? std::sqrt(squares * count / (count - 1)) / n : std::abs(mean));
 }
 
 }  // namespace
@@ -81,17 +84,18 @@ PooledMean pool(std::span<const ReplicaGroup> groups) {
   return pooled;
 }
 
-Estimate squared_noise(const ReplicaGroup& group, std::span<const double> scales) {
+Estimate squared_noise(const ReplicaGroup& group, std::span<const double> scales, const PixelBlocks& blocks) {
   std::vector<double> values(group.pixels());
   for (size_t pixel = 0; pixel < values.size(); ++pixel) {
     double sum = 0;
     for (size_t channel = 0; channel < 3; ++channel) sum += group.variance(pixel, channel) / 3;
     values[pixel] = sum / scales[pixel];
   }
-  return mean_of(values);
+  return mean_of(values, blocks);
 }
 
-Estimate squared_bias(const PooledMean& x, const PooledMean& y, std::span<const double> scales) {
+Estimate squared_bias(const PooledMean& x, const PooledMean& y, std::span<const double> scales,
+                      const PixelBlocks& blocks) {
   std::vector<double> values(x.pixels());
   for (size_t pixel = 0; pixel < values.size(); ++pixel) {
     double sum = 0;
@@ -99,17 +103,22 @@ Estimate squared_bias(const PooledMean& x, const PooledMean& y, std::span<const 
       sum += ((x.mean[i] - y.mean[i]) * (x.mean[i] - y.mean[i]) - x.variance[i] - y.variance[i]) / 3;
     values[pixel] = sum / scales[pixel];
   }
-  return mean_of(values);
+  return mean_of(values, blocks);
 }
 
-Estimate mean_level_bias(const PooledMean& x, const PooledMean& y) {
-  double difference = 0, variance = 0, frame = 0;
+Estimate mean_level_bias(const PooledMean& x, const PooledMean& y, const PixelBlocks& blocks) {
+  double variance = 0, frame = 0;
+  std::vector<double> differences;
   for (size_t i = 3; i < x.mean.size(); i += 4) {
-    difference += x.mean[i] - y.mean[i];
+    differences.push_back(x.mean[i] - y.mean[i]);
     variance += x.variance[i] + y.variance[i];
     frame += y.mean[i];
   }
-  return frame > 0 ? with_interval(difference / frame, std::sqrt(variance) / frame) : Estimate{};
+  if (!(frame > 0)) return {};
+  const Estimate mean = mean_of(differences, blocks);
+  const auto pixels = double(differences.size());
+  const double deviation = blocks.side > 1 ? mean.standard_error * pixels : std::sqrt(variance);
+  return with_interval(mean.value * pixels / frame, deviation / frame);
 }
 
 }  // namespace alabaster::tradeoff

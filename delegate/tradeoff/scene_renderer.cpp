@@ -9,9 +9,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Red, green and blue of the colour AOV; empty if there is none or a value is not finite.
-Image color_of(const hd::host::ProductImage& picture) {
-  const auto found = picture.aovs.find("color");
+/// Red, green and blue of a colour AOV; empty if there is none or a value is not finite.
+Image color_of(const hd::host::ProductImage& picture, const char* aov) {
+  const auto found = picture.aovs.find(aov);
   if (found == picture.aovs.end() || found->second.components < 3) return {};
   const hd::host::AovPixels& color = found->second;
   Image image{picture.framing.dataWindow.width(), picture.framing.dataWindow.height(), {}};
@@ -56,8 +56,8 @@ void SceneRenderer::refine(int coarser) {
   }
 }
 
-std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configuration, uint64_t samples,
-                                                   uint32_t seed) {
+std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configuration, uint64_t samples, uint32_t seed,
+                                                   bool denoise) {
   const auto started = Clock::now();
   refine(configuration.coarser);
   hd::RenderSettingsDescription frame = frame_;
@@ -69,17 +69,23 @@ std::optional<RenderedFrame> SceneRenderer::render(const Configuration& configur
   hd::host::RecordOptions options;
   options.cancel = scene_.cancel;
   options.diagnostics = scene_.diagnostics;
-  options.picture = [&](const hd::host::ProductImage& picture) { rendered.image = color_of(picture); };
+  if (denoise) options.aovs = {"denoised"};
+  options.picture = [&](const hd::host::ProductImage& picture) {
+    rendered.image = color_of(picture, "color");
+    rendered.denoised = color_of(picture, "denoised");
+  };
   const hd::host::RecordResult result = hd::host::RecordFrame(scene_.index, scene_.scene, scene_.settings, options);
   if (result.status != hd::host::RecordStatus::done) return std::nullopt;
-  if (rendered.image.rgb.empty()) {
+  if (rendered.image.rgb.empty() || (denoise && rendered.denoised.rgb.empty())) {
     if (scene_.diagnostics)
       scene_.diagnostics({hd::Severity::error, "tradeoff.picture", configuration.name,
                           "the render has no colour or holds values that are not finite; please report the scene"});
     return std::nullopt;
   }
   rendered.cost.cpu_seconds = stat(result.stats, "cpuSeconds", 0);
-  rendered.cost.wall_seconds = stat(result.stats, "totalClockTime", 0);
+  rendered.cost.denoise_cpu_seconds = stat(result.stats, "denoise.cpuSeconds", 0);
+  rendered.cost.denoise_wall_seconds = stat(result.stats, "denoise.seconds", 0);
+  rendered.cost.wall_seconds = stat(result.stats, "totalClockTime", 0) - rendered.cost.denoise_wall_seconds;
   rendered.cost.reported_error = stat(result.stats, "error.relativeRmse", -1);
   rendered.cost.total_seconds = std::chrono::duration<double>(Clock::now() - started).count();
   return rendered;

@@ -13,7 +13,8 @@
 namespace alabaster::tradeoff {
 
 struct RenderedFrame {
-  Image image;  // rendering space, premultiplied
+  Image image;     // rendering space, premultiplied
+  Image denoised;  // the same; empty unless asked for
   RenderCost cost;
 };
 
@@ -31,7 +32,8 @@ class SceneRenderer {
 
   void set_size(int width, int height);
   /// None if the render was cancelled (`cancelled`), or if it failed and this was reported.
-  std::optional<RenderedFrame> render(const Configuration& configuration, uint64_t samples, uint32_t seed);
+  std::optional<RenderedFrame> render(const Configuration& configuration, uint64_t samples, uint32_t seed,
+                                      bool denoise = false);
   bool cancelled() const { return scene_.cancel && *scene_.cancel; }
 
  private:

@@ -14,13 +14,13 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
-std::string file_name(const StoredRender& render) {
+std::string file_name(const StoredRender& render, const char* ending) {
   std::string name = render.configuration;
   for (char& c : name)
     if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-') c = '_';
-  return name + "." + std::to_string(render.samples) + "." + std::to_string(render.replica) + ".f32";
+  return name + "." + std::to_string(render.samples) + "." + std::to_string(render.replica) + ending;
 }
 
 json to_json(const StoredRender& render) {
@@ -33,7 +33,11 @@ json to_json(const StoredRender& render) {
           {"totalSeconds", render.cost.total_seconds},
           {"reportedError", render.cost.reported_error},
           {"file", render.file},
-          {"checksum", render.checksum}};
+          {"checksum", render.checksum},
+          {"denoiseCpuSeconds", render.cost.denoise_cpu_seconds},
+          {"denoiseWallSeconds", render.cost.denoise_wall_seconds},
+          {"denoisedFile", render.denoised_file},
+          {"denoisedChecksum", render.denoised_checksum}};
 }
 
 StoredRender from_json(const json& entry) {
@@ -48,6 +52,10 @@ StoredRender from_json(const json& entry) {
   entry.at("reportedError").get_to(render.cost.reported_error);
   entry.at("file").get_to(render.file);
   entry.at("checksum").get_to(render.checksum);
+  entry.at("denoiseCpuSeconds").get_to(render.cost.denoise_cpu_seconds);
+  entry.at("denoiseWallSeconds").get_to(render.cost.denoise_wall_seconds);
+  entry.at("denoisedFile").get_to(render.denoised_file);
+  entry.at("denoisedChecksum").get_to(render.denoised_checksum);
   return render;
 }
 
@@ -80,7 +88,7 @@ std::string StudyStore::open(const fs::path& folder, bool restart) {
     return (folder / "state.json").string() +
            " is damaged or from another version: start afresh with --restart, or choose another folder with -o.";
   std::erase_if(renders_, [&](const StoredRender& render) {
-    if (read(render)) return false;
+    if (read(render) && (render.denoised_file.empty() || read_denoised(render))) return false;
     notes_.push_back(render.file + " is missing or damaged and will be rendered again");
     spent -= render.cost.total_seconds;
     return true;
@@ -123,11 +131,16 @@ std::string StudyStore::clear() {
   return error ? folder_.string() + " cannot be emptied: " + error.message() + ". Choose another folder with -o." : "";
 }
 
-std::string StudyStore::add(StoredRender render, const Image& image) {
-  const size_t size = image.rgb.size() * sizeof(float);
-  render.file = file_name(render);
-  render.checksum = checksum(image.rgb.data(), size);
-  std::string problem = write(folder_ / render.file, image.rgb.data(), size);
+std::string StudyStore::add(StoredRender render, const Image& image, const Image& denoised) {
+  const auto write_picture = [&](const Image& picture, const char* ending, std::string* file, std::string* sum) {
+    const size_t size = picture.rgb.size() * sizeof(float);
+    *file = file_name(render, ending);
+    *sum = checksum(picture.rgb.data(), size);
+    return write(folder_ / *file, picture.rgb.data(), size);
+  };
+  std::string problem = write_picture(image, ".f32", &render.file, &render.checksum);
+  if (problem.empty() && !denoised.rgb.empty())
+    problem = write_picture(denoised, ".denoised.f32", &render.denoised_file, &render.denoised_checksum);
   if (!problem.empty()) return problem;
   renders_.push_back(std::move(render));
   spent += renders_.back().cost.total_seconds;
@@ -135,7 +148,8 @@ std::string StudyStore::add(StoredRender render, const Image& image) {
   if (problem.empty()) return "";
   spent -= renders_.back().cost.total_seconds;
   std::error_code ignored;
-  fs::remove(folder_ / renders_.back().file, ignored);
+  for (const std::string& file : {renders_.back().file, renders_.back().denoised_file})
+    if (!file.empty()) fs::remove(folder_ / file, ignored);
   renders_.pop_back();
   return problem;
 }
@@ -149,15 +163,15 @@ std::string StudyStore::save() const {
   return write(folder_ / "state.json", text.data(), text.size());
 }
 
-std::optional<Image> StudyStore::read(const StoredRender& render) const {
-  if (fs::path(render.file).has_parent_path()) return std::nullopt;  // state.json may have been edited
-  std::ifstream file(folder_ / render.file, std::ios::binary);
+std::optional<Image> StudyStore::read(const std::string& name, const std::string& expected_checksum) const {
+  if (name.empty() || fs::path(name).has_parent_path()) return std::nullopt;  // state.json may have been edited
+  std::ifstream file(folder_ / name, std::ios::binary);
   Image image{identity.width, identity.height, {}};
   image.rgb.resize(3 * image.pixels());
   const auto size = static_cast<std::streamsize>(image.rgb.size() * sizeof(float));
   if (!file.read(reinterpret_cast<char*>(image.rgb.data()), size) || file.peek() != std::ifstream::traits_type::eof())
     return std::nullopt;
-  if (checksum(image.rgb.data(), static_cast<size_t>(size)) != render.checksum) return std::nullopt;
+  if (checksum(image.rgb.data(), static_cast<size_t>(size)) != expected_checksum) return std::nullopt;
   return image;
 }
 

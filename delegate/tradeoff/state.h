@@ -26,9 +26,10 @@ struct StudyIdentity {
 
 /// The cost of a picture and its own estimate of its error.
 struct RenderCost {
-  double cpu_seconds = 0, wall_seconds = 0;  // of rendering; CPU of all threads together
-  double total_seconds = 0;                  // wall time with all overheads
-  double reported_error = -1;                // relative RMSE that the render reported; < 0 if none
+  double cpu_seconds = 0, wall_seconds = 0;                  // of rendering; CPU of all threads together
+  double total_seconds = 0;                                  // wall time with all overheads
+  double reported_error = -1;                                // relative RMSE that the render reported; < 0 if none
+  double denoise_cpu_seconds = 0, denoise_wall_seconds = 0;  // of denoising, on top
 };
 
 struct StoredRender {
@@ -37,6 +38,7 @@ struct StoredRender {
   int replica = 0;
   RenderCost cost;
   std::string file, checksum;
+  std::string denoised_file = {}, denoised_checksum = {};  // empty: it was not denoised
 };
 
 /// FNV-1a over the bytes, 16 hexadecimal digits. Detects damage and change, not malice.
@@ -56,14 +58,19 @@ class StudyStore {
   double spent = 0;  // seconds, of all runs
 
   const std::vector<StoredRender>& renders() const { return renders_; }
-  /// Writes the picture, then the list. Empty on success, else the reason; the list is then unchanged.
-  std::string add(StoredRender render, const Image& image);
+  /// Writes the picture, and the denoised one unless it is empty, then the list. Empty on success, else the reason; the
+  /// list is then unchanged.
+  std::string add(StoredRender render, const Image& image, const Image& denoised = {});
   /// None if the file can no longer be read or has changed.
-  std::optional<Image> read(const StoredRender& render) const;
+  std::optional<Image> read(const StoredRender& render) const { return read(render.file, render.checksum); }
+  std::optional<Image> read_denoised(const StoredRender& render) const {
+    return read(render.denoised_file, render.denoised_checksum);
+  }
 
  private:
   std::string clear();
   std::string save() const;
+  std::optional<Image> read(const std::string& name, const std::string& expected_checksum) const;
   bool parse(const std::string& text);
 
   std::filesystem::path folder_;

@@ -36,7 +36,7 @@ class Study {
       StoredRender render{
           configuration.name, configuration.fingerprint(), job->samples, job->replica, frame->cost, "", ""};
       remember(job->configuration, render);
-      *problem = store_->add(std::move(render), frame->image);
+      *problem = store_->add(std::move(render), frame->image, frame->denoised);
       if (!problem->empty()) return StudyOutcome::output_failed;
       hooks_.stored();
     }

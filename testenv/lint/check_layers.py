@@ -11,7 +11,7 @@ import re
 import sys
 
 CORE_ROOMS = ["diagnostics", "math", "color", "parameter", "sampling", "texture", "geometry", "camera", "film",
-              "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
+              "denoise", "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
 CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
     "api": [],
@@ -39,6 +39,7 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"tiny_gltf": ["delegate/gltf/"],
     r"valijson/": ["delegate/description/"],
     r"CLI/": ["delegate/cli/"],
+    r"dlfcn\.h": ["core/denoise/"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTERNAL = re.compile(r"^//.*\bInternal to this room\b")

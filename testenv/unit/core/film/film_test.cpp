@@ -30,11 +30,11 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
 }
 
 // A film's tiles hold: 4 bytes of count, 4 doubles of color, 6 floats of noise, 3 doubles of normal, 3 of albedo, 3 of
-// each of the 7 layers, 6 words of the closest sample.
+// each of the 7 layers, 6 words of the closest sample; and the film 3 floats that are denoised.
 TEST(Film, BytesAreKnownBeforehand) {
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * 60);
   EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (60 + 24));
-  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u), (size_t(1) << 40) * (60 + 24 + 24 + 24 + 7 * 24));
+  EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u), (size_t(1) << 40) * (60 + 24 + 24 + 24 + 7 * 24 + 12));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, aov_bit(Aov::specular) | aov_bit(Aov::emission)), 70u * (60 + 2 * 24));
   EXPECT_EQ(film_bytes({4, 4, 0, 9}, ~0u), 0u);
 }

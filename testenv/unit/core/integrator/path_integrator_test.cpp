@@ -101,6 +101,39 @@ TEST(PathIntegrator, FirstHitValuesAreComputedForBoundAovsOnly) {
   }
 }
 
+// The camera looks down at a floor; a green ceiling with a normal of its own hangs above it, or nothing does.
+FilmSample guides_of_floor(const DisneyParameters& floor, bool has_ceiling) {
+  SceneBuilder b;
+  DisneyParameters green;
+  green.base_color = {0.125f, 0.5f, 0.25f};
+  b.add(b.prototype(testing::plane_mesh(4)), b.material(floor)).add(testing::constant_dome(1, false));
+  if (has_ceiling)
+    b.add(b.prototype(testing::plane_mesh(4)), b.material(green), Matrix4d().setTranslation(Vec3d(0, 3, 0)));
+  PathTracer tracer(b.snapshot(), {0, 2, 0});
+  tracer.aovs = kGuideAovs;
+  return tracer.trace(0);
+}
+
+TEST(PathIntegrator, GuidesShowWhatAMirrorShows) {
+  DisneyParameters mirror;
+  mirror.metallic = 1;
+  mirror.roughness = 0;
+  mirror.base_color = {0.5f, 0.5f, 1};
+  FilmSample s = guides_of_floor(mirror, true);
+  EXPECT_EQ(s.normal, Vec3f(0, -1, 0));
+  EXPECT_NEAR(s.albedo.r, 0.5f * (0.125f + 0.04f), 2e-3f) << "base color and f0, tinted by the mirror";
+  EXPECT_NEAR(s.albedo.g, 0.5f * (0.5f + 0.04f), 2e-3f);
+  EXPECT_NEAR(s.albedo.b, 0.25f + 0.04f, 2e-3f);
+
+  s = guides_of_floor(mirror, false);
+  EXPECT_EQ(s.normal, Vec3f(0, 1, 0)) << "a mirror of nothing shows itself";
+  EXPECT_NEAR(s.albedo.g, 0.5f, 0.05f);
+
+  mirror.roughness = 0.4f;
+  s = guides_of_floor(mirror, true);
+  EXPECT_EQ(s.normal, Vec3f(0, 1, 0)) << "a rough metal is a surface";
+}
+
 // Every AOV alone shows the bytes that it shows beside all others, and the color is the same whatever is bound.
 TEST(PathIntegrator, BytesDoNotDependOnWhatElseIsBound) {
   SceneBuilder b;

@@ -67,6 +67,46 @@ Trial trial(uint32_t seed, double bias, double noise, const std::vector<double>&
   return {squared_bias(x, y, scales), mean_level_bias(x, y), squared_noise(groups[1], scales).value};
 }
 
+// Pixels of a denoised picture share their noise with neighbours: here in blocks of 8 x 8.
+TEST(Measurement, IntervalsOfCorrelatedPixelsComeFromBlocks) {
+  constexpr int kSize = 64, kBlock = 8;
+  const PixelBlocks blocks{kSize, kBlock};
+  const std::vector<double> scales(kSize * kSize, 1.0);
+  PooledMean reference;
+  reference.mean.assign(4 * kSize * kSize, 1.0);
+  reference.variance.assign(4 * kSize * kSize, 0.0);
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  RunningStatistics noise, bias, level;
+  double told_noise = 0, told_bias = 0, told_level = 0;
+  constexpr int kTrials = 200;
+  for (int t = 0; t < kTrials; ++t) {
+    ReplicaGroup group(16);
+    for (int replica = 0; replica < 2; ++replica) {
+      std::vector<double> shift(kSize / kBlock * kSize / kBlock);
+      for (double& s : shift) s = 0.2 * normal(random);
+      Image image{kSize, kSize, std::vector<float>(3 * kSize * kSize)};
+      for (size_t i = 0; i < image.rgb.size(); ++i)
+        image.rgb[i] =
+            static_cast<float>(1.1 + shift[i / 3 / kSize / kBlock * (kSize / kBlock) + i / 3 % kSize / kBlock]);
+      group.add(image);
+    }
+    const PooledMean mean = pool({&group, 1});
+    const Estimate n = squared_noise(group, scales, blocks), b = squared_bias(mean, reference, scales, blocks);
+    const Estimate l = mean_level_bias(mean, reference, blocks);
+    noise.add(n.value), bias.add(b.value), level.add(l.value);
+    told_noise += n.standard_error * n.standard_error / kTrials;
+    told_bias += b.standard_error * b.standard_error / kTrials;
+    told_level += l.standard_error * l.standard_error / kTrials;
+  }
+  EXPECT_NEAR(noise.mean(), 0.04, 0.002);
+  EXPECT_NEAR(bias.mean(), 0.01, 0.002);
+  EXPECT_NEAR(level.mean(), 0.1, 0.005);
+  EXPECT_NEAR(told_noise / noise.variance(), 1, 0.35) << "single pixels would make it 1/64";
+  EXPECT_NEAR(told_bias / bias.variance(), 1, 0.35);
+  EXPECT_NEAR(told_level / level.variance(), 1, 0.35);
+}
+
 TEST(Measurement, ScalesAreThoseOfTheFrameError) {
   // By hand, one column of three pixels: levels 1, 2, 6; frame mean 3.
   const double floor = 3 * kErrorFloor;

@@ -1,0 +1,50 @@
+#include "core/denoise/denoise_film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+namespace alabaster {
+namespace {
+
+float finite(float value) {
+  return std::isfinite(value) ? value : 0.0f;
+}
+
+DenoiserFrame frame_of(const Film& film, const std::vector<float>& rgba) {
+  DenoiserFrame frame{static_cast<size_t>(film.data_window().width()),
+                      static_cast<size_t>(film.data_window().height()),
+                      {},
+                      film.resolve_float(Aov::albedo),
+                      film.resolve_float(Aov::normal)};
+  frame.color.reserve(rgba.size() / 4 * 3);
+  for (size_t i = 0; i < rgba.size(); i += 4)
+    for (size_t c = 0; c < 3; ++c) frame.color.push_back(finite(rgba[i + c]));
+  for (float& v : frame.albedo) v = std::clamp(finite(v), 0.0f, 1.0f);
+  for (float& v : frame.normal) v = finite(v);
+  return frame;
+}
+
+}  // namespace
+
+DenoiseStatus denoise_film(const Denoiser& denoiser, const DenoiseOptions& options, Film* film, std::string* problem) {
+  try {
+    const std::vector<float> rgba = film->resolve_float(Aov::color);
+    DenoiserFrame frame = frame_of(*film, rgba);
+    const DenoiseStatus status = denoiser.denoise(&frame, options, problem);
+    if (status != DenoiseStatus::done) return status;
+    for (size_t i = 0; i < rgba.size() / 4; ++i)
+      if (!(rgba[4 * i + 3] > 0)) std::fill_n(frame.color.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, 0.0f);
+    if (!std::all_of(frame.color.begin(), frame.color.end(), [](float v) { return std::isfinite(v); })) {
+      *problem = "its picture has values that are not finite";
+      return DenoiseStatus::failed;
+    }
+    film->store_denoised(std::move(frame.color));
+    return DenoiseStatus::done;
+  } catch (const std::bad_alloc&) {
+    *problem = "there is not enough memory";
+    return DenoiseStatus::failed;
+  }
+}
+
+}  // namespace alabaster
