@@ -276,7 +276,7 @@ class Recording {
     std::shared_ptr<const void> stop;
     if (!pass->IsConverged() && interrupted()) {
       stop = delegate_->HoldStopped();
-      if (buffers_.contains("denoised")) buffer(buffers_["denoised"])->Resolve();  // denoises what there is
+      if (buffers_.contains("denoised")) buffer(buffers_["denoised"])->Resolve();  // denoises the samples so far
     }
     if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
     result_.stats = delegate_->GetRenderStats();
