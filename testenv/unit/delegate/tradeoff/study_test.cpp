@@ -50,7 +50,7 @@ class Study : public ::testing::Test {
   static RenderedFrame frame(const Configuration& c, uint64_t samples, uint32_t seed) {
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
-    RenderedFrame frame{{16, 12, std::vector<float>(3 * 16 * 12)}, {}};
+    RenderedFrame frame{{16, 12, std::vector<float>(3 * 16 * 12)}, {}, {}};
     for (float& v : frame.image.rgb)
       v = static_cast<float>(1 + c.settings.at("bias").number_or(0) +
                              0.5 / std::sqrt(double(samples)) * normal(random));
