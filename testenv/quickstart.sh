@@ -10,6 +10,8 @@ build="$top/build/release"
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF >/dev/null
 cmake --build "$build" --target alabaster
 install_denoiser "$build"
+denoise=""
+[ ! -e "$build/oidn" ] || denoise="--denoise"
 
 if [ $# -gt 0 ]; then
   exec "$build/bin/alabaster" render "$@"
@@ -18,13 +20,15 @@ out="$top/build/quickstart"
 mkdir -p "$out"
 "$build/bin/alabaster" render "$top/testenv/scenes/sample/sample.json" \
   -o "$out/sample.exr" -o "$out/sample.png" --stats "$out/sample.stats.json" \
-  --aov albedo --aov normal --aov depth --aov subsurface
-python3 - "$out" <<'PYTHON'
+  --aov albedo --aov normal --aov depth --aov subsurface $denoise
+python3 - "$out" "$denoise" <<'PYTHON'
 import json, sys
-out = sys.argv[1]
+out, denoise = sys.argv[1:]
 stats = json.load(open(out + "/sample.stats.json"))
 phases = stats["phases"]
-print("Done:\n  %s/sample.exr  scene-linear, with the layers albedo, normal, depth and subsurface\n  %s/sample.png  display-ready" % (out, out))
+layers = "albedo, normal, depth, subsurface" + (", denoised" if denoise else "")
+print("Done:\n  %s/sample.exr  scene-linear, with the layers %s\n  %s/sample.png  display-ready%s" %
+      (out, layers, out, ", denoised" if denoise else ", as rendered: without a denoiser, 24 samples are grainy"))
 print("Time: " + ", ".join("%s %.1f s" % (name, phase["wall"]) for name, phase in phases.items()) +
       "; peak memory %.0f MB." % (stats["peakMemory"] / 1e6))
 PYTHON
