@@ -139,7 +139,8 @@ TEST(Bodies, AMaterialThatNoFaceUsesPlansNothing) {
   mesh.triangle_material.assign(mesh.triangles.size(), 0);
   b.add(b.prototype(mesh), b.material(wax(0.01f)));
   b.description.instances.back().materials.push_back(b.material(wax(5)));
-  const auto& member = b.snapshot()->instances[0].body->members[0];
+  const auto snapshot = b.snapshot();
+  const auto& member = snapshot->instances[0].body->members[0];
   EXPECT_TRUE(member.room_to_guide);
   EXPECT_TRUE(member.room_for_spheres);
   EXPECT_FALSE(member.media[1]);
