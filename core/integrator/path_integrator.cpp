@@ -78,12 +78,13 @@ bool is_mirror(const PathVertex& v, Lobe lobe) {
   return lobe == Lobe::specular && v.material.roughness <= kLargestRoughness;
 }
 
-// Unbiased: survivors carry the weight of the ended.
-bool survives_roulette(const PathContext& context, float u, PathState* path) {
+// Unbiased: survivors carry the weight of the ended. `draw` gives the random number, where one is needed.
+template <class Draw>
+bool survives_roulette(const PathContext& context, const Draw& draw, PathState* path) {
   if (path->depth < context.settings.roulette_depth) return true;
   const float survival = std::min(1.0f, max_component(path->throughput));
   DCHECK_LE(survival, 1.0f);
-  if (!(u < survival)) return false;
+  if (!(draw() < survival)) return false;
   path->throughput *= 1 / survival;
   return true;
 }
@@ -101,9 +102,9 @@ PathRecord* record_of(const PathContext& context) {
   return kLayers ? context.record : nullptr;
 }
 
-template <bool kLayers>
-bool survives(const PathContext& context, float u, PathState* path) {
-  if (!is_black(path->throughput) && survives_roulette(context, u, path)) return true;
+template <bool kLayers, class Draw>
+bool survives(const PathContext& context, const Draw& draw, PathState* path) {
+  if (!is_black(path->throughput) && survives_roulette(context, draw, path)) return true;
   if (PathRecord* record = record_of<kLayers>(context)) record->end("throughput is black, or roulette ended it");
   return false;
 }
@@ -113,8 +114,8 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
                  LayerSplit* split);
 
 // Paths that a path becomes where it goes below the surface that the camera sees. The camera's ray and the surface's
-// own lobes give little of the noise there, and a walk gives much. More than two gain nothing on the bundled scenes
-// (testenv/benchmark/results/sampling.md).
+// own lobes give little of the noise there, and a walk gives much: two gain 1.3 on skin and cost as much on bodies
+// whose noise comes by way of other surfaces; three gain nothing (testenv/benchmark/results/sampling.md).
 constexpr uint32_t kWalksPerSample = 2;
 
 // Splits the path at the first surface into paths that go below it, each with its share of the light.
@@ -129,8 +130,8 @@ void split_below_surface(const PathContext& context, const PixelSampler& sampler
     if (scatter_below_surface<kMode>(context, branch_sampler, v, within, &branch)) {
       ++branch.depth;
       if (kMode == SubsurfaceMode::automatic) branch.footprint.scatter(branch.scatter_pdf);
-      const float u_roulette = branch_sampler.draw(Dimension::bsdf, 0)[3];
-      if (survives<kLayers>(context, u_roulette, &branch))
+      if (survives<kLayers>(
+              context, [&] { return branch_sampler.draw(Dimension::bsdf, 0)[3]; }, &branch))
         follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
     }
     const Rgb share = branch.radiance * (1 / static_cast<float>(kWalksPerSample));
@@ -149,8 +150,9 @@ bool continue_below(const PathContext& context, const PixelSampler& sampler, con
     return false;
   }
   const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, within, path);
+  const auto draw = [&, depth = path->depth] { return sampler.draw(Dimension::bsdf, depth)[3]; };
   ++path->depth;
-  return goes_on && survives<kLayers>(context, sampler.draw(Dimension::bsdf, path->depth - 1)[3], path);
+  return goes_on && survives<kLayers>(context, draw, path);
 }
 
 // Samples direct light and the next direction at the vertex. False: the path ends.
@@ -202,7 +204,8 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   scatter_at_surface(context, v, *sample, path);
   if (splits) split->specular_share = share_of(specular, sample->f), split->went_on = true;
   ++path->depth;
-  return survives<kLayers>(context, u[3], path);
+  return survives<kLayers>(
+      context, [&] { return u[3]; }, path);
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>

@@ -77,12 +77,12 @@ TEST(DenoisedRender, FinishesWithColorWhereTheDenoiserFails) {
   EXPECT_EQ(film->resolve_float(Aov::denoised), film->resolve_float(Aov::color));
 }
 
-// The noise of skin at 16 samples, against 1024 samples. Measured when this was written: see below.
+// 16 samples against 1024: with version 2.5.1 the squared error falls to 1/7.7. The reference has noise of its own.
 TEST(DenoisedRender, TheRealLibraryRemovesMostOfTheNoise) {
   std::string problem;
   RenderRequest request = testing::mixed_request(16);
   request.denoiser = Denoiser::load(&problem);
-  if (!request.denoiser) GTEST_SKIP() << problem;
+  if (!request.denoiser) GTEST_SKIP() << "Open Image Denoise, which Debian lacks, is not installed: " << problem;
   const auto film = testing::render(request);
   const auto noisy = film->resolve_float(Aov::color), denoised = film->resolve_float(Aov::denoised);
   request.settings.samples = 1024;

@@ -111,11 +111,20 @@ TEST(FrameRecorder, ThrowsNothingThatItsHostThrowsAndTidiesUp) {
   EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::done) << "as if new";
 }
 
-TEST(FrameRecorder, CancelEndsSoonAndWritesWhatThereIs) {
+/// The basic scene, and settings for a frame of so many samples in a folder of its own.
+struct StagedFrame {
   const Folder folder;
   Stage stage;
-  stage.add_basic_scene();
-  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1 << 20));
+
+  explicit StagedFrame(int samples) {
+    stage.add_basic_scene();
+    stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", samples));
+  }
+};
+
+TEST(FrameRecorder, CancelEndsSoonAndWritesWhatThereIs) {
+  StagedFrame frame(1 << 20);
+  Stage& stage = frame.stage;
   std::atomic<bool> cancel{false};
   RecordOptions options;
   options.cancel = &cancel;
@@ -135,22 +144,18 @@ TEST(FrameRecorder, CancelEndsSoonAndWritesWhatThereIs) {
 }
 
 TEST(FrameRecorder, CancelBeforeItBeginsWritesNothing) {
-  const Folder folder;
-  Stage stage;
-  stage.add_basic_scene();
-  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 4));
+  StagedFrame frame(4);
+  Stage& stage = frame.stage;
   const std::atomic<bool> cancel{true};
   RecordOptions options;
   options.cancel = &cancel;
   EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", options).status, RecordStatus::interrupted);
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
+  EXPECT_TRUE(std::filesystem::is_empty(frame.folder.path));
 }
 
 TEST(FrameRecorder, StopByAnotherThreadEndsItAndLasts) {
-  const Folder folder;
-  Stage stage;
-  stage.add_basic_scene();
-  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1 << 20));
+  StagedFrame frame(1 << 20);
+  Stage& stage = frame.stage;
   std::atomic<bool> rendering{false};
   RecordOptions options;
   options.progress = [&](const RecordProgress&) { rendering = true; };
@@ -168,10 +173,8 @@ TEST(FrameRecorder, StopByAnotherThreadEndsItAndLasts) {
 
 // The recorder itself stops the delegate for a moment to end a render that is cancelled.
 TEST(FrameRecorder, AStopDuringItsOwnLasts) {
-  const Folder folder;
-  Stage stage;
-  stage.add_basic_scene();
-  stage.scene.SetRenderSettings("/settings", settings_for(folder.path + "/frame.exr", 1 << 20));
+  StagedFrame frame(1 << 20);
+  Stage& stage = frame.stage;
   std::atomic<bool> cancel{false};
   RecordOptions options;
   options.cancel = &cancel;
