@@ -29,6 +29,10 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--threads", "threads", "N", "Render threads; 0 uses all cores"},
     {"--max-depth", "maxDepth", "N", "Bounces between surfaces, at most"},
     {"--subsurface", "subsurface", "MODE", "lambert, walk, reference, diffusion or auto"},
+    {"--studio", "studio", "MODE",
+     "auto, on or off: lights and a backdrop around the objects. auto adds them to a scene without light, and the "
+     "backdrop only if it has no camera either; on replaces the scene's lights; off adds a soft dome to a scene "
+     "without light"},
     {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
 };
 

@@ -30,6 +30,11 @@ WindowPolicy policy_of(const std::string& name) {
   return WindowPolicy::matchVertically;
 }
 
+StudioChoice studio_of(const std::string& name) {
+  if (name == "on") return StudioChoice::on;
+  return name == "off" ? StudioChoice::off : StudioChoice::when_dark;
+}
+
 RenderVar var_of(const std::string& aov, const std::string& data_type) {
   RenderVar var = host::UsualRenderVar(aov);
   if (data_type == "float" && var.dataType == Token("half")) var.dataType = "float";
@@ -50,10 +55,12 @@ bool apply_settings(const Reader& reader) {
   settings.pixelAspectRatio = entry->value("pixelAspectRatio", settings.pixelAspectRatio);
   if (entry->contains("windowPolicy")) settings.windowPolicy = policy_of((*entry)["windowPolicy"]);
   settings.frame = entry->value("frame", settings.frame);
+  if (entry->contains("studio")) reader.state().studio = studio_of((*entry)["studio"]);
   // Settings given beside a preset override it.
   if (const QualityPreset* preset = FindQualityPreset(entry->value("quality", "")))
     for (const auto& [name, value] : preset->settings) settings.settings[name] = value;
-  constexpr const char* kNotOfTheRenderer[] = {"resolution", "crop", "pixelAspectRatio", "windowPolicy", "quality"};
+  constexpr const char* kNotOfTheRenderer[] = {"resolution",   "crop",    "pixelAspectRatio",
+                                               "windowPolicy", "quality", "studio"};
   for (const auto& [name, value] : entry->items())
     if (std::find(std::begin(kNotOfTheRenderer), std::end(kNotOfTheRenderer), name) == std::end(kNotOfTheRenderer))
       settings.settings[name] = to_value(value);

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cmath>
 
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/soft_dome.h"
+#include "delegate/description/studio.h"
 #include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
@@ -34,9 +36,14 @@ Path first_camera(const LoadState& state) {
   return {};
 }
 
+Path base_camera(const LoadState& state) {
+  const CameraPlan& plan = state.camera;
+  return plan.use.empty() && !plan.transform ? first_camera(state) : Path(plan.use);
+}
+
 bool complete_camera(LoadState* state) {
   const CameraPlan& plan = state->camera;
-  const Path base = plan.use.empty() && !plan.transform ? first_camera(*state) : Path(plan.use);
+  const Path base = base_camera(*state);
   if (!base.empty() && !plan.transform && plan.parameters.empty()) {
     state->settings.camera = base;
     return true;
@@ -77,10 +84,48 @@ bool any_emission(const host::RetainedSceneDelegate& scene) {
   return false;
 }
 
-void complete_lights(LoadState* state) {
-  if (!state->scene->GetLights().empty() || any_emission(*state->scene)) return;
-  const Matrix4d camera = state->scene->GetCameras().at(state->settings.camera).transform;
-  state->scene->SetLight("/lights/default_dome", soft_dome(camera));
+bool is_dome(const host::LightDescription& light) {
+  return light.type == Token("domeLight");
+}
+
+// Returns how many there were.
+size_t remove_lights_but_domes(host::RetainedSceneDelegate* scene) {
+  std::vector<Path> own;
+  for (const auto& [path, light] : scene->GetLights())
+    if (!is_dome(light)) own.push_back(path);
+  for (const Path& path : own) scene->Remove(path);
+  return own.size();
+}
+
+void add_studio(LoadState* state, const StudioPlan& plan, bool backdrop) {
+  host::RetainedSceneDelegate* scene = state->scene;
+  const size_t replaced = remove_lights_but_domes(scene);
+  const auto& lights = scene->GetLights();
+  const bool dome = std::any_of(lights.begin(), lights.end(), [](const auto& l) { return is_dome(l.second); });
+  add_studio_lights(plan, !dome, scene);
+  if (backdrop) add_studio_backdrop(plan, scene);
+  const std::string added = backdrop ? "added a studio, lights and a backdrop" : "added the lights of a studio";
+  std::string note;
+  if (state->studio == StudioChoice::on)
+    note = "--studio on: " + added + (replaced > 0 ? " in place of the scene's lights" : "");
+  else
+    note = "no light: " + added +
+           (backdrop ? " (--studio off: a soft dome)" : " (--studio on: with a backdrop; --studio off: a soft dome)");
+  state->result->notes.push_back(note);
+}
+
+// Without being asked, the studio brings no backdrop before a file's own camera, since it might hide what the camera
+// was placed to see; and where that camera stands among the objects, they would hide the lights, so a dome is added.
+void complete_lights(LoadState* state, bool own_camera) {
+  host::RetainedSceneDelegate& scene = *state->scene;
+  const bool lit = !scene.GetLights().empty() || any_emission(scene), asked = state->studio == StudioChoice::on;
+  if (lit && !asked) return;
+  const Matrix4d camera = scene.GetCameras().at(state->settings.camera).transform;
+  if (state->studio != StudioChoice::off)
+    if (const auto plan = plan_studio(enclosing_points(scene), camera); plan && (asked || !own_camera || !plan->inside))
+      return add_studio(state, *plan, (asked || !own_camera) && !plan->below);
+  if (lit) return;
+  scene.SetLight("/lights/default_dome", soft_dome(camera));
   state->result->notes.push_back("no light: added a soft dome");
 }
 
@@ -117,8 +162,9 @@ void complete_settings(LoadState* state) {
 }  // namespace
 
 bool complete_scene(LoadState* state) {
+  const bool own_camera = state->camera.transform || !base_camera(*state).empty();
   if (!complete_camera(state)) return false;
-  complete_lights(state);
+  complete_lights(state, own_camera);
   complete_settings(state);
   return true;
 }

@@ -27,6 +27,9 @@ struct ProductPlan {
   RenderProduct product;
 };
 
+/// Which scenes a studio lights: those without light, all, or none.
+enum class StudioChoice { when_dark, on, off };
+
 /// The state of loading, which all readers share.
 struct LoadState {
   host::RetainedSceneDelegate* scene = nullptr;
@@ -34,6 +37,7 @@ struct LoadState {
   SceneFile* result = nullptr;
   CameraPlan camera;
   RenderSettingsDescription settings;
+  StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
 };
 

@@ -23,12 +23,13 @@ struct SceneFile {
   std::vector<Path> further_settings;  // one for each further resolution or crop of the products
   std::string color_config;            // OCIO config that the description names; empty if none
   std::vector<gltf::GltfSummary> gltf;
-  std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome"
+  std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says
 };
 
-/// Loads a scene and completes it: frames the scene if it has no camera, and adds a soft dome if it has no light (both
-/// are noted). An unknown key is an error that names the nearest known key and the place (JSON pointer, line). Never
-/// throws. After a reported error `ok` is false, and the content of `scene` is undefined but harmless.
+/// Loads a scene and completes it: frames the scene if it has no camera, and adds a studio if it has no light
+/// (settings.studio; both are noted). An unknown key is an error that names the nearest known key and the place (JSON
+/// pointer, line). Never throws. After a reported error `ok` is false, and the content of `scene` is undefined but
+/// harmless.
 ALABASTER_API SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
                                   const DiagnosticSink& sink, const LoadOptions& options = {});
 

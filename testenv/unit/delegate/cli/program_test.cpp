@@ -94,7 +94,7 @@ TEST_F(ProgramTest, RendersFilesAndStatistics) {
                                   "s.json", "--inversion", "chiang2016"}));
   ASSERT_EQ(done.code, 0) << done.err;
   EXPECT_HAS(done.err, "note: no camera: framed the scene");
-  EXPECT_HAS(done.err, "note: no light: added a soft dome");
+  EXPECT_HAS(done.err, "note: no light: added a studio");
   EXPECT_HAS(done.err, "wrote a.exr");
   EXPECT_EQ(file_count(), before + 5) << "a.exr, b.png, s.json, stdout.txt, stderr.txt and nothing else";
   const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
@@ -244,6 +244,16 @@ TEST_F(ProgramTest, AnEmptySceneIsDrawnWithAWarning) {
   EXPECT_EQ(empty.code, 0) << empty.err;
   EXPECT_HAS(empty.err, "warning: empty.json: There is nothing to draw");
   EXPECT_EQ(run(quick({"-o", "a.exr"})).err.find("nothing to draw"), std::string::npos);
+}
+
+TEST_F(ProgramTest, TheStudioIsSwitched) {
+  const Outcome off = run(quick({"-o", "a.exr", "--studio", "off"}));
+  EXPECT_EQ(off.code, 0);
+  EXPECT_HAS(off.err, "note: no light: added a soft dome\n");
+  const Outcome on = run({"render", "lit.gltf", "-o", "a.exr", "--size", "8x6", "--spp", "1", "--studio", "on"});
+  EXPECT_EQ(on.code, 0) << on.err;
+  EXPECT_HAS(on.err, "note: --studio on: added a studio, lights and a backdrop in place of the scene's lights\n");
+  expect_error(2, quick({"-o", "a.exr", "--studio", "maybe"}), "auto");
 }
 
 TEST_F(ProgramTest, QuietSaysNothing) {
