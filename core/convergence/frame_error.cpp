@@ -1,47 +1,49 @@
 #include "core/convergence/frame_error.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+
+#include "core/convergence/pixel_loop.h"
 
 namespace alabaster {
 namespace {
 
-using Levels = std::vector<double>;
-
-struct Size {
-  int width, height;
-};
-
 /// Mean of the 3 x 3 pixels around (x, y). The pixel's own level counts at most as much as its brightest neighbour's,
 /// since a sample that found much light by chance must not excuse the noise that it is.
-double local_level(const Levels& levels, const Size& size, int x, int y) {
+double local_level(const NoiseImage& image, int x, int y) {
+  const auto level = [&](int nx, int ny) -> double {
+    return image.pixels[size_t(ny) * size_t(image.width) + size_t(nx)].level;
+  };
   double sum = 0, brightest = 0;
   int count = 0;
-  for (int ny = std::max(0, y - 1); ny <= std::min(size.height - 1, y + 1); ++ny)
-    for (int nx = std::max(0, x - 1); nx <= std::min(size.width - 1, x + 1); ++nx) {
+  for (int ny = std::max(0, y - 1); ny <= std::min(image.height - 1, y + 1); ++ny)
+    for (int nx = std::max(0, x - 1); nx <= std::min(image.width - 1, x + 1); ++nx) {
       if (nx == x && ny == y) continue;
-      const double level = levels[size_t(ny) * size_t(size.width) + size_t(nx)];
-      sum += level;
-      brightest = std::max(brightest, level);
+      sum += level(nx, ny);
+      brightest = std::max(brightest, level(nx, ny));
       ++count;
     }
-  const double own = levels[size_t(y) * size_t(size.width) + size_t(x)];
+  const double own = level(x, y);
   return (sum + (count > 0 ? std::min(own, brightest) : own)) / (count + 1);
 }
 
 /// L^2 + f^2 of every pixel; empty if the frame is black.
-std::vector<double> squared_scales(const Levels& levels, const Size& size) {
-  double mean = 0;
-  for (double level : levels) mean += level / double(levels.size());
+std::vector<double> squared_scales(const NoiseImage& image) {
+  const size_t n = image.pixels.size();
+  const auto mean =
+      sum_over_pixels<double>(n, [&](size_t i, double* sum) { *sum += double(image.pixels[i].level) / double(n); });
   if (!(mean > 0)) return {};
   const double floor = kErrorFloor * mean;
-  std::vector<double> scales(levels.size());
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) {
-      const double level = local_level(levels, size, x, y);
-      scales[size_t(y) * size_t(size.width) + size_t(x)] = level * level + floor * floor;
+  std::vector<double> scales(n);
+  for_pixel_blocks(n, [&](size_t, size_t begin, size_t end) {
+    const auto width = size_t(image.width);
+    for (size_t i = begin; i < end; ++i) {
+      const double level = local_level(image, int(i % width), int(i / width));
+      scales[i] = level * level + floor * floor;
     }
+  });
   return scales;
 }
 
@@ -91,6 +93,11 @@ double variance_per_difference(uint32_t n, const ConvergenceLaw& law) {
 // One number for each of the differences that a pixel records.
 struct PerDifference {
   double latest = 0, previous = 0, earlier = 0;
+  void operator+=(const PerDifference& o) {
+    latest += o.latest;
+    previous += o.previous;
+    earlier += o.earlier;
+  }
 };
 
 struct Convergence {
@@ -121,18 +128,29 @@ void fit_two_b(double previous, double earlier, Convergence* c) {
   c->elasticity = {17.0 / 15 / (a + e), previous / 15 / (a + e), -earlier / 15 / (a + e)};
 }
 
-// One law for the whole frame, since the ratios of one pixel are noise.
-Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales) {
-  Convergence c;
-  PerDifference& means = c.means;
-  uint32_t least = pixels.front().samples;
-  const auto n = double(pixels.size());
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    least = std::min(least, pixels[i].samples);
-    means.latest += pixels[i].latest / scales[i] / n;
-    means.previous += pixels[i].previous / scales[i] / n;
-    means.earlier += pixels[i].earlier / scales[i] / n;
+// Least and most samples of a pixel.
+struct SampleExtremes {
+  uint32_t least = ~0u, most = 0;
+  void operator+=(const SampleExtremes& o) {
+    least = std::min(least, o.least);
+    most = std::max(most, o.most);
   }
+};
+
+SampleExtremes samples_of(const std::vector<PixelNoise>& pixels) {
+  return sum_over_pixels<SampleExtremes>(pixels.size(), [&](size_t i, SampleExtremes* all) {
+    *all += {pixels[i].samples, pixels[i].samples};
+  });
+}
+
+// One law for the whole frame, since the ratios of one pixel are noise.
+Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales, uint32_t least) {
+  Convergence c;
+  const auto n = double(pixels.size());
+  c.means = sum_over_pixels<PerDifference>(pixels.size(), [&](size_t i, PerDifference* sum) {
+    *sum += {pixels[i].latest / scales[i] / n, pixels[i].previous / scales[i] / n, pixels[i].earlier / scales[i] / n};
+  });
+  const PerDifference& means = c.means;
   // A difference of zero does not show how the variance falls.
   if (!(means.latest > 0)) return {};
   if (!(means.previous > 0)) least = std::min(least, 3u);
@@ -154,28 +172,23 @@ struct RelativeErrors {
   Convergence convergence;
 };
 
-bool all_have_two_samples(const NoiseImage& image) {
-  return !image.pixels.empty() &&
-         std::all_of(image.pixels.begin(), image.pixels.end(), [](const PixelNoise& p) { return p.samples >= 2; });
-}
-
-// Empty if the frame is black.
-RelativeErrors relative_errors(const NoiseImage& image) {
+// `samples`: two at least. Empty if the frame is black.
+RelativeErrors relative_errors(const NoiseImage& image, const SampleExtremes& samples) {
   const auto& pixels = image.pixels;
   RelativeErrors errors;
-  Levels levels(pixels.size());
-  for (size_t i = 0; i < pixels.size(); ++i) levels[i] = pixels[i].level;
-  errors.scales = squared_scales(levels, {image.width, image.height});
+  errors.scales = squared_scales(image);
   if (errors.scales.empty()) return errors;
-  errors.convergence = fit_convergence(pixels, errors.scales);
+  errors.convergence = fit_convergence(pixels, errors.scales, samples.least);
   errors.values.resize(pixels.size());
-  std::vector<double> factors;  // by number of samples; 0: not computed yet
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const uint32_t n = pixels[i].samples;
-    if (n >= factors.size()) factors.resize(2 * size_t(n));
-    if (factors[n] == 0) factors[n] = variance_per_difference(n, errors.convergence.law);
-    errors.values[i] = factors[n] * pixels[i].difference() / errors.scales[i];
-  }
+  std::vector<std::atomic<double>> factors(size_t(samples.most) + 1);  // by number of samples; 0: not computed yet
+  for_pixel_blocks(pixels.size(), [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      std::atomic<double>& shared = factors[pixels[i].samples];
+      double factor = shared.load(std::memory_order_relaxed);
+      if (factor == 0) shared = factor = variance_per_difference(pixels[i].samples, errors.convergence.law);
+      errors.values[i] = factor * pixels[i].difference() / errors.scales[i];
+    }
+  });
   return errors;
 }
 
@@ -183,34 +196,41 @@ RelativeErrors relative_errors(const NoiseImage& image) {
 // the doubt about the law.
 double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors& errors, double mean) {
   constexpr double kNoiseDoubt = 0.05, kStratifiedDoubt = 0.5;
-  const auto& [law, means, elasticity] = errors.convergence;
+  const ConvergenceLaw& law = errors.convergence.law;
+  const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
   const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();
   const auto part = [](double weight, float difference, double scale, double mean_difference) {
     return mean_difference > 0 ? weight * (difference / scale / mean_difference - 1) : 0.0;
   };
-  double truth = 0, estimate = 0;
-  for (size_t i = 0; i < pixels.size(); ++i) {
+  struct Squares {
+    double truth = 0, estimate = 0;
+    void operator+=(const Squares& o) {
+      truth += o.truth;
+      estimate += o.estimate;
+    }
+  };
+  const auto sum = sum_over_pixels<Squares>(pixels.size(), [&](size_t i, Squares* squares) {
     const double scale = errors.scales[i];
     const double d = errors.values[i] / mean - 1;
     const double e = d + part(elasticity.latest - 1, pixels[i].latest, scale, means.latest) +
                      part(elasticity.previous, pixels[i].previous, scale, means.previous) +
                      part(elasticity.earlier, pixels[i].earlier, scale, means.earlier);
-    truth += d * d;
-    estimate += e * e;
-  }
+    *squares += {d * d, e * e};
+  });
   const auto n = double(pixels.size());
-  return (truth + estimate) / std::max(1.0, n - 1) / n + doubt * doubt;
+  return (sum.truth + sum.estimate) / std::max(1.0, n - 1) / n + doubt * doubt;
 }
 
 }  // namespace
 
 FrameError estimate_frame_error(const NoiseImage& image) {
   FrameError error;
-  if (!all_have_two_samples(image)) return error;
-  const RelativeErrors errors = relative_errors(image);
+  const SampleExtremes samples = samples_of(image.pixels);
+  if (image.pixels.empty() || samples.least < 2) return error;
+  const RelativeErrors errors = relative_errors(image, samples);
   error.known = true;
-  double mean = 0;
-  for (const double value : errors.values) mean += value / double(errors.values.size());
+  const size_t n = errors.values.size();
+  const auto mean = sum_over_pixels<double>(n, [&](size_t i, double* sum) { *sum += errors.values[i] / double(n); });
   if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
   const double reach = 1.96 * std::sqrt(log_variance(image.pixels, errors, mean));
   error.relative_rmse = std::sqrt(mean);
@@ -220,7 +240,9 @@ FrameError estimate_frame_error(const NoiseImage& image) {
 }
 
 std::vector<double> relative_squared_errors(const NoiseImage& image) {
-  return all_have_two_samples(image) ? relative_errors(image).values : std::vector<double>();
+  const SampleExtremes samples = samples_of(image.pixels);
+  if (image.pixels.empty() || samples.least < 2) return {};
+  return relative_errors(image, samples).values;
 }
 
 NoiseImage film_noise(const Film& film) {
@@ -235,7 +257,7 @@ FrameError estimate_frame_error(const Film& film) {
 
 size_t frame_error_bytes(const PixelRect& window) {
   if (window.empty()) return 0;
-  constexpr size_t kPixel = sizeof(PixelNoise) + 3 * sizeof(double);  // levels, scales, values
+  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);  // scales, values
   return kPixel * size_t(window.width()) * size_t(window.height());
 }
 

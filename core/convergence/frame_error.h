@@ -28,7 +28,8 @@ struct NoiseImage {
   std::vector<PixelNoise> pixels;
 };
 
-/// Any thread. While a film is rendered, some tiles may be ahead of others.
+/// Any thread. While a film is rendered, some tiles may be ahead of others. These run on all threads of the caller's
+/// TBB arena, and no bit of their results depends on how many those are.
 NoiseImage film_noise(const Film& film);
 FrameError estimate_frame_error(const NoiseImage& image);
 FrameError estimate_frame_error(const Film& film);

@@ -1,6 +1,8 @@
 #include "core/convergence/pixel_group.h"
 
-#include <utility>
+#include <algorithm>
+
+#include <tbb/parallel_for.h>
 
 namespace alabaster {
 
@@ -9,18 +11,20 @@ GroupImage group_image(const PixelRect& window, const std::vector<PixelNoise>& n
   image.y0 = window.y0 + ((group >= 2) != ((window.y0 & 1) != 0) ? 1 : 0);
   const bool right = group == 1 || group == 2;
   image.x0 = window.x0 + (right != ((window.x0 & 1) != 0) ? 1 : 0);
-  for (int y = image.y0; y < window.y1; y += 2) {
-    const auto row = static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width());
-    for (int x = image.x0; x < window.x1; x += 2)
-      image.noise.pixels.push_back(noise[row + static_cast<size_t>(x - window.x0)]);
-    ++image.noise.height;
-  }
-  image.noise.width = image.noise.height > 0 ? static_cast<int>(image.noise.pixels.size()) / image.noise.height : 0;
+  image.noise.width = std::max(0, (window.x1 - image.x0 + 1) / 2);
+  image.noise.height = image.noise.width > 0 ? std::max(0, (window.y1 - image.y0 + 1) / 2) : 0;
+  const auto own = static_cast<size_t>(image.noise.width), all = static_cast<size_t>(window.width());
+  image.noise.pixels.resize(own * static_cast<size_t>(image.noise.height));
+  tbb::parallel_for(size_t(0), static_cast<size_t>(image.noise.height), [&](size_t row) {
+    const PixelNoise* from = noise.data() + (static_cast<size_t>(image.y0 - window.y0) + 2 * row) * all +
+                             static_cast<size_t>(image.x0 - window.x0);
+    for (size_t x = 0; x < own; ++x) image.noise.pixels[row * own + x] = from[2 * x];
+  });
   return image;
 }
 
 void take_groups(const Film& from, uint32_t groups, Film* to) {
-  for (int t = 0; t < to->tile_count(); ++t) {
+  tbb::parallel_for(0, to->tile_count(), [&](int t) {
     const FilmTile source = from.load_tile(t);
     FilmTile pixels = to->load_tile(t);
     const PixelRect r = to->tile_rect(t);
@@ -29,7 +33,7 @@ void take_groups(const Film& from, uint32_t groups, Film* to) {
       for (int x = r.x0; x < r.x1; ++x, ++pixel)
         if (groups >> pixel_group(x, y) & 1) pixels.take(pixel, source);
     to->store_tile(t, pixels);
-  }
+  });
 }
 
 }  // namespace alabaster

@@ -5,6 +5,7 @@
 
 #include "core/convergence/frame_error.h"
 #include "core/convergence/pixel_group.h"
+#include "core/convergence/pixel_loop.h"
 
 namespace alabaster {
 namespace {
@@ -35,15 +36,15 @@ double rate_of(double deviation, double scale, uint32_t total) {
 
 // The factor of all deviations that gives rates of mean one, by bisection: rates grow with it.
 double find_scale(const std::vector<double>& deviations, uint32_t total) {
-  double mean = 0;
-  for (const double d : deviations) mean += d / double(deviations.size());
+  const size_t n = deviations.size();
+  const auto mean = sum_over_pixels<double>(n, [&](size_t i, double* sum) { *sum += deviations[i] / double(n); });
   if (!(mean > 0)) return 0;
   double low = 0, high = 64 / mean;
   for (int i = 0; i < 24; ++i) {
     const double middle = (low + high) / 2;
-    double rates = 0;
-    for (const double d : deviations) rates += rate_of(d, middle, total);
-    (rates < double(deviations.size()) ? low : high) = middle;
+    const auto rates =
+        sum_over_pixels<double>(n, [&](size_t k, double* sum) { *sum += rate_of(deviations[k], middle, total); });
+    (rates < double(n) ? low : high) = middle;
   }
   return (low + high) / 2;
 }
@@ -66,14 +67,16 @@ SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t
       for (int x = deciding.x0; x < window.x1; x += 2) costs.push_back(rays[index_in(window, x, y)]);
 
     // Estimate sqrt(v / c) of each of the group's own pixels from the deciding pixels around it.
-    std::vector<double> deviations;
-    for (int y = 0; y < own.noise.height; ++y)
-      for (int x = 0; x < own.noise.width; ++x) {
+    std::vector<double> deviations(own.noise.pixels.size());
+    for_pixel_blocks(deviations.size(), [&](size_t, size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        const int x = int(i % size_t(own.noise.width)), y = int(i / size_t(own.noise.width));
         const int there_x = std::min(x + (own.x0 - deciding.x0 + 1) / 2, deciding.noise.width - 1);
         const int there_y = std::min(y + (own.y0 - deciding.y0 + 1) / 2, deciding.noise.height - 1);
         const double cost = std::max(1.0, local_mean(costs, deciding.noise, there_x, there_y));
-        deviations.push_back(std::sqrt(local_mean(errors, deciding.noise, there_x, there_y) / cost));
+        deviations[i] = std::sqrt(local_mean(errors, deciding.noise, there_x, there_y) / cost);
       }
+    });
 
     // Turn these deviations into rates of mean one.
     const double scale = find_scale(deviations, total);

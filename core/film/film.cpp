@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
 namespace alabaster {
 namespace {
 
@@ -280,9 +282,18 @@ std::vector<int32_t> Film::resolve_int(Aov aov) const {
 }
 
 std::vector<PixelNoise> Film::noise() const {
-  std::vector<PixelNoise> frame;
-  resolve_rows<PixelNoise>(
-      1, [](const FilmTile& tile, size_t pixel, PixelNoise* out) { *out = tile.noise(pixel); }, copy_to(&frame, 1));
+  if (window_.empty()) return {};
+  const auto width = static_cast<size_t>(window_.width());
+  std::vector<PixelNoise> frame(width * static_cast<size_t>(window_.height()));
+  tbb::parallel_for(0, tile_count(), [&](int t) {
+    const PixelRect r = tile_rect(t);
+    const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
+    size_t pixel = 0;
+    for (int y = r.y0; y < r.y1; ++y) {
+      PixelNoise* row = frame.data() + static_cast<size_t>(y - window_.y0) * width + (r.x0 - window_.x0);
+      for (int x = r.x0; x < r.x1; ++x) *row++ = tiles_[static_cast<size_t>(t)].noise(pixel++);
+    }
+  });
   return frame;
 }
 

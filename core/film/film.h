@@ -126,6 +126,7 @@ class Film {
   /// The same values as one frame, row-major, y-down.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
+  /// Runs on all threads of the caller's TBB arena.
   std::vector<PixelNoise> noise() const;
 
  private:

@@ -90,8 +90,8 @@ struct RenderSession::State {
   std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
 
   void render(const RenderRequest& request);
-  void run_rounds(const RenderRequest& request);
-  void run_workers(const TileRenderer& renderer, const PassSchedule& schedule, uint32_t threads);
+  void run_rounds(const RenderRequest& request, int threads);
+  void run_workers(const TileRenderer& renderer, const PassSchedule& schedule, int threads);
   void render_items(const TileRenderer& renderer, const PassSchedule& schedule);
   bool render_tile(const TileRenderer& renderer, const SampleRange& range, int tile, RenderCounters* counters);
   void set_paused(bool pause);
@@ -174,8 +174,8 @@ bool RenderSession::State::render_tile(const TileRenderer& renderer, const Sampl
   return true;
 }
 
-// Renders one round on all threads.
-void RenderSession::State::run_workers(const TileRenderer& renderer, const PassSchedule& schedule, uint32_t threads) {
+// Renders one round on all threads of the caller's arena.
+void RenderSession::State::run_workers(const TileRenderer& renderer, const PassSchedule& schedule, int threads) {
   next_item = 0;
   tile_passes = std::vector<std::atomic<uint32_t>>(static_cast<size_t>(film->tile_count()));
   {
@@ -183,18 +183,13 @@ void RenderSession::State::run_workers(const TileRenderer& renderer, const PassS
     passes_before = progress.passes_done;
     finished = FinishedPasses(tile_passes.size(), schedule.size());
   }
-  // TBB prints a warning when an arena asks for more threads than the process may have, so never ask.
-  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  tbb::task_arena arena(static_cast<int>(std::min<size_t>(threads > 0 ? threads : allowed, allowed)));
-  arena.execute([&] {
-    tbb::parallel_for(
-        0, arena.max_concurrency(), [&](int) { render_items(renderer, schedule); }, tbb::simple_partitioner());
-  });
+  tbb::parallel_for(
+      0, threads, [&](int) { render_items(renderer, schedule); }, tbb::simple_partitioner());
 }
 
 // A frame is rendered in rounds. All decisions fall between rounds, when every tile stands at the same sample, so they
-// do not depend on threads.
-void RenderSession::State::run_rounds(const RenderRequest& request) {
+// do not depend on threads. The caller is in an arena of `threads`.
+void RenderSession::State::run_rounds(const RenderRequest& request, int threads) {
   const RenderSettings& settings = request.settings;
   const bool has_target = settings.target_error > 0;
   const bool adaptive = settings.adaptive && settings.samples >= 2 * kPilotSamples;
@@ -205,7 +200,7 @@ void RenderSession::State::run_rounds(const RenderRequest& request) {
   SampleRange round{0, has_target || adaptive ? std::min(settings.samples, kPilotSamples) : settings.samples};
   while (round.begin < round.end) {
     // Trace the round's samples and measure the error that is left.
-    run_workers(renderer, make_pass_schedule(round), settings.threads);
+    run_workers(renderer, make_pass_schedule(round), threads);
     const NoiseImage noise = film_noise(*film);
     report_error(settings, round.end, noise);
     if (stop_requested || out_of_time) break;
@@ -282,7 +277,11 @@ void RenderSession::State::render(const RenderRequest& request) {
   std::string error;
   std::optional<SampleAddress> failed_sample;
   try {
-    run_rounds(request);
+    // TBB prints a warning when an arena asks for more threads than the process may have, so never ask.
+    const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    const uint32_t asked = request.settings.threads;
+    tbb::task_arena arena(static_cast<int>(std::min<size_t>(asked > 0 ? asked : allowed, allowed)));
+    arena.execute([&] { run_rounds(request, arena.max_concurrency()); });
     if (!stop_requested) denoise(nullptr);
   } catch (const SampleFailure& failure) {
     error = failure_text(failure.what());

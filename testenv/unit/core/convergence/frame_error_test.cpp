@@ -5,6 +5,10 @@
 
 #include <cmath>
 
+#include <tbb/task_arena.h>
+
+#include "core/sampling/pixel_sampler.h"
+
 namespace alabaster {
 namespace {
 
@@ -75,6 +79,34 @@ TEST(FrameError, AFireflyDoesNotExcuseItsNoise) {
 TEST(FrameError, SamplesForAnErrorFallWithItsSquare) {
   EXPECT_EQ(samples_for_error(1000, 4096, 0.011, 0.01), 1210u);
   EXPECT_EQ(samples_for_error(1000, 1100, 0.02, 0.01), 1100u) << "never more than allowed";
+}
+
+// Sums of floating-point numbers depend on their order, which no thread may decide.
+TEST(FrameError, NoBitDependsOnThreads) {
+  NoiseImage image{301, 173, {}};  // several blocks of pixels, the last one not full
+  for (uint32_t i = 0; i < 301 * 173; ++i) {
+    const auto number = [&](uint32_t which) { return static_cast<float>(hash32(5 * i + which) >> 8) * 0x1p-24f; };
+    image.pixels.push_back({.samples = 24 + i % 3,
+                            .level = number(0),
+                            .latest = number(1),
+                            .previous = 2 * number(2),
+                            .earlier = 4 * number(3),
+                            .tail = number(4)});
+  }
+  FrameError one;
+  std::vector<double> errors_of_one;
+  tbb::task_arena(1).execute([&] {
+    one = estimate_frame_error(image);
+    errors_of_one = relative_squared_errors(image);
+  });
+  for (int repeat = 0; repeat < 20; ++repeat)
+    tbb::task_arena(2).execute([&] {
+      const FrameError many = estimate_frame_error(image);
+      EXPECT_EQ(many.relative_rmse, one.relative_rmse);
+      EXPECT_EQ(many.low, one.low);
+      EXPECT_EQ(many.high, one.high);
+      EXPECT_EQ(relative_squared_errors(image), errors_of_one);
+    });
 }
 
 }  // namespace

@@ -1,0 +1,201 @@
+#!/usr/bin/env python3
+"""Measures how cost and memory grow with the size of a scene and of its picture.
+
+  growth.py PROGRAM [--most-triangles N] [--only triangles|instances|lights|pixels|threads ...] [-o results/growth.md]
+
+Scenes are made in a temporary folder. Triangles: one translucent sphere, subdivided. Instances: translucent spheres in a cubic
+lattice of fixed size. Lights: rect lights in a square of fixed size and power, above a diffuse sphere. Pixels and threads: the
+diffuse and the translucent sphere. CPU seconds are of all threads; those of the render phase are divided by the camera samples.
+A run may have 8 GiB; one that needs more is a row that says so.
+"""
+import argparse
+import array
+import base64
+import json
+import math
+import os
+import pathlib
+import platform
+import resource
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+from compare_programs import environment  # noqa: E402
+
+MOST_BYTES = 8 << 30
+
+
+def icosphere(levels):
+    """Points and triangles of a sphere of radius 1: 20 * 4^levels."""
+    g = (1 + math.sqrt(5)) / 2
+    points = [(x, y * g, 0) for x in (-1, 1) for y in (-1, 1)]
+    points += [(0, x, y * g) for x in (-1, 1) for y in (-1, 1)] + [(y * g, 0, x) for x in (-1, 1) for y in (-1, 1)]
+    near = [[j for j in range(12) if i != j and math.dist(points[i], points[j]) < 2.1] for i in range(12)]
+    triangles = []
+    for i in range(12):
+        for j in near[i]:
+            for k in near[j]:
+                if i < j and i < k and k in near[i]:
+                    a, b, c = points[i], points[j], points[k]
+                    u, v = [b[n] - a[n] for n in range(3)], [c[n] - a[n] for n in range(3)]
+                    out = a[0] * (u[1] * v[2] - u[2] * v[1]) + a[1] * (u[2] * v[0] - u[0] * v[2]) + a[2] * (u[0] * v[1] - u[1] * v[0])
+                    if out > 0:
+                        triangles.append((i, j, k))
+    for _ in range(levels):
+        middles, finer = {}, []
+
+        def middle(i, j):
+            key = (min(i, j), max(i, j))
+            if key not in middles:
+                middles[key] = len(points)
+                points.append(tuple((points[i][n] + points[j][n]) / 2 for n in range(3)))
+            return middles[key]
+        for i, j, k in triangles:
+            a, b, c = middle(i, j), middle(j, k), middle(k, i)
+            finer += [(i, a, c), (a, j, b), (c, b, k), (a, b, c)]
+        triangles = finer
+    return [tuple(x / math.hypot(*p) for x in p) for p in points], triangles
+
+
+def write_sphere(folder, radius=1.0, places=None):
+    """A glTF file of a sphere of 320 triangles, with one instance at each place."""
+    points, triangles = icosphere(2)
+    arrays = [array.array("f", [radius * x for p in points for x in p]), array.array("I", [i for t in triangles for i in t])]
+    if places:
+        arrays.append(array.array("f", [x for p in places for x in p]))
+    data = b"".join(a.tobytes() for a in arrays)
+    views, accessors, offset = [], [], 0
+    for a, kind in zip(arrays, ("VEC3", "SCALAR", "VEC3")):
+        views.append({"buffer": 0, "byteOffset": offset, "byteLength": 4 * len(a)})
+        accessors.append({"bufferView": len(views) - 1, "componentType": 5126 if a.typecode == "f" else 5125,
+                          "count": len(a) // (3 if kind == "VEC3" else 1), "type": kind})
+        offset += 4 * len(a)
+    for i in (0, 2):  # positions have bounds
+        if i < len(accessors):
+            accessors[i].update({"min": [min(arrays[i][n::3]) for n in range(3)], "max": [max(arrays[i][n::3]) for n in range(3)]})
+    node, used = {"mesh": 0}, []
+    if places:
+        used = ["EXT_mesh_gpu_instancing"]
+        node["extensions"] = {used[0]: {"attributes": {"TRANSLATION": 2}}}
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [node], "materials": [{"name": "body"}],
+            "meshes": [{"name": "ball", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+            "accessors": accessors, "bufferViews": views,
+            "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+    if used:
+        gltf["extensionsUsed"] = used
+    (folder / "ball.gltf").write_text(json.dumps(gltf))
+
+
+CAMERA = {"lookAt": {"eye": [0, 0.6, 3.6], "target": [0, 0, 0]}}
+KEY = {"name": "key", "type": "rectLight", "position": [-3, 4, 3], "target": [0, 0, 0], "width": 2, "height": 2, "intensity": 8}
+SKY = {"name": "sky", "type": "domeLight", "intensity": 0.5}
+DIFFUSE = {"match": "body", "set": {"baseColor": [0.7, 0.7, 0.7], "roughness": 1}}
+
+
+def translucent(distance):
+    return {"match": "body", "set": {"baseColor": [0.8, 0.7, 0.6], "scatterDistance": [distance] * 3}}
+
+
+def scene(material, lights, meshes=()):
+    return {"gltf": [{"file": "ball.gltf"}], "materials": [material], "meshes": list(meshes), "lights": lights, "camera": CAMERA}
+
+
+def smooth(level):
+    return {"match": "*", "scheme": "catmullClark", "refineLevel": level}
+
+
+def triangles_scene(folder, level):
+    write_sphere(folder)
+    return scene(translucent(0.1), [KEY, SKY], [smooth(level)])
+
+
+def instances_scene(folder, side):
+    step = 2 / side
+    write_sphere(folder, 0.4 * step, [[(i + 0.5) * step - 1 for i in (x, y, z)]
+                                      for x in range(side) for y in range(side) for z in range(side)])
+    return scene(translucent(0.04 * step), [KEY, SKY])
+
+
+def lights_scene(folder, side):
+    write_sphere(folder)
+    size = 4 / side
+    lights = [{"name": f"l{x}_{z}", "type": "rectLight", "position": [(x + 0.5) * size - 2, 3, (z + 0.5) * size - 2],
+               "target": [(x + 0.5) * size - 2, 0, (z + 0.5) * size - 2], "width": 0.8 * size, "height": 0.8 * size, "intensity": 3}
+              for x in range(side) for z in range(side)]
+    return scene(DIFFUSE, lights, [smooth(3)])
+
+
+def pixels_scene(folder, _):
+    write_sphere(folder)
+    return scene(DIFFUSE, [SKY], [smooth(3)])
+
+
+def threads_scene(folder, _):
+    write_sphere(folder)
+    return scene(translucent(0.1), [KEY, SKY], [smooth(4)])
+
+
+# One row each: what is counted, its number, the scene and its argument, flags.
+USUAL = ["--size", "160x120", "--spp", "8", "--threads", "1"]
+ROWS = [("triangles", 320 * 6 * 4 ** (level - 1), triangles_scene, level, USUAL) for level in (2, 3, 5, 6, 7, 8)]
+ROWS += [("instances", side ** 3, instances_scene, side, USUAL) for side in (1, 5, 10, 22, 46, 100)]
+ROWS += [("lights", side * side, lights_scene, side, USUAL) for side in (1, 2, 3, 10, 32, 100)]
+ROWS += [("pixels", w * h, pixels_scene, 0, ["--size", f"{w}x{h}", "--spp", "2", "--threads", "1"])
+         for w, h in ((368, 276), (1152, 864), (2304, 1728), (4608, 3456))]
+ROWS += [("threads", n, threads_scene, 0, ["--size", "320x240", "--spp", "16", "--threads", str(n)]) for n in (1, 2)]
+
+
+def measure(program, folder, make, argument, flags):
+    """The statistics of one render, or None if it needs too much memory."""
+    (folder / "scene.json").write_text(json.dumps(make(folder, argument)))
+    command = [program, "render", str(folder / "scene.json"), "-o", str(folder / "picture.exr"), "--quiet", "--stats",
+               str(folder / "stats.json"), *flags]
+    done = subprocess.run(command, env=environment(program), capture_output=True, text=True,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES)))
+    if done.returncode != 0:
+        print(f"{' '.join(command)}\nended with {done.returncode}: {done.stderr}", file=sys.stderr)
+        return None
+    return json.loads((folder / "stats.json").read_text())
+
+
+def row(kind, number, stats):
+    if not stats:
+        return f"| {kind} | {number:.3g} | not within 8 GiB | | | | |"
+    phases, samples = stats["phases"], stats["samples"]["total"]
+    render = phases["render"]
+    build = stats["delegate"][0]["phase.sync.cpu"]
+    return (f"| {kind} | {number:.3g} | {1e6 * render['cpu'] / samples:.2f} | {1e6 * render['wall'] / samples:.2f} | "
+            f"{phases['load']['cpu']:.2f} | {build:.2f} | {stats['peakMemory'] / 2 ** 20:.0f} |")
+
+
+def git_commit():
+    done = subprocess.run(["git", "-C", str(HERE), "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
+    return done.stdout.strip() or "unknown"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=os.path.abspath)
+    parser.add_argument("--only", nargs="*", default=[])
+    parser.add_argument("--most-triangles", type=float, default=1e9)
+    parser.add_argument("-o", "--output", type=pathlib.Path)
+    a = parser.parse_args()
+    lines = ["| what grows | number | CPU us/sample | wall us/sample | load, CPU s | build, CPU s | peak MiB |", "|--|--|--|--|--|--|--|"]
+    print("\n".join(lines))
+    for kind, number, make, argument, flags in ROWS:
+        if (a.only and kind not in a.only) or (kind == "triangles" and number > a.most_triangles):
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            lines.append(row(kind, number, measure(a.program, pathlib.Path(folder), make, argument, flags)))
+        print(lines[-1], flush=True)
+    if a.output:
+        head = (f"`testenv/benchmark/growth.py PROGRAM`, revision {git_commit()}, {os.cpu_count()} cores, {platform.machine()}, "
+                f"load {os.getloadavg()[0]:.0f} of other processes at the end.\n\n")
+        a.output.write_text(head + "\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()
