@@ -67,4 +67,8 @@ double DistantLight::importance(const Vec3f& /*p*/) const {
   return representable_importance(radiance_, is_delta() ? 1 : kPiDouble * c * (2 - c));
 }
 
+LightExtent DistantLight::extent() const {
+  return {{}, importance({}), false};
+}
+
 }  // namespace alabaster

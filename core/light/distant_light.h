@@ -15,6 +15,7 @@ class DistantLight {
   /// A delta is never hit.
   std::optional<LightHit> intersect(const Ray& ray) const;
   double importance(const Vec3f& p) const;
+  LightExtent extent() const;
   bool is_delta() const { return one_minus_cos_ == 0; }
 
  private:

@@ -137,4 +137,8 @@ double DomeLight::importance(const Vec3f& /*p*/) const {
   return representable_importance(texture_ ? scale_ * mean_ : scale_, kPiDouble);
 }
 
+LightExtent DomeLight::extent() const {
+  return {{}, importance({}), false};
+}
+
 }  // namespace alabaster

@@ -26,6 +26,7 @@ class DomeLight {
   /// Always hits, at infinity, unless the dome is black or an image is asked for the direction zero.
   std::optional<LightHit> intersect(const Ray& ray) const;
   double importance(const Vec3f& p) const;
+  LightExtent extent() const;
   /// Null: a constant dome.
   const Texture* texture() const { return texture_.get(); }
   /// On the heap, without the texture, which others may share.

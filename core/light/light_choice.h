@@ -5,7 +5,7 @@
 // The uniform part is defensive (Hesterberg 1995, "Weighted Average Importance Sampling and Defensive Mixture
 // Distributions"): where the estimate errs because of an occluder or a cosine, no light starves.
 //
-// The cost is O(n) per point. A light tree behind the same calls could lower it for scenes of very many lights.
+// The cost is O(n) per point. LightTree has less for very many lights.
 #pragma once
 
 #include <array>

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/color/rgb.h"
+#include "core/math/bounds.h"
 #include "core/math/ray.h"
 #include "core/math/transform.h"
 #include "core/parameter/parameter.h"
@@ -34,6 +35,14 @@ struct LightHit {
   float t = 0;         // along the ray, in units of |dir|; infinity for distant and dome
   Rgb radiance{0.0f};  // emitted towards the ray's origin
   float pdf = 0;       // of sample() for this direction from the ray's origin
+};
+
+/// Where a light is, and how strong. Far from a finite light importance(p) is at most about power / d^2; everywhere for
+/// an infinite one it is `power`.
+struct LightExtent {
+  BoundsDouble box;  // of a finite light
+  double power = 0;
+  bool finite = true;
 };
 
 enum class LightType { rect, sphere, distant, dome };

@@ -19,11 +19,12 @@ LightSet::LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camer
     else
       finite_.push_back(i);
   }
+  if (!sample_all_ && lights_.size() > kMostWeighed && lights_.size() < size_t(1) << 24) tree_ = LightTree(lights_);
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
 }
 
 std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u) const {
-  const auto chosen = LightChoice(lights_, p).choose(u_light);
+  const auto chosen = tree_.empty() ? LightChoice(lights_, p).choose(u_light) : tree_.choose(lights_, p, u_light);
   if (!chosen) return std::nullopt;
   auto s = sample_light(chosen->index, p, u);
   if (s) s->pdf *= chosen->probability;
@@ -52,7 +53,7 @@ std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray) const {
 }
 
 size_t LightSet::memory_bytes() const {
-  size_t bytes = lights_.capacity() * sizeof(Light);
+  size_t bytes = lights_.capacity() * sizeof(Light) + tree_.memory_bytes();
   for (const Light& light : lights_) {
     if (const auto* dome = std::get_if<DomeLight>(&light)) bytes += dome->memory_bytes();
     if (const auto* mesh = std::get_if<MeshLight>(&light)) bytes += mesh->memory_bytes();

@@ -7,6 +7,7 @@
 
 #include "core/light/light.h"
 #include "core/light/light_choice.h"
+#include "core/light/light_tree.h"
 
 namespace alabaster {
 
@@ -20,7 +21,8 @@ class LightSet {
   LightSet() = default;
   /// `visible_to_camera[i]` belongs to lights[i]; lights beyond its end are visible. In a set of up to
   /// `sample_all_up_to` lights each is sampled once per point (probability 1): samples that face away mostly cost no
-  /// ray, and no light adds to another's noise. In larger sets one light is chosen.
+  /// ray, and no light adds to another's noise. In larger sets one light is chosen, of more than kMostWeighed by a
+  /// tree.
   LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera, size_t sample_all_up_to = 0);
 
   size_t size() const { return lights_.size(); }
@@ -51,6 +53,11 @@ class LightSet {
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, ConstantDomes domes, const Weigh& weigh) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
+    const auto probability = [&](size_t i) {
+      if (!tree_.empty()) return tree_.probability(lights_, ray.org, i);
+      if (!choice) choice.emplace(lights_, ray.org);
+      return choice->probability(i);
+    };
     const auto add = [&](size_t i) {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray);
@@ -59,10 +66,12 @@ class LightSet {
         sum += hit->radiance * weigh(0.0f);
         return;
       }
-      if (!choice && !sample_all_) choice.emplace(lights_, ray.org);
-      sum += hit->radiance * weigh(sample_all_ ? hit->pdf : hit->pdf * choice->probability(i));
+      sum += hit->radiance * weigh(sample_all_ ? hit->pdf : hit->pdf * probability(i));
     };
-    for (const uint32_t i : finite_) add(i);
+    if (tree_.empty())
+      for (const uint32_t i : finite_) add(i);
+    else
+      tree_.intersect(ray, add);
     if (escaped)
       for (const uint32_t i : infinite_) add(i);
     return sum;
@@ -76,7 +85,9 @@ class LightSet {
   /// On the heap, without textures, which others may share.
   size_t memory_bytes() const;
   /// Probability that sample(p, ...) chooses light i.
-  float choice_probability(size_t i, const Vec3f& p) const { return LightChoice(lights_, p).probability(i); }
+  float choice_probability(size_t i, const Vec3f& p) const {
+    return tree_.empty() ? LightChoice(lights_, p).probability(i) : tree_.probability(lights_, p, i);
+  }
 
  private:
   std::optional<LightHit> intersect(size_t i, const Ray& ray) const;
@@ -90,8 +101,11 @@ class LightSet {
     return dome && !dome->texture();
   }
 
+  static constexpr size_t kMostWeighed = 128;
+
   bool sample_all_ = false;
   std::vector<Light> lights_;
+  LightTree tree_;  // of more than kMostWeighed lights
   std::vector<bool> visible_to_camera_;
   std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
   std::vector<std::pair<uint32_t, uint32_t>> mesh_light_of_instance_;  // sorted (instance, light index)

@@ -90,4 +90,9 @@ double MeshLight::importance(const Vec3f& p) const {
   return power_ > 0 ? representable_importance(Rgb(1.0f), 0.5 * power_ / (dot(d, d) + squared_radius_)) : 0;
 }
 
+LightExtent MeshLight::extent() const {
+  const Vec3d r(std::sqrt(squared_radius_ / 3));
+  return {{center_ - r, center_ + r}, representable_importance(Rgb(1.0f), 0.5 * power_)};
+}
+
 }  // namespace alabaster

@@ -24,6 +24,7 @@ class MeshLight {
   /// triangles that are never chosen or not of this light.
   float pdf(uint32_t triangle_id, const Vec3f& wi, float t) const;
   double importance(const Vec3f& p) const;
+  LightExtent extent() const;
   uint32_t instance() const { return instance_; }
   /// On the heap.
   size_t memory_bytes() const;

@@ -134,4 +134,11 @@ double RectLight::importance(const Vec3f& p) const {
   return representable_importance(radiance_, area_ * cosine / (d2 + area_ * static_cast<double>(kInvPi)));
 }
 
+LightExtent RectLight::extent() const {
+  LightExtent extent{{}, representable_importance(radiance_, area_)};
+  for (const double x : {-half_width_, half_width_})
+    for (const double y : {-half_height_, half_height_}) extent.box.extend(center_ + x_ * x + y_ * y);
+  return extent;
+}
+
 }  // namespace alabaster

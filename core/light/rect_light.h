@@ -21,6 +21,7 @@ class RectLight {
   std::optional<LightHit> intersect(const Ray& ray) const;
   /// 0 exactly behind and in the plane.
   double importance(const Vec3f& p) const;
+  LightExtent extent() const;
 
  private:
   /// The rectangle as seen from a point: edges of the projection and distance of its plane.

@@ -160,4 +160,10 @@ double SphereLight::importance(const Vec3f& p) const {
   return representable_importance(radiance_, spot * (is_delta() ? 1 : kPiDouble * r2) / d2);
 }
 
+LightExtent SphereLight::extent() const {
+  const Vec3d r(radius_, radius_, radius_);
+  return {{center_ - r, center_ + r},
+          representable_importance(radiance_, is_delta() ? 1 : kPiDouble * radius_ * radius_)};
+}
+
 }  // namespace alabaster

@@ -40,6 +40,7 @@ class SphereLight {
   std::optional<LightHit> intersect(const Ray& ray) const;
   /// 0 only where no part of the sphere sends light.
   double importance(const Vec3f& p) const;
+  LightExtent extent() const;
   bool is_delta() const { return radius_ == 0; }
 
  private:

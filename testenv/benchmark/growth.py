@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures how cost and memory grow with the size of a scene and of its picture.
 
-  growth.py PROGRAM [--most-triangles N] [--only triangles|instances|lights|pixels|threads ...] [-o results/growth.md]
+  growth.py PROGRAM [--most-triangles N] [--only triangles|instances|lights|pixels|threads ...]
 
 Scenes are made in a temporary folder. Triangles: one translucent sphere, subdivided. Instances: translucent spheres in a cubic
 lattice of fixed size. Lights: rect lights in a square of fixed size and power, above a diffuse sphere. Pixels and threads: the
@@ -15,7 +15,6 @@ import json
 import math
 import os
 import pathlib
-import platform
 import resource
 import subprocess
 import sys
@@ -60,32 +59,23 @@ def icosphere(levels):
     return [tuple(x / math.hypot(*p) for x in p) for p in points], triangles
 
 
-def write_sphere(folder, radius=1.0, places=None):
+def write_sphere(folder, radius=1.0, places=([0, 0, 0],)):
     """A glTF file of a sphere of 320 triangles, with one instance at each place."""
     points, triangles = icosphere(2)
     arrays = [array.array("f", [radius * x for p in points for x in p]), array.array("I", [i for t in triangles for i in t])]
-    if places:
-        arrays.append(array.array("f", [x for p in places for x in p]))
     data = b"".join(a.tobytes() for a in arrays)
     views, accessors, offset = [], [], 0
-    for a, kind in zip(arrays, ("VEC3", "SCALAR", "VEC3")):
+    for a, kind in zip(arrays, ("VEC3", "SCALAR")):
         views.append({"buffer": 0, "byteOffset": offset, "byteLength": 4 * len(a)})
         accessors.append({"bufferView": len(views) - 1, "componentType": 5126 if a.typecode == "f" else 5125,
                           "count": len(a) // (3 if kind == "VEC3" else 1), "type": kind})
         offset += 4 * len(a)
-    for i in (0, 2):  # positions have bounds
-        if i < len(accessors):
-            accessors[i].update({"min": [min(arrays[i][n::3]) for n in range(3)], "max": [max(arrays[i][n::3]) for n in range(3)]})
-    node, used = {"mesh": 0}, []
-    if places:
-        used = ["EXT_mesh_gpu_instancing"]
-        node["extensions"] = {used[0]: {"attributes": {"TRANSLATION": 2}}}
-    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [node], "materials": [{"name": "body"}],
+    accessors[0].update({"min": [min(arrays[0][n::3]) for n in range(3)], "max": [max(arrays[0][n::3]) for n in range(3)]})
+    nodes = [{"mesh": 0, "translation": place} for place in places]
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "materials": [{"name": "body"}],
             "meshes": [{"name": "ball", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
             "accessors": accessors, "bufferViews": views,
             "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
-    if used:
-        gltf["extensionsUsed"] = used
     (folder / "ball.gltf").write_text(json.dumps(gltf))
 
 
@@ -138,7 +128,7 @@ def threads_scene(folder, _):
     return scene(translucent(0.1), [KEY, SKY], [smooth(4)])
 
 
-# One row each: what is counted, its number, the scene and its argument, flags.
+# One row each: the quantity, its number, the scene and its argument, flags.
 USUAL = ["--size", "160x120", "--spp", "8", "--threads", "1"]
 ROWS = [("triangles", 320 * 6 * 4 ** (level - 1), triangles_scene, level, USUAL) for level in (2, 3, 5, 6, 7, 8)]
 ROWS += [("instances", side ** 3, instances_scene, side, USUAL) for side in (1, 5, 10, 22, 46, 100)]
@@ -171,30 +161,19 @@ def row(kind, number, stats):
             f"{phases['load']['cpu']:.2f} | {build:.2f} | {stats['peakMemory'] / 2 ** 20:.0f} |")
 
 
-def git_commit():
-    done = subprocess.run(["git", "-C", str(HERE), "rev-parse", "--short", "HEAD"], capture_output=True, text=True)
-    return done.stdout.strip() or "unknown"
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=os.path.abspath)
     parser.add_argument("--only", nargs="*", default=[])
     parser.add_argument("--most-triangles", type=float, default=1e9)
-    parser.add_argument("-o", "--output", type=pathlib.Path)
     a = parser.parse_args()
-    lines = ["| what grows | number | CPU us/sample | wall us/sample | load, CPU s | build, CPU s | peak MiB |", "|--|--|--|--|--|--|--|"]
-    print("\n".join(lines))
+    print("| what grows | number | CPU us/sample | wall us/sample | load, CPU s | build, CPU s | peak MiB |")
+    print("|--|--|--|--|--|--|--|")
     for kind, number, make, argument, flags in ROWS:
         if (a.only and kind not in a.only) or (kind == "triangles" and number > a.most_triangles):
             continue
         with tempfile.TemporaryDirectory() as folder:
-            lines.append(row(kind, number, measure(a.program, pathlib.Path(folder), make, argument, flags)))
-        print(lines[-1], flush=True)
-    if a.output:
-        head = (f"`testenv/benchmark/growth.py PROGRAM`, revision {git_commit()}, {os.cpu_count()} cores, {platform.machine()}, "
-                f"load {os.getloadavg()[0]:.0f} of other processes at the end.\n\n")
-        a.output.write_text(head + "\n".join(lines) + "\n")
+            print(row(kind, number, measure(a.program, pathlib.Path(folder), make, argument, flags)), flush=True)
 
 
 if __name__ == "__main__":

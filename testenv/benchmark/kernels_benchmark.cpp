@@ -1,6 +1,10 @@
-// Kernels in isolation (Google Benchmark): tracing, one walk, one BSDF sample, random numbers.
+// Kernels in isolation (Google Benchmark): tracing, one walk, one BSDF sample, random numbers, a look at a frame's
+// error.
 #include <benchmark/benchmark.h>
 
+#include <tbb/task_arena.h>
+
+#include "core/convergence/group_stopping.h"
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/random_walk.h"
@@ -61,6 +65,34 @@ void BM_Walk(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(counters.walk_rays), benchmark::Counter::kIsRate);
 }
 BENCHMARK(BM_Walk)->Arg(50)->Arg(80)->Arg(95)->Arg(99);
+
+// Arguments: megapixels and threads. CPU time is the caller's, which with more threads has the serial share in it.
+void BM_ErrorLook(benchmark::State& state) {
+  const int width = 1024, height = 1024 * static_cast<int>(state.range(0));
+  Film film({0, 0, width, height}, 0);
+  Rng rng(1, 2);
+  for (int t = 0; t < film.tile_count(); ++t) {
+    FilmTile tile = film.load_tile(t);
+    const auto pixels =
+        static_cast<size_t>(film.tile_rect(t).width()) * static_cast<size_t>(film.tile_rect(t).height());
+    for (size_t i = 0; i < pixels; ++i)
+      for (int s = 0; s < 16; ++s) {
+        FilmSample sample;
+        sample.color = Rgb(rng.uniform());
+        tile.add(i, sample);
+      }
+    film.store_tile(t, tile);
+  }
+  tbb::task_arena(static_cast<int>(state.range(1))).execute([&] {
+    GroupStopping stopping;
+    for (auto _ : state) {
+      const NoiseImage noise = film_noise(film);
+      benchmark::DoNotOptimize(estimate_frame_error(noise));
+      stopping.update(film, noise, 1e-9);
+    }
+  });
+}
+BENCHMARK(BM_ErrorLook)->ArgsProduct({{1, 4}, {1, 2}})->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace alabaster

@@ -1,0 +1,144 @@
+#include "core/light/light_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace alabaster {
+namespace {
+
+constexpr uint32_t kSteps = uint32_t(1) << 24;
+
+// A light that is nowhere gives nothing (light_description.h).
+LightExtent extent_of(const Light& light) {
+  const LightExtent extent = std::visit([](const auto& l) { return l.extent(); }, light);
+  if (!extent.finite || std::isfinite(length(extent.box.lower) + length(extent.box.upper))) return extent;
+  return {{Vec3d(0), Vec3d(0)}, 0};
+}
+
+int longest_axis(const Vec3d& v) {
+  return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
+}
+
+}  // namespace
+
+struct LightTree::Leaf {
+  LightExtent extent;
+  uint32_t light;
+};
+
+LightTree::LightTree(const std::vector<Light>& lights) : node_of_light_(lights.size()) {
+  std::vector<Leaf> leaves;
+  for (uint32_t i = 0; i < lights.size(); ++i) leaves.push_back({extent_of(lights[i]), i});
+  if (leaves.empty()) return;
+  nodes_.reserve(2 * leaves.size());
+  reserved_ = std::max(1u, kSteps / 10 / static_cast<uint32_t>(leaves.size()));
+  build(leaves, 0);
+}
+
+uint32_t LightTree::build(std::span<Leaf> leaves, uint32_t parent) {
+  const auto index = static_cast<uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  nodes_[index].lights = static_cast<uint32_t>(leaves.size());
+  nodes_[index].parent = parent;
+  if (leaves.size() == 1) {
+    nodes_[index].extent = leaves[0].extent;
+    nodes_[index].next = leaves[0].light;
+    node_of_light_[leaves[0].light] = index;
+    return index;
+  }
+
+  // Part the infinite lights from the finite ones, and these at the median of their middles.
+  const auto finite = std::partition(leaves.begin(), leaves.end(), [](const Leaf& l) { return !l.extent.finite; });
+  auto middle = finite;
+  if (finite == leaves.begin() || finite == leaves.end()) {
+    middle = leaves.begin() + static_cast<std::ptrdiff_t>(leaves.size() / 2);
+    BoundsDouble middles;
+    for (const Leaf& l : leaves) middles.extend(l.extent.box.center());
+    const int axis = longest_axis(middles.extent());
+    std::nth_element(leaves.begin(), middle, leaves.end(), [axis](const Leaf& a, const Leaf& b) {
+      const double x = a.extent.box.center()[axis], y = b.extent.box.center()[axis];
+      return x < y || (x == y && a.light < b.light);
+    });
+  }
+  const auto first = static_cast<size_t>(middle - leaves.begin());
+  const uint32_t left = build(leaves.first(first), index), right = build(leaves.subspan(first), index);
+
+  // Take both together.
+  const LightExtent &a = nodes_[left].extent, &b = nodes_[right].extent;
+  LightExtent both{b.box, a.power + b.power, b.finite};  // the second one is finite if any is
+  if (a.finite) both.box.extend(a.box);
+  nodes_[index].extent = both;
+  nodes_[index].next = right;
+  return index;
+}
+
+double LightTree::importance(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const {
+  const Node& n = nodes_[node];
+  if (n.is_light()) return std::visit([&](const auto& light) { return light.importance(p); }, lights[n.next]);
+  if (!n.extent.finite) return n.extent.power;
+  const Vec3d d = n.extent.box.center() - Vec3d(p), half = n.extent.box.extent() * 0.5;
+  return n.extent.power / (dot(d, d) + dot(half, half));
+}
+
+uint32_t LightTree::divide(const std::vector<Light>& lights, const Vec3f& p, uint32_t node, const Steps& steps) const {
+  const uint32_t left = node + 1, right = nodes_[node].next;
+  const double a = importance(lights, p, left), b = importance(lights, p, right);
+  const double share = a + b > 0 && std::isfinite(a + b) ? a / (a + b) : 0.5;
+  const uint32_t kept_left = reserved_ * nodes_[left].lights, kept_right = reserved_ * nodes_[right].lights;
+  const uint32_t free = steps.end - steps.begin - kept_left - kept_right;
+  return steps.begin + kept_left + static_cast<uint32_t>(share * free + 0.5);
+}
+
+std::optional<LightChoice::Chosen> LightTree::choose(const std::vector<Light>& lights, const Vec3f& p, float u) const {
+  const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kSteps));
+  Steps steps;
+  uint32_t node = 0;
+  while (!nodes_[node].is_light()) {
+    const uint32_t middle = divide(lights, p, node, steps);
+    const bool left = step < middle;
+    (left ? steps.end : steps.begin) = middle;
+    node = left ? node + 1 : nodes_[node].next;
+  }
+  return LightChoice::Chosen{nodes_[node].next,
+                             static_cast<float>(steps.end - steps.begin) / static_cast<float>(kSteps)};
+}
+
+// The same way down, which is known from below.
+float LightTree::probability(const std::vector<Light>& lights, const Vec3f& p, size_t light) const {
+  std::array<uint32_t, 64> way;
+  size_t depth = 0;
+  for (uint32_t node = node_of_light_[light]; node != 0; node = nodes_[node].parent) way[depth++] = node;
+  Steps steps;
+  for (uint32_t node = 0; depth > 0; node = way[depth]) {
+    const uint32_t middle = divide(lights, p, node, steps);
+    --depth;
+    (way[depth] == node + 1 ? steps.end : steps.begin) = middle;
+  }
+  return static_cast<float>(steps.end - steps.begin) / static_cast<float>(kSteps);
+}
+
+// A box a little larger than the lights, so that no rounding of the slabs loses one.
+bool LightTree::meets(const Ray& ray, const LightExtent& extent) {
+  if (!extent.finite) return false;
+  double begin = 0, end = static_cast<double>(ray.tmax);
+  for (int i = 0; i < 3; ++i) {
+    const double low = extent.box.lower[i], high = extent.box.upper[i];
+    const double org = static_cast<double>(ray.org[i]), dir = static_cast<double>(ray.dir[i]);
+    const double slack = 1e-6 * (std::abs(low) + std::abs(high) + std::abs(org));
+    const double near = low - slack - org, far = high + slack - org;
+    if (dir == 0) {
+      if (near > 0 || far < 0) return false;
+      continue;
+    }
+    begin = std::max(begin, (dir > 0 ? near : far) / dir);
+    end = std::min(end, (dir > 0 ? far : near) / dir);
+  }
+  return begin <= end * (1 + 1e-6);
+}
+
+size_t LightTree::memory_bytes() const {
+  return nodes_.capacity() * sizeof(Node) + node_of_light_.capacity() * sizeof(uint32_t);
+}
+
+}  // namespace alabaster
