@@ -10,8 +10,8 @@
 namespace alabaster {
 namespace {
 
-// The first block ends last, so whoever adds blocks as they end adds them in another order.
-TEST(PixelLoop, SumsAreAddedInOrderWhoeverEndsFirst) {
+// The first block ends last, so blocks that are added as they end are added in another order.
+TEST(PixelLoop, SumsAreAddedInOrder) {
   constexpr size_t kBlocks = 40, kPixels = kBlocks * kPixelBlock - 5;
   const auto term = [](size_t i) { return 1 / (static_cast<double>(i / kPixelBlock) + 3.7); };
   double expected = 0;
