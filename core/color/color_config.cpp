@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <mutex>
 #include <sstream>
 
 #include "core/color/builtin_config.h"
 #include "core/color/chromaticities.h"
+#include "core/color/config_check.h"
 #include "core/color/ocio_transform.h"
 
 namespace OCIO = OCIO_NAMESPACE;
@@ -315,17 +317,64 @@ OCIO::ConstConfigRcPtr read_config(const std::string& path, const std::string& r
   if (!std::filesystem::exists(path, error)) return fail("ocio.config.missing", "there is no such file; " + remedy);
   if (!std::filesystem::is_regular_file(path, error))
     return fail("ocio.config.unreadable", "this is not a file; name the config.ocio inside it; " + remedy);
+  if (const std::string fault = config_file_fault(path); !fault.empty())
+    return fail("ocio.config.invalid", fault + "; " + remedy);
   try {
-    return OCIO::Config::CreateFromFile(path.c_str());
+    const OCIO::ConstConfigRcPtr config = OCIO::Config::CreateFromFile(path.c_str());
+    const std::string fault = config_fault(config);
+    return fault.empty() ? config : fail("ocio.config.invalid", fault + "; mend it, or " + remedy);
   } catch (const std::exception& e) {
     return fail("ocio.config.invalid", std::string("not a configuration that OpenColorIO ") + OCIO::GetVersion() +
                                            " can read: " + e.what() + "; " + remedy);
   }
 }
 
+/// The configuration that was loaded last, and the state of its file. Checks and writers of several products ask for
+/// the same one in turn.
+class LastConfig {
+ public:
+  std::shared_ptr<const ColorConfig> find(const std::string& origin) const {
+    const std::lock_guard lock(mutex_);
+    return config_ && config_->origin() == origin && state_ == state_of(origin) ? config_ : nullptr;
+  }
+  void keep(std::shared_ptr<const ColorConfig> config) {
+    const std::lock_guard lock(mutex_);
+    state_ = state_of(config->origin());
+    config_ = std::move(config);
+  }
+
+ private:
+  // A checksum of the file's content, because times are too coarse to tell two versions apart.
+  static size_t state_of(const std::string& file) { return std::hash<std::string>()(config_text(file)); }
+  mutable std::mutex mutex_;
+  std::shared_ptr<const ColorConfig> config_;
+  size_t state_ = 0;
+};
+
+std::shared_ptr<const ColorConfig> load_file(const std::string& origin, const std::string& remedy,
+                                             const DiagnosticSink& sink) {
+  const OCIO::ConstConfigRcPtr config = read_config(origin, remedy, sink);
+  if (!config) return nullptr;
+  const auto linear = config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
+  if (!linear) {
+    report(sink, Severity::error, "ocio.role.missing", origin,
+           "the configuration has no scene_linear role, so there is no space to render in; add one, or " + remedy);
+    return nullptr;
+  }
+  try {
+    config->validate();
+  } catch (const std::exception& e) {
+    report(sink, Severity::warning, "ocio.config.invalid", origin,
+           std::string("the configuration has a fault: ") + e.what() +
+               "; transforms that do not need that part will work");
+  }
+  return std::make_shared<OcioColorConfig>(config, origin, linear->getName());
+}
+
 }  // namespace
 
 std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, const DiagnosticSink& sink) {
+  static LastConfig last;
   const char* environment = std::getenv("OCIO");
   const bool from_environment = path.empty() && environment && *environment;
   const std::string origin = from_environment ? environment : path.empty() ? kBuiltinOrigin : path;
@@ -334,22 +383,10 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
   try {
     const QuietOcio quiet;
     if (origin == kBuiltinOrigin) return std::make_shared<OcioColorConfig>(builtin_config(), origin, "Linear Rec.709");
-    const OCIO::ConstConfigRcPtr config = read_config(origin, remedy, sink);
-    if (!config) return nullptr;
-    const auto linear = config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
-    if (!linear) {
-      report(sink, Severity::error, "ocio.role.missing", origin,
-             "the configuration has no scene_linear role, so there is no space to render in; add one, or " + remedy);
-      return nullptr;
-    }
-    try {
-      config->validate();
-    } catch (const std::exception& e) {
-      report(sink, Severity::warning, "ocio.config.invalid", origin,
-             std::string("the configuration has a fault: ") + e.what() +
-                 "; transforms that do not need that part will work");
-    }
-    return std::make_shared<OcioColorConfig>(config, origin, linear->getName());
+    if (auto held = last.find(origin)) return held;
+    const auto loaded = load_file(origin, remedy, sink);
+    if (loaded) last.keep(loaded);
+    return loaded;
   } catch (const std::exception& e) {
     report(sink, Severity::error, "ocio.config.invalid", origin, std::string(e.what()) + "; " + remedy);
     return nullptr;

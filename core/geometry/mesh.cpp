@@ -24,13 +24,6 @@ std::array<uint32_t, 3> position_key(const Vec3f& p) {
           std::bit_cast<uint32_t>(p.z + 0.0f)};
 }
 
-uint64_t hash(const std::array<uint32_t, 3>& key) {
-  uint64_t h = key[0] * 0x9e3779b97f4a7c15ull;
-  h = (h ^ (h >> 29) ^ key[1]) * 0xbf58476d1ce4e5b9ull;
-  h = (h ^ (h >> 32) ^ key[2]) * 0x94d049bb133111ebull;
-  return h ^ (h >> 31);
-}
-
 // `weld` empty: points are their own.
 bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld) {
   std::vector<uint64_t> edges;
@@ -179,17 +172,18 @@ size_t Mesh::memory_bytes() const {
          bytes_of(uv_triangles) + bytes_of(triangle_face) + bytes_of(triangle_material);
 }
 
+// By sorting: no choice of points makes it slow, as one does where they are hashed.
 std::vector<int> weld_by_position(const std::vector<Vec3f>& points) {
-  // Open addressing at half load: one table, no node per point.
-  std::vector<int> table(std::bit_ceil(2 * points.size() + 1), -1);
-  const size_t mask = table.size() - 1;
-  std::vector<int> first(points.size());
+  std::vector<std::array<uint32_t, 4>> keys(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const auto key = position_key(points[i]);
-    size_t slot = hash(key) & mask;
-    while (table[slot] >= 0 && position_key(points[static_cast<size_t>(table[slot])]) != key) slot = (slot + 1) & mask;
-    if (table[slot] < 0) table[slot] = static_cast<int>(i);
-    first[i] = table[slot];
+    keys[i] = {key[0], key[1], key[2], static_cast<uint32_t>(i)};
+  }
+  tbb::parallel_sort(keys.begin(), keys.end());
+  std::vector<int> first(points.size());
+  for (size_t i = 0, run = 0; i < keys.size(); ++i) {
+    if (!std::equal(keys[i].begin(), keys[i].begin() + 3, keys[run].begin())) run = i;
+    first[keys[i][3]] = static_cast<int>(keys[run][3]);
   }
   return first;
 }

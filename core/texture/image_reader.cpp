@@ -12,6 +12,7 @@ namespace alabaster {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
+constexpr size_t kStripBytes = size_t(64) << 20;  // fewer rows at once where they are very long
 
 struct Magic {
   std::string_view bytes;
@@ -151,7 +152,9 @@ bool ImageReader::open(const TextureSource& source, size_t max_pixels, const Dia
 int ImageReader::read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) {
   const OIIO::ImageSpec& spec = input_->spec();
   const bool tiled = spec.tile_width > 0;
-  const int rows = std::min(tiled ? spec.tile_height : kRowsAtOnce, spec.height - y);
+  const size_t row_bytes = size_t(spec.width) * layout_.channels * sizeof(float);
+  const int strip = int(std::clamp(kStripBytes / std::max(row_bytes, size_t(1)), size_t(1), size_t(kRowsAtOnce)));
+  const int rows = std::min(tiled ? spec.tile_height : strip, spec.height - y);
   pixels.resize(size_t(rows) * size_t(spec.width) * layout_.channels);
   const int begin = spec.y + y, end = begin + rows;
   const bool good =

@@ -3,6 +3,7 @@
 #include <OpenColorIO/OpenColorIO.h>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -259,6 +260,43 @@ TEST(ColorConfig, WithoutInterchangeRolesRec709IsAssumedAndSaid) {
   ASSERT_EQ(reports.all.size(), 1u);
   EXPECT_EQ(reports.all[0].severity, Severity::warning);
   EXPECT_EQ(config->chromaticities(""), kRec709);
+}
+
+// OpenColorIO itself follows each of these until the stack overflows, or never returns.
+TEST(ColorConfig, ConfigurationsThatNeverEndAreRefused) {
+  const Folder folder;
+  ASSERT_EQ(::mkfifo((folder / "fifo.cube").c_str(), 0600), 0);
+  const auto space = [](const std::string& name, const std::string& transform) {
+    return "  - !<ColorSpace>\n    name: " + name + "\n    from_scene_reference: " + transform + "\n";
+  };
+  const auto through = [](const std::string& name) { return "!<ColorSpaceTransform> {src: " + name + ", dst: AP1}"; };
+  std::string chain;
+  for (int i = 0; i < 500; ++i) chain += space("c" + std::to_string(i), through("c" + std::to_string(i + 1)));
+  std::string many;
+  for (int i = 0; i < 5000; ++i) many += "  - !<ColorSpace>\n    name: m" + std::to_string(i) + "\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {space("self", through("self")), "made of itself"},
+      {space("a", through("b")) + space("b", through("a")), "made of itself"},
+      {space("group", "!<GroupTransform> {children: [" + through("group") + "]}"), "made of itself"},
+      {chain, "through more than 64"},
+      {many, "colour spaces, and the limit"},
+      {space("pipe", "!<FileTransform> {src: " + (folder / "fifo.cube") + "}"), "not a regular file"}};
+  for (const auto& [spaces, said] : cases) {
+    Reports reports;
+    const std::string text = foreign_config("  aces_interchange: AP0\n", spaces);
+    EXPECT_FALSE(ColorConfig::load(folder.write("f.ocio", text), reports.sink)) << said;
+    EXPECT_NE(reports.text().find(said), std::string::npos) << reports.text();
+  }
+}
+
+TEST(ColorConfig, AFileIsReadAgainOnlyWhenItHasChanged) {
+  const Folder folder;
+  const std::string file = folder.write("f.ocio", foreign_config("  aces_interchange: AP0\n"));
+  const auto first = ColorConfig::load(file, {});
+  ASSERT_TRUE(first);
+  EXPECT_EQ(ColorConfig::load(file, {}), first);
+  folder.write("f.ocio", foreign_config("  aces_interchange: AP1\n"));  // as long as before, at the same moment
+  EXPECT_NE(ColorConfig::load(file, {}), first);
 }
 
 TEST(ColorConfig, MissingLutsAndLooksOfForeignConfigs) {

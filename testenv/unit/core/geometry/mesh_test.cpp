@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <chrono>
+
 #include "testenv/support/cages.h"
 
 namespace alabaster {
@@ -101,6 +104,27 @@ TEST(Mesh, WeldJoinsEqualBitsOnly) {
   EXPECT_EQ(weld_by_position({{1, 0, 2}, {next, 0, 2}, {1, -0.0f, 2}, {next, 0, 2}, {0, 1, 2}}),
             (std::vector<int>{0, 1, 0, 1, 4}));
   EXPECT_TRUE(weld_by_position({}).empty());
+}
+
+// These points share their slots in a table of hashes that mix well: an earlier version took time with their square.
+TEST(Mesh, NoChoiceOfPointsMakesWeldingSlow) {
+  std::vector<Vec3f> collide, ordinary;
+  for (uint32_t bits = 0x3e800000; collide.size() < 60000; ++bits) {
+    const Vec3f p(0.5f, 0.25f, std::bit_cast<float>(bits));
+    uint64_t h = std::bit_cast<uint32_t>(p.x) * 0x9e3779b97f4a7c15ull;
+    h = (h ^ (h >> 29) ^ std::bit_cast<uint32_t>(p.y)) * 0xbf58476d1ce4e5b9ull;
+    h = (h ^ (h >> 32) ^ bits) * 0x94d049bb133111ebull;
+    h ^= h >> 31;
+    if ((h & 0x1ffff) < 64) collide.push_back(p);
+    if (ordinary.size() < 60000) ordinary.push_back(p);
+  }
+  const auto seconds = [](const std::vector<Vec3f>& points) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(weld_by_position(points).size(), points.size());
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double usual = seconds(ordinary);
+  EXPECT_LT(seconds(collide), 20 * usual + 0.3);
 }
 
 TEST(Mesh, ClosedMeansEveryEdgeIsPairedAfterWelding) {

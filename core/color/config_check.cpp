@@ -1,0 +1,149 @@
+#include "core/color/config_check.h"
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+
+namespace OCIO = OCIO_NAMESPACE;
+
+namespace alabaster {
+namespace {
+
+// The ACES configurations have some five hundred colour spaces.
+constexpr size_t kMostSpaces = 4000, kMostBytes = size_t(16) << 20;
+// OpenColorIO follows references by recursion.
+constexpr int kDeepest = 64;
+
+/// Walks from a colour space to those that its transforms name.
+class References {
+ public:
+  explicit References(const OCIO::ConstConfigRcPtr& config) : config_(config) {}
+
+  std::string check() {
+    const int spaces = config_->getNumColorSpaces(OCIO::SEARCH_REFERENCE_SPACE_ALL, OCIO::COLORSPACE_ALL);
+    for (int i = 0; i < spaces && fault_.empty(); ++i)
+      enter_space(config_->getColorSpaceNameByIndex(OCIO::SEARCH_REFERENCE_SPACE_ALL, OCIO::COLORSPACE_ALL, i));
+    for (int i = 0; i < config_->getNumLooks() && fault_.empty(); ++i) enter_look(config_->getLookNameByIndex(i));
+    for (int i = 0; i < config_->getNumViewTransforms() && fault_.empty(); ++i)
+      enter_view(config_->getViewTransformNameByIndex(i));
+    for (int i = 0; i < config_->getNumNamedTransforms() && fault_.empty(); ++i)
+      if (const auto named = config_->getNamedTransform(config_->getNamedTransformNameByIndex(i)))
+        for (const auto direction : {OCIO::TRANSFORM_DIR_FORWARD, OCIO::TRANSFORM_DIR_INVERSE})
+          visit(named->getTransform(direction));
+    return fault_;
+  }
+
+ private:
+  template <class Inside>
+  void enter(const std::string& kind, const std::string& name, const Inside& inside) {
+    if (!fault_.empty()) return;
+    const auto [seen, is_new] = open_.emplace(kind + " '" + name + "'", true);
+    if (!is_new && seen->second) fault_ = seen->first + " is made of itself";
+    if (!is_new) return;
+    if (++depth_ > kDeepest)
+      fault_ = seen->first + " is reached through more than " + std::to_string(kDeepest) + " others";
+    if (fault_.empty()) inside();
+    --depth_;
+    seen->second = false;
+  }
+
+  void enter_space(const char* name) {
+    const auto space = name ? config_->getColorSpace(name) : nullptr;
+    if (!space) return;
+    enter("colour space", space->getName(), [&] {
+      visit(space->getTransform(OCIO::COLORSPACE_DIR_TO_REFERENCE));
+      visit(space->getTransform(OCIO::COLORSPACE_DIR_FROM_REFERENCE));
+    });
+  }
+  void enter_look(const char* name) {
+    const auto look = config_->getLook(name);
+    if (!look) return;
+    enter("look", look->getName(), [&] {
+      enter_space(look->getProcessSpace());
+      visit(look->getTransform());
+      visit(look->getInverseTransform());
+    });
+  }
+  void enter_view(const char* name) {
+    const auto view = config_->getViewTransform(name);
+    if (!view) return;
+    enter("view transform", view->getName(), [&] {
+      visit(view->getTransform(OCIO::VIEWTRANSFORM_DIR_TO_REFERENCE));
+      visit(view->getTransform(OCIO::VIEWTRANSFORM_DIR_FROM_REFERENCE));
+    });
+  }
+
+  void visit(const OCIO::ConstTransformRcPtr& transform) {
+    if (!transform || !fault_.empty()) return;
+    if (const auto group = OCIO::DynamicPtrCast<const OCIO::GroupTransform>(transform)) {
+      if (++depth_ > kDeepest) fault_ = "transforms are nested more than " + std::to_string(kDeepest) + " deep";
+      for (int i = 0; i < group->getNumTransforms(); ++i) visit(group->getTransform(i));
+      --depth_;
+    } else if (const auto spaces = OCIO::DynamicPtrCast<const OCIO::ColorSpaceTransform>(transform)) {
+      enter_space(spaces->getSrc());
+      enter_space(spaces->getDst());
+    } else if (const auto display = OCIO::DynamicPtrCast<const OCIO::DisplayViewTransform>(transform)) {
+      enter_space(display->getSrc());
+      enter_space(config_->getDisplayViewColorSpaceName(display->getDisplay(), display->getView()));
+    } else if (const auto looks = OCIO::DynamicPtrCast<const OCIO::LookTransform>(transform)) {
+      enter_space(looks->getSrc());
+      enter_space(looks->getDst());
+      std::string names = looks->getLooks();  // "a, +b | c"
+      std::replace_if(
+          names.begin(), names.end(), [](char c) { return std::strchr(",:|+-", c) != nullptr; }, ' ');
+      std::istringstream words(names);
+      for (std::string name; words >> name;) enter_look(name.c_str());
+    } else if (const auto file = OCIO::DynamicPtrCast<const OCIO::FileTransform>(transform)) {
+      check_file(file->getSrc());
+    }
+  }
+
+  // A LUT that is missing is reported where it is used.
+  void check_file(const char* name) {
+    std::error_code error;
+    std::string found;
+    try {
+      found = config_->getCurrentContext()->resolveFileLocation(name);
+    } catch (const OCIO::Exception&) {
+      return;
+    }
+    if (std::filesystem::exists(found, error) && !std::filesystem::is_regular_file(found, error))
+      fault_ = "the LUT '" + found + "' is not a regular file";
+  }
+
+  const OCIO::ConstConfigRcPtr& config_;
+  std::map<std::string, bool> open_;  // by name: true while inside it
+  int depth_ = 0;
+  std::string fault_;
+};
+
+}  // namespace
+
+std::string config_text(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > kMostBytes) return {};
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string config_file_fault(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::file_size(path, error) > kMostBytes && !error)
+    return "it is larger than " + std::to_string(kMostBytes >> 20) + " MiB";
+  const std::string text = config_text(path);
+  const std::string mark = "!<ColorSpace>";
+  size_t spaces = 0;
+  for (size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + mark.size())) ++spaces;
+  if (spaces <= kMostSpaces) return {};
+  return "it has " + std::to_string(spaces) + " colour spaces, and the limit is " + std::to_string(kMostSpaces);
+}
+
+std::string config_fault(const OCIO::ConstConfigRcPtr& config) {
+  return References(config).check();
+}
+
+}  // namespace alabaster
