@@ -72,6 +72,7 @@ struct LightDescription {
                                              // smooth between them as KHR_lights_punctual defines
   std::shared_ptr<const Texture> texture;    // dome: lat-long, USD's orientation (see dome_light.h)
   bool visible_to_camera = false;
+  std::string name = {};  // prim path, for reports
   bool operator==(const LightDescription&) const = default;
 };
 /// schemas/lights.json, but for texture:file.

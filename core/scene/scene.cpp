@@ -17,16 +17,29 @@ BoundsDouble world_bounds(const InstanceDescription& d) {
   return world;
 }
 
-// The rest of the scene is drawn without an instance that cannot be placed or traced.
-void report_left_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink) {
-  report(sink, Severity::warning, "instance.transform", d.name,
-         std::string(reason) + ": the instance is left out; check its scale");
+// False for a transform that is not finite or reaches beyond what can be traced. A singular one within reach hides an
+// instance or a light by a scale of zero, as animations do.
+bool is_within_reach(const Matrix4d& m) {
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      if (!(std::abs(m[i][j]) < double(kTraceLimit))) return false;
+  return true;
 }
 
-bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink) {
+// The rest of the scene is drawn without an instance that cannot be placed or traced. It is an error unless the
+// instance has no extent.
+void leave_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink,
+               std::vector<std::string>* left_out) {
+  const bool near = is_within_reach(d.object_to_world);
+  report(sink, near ? Severity::warning : Severity::error, "instance.transform", d.name,
+         std::string(reason) + ": the instance is left out; check its " + (near ? "scale" : "transform"));
+  if (!near) left_out->push_back(d.name);
+}
+
+bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
   if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
   if (!is_valid_affine(d.object_to_world)) {
-    report_left_out(d, "the transform is not finite, not affine or not invertible in single precision", sink);
+    leave_out(d, "the transform is not finite, not affine or not invertible in single precision", sink, left_out);
     return false;
   }
   const BoundsDouble bounds = world_bounds(d);
@@ -34,7 +47,7 @@ bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink) {
   if (bounds.lower.x > -limit && bounds.lower.y > -limit && bounds.lower.z > -limit && bounds.upper.x < limit &&
       bounds.upper.y < limit && bounds.upper.z < limit)
     return true;
-  report_left_out(d, "the transform takes it beyond 1e17", sink);
+  leave_out(d, "the transform takes it beyond 1e17", sink, left_out);
   return false;
 }
 
@@ -73,15 +86,27 @@ std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t inde
   return MeshLight(index, std::move(triangles), std::move(ids));
 }
 
+// True if the light can be placed. Says why one gives no light.
+bool is_usable(const LightDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
+  if (is_valid_affine(d.light_to_world) && is_within_reach(d.light_to_world)) {
+    if (d.type == LightType::rect && d.intensity != 0 && (d.width == 0 || d.height == 0))
+      report(sink, Severity::warning, "light.size", d.name,
+             "a light of width or height zero gives no light; give it a size");
+    return true;
+  }
+  const bool near = is_within_reach(d.light_to_world);
+  report(sink, near ? Severity::warning : Severity::error, "light.transform", d.name,
+         near ? "the transform is not invertible: the light is left out; check its scale"
+              : "the transform is not finite, or goes beyond 1e17: the light is left out; move it nearer");
+  if (!near) left_out->push_back(d.name);
+  return false;
+}
+
 void add_lights(const SceneDescription& description, const DiagnosticSink& sink, SceneSnapshot* snapshot) {
   std::vector<Light> lights;
   std::vector<bool> visible;
   for (const auto& d : description.lights) {
-    if (!is_valid_affine(d.light_to_world)) {
-      report(sink, Severity::warning, "light.transform", "lights",
-             "a light's transform is not finite or not invertible: the light is left out");
-      continue;
-    }
+    if (!is_usable(d, sink, &snapshot->left_out)) continue;
     lights.push_back(make_light(d, snapshot->origin));
     visible.push_back(d.visible_to_camera);
     snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
@@ -153,7 +178,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   std::vector<const InstanceDescription*> drawn;
   BoundsDouble bounds;
   for (const auto& d : description.instances)
-    if (is_drawable(d, sink)) {
+    if (is_drawable(d, sink, &snapshot->left_out)) {
       drawn.push_back(&d);
       bounds.extend(world_bounds(d));
     }
@@ -167,8 +192,8 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   std::erase_if(drawn, [&](const InstanceDescription* d) {
     const Affine placed = to_affine(moved_to_render_space(d->object_to_world, snapshot->origin));
     if (is_traceable(placed, kFarthestCamera * snapshot->radius)) return false;
-    report_left_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",
-                    sink);
+    leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced", sink,
+              &snapshot->left_out);
     return true;
   });
 

@@ -86,7 +86,8 @@ struct SceneSnapshot {
   std::vector<Instance> instances;
   std::shared_ptr<const InstancedScene> top;
   LightSet lights;
-  size_t memory_bytes = 0;  // of meshes, their interiors, trees, lights and textures, each counted once
+  std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
+  size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
 
   std::vector<std::shared_ptr<const SubsurfaceBody>> bodies;     // keep-alive
   std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive

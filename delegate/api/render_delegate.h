@@ -58,16 +58,21 @@ class ALABASTER_API RenderDelegate {
   /// walk.events, walk.exits, walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples,
   /// suspectSample ("x,y,sample" for tracePixel: the sample whose failed check ended the render, which may be another
   /// one in the next render where several fail; else the first that was not finite, by sample number, row and column,
-  /// whatever the threads), rejectedRays, error (of a failed render), error.relativeRmse with error.low and error.high
-  /// (the noise that the frame estimates in itself and its 95 % interval; absent until every pixel has two samples; of
-  /// color, never of AOV denoised); where that AOV is drawn, denoise.fraction, denoise.seconds and denoise.cpuSeconds
-  /// (of the whole process meanwhile) once the denoiser has begun, denoiser (its name and version) once the AOV shows
-  /// its picture, or denoise.error (why it does not); and of Sync, summed up:
+  /// whatever the threads), rejectedRays, error (of a failed render), refused
+  /// (true if it was refused before it began, because its camera, framing or size cannot be rendered),
+  /// error.relativeRmse with error.low and error.high (the noise that the frame estimates in itself and its 95 %
+  /// interval; absent until every pixel has two samples; of color, never of AOV denoised); where that AOV is drawn,
+  /// denoise.fraction, denoise.seconds and denoise.cpuSeconds (of the whole process meanwhile) once the denoiser has
+  /// begun, denoiser (its name and version) once the AOV shows its picture, or denoise.error (why it does not); and of
+  /// Sync, summed up:
   /// - sync.refineWallSeconds, sync.bvhWallSeconds: wall time during which at least one mesh was being refined, or its
   ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
   /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in
   ///   proportion to the meshes in each while both go on. A render that continues meanwhile is in it;
   /// - sync.commitSeconds: wall time of CommitResources.
+  /// Where the scene could not be read, built or lit as asked (each fault has been reported as an error, and the frame
+  /// is drawn without): scene.faultCount, scene.faults (text, a line for each, at most a hundred) and
+  /// scene.outOfMemory. All three are absent where the scene is whole. A fault that an edit mends is gone.
   virtual Dictionary GetRenderStats() const = 0;
 
   // Background control: legal at any time, also before the first render.

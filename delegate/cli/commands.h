@@ -27,7 +27,7 @@ struct RenderArguments {
   std::optional<float> exposure;
   std::vector<std::string> aovs, overrides;
   std::string stats;
-  bool denoise = false, quiet = false;
+  bool denoise = false, quiet = false, keep_going = false;
 };
 int run_render(const RenderArguments& arguments);
 

@@ -47,7 +47,31 @@ std::string progress_text(const RecordProgress& p) {
          time_text(p.seconds_left) + " left";
 }
 
+constexpr size_t kMostMessages = 100;
+
 }  // namespace
+
+std::string printable(const std::string& text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+    char code[16];
+    if (byte == '\n') {
+      out += text.compare(i + 1, 2, "  ") == 0 ? "\n" : "\n  ";
+    } else if (byte < 32 || byte == 127) {
+      std::snprintf(code, sizeof code, "\\x%02x", unsigned(byte));
+      out += code;
+    } else if (byte == 0xc2 && next >= 0x80 && next < 0xa0) {  // the control characters beyond ASCII, in UTF-8
+      std::snprintf(code, sizeof code, "\\x%02x", unsigned(next));
+      out += code;
+      ++i;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
 
 Console::Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
 
@@ -59,9 +83,13 @@ void Console::show(const hd::Diagnostic& d) {
   const std::lock_guard lock(mutex_);
   const bool error = d.severity == hd::Severity::error;
   if (error) last_error_ = d;
-  if (quiet_ && !error) return;
+  if (quiet_ && d.severity == hd::Severity::info) return;
+  if (++counts_[int(d.severity)] > kMostMessages && !d.code.ends_with(".more")) return;
   const char* kind = error ? "error: " : d.severity == hd::Severity::warning ? "warning: " : "";
-  print_line(kind + (d.where.empty() ? "" : d.where + ": ") + d.text);
+  const auto shortened = [](const std::string& text, size_t longest) {
+    return text.size() > longest ? text.substr(0, longest) + "..." : text;
+  };
+  print_line(kind + (d.where.empty() ? "" : shortened(d.where, 1000) + ": ") + shortened(d.text, 4000));
 }
 
 void Console::note(const std::string& text) {
@@ -83,10 +111,17 @@ hd::Diagnostic Console::last_error() const {
   return last_error_;
 }
 
+void Console::count_rest() {
+  const char* kinds[] = {"notes", "warnings", "errors"};
+  for (size_t kind = 0; kind < std::size(kinds); ++kind)
+    if (counts_[kind] > kMostMessages)
+      print_line("and " + std::to_string(counts_[kind] - kMostMessages) + " more " + kinds[kind]);
+}
+
 void Console::print_line(const std::string& text) {
   if (bar_shown_) std::fputs("\r\033[K", stderr);
   bar_shown_ = false;
-  std::fprintf(stderr, "%s\n", text.c_str());
+  std::fprintf(stderr, "%s\n", printable(text).c_str());
   std::fflush(stderr);
 }
 

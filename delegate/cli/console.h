@@ -8,10 +8,18 @@
 
 namespace alabaster::cli {
 
-/// Any thread. With `quiet` only errors are shown.
+/// `text` without characters that a terminal would obey: each control character as \xNN, and further lines indented, so
+/// that no name in a file can pass for a message of ours.
+std::string printable(const std::string& text);
+
+/// Any thread. After a hundred errors or warnings further ones are only counted. With `quiet` only errors and warnings
+/// are shown.
 class Console {
  public:
   explicit Console(bool quiet);
+  ~Console() { count_rest(); }
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
 
   /// A sink that prints here and lives no longer than this console.
   hd::DiagnosticSink sink();
@@ -29,11 +37,13 @@ class Console {
 
  private:
   void show(const hd::Diagnostic& diagnostic);
+  void count_rest();
   void print_line(const std::string& text);
 
   const bool quiet_, terminal_;
   mutable std::mutex mutex_;
   bool bar_shown_ = false;
+  size_t counts_[3] = {0, 0, 0};  // of messages, by severity
   int tenths_shown_ = -1;
   hd::Diagnostic last_error_;
 };

@@ -65,7 +65,8 @@ void print_materials(const hd::host::RetainedSceneDelegate& scene) {
     std::printf("  %s\n", path.str().c_str());
     for (const auto& [node_path, node] : network.nodes)
       for (const auto& [name, value] : node.parameters)
-        std::printf("    %s.%s = %s\n", node.nodeTypeId.str().c_str(), name.str().c_str(), value.to_string().c_str());
+        std::printf("    %s.%s = %s\n", node.nodeTypeId.str().c_str(), name.str().c_str(),
+                    printable(value.to_string()).c_str());
   }
 }
 
@@ -80,9 +81,10 @@ void print_lights_and_cameras(const SceneSession& session) {
     std::printf("  %s%s\n", path.str().c_str(), path == used ? " (used)" : "");
   for (const auto& [path, description] : settings) {
     std::printf("render %s: %s\n", path.str().c_str(), dimension(description).c_str());
-    for (const hd::RenderProduct& product : description.products) std::printf("  -> %s\n", product.file.c_str());
+    for (const hd::RenderProduct& product : description.products)
+      std::printf("  -> %s\n", printable(product.file).c_str());
   }
-  for (const std::string& note : session.file.notes) std::printf("note: %s\n", note.c_str());
+  for (const std::string& note : session.file.notes) std::printf("note: %s\n", printable(note).c_str());
 }
 
 int check_arguments(const InfoArguments& a, Console* console) {
@@ -138,6 +140,7 @@ int run_info(const InfoArguments& arguments) {
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
+  if (const int code = session.scene_faults(); code != kDone) return code;
   const auto target = parse_target_error(arguments.predict);
   return target ? print_prediction(&session, &console, spent, *target) : kDone;
 }

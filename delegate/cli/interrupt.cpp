@@ -13,9 +13,12 @@ std::atomic<bool> g_worth_saving{false};
 std::atomic<bool> g_writing{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "used in a signal handler");
 
-void on_signal(int) {
+void on_signal(int number) {
+  const bool repeats = number == SIGPIPE || number == SIGXCPU || number == SIGXFSZ;
+  if (repeats) signal(number, SIG_IGN);
   if (g_worth_saving && !g_interrupted.exchange(true)) return;
   if (g_writing) return;
+  if (number == SIGPIPE) _exit(kInterrupted);
   constexpr char kText[] = "\ninterrupted\n";
   [[maybe_unused]] const ssize_t ignored = write(STDERR_FILENO, kText, sizeof kText - 1);
   _exit(kInterrupted);
@@ -28,8 +31,10 @@ void catch_interrupts() {
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGXCPU, SIGXFSZ}) sigaction(number, &action, nullptr);
+  struct sigaction before = {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // nohup keeps the program running
 }
 
 void set_worth_saving(bool worth_saving) {

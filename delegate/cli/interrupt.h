@@ -1,8 +1,9 @@
-// Ctrl-C and SIGTERM. While there is nothing to save, the first signal ends the program at once. Later the first one
-// asks the render to stop and write the picture so far, and a second one ends the program without waiting. While files
-// are being written, signals are ignored, because ending then would leave temporary files behind (SIGQUIT,
-// Ctrl-backslash in a terminal, still ends the program). Files are renamed into place only when complete, so none is
-// left broken.
+// Signals that end the program: Ctrl-C, SIGTERM, SIGHUP (the terminal has gone), SIGPIPE (nobody reads the messages any
+// more), SIGXCPU and SIGXFSZ (a limit of the shell). While there is nothing to save, the first signal ends the program
+// at once. Later the first one asks the render to stop and write the picture so far, and a second one ends the program
+// without waiting; the last three kinds repeat themselves, so only their first one counts. While files are being
+// written, signals are ignored, because ending then would lose them (SIGQUIT, Ctrl-backslash in a terminal, still ends
+// the program). Files are renamed into place only when complete, so none is left broken.
 #pragma once
 
 #include <atomic>

@@ -1,8 +1,11 @@
 // The program alabaster: the first host. It uses the public contract and the kit, nothing else.
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
 
 #include "delegate/api/render_delegate.h"
 #include "delegate/cli/commands.h"
+#include "delegate/cli/console.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/shell_word.h"
 
@@ -10,8 +13,9 @@ namespace alabaster::cli {
 namespace {
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 success, 2 bad usage, 3 bad input, 4 render failed, 5 output failed, 130 interrupted (the picture "
-    "so far is written and marked incomplete).";
+    "Exit codes: 0 success, 2 bad usage, 3 bad input (a damaged image included), 4 render failed or memory ran out, 5 "
+    "output failed, 6 rendered with --keep-going without all that the scene names, 130 interrupted (the picture so far "
+    "is written and marked incomplete). After 2 and 3 nothing was rendered.";
 
 /// A flag that only names a render setting.
 struct SettingFlag {
@@ -24,7 +28,8 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--target-error", "targetError", "E",
      "End when the noise of the picture as rendered, before any denoising, is below this relative RMSE (0.02 is two "
      "per cent)"},
-    {"--time-limit", "timeLimit", "S", "End after this many seconds of rendering"},
+    {"--time-limit", "timeLimit", "S",
+     "End after this many seconds of rendering, but not before each pixel has a sample"},
     {"--seed", "seed", "N", "Seed of the noise pattern"},
     {"--threads", "threads", "N", "Render threads; 0 uses all cores"},
     {"--max-depth", "maxDepth", "N", "Bounces between surfaces, at most"},
@@ -86,7 +91,10 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
                "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
-  c->add_flag("--quiet", a->quiet, "Print errors only");
+  c->add_flag("--keep-going", a->keep_going,
+              "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
+              "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
+  c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
 }
@@ -109,12 +117,26 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_flag("--denoise", a->denoise, "Measure each picture denoised, too (Open Image Denoise 2, if installed)");
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
-  c->add_flag("--quiet", a->quiet, "Print errors only");
+  c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
 }
 
+/// An argument that a script left empty. Taken as not given, it would silently mean the default.
+std::string empty_argument(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word.empty())
+      return i > 1 && argv[i - 1][0] == '-' ? "the value of " + std::string(argv[i - 1]) + " is empty"
+                                            : "argument " + std::to_string(i) + " is empty";
+    if (word.starts_with("--") && word.find('=') + 1 == word.size()) return "the value of " + word + " is empty";
+  }
+  return {};
+}
+
 int run(int argc, char** argv) {
+  if (const std::string fault = empty_argument(argc, argv); !fault.empty())
+    return Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
   CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
   app.set_version_flag("--version", std::string(AlabasterVersions()));
   app.require_subcommand(1);
@@ -159,12 +181,21 @@ int run(int argc, char** argv) {
   return run_ocio(ocio);
 }
 
+// Output counts as printed only once it has arrived: a disk may be full.
+int flushed(int code) {
+  std::cout.flush();
+  const bool good = std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (good || code != kDone) return code;
+  std::fputs("error: standard output could not be written; check the space on the disk\n", stderr);
+  return kOutput;
+}
+
 }  // namespace
 }  // namespace alabaster::cli
 
 int main(int argc, char** argv) {
   try {
-    return alabaster::cli::run(argc, argv);
+    return alabaster::cli::flushed(alabaster::cli::run(argc, argv));
   } catch (const std::bad_alloc&) {
     std::fputs("error: not enough memory\n", stderr);
   } catch (const std::exception& e) {

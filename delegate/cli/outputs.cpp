@@ -5,6 +5,7 @@
 #include <charconv>
 #include <filesystem>
 #include <map>
+#include <set>
 
 namespace alabaster::cli {
 namespace {
@@ -127,6 +128,27 @@ std::string same_file_twice(const std::vector<std::string>& files) {
     const auto [other, is_new] = spelt.emplace(path.string(), file);
     if (!is_new) return "'" + other->second + "' and '" + file + "' are the same file: give each output its own name.";
   }
+  return "";
+}
+
+std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
+                              const std::string& scene) {
+  std::set<std::string> inputs{scene, session.colors().ocio};
+  const auto add_images = [&](const std::map<hd::Token, hd::Value>& parameters) {
+    for (const auto& [name, value] : parameters)
+      if (const auto* image = value.get<hd::AssetPath>()) inputs.insert(image->resolved);
+  };
+  for (const auto& summary : session.file.gltf) inputs.insert(summary.files.begin(), summary.files.end());
+  for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);
+  for (const auto& [path, network] : session.scene.GetMaterials())
+    for (const auto& [node_path, node] : network.nodes) add_images(node.parameters);
+  for (const std::string& output : outputs)
+    for (const std::string& input : inputs) {
+      std::error_code error;
+      const bool regular = std::filesystem::is_regular_file(output, error);
+      if (regular && std::filesystem::equivalent(output, input, error))
+        return "'" + output + "' is an input of this scene: choose another name for the output.";
+    }
   return "";
 }
 

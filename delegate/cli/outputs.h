@@ -29,4 +29,8 @@ std::optional<uint32_t> parse_frame(const std::string& text);
 /// The error message if two of `files` are the same file, however they are spelt; else empty.
 std::string same_file_twice(const std::vector<std::string>& files);
 
+/// The error message if one of `outputs` is a file that the session has read, under whatever name; else empty.
+std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
+                              const std::string& scene);
+
 }  // namespace alabaster::cli

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
@@ -10,13 +9,12 @@
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/description/quality_presets.h"
-#include "delegate/support/atomic_file.h"
+#include "delegate/support/output_file.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::cli {
 namespace {
 
-namespace fs = std::filesystem;
 using hd::host::RecordResult;
 using hd::host::RecordStatus;
 
@@ -33,8 +31,9 @@ class RenderCommand {
     if (!session_.start(console_.sink())) return kRender;
     if (!a_.pixel.empty()) return trace_pixel();
     code = render();
-    if (const int stats_code = write_stats(code); code == kDone) code = stats_code;
-    if (code == kDone) summarize();
+    const int stats_code = write_stats(code);
+    if ((code == kDone || code == kDegraded) && stats_code != kDone) code = stats_code;
+    if (code == kDone || code == kDegraded) summarize();
     return code;
   }
 
@@ -59,14 +58,11 @@ class RenderCommand {
     if (!a_.stats.empty()) files.push_back(a_.stats);
     if (const std::string problem = same_file_twice(files); !problem.empty())
       return console_.usage_error("render", problem);
-    if (!a_.stats.empty()) {
-      const fs::path folder = fs::path(a_.stats).parent_path();
-      std::error_code error;
-      if (!folder.empty() && !fs::is_directory(folder, error)) {
-        console_.error(a_.stats, "The folder does not exist: create it or choose another.");
+    if (!a_.stats.empty())
+      if (const std::string fault = hd::support::OutputFault(a_.stats); !fault.empty()) {
+        console_.error(a_.stats, fault);
         return kOutput;
       }
-    }
     // -o can be checked without the scene; the files of a description are checked once it is loaded.
     if (a_.outputs.empty()) return kDone;
     std::string problem;
@@ -83,8 +79,10 @@ class RenderCommand {
   // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
   // output.
   int product_failure() const {
-    if (console_.last_error().code != "product.invalid") return kOutput;
-    return a_.outputs.empty() ? kInput : kUsage;
+    const std::string code = console_.last_error().code;
+    if (code != "product.invalid" && !code.starts_with("ocio.")) return kOutput;
+    const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
+    return named ? kUsage : kInput;
   }
 
   // The bound on samples where an error or a time ends the render. It is never below the preset's own.
@@ -117,6 +115,7 @@ class RenderCommand {
     options.overrides.insert(options.overrides.end(), a_.overrides.begin(), a_.overrides.end());
     options.camera = a_.camera;
     options.dome = a_.dome;
+    options.keep_going = a_.keep_going;
     return options;
   }
 
@@ -180,7 +179,14 @@ class RenderCommand {
       console_.error(a_.scene, problem);
       return kInput;
     }
+    if (a_.outputs.empty())
+      if (problem = input_overwritten(files, session_, a_.scene); !problem.empty()) {
+        console_.error(a_.scene, problem);
+        return kInput;
+      }
     if (!a_.stats.empty()) files.push_back(a_.stats);
+    problem = input_overwritten(files, session_, a_.scene);
+    if (!problem.empty()) return console_.usage_error("render", problem);
     problem = same_file_twice(files);
     return problem.empty() ? kDone : console_.usage_error("--stats", problem);
   }
@@ -201,6 +207,7 @@ class RenderCommand {
       hd::host::RecordOptions options;
       set_writing(false);
       options.colors = session_.colors();
+      options.keep_going = a_.keep_going;
       options.cancel = &interrupted();
       options.diagnostics = console_.sink();
       options.progress = [this](const hd::host::RecordProgress& progress) {
@@ -213,9 +220,10 @@ class RenderCommand {
       stats_.add_render(session_.scene.GetAllRenderSettings().at(path), result);
       written_.insert(written_.end(), result.written.begin(), result.written.end());
       say_error(result.stats);
-      code = exit_code(result.status);
-      say_suspect(result.stats, code);
-      if (code != kDone) break;
+      const int one = exit_code(result.status);
+      say_suspect(result.stats, one);
+      if (one != kDone) code = one;
+      if (one != kDone && one != kDegraded) break;
     }
     if (code == kInterrupted) {
       for (const std::string& file : written_) console_.note("interrupted: wrote the picture so far to " + file);
@@ -239,7 +247,7 @@ class RenderCommand {
       if (!overscan && !settings.frame_window().contains(pixel.x, pixel.y)) continue;
       if (paths.size() > 1) std::printf("frame of %s, for %s:\n", size.c_str(), settings.products[0].file.c_str());
       code = trace_pixel(path, pixel, std::move(settings));
-      if (code != kDone) return code;
+      if (code != kDone && code != kDegraded) return code;
     }
     if (code == kUsage) console_.usage_error("--pixel", "'" + a_.pixel + "' lies outside the frame of " + sizes + ".");
     return code;
@@ -253,6 +261,7 @@ class RenderCommand {
     settings.products.clear();
     session_.scene.SetRenderSettings(path, std::move(settings));
     hd::host::RecordOptions options;
+    options.keep_going = a_.keep_going;
     options.cancel = &interrupted();
     options.diagnostics = console_.sink();
     const RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path, options);
@@ -315,6 +324,8 @@ class RenderCommand {
         return kOutput;
       case RecordStatus::interrupted:
         return kInterrupted;
+      case RecordStatus::degraded:
+        return kDegraded;
     }
     return kRender;
   }
@@ -324,12 +335,15 @@ class RenderCommand {
     nlohmann::json settings = nlohmann::json::object();
     for (const hd::RenderSettingDescriptor& descriptor : session_.delegate()->GetRenderSettingDescriptors())
       settings[descriptor.key.str()] = value_to_json(session_.delegate()->GetRenderSetting(descriptor.key));
-    const char* status = code == kDone ? "done" : code == kInterrupted ? "interrupted" : "failed";
+    const char* status = code == kDone          ? "done"
+                         : code == kInterrupted ? "interrupted"
+                         : code == kDegraded    ? "degraded"
+                                                : "failed";
     const std::string text = stats_.to_json(a_.scene, status, settings).dump(2) + "\n";
     set_writing(true);
     const std::string problem =
-        hd::support::WriteFileAtomically(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
-                                         code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
+        hd::support::WriteOutputFile(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
+                                     code == kInterrupted ? hd::support::Flush::none : hd::support::Flush::disk);
     if (problem.empty()) return kDone;
     console_.error(a_.stats, "The statistics could not be written: " + problem + ".");
     return kOutput;

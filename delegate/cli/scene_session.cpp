@@ -1,6 +1,7 @@
 #include "delegate/cli/scene_session.h"
 
 #include <algorithm>
+#include <set>
 
 #include "delegate/cli/exit_codes.h"
 
@@ -23,7 +24,20 @@ bool SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticS
   return !hd::host::DescribeColors(colors_, sink).empty();
 }
 
+// Their images would be decoded for nothing.
+void SceneSession::remove_unused_materials() {
+  std::set<hd::Path> used, all;
+  for (const auto& [path, mesh] : scene.GetMeshes()) {
+    used.insert(mesh.material);
+    for (const hd::GeomSubset& subset : mesh.topology.geomSubsets) used.insert(subset.materialId);
+  }
+  for (const auto& [path, network] : scene.GetMaterials()) all.insert(path);
+  for (const hd::Path& path : all)
+    if (!used.contains(path)) scene.Remove(path);
+}
+
 bool SceneSession::start(const hd::DiagnosticSink& sink) {
+  remove_unused_materials();
   hd::DelegateOptions options;
   options.diagnostics = sink;
   if (!colors_.ocio.empty()) options.settings["ocio"] = colors_.ocio;
@@ -32,6 +46,12 @@ bool SceneSession::start(const hd::DiagnosticSink& sink) {
   index_ = std::make_unique<hd::host::RenderIndex>(delegate_.get());
   scene.Populate(index_.get());
   return true;
+}
+
+int SceneSession::scene_faults() const {
+  const hd::Dictionary stats = delegate_->GetRenderStats();
+  if (!stats.contains("scene.faults")) return kDone;
+  return stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput;
 }
 
 int load_failure(const hd::Diagnostic& error, const hd::description::LoadOptions& options) {

@@ -22,8 +22,12 @@ class SceneSession {
   bool choose_colors(const std::string& asked, const hd::DiagnosticSink& sink);
   /// The configuration that was chosen.
   const hd::host::OutputColors& colors() const { return colors_; }
-  /// Makes the delegate and the index, and populates the index. False after a report.
+  /// Removes materials that no mesh uses, makes the delegate and the index, and populates the index. False after a
+  /// report.
   bool start(const hd::DiagnosticSink& sink);
+
+  /// After a Sync: the exit code for the faults of the scene, kDone if it has none.
+  int scene_faults() const;
 
   hd::RenderDelegate* delegate() const { return delegate_.get(); }
   hd::host::RenderIndex* index() const { return index_.get(); }
@@ -32,6 +36,8 @@ class SceneSession {
   struct Destroy {
     void operator()(hd::RenderDelegate* delegate) const { DestroyAlabasterRenderDelegate(delegate); }
   };
+  void remove_unused_materials();
+
   hd::host::OutputColors colors_;
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;
   std::unique_ptr<hd::host::RenderIndex> index_;

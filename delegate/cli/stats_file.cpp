@@ -21,9 +21,9 @@ double value_number(const hd::Dictionary& dictionary, const std::string& key) {
   return found == dictionary.end() ? 0 : found->second.number_or(0);
 }
 
-json version_lines() {
+json lines_of(const std::string& paragraph) {
   json lines = json::array();
-  std::istringstream text(AlabasterVersions());
+  std::istringstream text(paragraph);
   for (std::string line; std::getline(text, line);)
     if (!line.empty()) lines.push_back(line);
   return lines;
@@ -75,9 +75,12 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
     return json{{"wall", total("phase." + name + ".wall")}, {"cpu", total("phase." + name + ".cpu")}};
   };
   json out;
-  out["versions"] = version_lines();
+  out["versions"] = lines_of(AlabasterVersions());
   out["scene"] = scene;
   out["status"] = status;
+  if (!stats_.empty())
+    if (const auto faults = stats_.front().find("scene.faults"); faults != stats_.front().end())
+      out["faults"] = lines_of(faults->second.text_or(""));
   out["settings"] = settings;
   out["resolutions"] = resolutions_;
   out["files"] = written_;

@@ -1,17 +1,14 @@
 // The --stats file, in JSON:
 //   versions    [text]              of Alabaster and what it is built on
 //   scene       text                as given
-//   status      "done", "interrupted" or "failed"
-//   settings    {name: value}       every render setting as it was in effect
-//   resolutions [[width, height]]   of each render
-//   files       [text]              that were written
-//   phases      {load, refine, build, render, write: {wall, cpu}}   seconds; cpu of all threads together
-//   rays        {camera, bounce, shadow, walk}
-//   walks       {count, segments, events, exits, lost, lostShare: energy lost in open meshes, of what entered}
-//   samples     {perPixel, total}
-//   error       {relativeRmse, low95, high95}   noise as the render estimates it in itself; absent below two samples
-//   peakMemory  bytes               of the process
-//   delegate    [{name: value}]     RenderDelegate::GetRenderStats of each render, and the recorder's phases
+//   status      "done", "degraded" (rendered by --keep-going without all that the scene names), "interrupted" or
+//   "failed" faults      [text]              what the scene lacks of what was asked for; absent if nothing settings
+//   {name: value}       every render setting as it was in effect resolutions [[width, height]]   of each render files
+//   [text]              that were written phases      {load, refine, build, render, write: {wall, cpu}}   seconds; cpu
+//   of all threads together rays        {camera, bounce, shadow, walk} walks       {count, segments, events, exits,
+//   lost, lostShare: energy lost in open meshes, of what entered} samples     {perPixel, total} error {relativeRmse,
+//   low95, high95}   noise as the render estimates it in itself; absent below two samples peakMemory  bytes of the
+//   process delegate    [{name: value}]     RenderDelegate::GetRenderStats of each render, and the recorder's phases
 #pragma once
 
 #include <nlohmann/json.hpp>

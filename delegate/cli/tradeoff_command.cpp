@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
@@ -12,6 +11,7 @@
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/shell_word.h"
 #include "delegate/tradeoff/display_error.h"
+#include "delegate/tradeoff/name_pattern.h"
 #include "delegate/tradeoff/report.h"
 #include "delegate/tradeoff/study.h"
 
@@ -98,16 +98,18 @@ class TradeoffCommand {
           "'" + a_.budget +
               "' is not a time: write a number of minutes above 0 and up to 10080 (a week), for example 10.");
     budget_ = 60 * *minutes;
-    try {
-      const std::regex pattern(a_.only);
-    } catch (const std::regex_error& error) {
-      return console_.usage_error("--only", "'" + a_.only + "' is not a regular expression: " + error.what() + ".");
-    }
+    if (const std::string fault = tradeoff::NamePattern(a_.only).fault(); !fault.empty())
+      return console_.usage_error("--only", fault);
     folder_ = a_.folder.empty() ? fs::path(a_.scene).stem().string() + "_tradeoff" : a_.folder;
     return kDone;
   }
 
   int open_store() {
+    std::vector<std::string> reports;
+    for (const char* ending : {".csv", ".json", ".md", ".svg", ".png"})
+      reports.push_back((folder_ / "tradeoff").string() + ending);
+    if (const std::string problem = input_overwritten(reports, session_, a_.scene); !problem.empty())
+      return console_.usage_error("-o", problem);
     const std::string problem = store_.open(folder_ / "state", a_.restart);
     for (const std::string& note : store_.notes()) console_.note("note: " + note);
     if (problem.empty()) return kDone;
@@ -128,6 +130,7 @@ class TradeoffCommand {
       console_.error(a_.scene, "The scene could not be prepared: not enough memory or threads.");
       return kRender;
     }
+    if (const int code = session_.scene_faults(); code != kDone) return code;
     const auto& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings);
     scene_size_ = {settings.width, settings.height};
     const auto configurations = [&](const std::string& only) {
@@ -136,8 +139,8 @@ class TradeoffCommand {
     };
     list_ = configurations(a_.only);
     for (const std::string& line : list_.skipped) console_.note("skipped: " + line);
-    const std::regex only(a_.only);
-    if (list_.measured.size() == 1 && !std::regex_search(list_.measured.front().name, only)) {
+    const tradeoff::NamePattern only(a_.only);
+    if (list_.measured.size() == 1 && !only.matches(list_.measured.front().name)) {
       std::string known;
       for (const auto& configuration : configurations(".").measured)
         known += (known.empty() ? "" : ", ") + configuration.name;

@@ -62,8 +62,12 @@ bool apply_settings(const Reader& reader) {
   constexpr const char* kNotOfTheRenderer[] = {"resolution",   "crop",    "pixelAspectRatio",
                                                "windowPolicy", "quality", "studio"};
   for (const auto& [name, value] : entry->items())
-    if (std::find(std::begin(kNotOfTheRenderer), std::end(kNotOfTheRenderer), name) == std::end(kNotOfTheRenderer))
+    if (std::find(std::begin(kNotOfTheRenderer), std::end(kNotOfTheRenderer), name) == std::end(kNotOfTheRenderer)) {
+      // Zero means something else: no limit.
+      if (value.is_number_float() && value.get<double>() != 0 && value.get<float>() == 0)
+        return reader.fail(pointer_append("/settings", name), "The number is too small: it would count as zero.");
       settings.settings[name] = to_value(value);
+    }
   return true;
 }
 

@@ -35,6 +35,7 @@ struct LoadState {
   host::RetainedSceneDelegate* scene = nullptr;
   const DiagnosticSink* sink = nullptr;
   SceneFile* result = nullptr;
+  bool keep_going = false;
   CameraPlan camera;
   RenderSettingsDescription settings;
   StudioChoice studio = StudioChoice::when_dark;
@@ -58,7 +59,7 @@ class Reader {
   std::string resolve(const std::string& file) const;
   /// An existing file; empty after an error.
   AssetPath asset(const std::string& pointer, const std::string& file) const;
-  /// An existing image of a kind that can be read; empty after an error.
+  /// An existing image of a kind that can be read; empty after an error. With keep_going any name will do.
   AssetPath image(const std::string& pointer, const std::string& file) const;
 
  private:

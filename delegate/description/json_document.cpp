@@ -72,7 +72,7 @@ class LineRecorder : public nlohmann::json_sax<json> {
       return false;
     }
     level.current = pointer_append(level.pointer, name);
-    lines_[level.current] = progress_.line;
+    note_line(level.current, progress_.line);
     return true;
   }
   bool parse_error(size_t, const std::string& token, const nlohmann::detail::exception& e) override {
@@ -93,12 +93,18 @@ class LineRecorder : public nlohmann::json_sax<json> {
     std::set<std::string> keys;
   };
 
+  // A place with a longer name is told by the line of what contains it: under a long key each entry would cost as much.
+  void note_line(const std::string& pointer, size_t line) {
+    constexpr size_t kLongestPointer = 1000;
+    if (pointer.size() <= kLongestPointer) lines_[pointer] = line;
+  }
+
   std::string begin_value() {
     if (levels_.empty()) return "";
     Level& level = levels_.back();
     if (level.array) {
       level.current = pointer_append(level.pointer, std::to_string(level.index++));
-      lines_[level.current] = progress_.before_last();
+      note_line(level.current, progress_.before_last());
     }
     return level.current;
   }
@@ -135,7 +141,9 @@ std::string JsonDocument::place(const std::string& pointer) const {
   std::string known = pointer;
   while (!known.empty() && !lines.count(known)) known.resize(known.rfind('/'));
   const auto line = lines.find(known);
-  return origin + ":" + std::to_string(line == lines.end() ? 1 : line->second) + (pointer.empty() ? "" : " " + pointer);
+  constexpr size_t kLongestPointer = 200;
+  const std::string shown = pointer.size() > kLongestPointer ? pointer.substr(0, kLongestPointer - 3) + "..." : pointer;
+  return origin + ":" + std::to_string(line == lines.end() ? 1 : line->second) + (shown.empty() ? "" : " " + shown);
 }
 
 bool parse_json(const std::string& text, const std::string& origin, JsonDocument* document, std::string* error) {

@@ -45,6 +45,7 @@ class Loader {
   }
 
   bool run(const std::string& file, const LoadOptions& options) {
+    state_.keep_going = options.keep_going;
     if (!load_file(file)) return false;
     for (const std::string& assignment : options.overrides)
       if (!apply_override(assignment)) return false;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <sstream>
 
 #include "delegate/description/description_reader.h"
@@ -7,6 +8,16 @@ namespace alabaster::hd::description {
 namespace {
 
 using nlohmann::json;
+
+// The limit is about that of a description's file. Readers of values take stack for each level.
+bool is_too_deep(const std::string& text) {
+  constexpr int kMostLevels = 60;
+  int depth = 0;
+  return std::any_of(text.begin(), text.end(), [&](char c) {
+    if (c == ']' || c == '}') --depth;
+    return (c == '[' || c == '{') && ++depth > kMostLevels;
+  });
+}
 
 json json_or_text(const std::string& text) {
   json value = json::parse(text, nullptr, false);
@@ -39,6 +50,7 @@ json patch_for(const std::string& place, json value, std::string* error) {
 }
 
 std::optional<double> to_number(const std::string& text) {
+  if (is_too_deep(text)) return std::nullopt;
   const json value = json::parse(text, nullptr, false);
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
@@ -49,6 +61,10 @@ bool override_document(const std::string& assignment, JsonDocument* document, st
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
     *error = "'" + assignment + "' is not an assignment: write key=value.";
+    return false;
+  }
+  if (is_too_deep(assignment)) {
+    *error = "The value is nested too deeply: no setting has more than a few levels.";
     return false;
   }
   error->clear();

@@ -15,6 +15,9 @@ struct LoadOptions {
   /// Replaces every dome light by an image file, or by a colour as one or three numbers. A last comma may add an
   /// intensity: "sky.hdr", "sky.hdr,0.5", "0.2,0.3,0.4", "0.2,0.3,0.4,2". Empty keeps the scene's own.
   std::string dome;
+  /// Leaves images that are missing or damaged to the renderer, which reports them and can go on without. Else they are
+  /// errors at once.
+  bool keep_going = false;
 };
 
 struct SceneFile {

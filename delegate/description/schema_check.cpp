@@ -111,11 +111,15 @@ std::string expectation(const json& schema) {
   return text;
 }
 
-std::string shortened(const json& value) {
-  std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
-  return text;
+std::string shortened(const std::string& text) {
+  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
+
+std::string shortened(const json& value) {
+  return shortened(value.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+constexpr size_t kMostMessages = 100;
 
 class Checker {
  public:
@@ -125,13 +129,16 @@ class Checker {
   bool run() {
     find_unknown_keys(document_.value, schema_, "");
     if (clean_) report_violations();
+    if (faults_ > kMostMessages && sink_)
+      sink_({Severity::error, "description.more", document_.origin,
+             "There are " + std::to_string(faults_ - kMostMessages) + " more faults like these."});
     return clean_;
   }
 
  private:
   void fail(const char* code, const std::string& pointer, const std::string& text) {
     clean_ = false;
-    if (sink_) sink_({Severity::error, code, document_.place(pointer), text});
+    if (++faults_ <= kMostMessages && sink_) sink_({Severity::error, code, document_.place(pointer), text});
   }
 
   void find_unknown_keys(const json& value, const json& schema, const std::string& pointer) {
@@ -143,7 +150,7 @@ class Checker {
       if (of_child) {
         find_unknown_keys(child, *of_child, place);
       } else if (value.is_object() && !known.empty()) {
-        fail("description.key.unknown", place, "Unknown key '" + key + "'." + suggestion(key, known));
+        fail("description.key.unknown", place, "Unknown key '" + shortened(key) + "'." + suggestion(key, known));
       }
     }
   }
@@ -152,27 +159,31 @@ class Checker {
   // innermost place, but none deeper than the alternatives' own.
   void report_violations() {
     std::vector<Violation> found = find_violations(document_.value, schema_);
-    std::vector<std::vector<std::string>> choices;
-    for (const Violation& v : found)
-      if (v.text.find("anyOf") != std::string::npos) choices.push_back(v.steps);
-    const auto begins_with = [](const auto& steps, const auto& start) {
-      return steps.size() >= start.size() && std::equal(start.begin(), start.end(), steps.begin());
-    };
-    const std::vector<Violation> all = found;
+    std::set<Steps> choices, insides;  // insides: places that contain another violation
+    for (const Violation& v : found) {
+      if (is_choice(v)) choices.insert(v.steps);
+      for (Steps outer = v.steps; !outer.empty();) {
+        outer.pop_back();
+        if (!insides.insert(outer).second) break;  // then those that contain it are known
+      }
+    }
     std::erase_if(found, [&](const Violation& v) {
-      const bool inside_choice = std::any_of(choices.begin(), choices.end(), [&](const auto& choice) {
-        return v.steps.size() > choice.size() && begins_with(v.steps, choice);
-      });
-      const bool contains_other = std::any_of(all.begin(), all.end(), [&](const Violation& o) {
-        return o.steps.size() > v.steps.size() && begins_with(o.steps, v.steps);
-      });
-      const bool is_choice = v.text.find("anyOf") != std::string::npos;
-      const bool at_choice = std::find(choices.begin(), choices.end(), v.steps) != choices.end();
-      return inside_choice || (!is_choice && (at_choice || contains_other));
+      if (is_inside(v.steps, choices)) return true;
+      return !is_choice(v) && (choices.contains(v.steps) || insides.contains(v.steps));
     });
-    std::set<std::vector<std::string>> told;
+    std::set<Steps> told;
     for (const Violation& v : found)
       if (told.insert(v.steps).second) report_violation(v);
+  }
+
+  using Steps = std::vector<std::string>;
+  static bool is_choice(const Violation& v) { return v.text.find("anyOf") != std::string::npos; }
+  static bool is_inside(Steps steps, const std::set<Steps>& places) {
+    while (!steps.empty()) {
+      steps.pop_back();
+      if (places.contains(steps)) return true;
+    }
+    return false;
   }
 
   void report_violation(const Violation& violation) {
@@ -202,6 +213,7 @@ class Checker {
   const json& schema_;
   const DiagnosticSink& sink_;
   bool clean_ = true;
+  size_t faults_ = 0;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Buffers, buffer views and accessors (glTF 2.0, sections 3.6 and 5.1, 5.10, 5.11): checks all byte ranges.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "delegate/gltf/gltf_document.h"
 
@@ -8,7 +9,7 @@ namespace alabaster::hd::gltf {
 namespace {
 
 // Accessors without data are zeros that cost the document no bytes. No real document needs more than this.
-constexpr uint64_t kMostZeroBytes = uint64_t(256) << 20;
+constexpr uint64_t kMostZeroBytes = uint64_t(16) << 20;
 // Bytes read to compare stated with real bounds. The limit keeps many accessors over the same bytes from costing too
 // much.
 constexpr uint64_t kMostBoundsBytes = uint64_t(1) << 30;
@@ -22,6 +23,9 @@ class BufferLoader {
  public:
   BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, const std::string& folder)
       : chunk_(chunk), left_(max_bytes), report_(report), folder_(folder) {}
+
+  /// Many buffers may be one file, which is read once.
+  const std::map<std::string, Bytes>& files() const { return files_; }
 
   Bytes load(const Json& buffer, size_t index) {
     const std::string element = element_name("buffers", index);
@@ -39,7 +43,6 @@ class BufferLoader {
                         "; export the file again");
       return nullptr;
     }
-    left_ -= std::min<size_t>(left_, bytes->size());
     return bytes;
   }
 
@@ -58,15 +61,21 @@ class BufferLoader {
     if (!is_data_uri(uri)) {
       const auto file = resolve_uri(folder_, uri, reason);
       if (!file) return nullptr;
+      if (const auto known = files_.find(*file); known != files_.end()) return known->second;
       const Bytes bytes = read_file(*file, left_, reason);
-      if (!bytes) *reason = "'" + *file + "': " + *reason;
-      return bytes;
+      if (!bytes) {
+        *reason = "'" + *file + "': " + *reason;
+        return nullptr;
+      }
+      left_ -= bytes->size();
+      return files_[*file] = bytes;
     }
     auto data = decode_data_uri(uri, reason);
     if (!data) return nullptr;
     if (data->media_type != "application/octet-stream" && data->media_type != "application/gltf-buffer")
       report_.warning("buffer.media_type", element + ".uri",
                       "media type '" + data->media_type.substr(0, 60) + "' is unusual; write application/octet-stream");
+    left_ -= std::min(left_, data->bytes.size());
     return std::make_shared<const std::vector<uint8_t>>(std::move(data->bytes));
   }
 
@@ -74,6 +83,7 @@ class BufferLoader {
   size_t left_;
   Report& report_;
   const std::string& folder_;
+  std::map<std::string, Bytes> files_;  // by name
 };
 
 struct View {
@@ -123,9 +133,12 @@ class AccessorLoader {
     } else {
       view.data = buffer->data() + view.offset;
     }
-    if (view.stride > 0 && (view.stride < 4 || view.stride > 252 || view.stride % 4 != 0 || view.stride > view.length))
-      report_.warning("bufferView.stride", element + ".byteStride",
-                      std::to_string(view.stride) + " is not a multiple of 4 from 4 to 252, or exceeds the view");
+    const std::string stride = std::to_string(view.stride);
+    if (view.stride > 0 && (view.stride < 4 || view.stride > 252 || view.stride % 4 != 0))
+      report_.error("bufferView.stride", element + ".byteStride",
+                    stride + " is not a multiple of 4 from 4 to 252; export the file again");
+    else if (view.stride > view.length)
+      report_.warning("bufferView.stride", element + ".byteStride", stride + " exceeds the view");
     views_.push_back(view);
   }
 
@@ -250,6 +263,7 @@ void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes,
   if (!root.contains("buffers")) return;
   BufferLoader loader(binary_chunk, max_bytes, report, document->folder);
   for (size_t i = 0; i < root["buffers"].size(); ++i) document->buffers.push_back(loader.load(root["buffers"][i], i));
+  for (const auto& [file, bytes] : loader.files()) document->files.push_back(file);
 }
 
 void load_accessors(const Json& root, Report& report, Document* document) {

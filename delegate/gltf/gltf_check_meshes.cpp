@@ -7,13 +7,18 @@
 #include <set>
 
 #include "delegate/gltf/gltf_document.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::gltf {
 namespace {
 
 // Bytes of decoded geometry in all primitives. The limit keeps many primitives over one accessor from filling the
-// memory.
-constexpr uint64_t kMostDecodedBytes = uint64_t(16) << 30;
+// memory: reading them and building what is traced takes up to eight times as much.
+uint64_t most_decoded_bytes() {
+  constexpr uint64_t kMost = uint64_t(16) << 30;
+  const uint64_t physical = support::physical_memory_bytes();
+  return physical > 0 ? std::min(kMost, physical / 8) : kMost;
+}
 
 struct Semantic {
   const char* name;
@@ -78,8 +83,10 @@ class MeshCheck {
       for (size_t p = 0; p < mesh["primitives"].size() && !report_.failed(); ++p)
         check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
     }
-    if (decoded_bytes_ > kMostDecodedBytes)
-      report_.error("mesh.size", "meshes", "contain more than 16 GiB of geometry; split the file");
+    if (const uint64_t most = most_decoded_bytes(); decoded_bytes_ > most)
+      report_.error("mesh.size", "meshes",
+                    "contain " + std::to_string(decoded_bytes_ >> 20) + " MiB of geometry, and the limit on this " +
+                        "machine is " + std::to_string(most >> 20) + " MiB; split the file, or share meshes by nodes");
   }
 
  private:

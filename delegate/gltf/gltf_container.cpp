@@ -9,8 +9,8 @@ namespace {
 
 // Deeper JSON would overflow the stack of recursive readers. glTF itself needs about ten levels, extras rarely more.
 constexpr size_t kMostDepth = 128;
-// A parsed JSON value takes tens of bytes, so this limits a document to about 2 GB.
-constexpr size_t kMostValues = 30'000'000;
+// A parsed JSON value takes up to three hundred bytes while the document is read, so this limits it to about 3 GB.
+constexpr size_t kMostValues = 10'000'000;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // glTF 2.0, section 4.4
 
@@ -52,16 +52,22 @@ bool parse_json(std::string_view text, Report& report, Json* root) {
     report.warning("json.bom", "", "the JSON begins with a byte order mark, which glTF forbids; remove it");
     text.remove_prefix(3);
   }
+  const size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string_view::npos || text[begin] != '{') {
+    report.error("json.root", "", "begins with neither '{' nor 'glTF', so this is no glTF document; export it again");
+    return false;
+  }
   if (!json_is_bounded(text, report)) return false;
   try {
     *root = Json::parse(text.begin(), text.end());
   } catch (const Json::exception& e) {
-    report.error("json.syntax", "", std::string("not valid JSON (") + e.what() + "); export the file again");
+    std::string what = e.what();  // "[json.exception.parse_error.101] parse error at line 1, ..."
+    if (const size_t bracket = what.find("] "); what.starts_with('[') && bracket != std::string::npos)
+      what = what.substr(bracket + 2);
+    report.error("json.syntax", "", "not valid JSON (" + what.substr(0, 300) + "); export the file again");
     return false;
   }
-  if (root->is_object()) return true;
-  report.error("json.root", "", "the JSON's root is not an object; this is not a glTF document");
-  return false;
+  return true;
 }
 
 struct Chunk {

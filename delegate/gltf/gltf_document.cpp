@@ -37,7 +37,7 @@ void read_extension_lists(const Json& root, Report& report, Document* document) 
   for (const std::string& name : document->extensionsUsed) {
     if (reads_extension(name)) continue;
     document->extensionsIgnored.push_back(name);
-    report.info("extension.ignored", "extensionsUsed", name + " is not supported and is ignored");
+    report.warning("extension.ignored", "extensionsUsed", name + " is not supported and is ignored");
   }
 }
 
@@ -71,7 +71,9 @@ bool parse_model(Json root, Report& report, Document* document) {
   if (parser.LoadASCIIFromString(&document->model, &errors, &warnings, text.data(), unsigned(text.size()), "",
                                  tinygltf::NO_REQUIRE))
     return true;
-  report.error("parse", "", errors + "; export the file again");
+  // tinygltf's words end in line breaks. This is a fault that our own checks missed.
+  std::replace(errors.begin(), errors.end(), '\n', ' ');
+  report.error("parse", "", "cannot be parsed as glTF (" + errors.substr(0, 200) + "); export the file again");
   return false;
 }
 

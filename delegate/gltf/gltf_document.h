@@ -12,8 +12,9 @@ struct Document {
   std::string file, folder;
   tinygltf::Model model;  // without images, buffers, skins and animations
   std::vector<Bytes> buffers;
+  std::vector<std::string> files;  // that were read
   std::vector<AccessorView> accessors;
-  std::vector<AssetPath> images;  // `authored` is empty if not usable (reported)
+  std::vector<AssetPath> images;  // not usable without `resolved` and `bytes` (reported)
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
 };
 
@@ -30,7 +31,8 @@ void load_accessors(const Json& root, Report& report, Document* document);
 void check_meshes(const Json& root, const Document& document, Report& report);
 /// Checks node trees, transforms, scenes, cameras and lights.
 void check_scene(const Json& root, Report& report);
-/// Finds every image's bytes or file. An image that cannot be used is a warning.
+/// Finds every image's bytes or file. An image that cannot be used is a warning; the renderer refuses it where it is
+/// used.
 void load_images(const Json& root, size_t max_bytes, Report& report, Document* document);
 /// Reports textures and samplers that cannot work.
 void check_materials(const Json& root, Report& report);

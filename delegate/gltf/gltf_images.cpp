@@ -17,7 +17,7 @@ bool is_png_or_jpeg(const uint8_t* data, size_t size) {
   return size >= 4 && data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff && data[3] >= 0xc0 && data[3] != 0xff;
 }
 
-constexpr const char* kWrongKind = "is neither PNG nor JPEG, so textures that use it are left out; convert the image";
+constexpr const char* kWrongKind = "is neither PNG nor JPEG, convert the image";
 
 class ImageLoader {
  public:
@@ -26,58 +26,59 @@ class ImageLoader {
 
   AssetPath load(const Json& image, size_t index) {
     element_ = element_name("images", index);
+    name_ = std::filesystem::path(document_.file).filename().string() + "#" + element_;
     if (image.contains("bufferView") == image.contains("uri")) {
       if (image.contains("uri")) return unusable("has both a uri and a bufferView; remove one");
-      return unusable("has neither a uri nor a bufferView, so textures that use it are left out");
+      return unusable("has neither a uri nor a bufferView; add one");
     }
-    if (image.contains("bufferView")) return from_view(root_["bufferViews"][image["bufferView"].get<size_t>()], index);
+    if (image.contains("bufferView")) return from_view(root_["bufferViews"][image["bufferView"].get<size_t>()]);
     const std::string uri = image["uri"].get<std::string>();
-    return is_data_uri(uri) ? from_data(uri, index) : from_file(uri);
+    return is_data_uri(uri) ? from_data(uri) : from_file(uri);
   }
 
  private:
   AssetPath unusable(const std::string& text) {
     report_.warning("image", element_, text);
-    return {};
+    return {name_, "", nullptr};
   }
 
-  AssetPath embedded(std::vector<uint8_t> bytes, size_t index) {
+  AssetPath embedded(std::vector<uint8_t> bytes) {
     if (!is_png_or_jpeg(bytes.data(), bytes.size())) return unusable(kWrongKind);
     if (bytes.size() > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
     left_ -= bytes.size();
     AssetPath asset;
-    asset.authored = std::filesystem::path(document_.file).filename().string() + "#" + element_name("images", index);
+    asset.authored = name_;
     asset.bytes = std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
     return asset;
   }
 
-  AssetPath from_view(const Json& view, size_t index) {
+  AssetPath from_view(const Json& view) {
     const Bytes& buffer = document_.buffers[view["buffer"].get<size_t>()];
     const size_t offset = view.value("byteOffset", size_t(0)), length = view["byteLength"].get<size_t>();
     if (length > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
-    return embedded({buffer->data() + offset, buffer->data() + offset + length}, index);
+    return embedded({buffer->data() + offset, buffer->data() + offset + length});
   }
 
-  AssetPath from_data(const std::string& uri, size_t index) {
+  AssetPath from_data(const std::string& uri) {
     std::string reason;
     auto data = decode_data_uri(uri, &reason);
-    return data ? embedded(std::move(data->bytes), index) : unusable(reason);
+    return data ? embedded(std::move(data->bytes)) : unusable(reason);
   }
 
   AssetPath from_file(const std::string& uri) {
     std::string reason;
     const auto file = resolve_uri(document_.folder, uri, &reason);
     if (!file) return unusable(reason);
+    const AssetPath asset{uri, *file, nullptr};
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(*file, ignored))
-      return unusable("'" + *file + "' is missing, so textures that use it are left out; check the path");
+    if (!std::filesystem::is_regular_file(*file, ignored)) {
+      report_.warning("image", element_, "'" + *file + "' is missing; check the path");
+      return asset;
+    }
     uint8_t head[8] = {};
     std::ifstream stream(*file, std::ios::binary);
     stream.read(reinterpret_cast<char*>(head), sizeof head);
-    if (!is_png_or_jpeg(head, size_t(stream.gcount()))) return unusable(kWrongKind);
-    AssetPath asset;
-    asset.authored = uri;
-    asset.resolved = *file;
+    if (!is_png_or_jpeg(head, size_t(stream.gcount()))) report_.warning("image", element_, kWrongKind);
     return asset;
   }
 
@@ -85,7 +86,7 @@ class ImageLoader {
   size_t left_;
   Report& report_;
   const Document& document_;
-  std::string element_;
+  std::string element_, name_;  // of the image that is loaded
 };
 
 }  // namespace

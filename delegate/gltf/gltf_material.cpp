@@ -146,7 +146,9 @@ class MaterialTranslator {
   void connect_texture(const char* input, const TextureUse& use, const char* color_space) {
     if (use.index < 0) return;
     const tinygltf::Texture& texture = document_.model.textures[size_t(use.index)];
-    if (texture.source < 0 || document_.images[size_t(texture.source)].authored.empty()) return;  // reported
+    // A texture without an image is passed on, too: the renderer tells what the picture lacks.
+    const AssetPath none{element_name("textures", size_t(use.index)), "", nullptr};
+    const AssetPath& image = texture.source < 0 ? none : document_.images[size_t(texture.source)];
     int wrap_s = TINYGLTF_TEXTURE_WRAP_REPEAT, wrap_t = TINYGLTF_TEXTURE_WRAP_REPEAT;
     if (texture.sampler >= 0) {
       wrap_s = document_.model.samplers[size_t(texture.sampler)].wrapS;
@@ -154,7 +156,7 @@ class MaterialTranslator {
     }
     MaterialNode& node = textures_[id_.append(input)];
     node.nodeTypeId = "AlabasterTexture";
-    node.parameters["file"] = document_.images[size_t(texture.source)];
+    node.parameters["file"] = image;
     node.parameters["sourceColorSpace"] = Token(color_space);
     node.parameters["wrapS"] = wrap_token(wrap_s);
     node.parameters["wrapT"] = wrap_token(wrap_t);
@@ -274,15 +276,15 @@ class MaterialTranslator {
 
   void report_unread() {
     if (material_.normalTexture.index >= 0)
-      report_.info("material.texture", element_ + ".normalTexture", "is not supported and is ignored");
+      report_.warning("material.texture", element_ + ".normalTexture", "is not supported and is ignored");
     if (material_.alphaMode != "OPAQUE")
-      report_.info("material.alpha", element_ + ".alphaMode", "is not supported; the surface is opaque");
+      report_.warning("material.alpha", element_ + ".alphaMode", "is not supported; the surface is opaque");
     for (const auto& [name, extension] : material_.extensions) {
       if (!extension.IsObject() || name == "ALAB_materials_disney") continue;
       for (const std::string& key : extension.Keys())
         if (is_texture(key) && key != "multiscatterColorTexture")  // set_subsurface() reports that one
-          report_.info("material.texture", element_ + ".extensions." + name + "." + key,
-                       "is not supported and is ignored");
+          report_.warning("material.texture", element_ + ".extensions." + name + "." + key,
+                          "is not supported and is ignored");
     }
   }
 

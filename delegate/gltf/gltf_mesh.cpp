@@ -126,7 +126,7 @@ std::optional<host::MeshDescription> translate_primitive(const Document& documen
   std::vector<Vec3f> points = read_vectors<Vec3f>(*positions);
   std::vector<Vec2f> st = read_st(document, primitive);
   if (primitive.attributes.count("COLOR_0"))
-    report.info("mesh.color", element + ".attributes.COLOR_0", "vertex colours are not supported and are ignored");
+    report.warning("mesh.color", element + ".attributes.COLOR_0", "vertex colours are not supported and are ignored");
   if (primitive.material >= 0)
     mesh.doubleSided = document.model.materials[size_t(primitive.material)].doubleSided;
   else

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <unordered_map>
+#include <map>
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -32,19 +32,8 @@ bool is_convex(const std::vector<Imath::V3d>& polygon) {
   return true;
 }
 
-template <size_t N>
-struct FloatKey {
-  std::array<uint32_t, N> bits;
-  bool operator==(const FloatKey&) const = default;
-};
-template <size_t N>
-struct FloatKeyHash {
-  size_t operator()(const FloatKey<N>& key) const {
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (const uint32_t word : key.bits) hash = (hash ^ word) * 0x100000001b3u;
-    return size_t(hash ^ hash >> 32);
-  }
-};
+// Ordered, not hashed: no choice of points makes finding one of them slow.
+using FloatKey = std::array<uint32_t, 3>;
 uint32_t float_bits(float value) {
   const float unsigned_zero = value == 0 ? 0.0f : value;  // -0 and 0 are the same place
   uint32_t bits;
@@ -55,10 +44,10 @@ uint32_t float_bits(float value) {
 class CageBuilder {
  public:
   CageBuilder(const std::vector<Vec3f>& points, const std::vector<Vec2f>& st) : points_(points), st_(st) {
-    std::unordered_map<FloatKey<3>, int32_t, FloatKeyHash<3>> places;
+    std::map<FloatKey, int32_t> places;
     welded_.reserve(points.size());
     for (const Vec3f& p : points) {
-      const FloatKey<3> key{{float_bits(p.x), float_bits(p.y), float_bits(p.z)}};
+      const FloatKey key{{float_bits(p.x), float_bits(p.y), float_bits(p.z)}};
       const auto [found, is_new] = places.try_emplace(key, int32_t(cage_.points.size()));
       if (is_new) cage_.points.push_back(p);
       welded_.push_back(found->second);
@@ -98,7 +87,7 @@ class CageBuilder {
   // Equal coordinates at one point become one value, so that only real seams are seams of the refined surface.
   int32_t st_index(uint32_t corner) {
     const Vec2f& value = st_[corner];
-    const FloatKey<3> key{{uint32_t(welded_[corner]), float_bits(value.x), float_bits(value.y)}};
+    const FloatKey key{{uint32_t(welded_[corner]), float_bits(value.x), float_bits(value.y)}};
     const auto [found, is_new] = st_values_.try_emplace(key, int32_t(cage_.st.size()));
     if (is_new) cage_.st.push_back(value);
     return found->second;
@@ -107,7 +96,7 @@ class CageBuilder {
   const std::vector<Vec3f>& points_;
   const std::vector<Vec2f>& st_;
   std::vector<int32_t> welded_;
-  std::unordered_map<FloatKey<3>, int32_t, FloatKeyHash<3>> st_values_;
+  std::map<FloatKey, int32_t> st_values_;
   Cage cage_;
 };
 

@@ -7,7 +7,8 @@
 
 namespace alabaster::hd::gltf {
 
-/// Puts the file before every element. After a hundred messages of a severity it only counts further ones. One thread.
+/// Puts the file before every element. After a hundred messages of a severity it only counts further ones, and finish()
+/// tells how many. One thread.
 class Report {
  public:
   Report(std::string file, DiagnosticSink sink) : file_(std::move(file)), sink_(std::move(sink)) {}
@@ -23,6 +24,7 @@ class Report {
   void info(const std::string& code, const std::string& element, const std::string& text) {
     send(Severity::info, code, element, text);
   }
+  void finish();
   bool failed() const { return counts_[int(Severity::error)] > 0; }
 
  private:

@@ -184,7 +184,9 @@ void hand_over(Prims prims, host::RetainedSceneDelegate* scene, GltfSummary* sum
 void load(const std::string& file, const GltfOptions& options, host::RetainedSceneDelegate* scene, Report& report,
           GltfSummary* summary) {
   Document document;
+  document.files.push_back(file);
   if (!read_document(file, options.max_file_bytes, report, &document)) return;
+  summary->files = document.files;
   summary->extensionsUsed = document.extensionsUsed;
   summary->extensionsRequired = document.extensionsRequired;
   summary->extensionsIgnored = document.extensionsIgnored;
@@ -208,6 +210,7 @@ GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::
   } catch (const std::exception& e) {
     report.error("internal", "", std::string("reading failed (") + e.what() + "); export the file again");
   }
+  report.finish();
   return summary;
 }
 

@@ -22,6 +22,7 @@ struct GltfSummary {
   bool ok = false;  // false: nothing was added, for the reason reported
   std::vector<Path> meshes, materials, cameras, lights;
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
+  std::vector<std::string> files;  // that were read: the document and its buffers
 };
 
 /// Adds the document's scene to `scene`. Never throws. Errors name the file, the element ("buffers[0].uri") and a

@@ -174,9 +174,12 @@ class Recording {
     const Borrowed borrowed(this);
     allocate();
     if (!sync()) return;
-    if (!interrupted() && have_buffers()) render();
+    if (!interrupted() && have_buffers() && scene_is_whole()) render();
     collect_stats();
-    if (rendered_ && (result_.status == RecordStatus::done || result_.status == RecordStatus::interrupted)) write();
+    const RecordStatus status = result_.status;
+    if (rendered_ &&
+        (status == RecordStatus::done || status == RecordStatus::degraded || status == RecordStatus::interrupted))
+      write();
   }
 
   void refuse_exception(const char* what) noexcept {
@@ -232,6 +235,18 @@ class Recording {
     return true;
   }
 
+  // A picture without its texture or light looks finished: nobody gets one without having asked for it.
+  bool scene_is_whole() {
+    const Dictionary stats = delegate_->GetRenderStats();
+    const auto faults = static_cast<uint64_t>(stat(stats, "scene.faultCount"));
+    if (faults == 0 || options_.keep_going) return true;
+    const bool memory = stat(stats, "scene.outOfMemory") != 0;
+    return refuse(memory ? RecordStatus::render_failed : RecordStatus::input_failed, "record.scene",
+                  std::to_string(faults) + (faults == 1 ? " fault" : " faults") +
+                      " of the scene (see above): nothing is rendered. Mend the scene, or render without what is "
+                      "missing (--keep-going)");
+  }
+
   RenderPassState pass_state() const {
     const RenderSettingsDescription& d = request_.description;
     const Rect2i window = d.window();
@@ -278,9 +293,12 @@ class Recording {
       stop = delegate_->HoldStopped();
       if (buffers_.contains("denoised")) buffer(buffers_["denoised"])->Resolve();  // denoises the samples so far
     }
-    if (pass->GetState() == PassState::failed) result_.status = RecordStatus::render_failed;
     result_.stats = delegate_->GetRenderStats();
-    if (options_.progress) options_.progress(progress());
+    if (pass->GetState() == PassState::failed)
+      result_.status = stat(result_.stats, "refused") != 0 ? RecordStatus::input_failed : RecordStatus::render_failed;
+    else if (result_.status == RecordStatus::done && result_.stats.contains("scene.faults"))
+      result_.status = RecordStatus::degraded;
+    if (options_.progress && pass->GetState() != PassState::failed) options_.progress(progress());
     pass.reset();
   }
 
@@ -319,6 +337,7 @@ class Recording {
                                                         {"renderSeconds", "totalClockTime"},
                                                         {"cpuSeconds", "cpuSeconds"},
                                                         {"denoiser", "denoiser"},
+                                                        {"sceneFaults", "scene.faults"},
                                                         {"peakMemory", "peakMemory"}};
     for (const auto& [name, key] : kept)
       if (const auto found = result_.stats.find(key); found != result_.stats.end())
@@ -342,7 +361,7 @@ class Recording {
     for (size_t i = 0; i < buffers.size(); ++i) {
       if (mapped[i] && mapped[i]->pixels.components > 0)
         image.aovs[buffers[i].first] = mapped[i]->pixels;
-      else if (result_.status == RecordStatus::done)
+      else if (result_.status != RecordStatus::interrupted)
         refuse(RecordStatus::render_failed, "record.buffer", "AOV '" + buffers[i].first + "' has no pixels");
     }
     if (result_.status != RecordStatus::render_failed) write_products(&image);
@@ -363,7 +382,7 @@ class Recording {
              "The picture could not be denoised: " + error->second.text_or("") + ". Files show it as it was rendered.");
       complete = false;
     }
-    if (!complete && result_.status == RecordStatus::done) result_.status = RecordStatus::output_failed;
+    if (!complete && result_.status != RecordStatus::interrupted) result_.status = RecordStatus::output_failed;
   }
 
   RenderIndex* index_;

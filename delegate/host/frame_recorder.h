@@ -9,7 +9,8 @@
 namespace alabaster::hd::host {
 
 /// `interrupted`: cancelled, or stopped by another thread, which alone may restart the delegate.
-enum class RecordStatus { done, input_failed, render_failed, output_failed, interrupted };
+/// `degraded`: rendered and written by RecordOptions::keep_going, although the scene has faults.
+enum class RecordStatus { done, input_failed, render_failed, output_failed, interrupted, degraded };
 
 struct RecordProgress {
   double fraction = 0;
@@ -22,6 +23,9 @@ struct RecordProgress {
 
 struct RecordOptions {
   OutputColors colors;
+  /// Renders a scene that has faults (see RenderDelegate::GetRenderStats) without what they leave out, and marks its
+  /// files with the attribute "alabaster/sceneFaults". Else such a scene is not rendered.
+  bool keep_going = false;
   std::vector<std::string> aovs;  // that `picture` gets besides those of the products
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.

@@ -16,9 +16,10 @@ Fault request_fault(const RenderSettingsDescription& d) {
   if (d.width < 1 || d.height < 1 || d.width > 65536 || d.height > 65536)
     return {"record.resolution", "width and height must be from 1 to 65536"};
   const auto fits = [](int first, int last) { return first < last && int64_t(last) - first <= 65536; };
-  if (!fits(window.minX, window.maxX) || !fits(window.minY, window.maxY) || !(d.pixelAspectRatio > 0))
+  const bool square_enough = d.pixelAspectRatio >= 1e-6f && d.pixelAspectRatio <= 1e6f;  // OpenEXR's limits
+  if (!fits(window.minX, window.maxX) || !fits(window.minY, window.maxY) || !square_enough)
     return {"record.framing",
-            "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio must be positive"};
+            "the crop must be 1 to 65536 pixels wide and high, and pixelAspectRatio from 1e-6 to 1e6"};
   if (!window.overlaps(d.frame_window()))
     return {"record.crop", "the crop lies wholly outside the frame of " + std::to_string(d.width) + " x " +
                                std::to_string(d.height) + " pixels"};

@@ -4,18 +4,16 @@
 #include <OpenImageIO/imageio.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <filesystem>
 #include <mutex>
 
 #include "core/color/color_config.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/host/product_plan.h"
-#include "delegate/support/atomic_file.h"
+#include "delegate/support/output_file.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -242,19 +240,9 @@ bool check_image(const RenderProduct& product, const ProductImage& image, Produc
   return true;
 }
 
-bool check_folder(const std::string& file, const DiagnosticSink& sink) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::path path(file);
-  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, error))
-    return fail(sink, "product.folder", file, "there is no folder '" + folder.string() + "'; create it");
-  if (fs::is_directory(path, error))
-    return fail(sink, "product.file", file, "a folder has this name; choose another name");
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    return fail(sink, "product.folder", file,
-                "the folder '" + folder.string() + "' is not writable; change its permissions or write elsewhere");
-  return true;
+bool check_output(const std::string& file, const DiagnosticSink& sink) {
+  const std::string fault = support::OutputFault(file);
+  return fault.empty() || fail(sink, "product.file", file, fault);
 }
 
 std::string lines(const std::string& title, const std::vector<std::string>& names) {
@@ -271,7 +259,7 @@ bool CheckProduct(const RenderProduct& product, const OutputColors& colors, cons
     std::string error;
     if (!PlanProduct(product, plan, error)) return fail(sink, "product.invalid", product.file, error);
     OutputTransform out;
-    return check_folder(product.file, sink) && make_output_transform(product, plan, colors, sink, out);
+    return check_output(product.file, sink) && make_output_transform(product, plan, colors, sink, out);
   } catch (const std::exception& e) {
     return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
   }
@@ -300,8 +288,8 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
     error = encode(spec, plan, rows, file);
     if (!error.empty())
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
-    error = support::WriteFileAtomically(product.file, file,
-                                         image.incomplete ? support::Flush::none : support::Flush::disk);
+    error =
+        support::WriteOutputFile(product.file, file, image.incomplete ? support::Flush::none : support::Flush::disk);
     if (!error.empty())
       return fail(sink, "product.write", product.file,
                   error + "; check the folder, its permissions and the space on the disk, or write elsewhere");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,8 @@ bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& 
   try {
     body();
     return true;
+  } catch (const std::bad_alloc&) {
+    report_exception(sink, where, "not enough memory");
   } catch (const std::exception& e) {
     report_exception(sink, where, e.what());
   } catch (...) {

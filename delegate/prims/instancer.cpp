@@ -20,6 +20,7 @@ void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyB
           record_.parent.empty() ? Array<int32_t>() : scene->GetInstanceIndices(record_.parent, GetId());
     param.post(GetId(), record_);
   });
+  set_sync_fault(param, GetId(), synced);
   if (synced) *bits = dirty::kClean;
 }
 

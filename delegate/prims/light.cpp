@@ -6,14 +6,15 @@
 namespace alabaster::hd::prims {
 namespace {
 
-std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id, SceneParam& param) {
+std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id, SceneParam& param,
+                                            std::optional<SceneFault>* fault) {
   const Value file = scene.GetLightParamValue(id, "texture:file");
   TextureSource source;
   source.path = file.text_or("");
   if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
   if (source.path.empty() && !source.bytes) return nullptr;
   source.wrap_t = Wrap::clamp;  // round the horizon, but not over the poles
-  return param.texture(source);
+  return param.texture(source, fault);
 }
 
 }  // namespace
@@ -29,8 +30,11 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
       report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &light_), value);
     }
   }
-  if ((bits & (dirty::kParams | dirty::kResource)) && light_.type == LightType::dome)
-    light_.texture = pull_texture(scene, GetId(), param);
+  if ((bits & (dirty::kParams | dirty::kResource)) && light_.type == LightType::dome) {
+    std::optional<SceneFault> fault;
+    light_.texture = pull_texture(scene, GetId(), param, &fault);
+    param.set_fault(GetId(), FaultStep::content, std::move(fault));
+  }
   param.post(GetId(), LightRecord{light_});
   return dirty::kClean;
 }

@@ -13,7 +13,9 @@ class MaterialReader {
   MaterialReader(const Path& id, const MaterialNetwork& network, SceneParam& param)
       : id_(id), network_(network), param_(param) {}
 
-  std::shared_ptr<const DisneyMaterial> read() {
+  /// *fault receives an image that cannot be read.
+  std::shared_ptr<const DisneyMaterial> read(std::optional<SceneFault>* fault) {
+    fault_ = fault;
     auto material = std::make_shared<DisneyMaterial>();
     material->name = id_.str();
     const MaterialNode* surface = find_surface();
@@ -110,7 +112,7 @@ class MaterialReader {
     const std::string st = parameter("st").text_or("st");
     if (!st.empty() && st != "st")
       warn("material.texture.st", "texture coordinates come from primvar 'st'; '" + st + "' is ignored");
-    return param_.texture(source);
+    return param_.texture(source, fault_);
   }
 
   Wrap wrap(const Value& value) const {
@@ -126,6 +128,7 @@ class MaterialReader {
   const Path& id_;
   const MaterialNetwork& network_;
   SceneParam& param_;
+  std::optional<SceneFault>* fault_ = nullptr;
 };
 
 }  // namespace
@@ -134,7 +137,9 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   if (!(bits & (dirty::kResource | dirty::kParams))) return dirty::kClean;
   MaterialNetwork network = scene.GetMaterialResource(GetId());
   if (network_ && *network_ == network) return dirty::kClean;
-  param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read()});
+  std::optional<SceneFault> fault;
+  param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read(&fault)});
+  param.set_fault(GetId(), FaultStep::content, std::move(fault));
   network_ = std::move(network);  // last: a network counts as known once it is posted
   return dirty::kClean;
 }

@@ -88,26 +88,38 @@ bool MeshPrim::build(SceneParam& param) {
   Cage cage = make_cage(pulled_, where, param.sink());
   std::shared_ptr<MeshPrototype> prototype;
   bool finished = true;
+  std::optional<SceneFault> fault;
+  const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
+    if (d.severity == alabaster::Severity::error) fault = SceneFault{true, d.text};
+    if (param.sink()) param.sink()(d);
+  };
   param.run([&] {
     if (param.cancelled()) {
       finished = false;
       return;
     }
-    if (!sanitize_cage(cage, where, param.sink())) return;
+    if (!sanitize_cage(cage, where, sink)) return;
     prototype = std::make_shared<MeshPrototype>();
     RefinementOptions options;
     options.level = std::clamp(pulled_.style.refineLevel, 0, 8);
     options.where = where;
     {
       const SyncClock::Running running(&param.clock, SyncPhase::refine);
-      prototype->mesh = build_mesh(cage, options, param.sink());
+      prototype->mesh = build_mesh(cage, options, sink);
     }
     const SyncClock::Running running(&param.clock, SyncPhase::bvh);
     if (!prototype->mesh.triangles.empty())
       prototype->object = build_object_scene(param.device(), prototype->mesh, [&param] { return param.cancelled(); });
     finished = !param.cancelled() || prototype->object;
+    if (finished && !prototype->mesh.triangles.empty() && !prototype->object) {
+      fault = SceneFault{
+          false, "not enough memory to trace " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
+      alabaster::report(param.sink(), alabaster::Severity::error, "mesh.memory", where,
+                        fault->text + "; lower its refineLevel, or render on a machine with more memory");
+    }
   });
   if (!finished) return false;
+  param.set_fault(GetId(), FaultStep::content, std::move(fault));
   record_.prototype = prototype && prototype->object ? std::move(prototype) : nullptr;
   return true;
 }

@@ -11,6 +11,11 @@
 
 namespace alabaster::hd::prims {
 
+/// Notes that a prim's Sync threw, or that it did not.
+inline void set_sync_fault(SceneParam& param, const Path& id, bool synced) {
+  param.set_fault(id, FaultStep::sync, synced ? std::nullopt : std::optional(SceneFault{false, "could not be synced"}));
+}
+
 /// A prim that is one record for the renderer. An exception in Sync is reported and leaves the bits as they were.
 template <class Base>
 class RecordedPrim : public Base {
@@ -19,7 +24,9 @@ class RecordedPrim : public Base {
   DirtyBits GetInitialDirtyBitsMask() const final { return dirty::kAll; }
   void Sync(SceneDelegate* scene, RenderParam* param, DirtyBits* bits) final {
     SceneParam& channel = SceneParam::of(param);
-    guarded(channel.sink(), this->GetId().str(), [&] { *bits = post_record(*scene, channel, *bits); });
+    const bool synced =
+        guarded(channel.sink(), this->GetId().str(), [&] { *bits = post_record(*scene, channel, *bits); });
+    set_sync_fault(channel, this->GetId(), synced);
   }
   void Finalize(RenderParam* param) final { SceneParam::of(param).remove(this->GetId()); }
 
@@ -71,7 +78,10 @@ inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "dista
 
 class LightPrim final : public RecordedPrim<Sprim> {
  public:
-  LightPrim(const Path& id, LightType type) : RecordedPrim(id) { light_.type = type; }
+  LightPrim(const Path& id, LightType type) : RecordedPrim(id) {
+    light_.type = type;
+    light_.name = id.str();
+  }
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;

@@ -10,7 +10,7 @@ SceneParam::~SceneParam() = default;
 
 // Two materials that ask for one image at the same moment both decode it, and one copy is kept: waiting for each other
 // inside Sync could make a thread wait for work that it has itself put aside.
-std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source) {
+std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault) {
   const auto held = [&]() -> std::shared_ptr<const Texture> {
     const auto [first, last] = textures_.equal_range(source.path);
     for (auto it = first; it != last; ++it)
@@ -23,8 +23,16 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source) 
     if (auto texture = held()) return texture;
   }
   std::shared_ptr<const Texture> loaded;
-  run([&] { loaded = load_texture(source, *colors_, sink_); });
-  if (!loaded) return nullptr;
+  bool input = true;
+  const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
+    input = d.code != "texture.memory";
+    if (sink_) sink_(d);
+  };
+  run([&] { loaded = load_texture(source, *colors_, sink); });
+  if (!loaded) {
+    *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
+    return nullptr;
+  }
   const std::lock_guard lock(mutex_);
   if (auto texture = held()) return texture;
   std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
@@ -50,6 +58,7 @@ void SceneParam::post(const Path& id, Record record) {
 }
 
 void SceneParam::remove(const Path& id) noexcept {
+  for (const FaultStep step : {FaultStep::sync, FaultStep::content}) set_fault(id, step, std::nullopt);
   guarded(sink_, id.str(), [&] { post(id, {}); });
 }
 
@@ -60,6 +69,26 @@ std::list<Edit> SceneParam::take_edits() noexcept {
     edits_ -= shard.edits.size();
     all.splice(all.end(), shard.edits);
   }
+  return all;
+}
+
+void SceneParam::set_fault(const Path& id, FaultStep step, std::optional<SceneFault> fault) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (!fault && faults_.empty()) return;
+  try {
+    if (fault)
+      faults_.insert_or_assign({id, step}, std::move(*fault));
+    else
+      faults_.erase({id, step});
+  } catch (const std::bad_alloc&) {
+    fault_without_memory_ = true;
+  }
+}
+
+SceneFaults SceneParam::faults() const {
+  const std::lock_guard lock(mutex_);
+  SceneFaults all = faults_;
+  if (fault_without_memory_) all[{Path(), FaultStep::sync}] = {false, "memory ran out"};
   return all;
 }
 

@@ -4,7 +4,9 @@
 #include <array>
 #include <atomic>
 #include <list>
+#include <map>
 #include <mutex>
+#include <optional>
 
 #include <tbb/task_arena.h>
 
@@ -21,6 +23,16 @@ struct Edit {
   Record record;  // monostate: the prim is gone
 };
 
+/// Something that a prim could not read, build or light as it was asked to. It has been reported as an error, and the
+/// frame is drawn without it.
+struct SceneFault {
+  bool input = true;  // false: memory or threads ran out
+  std::string text;
+};
+/// Faults by prim and by the step that found them; an empty path: the commit.
+enum class FaultStep { sync, content };
+using SceneFaults = std::map<std::pair<Path, FaultStep>, SceneFault>;
+
 class SceneParam final : public RenderParam {
  public:
   SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
@@ -32,8 +44,8 @@ class SceneParam final : public RenderParam {
   const alabaster::DiagnosticSink& sink() const { return sink_; }
   const std::shared_ptr<TraceDevice>& device() const { return device_; }
   const ColorConfig& colors() const { return *colors_; }
-  /// Shared by all materials and lights that name the same image; null (and reported) if it cannot be had.
-  std::shared_ptr<const Texture> texture(const TextureSource& source);
+  /// Shared by all materials and lights that name the same image; null (reported, and in *fault) if it cannot be had.
+  std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault);
   /// Runs heavy Sync work in the delegate's own arena: never in the host's, never on more than `threads` threads.
   template <class F>
   void run(F&& work) {
@@ -51,6 +63,11 @@ class SceneParam final : public RenderParam {
   bool has_edits() const { return edits_.load() != 0; }
   /// All edits since the last call; those of one prim in the order in which it posted them. Takes no memory.
   std::list<Edit> take_edits() noexcept;
+
+  /// Replaces what the step found before; none: the step went well. Never throws: where memory runs out, the fault is
+  /// kept without its text.
+  void set_fault(const Path& id, FaultStep step, std::optional<SceneFault> fault) noexcept;
+  SceneFaults faults() const;
 
   /// Keeps pixels that a host may still have mapped when their buffer was destroyed until the delegate dies.
   void keep(std::shared_ptr<const void> mapped);
@@ -75,7 +92,9 @@ class SceneParam final : public RenderParam {
   std::atomic<bool> cancelled_{false};
   std::atomic<size_t> edits_{0};
   std::array<Shard, 16> shards_;
-  std::mutex mutex_;  // guards what follows, for look-ups only
+  SceneFaults faults_;
+  bool fault_without_memory_ = false;  // for good: nothing tells whose it was
+  mutable std::mutex mutex_;           // guards faults_ and what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "delegate/prims/prims.h"
 #include "delegate/rendering/render_pass.h"
 
 namespace alabaster::hd::rendering {
@@ -149,7 +150,8 @@ void RenderCore::commit() {
   const auto start = std::chrono::steady_clock::now();
   if (!needs_commit() && edits_.empty() && !stale_) return;
   committed_ = true;
-  prims::guarded(param->sink(), "CommitResources", [&] { update_scene(); });
+  const bool updated = prims::guarded(param->sink(), "CommitResources", [&] { update_scene(); });
+  prims::set_sync_fault(*param, Path(), updated);
   failed_ = !snapshot();
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   commit_seconds_ = commit_seconds_ + spent.count();
@@ -167,6 +169,18 @@ std::string RenderCore::requirements() const {
 std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
   const std::lock_guard lock(mutex_);
   return snapshot_;
+}
+
+std::vector<std::string> RenderCore::scene_faults(bool* input) const {
+  std::vector<std::string> texts;
+  *input = true;
+  for (const auto& [place, fault] : param->faults()) {
+    texts.push_back((place.first.empty() ? "the scene" : place.first.str()) + ": " + fault.text);
+    *input = *input && fault.input;
+  }
+  if (const auto held = snapshot())
+    for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
+  return texts;
 }
 
 std::string RenderCore::commit_error() const {

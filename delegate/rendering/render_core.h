@@ -40,6 +40,9 @@ class RenderCore {
   // Any thread.
   std::shared_ptr<const SceneSnapshot> snapshot() const;
   std::string commit_error() const;
+  /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of
+  /// memory.
+  std::vector<std::string> scene_faults(bool* input) const;
   double commit_seconds() const { return commit_seconds_; }
 
   // The frame that was started last (host thread); null: none since the scene was edited.

@@ -113,6 +113,7 @@ void PassControl::start(PassInputs next) {
   active_ = true;
   cancelled_ = false;
   failed_ = false;
+  refused_ = !running_.error.empty() && running_.scene;
   finish_seen_ = false;
   {
     const std::lock_guard lock(error_mutex_);

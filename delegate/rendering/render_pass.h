@@ -45,6 +45,8 @@ class PassControl {
 
   PassState state() const;
   bool is_converged() const { return converged_; }
+  /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the machine has.
+  bool is_refused() const { return refused_; }
   RenderProgress progress() const { return session_->progress(); }
   std::string error() const;
   /// Bytes of the film that is or was rendered last.
@@ -66,7 +68,7 @@ class PassControl {
   std::atomic<bool> active_{false};  // running_ is being or has been drawn by session_
   std::atomic<bool> cancelled_{false};
   bool finish_seen_ = false;
-  std::atomic<bool> converged_{false}, failed_{false};
+  std::atomic<bool> converged_{false}, failed_{false}, refused_{false};
   mutable std::mutex error_mutex_;
   std::string error_;
   std::vector<std::pair<std::string, std::string>> reported_;  // host thread: faults of the last Execute

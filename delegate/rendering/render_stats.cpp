@@ -54,8 +54,11 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   const RenderProgress p = pass.progress();
   const uint64_t pixels = std::max(p.pixels, uint64_t(1));
   s["state"] = std::string(state_name(pass.state()));
-  s["fractionDone"] = pass.is_converged() ? 1.0 : p.fraction;
-  s["percentDone"] = pass.is_converged() ? 100.0 : 100.0 * p.fraction;
+  // No limit ends a render before each of its pixels has a sample.
+  const double first = static_cast<double>(p.samples_done) / static_cast<double>(pixels);
+  const double fraction = pass.is_converged() ? 1.0 : std::min(p.fraction, first);
+  s["fractionDone"] = fraction;
+  s["percentDone"] = 100.0 * fraction;
   s["totalClockTime"] = p.wall_seconds;
   s["cpuSeconds"] = p.cpu_seconds;
   s["renderProgressAnnotation"] = std::to_string(p.passes_done) + " passes";
@@ -82,6 +85,19 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
     s["suspectSample"] =
         std::to_string(suspect->x) + "," + std::to_string(suspect->y) + "," + std::to_string(suspect->sample);
   if (const std::string error = pass.error(); !error.empty()) s["error"] = error;
+  if (pass.is_refused()) s["refused"] = true;
+}
+
+void add_scene_faults(const RenderCore& core, Dictionary* stats) {
+  constexpr size_t kMostLines = 100;
+  bool input = true;
+  const std::vector<std::string> faults = core.scene_faults(&input);
+  if (faults.empty()) return;
+  std::string lines;
+  for (size_t i = 0; i < std::min(faults.size(), kMostLines); ++i) lines += (i ? "\n" : "") + faults[i];
+  (*stats)["scene.faults"] = lines;
+  (*stats)["scene.faultCount"] = count(faults.size());
+  (*stats)["scene.outOfMemory"] = !input;
 }
 
 }  // namespace
@@ -97,6 +113,7 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     const auto snapshot = core_->snapshot();
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
     stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
+    add_scene_faults(*core_, &stats);
     const auto refine = core_->param->clock.seconds(prims::SyncPhase::refine);
     const auto bvh = core_->param->clock.seconds(prims::SyncPhase::bvh);
     stats["sync.refineSeconds"] = refine.cpu;

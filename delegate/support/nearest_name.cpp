@@ -27,7 +27,9 @@ size_t distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string NearestName(const std::string& name, const std::vector<std::string>& known) {
+  constexpr size_t kLongestName = 200;  // beyond it nobody mistyped a name, and the search would take its square
   std::string nearest;
+  if (name.size() > kLongestName) return nearest;
   size_t fewest = 2 * std::max(size_t(2), name.size() / 3) + 1;
   for (const std::string& candidate : known) {
     const size_t steps = distance(name, candidate);

@@ -1,7 +1,8 @@
 #include "delegate/tradeoff/configurations.h"
 
+#include "delegate/tradeoff/name_pattern.h"
+
 #include <algorithm>
-#include <regex>
 #include <span>
 
 #include "delegate/description/quality_presets.h"
@@ -192,12 +193,12 @@ ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dicti
     std::erase_if(list.measured, [](const Configuration& configuration) { return configuration.group == kPresets; });
     return list;
   }
-  const std::regex pattern(only);
+  const NamePattern pattern(only);
   const auto unwanted = [&](const Configuration& configuration) {
-    return configuration.group != "base" && !std::regex_search(configuration.name, pattern);
+    return configuration.group != "base" && !pattern.matches(configuration.name);
   };
   std::erase_if(list.measured, unwanted);
-  std::erase_if(list.skipped, [&](const std::string& line) { return !std::regex_search(line, pattern); });
+  std::erase_if(list.skipped, [&](const std::string& line) { return !pattern.matches(line); });
   return list;
 }
 

@@ -14,7 +14,7 @@
 #include <iterator>
 #include <system_error>
 
-#include "delegate/support/atomic_file.h"
+#include "delegate/support/output_file.h"
 #include "delegate/tradeoff/temporary_folder.h"
 
 extern char** environ;
@@ -81,7 +81,7 @@ std::string draw_with_gnuplot(const std::function<std::string(const std::string&
   if (!problem.empty()) return problem;
   const std::string bytes = content_of(drawn);
   if (bytes.empty()) return "gnuplot drew nothing: " + content_of(folder.path() / "messages");
-  problem = hd::support::WriteFileAtomically(file, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  problem = hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
   return problem.empty() ? problem : "'" + file + "' cannot be written: " + problem + ".";
 }
 

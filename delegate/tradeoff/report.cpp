@@ -8,7 +8,7 @@
 #include <sstream>
 #include <thread>
 
-#include "delegate/support/atomic_file.h"
+#include "delegate/support/output_file.h"
 #include "delegate/tradeoff/plot.h"
 
 namespace alabaster::tradeoff {
@@ -289,8 +289,8 @@ std::vector<std::string> write_report(const StudyResult& result, const Configura
                                                        {"tradeoff.md", markdown_text(result, list, context)}};
   for (const auto& [name, text] : texts) {
     const std::string file = (folder / name).string();
-    keep(file, hd::support::WriteFileAtomically(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
-                                                hd::support::Flush::none));
+    keep(file, hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},
+                                            hd::support::Flush::none));
   }
   const Plot plot = plot_of(result, context);
   for (const char* name : {"tradeoff.svg", "tradeoff.png"}) {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "delegate/support/atomic_file.h"
+#include "delegate/support/output_file.h"
 
 namespace alabaster::tradeoff {
 namespace {
@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kFormat = 2;
+constexpr uint64_t kMostSamples = uint64_t(1) << 20;  // of a render setting
 
 std::string file_name(const StoredRender& render, const char* ending) {
   std::string name = render.configuration;
@@ -60,8 +61,8 @@ StoredRender from_json(const json& entry) {
 }
 
 std::string write(const fs::path& file, const void* bytes, size_t size) {
-  const std::string problem = hd::support::WriteFileAtomically(
-      file.string(), {static_cast<const uint8_t*>(bytes), size}, hd::support::Flush::none);
+  const std::string problem =
+      hd::support::WriteOutputFile(file.string(), {static_cast<const uint8_t*>(bytes), size}, hd::support::Flush::none);
   return problem.empty() ? "" : file.string() + " cannot be written: " + problem + ".";
 }
 
@@ -108,6 +109,10 @@ bool StudyStore::parse(const std::string& text) {
     state.at("referenceSamples").get_to(reference_samples);
     state.at("spentSeconds").get_to(spent);
     for (const json& entry : state.at("renders")) renders_.push_back(from_json(entry));
+    const auto possible = [](uint64_t samples) { return samples >= 1 && samples <= kMostSamples; };
+    for (const StoredRender& render : renders_)
+      if (!possible(render.samples)) return false;
+    if (reference_samples != 0 && !possible(reference_samples)) return false;
     return identity.width > 0 && identity.height > 0 && identity.width <= 65536 && identity.height <= 65536;
   } catch (const json::exception&) {
     return false;

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -20,7 +21,10 @@ namespace alabaster::cli {
 /// runs.
 class Program {
  public:
-  Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments) : folder_(folder) {
+  /// `prepare` runs in the child before the program does: it may set limits or redirect outputs.
+  Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+          const std::function<void()>& prepare = {})
+      : folder_(folder) {
     std::vector<std::string> words{ALABASTER_PROGRAM};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
@@ -35,6 +39,7 @@ class Program {
     const int err_file = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     if (dup2(out_file, STDOUT_FILENO) < 0 || dup2(err_file, STDERR_FILENO) < 0 || chdir(where.c_str()) != 0) _exit(99);
     unsetenv("OCIO");
+    if (prepare) prepare();
     execv(argv[0], argv.data());
     _exit(99);
   }
@@ -46,7 +51,8 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
-  void interrupt() const { kill(pid_, SIGINT); }
+  void interrupt() const { send(SIGINT); }
+  void send(int signal) const { kill(pid_, signal); }
   /// The exit code; -1 if a signal ended it.
   int wait() {
     int status = 0;

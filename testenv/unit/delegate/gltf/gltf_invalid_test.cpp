@@ -77,6 +77,13 @@ const std::vector<Case> kCases = {
     {"view length beyond integers", [](Json& d) { view(d)["byteLength"] = 1e18; }, "bufferViews[0].byteLength"},
     {"view that ends past its buffer", [](Json& d) { view(d)["byteOffset"] = 60; }, "bufferViews[0]"},
     {"image view longer than its buffer", [](Json& d) { d["bufferViews"][2]["byteLength"] = 4096; }, "bufferViews[2]"},
+    {"stride no multiple of four", [](Json& d) { view(d)["byteStride"] = 14; }, "bufferViews[0].byteStride"},
+    {"accessor zeros many times",
+     [](Json& d) {
+       accessor(d).erase("bufferView");
+       accessor(d)["count"] = 20000000;
+     },
+     "accessors[0]"},
     {"stride below the element", [](Json& d) { view(d)["byteStride"] = 4; }, "accessors[0]"},
     {"node cycle", [](Json& d) { d["nodes"][1]["children"] = {0}; }, "nodes[0]"},
     {"node its own child", [](Json& d) { d["nodes"][1]["children"] = {1}; }, "nodes[1]"},
@@ -323,6 +330,18 @@ TEST(GltfInvalid, EveryInvalidAssetIsRefusedOrWarnedOf) {
   }
   EXPECT_EQ(files, 163u);
   EXPECT_GE(refused, 80u);
+}
+
+TEST(GltfInvalid, AFileOfManyBuffersIsReadOnce) {
+  const TemporaryFolder folder;
+  folder.write("many.bin", std::string(1000, 'x'));
+  Json document = sound_document();
+  for (int i = 0; i < 2000; ++i) document["buffers"].push_back({{"uri", "many.bin"}, {"byteLength", 1000}});
+  GltfOptions options;
+  options.max_file_bytes = 1 << 20;
+  const Loaded loaded = load(folder.write("case.glb", make_glb(document.dump(), sound_binary())), options);
+  EXPECT_TRUE(loaded.summary.ok) << loaded.said();
+  EXPECT_EQ(loaded.summary.files.size(), 2u);
 }
 
 }  // namespace

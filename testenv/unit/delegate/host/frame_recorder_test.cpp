@@ -76,7 +76,7 @@ TEST(FrameRecorder, RefusesBeforeRenderingWhatCannotSucceed) {
   settings = settings_for(folder.path + "/frame.exr", 1);
   settings.camera = "/nowhere";
   stage.scene.SetRenderSettings("/camera_missing", settings);
-  EXPECT_EQ(record("/camera_missing"), RecordStatus::render_failed);
+  EXPECT_EQ(record("/camera_missing"), RecordStatus::input_failed);
   settings = settings_for(folder.path + "/frame.exr", 1);
   settings.crop = Rect2i{-2000000000, 0, 2000000000, 4};
   stage.scene.SetRenderSettings("/crop", settings);

@@ -183,6 +183,23 @@ TEST_F(Study, NothingIsLeftOfWhatCannotBeListedOrIsBegunAnew) {
   EXPECT_EQ(files(), 0);
 }
 
+TEST_F(Study, AStateWithImpossibleSamplesIsRefused) {
+  StudyStore first = open("a");
+  ASSERT_EQ(run(&first, 2), StudyOutcome::cancelled);
+  const fs::path file = folder_ / "a" / "state.json";
+  const auto state = nlohmann::json::parse(std::ifstream(file));
+  for (const uint64_t samples : {uint64_t(0), uint64_t(1) << 63}) {
+    for (const bool reference : {false, true}) {
+      auto damaged = state;
+      (reference ? damaged["referenceSamples"] : damaged["renders"][0]["samples"]) = samples;
+      if (reference && samples == 0) continue;  // none is chosen yet
+      std::ofstream(file) << damaged;
+      StudyStore store;
+      EXPECT_NE(store.open(folder_ / "a", false).find("--restart"), std::string::npos) << samples << reference;
+    }
+  }
+}
+
 TEST_F(Study, ForeignStateIsRefused) {
   fs::create_directories(folder_ / "a");
   std::ofstream(folder_ / "a" / "state.json") << R"({"format": 1, "scene": 7})";

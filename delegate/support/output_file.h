@@ -1,0 +1,23 @@
+// Files that a run writes. A regular file is there whole or as it was before, and keeps its mode; a name that is a
+// symbolic link stays one. FIFOs and character devices are written into. Nothing else is touched.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace alabaster::hd::support {
+
+/// disk: the call returns when the bytes are on the disk, where they outlive a loss of power.
+enum class Flush { disk, none };
+
+/// Checks, before there is anything to write, that `file` can be written: its folder, its name, its permissions and its
+/// kind. Returns nothing if so, else the reason with its remedy. The file is left as it is.
+std::string OutputFault(const std::string& file);
+
+/// Writes `bytes` to a file that nobody sees before it is complete. Returns nothing on success, else the reason; a
+/// regular file is then as it was before. Where the file system has files without a name, a process that is killed
+/// leaves nothing behind; elsewhere the next write into the folder removes what is left. Any thread.
+std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush = Flush::disk);
+
+}  // namespace alabaster::hd::support

@@ -1,0 +1,274 @@
+// The program with damaged, hostile and impossible input: an error is never exit 0, and outputs harm nothing.
+#include <OpenImageIO/imageio.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <nlohmann/json.hpp>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << "said: " << (text)
+
+class FaultsTest : public hd::description::SceneFiles {
+ protected:
+  struct Outcome {
+    int code;
+    std::string out, err;
+  };
+  Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const {
+    Program program(folder_, arguments, prepare);
+    const int code = program.wait();
+    return {code, program.out(), program.err()};
+  }
+  Outcome render(const std::string& scene, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> all{"render", scene, "--size", "16x12", "--spp", "1", "-o", "a.exr", "--stats", "s.json"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  }
+  nlohmann::json stats() const { return nlohmann::json::parse(std::ifstream(folder_ / "s.json")); }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder_ / name); }
+  std::string read(const std::string& name) const {
+    std::ifstream in(folder_ / name);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// The patch with `image` as the base colour of its material, by way of glTF.
+  void write_textured(const std::string& name, const std::string& image) const {
+    std::string text = hd::description::patch_gltf(true, true);
+    const std::string plain = R"("materials": [{"name": "skin"}])";
+    text.replace(text.find(plain), plain.size(),
+                 R"("materials": [{"name": "skin", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+                    "textures": [{"source": 0}], "images": [)" +
+                     image + "]");
+    write(name, text);
+  }
+  /// The rule for an image: input error, or with --keep-going rendered, marked, and a code of its own.
+  void expect_fault(const std::string& scene, const std::vector<std::string>& more = {}) const {
+    std::filesystem::remove(folder_ / "a.exr");
+    const Outcome strict = render(scene, more);
+    EXPECT_EQ(strict.code, 3) << strict.err;
+    EXPECT_HAS(strict.err, "error: ");
+    EXPECT_FALSE(exists("a.exr")) << scene;
+    std::vector<std::string> all = more;
+    all.push_back("--keep-going");
+    const Outcome kept = render(scene, all);
+    ASSERT_EQ(kept.code, 6) << kept.err;
+    EXPECT_HAS(kept.err, "error: ");
+    EXPECT_EQ(stats()["status"], "degraded");
+    EXPECT_EQ(stats()["faults"].size(), 1u);
+    const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
+    ASSERT_TRUE(exr) << OIIO::geterror();
+    EXPECT_NE(exr->spec().get_string_attribute("alabaster/sceneFaults"), "");
+  }
+};
+
+TEST_F(FaultsTest, AnImageThatCannotBeReadIsOneFaultWhereverItIsNamed) {
+  const std::string good = "\x89PNG\r\n\x1a\n";
+  write("cut.png", good + std::string("\0\0\0\x0dIHDR", 8));
+  write("text.png", "no image");
+  write_textured("cut.gltf", R"({"uri": "cut.png"})");
+  write_textured("text.gltf", R"({"uri": "text.png"})");
+  write_textured("absent.gltf", R"({"uri": "absent.png"})");
+  write_textured("data.gltf", R"({"uri": "data:image/png;base64,AAAA"})");
+  for (const char* scene : {"cut.gltf", "text.gltf", "absent.gltf", "data.gltf"}) expect_fault(scene);
+  for (const char* image : {"cut.png", "text.png", "absent.png"}) {
+    expect_fault("lit.gltf", {"--dome", image});
+    const std::string name = image;
+    write("dome.json", R"({"gltf": [{"file": "lit.gltf"}], "lights": [{"name": "d", "type": "domeLight",
+                           "texture:file": ")" +
+                           name + R"("}]})");
+    expect_fault("dome.json");
+    write("texture.json", R"({"gltf": [{"file": "lit.gltf"}], "materials": [{"match": "skin",
+                              "set": {"baseColor": {"file": ")" +
+                              name + R"("}}}]})");
+    expect_fault("texture.json");
+  }
+}
+
+TEST_F(FaultsTest, AnImageThatNothingUsesDoesNotCount) {
+  write_textured("unused.gltf", R"({"uri": "absent.png"})");
+  std::string text = read("unused.gltf");
+  const std::string bound = R"("material": 0)";
+  text.replace(text.find(bound), bound.size(), R"("mode": 4)");
+  write("unused.gltf", text);
+  EXPECT_EQ(render("unused.gltf").code, 0);
+}
+
+TEST_F(FaultsTest, ALightOutOfReachIsAFaultAndOneWithoutSizeAWarning) {
+  write("far.json", R"({"gltf": [{"file": "lit.gltf"}],
+                        "lights": [{"name": "k", "type": "sphereLight", "position": [1e300, 0, 0]}]})");
+  expect_fault("far.json");
+  write("flat.json", R"({"gltf": [{"file": "lit.gltf"}],
+                         "lights": [{"name": "k", "type": "rectLight", "width": 0, "position": [0, 0, 3]}]})");
+  const Outcome flat = render("flat.json", {"--quiet"});
+  EXPECT_EQ(flat.code, 0);
+  EXPECT_HAS(flat.err, "warning: /lights/k: ");
+}
+
+// A cage of 24 faces at level 8 has three million triangles, which 700 MB more than the program itself do not hold.
+TEST_F(FaultsTest, AMeshThatMemoryDoesNotHoldIsNoPicture) {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "sanitizers reserve all address space";
+#endif
+  write("fine.json", R"({"gltf": [{"file": "patch.gltf"}],
+                         "meshes": [{"match": "*", "scheme": "catmullClark", "refineLevel": 8}]})");
+  int ended_well = 0, ended_badly = 0;
+  for (const rlim_t megabytes : {600, 800, 1000, 1400, 2000, 8000}) {
+    std::filesystem::remove(folder_ / "s.json");
+    Program program(folder_,
+                    {"render", "fine.json", "--size", "16x12", "--spp", "1", "-o", "a.exr", "--stats", "s.json",
+                     "--threads", "1", "--keep-going"},
+                    [&] {
+                      const rlimit limit{megabytes << 20, megabytes << 20};
+                      setrlimit(RLIMIT_AS, &limit);
+                    });
+    const int code = program.wait();
+    (code == 0 ? ended_well : ended_badly) += 1;
+    EXPECT_NE(code, -1) << megabytes << ": " << program.err();
+    const bool said = program.err().find("error: ") != std::string::npos;
+    EXPECT_EQ(said, code != 0) << megabytes << ", exit " << code << ": " << program.err();
+    EXPECT_TRUE(!exists("s.json") || (stats()["status"] == "done") == (code == 0)) << megabytes;
+  }
+  EXPECT_GT(ended_well, 0);
+  EXPECT_GT(ended_badly, 0);
+}
+
+TEST_F(FaultsTest, UsageIsTwoAndInputIsThree) {
+  EXPECT_EQ(render("patch.gltf", {"-o", "b.png", "--view", "Flim"}).code, 2);
+  EXPECT_EQ(render("patch.gltf", {"--time-limit", "1e-300"}).code, 2);
+  write("view.json", R"({"gltf": [{"file": "patch.gltf"}], "products": [{"file": "b.png", "view": "Flim"}]})");
+  EXPECT_EQ(run({"render", "view.json", "--size", "16x12", "--spp", "1"}).code, 3);
+  write("thin.json", R"({"gltf": [{"file": "patch.gltf"}], "settings": {"pixelAspectRatio": 1e30}})");
+  EXPECT_EQ(render("thin.json").code, 3);
+  const Outcome large = run({"render", "patch.gltf", "--size", "65536x65536", "--spp", "1", "-o", "a.exr"});
+  EXPECT_EQ(large.code, 3) << large.err;
+  EXPECT_FALSE(exists("a.exr"));
+}
+
+TEST_F(FaultsTest, EmptyArgumentsAreErrors) {
+  const Outcome size = render("patch.gltf", {"--size", ""});
+  EXPECT_EQ(size.code, 2);
+  EXPECT_HAS(size.err, "the value of --size is empty");
+  EXPECT_EQ(render("patch.gltf", {"--camera="}).code, 2);
+  EXPECT_EQ(run({"info", ""}).code, 2);
+}
+
+TEST_F(FaultsTest, DeepValuesAreRefused) {
+  const Outcome deep = render("patch.gltf", {"--set", "samples=" + std::string(60000, '[')});
+  EXPECT_EQ(deep.code, 2);
+  EXPECT_LT(deep.err.size(), 8000u) << "nobody reads 60000 brackets";
+  EXPECT_EQ(run({"tradeoff", "patch.gltf", "--only", std::string(50000, '(')}).code, 2);
+}
+
+TEST_F(FaultsTest, AnInputIsNeverOverwritten) {
+  const std::string before = read("patch.gltf");
+  EXPECT_EQ(run({"render", "patch.gltf", "--size", "16x12", "--spp", "1", "-o", "a.exr", "--stats", "patch.gltf"}).code,
+            2);
+  EXPECT_EQ(read("patch.gltf"), before);
+  std::filesystem::create_symlink("patch.bin", folder_ / "b.exr");
+  EXPECT_EQ(render("patch.gltf", {"-o", "b.exr"}).code, 2);
+  EXPECT_EQ(read("patch.bin").size(), 60u);
+  write_image("sky.png");
+  EXPECT_EQ(render("patch.gltf", {"-o", "sky.png", "--dome", "sky.png"}).code, 2);
+  write("self.json", R"({"gltf": [{"file": "patch.gltf"}], "products": [{"file": "sky.png"}],
+                         "lights": [{"name": "d", "type": "domeLight", "texture:file": "sky.png"}]})");
+  EXPECT_EQ(run({"render", "self.json", "--size", "16x12", "--spp", "1"}).code, 3);
+  std::filesystem::copy(folder_ / "patch.gltf", folder_ / "tradeoff.png");
+  EXPECT_HAS(read("sky.png"), "RADIANCE");
+}
+
+TEST_F(FaultsTest, WhatIsLeftOutOfAFileIsAWarningThatQuietKeeps) {
+  std::string text = hd::description::patch_gltf(false, false);
+  const std::string plain = R"({"name": "skin"})";
+  text.replace(text.find(plain), plain.size(), R"({"name": "skin", "alphaMode": "BLEND"})");
+  write("blend.gltf", text);
+  const Outcome quiet = render("blend.gltf", {"--quiet"});
+  EXPECT_EQ(quiet.code, 0);
+  EXPECT_HAS(quiet.err, "warning: blend.gltf: materials[0].alphaMode: ");
+}
+
+TEST_F(FaultsTest, FloodsOfMessagesEndInACountAndControlCharactersAreShown) {
+  std::string many = R"({"materials": [)";
+  for (int i = 0; i < 5000; ++i) many += R"({"match": 1},)";
+  many.back() = ']';
+  write("flood.json", many + "}");
+  const Outcome flood = render("flood.json");
+  EXPECT_EQ(flood.code, 3);
+  EXPECT_LT(std::count(flood.err.begin(), flood.err.end(), '\n'), 110);
+  EXPECT_HAS(flood.err, " more ");
+  write("escape.json", "{\"\\u001b[31mred\\u0007\\u009b1m\\nerror: forged\": 1}");
+  const Outcome escape = render("escape.json");
+  EXPECT_EQ(escape.code, 3);
+  EXPECT_EQ(escape.err.find('\x1b'), std::string::npos) << escape.err;
+  EXPECT_EQ(escape.err.find("\nerror: forged"), std::string::npos) << escape.err;
+  EXPECT_HAS(escape.err, "\\x1b[31mred\\x07\\x9b1m");
+}
+
+TEST_F(FaultsTest, StandardOutputIsChecked) {
+  const auto closed = [] { close(STDOUT_FILENO); };
+  for (const char* command : {"schema", "ocio"}) {
+    std::vector<std::string> words{command};
+    if (words[0] == "schema") words.emplace_back("lights");
+    const Outcome outcome = run(words, closed);
+    EXPECT_EQ(outcome.code, 5) << command << outcome.err;
+  }
+  if (mknod((folder_ / "full").c_str(), S_IFCHR | 0600, makedev(1, 7)) != 0) return;  // only the superuser may
+  const std::string full = folder_ / "full";
+  EXPECT_EQ(run({"schema", "lights"}, [&] { dup2(open(full.c_str(), O_WRONLY), STDOUT_FILENO); }).code, 5);
+}
+
+TEST_F(FaultsTest, EverySignalThatEndsTheProgramKeepsThePicture) {
+  for (const int number : {SIGHUP, SIGTERM, SIGPIPE, SIGXCPU, SIGXFSZ}) {
+    std::filesystem::remove(folder_ / "a.exr");
+    Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "1000000", "-o", "a.exr"},
+                    [] { ::signal(SIGHUP, SIG_DFL); });
+    ASSERT_TRUE(program.wait_for("samples", 30)) << program.err();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    program.send(number);
+    EXPECT_EQ(program.wait(), 130) << number << program.err();
+    const auto exr = OIIO::ImageInput::open(folder_ / "a.exr");
+    ASSERT_TRUE(exr) << number << OIIO::geterror();
+    EXPECT_EQ(exr->spec().get_int_attribute("alabaster/incomplete", 0), 1);
+  }
+}
+
+TEST_F(FaultsTest, MessagesThatNobodyReadsKeepThePicture) {
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "3000", "-o", "a.exr"},
+                  [&] { dup2(ends[1], STDERR_FILENO); });
+  close(ends[1]);
+  char byte = 0;
+  std::string seen;
+  while (seen.find("samples") == std::string::npos && ::read(ends[0], &byte, 1) == 1) seen += byte;
+  close(ends[0]);
+  EXPECT_EQ(program.wait(), 130) << "ended by SIGPIPE as by Ctrl-C";
+  EXPECT_TRUE(exists("a.exr"));
+}
+
+TEST_F(FaultsTest, ALimitOnFileSizeLeavesNothingHalfWritten) {
+  const Outcome outcome = run({"render", "patch.gltf", "--size", "256x256", "--spp", "1", "-o", "a.exr"}, [] {
+    const rlimit limit{8192, 8192};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(outcome.code, 5) << outcome.err;
+  EXPECT_FALSE(exists("a.exr"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+}
+
+TEST_F(FaultsTest, ProgressTellsTheTruth) {
+  Program program(folder_, {"render", "patch.gltf", "--size", "1600x1200", "--threads", "1", "--time-limit", "0.001",
+                            "-o", "a.exr"});
+  EXPECT_EQ(program.wait(), 0) << program.err();
+  const size_t complete = program.err().find("100 %");
+  ASSERT_NE(complete, std::string::npos) << program.err();
+  EXPECT_EQ(program.err().find("100 %  0/"), std::string::npos) << program.err();
+}
+
+}  // namespace
+}  // namespace alabaster::cli

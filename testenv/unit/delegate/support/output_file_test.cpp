@@ -1,0 +1,147 @@
+// Outputs harm nothing: links, devices and read-only files stay as they are.
+#include "delegate/support/output_file.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+namespace alabaster::hd::support {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::temp_directory_path() / ("alabaster_" + name + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return folder_ / name; }
+  std::string put(const std::string& name, const std::string& text, mode_t mode = 0644) const {
+    std::ofstream(path(name)) << text;
+    ::chmod(path(name).c_str(), mode);
+    return path(name);
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    return WriteOutputFile(path(name), {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  }
+  std::string text(const std::string& name) const {
+    std::ifstream in(path(name));
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  size_t count() const { return size_t(std::distance(fs::directory_iterator(folder_), {})); }
+  mode_t mode(const std::string& name) const {
+    struct stat now = {};
+    return ::lstat(path(name).c_str(), &now) == 0 ? now.st_mode : 0;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(OutputFile, ANewFileIsMadeAndAnOldOneReplacedWithItsMode) {
+  EXPECT_EQ(write("a", "one"), "");
+  EXPECT_EQ(text("a"), "one");
+  put("b", "before", 0600);
+  EXPECT_EQ(write("b", "two"), "");
+  EXPECT_EQ(text("b"), "two");
+  EXPECT_EQ(mode("b"), mode_t(S_IFREG | 0600));
+  EXPECT_EQ(count(), 2u);
+}
+
+TEST_F(OutputFile, SymbolicLinksAreFollowed) {
+  put("target", "before");
+  fs::create_symlink("target", path("link"));
+  fs::create_symlink("later", path("dangling"));
+  EXPECT_EQ(write("link", "one"), "");
+  EXPECT_EQ(write("dangling", "two"), "");
+  EXPECT_TRUE(S_ISLNK(mode("link")) && S_ISLNK(mode("dangling")));
+  EXPECT_EQ(text("target"), "one");
+  EXPECT_EQ(text("later"), "two");
+  fs::create_symlink("circle", path("circle"));
+  EXPECT_NE(write("circle", "three"), "");
+  EXPECT_NE(OutputFault(path("circle")), "");
+}
+
+TEST_F(OutputFile, AReadOnlyFileIsKept) {
+  put("a", "before", 0444);
+  EXPECT_NE(OutputFault(path("a")).find("read-only"), std::string::npos);
+  EXPECT_NE(write("a", "after"), "");
+  EXPECT_EQ(text("a"), "before");
+}
+
+TEST_F(OutputFile, AFifoIsWrittenIntoAndStaysOne) {
+  ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
+  EXPECT_EQ(OutputFault(path("fifo")), "");
+  EXPECT_NE(write("fifo", "nobody reads"), "");
+  const int reader = ::open(path("fifo").c_str(), O_RDONLY | O_NONBLOCK);
+  EXPECT_EQ(write("fifo", "text"), "");
+  std::array<char, 8> bytes{};
+  EXPECT_EQ(::read(reader, bytes.data(), bytes.size()), 4);
+  EXPECT_EQ(std::string(bytes.data()), "text");
+  ::close(reader);
+  EXPECT_TRUE(S_ISFIFO(mode("fifo")));
+}
+
+TEST_F(OutputFile, ADeviceIsWrittenIntoAndStaysOne) {
+  if (::mknod(path("null").c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) {
+    std::printf("skipped: only the superuser makes device nodes\n");
+    return;
+  }
+  EXPECT_EQ(write("null", "text"), "");
+  EXPECT_TRUE(S_ISCHR(mode("null")));
+  ASSERT_EQ(::mknod(path("block").c_str(), S_IFBLK | 0600, makedev(7, 200)), 0);
+  EXPECT_NE(OutputFault(path("block")), "");
+  EXPECT_NE(write("block", "text"), "");
+  EXPECT_TRUE(S_ISBLK(mode("block")));
+}
+
+TEST_F(OutputFile, WhatCannotBeWrittenIsSaidBefore) {
+  EXPECT_EQ(OutputFault(path("fine")), "");
+  EXPECT_EQ(OutputFault(path(std::string(250, 'n') + ".exr")), "");
+  EXPECT_EQ(write(std::string(250, 'n') + ".ex", "text"), "");
+  EXPECT_NE(OutputFault(path(std::string(256, 'n'))).find("longer than 255"), std::string::npos);
+  EXPECT_NE(OutputFault(path("absent/a")), "");
+  EXPECT_NE(OutputFault(folder_.string()), "");
+  EXPECT_NE(OutputFault("/proc/a"), "");
+  EXPECT_NE(OutputFault(""), "");
+  EXPECT_EQ(count(), 1u) << "the check leaves nothing behind";
+}
+
+// The temporary file of a process that was killed has no lock any more; that of a living one has.
+TEST_F(OutputFile, OnlyStaleTemporaryFilesAreRemoved) {
+  put(".alabaster-1-0.tmp", "of a run that was killed");
+  const int living = ::open(put(".alabaster-2-0.tmp", "of a run that writes").c_str(), O_RDWR);
+  ASSERT_EQ(::flock(living, LOCK_EX), 0);
+  put("other.tmp", "not ours");
+  EXPECT_EQ(write("a", "text"), "");
+  EXPECT_FALSE(fs::exists(path(".alabaster-1-0.tmp")));
+  EXPECT_TRUE(fs::exists(path(".alabaster-2-0.tmp")));
+  EXPECT_TRUE(fs::exists(path("other.tmp")));
+  ::close(living);
+}
+
+TEST_F(OutputFile, ThreadsReplaceOneFileWhole) {
+  const std::string a(100000, 'a'), b(100000, 'b');
+  std::thread first([&] {
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(write("x", a), "");
+  });
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(write("x", b), "");
+  first.join();
+  EXPECT_TRUE(text("x") == a || text("x") == b);
+  EXPECT_EQ(count(), 1u);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::support
