@@ -20,11 +20,12 @@ void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyB
           record_.parent.empty() ? Array<int32_t>() : scene->GetInstanceIndices(record_.parent, GetId());
     param.post(GetId(), record_);
   });
-  set_sync_fault(param, GetId(), synced);
+  param.set_failed(&failed_, !synced);
   if (synced) *bits = dirty::kClean;
 }
 
 void InstancerPrim::Finalize(RenderParam* param) {
+  SceneParam::of(param).set_failed(&failed_, false);
   SceneParam::of(param).remove(GetId());
 }
 

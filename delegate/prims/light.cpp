@@ -33,7 +33,7 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
   if ((bits & (dirty::kParams | dirty::kResource)) && light_.type == LightType::dome) {
     std::optional<SceneFault> fault;
     light_.texture = pull_texture(scene, GetId(), param, &fault);
-    param.set_fault(GetId(), FaultStep::content, std::move(fault));
+    param.set_fault(GetId(), std::move(fault));
   }
   param.post(GetId(), LightRecord{light_});
   return dirty::kClean;

@@ -139,7 +139,7 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   if (network_ && *network_ == network) return dirty::kClean;
   std::optional<SceneFault> fault;
   param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read(&fault)});
-  param.set_fault(GetId(), FaultStep::content, std::move(fault));
+  param.set_fault(GetId(), std::move(fault));
   network_ = std::move(network);  // last: a network counts as known once it is posted
   return dirty::kClean;
 }

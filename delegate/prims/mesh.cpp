@@ -119,7 +119,7 @@ bool MeshPrim::build(SceneParam& param) {
     }
   });
   if (!finished) return false;
-  param.set_fault(GetId(), FaultStep::content, std::move(fault));
+  param.set_fault(GetId(), std::move(fault));
   record_.prototype = prototype && prototype->object ? std::move(prototype) : nullptr;
   return true;
 }

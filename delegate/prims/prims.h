@@ -11,11 +11,6 @@
 
 namespace alabaster::hd::prims {
 
-/// Notes that a prim's Sync threw, or that it did not.
-inline void set_sync_fault(SceneParam& param, const Path& id, bool synced) {
-  param.set_fault(id, FaultStep::sync, synced ? std::nullopt : std::optional(SceneFault{false, "could not be synced"}));
-}
-
 /// A prim that is one record for the renderer. An exception in Sync is reported and leaves the bits as they were.
 template <class Base>
 class RecordedPrim : public Base {
@@ -26,13 +21,17 @@ class RecordedPrim : public Base {
     SceneParam& channel = SceneParam::of(param);
     const bool synced =
         guarded(channel.sink(), this->GetId().str(), [&] { *bits = post_record(*scene, channel, *bits); });
-    set_sync_fault(channel, this->GetId(), synced);
+    channel.set_failed(&failed_, !synced);
   }
-  void Finalize(RenderParam* param) final { SceneParam::of(param).remove(this->GetId()); }
+  void Finalize(RenderParam* param) final {
+    SceneParam::of(param).set_failed(&failed_, false);
+    SceneParam::of(param).remove(this->GetId());
+  }
 
  private:
   /// Pulls what is dirty and posts the record. Returns the bits that are still dirty.
   virtual DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) = 0;
+  bool failed_ = false;
 };
 
 /// A mesh is refined and its BVH built only when its shape changed; transform, visibility, material and instancing cost
@@ -62,6 +61,7 @@ class InstancerPrim final : public Instancer {
 
  private:
   InstancerRecord record_;
+  bool failed_ = false;
 };
 
 class MaterialPrim final : public RecordedPrim<Sprim> {

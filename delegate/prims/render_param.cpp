@@ -58,8 +58,10 @@ void SceneParam::post(const Path& id, Record record) {
 }
 
 void SceneParam::remove(const Path& id) noexcept {
-  for (const FaultStep step : {FaultStep::sync, FaultStep::content}) set_fault(id, step, std::nullopt);
-  guarded(sink_, id.str(), [&] { post(id, {}); });
+  guarded(sink_, id.str(), [&] {
+    set_fault(id, std::nullopt);
+    post(id, {});
+  });
 }
 
 std::list<Edit> SceneParam::take_edits() noexcept {
@@ -72,24 +74,17 @@ std::list<Edit> SceneParam::take_edits() noexcept {
   return all;
 }
 
-void SceneParam::set_fault(const Path& id, FaultStep step, std::optional<SceneFault> fault) noexcept {
+void SceneParam::set_fault(const Path& id, std::optional<SceneFault> fault) {
   const std::lock_guard lock(mutex_);
-  if (!fault && faults_.empty()) return;
-  try {
-    if (fault)
-      faults_.insert_or_assign({id, step}, std::move(*fault));
-    else
-      faults_.erase({id, step});
-  } catch (const std::bad_alloc&) {
-    fault_without_memory_ = true;
-  }
+  if (fault)
+    faults_.insert_or_assign(id, std::move(*fault));
+  else
+    faults_.erase(id);
 }
 
-SceneFaults SceneParam::faults() const {
+std::map<Path, SceneFault> SceneParam::faults() const {
   const std::lock_guard lock(mutex_);
-  SceneFaults all = faults_;
-  if (fault_without_memory_) all[{Path(), FaultStep::sync}] = {false, "memory ran out"};
-  return all;
+  return faults_;
 }
 
 void SceneParam::keep(std::shared_ptr<const void> mapped) {

@@ -29,10 +29,6 @@ struct SceneFault {
   bool input = true;  // false: memory or threads ran out
   std::string text;
 };
-/// Faults by prim and by the step that found them; an empty path: the commit.
-enum class FaultStep { sync, content };
-using SceneFaults = std::map<std::pair<Path, FaultStep>, SceneFault>;
-
 class SceneParam final : public RenderParam {
  public:
   SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
@@ -64,10 +60,15 @@ class SceneParam final : public RenderParam {
   /// All edits since the last call; those of one prim in the order in which it posted them. Takes no memory.
   std::list<Edit> take_edits() noexcept;
 
-  /// Replaces what the step found before; none: the step went well. Never throws: where memory runs out, the fault is
-  /// kept without its text.
-  void set_fault(const Path& id, FaultStep step, std::optional<SceneFault> fault) noexcept;
-  SceneFaults faults() const;
+  /// The fault that a prim's last Sync found; none: it went well.
+  void set_fault(const Path& id, std::optional<SceneFault> fault);
+  std::map<Path, SceneFault> faults() const;
+  /// Counts the prims whose last Sync threw. `held` is the prim's own note of it. Takes no memory.
+  void set_failed(bool* held, bool failed) noexcept {
+    if (*held != failed) failed_ += failed ? 1 : -1;
+    *held = failed;
+  }
+  int failed() const { return failed_; }
 
   /// Keeps pixels that a host may still have mapped when their buffer was destroyed until the delegate dies.
   void keep(std::shared_ptr<const void> mapped);
@@ -91,10 +92,10 @@ class SceneParam final : public RenderParam {
   std::atomic<uint32_t> threads_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<size_t> edits_{0};
+  std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
-  SceneFaults faults_;
-  bool fault_without_memory_ = false;  // for good: nothing tells whose it was
-  mutable std::mutex mutex_;           // guards faults_ and what follows, for look-ups only
+  std::map<Path, SceneFault> faults_;
+  mutable std::mutex mutex_;  // guards faults_ and what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;

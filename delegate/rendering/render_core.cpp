@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "delegate/prims/prims.h"
 #include "delegate/rendering/render_pass.h"
 
 namespace alabaster::hd::rendering {
@@ -151,7 +150,7 @@ void RenderCore::commit() {
   if (!needs_commit() && edits_.empty() && !stale_) return;
   committed_ = true;
   const bool updated = prims::guarded(param->sink(), "CommitResources", [&] { update_scene(); });
-  prims::set_sync_fault(*param, Path(), updated);
+  param->set_failed(&commit_failed_, !updated);
   failed_ = !snapshot();
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   commit_seconds_ = commit_seconds_ + spent.count();
@@ -174,9 +173,13 @@ std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
 std::vector<std::string> RenderCore::scene_faults(bool* input) const {
   std::vector<std::string> texts;
   *input = true;
-  for (const auto& [place, fault] : param->faults()) {
-    texts.push_back((place.first.empty() ? "the scene" : place.first.str()) + ": " + fault.text);
+  for (const auto& [prim, fault] : param->faults()) {
+    texts.push_back(prim.str() + ": " + fault.text);
     *input = *input && fault.input;
+  }
+  if (const int failed = param->failed(); failed > 0) {
+    texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
+    *input = false;
   }
   if (const auto held = snapshot())
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");

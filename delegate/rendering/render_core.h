@@ -80,8 +80,9 @@ class RenderCore {
   prims::SceneTranslator translator_;
   prims::Translation translation_;
   uint64_t scene_number_ = 0;
-  bool committed_ = false;  // once
-  bool stale_ = true;       // the snapshot does not show the records
+  bool committed_ = false;      // once
+  bool commit_failed_ = false;  // the last one threw
+  bool stale_ = true;           // the snapshot does not show the records
 
   std::shared_ptr<const RenderRequest> last_request_;
   std::shared_ptr<const Denoiser> denoiser_;

@@ -73,8 +73,12 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
     in.error = fault;
   else if (state.framing.valid())
     in.framed = frame_camera(*parameters, state.framing, state.windowPolicy);
+  in.refused = in.scene && !in.error.empty();
   if (in.error.empty()) choose_denoiser(&in);
-  if (in.error.empty()) in.error = memory_fault(in);
+  if (in.error.empty()) {
+    in.error = memory_fault(in);
+    in.refused = !in.error.empty();
+  }
   if (!in.error.empty()) faults->push_back({alabaster::Severity::error, "pass.failed", camera.str(), in.error});
   return in;
 }
@@ -113,7 +117,7 @@ void PassControl::start(PassInputs next) {
   active_ = true;
   cancelled_ = false;
   failed_ = false;
-  refused_ = !running_.error.empty() && running_.scene;
+  refused_ = running_.refused;
   finish_seen_ = false;
   {
     const std::lock_guard lock(error_mutex_);

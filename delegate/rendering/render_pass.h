@@ -23,7 +23,8 @@ struct PassInputs {
   std::vector<Binding> bindings;
   std::shared_ptr<const Denoiser> denoiser;  // null: no binding shows its picture
   uint64_t restarts = 0;
-  std::string error;  // why nothing can be drawn; empty: it can
+  std::string error;     // why nothing can be drawn; empty: it can
+  bool refused = false;  // because of what was asked for
   bool operator==(const PassInputs&) const = default;
 };
 
