@@ -34,8 +34,8 @@ struct ConfigurationList {
 };
 
 /// `scene_settings` are the scene's own. `known` are the renderer's settings; a knob that is not among them is left
-/// out. The base is always measured, and further configurations only if `only` matches their names (std::regex; throws
-/// std::regex_error).
+/// out. The base is always measured, and further configurations only if `only` matches their names (a NamePattern; a
+/// faulty one matches nothing).
 ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dictionary& scene_settings,
                                       const std::vector<hd::RenderSettingDescriptor>& known, const std::string& only);
 

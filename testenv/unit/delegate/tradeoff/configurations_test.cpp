@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <regex>
 #include <set>
 
 #include "delegate/description/quality_presets.h"
@@ -94,7 +93,7 @@ TEST(Configurations, PresetsAreMeasuredWhereTheyAreAskedFor) {
 TEST(Configurations, OnlySelects) {
   EXPECT_EQ(names(make_configurations({true, 0}, {}, known(), "^lambert$|maxDepth")),
             (std::set<std::string>{"walk", "lambert", "maxDepth=2", "maxDepth=4", "maxDepth=8", "maxDepth=16"}));
-  EXPECT_THROW(make_configurations({true, 0}, {}, known(), "("), std::regex_error);
+  EXPECT_EQ(make_configurations({true, 0}, {}, known(), "(").measured.size(), 1u) << "a faulty pattern matches nothing";
 }
 
 }  // namespace
