@@ -25,6 +25,10 @@ struct Mesh {
   Bounds bounds;
   bool closed = false;  // every edge is shared by an even number (>= 2) of triangles, after welding points by position
 
+  /// The cage's face that a triangle is part of.
+  int element(uint32_t triangle) const {
+    return triangle_face.empty() ? static_cast<int>(triangle) : triangle_face[triangle];
+  }
   size_t memory_bytes() const;
 };
 

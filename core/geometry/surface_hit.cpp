@@ -10,6 +10,13 @@ namespace {
 
 using Corners = std::array<uint32_t, 3>;
 
+const Corners& normal_corners(const Mesh& mesh, uint32_t triangle) {
+  return mesh.normal_triangles.empty() ? mesh.triangles[triangle] : mesh.normal_triangles[triangle];
+}
+const Corners& uv_corners(const Mesh& mesh, uint32_t triangle) {
+  return mesh.uv_triangles.empty() ? mesh.triangles[triangle] : mesh.uv_triangles[triangle];
+}
+
 // 2^-exponent of x: multiplying by it brings x near 1 without rounding (x normal and finite, else 1).
 float exact_reciprocal_scale(float x) {
   const uint32_t exponent = (std::bit_cast<uint32_t>(x) >> 23) & 0xff;
@@ -64,14 +71,14 @@ float render_offset(float m, const Vec3f& ng, const Affine& to_render, const Aff
 // The interpolated normal in object space. Three corners that all point inward are taken as authored for the other
 // side; a single one that leans over the horizon is left to the caller, who bends the result.
 Vec3f interpolated_normal(const Mesh& mesh, const TriangleHit& hit, const Vec3f& ng_object) {
-  const Corners& c = mesh.normal_triangles.empty() ? mesh.triangles[hit.triangle] : mesh.normal_triangles[hit.triangle];
+  const Corners& c = normal_corners(mesh, hit.triangle);
   const Vec3f &n0 = mesh.normals[c[0]], &n1 = mesh.normals[c[1]], &n2 = mesh.normals[c[2]];
   const Vec3f n = n0 * (1 - hit.u - hit.v) + n1 * hit.u + n2 * hit.v;
   const bool reversed = dot(n0, ng_object) < 0 && dot(n1, ng_object) < 0 && dot(n2, ng_object) < 0;
   return reversed ? -n : n;
 }
 
-Vec3f shading_normal(const Mesh& mesh, const TriangleHit& hit, const SurfaceHit& s, const Affine& render_to_object) {
+Vec3f shading_normal(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& s, const Affine& render_to_object) {
   if (mesh.normals.empty()) return s.ng;
   const Vec3f ns = unit_or(render_to_object.transpose_vector(interpolated_normal(mesh, hit, s.ng_object)), s.ng);
   const float cosine = dot(ns, s.ng);
@@ -86,7 +93,7 @@ struct TextureFrame {
 
 TextureFrame texture_frame(const Mesh& mesh, const TriangleHit& hit, const Vec3f& e1, const Vec3f& e2) {
   if (mesh.uvs.empty()) return {};
-  const Corners& c = mesh.uv_triangles.empty() ? mesh.triangles[hit.triangle] : mesh.uv_triangles[hit.triangle];
+  const Corners& c = uv_corners(mesh, hit.triangle);
   const Vec2f &t0 = mesh.uvs[c[0]], &t1 = mesh.uvs[c[1]], &t2 = mesh.uvs[c[2]];
   const Vec2f d1 = t1 - t0, d2 = t2 - t0;
   const float determinant = d1.x * d2.y - d2.x * d1.y;
@@ -96,40 +103,64 @@ TextureFrame texture_frame(const Mesh& mesh, const TriangleHit& hit, const Vec3f
   return frame;
 }
 
+// The triangle in its own space.
+struct Facet {
+  const Vec3f &p0, &p1, &p2;
+  Vec3f e1 = p1 - p0, e2 = p2 - p0;
+  float scale = exact_reciprocal_scale(std::max(max_abs_component(e1), max_abs_component(e2)));
+
+  Facet(const Mesh& mesh, const Corners& c) : p0(mesh.points[c[0]]), p1(mesh.points[c[1]]), p2(mesh.points[c[2]]) {}
+  float largest_coordinate() const {
+    return std::max(max_abs_component(p0), std::max(max_abs_component(p1), max_abs_component(p2)));
+  }
+};
+
+inline void set_point(const Mesh& mesh, const TriangleHit& hit, const Facet& f, const Affine& object_to_render,
+                      const Affine& render_to_object, SurfacePoint* s) {
+  s->p_object = f.p0 * (1 - hit.u - hit.v) + f.p1 * hit.u + f.p2 * hit.v;
+  s->ng_object = unit_or(cross(f.e1 * f.scale, f.e2 * f.scale), Vec3f(0, 0, 1));
+  s->p = object_to_render.point(s->p_object);
+  s->ng = unit_or(render_to_object.transpose_vector(s->ng_object), s->ng_object);
+  s->ns = shading_normal(mesh, hit, *s, render_to_object);
+  // The vertices bound the error, not the hit: a ray in the middle of a large triangle still meets its far corners.
+  const float m = f.largest_coordinate();
+  s->offset = render_offset(m, s->ng, object_to_render, render_to_object);
+  s->offset_object = kRoundings * (plane_error(m, s->ng_object) + m);
+}
+
 }  // namespace
 
-SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
-                       const Affine& render_to_object) {
-  const Corners& c = mesh.triangles[hit.triangle];
-  const Vec3f &p0 = mesh.points[c[0]], &p1 = mesh.points[c[1]], &p2 = mesh.points[c[2]];
-  const Vec3f e1 = p1 - p0, e2 = p2 - p0;
-  const float scale = exact_reciprocal_scale(std::max(max_abs_component(e1), max_abs_component(e2)));
+void prefetch_corners(const Mesh& mesh, uint32_t triangle, Attributes attributes) {
+  for (const uint32_t c : mesh.triangles[triangle]) __builtin_prefetch(&mesh.points[c]);
+  if (!mesh.normals.empty())
+    for (const uint32_t c : normal_corners(mesh, triangle)) __builtin_prefetch(&mesh.normals[c]);
+  if (attributes == Attributes::normals_and_uvs && !mesh.uvs.empty())
+    for (const uint32_t c : uv_corners(mesh, triangle)) __builtin_prefetch(&mesh.uvs[c]);
+}
 
-  SurfaceHit s;
-  s.p_object = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v;
-  s.ng_object = unit_or(cross(e1 * scale, e2 * scale), Vec3f(0, 0, 1));
-  s.p = object_to_render.point(s.p_object);
-  s.ng = unit_or(render_to_object.transpose_vector(s.ng_object), s.ng_object);
-  s.ns = shading_normal(mesh, hit, s, render_to_object);
-
-  const TextureFrame frame = texture_frame(mesh, hit, e1 * scale, e2 * scale);
-  s.uv = frame.uv;
-  s.dpdu = unit_or(object_to_render.vector(frame.dpdu), frame_from_normal(s.ns).s);
-  s.element = mesh.triangle_face.empty() ? static_cast<int>(hit.triangle) : mesh.triangle_face[hit.triangle];
-  s.material = mesh.triangle_material.empty() ? 0 : mesh.triangle_material[hit.triangle];
-
-  // The vertices bound the error, not the hit: a ray in the middle of a large triangle still meets its far corners.
-  const float m = std::max(max_abs_component(p0), std::max(max_abs_component(p1), max_abs_component(p2)));
-  s.offset = render_offset(m, s.ng, object_to_render, render_to_object);
-  s.offset_object = kRoundings * (plane_error(m, s.ng_object) + m);
+SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
+                           const Affine& render_to_object) {
+  SurfacePoint s;
+  set_point(mesh, hit, Facet(mesh, mesh.triangles[hit.triangle]), object_to_render, render_to_object, &s);
   return s;
 }
 
-Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfaceHit& side,
+SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
+                       const Affine& render_to_object) {
+  SurfaceHit s;
+  const Facet f(mesh, mesh.triangles[hit.triangle]);
+  set_point(mesh, hit, f, object_to_render, render_to_object, &s);
+  const TextureFrame frame = texture_frame(mesh, hit, f.e1 * f.scale, f.e2 * f.scale);
+  s.uv = frame.uv;
+  s.dpdu = unit_or(object_to_render.vector(frame.dpdu), frame_from_normal(s.ns).s);
+  return s;
+}
+
+Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& side,
                       const Affine& object_to_render) {
   if (mesh.normals.empty()) return Vec3f(0, 0, 0);
   const Corners& points = mesh.triangles[hit.triangle];
-  const Corners& normals = mesh.normal_triangles.empty() ? points : mesh.normal_triangles[hit.triangle];
+  const Corners& normals = normal_corners(mesh, hit.triangle);
   const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
   const bool reversed =
       dot(mesh.normals[normals[0]] + mesh.normals[normals[1]] + mesh.normals[normals[2]], side.ng_object) < 0;

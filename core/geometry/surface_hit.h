@@ -8,18 +8,20 @@
 
 namespace alabaster {
 
-struct SurfaceHit {
+/// Where on the surface, and how it lies: enough for light that leaves a body.
+struct SurfacePoint {
   Vec3f p;           // render space, from the barycentric coordinates: on the triangle whatever the ray's length was
   Vec3f ng;          // unit, outward: the side from which the triangle winds counter-clockwise in object space
   Vec3f ns;          // unit shading normal, dot(ns, ng) >= 0
-  Vec3f dpdu;        // unit direction in which u grows; some direction perpendicular to ns when there are no uvs
-  Vec2f uv{0, 0};    // v up
-  int element = -1;  // face of the cage
-  int material = 0;  // slot
   float offset = 0;  // for offset_point(p, +-ng, offset), then traced in the scene of instances
   Vec3f p_object;    // object space
   Vec3f ng_object;   // unit
   float offset_object = 0;  // for offset_point(p_object, +-ng_object, offset_object), then traced in the ObjectScene
+};
+
+struct SurfaceHit : SurfacePoint {
+  Vec3f dpdu;      // unit direction in which u grows; some direction perpendicular to ns when there are no uvs
+  Vec2f uv{0, 0};  // v up
 };
 
 /// `hit` must come from tracing `mesh` under `object_to_render`; `render_to_object` is its inverse. Normals stay
@@ -27,12 +29,29 @@ struct SurfaceHit {
 /// two scales the result exactly (no absolute epsilon).
 SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                        const Affine& render_to_object);
+/// The same without what textures need.
+SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
+                           const Affine& render_to_object);
+
+/// Rays hit triangles in no order, so their memory is far away. These ask for it in two steps, of which the second
+/// needs the first's answer: other work fits before each and before surface_hit().
+inline void prefetch_triangle(const Mesh& mesh, uint32_t triangle) {
+  const auto prefetch = [triangle](const auto& rows) {
+    if (!rows.empty()) __builtin_prefetch(&rows[triangle]);
+  };
+  prefetch(mesh.triangles);
+  prefetch(mesh.normal_triangles);
+  prefetch(mesh.uv_triangles);
+}
+enum class Attributes { normals, normals_and_uvs };
+void prefetch_corners(const Mesh& mesh, uint32_t triangle, Attributes attributes);
 
 /// The distance, in render space, by which the curved surface that the vertex normals describe stands out from the flat
 /// triangle at the hit, towards the side of `side` (of ng): zero for flat normals, and where the surface curves inward.
 /// Light that leaves from there does not meet the facets beside it, which the shading normal knows nothing of (Hanika
 /// 2021, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4).
-Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfaceHit& side, const Affine& object_to_render);
+Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& side,
+                      const Affine& object_to_render);
 
 /// p moved by `offset` along unit n: a ray from there with tnear 0 into n's hemisphere does not meet the surface of p.
 inline Vec3f offset_point(const Vec3f& p, const Vec3f& n, float offset) {

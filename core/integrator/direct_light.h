@@ -37,13 +37,13 @@ struct LightNumbers {
   ConstantDomes domes;
 };
 
-/// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. `scatter(wi)`
-/// gives the ScatterValue for a unit direction in render space; a zero value costs no ray. Calls `add(value, light,
-/// weight)` for each light that arrives.
+/// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. No direction below
+/// either plane of `horizon` may scatter. `scatter(wi)` gives the ScatterValue for a unit direction in render space; a
+/// zero value costs no ray. Calls `add(value, light, weight)` for each light that arrives.
 template <class Scatter, class Add>
-void for_direct_light(const PathContext& context, const Vec3f& p, const LightNumbers& numbers, const Scatter& scatter,
-                      const Add& add) {
-  context.scene.lights.sample_lights(p, numbers.u, numbers.domes, [&](const LightSample& light) {
+void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon& horizon, const LightNumbers& numbers,
+                      const Scatter& scatter, const Add& add) {
+  context.scene.lights.sample_lights(p, horizon, numbers.u, numbers.domes, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
@@ -69,7 +69,7 @@ template <class Scatter, class Add>
 void for_direct_light(const PathContext& context, const Departure& from, const LightNumbers& numbers,
                       const Scatter& scatter, const Add& add) {
   const auto above = [&](const Vec3f& wi) { return from.is_above(wi) ? scatter(wi) : ScatterValue(); };
-  for_direct_light(context, from.flat, numbers, above, add);
+  for_direct_light(context, from.flat, {from.ng, from.n}, numbers, above, add);
   const float chance = std::min(1.0f, 8 * from.wedge);
   if (!(numbers.u[3] < chance)) return;
   std::optional<bool> reached;
@@ -79,7 +79,7 @@ void for_direct_light(const PathContext& context, const Departure& from, const L
     if (!reached) reached = reaches_curved_surface(context, from);
     return *reached ? value : ScatterValue();
   };
-  for_direct_light(context, from.curved, numbers, below,
+  for_direct_light(context, from.curved, {from.n, from.n}, numbers, below,
                    [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
                      add(value, light * (1 / chance), weight);
                    });

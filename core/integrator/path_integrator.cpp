@@ -61,7 +61,7 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
   out->depth = context.camera.clip_depth(out->camera_depth);
   out->prim_id = v.instance->prim_id;
   out->instance_id = v.instance->instance_id;
-  out->element_id = v.hit.element;
+  out->element_id = v.instance->prototype->mesh.element(hit.triangle);
 }
 
 // The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the
@@ -120,14 +120,14 @@ constexpr uint32_t kWalksPerSample = 2;
 
 // Splits the path at the first surface into paths that go below it, each with its share of the light.
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-void split_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
+void split_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
                          PathState* path, LayerSplit* split) {
   for (uint32_t i = 0; i < kWalksPerSample; ++i) {
     const PixelSampler branch_sampler = sampler.of_branch(i, kWalksPerSample);
     if (PathRecord* record = record_of<kLayers>(context)) record->branch(i, kWalksPerSample);
     PathState branch = *path;
     branch.radiance = Rgb(0.0f);
-    if (scatter_below_surface<kMode>(context, branch_sampler, v, within, &branch)) {
+    if (scatter_below_surface<kMode>(context, branch_sampler, below, &branch)) {
       ++branch.depth;
       if (kMode == SubsurfaceMode::automatic) branch.footprint.scatter(branch.scatter_pdf);
       if (survives<kLayers>(
@@ -145,20 +145,26 @@ template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool continue_below(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
                     PathState* path, LayerSplit* split) {
   path->seeks_guides = false;
+  const VertexBelow below(v, context.settings, within);
   if (path->depth == 0) {
-    split_below_surface<kMode, kMeshLights, kLayers>(context, sampler, v, within, path, split);
+    split_below_surface<kMode, kMeshLights, kLayers>(context, sampler, below, path, split);
     return false;
   }
-  const bool goes_on = scatter_below_surface<kMode>(context, sampler, v, within, path);
+  const bool goes_on = scatter_below_surface<kMode>(context, sampler, below, path);
   const auto draw = [&, depth = path->depth] { return sampler.draw(Dimension::bsdf, depth)[3]; };
   ++path->depth;
   return goes_on && survives<kLayers>(context, draw, path);
 }
 
+// Random numbers of scattering at a vertex.
+struct VertexNumbers {
+  std::array<float, 4> light, bsdf;
+};
+
 // Samples direct light and the next direction at the vertex. False: the path ends.
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
-             LayerSplit* split) {
+bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, const VertexNumbers& numbers,
+             PathState* path, LayerSplit* split) {
   // Evaluate the BSDF's parameters for the viewer's direction.
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = path->radiance;
@@ -177,7 +183,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   Rgb direct(0.0f);
   path->domes =
       kMode != SubsurfaceMode::lambert && v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
-  for_direct_light(context, v.departure, {sampler.draw(Dimension::light, path->depth), path->domes}, local_lobes,
+  for_direct_light(context, v.departure, {numbers.light, path->domes}, local_lobes,
                    [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
                      direct += light;
                      if (record) record->light_arrives(path->throughput * light, weight);
@@ -187,7 +193,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   if (splits) split->gathered = path->radiance, split->scattered = true;
 
   // Sample a lobe and a direction.
-  const auto u = sampler.draw(Dimension::bsdf, path->depth);
+  const auto& u = numbers.bsdf;
   Rgb specular;
   const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
   if (sample) DCHECK_GE(sample->pdf, 0.0f);
@@ -209,8 +215,8 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, PathState* path,
-                   LayerSplit* split) {
+bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v,
+                   const VertexNumbers& numbers, PathState* path, LayerSplit* split) {
   // A diffusion profile has no way through the medium, only ways into it.
   if constexpr (kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic)
     if (is_within_medium(v, *path)) {
@@ -218,7 +224,7 @@ bool continue_path(const PathContext& context, const PixelSampler& sampler, cons
       if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
       return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
     }
-  return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, path, split);
+  return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, numbers, path, split);
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
@@ -231,7 +237,8 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
     const bool found = intersect(context, path->ray, &hit);
-    if (found) path->ray.tmax = hit.t;
+    const Mesh* const mesh = found ? &context.scene.instances[hit.instance].prototype->mesh : nullptr;
+    if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 
     // Add emission of lights without geometry; of infinite lights only if the ray escaped.
     const Rgb met = path->throughput * analytic_light_emission(context, *path, !found);
@@ -239,6 +246,12 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (record) record->meet_light(met);
     if (record && !found) record->end("the ray meets no surface");
     if (!found) return;
+
+    // Draw the vertex's random numbers while its triangle comes from memory.
+    VertexNumbers numbers;
+    numbers.light = sampler.draw(Dimension::light, path->depth);
+    prefetch_corners(*mesh, hit.triangle, Attributes::normals_and_uvs);
+    numbers.bsdf = sampler.draw(Dimension::bsdf, path->depth);
 
     // Find the surface and the material at the vertex.
     PathVertex vertex = make_vertex(context, path->ray, hit);
@@ -259,7 +272,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
 
     // Sample direct light and the next ray, at the surface or below it.
-    if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, path, split)) return;
+    if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, numbers, path, split)) return;
     if (kMode == SubsurfaceMode::automatic) path->footprint.scatter(path->scatter_pdf);
   }
 }

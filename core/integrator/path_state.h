@@ -39,6 +39,7 @@ struct Departure {
   Vec3f flat;             // ray origin at the facet
   Vec3f curved{0, 0, 0};  // ray origin for the wedge
   Vec3f ng;
+  Vec3f n;          // of the lobe
   float wedge = 0;  // sine of the angle between facet and lobe; 0: the surface does not stand out over the facet
 
   bool is_above(const Vec3f& wi) const { return dot(wi, ng) > 0; }
@@ -54,9 +55,9 @@ struct PathVertex {
   DisneyParameters material;
 };
 
-/// The hit with all normals on the side that `towards` points to.
-inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& towards) {
-  SurfaceHit hit = surface_hit(instance.prototype->mesh, triangle, instance.object_to_world, instance.world_to_object);
+/// A SurfaceHit or a SurfacePoint with all normals on the side that `towards` points to.
+template <class Hit>
+Hit on_side(Hit hit, const Vec3f& towards) {
   if (dot(hit.ng, towards) < 0) {
     hit.ng = -hit.ng;
     hit.ns = -hit.ns;
@@ -65,11 +66,18 @@ inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& t
   return hit;
 }
 
+inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& towards) {
+  return on_side(surface_hit(instance.prototype->mesh, triangle, instance.object_to_world, instance.world_to_object),
+                 towards);
+}
+
 /// `hit`: normals on the side that the light leaves to; `n`: the lobe's normal.
-inline Departure depart(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Vec3f& n) {
+inline Departure depart(const Instance& instance, const TriangleHit& triangle, const SurfacePoint& hit,
+                        const Vec3f& n) {
   Departure d;
   d.flat = offset_point(hit.p, hit.ng, hit.offset);
   d.ng = hit.ng;
+  d.n = n;
   d.curved = d.flat + curvature_shift(instance.prototype->mesh, triangle, hit, instance.object_to_world);
   if (d.curved != d.flat) d.wedge = length(cross(hit.ng, n));
   return d;

@@ -14,6 +14,8 @@ namespace {
 
 /// The medium of a vertex: made at commit if no texture varies it and every distance can be resolved, else in `made`.
 const WalkMedium* medium_at(const PathVertex& v, const IntegratorSettings& settings, std::optional<WalkMedium>* made) {
+  CHECK(v.instance->body);
+  CHECK_LT(v.instance->member, v.instance->body->members.size());
   const auto& member = v.instance->body->members[v.instance->member];
   const size_t slot = v.instance->slot(v.triangle.triangle);
   const DisneyParameters& p = v.material;
@@ -25,9 +27,10 @@ const WalkMedium* medium_at(const PathVertex& v, const IntegratorSettings& setti
                         shortcuts);
 }
 
-SubsurfaceEntry entry_at(const PathVertex& v, bool within, const PathState& path) {
-  SubsurfaceEntry entry{v.triangle, v.instance->member, v.hit, v.frame.n, path.throughput};
-  if (within) entry.within = path.ray;
+SubsurfaceEntry entry_at(const VertexBelow& below, const PathState& path) {
+  const PathVertex& v = below.vertex;
+  SubsurfaceEntry entry{v.triangle, v.instance->member, v.hit, v.frame.n, path.throughput, &below.medium()};
+  if (below.within) entry.within = path.ray;
   return entry;
 }
 
@@ -54,7 +57,13 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
                    PathState* path) {
   const Instance& instance = context.scene.instances[exit.hit.instance];
   path->throughput = exit.throughput;
-  const SurfaceHit hit = surface_on_side(instance, exit.hit, exit.direction);
+  // Draw the random numbers while the triangle comes from memory.
+  const Mesh& mesh = instance.prototype->mesh;
+  const auto u_light = sampler.draw(Dimension::exit_light, path->depth);
+  prefetch_corners(mesh, exit.hit.triangle, Attributes::normals);
+  const auto u_bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
+  const SurfacePoint hit =
+      on_side(surface_point(mesh, exit.hit, instance.object_to_world, instance.world_to_object), exit.direction);
   const Frame frame = frame_from_normal(hit.ns);
   const Departure departure = depart(instance, exit.hit, hit, frame.n);
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
@@ -63,7 +72,8 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
     return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
   };
   PathRecord* const record = context.record;
-  if (record) record->leave_body(instance, exit.hit, hit, exit.throughput);
+  if (record)
+    record->leave_body(instance, exit.hit, surface_on_side(instance, exit.hit, exit.direction), exit.throughput);
   const auto recorded_lobe = [&](const Vec3f& wi) {
     const ScatterValue value = exit_lobe(wi);
     if (record) record->sample_light(wi, value.f_cos, value.pdf);
@@ -71,15 +81,14 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   };
   Rgb direct(0.0f);
   path->domes = ConstantDomes::left_to_lobes;
-  for_direct_light(context, departure, {sampler.draw(Dimension::exit_light, path->depth), path->domes}, recorded_lobe,
+  for_direct_light(context, departure, {u_light, path->domes}, recorded_lobe,
                    [&](const ScatterValue&, const Rgb& light, LightWeight weight) {
                      direct += light;
                      if (record) record->light_arrives(path->throughput * light, weight);
                    });
   path->radiance += path->throughput * direct;
 
-  const auto u = sampler.draw(Dimension::exit_bsdf, path->depth);
-  const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u[0], u[1]}));
+  const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u_bsdf[0], u_bsdf[1]}));
   const ScatterValue value = exit_lobe(wi);
   if (!(value.pdf > 0) && record) record->end("the exit lobe gave no direction");
   if (!(value.pdf > 0)) return false;
@@ -91,27 +100,25 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 
 }  // namespace
 
+VertexBelow::VertexBelow(const PathVertex& v, const IntegratorSettings& settings, bool is_within)
+    : vertex(v), within(is_within), medium_(medium_at(v, settings, &made_)) {}
+
 template <SubsurfaceMode kMode>
-bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
+bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
                            PathState* path) {
-  CHECK(v.instance->body);
-  CHECK_LT(v.instance->member, v.instance->body->members.size());
-  std::optional<WalkMedium> made;
-  SubsurfaceEntry entry = entry_at(v, within, *path);
-  entry.medium = medium_at(v, context.settings, &made);
-  const auto exit = carry<kMode>(context, sampler, entry, *v.instance->body, *path);
+  const auto exit = carry<kMode>(context, sampler, entry_at(below, *path), *below.vertex.instance->body, *path);
   if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;
   path->walk_events = exit->events;
   return leave_surface(context, sampler, *exit, path);
 }
 
-template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const PathVertex&,
-                                                          bool, PathState*);
+template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const VertexBelow&,
+                                                          PathState*);
 template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext&, const PixelSampler&,
-                                                               const PathVertex&, bool, PathState*);
+                                                               const VertexBelow&, PathState*);
 template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext&, const PixelSampler&,
-                                                               const PathVertex&, bool, PathState*);
+                                                               const VertexBelow&, PathState*);
 
 void drop_unresolved_distances(PathVertex* v) {
   const float depth = depth_below_surface(v->hit, v->instance->object_to_world);

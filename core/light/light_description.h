@@ -88,6 +88,13 @@ Rgb finite_or_black(const Rgb& color, double scale);
 /// the product would over- or underflow the result is clamped, so that even sums of it are finite.
 double representable_importance(const Rgb& radiance, double scale);
 
+/// True if all that lies within `reach` of a plane's side `height` is below the plane, whatever the rounding of the
+/// directions to it: `height` and `reach` along the plane's unit normal, `distance` to the middle.
+inline bool is_wholly_below(double height, double reach, double distance) {
+  constexpr double kRounding = 0x1p-16;
+  return height + reach < -kRounding * (distance + reach);
+}
+
 inline Vec3f to_float(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }

@@ -35,8 +35,21 @@ std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, cons
   return std::visit([&](const auto& light) { return light.sample(p, u); }, lights_[i]);
 }
 
+bool LightSet::is_below(size_t i, const Vec3f& p, const Horizon& horizon) const {
+  return std::visit(
+      [&](const auto& light) {
+        if constexpr (requires { light.is_below(p, horizon[0]); })
+          return light.is_below(p, horizon[0]) || light.is_below(p, horizon[1]);
+        else
+          return false;
+      },
+      lights_[i]);
+}
+
 Vec2f LightSet::shifted(const Vec2f& u, size_t i) {
-  const auto wrap = [](float x) { return std::min(x - std::floor(x), kOneMinusEpsilon); };
+  if (i == 0) return u;
+  // Truncation, for std::floor is a call: x >= 0.
+  const auto wrap = [](float x) { return std::min(x - static_cast<float>(static_cast<int64_t>(x)), kOneMinusEpsilon); };
   const auto n = static_cast<float>(i);
   return {wrap(u.x + n * 0.7548776662f), wrap(u.y + n * 0.5698402910f)};
 }

@@ -16,6 +16,10 @@ namespace alabaster {
 /// below the surface, light sampling must look for it too.
 enum class ConstantDomes { sampled, left_to_lobes };
 
+/// Unit normals of two planes through a point: of its surface and of its lobe. A light that lies wholly below either
+/// gives nothing there.
+using Horizon = std::array<Vec3f, 2>;
+
 class LightSet {
  public:
   LightSet() = default;
@@ -28,15 +32,16 @@ class LightSet {
   size_t size() const { return lights_.size(); }
 
   /// One direction for each light to be sampled at p (all, or the chosen one): visit(const LightSample&), pdf with the
-  /// choice in it. u: the choice, then the direction.
+  /// choice in it. Of all, those below the horizon are left out. u: the choice, then the direction.
   template <class Visit>
-  void sample_lights(const Vec3f& p, const std::array<float, 4>& u, ConstantDomes domes, const Visit& visit) const {
+  void sample_lights(const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u, ConstantDomes domes,
+                     const Visit& visit) const {
     if (!sample_all_) {
       if (const auto s = sample(p, u[0], {u[1], u[2]})) visit(*s);
       return;
     }
     for (size_t i = 0; i < lights_.size(); ++i) {
-      if (is_left(domes, i)) continue;
+      if (is_left(domes, i) || is_below(i, p, horizon)) continue;
       if (const auto s = sample_light(i, p, shifted({u[1], u[2]}, i))) visit(*s);
     }
   }
@@ -94,6 +99,7 @@ class LightSet {
   std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i);
+  bool is_below(size_t i, const Vec3f& p, const Horizon& horizon) const;
   /// Where one light of many is chosen, constant domes are chosen as others are.
   bool is_left(ConstantDomes domes, size_t i) const {
     if (domes == ConstantDomes::sampled || !sample_all_) return false;

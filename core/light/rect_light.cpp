@@ -9,13 +9,16 @@ constexpr double kMinSolidAngle = 0x1p-14;
 // Beyond this skew (cosine of the angle between the edges) it is a parallelogram; below, rounding of the transform.
 constexpr double kMaxSkew = 0x1p-20;
 
-// Signed solid angle of the rectangle from x = 0 to x and from y0 to y1 in the plane at distance z: the difference of
-// two corners' angles, atan(x y / (z d)) with d the distance of the corner. Their complex numbers (z d, x y) divided
-// leave one arc tangent.
-double edge_angle(double x, double y0, double y1, double z) {
-  const double across2 = x * x + z * z;
-  const double re0 = z * std::sqrt(across2 + y0 * y0), re1 = z * std::sqrt(across2 + y1 * y1);
-  return std::atan2(x * (y1 * re0 - y0 * re1), re0 * re1 + x * x * y0 * y1);
+struct Complex {
+  double re, im;
+};
+
+// The angle of this number is the signed solid angle of the rectangle from x = 0 to x and from y0 to y1 in the plane at
+// distance 1: the difference of two corners' angles, atan(x y / d) with d the distance of the corner. Their complex
+// numbers (d, x y) divided leave one.
+Complex edge(double x, double y0, double y1) {
+  const double across2 = x * x + 1, d0 = std::sqrt(across2 + y0 * y0), d1 = std::sqrt(across2 + y1 * y1);
+  return {d0 * d1 + x * x * y0 * y1, x * (y1 * d0 - y0 * d1)};
 }
 
 }  // namespace
@@ -47,17 +50,21 @@ RectLight::RectLight(const LightDescription& description, const Vec3d& render_or
 
 RectLight::View RectLight::view_from(const Vec3d& p) const {
   const Vec3d d = center_ - p;
-  View v;
-  const double x = dot(d, x_), y = dot(d, y_);
-  v.x0 = x - half_width_;
-  v.x1 = x + half_width_;
-  v.y0 = y - half_height_;
-  v.y1 = y + half_height_;
+  View v{};
   v.z = -dot(d, n_);
-  v.solid_angle = 0;
   if (skew_ != 0 || !(v.z > 0)) return v;
-  v.left_angle = edge_angle(v.x0, v.y0, v.y1, v.z);
-  const double angle = edge_angle(v.x1, v.y0, v.y1, v.z) - v.left_angle;
+  const double unit = 1 / v.z, x = dot(d, x_), y = dot(d, y_);
+  v.x0 = (x - half_width_) * unit;
+  v.x1 = (x + half_width_) * unit;
+  v.y0 = (y - half_height_) * unit;
+  v.y1 = (y + half_height_) * unit;
+  const Complex left = edge(v.x0, v.y0, v.y1), right = edge(v.x1, v.y0, v.y1);
+  v.left_re = left.re;
+  v.left_im = left.im;
+  // Beside the point both angles lie on one side of zero, and the quotient's is less than pi.
+  const double angle = v.x0 < 0 && v.x1 > 0 ? std::atan2(right.im, right.re) - std::atan2(left.im, left.re)
+                                            : std::atan2(right.im * left.re - right.re * left.im,
+                                                         right.re * left.re + right.im * left.im);
   if (angle >= kMinSolidAngle) v.solid_angle = angle;
   return v;
 }
@@ -65,18 +72,24 @@ RectLight::View RectLight::view_from(const Vec3d& p) const {
 // Urena et al. 2013, section 4, with the four interior angles written as arc tangents: acos loses half the digits for
 // rectangles seen edge-on. G(x) is the solid angle left of x, counted from x = 0.
 Vec3d RectLight::sample_solid_angle(const View& v, const Vec2f& u) const {
-  const double z2 = v.z * v.z;
-  const double g = v.left_angle + u.x * v.solid_angle;
-  const double near_edge = v.y0 / std::sqrt(v.y0 * v.y0 + z2), far_edge = v.y1 / std::sqrt(v.y1 * v.y1 + z2);
-  const double f = (far_edge - near_edge * std::cos(g)) / std::sin(g);  // infinite at x = 0, with the sign of x
-  const double reach = f * f - z2 / (v.y0 * v.y0 + z2);
-  const double x =
-      std::clamp(reach > 0 ? std::copysign(v.z / std::sqrt(reach), f) : std::copysign(v.x1 - v.x0, f), v.x0, v.x1);
-  const double d2 = x * x + z2;
-  const double h0 = v.y0 / std::sqrt(d2 + v.y0 * v.y0), h1 = v.y1 / std::sqrt(d2 + v.y1 * v.y1);
-  const double h = h0 + u.y * (h1 - h0);
+  // Sine and cosine of g = G(x0) + u.x * solid angle. |left| = (1 + x0^2) sqrt(1 + y0^2) sqrt(1 + y1^2).
+  const double c0 = std::sqrt(1 + v.y0 * v.y0), c1 = std::sqrt(1 + v.y1 * v.y1), across2 = 1 + v.x0 * v.x0;
+  const double per_left = 1 / (across2 * c0 * c1), turn = u.x * v.solid_angle;
+  const double cos_turn = std::cos(turn), sin_turn = std::sin(turn);
+  const double cos_g = (v.left_re * cos_turn - v.left_im * sin_turn) * per_left;
+  const double sin_g = (v.left_im * cos_turn + v.left_re * sin_turn) * per_left;
+  // x = sign(f) / sqrt(f^2 - 1 / (1 + y0^2)), f = (far_edge - near_edge cos g) / sin g.
+  const double near_edge = v.y0 * across2 * c1 * per_left, far_edge = v.y1 * across2 * c0 * per_left;
+  const double difference = far_edge - near_edge * cos_g, sine_by_c0 = sin_g * across2 * c1 * per_left;
+  const double reach = difference * difference - sine_by_c0 * sine_by_c0;
+  const double side = std::copysign(1.0, difference) * sin_g;
+  const double x = std::clamp(
+      reach > 0 ? std::copysign(sin_g / std::sqrt(reach), side) : std::copysign(v.x1 - v.x0, side), v.x0, v.x1);
+  const double d2 = x * x + 1, d0 = std::sqrt(d2 + v.y0 * v.y0), d1 = std::sqrt(d2 + v.y1 * v.y1),
+               per_d = 1 / (d0 * d1);
+  const double h0 = v.y0 * d1 * per_d, h1 = v.y1 * d0 * per_d, h = h0 + u.y * (h1 - h0);
   const double y = h * h < 1 ? std::clamp(h * std::sqrt(d2 / (1 - h * h)), v.y0, v.y1) : (h > 0 ? v.y1 : v.y0);
-  return x_ * x + y_ * y - n_ * v.z;
+  return (x_ * x + y_ * y - n_) * v.z;
 }
 
 std::optional<LightSample> RectLight::sample(const Vec3f& p, const Vec2f& u) const {
@@ -120,6 +133,13 @@ std::optional<LightHit> RectLight::intersect(const Ray& ray) const {
       static_cast<float>(v.solid_angle > 0 ? 1 / v.solid_angle : distance * distance * distance / (area_ * height));
   if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;
   return hit;
+}
+
+bool RectLight::is_below(const Vec3f& p, const Vec3f& n) const {
+  const Vec3d d = center_ - Vec3d(p), normal(n);
+  return is_wholly_below(dot(d, normal),
+                         half_width_ * std::abs(dot(x_, normal)) + half_height_ * std::abs(dot(y_, normal)),
+                         std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
 }
 
 // Irradiance from a disk of the same area on its axis at the distance of the centre, L A / (d^2 + A / pi), times the

@@ -22,13 +22,16 @@ class RectLight {
   /// 0 exactly behind and in the plane.
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  /// True only if every direction from p to the light lies below the plane through p with unit normal n.
+  bool is_below(const Vec3f& p, const Vec3f& n) const;
 
  private:
-  /// The rectangle as seen from a point: edges of the projection and distance of its plane.
+  /// The rectangle as seen from a point, in units of the distance of its plane.
   struct View {
-    double x0, x1, y0, y1, z;
-    double left_angle;   // signed solid angle between x = 0 and x0
-    double solid_angle;  // 0: sample by area
+    double z;  // that distance
+    double x0, x1, y0, y1;
+    double left_re, left_im;  // a complex number whose angle is the signed solid angle between x = 0 and x0
+    double solid_angle;       // 0: sample by area
   };
   View view_from(const Vec3d& p) const;
   Vec3d sample_solid_angle(const View& view, const Vec2f& u) const;

@@ -1,5 +1,6 @@
 #include "core/light/sphere_light.h"
 
+#include "core/math/elementary.h"
 #include "core/math/frame.h"
 #include "core/sampling/warp.h"
 
@@ -104,10 +105,12 @@ std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u) c
   double pdf, distance;
   if (d > radius_) {
     const double one_minus_z = u.x * one_minus_cos_sphere(radius_, d);
-    const double sin2 = one_minus_z * (2 - one_minus_z), sine = std::sqrt(sin2), phi = 2 * kPiDouble * u.y;
+    const double sin2 = one_minus_z * (2 - one_minus_z), sine = std::sqrt(sin2);
+    const auto [sine_of_azimuth, cosine_of_azimuth] = quick_sine_cosine_turns(u.y);
     const Vec3d axis = to_center * (1 / d);
     const Frame frame = frame_from_normal(to_float(axis));
-    wi = Vec3d(frame.s) * (sine * std::cos(phi)) + Vec3d(frame.t) * (sine * std::sin(phi)) + axis * (1 - one_minus_z);
+    wi = Vec3d(frame.s) * (sine * double(cosine_of_azimuth)) + Vec3d(frame.t) * (sine * double(sine_of_azimuth)) +
+         axis * (1 - one_minus_z);
     // Nearer root, written without a difference of nearly equal terms.
     const double half_chord = std::sqrt(std::max(0.0, radius_ * radius_ - d * d * sin2));
     distance = (d - radius_) * (d + radius_) / (d * (1 - one_minus_z) + half_chord);
@@ -147,6 +150,11 @@ std::optional<LightHit> SphereLight::intersect(const Ray& ray) const {
   hit.pdf = outside ? static_cast<float>(pdf_outside(radius_, d)) : pdf_uniform_sphere();
   if (is_black(hit.radiance) || !(hit.t > 0) || !std::isfinite(hit.t) || !std::isfinite(hit.pdf)) return std::nullopt;
   return hit;
+}
+
+bool SphereLight::is_below(const Vec3f& p, const Vec3f& n) const {
+  const Vec3d d = center_ - Vec3d(p);
+  return is_wholly_below(dot(d, Vec3d(n)), radius_, std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
 }
 
 // I / d^2 for a point, pi L (r / d)^2 for a sphere wholly above the horizon (inside it, pi L), dimmed by the spot.

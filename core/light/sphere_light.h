@@ -41,6 +41,8 @@ class SphereLight {
   /// 0 only where no part of the sphere sends light.
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
+  /// True only if every direction from p to the light lies below the plane through p with unit normal n.
+  bool is_below(const Vec3f& p, const Vec3f& n) const;
   bool is_delta() const { return radius_ == 0; }
 
  private:

@@ -27,7 +27,7 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * dielectric_;
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness};
-  sheen_.color = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * (p.sheen * dielectric_);
+  if (p.sheen > 0) sheen_.color = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the

@@ -43,14 +43,16 @@ struct DisneySpecular {
 /// (ior 1.33) f90 falls with f0_ior (Lagarde and de Rousiers 2014, "Moving Frostbite to PBR", section 3.1.3).
 inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   const float f0_ior = f0_from_ior(p.ior);
-  const Rgb tinted = lerp(Rgb(1.0f), tint(p.base_color), p.specular_tint) * f0_ior * p.specular_color;
+  const Rgb white(1.0f);
+  const Rgb tinted =
+      (p.specular_tint > 0 ? lerp(white, tint(p.base_color), p.specular_tint) : white) * f0_ior * p.specular_color;
   const Rgb dielectric_f0 = clamp01(tinted) * p.specular;
   const Rgb dielectric_f90 = Rgb(p.specular * std::min(1.0f, 50 * f0_ior));
   DisneySpecular lobe;
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
   lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
   // Burley 2012, section 5.4: alpha = roughness^2, stretched to a ratio of at most 10.
-  const float aspect = std::sqrt(1 - 0.9f * p.anisotropic), alpha = sqr(p.roughness);
+  const float aspect = p.anisotropic > 0 ? std::sqrt(1 - 0.9f * p.anisotropic) : 1, alpha = sqr(p.roughness);
   lobe.ggx = {std::max(kMinAlpha, alpha / aspect), std::max(kMinAlpha, alpha * aspect)};
   return lobe;
 }

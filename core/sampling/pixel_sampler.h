@@ -34,6 +34,13 @@ inline float to_unit_float(uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
 
+constexpr uint32_t reverse_bits(uint32_t x) {
+  x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+  x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+  x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+  return __builtin_bswap32(x);
+}
+
 /// PCG32 (O'Neill 2014): an independent stream per seed pair.
 class Rng {
  public:
@@ -61,7 +68,8 @@ enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf,
 class PixelSampler {
  public:
   /// `seed` must already mix the frame and the user's seed: see pixel_seed().
-  PixelSampler(uint32_t pixel_seed, uint32_t sample_index) : seed_(pixel_seed), index_(sample_index) {}
+  PixelSampler(uint32_t pixel_seed, uint32_t sample_index)
+      : seed_(pixel_seed), index_(sample_index), reversed_index_(reverse_bits(sample_index)) {}
 
   /// Four numbers in [0,1): well distributed over the samples of a pixel, jointly in all four.
   std::array<float, 4> draw(Dimension purpose, uint32_t depth) const;
@@ -77,7 +85,7 @@ class PixelSampler {
   }
 
  private:
-  uint32_t seed_, index_;
+  uint32_t seed_, index_, reversed_index_;
 };
 
 inline uint32_t pixel_seed(int x, int y, uint32_t frame, uint32_t seed) {

@@ -38,7 +38,7 @@ Vec3f SubsurfaceBody::below(const SubsurfaceEntry& entry) const {
   const SurfaceHit& outer = entry.hit;
   if (!is_union()) return offset_point(outer.p_object, -outer.ng_object, outer.offset_object);
   const Member& m = members[entry.member];
-  const SurfaceHit hit = surface_hit(*m.mesh, entry.triangle, m.to_body, m.to_object);
+  const SurfacePoint hit = surface_point(*m.mesh, entry.triangle, m.to_body, m.to_object);
   return offset_point(hit.p, -outer.ng, hit.offset);
 }
 
@@ -57,7 +57,7 @@ bool SubsurfaceBody::contains(const Vec3f& p, const Vec3f& direction) const {
 
 Crossed SubsurfaceBody::cross(const TriangleHit& hit, const Vec3f& direction) const {
   const Member& m = members[hit.instance];
-  const SurfaceHit s = surface_hit(*m.mesh, hit, m.to_body, m.to_object);
+  const SurfacePoint s = surface_point(*m.mesh, hit, m.to_body, m.to_object);
   const float side = dot(s.ng, direction) >= 0 ? 1.0f : -1.0f;
   return {m.shells->flags(hit.triangle), leaves(hit.instance, hit.triangle, direction),
           offset_point(s.p, s.ng * side, s.offset)};

@@ -27,7 +27,10 @@ class MeshTracer {
     const float rounding = kRounding * (max_abs_component(p_) / length(d) + tmax);
     step_back_ = 0;
     if (!member_.object->intersect({p_, d, tmax + rounding}, hit)) return false;
-    if (hit->t <= tmax) return true;
+    if (hit->t <= tmax) {
+      prefetch_triangle(*member_.mesh, hit->triangle);
+      return true;
+    }
     step_back_ = rounding;
     return false;
   }

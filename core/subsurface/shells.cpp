@@ -229,7 +229,7 @@ class ShellFinder {
     hit.triangle = t;
     hit.u = 1 - root;
     hit.v = u.y * root;
-    const SurfaceHit s = surface_hit(mesh_, hit, Affine(), Affine());
+    const SurfacePoint s = surface_point(mesh_, hit, Affine(), Affine());
     *out = out_.flags(t) & MeshShells::kReversed ? -s.ng_object : s.ng_object;
     return offset_point(s.p_object, *out, s.offset_object);
   }
@@ -311,7 +311,7 @@ MeshShells find_shells(const Mesh& mesh, const ObjectScene& object) {
 }
 
 Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction) {
-  const SurfaceHit s = surface_hit(mesh, hit, Affine(), Affine());
+  const SurfacePoint s = surface_point(mesh, hit, Affine(), Affine());
   const float side = dot(s.ng_object, direction) >= 0 ? 1.0f : -1.0f;
   return {shells.flags(hit.triangle), leaves(mesh, shells, hit.triangle, direction),
           offset_point(s.p_object, s.ng_object * side, s.offset_object)};

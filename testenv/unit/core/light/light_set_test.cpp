@@ -95,7 +95,8 @@ TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
   const Vec3f p(0, 0, -3);
   const auto samples = [&](ConstantDomes domes) {
     int count = 0;
-    set.sample_lights(p, {0, 0.3f, 0.4f, 0}, domes, [&](const LightSample&) { ++count; });
+    set.sample_lights(p, {Vec3f(0, 0, 1), Vec3f(0, 0, 1)}, {0, 0.3f, 0.4f, 0}, domes,
+                      [&](const LightSample&) { ++count; });
     return count;
   };
   EXPECT_EQ(samples(ConstantDomes::sampled), 2);
@@ -105,6 +106,34 @@ TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
   set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
   set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::left_to_lobes, keep);
   EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0}));
+}
+
+// Lights near the origin, and planes through points around them.
+TEST(LightSet, OnlyLightsBelowTheHorizonAreLeftOut) {
+  LightDescription rect = described(LightType::rect, 1);
+  rect.width = 3;
+  rect.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.5, 0, 0, 1);
+  const LightSet sets[] = {LightSet({RectLight(rect, kOrigin)}, {}, 8), LightSet({sphere(1)}, {}, 8)};
+  Rng rng(1, 2);
+  const auto direction = [&] { return sample_uniform_sphere({rng.uniform(), rng.uniform()}); };
+  for (const LightSet& set : sets) {
+    int kept = 0, left_out = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec3f p = direction() * 2.5f;
+      const Horizon horizon{direction(), direction()};
+      const Vec2f u(rng.uniform(), rng.uniform());
+      const auto s = set.sample(p, 0, u);
+      if (!s) continue;
+      bool visited = false;
+      set.sample_lights(p, horizon, {0, u.x, u.y, 0}, ConstantDomes::sampled,
+                        [&](const LightSample&) { visited = true; });
+      const bool above = dot(s->wi, horizon[0]) > 0 && dot(s->wi, horizon[1]) > 0;
+      EXPECT_TRUE(visited || !above);
+      (visited ? kept : left_out) += 1;
+    }
+    EXPECT_GT(kept, 500);
+    EXPECT_GT(left_out, 500);
+  }
 }
 
 TEST(LightSet, FindsMeshLightsByInstance) {
