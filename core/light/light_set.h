@@ -32,7 +32,7 @@ class LightSet {
   size_t size() const { return lights_.size(); }
 
   /// One direction for each light to be sampled at p (all, or the chosen one): visit(const LightSample&), pdf with the
-  /// choice in it. Of all, those below the horizon are left out. u: the choice, then the direction.
+  /// choice in it. A set that samples all leaves out those below the horizon. u: the choice, then the direction.
   template <class Visit>
   void sample_lights(const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u, ConstantDomes domes,
                      const Visit& visit) const {
