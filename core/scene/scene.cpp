@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/scene/bodies.h"
+#include "core/scene/lit_surfaces.h"
 
 namespace alabaster {
 namespace {
@@ -207,6 +208,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   snapshot->memory_bytes += snapshot->top->memory_bytes();
   keep_alive(drawn, snapshot.get());
   add_lights(description, sink, snapshot.get());
+  find_lit_surfaces(snapshot.get());
   snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
   return snapshot;
 }

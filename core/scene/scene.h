@@ -89,7 +89,7 @@ struct SceneSnapshot {
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
 
-  std::vector<std::shared_ptr<const SubsurfaceBody>> bodies;     // keep-alive
+  std::vector<std::shared_ptr<SubsurfaceBody>> bodies;           // keep-alive
   std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
 };

@@ -7,6 +7,7 @@
 
 #include "core/math/bounds.h"
 #include "core/subsurface/entry_exit.h"
+#include "core/subsurface/lit_surface.h"
 #include "core/subsurface/mesh_interior.h"
 
 namespace alabaster {
@@ -40,6 +41,9 @@ struct SubsurfaceBody {
   /// A walk that scatters outside has left through an open mesh, and ends. In the mesh's space for a lone object, in
   /// the body's for a union. Empty: not known; such a walk goes on until it is absorbed.
   Bounds bounds;
+
+  /// Null: walks are not guided to light.
+  std::unique_ptr<const LitSurface> lit;
 
   bool is_union() const { return scene != nullptr; }
   bool bounds_distances() const;

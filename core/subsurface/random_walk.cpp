@@ -39,6 +39,22 @@ bool enters_from_behind(const SubsurfaceBody& body, const SubsurfaceEntry& entry
   return !entry.within && body.leaves(entry.member, entry.triangle.triangle, -entry.hit.ng);
 }
 
+// The direction to light that a walk is guided to, if that lies below the surface; else zero.
+Vec3f direction_to_light(const SubsurfaceBody& body, const SubsurfaceEntry& entry) {
+  const DiffusionModes& modes = entry.medium->modes;
+  double kappa = 0, mfp = 0;
+  int guided = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    if (!modes.guided[c]) continue;
+    kappa += modes.kappa[c], mfp += 1 / entry.medium->sigma_t[c];
+    ++guided;
+  }
+  if (guided == 0) return {0, 0, 0};
+  const Vec3f inside = entry.hit.p - entry.hit.ng * static_cast<float>(mfp / guided);
+  const Vec3f direction = body.lit->direction_from(inside, static_cast<float>(kappa / guided));
+  return dot(direction, entry.hit.ng) < 0 ? direction : Vec3f(0, 0, 0);
+}
+
 }  // namespace
 
 Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, const Vec2f& u) {
@@ -52,9 +68,12 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   CHECK(entry.medium);
   const float scale = max_component(entry.throughput);
   if (!(scale > 0)) return std::nullopt;
-  const WalkBeginning beginning = begin_walk(body, entry, {numbers.first()[0], numbers.first()[1]});
+  WalkBeginning beginning = begin_walk(body, entry, {numbers.first()[0], numbers.first()[1]});
   WalkSettings used = settings;
-  used.guiding &= body.members[entry.member].room_to_guide;
+  if (settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within &&
+      !body.lit->faces_light(entry.hit.ng))
+    beginning.start.to_light = direction_to_light(body, entry);
+  used.guiding &= body.members[entry.member].room_to_guide || beginning.start.to_light != Vec3f(0, 0, 0);
   const auto walk = [&](auto tracer) {
     if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers, counters);
     RecordingTracer recording(tracer, record);

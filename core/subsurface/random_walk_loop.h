@@ -37,6 +37,8 @@ struct WalkStart {
   Vec3f direction;  // unit
   Vec3f inward;     // unit, normal of the entry surface: the axis of guiding
   ChannelValues throughput{1, 1, 1};
+  /// Unit: walks are guided this way alone. Zero: to the surface that they entered through and to the opposite one.
+  Vec3f to_light{0, 0, 0};
 };
 
 template <class Hit>
@@ -74,13 +76,14 @@ class WalkLoop {
         numbers_(numbers),
         counters_(counters),
         medium_(medium),
-        guide_(start.inward),
+        guide_(start.to_light == Vec3f(0, 0, 0) ? start.inward : -start.to_light),
         phase_(medium.medium.g),
         direction_(start.direction),
         throughput_(start.throughput) {
     for (size_t c = 0; c < 3; ++c)
       if (!medium.medium.active[c]) throughput_[c] = 0;
     entering_ = sum_of(throughput_);
+    thickness_known_ = start.to_light != Vec3f(0, 0, 0);
   }
 
   std::optional<Exit> run() {

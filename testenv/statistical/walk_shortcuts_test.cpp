@@ -177,6 +177,53 @@ TEST(WalkShortcuts, AThinSlabsTransmissionGainsFromTheBackwardShare) {
   EXPECT_LT(cost(guided), cost(plain));
 }
 
+/// Walks guided to light in direction `to_light`.
+Outcome walk_to_light(const SlabTracer& body, const Medium& medium, const Vec3f& to_light, const WalkSettings& settings,
+                      uint64_t seed) {
+  const auto run = [&](SlabTracer& tracer, WalkStart start, SubsurfaceNumbers& numbers, RenderCounters& counters) {
+    start.to_light = to_light;
+    return run_walk(tracer, start, medium, settings, numbers, counters);
+  };
+  return walk_many(body, run, 60000, seed);
+}
+
+TEST(WalkShortcuts, GuidedToLightAnywhereASlabGivesWhatItShould) {
+  constexpr double kThickness = 4;
+  const double complement = one_minus_alpha(0.8, AlbedoInversion::exact);
+  const SlabAnswer answer = solve_slab(kThickness, complement);
+  uint64_t seed = 400;
+  for (const Vec3f& to_light : {Vec3f(0, 0, 1), Vec3f(1, 0, 0), Vec3f(0, -0.6f, 0.8f)})
+    for (const WalkSettings& settings : {with(true, false), with(true, true)}) {
+      SCOPED_TRACE(++seed);
+      const Outcome walked = walk_to_light(SlabTracer(kThickness), unit_medium(complement), to_light, settings, seed);
+      const double slack = answer.error + (settings.sphere_steps ? 1e-4 : 0);
+      expect_mean(walked.through, answer.transmittance, 12, slack);
+      expect_mean(walked.out[0], answer.reflectance + answer.transmittance, 12, 2 * slack);
+    }
+}
+
+TEST(WalkShortcuts, GuidedToLightInColourIsThePlainWalk) {
+  const Outcome plain = walk_many(SlabTracer(2), medium_of(kSkin), with(false, false), 60000, 410);
+  uint64_t seed = 411;
+  for (const Vec3f& to_light : {Vec3f(0, 0, 1), Vec3f(0.8f, 0, 0.6f)}) {
+    SCOPED_TRACE(++seed);
+    const Outcome walked = walk_to_light(SlabTracer(2), medium_of(kSkin), to_light, with(true, false), seed);
+    for (int c = 0; c < 3; ++c) {
+      expect_same_mean(walked.out[c], plain.out[c], 14);
+      expect_same_mean(walked.beyond_edge[c], plain.beyond_edge[c], 14);
+    }
+    expect_same_mean(walked.through, plain.through, 14);
+  }
+}
+
+TEST(WalkShortcuts, GuidedToLightBehindASlabItsTransmissionHasLessNoise) {
+  const Medium medium = unit_medium(one_minus_alpha(0.5, AlbedoInversion::exact));
+  const Outcome plain = walk_many(SlabTracer(8), medium, with(false, false), 60000, 420);
+  const Outcome guided = walk_to_light(SlabTracer(8), medium, Vec3f(0, 0, 1), with(true, false), 421);
+  const auto cost = [](const Outcome& o) { return o.through.variance() * static_cast<double>(o.counters.walk_rays); };
+  EXPECT_LT(cost(guided), 0.6 * cost(plain));
+}
+
 TEST(WalkShortcuts, SphereIsTheIntegralEquations) {
   uint64_t seed = 290;
   for (const double radius : {1.0, 6.0})

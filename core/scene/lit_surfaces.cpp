@@ -1,0 +1,86 @@
+#include "core/scene/lit_surfaces.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "core/geometry/surface_hit.h"
+#include "core/sampling/pixel_sampler.h"
+#include "core/sampling/warp.h"
+#include "core/subsurface/body.h"
+
+namespace alabaster {
+namespace {
+
+// Points that are looked at on one body, at most; on all bodies together; and the fewest that are worth looking at.
+constexpr size_t kMostPoints = 128, kAllPoints = 8192, kFewestPoints = 64;
+// Directions from each: fewer would take the noise of a dome for darkness.
+constexpr int kDirections = 8;
+
+// Numbers spread over the unit cube by Roberts' R3 lattice, shifted at random.
+std::array<float, 4> spread(int i, const Vec3f& shift) {
+  const auto at = [i](float start, double step) {
+    const double x = static_cast<double>(start) + i * step;
+    return std::min(static_cast<float>(x - std::floor(x)), kOneMinusEpsilon);
+  };
+  return {at(shift.x, 0.8191725134), at(shift.y, 0.6710436067), at(shift.z, 0.5497004779), 0};
+}
+
+float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& rng) {
+  constexpr float kShortOfMeshLight = 1 - 0x1p-12f;
+  const Vec3f p = offset_point(hit.p, hit.ng, hit.offset);
+  const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
+  float sum = 0;
+  const auto add = [&](const LightSample& light) {
+    const float cosine = dot(light.wi, hit.ng);
+    const float distance = light.on_mesh ? light.distance * kShortOfMeshLight : light.distance;
+    if (cosine > 0 && !snapshot.top->occluded({p, light.wi, distance}))
+      sum += luminance(light.radiance) * cosine / light.pdf;
+  };
+  for (int i = 0; i < kDirections; ++i) snapshot.lights.sample_lights(p, spread(i, shift), ConstantDomes::sampled, add);
+  return std::isfinite(sum) ? sum : 0;
+}
+
+// A point of a triangle, which stands for the triangle's area and as many others for each.
+LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint32_t triangle, Rng rng) {
+  const Mesh& mesh = instance.prototype->mesh;
+  const Vec2f b = sample_uniform_triangle({rng.uniform(), rng.uniform()});
+  TriangleHit at;
+  at.u = b.x, at.v = b.y, at.triangle = triangle;
+  const SurfaceHit hit = surface_hit(mesh, at, instance.object_to_world, instance.world_to_object);
+  const auto corner = [&](size_t c) {
+    return instance.object_to_world.point(mesh.points[mesh.triangles[triangle][c]]);
+  };
+  const float area = length(cross(corner(1) - corner(0), corner(2) - corner(0)));
+  return {hit.p, -hit.ng, irradiance_at(snapshot, hit, rng), area};
+}
+
+// Points on every so many triangles, over the members as if they were one mesh.
+std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const SubsurfaceBody& body, size_t count) {
+  size_t triangles = 0;
+  for (const auto& member : body.members) triangles += member.mesh->triangles.size();
+  std::vector<LitPoint> points(count);
+  tbb::parallel_for(size_t(0), count, [&](size_t i) {
+    size_t triangle = (2 * i + 1) * triangles / (2 * count);
+    auto member = body.members.begin();
+    for (; triangle >= member->mesh->triangles.size(); ++member) triangle -= member->mesh->triangles.size();
+    points[i] = light_on(snapshot, snapshot.instances[member->instance], static_cast<uint32_t>(triangle), Rng(0, i));
+  });
+  return points;
+}
+
+}  // namespace
+
+void find_lit_surfaces(SceneSnapshot* snapshot) {
+  if (snapshot->bodies.empty()) return;
+  const size_t points = std::min(kMostPoints, kAllPoints / snapshot->bodies.size());
+  if (points < kFewestPoints) return;
+  for (auto& body : snapshot->bodies) {
+    const auto lit = LitSurface::choose(lit_points(*snapshot, *body, points));
+    if (!lit) continue;
+    snapshot->memory_bytes += sizeof(LitSurface);
+    body->lit = std::make_unique<const LitSurface>(*lit);
+  }
+}
+
+}  // namespace alabaster
