@@ -37,7 +37,9 @@ float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& r
     if (cosine > 0 && !snapshot.top->occluded({p, light.wi, distance}))
       sum += luminance(light.radiance) * cosine / light.pdf;
   };
-  for (int i = 0; i < kDirections; ++i) snapshot.lights.sample_lights(p, spread(i, shift), ConstantDomes::sampled, add);
+  for (int i = 0; i < kDirections; ++i) {
+    snapshot.lights.sample_lights(p, {hit.ng, hit.ng}, spread(i, shift), ConstantDomes::sampled, add);
+  }
   return std::isfinite(sum) ? sum : 0;
 }
 
