@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compares the noise that two builds of the program (or two settings of one) reach in the same CPU time.
 
-  noise_gain.py BEFORE AFTER [--scene NAME ...] [--size WxH] [--spp N] [--seeds N] [--before FLAG ...] [--after FLAG ...]
+  noise_gain.py BEFORE AFTER [--scene NAME|FILE.json ...] [--size WxH] [--spp N] [--seeds N] [--before FLAG ...] [--after FLAG ...]
 
 Every scene is rendered by both, turn by turn, with several seeds. The variance over the seeds, divided by the squared level
 of the picture (core/convergence/frame_error.h) and averaged over the pixels, is the relative mean squared error of an unbiased
@@ -27,7 +27,8 @@ from pictures import Reference, read_exr  # noqa: E402
 def render(program, scene, seed, arguments, flags, folder):
     """The picture and its CPU seconds."""
     output, stats = folder / "picture.exr", folder / "stats.json"
-    command = [program, "render", str(SCENES / scene / f"{scene}.json"), "-o", str(output), "--quiet", "--stats", str(stats),
+    description = SCENES / scene / f"{scene}.json" if scene in BUNDLED else pathlib.Path(scene)
+    command = [program, "render", str(description), "-o", str(output), "--quiet", "--stats", str(stats),
                "--size", arguments.size, "--spp", str(arguments.spp), "--set", f"seed={seed}", "--threads", str(arguments.threads),
                *flags]
     done = subprocess.run(command, env=environment(program), capture_output=True, text=True)
@@ -94,7 +95,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("before")
     parser.add_argument("after")
-    parser.add_argument("--scene", action="append", choices=BUNDLED, help="only this scene; may be repeated")
+    parser.add_argument("--scene", action="append", help="a bundled scene, or a render description; may be repeated")
     parser.add_argument("--size", default="96x64")
     parser.add_argument("--spp", type=int, default=16)
     parser.add_argument("--seeds", type=int, default=8)
@@ -121,7 +122,7 @@ def main():
             blocks = [side.block_error() for side in (before, after)]
             cpu = after.seconds / before.seconds
             whole, block = largest_bias(before, after)
-            print(f"| {scene} | {errors[0]:.5f} | {errors[1]:.5f} | {cpu:.2f} | {errors[0] / errors[1] / cpu:.2f} | {calm[0] / calm[1] / cpu:.2f} | "
+            print(f"| {pathlib.Path(scene).stem} | {errors[0]:.5f} | {errors[1]:.5f} | {cpu:.2f} | {errors[0] / errors[1] / cpu:.2f} | {calm[0] / calm[1] / cpu:.2f} | "
                   f"{blocks[0] / blocks[1] / cpu:.2f} | {whole:.1f} | {block:.2f} |", flush=True)
 
 
