@@ -31,9 +31,7 @@ class References {
     for (int i = 0; i < config_->getNumViewTransforms() && fault_.empty(); ++i)
       enter_view(config_->getViewTransformNameByIndex(i));
     for (int i = 0; i < config_->getNumNamedTransforms() && fault_.empty(); ++i)
-      if (const auto named = config_->getNamedTransform(config_->getNamedTransformNameByIndex(i)))
-        for (const auto direction : {OCIO::TRANSFORM_DIR_FORWARD, OCIO::TRANSFORM_DIR_INVERSE})
-          visit(named->getTransform(direction));
+      enter_named(config_->getNamedTransformNameByIndex(i));
     return fault_;
   }
 
@@ -51,12 +49,22 @@ class References {
     seen->second = false;
   }
 
-  void enter_space(const char* name) {
-    const auto space = name ? config_->getColorSpace(name) : nullptr;
-    if (!space) return;
+  // A name may stand for a named transform, too, and hold variables of the environment.
+  void enter_space(const std::string& written) {
+    const std::string name = config_->getCurrentContext()->resolveStringVar(written.c_str());
+    const auto space = config_->getColorSpace(name.c_str());
+    if (!space) return enter_named(name.c_str());
     enter("colour space", space->getName(), [&] {
       visit(space->getTransform(OCIO::COLORSPACE_DIR_TO_REFERENCE));
       visit(space->getTransform(OCIO::COLORSPACE_DIR_FROM_REFERENCE));
+    });
+  }
+  void enter_named(const char* name) {
+    const auto named = config_->getNamedTransform(name);
+    if (!named) return;
+    enter("named transform", named->getName(), [&] {
+      visit(named->getTransform(OCIO::TRANSFORM_DIR_FORWARD));
+      visit(named->getTransform(OCIO::TRANSFORM_DIR_INVERSE));
     });
   }
   void enter_look(const char* name) {
@@ -77,6 +85,34 @@ class References {
     });
   }
 
+  // "a, +b | c"
+  void enter_looks(std::string names) {
+    std::replace_if(
+        names.begin(), names.end(), [](char c) { return std::strchr(",:|+-", c) != nullptr; }, ' ');
+    std::istringstream words(names);
+    for (std::string name; words >> name;) enter_look(name.c_str());
+  }
+
+  bool is_of_display(const std::string& written) const {
+    const auto space = config_->getColorSpace(config_->getCurrentContext()->resolveStringVar(written.c_str()));
+    return space && space->getReferenceSpaceType() == OCIO::REFERENCE_SPACE_DISPLAY;
+  }
+  // From a space of the scene to one of a display, or back, the way leads through a view transform.
+  void enter_conversion(const std::string& from, const std::string& to, const std::string& view_transform) {
+    enter_space(from);
+    enter_space(to);
+    if (!view_transform.empty()) return enter_view(view_transform.c_str());
+    const auto usual = config_->getDefaultSceneToDisplayViewTransform();
+    if (usual && is_of_display(from) != is_of_display(to)) enter_view(usual->getName());
+  }
+  void enter_display(const OCIO::DisplayViewTransform& transform) {
+    const char *display = transform.getDisplay(), *view = transform.getView();
+    std::string space = config_->getDisplayViewColorSpaceName(display, view);
+    if (space == OCIO::OCIO_VIEW_USE_DISPLAY_NAME) space = display;
+    enter_conversion(transform.getSrc(), space, config_->getDisplayViewTransformName(display, view));
+    enter_looks(config_->getDisplayViewLooks(display, view));
+  }
+
   void visit(const OCIO::ConstTransformRcPtr& transform) {
     if (!transform || !fault_.empty()) return;
     if (const auto group = OCIO::DynamicPtrCast<const OCIO::GroupTransform>(transform)) {
@@ -84,19 +120,12 @@ class References {
       for (int i = 0; i < group->getNumTransforms(); ++i) visit(group->getTransform(i));
       --depth_;
     } else if (const auto spaces = OCIO::DynamicPtrCast<const OCIO::ColorSpaceTransform>(transform)) {
-      enter_space(spaces->getSrc());
-      enter_space(spaces->getDst());
+      enter_conversion(spaces->getSrc(), spaces->getDst(), "");
     } else if (const auto display = OCIO::DynamicPtrCast<const OCIO::DisplayViewTransform>(transform)) {
-      enter_space(display->getSrc());
-      enter_space(config_->getDisplayViewColorSpaceName(display->getDisplay(), display->getView()));
+      enter_display(*display);
     } else if (const auto looks = OCIO::DynamicPtrCast<const OCIO::LookTransform>(transform)) {
-      enter_space(looks->getSrc());
-      enter_space(looks->getDst());
-      std::string names = looks->getLooks();  // "a, +b | c"
-      std::replace_if(
-          names.begin(), names.end(), [](char c) { return std::strchr(",:|+-", c) != nullptr; }, ' ');
-      std::istringstream words(names);
-      for (std::string name; words >> name;) enter_look(name.c_str());
+      enter_conversion(looks->getSrc(), looks->getDst(), "");
+      enter_looks(looks->getLooks());
     } else if (const auto file = OCIO::DynamicPtrCast<const OCIO::FileTransform>(transform)) {
       check_file(file->getSrc());
     }

@@ -14,8 +14,9 @@ std::string config_text(const std::string& path);
 /// time for it, which grows with the square of the number of colour spaces, is bounded. Empty, or the reason.
 std::string config_file_fault(const std::string& path);
 
-/// Checks that no colour space, look or view is made of itself, directly or by way of others, and that every LUT is a
-/// regular file if it is there (a FIFO or device has no end). Empty, or the reason.
+/// Checks that no colour space, look, view transform or named transform is made of itself, directly or by way of others
+/// (views of displays included), and that every LUT is a regular file if it is there (a FIFO or device has no end).
+/// Empty, or the reason.
 std::string config_fault(const OCIO_NAMESPACE::ConstConfigRcPtr& config);
 
 }  // namespace alabaster

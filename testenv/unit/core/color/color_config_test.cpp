@@ -270,6 +270,12 @@ TEST(ColorConfig, ConfigurationsThatNeverEndAreRefused) {
     return "  - !<ColorSpace>\n    name: " + name + "\n    from_scene_reference: " + transform + "\n";
   };
   const auto through = [](const std::string& name) { return "!<ColorSpaceTransform> {src: " + name + ", dst: AP1}"; };
+  const auto screen = [](const std::string& name) {
+    return "display_colorspaces:\n  - !<ColorSpace> {name: screen}\nview_transforms:\n  - !<ViewTransform>\n    name: "
+           "v\n"
+           "    from_scene_reference: !<ColorSpaceTransform> {src: AP1, dst: " +
+           name + "}\n";
+  };
   std::string chain;
   for (int i = 0; i < 500; ++i) chain += space("c" + std::to_string(i), through("c" + std::to_string(i + 1)));
   std::string many;
@@ -280,10 +286,24 @@ TEST(ColorConfig, ConfigurationsThatNeverEndAreRefused) {
       {space("group", "!<GroupTransform> {children: [" + through("group") + "]}"), "made of itself"},
       {chain, "through more than 64"},
       {many, "colour spaces, and the limit"},
+      {space("named", through("n")) +
+           "named_transforms:\n  - !<NamedTransform>\n    name: n\n    transform: " + through("n") + "\n",
+       "made of itself"},
+      {space("usual", "!<ColorSpaceTransform> {src: AP1, dst: screen}") + screen("usual"), "made of itself"},
+      {space("view", "!<DisplayViewTransform> {src: AP1, display: Screen, view: Turned}") + screen("view"),
+       "made of itself"},
+      {space("look", "!<DisplayViewTransform> {src: AP1, display: Screen, view: Looked}") +
+           "looks:\n  - !<Look> {name: l, process_space: look}\n",
+       "made of itself"},
       {space("pipe", "!<FileTransform> {src: " + (folder / "fifo.cube") + "}"), "not a regular file"}};
   for (const auto& [spaces, said] : cases) {
     Reports reports;
-    const std::string text = foreign_config("  aces_interchange: AP0\n", spaces);
+    std::string text = foreign_config("  aces_interchange: AP0\n", spaces);
+    text.insert(text.find("    - !<View> {name: Film"),
+                "    - !<View> {name: Turned, view_transform: v, display_colorspace: screen}\n"
+                "    - !<View> {name: Looked, colorspace: AP1, looks: l}\n");
+    if (const size_t own = text.find("looks:\n  - !<Look> {name: l,"); own != std::string::npos)
+      text.erase(text.find("looks:\n"), text.find("colorspaces:\n") - text.find("looks:\n"));
     EXPECT_FALSE(ColorConfig::load(folder.write("f.ocio", text), reports.sink)) << said;
     EXPECT_NE(reports.text().find(said), std::string::npos) << reports.text();
   }
