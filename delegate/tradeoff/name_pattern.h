@@ -7,7 +7,7 @@
 namespace alabaster::tradeoff {
 
 /// A pattern matches in time proportional to its length times the name's, whatever it is: it is at most 500 bytes long
-/// and has neither back references nor counts ("{3}").
+/// and has neither back references nor counts ("{3}"), nor a + after a group or a repetition ("(a|b)+").
 class NamePattern {
  public:
   explicit NamePattern(const std::string& text);

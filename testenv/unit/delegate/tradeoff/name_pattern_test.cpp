@@ -22,6 +22,7 @@ TEST(NamePattern, RefusesWhatIsNoPattern) {
   EXPECT_NE(NamePattern(std::string(50000, '(')).fault(), "");
   EXPECT_NE(NamePattern("(a{1000}){1000}").fault(), "");
   EXPECT_NE(NamePattern("(.*)\\1").fault(), "");
+  EXPECT_EQ(NamePattern("a+|\\+").fault(), "");
 }
 
 TEST(NamePattern, NoPatternIsSlow) {
@@ -29,6 +30,11 @@ TEST(NamePattern, NoPatternIsSlow) {
   const NamePattern pattern("(.*)*(.*)*(.*)*x");
   EXPECT_EQ(pattern.fault(), "");
   EXPECT_FALSE(pattern.matches("the reference, with a name that is long enough to try all ways of cutting it"));
+  std::string nested(30, '('), repeated = "a" + std::string(30, '+');
+  nested += 'a';
+  for (int i = 0; i < 30; ++i) nested += "+)";
+  EXPECT_NE(NamePattern(nested).fault(), "");
+  EXPECT_NE(NamePattern(repeated).fault(), "");
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
 }
 
