@@ -110,11 +110,12 @@ int open_named(const std::string& folder, std::string& name) {
     name = temporary_name(folder);
     const int handle = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (handle < 0 && errno == EEXIST) continue;
-    struct stat now = {};
     if (handle < 0) return handle;
-    if (::flock(handle, LOCK_EX | LOCK_NB) == 0 && ::fstat(handle, &now) == 0 && now.st_nlink > 0) return handle;
-    if (now.st_nlink > 0) return handle;  // a file system without locks
-    ::close(handle);                      // somebody took it for stale
+    const bool locked = ::flock(handle, LOCK_EX | LOCK_NB) == 0;
+    if (!locked && errno != EWOULDBLOCK) return handle;  // a file system without locks
+    struct stat now = {};
+    if (locked && ::fstat(handle, &now) == 0 && now.st_nlink > 0) return handle;
+    ::close(handle);  // somebody took it for stale
   }
   errno = EEXIST;
   return -1;
