@@ -176,14 +176,11 @@ void sync_folder(const std::string& folder) {
   if (handle) static_cast<void>(::fsync(handle.get()));
 }
 
-/// Writes a regular file. Returns errno, 0 if it went well.
-int replace_file(const Target& target, std::span<const uint8_t> bytes, Flush flush) {
+/// Writes a regular file by way of a new one. Returns errno, 0 if it went well.
+int write_new(const Target& target, std::span<const uint8_t> bytes, Flush flush, bool named) {
   const std::string folder = folder_of(target.file);
-  clear_stale(folder);
   std::string temporary;
-  const bool has_proc = ::access("/proc/self/fd", X_OK) == 0;
-  int number = has_proc ? open_unnamed(folder) : -1;
-  if (number < 0) number = open_named(folder, temporary);
+  const int number = named ? open_named(folder, temporary) : open_unnamed(folder);
   if (number < 0) return errno;
   const Handle handle(number);
   int error = 0;
@@ -196,6 +193,13 @@ int replace_file(const Target& target, std::span<const uint8_t> bytes, Flush flu
   if (error == 0) return put_in_place(number, temporary, target.file);
   if (!temporary.empty()) ::unlink(temporary.c_str());
   return error;
+}
+
+int replace_file(const Target& target, std::span<const uint8_t> bytes, Flush flush) {
+  clear_stale(folder_of(target.file));
+  // Some systems make files without a name but let nobody name them.
+  if (::access("/proc/self/fd", X_OK) == 0 && write_new(target, bytes, flush, false) == 0) return 0;
+  return write_new(target, bytes, flush, true);
 }
 
 }  // namespace
