@@ -84,7 +84,13 @@ void Console::show(const hd::Diagnostic& d) {
   const bool error = d.severity == hd::Severity::error;
   if (error) last_error_ = d;
   if (quiet_ && d.severity == hd::Severity::info) return;
-  if (++counts_[int(d.severity)] > kMostMessages && !d.code.ends_with(".more")) return;
+  // The end of a run is told, whatever came before.
+  const bool told = d.code == "cli" || d.code.starts_with("record.") || d.code.starts_with("product.") ||
+                    d.code.starts_with("pass.") || d.code.ends_with(".more");
+  if (++counts_[int(d.severity)] > kMostMessages && !told) {
+    ++unshown_[int(d.severity)];
+    return;
+  }
   const char* kind = error ? "error: " : d.severity == hd::Severity::warning ? "warning: " : "";
   const auto shortened = [](const std::string& text, size_t longest) {
     return text.size() > longest ? text.substr(0, longest) + "..." : text;
@@ -114,8 +120,7 @@ hd::Diagnostic Console::last_error() const {
 void Console::count_rest() {
   const char* kinds[] = {"notes", "warnings", "errors"};
   for (size_t kind = 0; kind < std::size(kinds); ++kind)
-    if (counts_[kind] > kMostMessages)
-      print_line("and " + std::to_string(counts_[kind] - kMostMessages) + " more " + kinds[kind]);
+    if (unshown_[kind] > 0) print_line("and " + std::to_string(unshown_[kind]) + " more " + kinds[kind]);
 }
 
 void Console::print_line(const std::string& text) {

@@ -12,8 +12,8 @@ namespace alabaster::cli {
 /// that no name in a file can pass for a message of ours.
 std::string printable(const std::string& text);
 
-/// Any thread. After a hundred errors or warnings further ones are only counted. With `quiet` only errors and warnings
-/// are shown.
+/// Any thread. After a hundred errors or warnings further ones are only counted, but for those that end a run. With
+/// `quiet` only errors and warnings are shown.
 class Console {
  public:
   explicit Console(bool quiet);
@@ -43,7 +43,7 @@ class Console {
   const bool quiet_, terminal_;
   mutable std::mutex mutex_;
   bool bar_shown_ = false;
-  size_t counts_[3] = {0, 0, 0};  // of messages, by severity
+  size_t counts_[3] = {0, 0, 0}, unshown_[3] = {0, 0, 0};  // of messages, by severity
   int tenths_shown_ = -1;
   hd::Diagnostic last_error_;
 };

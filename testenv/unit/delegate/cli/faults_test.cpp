@@ -177,7 +177,6 @@ TEST_F(FaultsTest, AnInputIsNeverOverwritten) {
   write("self.json", R"({"gltf": [{"file": "patch.gltf"}], "products": [{"file": "sky.png"}],
                          "lights": [{"name": "d", "type": "domeLight", "texture:file": "sky.png"}]})");
   EXPECT_EQ(run({"render", "self.json", "--size", "16x12", "--spp", "1"}).code, 3);
-  std::filesystem::copy(folder_ / "patch.gltf", folder_ / "tradeoff.png");
   EXPECT_HAS(read("sky.png"), "RADIANCE");
 }
 
@@ -200,6 +199,15 @@ TEST_F(FaultsTest, FloodsOfMessagesEndInACountAndControlCharactersAreShown) {
   EXPECT_EQ(flood.code, 3);
   EXPECT_LT(std::count(flood.err.begin(), flood.err.end(), '\n'), 110);
   EXPECT_HAS(flood.err, " more ");
+  std::string domes = R"({"gltf": [{"file": "patch.gltf"}], "lights": [)";
+  for (int i = 0; i < 120; ++i)
+    domes += R"({"type": "domeLight", "name": "d)" + std::to_string(i) + R"(", "texture:file": "absent.png"},)";
+  domes.back() = ']';
+  write("domes.json", domes + "}");
+  const Outcome unwritten = run(
+      {"render", "domes.json", "--size", "16x12", "--spp", "1", "-o", "a.exr", "--keep-going", "--stats", "/dev/full"});
+  EXPECT_EQ(unwritten.code, 5);
+  EXPECT_HAS(unwritten.err, "The statistics could not be written");
   write("escape.json", "{\"\\u001b[31mred\\u0007\\u009b1m\\nerror: forged\": 1}");
   const Outcome escape = render("escape.json");
   EXPECT_EQ(escape.code, 3);
