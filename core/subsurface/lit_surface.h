@@ -27,7 +27,8 @@ class LitSurface {
   static std::optional<LitSurface> choose(const std::vector<LitPoint>& points);
 
   /// The unit direction in which a particle at `p` is most likely to meet light, where light falls off as
-  /// exp(-kappa distance); render space. Zero if no lit point faces p.
+  /// exp(-kappa distance); render space. Zero if no lit point faces p, and where light is so far
+  /// away that the sum underflows.
   Vec3f direction_from(const Vec3f& p, float kappa) const;
   /// True if outward normal `n` turns to the side that most light falls on: light is near, no walk need look for it.
   bool faces_light(const Vec3f& n) const { return dot(n, facing_) > 0.1f; }
