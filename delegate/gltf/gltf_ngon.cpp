@@ -43,7 +43,7 @@ uint32_t float_bits(float value) {
 
 class CageBuilder {
  public:
-  CageBuilder(const std::vector<Vec3f>& points, const std::vector<Vec2f>& st) : points_(points), st_(st) {
+  CageBuilder(const std::vector<Vec3f>& points, const std::vector<Vec2f>& st) : st_(st) {
     std::map<FloatKey, int32_t> places;
     welded_.reserve(points.size());
     for (const Vec3f& p : points) {
@@ -93,7 +93,6 @@ class CageBuilder {
     return found->second;
   }
 
-  const std::vector<Vec3f>& points_;
   const std::vector<Vec2f>& st_;
   std::vector<int32_t> welded_;
   std::map<FloatKey, int32_t> st_values_;
