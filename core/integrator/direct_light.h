@@ -21,14 +21,9 @@ struct LightWeight {
   float mis;  // against sampling of the lobe
 };
 
-/// A shadow ray to a point on an emissive mesh stops this fraction short of it, so that the light does not shade
-/// itself. Lights that are no geometry need no such margin.
-inline constexpr float kMeshLightFraction = 1 - 0x1p-12f;
-
 inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightSample& light) {
   ++context.counters.shadow_rays;
-  return context.scene.top->occluded(
-      {p, light.wi, light.on_mesh ? light.distance * kMeshLightFraction : light.distance});
+  return context.scene.top->occluded({p, light.wi, light.shadow_length()});
 }
 
 /// How the lights are sampled at a point.

@@ -27,7 +27,11 @@ struct LightSample {
   Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
   float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
-  bool on_mesh = false;  // the point lies on geometry: a shadow ray must stop short of it
+  bool on_mesh = false;  // the point lies on geometry
+
+  /// Length of a shadow ray along wi. It stops short of a point on a mesh, so that the light does not shade itself;
+  /// lights that are no geometry need no such margin.
+  float shadow_length() const { return on_mesh ? distance * (1 - 0x1p-12f) : distance; }
 };
 
 /// Answer of intersect(). ray.dir need not be unit; ray.tmax does not count (LightSet compares with it).

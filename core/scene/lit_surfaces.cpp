@@ -27,14 +27,12 @@ std::array<float, 4> spread(int i, const Vec3f& shift) {
 }
 
 float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& rng) {
-  constexpr float kShortOfMeshLight = 1 - 0x1p-12f;
   const Vec3f p = offset_point(hit.p, hit.ng, hit.offset);
   const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
   float sum = 0;
   const auto add = [&](const LightSample& light) {
     const float cosine = dot(light.wi, hit.ng);
-    const float distance = light.on_mesh ? light.distance * kShortOfMeshLight : light.distance;
-    if (cosine > 0 && !snapshot.top->occluded({p, light.wi, distance}))
+    if (cosine > 0 && !snapshot.top->occluded({p, light.wi, light.shadow_length()}))
       sum += luminance(light.radiance) * cosine / light.pdf;
   };
   for (int i = 0; i < kDirections; ++i) {
