@@ -191,7 +191,7 @@ TEST(FrameError, EndsTheRenderAtTheErrorAsked) {
     RenderProgress progress;
     const auto film = testing::render(request, &progress);
     EXPECT_EQ(progress.state, SessionState::finished);
-    // The last pass may find a bright path: then the estimate rises, and its interval is wide.
+    // Few rare bright paths make an estimate above the target; its interval is then wide.
     EXPECT_LE(progress.noise.low, 0.05);
     estimates += progress.noise.relative_rmse;
     EXPECT_LT(progress.samples_done, uint64_t(2000) * kSize * kSize);
