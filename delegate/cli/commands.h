@@ -16,11 +16,14 @@ struct RenderArguments {
   std::string scene;
   std::vector<std::string> outputs;
   std::string camera, dome, ocio;
-  std::string time;   // a frame number
-  std::string size;   // "1280x720"
-  std::string crop;   // "x0,y0,x1,y1"
-  std::string pixel;  // "x,y" or "x,y,sample"
-  std::string words;  // all arguments as typed, quoted for a shell, each after a space
+  std::string time;                             // seconds
+  std::string frames;                           // "1:100" or "1:100:10"
+  std::string fps;                              // frames per second
+  std::string model_scene, animation, variant;  // of a glTF model: name or index
+  std::string size;                             // "1280x720"
+  std::string crop;                             // "x0,y0,x1,y1"
+  std::string pixel;                            // "x,y" or "x,y,sample"
+  std::string words;                            // all arguments as typed, quoted for a shell, each after a space
   std::string quality;
   std::map<std::string, std::string> settings;  // of the flags that name a render setting, by its name
   std::string display, view, look;

@@ -59,6 +59,23 @@ void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
   }
 }
 
+std::string quoted(const std::string& name) {
+  return name.empty() ? "" : " '" + printable(name) + "'";
+}
+
+// What --scene, --animation and --variant choose from, with the number of each.
+void print_choices(const hd::gltf::GltfSummary& model) {
+  const auto print = [](const char* kind, const std::vector<std::string>& names) {
+    if (!names.empty()) std::printf("%s: %zu\n", kind, names.size());
+    for (size_t i = 0; i < names.size(); ++i) std::printf("  %zu%s\n", i, quoted(names[i]).c_str());
+  };
+  if (model.scenes.size() > 1) print("scenes", model.scenes);
+  if (!model.animations.empty()) std::printf("animations: %zu\n", model.animations.size());
+  for (size_t i = 0; i < model.animations.size(); ++i)
+    std::printf("  %zu%s: %.4g s\n", i, quoted(model.animations[i].name).c_str(), model.animations[i].seconds);
+  print("variants", model.variants);
+}
+
 void print_materials(const hd::host::RetainedSceneDelegate& scene) {
   std::printf("materials: %zu\n", scene.GetMaterials().size());
   for (const auto& [path, network] : scene.GetMaterials()) {
@@ -128,6 +145,7 @@ int run_info(const InfoArguments& arguments) {
   if (!session.choose_colors("", console.sink())) return kInput;
   if (const auto size = parse_size(arguments.size)) resize(&session, *size);
   print_geometry(session.scene);
+  for (const hd::gltf::GltfSummary& model : session.file.gltf) print_choices(model);
   print_materials(session.scene);
   print_lights_and_cameras(session);
   std::fflush(stdout);

@@ -41,6 +41,24 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
 };
 
+/// What is shown of a glTF model, and when.
+struct TextFlag {
+  const char* flag;
+  std::string RenderArguments::*value;
+  const char *type, *help;
+};
+constexpr TextFlag kModelFlags[] = {
+    {"--time", &RenderArguments::time, "S",
+     "Time in the models' animation in seconds; without it they keep the pose in which they are authored"},
+    {"--frames", &RenderArguments::frames, "A:B[:STEP]",
+     "Render the frames from A to B, each to files of its own: -o frame.####.exr. Frame N shows the models at N / fps "
+     "seconds and has a noise pattern of its own"},
+    {"--fps", &RenderArguments::fps, "N", "Frames per second, for --frames; default: 24"},
+    {"--scene", &RenderArguments::model_scene, "N|NAME", "Scene of the glTF file; default: the file's own choice"},
+    {"--animation", &RenderArguments::animation, "N|NAME", "Animation of the glTF file; default: the first"},
+    {"--variant", &RenderArguments::variant, "N|NAME", "Variant of the glTF file's materials"},
+};
+
 /// An option that may be given several times, each time with one value.
 void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>* values, const char* type,
                   const char* help) {
@@ -55,7 +73,7 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
   add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
   c->add_option("--camera", a->camera, "Camera to render from")->type_name("NAME");
-  c->add_option("--time", a->time, "Frame number (a whole number)")->type_name("N");
+  for (const TextFlag& flag : kModelFlags) c->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
   c->add_option("--crop", a->crop, "Region to render, in pixels from the upper left corner")->type_name("X0,Y0,X1,Y1");
   c->add_option("--quality", a->quality,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -114,9 +115,29 @@ std::optional<PixelChoice> parse_pixel(const std::string& text) {
   return PixelChoice{numbers[0], numbers[1], static_cast<uint32_t>(numbers[2])};
 }
 
-std::optional<uint32_t> parse_frame(const std::string& text) {
-  const auto numbers = parse_numbers<uint32_t>(text, "");
-  return numbers.size() == 1 ? std::optional(numbers[0]) : std::nullopt;
+std::optional<double> parse_nonnegative(const std::string& text) {
+  const auto numbers = parse_numbers<double>(text, "");
+  return numbers.size() == 1 && numbers[0] >= 0 && std::isfinite(numbers[0]) ? std::optional(numbers[0]) : std::nullopt;
+}
+
+std::vector<uint32_t> parse_frames(const std::string& text) {
+  constexpr uint64_t kMost = 100'000;
+  std::vector<uint32_t> range = parse_numbers<uint32_t>(text, ":");
+  if (range.size() == 2) range.push_back(1);
+  if (range.size() != 3 || range[2] == 0 || range[0] > range[1] || (range[1] - range[0]) / range[2] >= kMost) return {};
+  std::vector<uint32_t> frames;
+  for (uint64_t frame = range[0]; frame <= range[1]; frame += range[2]) frames.push_back(uint32_t(frame));
+  return frames;
+}
+
+std::string frame_file(const std::string& file, uint32_t frame) {
+  const size_t last = file.rfind('#'), slash = file.rfind('/');
+  if (last == std::string::npos || (slash != std::string::npos && last < slash)) return {};
+  const size_t before = file.find_last_not_of('#', last), first = before == std::string::npos ? 0 : before + 1;
+  const std::string number = std::to_string(frame);
+  const size_t digits = last + 1 - first;
+  const std::string zeros(digits > number.size() ? digits - number.size() : 0, '0');
+  return file.substr(0, first) + zeros + number + file.substr(last + 1);
 }
 
 std::string same_file_twice(const std::vector<std::string>& files) {

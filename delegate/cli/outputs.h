@@ -23,8 +23,13 @@ struct PixelChoice {
 };
 /// Parses "x,y" and "x,y,sample"; the sample is not negative. Empty if malformed.
 std::optional<PixelChoice> parse_pixel(const std::string& text);
-/// Parses a frame number, 0 to 4294967295. Empty if malformed.
-std::optional<uint32_t> parse_frame(const std::string& text);
+/// Parses a number of seconds or of frames per second, finite and not negative. Empty if malformed.
+std::optional<double> parse_nonnegative(const std::string& text);
+/// Parses "first:last" and "first:last:step" as the frames' numbers, at most 100,000. Empty if malformed or none.
+std::vector<uint32_t> parse_frames(const std::string& text);
+/// `file` with the last '#'s of its name replaced by the frame's number, which has leading zeros to their count. Empty
+/// if the name has none.
+std::string frame_file(const std::string& file, uint32_t frame);
 
 /// The error message if two of `files` are the same file, however they are spelt; else empty.
 std::string same_file_twice(const std::vector<std::string>& files);

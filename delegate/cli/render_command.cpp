@@ -49,9 +49,7 @@ class RenderCommand {
     if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
       return console_.usage_error(
           "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.");
-    if (!a_.time.empty() && !parse_frame(a_.time))
-      return console_.usage_error(
-          "--time", "'" + a_.time + "' is not a frame number: write a whole number from 0 to 4294967295.");
+    if (const int code = check_times(); code != kDone) return code;
     if (a_.exposure && !(std::abs(*a_.exposure) <= 64))
       return console_.usage_error("--exposure", "expected a number of stops from -64 to 64.");
     std::vector<std::string> files = a_.outputs;
@@ -76,6 +74,33 @@ class RenderCommand {
     return kDone;
   }
 
+  int check_times() {
+    if (!a_.time.empty() && !parse_nonnegative(a_.time))
+      return console_.usage_error("--time", "'" + a_.time + "' is not a time: write a number of seconds from 0 up.");
+    if (!a_.fps.empty() && parse_nonnegative(a_.fps).value_or(0) == 0)
+      return console_.usage_error("--fps", "'" + a_.fps + "' is not a number of frames per second above 0.");
+    if (a_.frames.empty())
+      return a_.fps.empty() ? kDone : console_.usage_error("--fps", "It needs --frames, or give a --time in seconds.");
+    if (parse_frames(a_.frames).empty())
+      return console_.usage_error("--frames", "'" + a_.frames +
+                                                  "' is not a range of frames: write first:last or first:last:step, in "
+                                                  "whole numbers, with at most 100000 frames.");
+    if (!a_.time.empty() || !a_.pixel.empty())
+      return console_.usage_error("--frames", "It cannot be given with --time or --pixel, which show one frame.");
+    return check_frame_names(a_.outputs);
+  }
+
+  int check_frame_names(const std::vector<std::string>& files) {
+    for (const std::string& file : files)
+      if (frame_file(file, 0).empty())
+        return console_.usage_error("--frames", "All frames would go to '" + file +
+                                                    "': give the name a place for their numbers, such as "
+                                                    "frame.####.exr.");
+    return kDone;
+  }
+
+  double seconds_at(uint32_t frame) const { return frame / parse_nonnegative(a_.fps).value_or(24); }
+
   // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
   // output.
   int product_failure() const {
@@ -98,7 +123,10 @@ class RenderCommand {
     const auto add = [&](const std::string& key, const std::string& value) {
       if (!value.empty()) options.overrides.push_back(key + "=" + value);
     };
-    if (const auto frame = parse_frame(a_.time)) add("frame", std::to_string(*frame));
+    options.time = frames_.empty() ? parse_nonnegative(a_.time) : std::optional(seconds_at(frames_[0]));
+    options.scene = a_.model_scene;
+    options.animation = a_.animation;
+    options.variant = a_.variant;
     if (const auto size = parse_size(a_.size))
       add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
     if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
@@ -127,7 +155,10 @@ class RenderCommand {
     if (!ok) return load_failure(console_.last_error(), options);
     if (!session_.choose_colors(a_.ocio, console_.sink())) return kInput;
     for (const std::string& note : session_.file.notes) console_.note("note: " + note);
-    if (!a_.time.empty()) console_.note("note: animation is not supported; --time only sets the frame number");
+    const auto& models = session_.file.gltf;
+    if (options.time && std::all_of(models.begin(), models.end(), [](const auto& m) { return m.animations.empty(); }))
+      console_.sink()(
+          {hd::Severity::warning, "render.time", a_.scene, "It has no animation: every time shows the same."});
     return kDone;
   }
 
@@ -174,6 +205,12 @@ class RenderCommand {
   int check_names(const std::vector<hd::RenderProduct>& products) {
     std::vector<std::string> files;
     for (const hd::RenderProduct& product : products) files.push_back(product.file);
+    if (!frames_.empty()) {
+      if (const int code = check_frame_names(files); code != kDone) return code;
+      files.clear();
+      for (const uint32_t frame : frames_)
+        for (const hd::RenderProduct& product : products) files.push_back(frame_file(product.file, frame));
+    }
     std::string problem = same_file_twice(files);
     if (!problem.empty()) {
       console_.error(a_.scene, problem);
@@ -202,6 +239,42 @@ class RenderCommand {
   }
 
   int render() {
+    const int code = frames_.empty() ? render_frame() : render_frames();
+    if (code == kInterrupted) {
+      for (const std::string& file : written_)
+        console_.note((frames_.empty() ? "interrupted: wrote the picture so far to " : "interrupted: wrote ") + file);
+      if (written_.empty()) console_.note("interrupted: nothing was written");
+    }
+    return code;
+  }
+
+  // Ends at the first frame that fails or is interrupted; those before it are done.
+  int render_frames() {
+    const auto described = session_.scene.GetAllRenderSettings();
+    hd::description::LoadOptions options = load_options();
+    int code = kDone;
+    for (size_t i = 0; i < frames_.size(); ++i) {
+      if (interrupted()) return kInterrupted;
+      const uint32_t frame = frames_[i];
+      options.time = seconds_at(frame);
+      if (i > 0 && !session_.pose(a_.scene, options, console_.sink())) return kInput;
+      for (const hd::Path& path : settings_paths()) {
+        hd::RenderSettingsDescription settings = described.at(path);
+        settings.settings["frame"] = int64_t(frame);
+        for (hd::RenderProduct& product : settings.products) product.file = frame_file(product.file, frame);
+        session_.scene.SetRenderSettings(path, std::move(settings));
+      }
+      char text[120];
+      std::snprintf(text, sizeof text, "frame %u at %.4g s (%zu of %zu)", frame, *options.time, i + 1, frames_.size());
+      console_.note(text);
+      const int one = render_frame();
+      if (one != kDone) code = one;
+      if (one != kDone && one != kDegraded) break;
+    }
+    return code;
+  }
+
+  int render_frame() {
     int code = kDone;
     for (const hd::Path& path : settings_paths()) {
       hd::host::RecordOptions options;
@@ -224,10 +297,6 @@ class RenderCommand {
       say_suspect(result.stats, one);
       if (one != kDone) code = one;
       if (one != kDone && one != kDegraded) break;
-    }
-    if (code == kInterrupted) {
-      for (const std::string& file : written_) console_.note("interrupted: wrote the picture so far to " + file);
-      if (written_.empty()) console_.note("interrupted: nothing was written");
     }
     return code;
   }
@@ -361,6 +430,7 @@ class RenderCommand {
   }
 
   const RenderArguments& a_;
+  const std::vector<uint32_t> frames_ = parse_frames(a_.frames);  // empty: one picture
   Console console_;
   SceneSession session_;
   RunStats stats_;

@@ -17,6 +17,9 @@ class SceneSession {
 
   /// False after a report.
   bool load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
+  /// Gives the models of the loaded scene the pose of options.time. The default look stays as it was loaded: a camera
+  /// that was framed and the lights of a studio do not move. False after a report.
+  bool pose(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
   /// Chooses the colour configuration: `asked`, or the scene's if that is empty. False after a report if it cannot be
   /// used.
   bool choose_colors(const std::string& asked, const hd::DiagnosticSink& sink);

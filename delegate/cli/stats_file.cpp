@@ -60,6 +60,8 @@ void RunStats::set_load(double wall, double cpu) {
 void RunStats::add_render(const hd::RenderSettingsDescription& settings, const hd::host::RecordResult& result) {
   stats_.push_back(result.stats);
   resolutions_.push_back({settings.width, settings.height});
+  const auto frame = settings.settings.find("frame");
+  frames_.push_back(frame == settings.settings.end() ? 0 : uint64_t(frame->second.number_or(0)));
   written_.insert(written_.end(), result.written.begin(), result.written.end());
 }
 
@@ -83,6 +85,7 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
       out["faults"] = lines_of(faults->second.text_or(""));
   out["settings"] = settings;
   out["resolutions"] = resolutions_;
+  out["frames"] = frames_;
   out["files"] = written_;
   out["phases"] = {{"load", {{"wall", load_wall_}, {"cpu", load_cpu_}}},
                    {"refine", {{"wall", total("sync.refineWallSeconds")}, {"cpu", total("sync.refineSeconds")}}},

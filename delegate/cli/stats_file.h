@@ -1,14 +1,19 @@
 // The --stats file, in JSON:
-//   versions    [text]              of Alabaster and what it is built on
-//   scene       text                as given
-//   status      "done", "degraded" (rendered by --keep-going without all that the scene names), "interrupted" or
-//   "failed" faults      [text]              what the scene lacks of what was asked for; absent if nothing settings
-//   {name: value}       every render setting as it was in effect resolutions [[width, height]]   of each render files
-//   [text]              that were written phases      {load, refine, build, render, write: {wall, cpu}}   seconds; cpu
-//   of all threads together rays        {camera, bounce, shadow, walk} walks       {count, segments, events, exits,
-//   lost, lostShare: energy lost in open meshes, of what entered} samples     {perPixel, total} error {relativeRmse,
-//   low95, high95}   noise as the render estimates it in itself; absent below two samples peakMemory  bytes of the
-//   process delegate    [{name: value}]     RenderDelegate::GetRenderStats of each render, and the recorder's phases
+// - versions [text]: of Alabaster and what it is built on
+// - scene text: as given
+// - status: "done", "degraded" (rendered by --keep-going without all that the scene names), "interrupted" or "failed"
+// - faults [text]: what the scene lacks of what was asked for; absent if nothing
+// - settings {name: value}: every render setting as it was in effect
+// - resolutions [[width, height]], frames [number]: of each render
+// - files [text]: that were written
+// - phases {load, refine, build, render, write: {wall, cpu}}: seconds; cpu of all threads together
+// - rays {camera, bounce, shadow, walk, probe}
+// - walks {count, segments, events, exits, lost, lostShare}: lostShare is the energy lost in open meshes, of what
+// entered
+// - samples {perPixel, total}
+// - error {relativeRmse, low95, high95}: noise as the render estimates it in itself; absent below two samples
+// - peakMemory: bytes of the process
+// - delegate [{name: value}]: RenderDelegate::GetRenderStats of each render, and the recorder's phases
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -18,7 +23,7 @@
 
 namespace alabaster::cli {
 
-/// The statistics of one run; renders at several resolutions are added up.
+/// The statistics of one run; renders of several frames or resolutions are added up.
 class RunStats {
  public:
   void set_load(double wall, double cpu);
@@ -32,7 +37,7 @@ class RunStats {
  private:
   double load_wall_ = 0, load_cpu_ = 0;
   std::vector<hd::Dictionary> stats_;
-  nlohmann::json resolutions_ = nlohmann::json::array();
+  nlohmann::json resolutions_ = nlohmann::json::array(), frames_ = nlohmann::json::array();
   std::vector<std::string> written_;
 };
 

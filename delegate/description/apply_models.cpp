@@ -15,11 +15,33 @@ Path root_for(const std::string& file, std::set<std::string>* taken) {
   return root;
 }
 
+// A choice of the command line takes the place of the model's own.
+std::string chosen(const nlohmann::json& model, const char* key, const std::string& asked) {
+  return asked.empty() ? model.value(key, std::string()) : asked;
+}
+
+gltf::GltfOptions options_of(const nlohmann::json& model, const LoadOptions& asked) {
+  gltf::GltfOptions options;
+  options.refine_level = model.value("refineLevel", options.refine_level);
+  options.scene = chosen(model, "scene", asked.scene);
+  options.animation = chosen(model, "animation", asked.animation);
+  options.variant = chosen(model, "variant", asked.variant);
+  if (model.contains("time") || asked.time) options.time = model.value("time", 0.0) + asked.time.value_or(0);
+  return options;
+}
+
 }  // namespace
 
 bool apply_models(const Reader& reader) {
   const auto models = reader.value().find("gltf");
   if (models == reader.value().end()) return true;
+  const LoadOptions& asked = reader.state().options;
+  if (models->size() > 1 && !(asked.scene + asked.animation + asked.variant).empty()) {
+    if (*reader.state().sink)
+      (*reader.state().sink)({Severity::error, "gltf.choice", reader.place("/gltf"),
+                              "There are several models: write scene, animation or variant beside each one's file."});
+    return false;
+  }
   std::set<std::string> taken;
   bool ok = true;
   for (size_t i = 0; i < models->size(); ++i) {
@@ -27,9 +49,8 @@ bool apply_models(const Reader& reader) {
     const std::string pointer = "/gltf/" + std::to_string(i);
     const AssetPath file = reader.asset(pointer + "/file", model["file"]);
     if (file.resolved.empty()) return false;
-    gltf::GltfOptions options;
+    gltf::GltfOptions options = options_of(model, asked);
     options.root = root_for(file.resolved, &taken);
-    options.refine_level = model.value("refineLevel", options.refine_level);
     if (model.contains("transform")) {
       const auto transform = to_transform(model["transform"]);
       if (!transform)

@@ -69,6 +69,7 @@ bool complete_camera(LoadState* state) {
     if (!camera.parameters.count("focusDistance"))
       camera.parameters["focusDistance"] = static_cast<float>(framed.distance);
     state->result->notes.push_back("no camera: framed the scene");
+    state->result->framed = true;
   }
   const Path path = "/camera";
   state->scene->SetCamera(path, std::move(camera));

@@ -67,7 +67,7 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
 }
 
 AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
-  if (state_.keep_going) return {file, resolve(file), nullptr};
+  if (state_.options.keep_going) return {file, resolve(file), nullptr};
   AssetPath found = asset(pointer, file);
   if (found.resolved.empty()) return found;
   std::string problem;

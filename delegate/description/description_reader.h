@@ -35,7 +35,7 @@ struct LoadState {
   host::RetainedSceneDelegate* scene = nullptr;
   const DiagnosticSink* sink = nullptr;
   SceneFile* result = nullptr;
-  bool keep_going = false;
+  LoadOptions options;
   CameraPlan camera;
   RenderSettingsDescription settings;
   StudioChoice studio = StudioChoice::when_dark;

@@ -45,7 +45,7 @@ class Loader {
   }
 
   bool run(const std::string& file, const LoadOptions& options) {
-    state_.keep_going = options.keep_going;
+    state_.options = options;
     if (!load_file(file)) return false;
     for (const std::string& assignment : options.overrides)
       if (!apply_override(assignment)) return false;
@@ -73,7 +73,13 @@ class Loader {
     const std::string extension = lower_extension(file);
     if (extension == ".json") return load_description(file);
     if (extension == ".gltf" || extension == ".glb") {
-      state_.result->gltf.push_back(gltf::LoadGltf(file, {}, state_.scene, sink_));
+      const LoadOptions& o = state_.options;
+      gltf::GltfOptions options;
+      options.scene = o.scene;
+      options.animation = o.animation;
+      options.variant = o.variant;
+      options.time = o.time;
+      state_.result->gltf.push_back(gltf::LoadGltf(file, options, state_.scene, sink_));
       return state_.result->gltf.back().ok;
     }
     return fail("scene.kind", file, "This is not a scene file: use .gltf, .glb or .json (a render description).");

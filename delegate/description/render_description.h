@@ -18,6 +18,11 @@ struct LoadOptions {
   /// Leaves images that are missing or damaged to the renderer, which reports them and can go on without. Else they are
   /// errors at once.
   bool keep_going = false;
+  /// Seconds of the models' animations, added to each description's `time`. Empty: models without a `time` keep the
+  /// pose in which they are authored.
+  std::optional<double> time;
+  /// As in gltf::GltfOptions, in place of the description's; an error if it has several models.
+  std::string scene, animation, variant;
 };
 
 struct SceneFile {
@@ -26,6 +31,7 @@ struct SceneFile {
   std::vector<Path> further_settings;  // one for each further resolution or crop of the products
   std::string color_config;            // OCIO config that the description names; empty if none
   std::vector<gltf::GltfSummary> gltf;
+  bool framed = false;             // there was no camera, and one was placed to show all of the scene
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says
 };
 

@@ -1,8 +1,11 @@
 #include "delegate/gltf/gltf_accessor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
+
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -66,6 +69,12 @@ size_t component_size(int component_type) {
   }
 }
 
+uint64_t most_decoded_bytes() {
+  constexpr uint64_t kMost = uint64_t(16) << 30;
+  const uint64_t physical = support::physical_memory_bytes();
+  return physical > 0 ? std::min(kMost, physical / 8) : kMost;
+}
+
 uint32_t read_index(const uint8_t* p, int component_type) {
   if (component_type == kUnsignedByte) return *p;
   if (component_type == kUnsignedShort) return load<uint16_t>(p);
@@ -84,6 +93,13 @@ std::vector<float> read_floats(const AccessorView& accessor) {
     for (size_t i = 0; i < accessor.count; ++i) read_element(i, accessor.data + i * accessor.stride);
   for_each_sparse(accessor, read_element);
   return values;
+}
+
+std::optional<size_t> first_not_finite(const AccessorView& accessor) {
+  const std::vector<float> values = read_floats(accessor);
+  const auto found = std::find_if(values.begin(), values.end(), [](float v) { return !std::isfinite(v); });
+  if (found == values.end()) return {};
+  return size_t(found - values.begin()) / accessor.components;
 }
 
 std::vector<uint32_t> read_indices(const AccessorView& accessor) {

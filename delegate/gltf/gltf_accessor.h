@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,12 +29,19 @@ struct AccessorView {
   const uint8_t* sparse_values = nullptr;  // tightly packed
 };
 
+/// The limit on the bytes of geometry, and on those of animations, when decoded. It keeps many elements over one
+/// accessor from filling the memory: reading them and building what is traced takes up to eight times as much.
+uint64_t most_decoded_bytes();
+
 /// One integer component at `p`, which need not be aligned.
 uint32_t read_index(const uint8_t* p, int component_type);
 
 /// All elements, with components interleaved, normalized integers mapped to [0,1] or [-1,1] (glTF 2.0, section
-/// 3.6.2.2), and sparse values applied. Not for matrices.
+/// 3.6.2.2), and sparse values applied. Of the matrices only MAT4 of floats.
 std::vector<float> read_floats(const AccessorView& accessor);
+
+/// The first element that is not finite; empty if all are.
+std::optional<size_t> first_not_finite(const AccessorView& accessor);
 
 /// The values of a scalar accessor of unsigned integers.
 std::vector<uint32_t> read_indices(const AccessorView& accessor);

@@ -7,31 +7,25 @@
 #include <set>
 
 #include "delegate/gltf/gltf_document.h"
-#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::gltf {
 namespace {
 
-// Bytes of decoded geometry in all primitives. The limit keeps many primitives over one accessor from filling the
-// memory: reading them and building what is traced takes up to eight times as much.
-uint64_t most_decoded_bytes() {
-  constexpr uint64_t kMost = uint64_t(16) << 30;
-  const uint64_t physical = support::physical_memory_bytes();
-  return physical > 0 ? std::min(kMost, physical / 8) : kMost;
-}
-
 struct Semantic {
   const char* name;
   const char* types;         // "|VEC3|"
+  const char* target_types;  // of a morph target; empty: none
   bool numbered = false;     // NAME_n
   bool integers = false;     // allowed without an extension
   bool quantizable = false;  // integers allowed by KHR_mesh_quantization
 };
-constexpr Semantic kSemantics[] = {
-    {"POSITION", "|VEC3|", false, false, true},  {"NORMAL", "|VEC3|", false, false, true},
-    {"TANGENT", "|VEC4|", false, false, true},   {"TEXCOORD", "|VEC2|", true, true, true},
-    {"COLOR", "|VEC3|VEC4|", true, true, false}, {"JOINTS", "|VEC4|", true, true, false},
-    {"WEIGHTS", "|VEC4|", true, true, false}};
+constexpr Semantic kSemantics[] = {{"POSITION", "|VEC3|", "|VEC3|", false, false, true},
+                                   {"NORMAL", "|VEC3|", "|VEC3|", false, false, true},
+                                   {"TANGENT", "|VEC4|", "|VEC3|", false, false, true},
+                                   {"TEXCOORD", "|VEC2|", "|VEC2|", true, true, true},
+                                   {"COLOR", "|VEC3|VEC4|", "|VEC3|VEC4|", true, true, false},
+                                   {"JOINTS", "|VEC4|", "", true, true, false},
+                                   {"WEIGHTS", "|VEC4|", "", true, true, false}};
 
 // The semantic of an attribute such as "TEXCOORD_0"; empty if glTF has none.
 std::optional<Semantic> find_semantic(const std::string& attribute) {
@@ -74,19 +68,30 @@ class MeshCheck {
       : root_(root), document_(document), report_(report), index_max_(document.accessors.size()) {
     if (root.contains("extensionsRequired"))
       for (const Json& name : root["extensionsRequired"]) quantized_ |= name == "KHR_mesh_quantization";
+    copies_.assign(root["meshes"].size(), 0);
+    if (root.contains("nodes"))
+      for (const Json& node : root["nodes"])
+        if (node.contains("mesh") && (node.contains("skin") || node.contains("weights")))
+          ++copies_[node["mesh"].get<size_t>()];
   }
 
   void run() {
+    double total_bytes = 0;
     for (size_t m = 0; m < root_["meshes"].size(); ++m) {
       const Json& mesh = root_["meshes"][m];
       const std::string element = element_name("meshes", m);
       for (size_t p = 0; p < mesh["primitives"].size() && !report_.failed(); ++p)
         check_primitive(mesh["primitives"][p], element_name(element + ".primitives", p));
+      check_target_counts(mesh, element);
+      // Nodes with a skin or with weights have copies of their own, those without share one.
+      total_bytes += double(decoded_bytes_) * double(copies_[m] + 1);
+      decoded_bytes_ = 0;
     }
-    if (const uint64_t most = most_decoded_bytes(); decoded_bytes_ > most)
+    if (const uint64_t most = most_decoded_bytes(); total_bytes > double(most))
       report_.error("mesh.size", "meshes",
-                    "contain " + std::to_string(decoded_bytes_ >> 20) + " MiB of geometry, and the limit on this " +
-                        "machine is " + std::to_string(most >> 20) + " MiB; split the file, or share meshes by nodes");
+                    "contain " + std::to_string(uint64_t(total_bytes / (1 << 20))) +
+                        " MiB of geometry, and the limit on this machine is " + std::to_string(most >> 20) +
+                        " MiB; split the file, or share meshes by nodes");
   }
 
  private:
@@ -99,7 +104,7 @@ class MeshCheck {
     for (const auto& [name, index] : attributes.items()) {
       const AccessorView& view = accessor(index);
       const std::string place = element_name(element + ".attributes", name);
-      check_attribute(name, view, place);
+      check_attribute(name, view, place, false);
       if (!first) first = &view;
       if (view.count != first->count)
         report_.error("mesh.count", place,
@@ -118,11 +123,47 @@ class MeshCheck {
     } else if (!report_.failed()) {
       check_positions(attributes["POSITION"], element + ".attributes.POSITION");
     }
+    check_targets(primitive, first, element);
     if (primitive.contains("indices") && first && !report_.failed())
       check_indices(primitive["indices"], first->count, element + ".indices");
     check_index_count(primitive, first ? first->count : 0, element);
     check_texture_sets(primitive, element);
     check_variants(primitive, element);
+  }
+
+  void check_targets(const Json& primitive, const AccessorView* first, const std::string& element) {
+    if (!primitive.contains("targets") || !first) return;
+    for (size_t t = 0; t < primitive["targets"].size(); ++t)
+      for (const auto& [name, index] : primitive["targets"][t].items()) {
+        const AccessorView& view = accessor(index);
+        const std::string place = element_name(element_name(element + ".targets", t), name);
+        if (!primitive["attributes"].contains(name)) {
+          report_.warning("mesh.targets", place, "moves an attribute that the primitive lacks; it is ignored");
+        } else if (view.count != first->count) {
+          report_.error("mesh.targets", place,
+                        "has " + std::to_string(view.count) + " elements, but the primitive has " +
+                            std::to_string(first->count) + " vertices; export the file again");
+        }
+        check_attribute(name, view, place, true);
+        if (name == "POSITION") check_bounds(index, place);
+        check_finite(view, place);
+        if (find_semantic(name)) decoded_bytes_ += view.count * view.components * sizeof(float);
+      }
+  }
+
+  void check_target_counts(const Json& mesh, const std::string& element) {
+    const auto count = [](const Json& primitive) {
+      return primitive.contains("targets") ? primitive["targets"].size() : size_t(0);
+    };
+    const size_t targets = count(mesh["primitives"][0]);
+    for (const Json& primitive : mesh["primitives"])
+      if (count(primitive) != targets)
+        return report_.warning("mesh.targets", element + ".primitives",
+                               "have different numbers of morph targets; weights are taken in the order of each");
+    if (mesh.contains("weights") && mesh["weights"].size() != targets)
+      report_.warning("mesh.targets", element + ".weights",
+                      std::to_string(mesh["weights"].size()) + " are given, but there are " + std::to_string(targets) +
+                          " morph targets; missing ones are 0");
   }
 
   void check_variants(const Json& primitive, const std::string& element) {
@@ -134,7 +175,7 @@ class MeshCheck {
           report_.warning("mesh.variants", element, "maps variant " + variant.dump() + " twice");
   }
 
-  void check_attribute(const std::string& name, const AccessorView& view, const std::string& place) {
+  void check_attribute(const std::string& name, const AccessorView& view, const std::string& place, bool is_target) {
     const auto semantic = find_semantic(name);
     if (!semantic) {
       if (name.empty() || name[0] != '_')
@@ -142,18 +183,34 @@ class MeshCheck {
                         "is not a glTF attribute; begin the names of custom attributes with '_'");
       return;
     }
-    if (std::string_view(semantic->types).find("|" + view.type + "|") == std::string_view::npos)
-      return report_.error("mesh.attribute", place,
-                           "is of type " + view.type + ", not one of " + semantic->types + "; export the file again");
+    const std::string_view types = is_target ? semantic->target_types : semantic->types;
+    if (types.empty())
+      return report_.warning("mesh.targets", place, "cannot be moved by a morph target; it is ignored");
+    if (types.find("|" + view.type + "|") == std::string_view::npos)
+      return report_.error(
+          "mesh.attribute", place,
+          "is of type " + view.type + ", not one of " + std::string(types) + "; export the file again");
     if (view.component_type == kFloat || semantic->integers) {
       if (semantic->numbered && view.component_type == kUnsignedInt)
         report_.error("mesh.attribute", place, "must not hold 32-bit integers; export the file again");
-      return check_unit_length(name, view, place);
+      check_normalization(name, view, place);
+      if (!is_target) check_unit_length(name, view, place);
+      return;
     }
     if (!semantic->quantizable || view.component_type == kUnsignedInt)
       return report_.error("mesh.attribute", place, "must hold floats; export the file again");
     if (!quantized_)
       report_.warning("mesh.attribute", place, "integers require KHR_mesh_quantization in extensionsRequired; add it");
+  }
+
+  void check_normalization(const std::string& name, const AccessorView& view, const std::string& place) {
+    const bool joints = name.starts_with("JOINTS_");
+    if (joints && (view.component_type != kUnsignedByte && view.component_type != kUnsignedShort))
+      return report_.error("mesh.attribute", place,
+                           "must hold 8-bit or 16-bit unsigned integers; export the file again");
+    if (view.component_type == kFloat || view.normalized != joints || name.starts_with("TEXCOORD_")) return;
+    report_.warning("mesh.attribute", place,
+                    joints ? "must not be normalized; ignored" : "integers must be normalized; they are read as such");
   }
 
   void check_unit_length(const std::string& name, const AccessorView& view, const std::string& place) {
@@ -172,15 +229,21 @@ class MeshCheck {
 
   void check_positions(const Json& index, const std::string& place) {
     const AccessorView& view = accessor(index);
+    check_bounds(index, place);
+    check_finite(view, place);
+  }
+
+  void check_bounds(const Json& index, const std::string& place) {
     const Json& json = root_["accessors"][index.get<size_t>()];
     if (!json.contains("min") || !json.contains("max"))
       report_.warning("mesh.bounds", place, "the accessor lacks min and max, which glTF requires");
-    if (!view.data || view.component_type != kFloat || !checked_.insert(&view).second) return;
-    const std::vector<float> values = read_floats(view);
-    for (size_t i = 0; i < values.size(); ++i)
-      if (!std::isfinite(values[i]))
-        return report_.error("mesh.points", place,
-                             "element " + std::to_string(i / 3) + " is not a finite number; export the file again");
+  }
+
+  void check_finite(const AccessorView& view, const std::string& place) {
+    if (view.component_type != kFloat || !checked_.insert(&view).second) return;
+    if (const auto element = first_not_finite(view))
+      report_.error("mesh.points", place,
+                    "element " + std::to_string(*element) + " is not a finite number; export the file again");
   }
 
   void check_indices(const Json& index, size_t vertex_count, const std::string& place) {
@@ -231,7 +294,8 @@ class MeshCheck {
   std::vector<std::optional<uint32_t>> index_max_;  // by accessor
   std::set<const AccessorView*> checked_;
   std::map<size_t, std::set<int>> texture_sets_;  // by material
-  uint64_t decoded_bytes_ = 0;
+  std::vector<size_t> copies_;                    // by mesh: nodes that deform it
+  uint64_t decoded_bytes_ = 0;                    // of the mesh that is checked
   bool quantized_ = false;
 };
 

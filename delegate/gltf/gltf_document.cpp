@@ -41,25 +41,9 @@ void read_extension_lists(const Json& root, Report& report, Document* document) 
   }
 }
 
-void report_unread_features(const Json& root, Report& report) {
-  for (const char* name : {"animations", "skins"})
-    if (root.contains(name))
-      report.warning("unread", name, "are not supported: everything is drawn in the nodes' pose");
-  if (!root.contains("meshes")) return;
-  for (size_t m = 0; m < root["meshes"].size(); ++m)
-    for (const Json& primitive : root["meshes"][m]["primitives"])
-      if (primitive.contains("targets")) {
-        report.warning("unread", element_name("meshes", m), "morph targets are not supported: the base shape is drawn");
-        break;
-      }
-}
-
-// Parses the checked document, without the parts that the parser must not touch (files, images) or that are not read.
+// Parses the checked document, without the parts that the parser must not touch.
 bool parse_model(Json root, Report& report, Document* document) {
-  for (const char* name : {"images", "buffers", "skins", "animations"}) root.erase(name);
-  if (root.contains("meshes"))
-    for (Json& mesh : root["meshes"])
-      for (Json& primitive : mesh["primitives"]) primitive.erase("targets");
+  for (const char* name : {"images", "buffers"}) root.erase(name);
   const std::string text = root.dump();
   root = nullptr;
   if (text.size() > size_t(std::numeric_limits<int32_t>::max())) {
@@ -79,7 +63,8 @@ bool parse_model(Json root, Report& report, Document* document) {
 
 }  // namespace
 
-bool read_document(const std::string& file, size_t max_bytes, Report& report, Document* document) {
+bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document) {
+  const size_t max_bytes = options.max_file_bytes;
   document->file = file;
   document->folder = std::filesystem::path(file).parent_path().string();
   Container container;
@@ -88,6 +73,8 @@ bool read_document(const std::string& file, size_t max_bytes, Report& report, Do
   check_structure(root, report);
   if (report.failed()) return false;
   check_version(root, report);
+  if (report.failed()) return false;
+  choose(root, options, report, document);
   if (report.failed()) return false;
   if (container.is_glb && !container.binary_chunk && root.contains("buffers"))
     report.warning("glb.no_binary", "buffers",
@@ -99,10 +86,12 @@ bool read_document(const std::string& file, size_t max_bytes, Report& report, Do
   check_meshes(root, *document, report);
   check_scene(root, report);
   if (report.failed()) return false;
+  check_node_meshes(root, *document, report);
+  check_animations(root, report, document);
+  if (report.failed()) return false;
   load_images(root, max_bytes, report, document);
   check_materials(root, report);
   read_extension_lists(root, report, document);
-  report_unread_features(root, report);
   return !report.failed() && parse_model(std::move(root), report, document);
 }
 

@@ -4,25 +4,31 @@
 
 #include "delegate/gltf/gltf_accessor.h"
 #include "delegate/gltf/gltf_container.h"
+#include "delegate/gltf/gltf_scene.h"
 #include "delegate/gltf/tinygltf_model.h"
 
 namespace alabaster::hd::gltf {
 
 struct Document {
   std::string file, folder;
-  tinygltf::Model model;  // without images, buffers, skins and animations
+  tinygltf::Model model;  // without images and buffers; of the animations only the one that is used
   std::vector<Bytes> buffers;
   std::vector<std::string> files;  // that were read
   std::vector<AccessorView> accessors;
   std::vector<AssetPath> images;  // not usable without `resolved` and `bytes` (reported)
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
+  std::vector<std::string> scenes, variants;  // names
+  std::vector<GltfAnimation> animations;
+  int scene = -1, variant = -1, animation = -1;  // that GltfOptions choose; -1: none
 };
 
 /// False if an error was reported; the document must not be used then.
-bool read_document(const std::string& file, size_t max_bytes, Report& report, Document* document);
+bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document);
 
 // The steps of read_document, in order. Each reports faults; the steps after an error are not run.
 
+/// Lists scenes, animations and variants, and finds those that `options` choose.
+void choose(const Json& root, const GltfOptions& options, Report& report, Document* document);
 /// Gives every buffer its bytes from the GLB chunk, data URIs or files, at most `max_bytes` together.
 void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document);
 /// Checks buffer views and accessors against the buffers.
@@ -31,6 +37,10 @@ void load_accessors(const Json& root, Report& report, Document* document);
 void check_meshes(const Json& root, const Document& document, Report& report);
 /// Checks node trees, transforms, scenes, cameras and lights.
 void check_scene(const Json& root, Report& report);
+/// Checks skins, morph weights and instances of nodes.
+void check_node_meshes(const Json& root, const Document& document, Report& report);
+/// Checks animations, and removes those that are not used and channels that change nothing.
+void check_animations(Json& root, Report& report, Document* document);
 /// Finds every image's bytes or file. An image that cannot be used is a warning; the renderer refuses it where it is
 /// used.
 void load_images(const Json& root, size_t max_bytes, Report& report, Document* document);

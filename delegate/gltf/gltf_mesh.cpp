@@ -1,27 +1,37 @@
 #include "delegate/gltf/gltf_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "delegate/gltf/gltf_material.h"
+#include "delegate/gltf/gltf_morph.h"
 #include "delegate/gltf/gltf_ngon.h"
+#include "delegate/gltf/gltf_skin.h"
 
 namespace alabaster::hd::gltf {
 namespace {
 
+// The first components of each element.
 template <class V>
-std::vector<V> read_vectors(const AccessorView& accessor) {
-  const std::vector<float> values = read_floats(accessor);
-  std::vector<V> vectors(accessor.count);
-  for (size_t i = 0; i < accessor.count; ++i)
-    for (unsigned c = 0; c < V::dimensions(); ++c) vectors[i][int(c)] = values[i * accessor.components + c];
+std::vector<V> to_vectors(const VertexAttribute& attribute) {
+  std::vector<V> vectors(attribute.values.empty() ? 0 : attribute.values.size() / attribute.components);
+  for (size_t i = 0; i < vectors.size(); ++i)
+    for (unsigned c = 0; c < V::dimensions(); ++c) vectors[i][int(c)] = attribute.values[i * attribute.components + c];
   return vectors;
 }
 
-const AccessorView* find_attribute(const Document& document, const tinygltf::Primitive& primitive,
-                                   const std::string& name) {
-  const auto found = primitive.attributes.find(name);
-  return found == primitive.attributes.end() ? nullptr : &document.accessors[size_t(found->second)];
+Value to_array(const VertexAttribute& attribute) {
+  switch (attribute.components) {
+    case 1:
+      return Array<float>(attribute.values);
+    case 2:
+      return Array<Vec2f>(to_vectors<Vec2f>(attribute));
+    case 3:
+      return Array<Vec3f>(to_vectors<Vec3f>(attribute));
+    default:
+      return Array<Vec4f>(to_vectors<Vec4f>(attribute));
+  }
 }
 
 // KHR_texture_transform: uv' = translation * rotation * scale * uv, in glTF's coordinates (v down).
@@ -40,7 +50,7 @@ double number_at(const tinygltf::Value& value, const char* name, int index, doub
   return found.IsArray() ? found.Get(index).GetNumberAsDouble() : found.GetNumberAsDouble();
 }
 
-std::vector<Vec2f> read_st(const Document& document, const tinygltf::Primitive& primitive) {
+VertexAttribute read_st(const Document& document, const tinygltf::Primitive& primitive) {
   int set = 0;
   TextureTransform transform;
   if (primitive.material >= 0) {
@@ -56,40 +66,101 @@ std::vector<Vec2f> read_st(const Document& document, const tinygltf::Primitive& 
       transform.rotation = number_at(*use.transform, "rotation", 0, 0);
     }
   }
-  const AccessorView* accessor = find_attribute(document, primitive, "TEXCOORD_" + std::to_string(set));
-  if (!accessor) return {};
-  std::vector<Vec2f> st = read_vectors<Vec2f>(*accessor);
-  for (Vec2f& uv : st) {
-    uv = transform.apply(uv);
-    uv.y = 1 - uv.y;
+  VertexAttribute st = read_attribute(document, primitive, "TEXCOORD_" + std::to_string(set), {});
+  for (size_t i = 0; i < st.values.size(); i += 2) {
+    const Vec2f uv = transform.apply({st.values[i], st.values[i + 1]});
+    st.values[i] = uv.x;
+    st.values[i + 1] = 1 - uv.y;
   }
   return st;
 }
 
-std::vector<Vec3f> read_normals(const AccessorView& accessor) {
-  std::vector<Vec3f> normals = read_vectors<Vec3f>(accessor);
-  for (Vec3f& n : normals) n = std::isfinite(n.length2()) ? n.normalized() : Vec3f(0);
-  return normals;
+struct Primvar {
+  std::string name, role;
+  VertexAttribute attribute;
+};
+
+// Texture coordinates and colours.
+std::vector<Primvar> read_primvars(const Document& document, const tinygltf::Primitive& primitive,
+                                   const std::vector<double>& weights) {
+  std::vector<Primvar> primvars;
+  if (VertexAttribute st = read_st(document, primitive); !st.values.empty())
+    primvars.push_back({"st", "textureCoordinate", std::move(st)});
+  for (int set = 1; primitive.attributes.count("TEXCOORD_" + std::to_string(set)); ++set) {
+    const std::string number = std::to_string(set);
+    VertexAttribute st = read_attribute(document, primitive, "TEXCOORD_" + number, weights);
+    for (size_t i = 1; i < st.values.size(); i += 2) st.values[i] = 1 - st.values[i];
+    primvars.push_back({"st" + number, "textureCoordinate", std::move(st)});
+  }
+  const VertexAttribute colors = read_attribute(document, primitive, "COLOR_0", weights);
+  VertexAttribute rgb{{}, 3}, opacity{{}, 1};
+  for (size_t i = 0; i < colors.values.size(); ++i)
+    (i % colors.components < 3 ? rgb : opacity).values.push_back(std::clamp(colors.values[i], 0.0f, 1.0f));
+  if (!rgb.values.empty()) primvars.push_back({"displayColor", "color", std::move(rgb)});
+  if (!opacity.values.empty()) primvars.push_back({"displayOpacity", "", std::move(opacity)});
+  return primvars;
 }
 
-std::vector<int32_t> to_signed(const std::vector<uint32_t>& values) {
-  return {values.begin(), values.end()};
+SkinnedVertices read_vertices(const Document& document, const tinygltf::Primitive& primitive,
+                              const PrimitiveShape& shape) {
+  const auto read = [&](const char* name) { return read_attribute(document, primitive, name, shape.weights); };
+  SkinnedVertices vertices;
+  vertices.points = to_vectors<Vec3f>(read("POSITION"));
+  vertices.normals = to_vectors<Vec3f>(read("NORMAL"));
+  if (!vertices.normals.empty()) vertices.tangents = to_vectors<Vec4f>(read("TANGENT"));
+  if (follows_skin(primitive, shape)) skin_vertices(document, primitive, shape.joint_matrices, &vertices);
+  for (Vec3f& n : vertices.normals) n = std::isfinite(n.length2()) ? n.normalized() : Vec3f(0);
+  return vertices;
 }
 
-void set_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points, const std::vector<Vec2f>& st,
-              host::MeshDescription* mesh, size_t* dropped_faces) {
-  Cage cage = build_cage(triangles, points, st);
-  *dropped_faces = cage.dropped_faces;
+// The polygons and seams are those of the mesh at rest, so that no pose changes them.
+struct CageSource {
+  const std::vector<Vec3f>&rest, &points;
+  const std::vector<uint32_t>& triangles;
+};
+bool set_cage(const CageSource& source, const std::vector<Primvar>& primvars, const std::string& element,
+              Report& report, host::MeshDescription* mesh) {
+  Cage cage = build_cage(source.triangles, source.rest);
+  if (cage.dropped_faces > 0)
+    report.warning("mesh.degenerate", element,
+                   std::to_string(cage.dropped_faces) + " faces have no area and are left out");
+  std::vector<Vec3f> welded;
+  for (const uint32_t vertex : cage.point_vertices) welded.push_back(source.points[vertex]);
+  mesh->primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(welded)), {}};
+  for (const Primvar& primvar : primvars) {
+    const size_t n = primvar.attribute.components;
+    CornerValues corners = weld_corners(cage, primvar.attribute.values, n);
+    VertexAttribute values{{}, n};
+    for (const uint32_t vertex : corners.vertices)
+      for (size_t c = 0; c < n; ++c) values.values.push_back(primvar.attribute.values[vertex * n + c]);
+    mesh->primvars[primvar.name] = {Interpolation::faceVarying, primvar.role, to_array(values),
+                                    Array<int32_t>(std::move(corners.indices))};
+  }
   mesh->topology.scheme = "catmullClark";
   mesh->topology.faceVertexCounts = std::move(cage.face_vertex_counts);
   mesh->topology.faceVertexIndices = std::move(cage.face_vertex_indices);
-  mesh->primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(cage.points)), {}};
-  if (!st.empty())
-    mesh->primvars["st"] = {Interpolation::faceVarying, "textureCoordinate", Array<Vec2f>(std::move(cage.st)),
-                            Array<int32_t>(std::move(cage.st_indices))};
+  return !mesh->topology.faceVertexCounts.empty();
+}
+
+void set_triangles(SkinnedVertices vertices, const std::vector<Primvar>& primvars,
+                   const std::vector<uint32_t>& triangles, host::MeshDescription* mesh) {
+  mesh->topology.faceVertexCounts = std::vector<int32_t>(triangles.size() / 3, 3);
+  mesh->topology.faceVertexIndices = std::vector<int32_t>(triangles.begin(), triangles.end());
+  mesh->primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(vertices.points)), {}};
+  if (!vertices.normals.empty())
+    mesh->primvars["normals"] = {Interpolation::vertex, "normal", Array<Vec3f>(std::move(vertices.normals)), {}};
+  if (!vertices.tangents.empty())
+    mesh->primvars["tangents"] = {Interpolation::vertex, "vector", Array<Vec4f>(std::move(vertices.tangents)), {}};
+  for (const Primvar& primvar : primvars)
+    mesh->primvars[primvar.name] = {Interpolation::vertex, primvar.role, to_array(primvar.attribute), {}};
 }
 
 }  // namespace
+
+bool follows_skin(const tinygltf::Primitive& primitive, const PrimitiveShape& shape) {
+  return !shape.joint_matrices.empty() && primitive.attributes.count("JOINTS_0") > 0 &&
+         primitive.attributes.count("WEIGHTS_0") > 0;
+}
 
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {
   const size_t n = indices.size();
@@ -108,45 +179,33 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mo
 }
 
 std::optional<host::MeshDescription> translate_primitive(const Document& document, const tinygltf::Primitive& primitive,
-                                                         const std::string& element, int refine_level, Report& report) {
+                                                         const std::string& element, const PrimitiveShape& shape,
+                                                         Report& report) {
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
   if (mode < TINYGLTF_MODE_TRIANGLES) {
     report.warning("mesh.mode", element + ".mode", "points and lines are not drawn; use triangles");
     return {};
   }
-  const AccessorView* positions = find_attribute(document, primitive, "POSITION");
-  if (!positions) return {};  // reported by check_meshes
-  std::vector<uint32_t> indices(positions->count);
+  const auto positions = primitive.attributes.find("POSITION");
+  if (positions == primitive.attributes.end()) return {};  // reported by check_meshes
+  std::vector<uint32_t> indices(document.accessors[size_t(positions->second)].count);
   std::iota(indices.begin(), indices.end(), 0u);
   if (primitive.indices >= 0) indices = read_indices(document.accessors[size_t(primitive.indices)]);
   const std::vector<uint32_t> triangles = triangle_list(indices, mode);
   if (triangles.empty()) return {};  // reported by check_meshes
 
   host::MeshDescription mesh;
-  std::vector<Vec3f> points = read_vectors<Vec3f>(*positions);
-  std::vector<Vec2f> st = read_st(document, primitive);
-  if (primitive.attributes.count("COLOR_0"))
-    report.warning("mesh.color", element + ".attributes.COLOR_0", "vertex colours are not supported and are ignored");
-  if (primitive.material >= 0)
-    mesh.doubleSided = document.model.materials[size_t(primitive.material)].doubleSided;
-  else
-    mesh.doubleSided = false;
+  SkinnedVertices vertices = read_vertices(document, primitive, shape);
+  const std::vector<Primvar> primvars = read_primvars(document, primitive, shape.weights);
+  mesh.doubleSided = primitive.material >= 0 && document.model.materials[size_t(primitive.material)].doubleSided;
+  if (vertices.mirrored) mesh.topology.orientation = "leftHanded";
   if (primitive.extensions.count("FB_ngon_encoding") && mode == TINYGLTF_MODE_TRIANGLES) {
-    size_t dropped_faces = 0;
-    set_cage(triangles, points, st, &mesh, &dropped_faces);
-    mesh.displayStyle.refineLevel = refine_level;
-    if (dropped_faces > 0)
-      report.warning("mesh.degenerate", element,
-                     std::to_string(dropped_faces) + " faces have no area and are left out");
-    if (mesh.topology.faceVertexCounts.empty()) return {};
+    const auto rest = to_vectors<Vec3f>(read_attribute(document, primitive, "POSITION", {}));
+    mesh.displayStyle.refineLevel = shape.refine_level;
+    if (!set_cage({rest, vertices.points, triangles}, primvars, element, report, &mesh)) return {};
     return mesh;
   }
-  mesh.topology.faceVertexCounts = std::vector<int32_t>(triangles.size() / 3, 3);
-  mesh.topology.faceVertexIndices = to_signed(triangles);
-  mesh.primvars["points"] = {Interpolation::vertex, "point", Array<Vec3f>(std::move(points)), {}};
-  if (const AccessorView* normals = find_attribute(document, primitive, "NORMAL"))
-    mesh.primvars["normals"] = {Interpolation::vertex, "normal", Array<Vec3f>(read_normals(*normals)), {}};
-  if (!st.empty()) mesh.primvars["st"] = {Interpolation::vertex, "textureCoordinate", Array<Vec2f>(std::move(st)), {}};
+  set_triangles(std::move(vertices), primvars, triangles, &mesh);
   return mesh;
 }
 

@@ -8,14 +8,26 @@
 
 namespace alabaster::hd::gltf {
 
-/// The primitive's topology and primvars, without transform, material path and instancer. Empty if it has no triangles
-/// (reported).
+/// What a mesh's users give it.
+struct PrimitiveShape {
+  int refine_level = 2;                  // of cages
+  std::vector<double> weights;           // of morph targets; those missing are zero
+  std::vector<Matrix4d> joint_matrices;  // of the skin; empty: none
+};
+
+/// True if the skin places the primitive: it has a skin and influences of its joints.
+bool follows_skin(const tinygltf::Primitive& primitive, const PrimitiveShape& shape);
+
+/// The primitive's topology and primvars, morphed and skinned, without transform, material path and instancer. Empty if
+/// it has no triangles (reported).
 ///
-/// "st" is the coordinate set of the material's textures (textures_of), with KHR_texture_transform applied and v
-/// upwards. Primitives with FB_ngon_encoding become catmullClark cages, refined to `refine_level`, whose normals come
-/// from refinement; all others get scheme none and keep their normals.
+/// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
+/// upwards), displayColor (linear) and displayOpacity. "st" is the coordinate set of the material's textures
+/// (textures_of), with KHR_texture_transform applied. Primitives with FB_ngon_encoding become catmullClark cages, whose
+/// normals come from refinement; all others get scheme none and keep their normals, or are flat without.
 std::optional<host::MeshDescription> translate_primitive(const Document& document, const tinygltf::Primitive& primitive,
-                                                         const std::string& element, int refine_level, Report& report);
+                                                         const std::string& element, const PrimitiveShape& shape,
+                                                         Report& report);
 
 /// The triangle list of indices drawn in `mode` 4, 5 or 6 (glTF 2.0, section 3.7.2.1: triangles, strip, fan).
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode);

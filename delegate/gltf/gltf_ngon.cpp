@@ -33,7 +33,7 @@ bool is_convex(const std::vector<Imath::V3d>& polygon) {
 }
 
 // Ordered, not hashed: no choice of points makes finding one of them slow.
-using FloatKey = std::array<uint32_t, 3>;
+using FloatKey = std::array<uint32_t, 5>;
 uint32_t float_bits(float value) {
   const float unsigned_zero = value == 0 ? 0.0f : value;  // -0 and 0 are the same place
   uint32_t bits;
@@ -43,13 +43,14 @@ uint32_t float_bits(float value) {
 
 class CageBuilder {
  public:
-  CageBuilder(const std::vector<Vec3f>& points, const std::vector<Vec2f>& st) : st_(st) {
+  explicit CageBuilder(const std::vector<Vec3f>& points) {
     std::map<FloatKey, int32_t> places;
     welded_.reserve(points.size());
-    for (const Vec3f& p : points) {
+    for (size_t vertex = 0; vertex < points.size(); ++vertex) {
+      const Vec3f& p = points[vertex];
       const FloatKey key{{float_bits(p.x), float_bits(p.y), float_bits(p.z)}};
-      const auto [found, is_new] = places.try_emplace(key, int32_t(cage_.points.size()));
-      if (is_new) cage_.points.push_back(p);
+      const auto [found, is_new] = places.try_emplace(key, int32_t(cage_.point_vertices.size()));
+      if (is_new) cage_.point_vertices.push_back(uint32_t(vertex));
       welded_.push_back(found->second);
     }
   }
@@ -70,7 +71,7 @@ class CageBuilder {
     cage_.face_vertex_counts.push_back(int32_t(corners.size()));
     for (const uint32_t corner : corners) {
       cage_.face_vertex_indices.push_back(welded_[corner]);
-      if (!st_.empty()) cage_.st_indices.push_back(st_index(corner));
+      cage_.corner_vertices.push_back(corner);
     }
   }
 
@@ -84,18 +85,7 @@ class CageBuilder {
     return std::adjacent_find(places.begin(), places.end()) != places.end();
   }
 
-  // Equal coordinates at one point become one value, so that only real seams are seams of the refined surface.
-  int32_t st_index(uint32_t corner) {
-    const Vec2f& value = st_[corner];
-    const FloatKey key{{uint32_t(welded_[corner]), float_bits(value.x), float_bits(value.y)}};
-    const auto [found, is_new] = st_values_.try_emplace(key, int32_t(cage_.st.size()));
-    if (is_new) cage_.st.push_back(value);
-    return found->second;
-  }
-
-  const std::vector<Vec2f>& st_;
   std::vector<int32_t> welded_;
-  std::map<FloatKey, int32_t> st_values_;
   Cage cage_;
 };
 
@@ -132,9 +122,8 @@ std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, cons
   return polygons;
 }
 
-Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points,
-                const std::vector<Vec2f>& st) {
-  CageBuilder builder(points, st);
+Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points) {
+  CageBuilder builder(points);
   size_t triangle = 0;
   for (const uint32_t count : find_polygons(triangles, points)) {
     std::vector<uint32_t> corners = {triangles[triangle * 3], triangles[triangle * 3 + 1]};
@@ -143,6 +132,20 @@ Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>
     triangle += count;
   }
   return builder.take();
+}
+
+CornerValues weld_corners(const Cage& cage, const std::vector<float>& values, size_t components) {
+  CornerValues welded;
+  std::map<FloatKey, int32_t> known;
+  for (size_t corner = 0; corner < cage.corner_vertices.size(); ++corner) {
+    const uint32_t vertex = cage.corner_vertices[corner];
+    FloatKey key{{uint32_t(cage.face_vertex_indices[corner])}};
+    for (size_t c = 0; c < components; ++c) key[c + 1] = float_bits(values[vertex * components + c]);
+    const auto [found, is_new] = known.try_emplace(key, int32_t(welded.vertices.size()));
+    if (is_new) welded.vertices.push_back(vertex);
+    welded.indices.push_back(found->second);
+  }
+  return welded;
 }
 
 }  // namespace alabaster::hd::gltf

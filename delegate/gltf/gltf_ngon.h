@@ -9,13 +9,12 @@
 
 namespace alabaster::hd::gltf {
 
-/// A control cage: points welded by position, texture coordinates face-varying.
+/// A control cage: vertices welded by position. Vertices are those of the triangles that it was made from.
 struct Cage {
-  std::vector<Vec3f> points;
+  std::vector<uint32_t> point_vertices;  // the vertex that each point is taken from
   std::vector<int32_t> face_vertex_counts, face_vertex_indices;
-  std::vector<Vec2f> st;            // empty: none
-  std::vector<int32_t> st_indices;  // per face vertex
-  size_t dropped_faces = 0;         // polygons with fewer than three different points
+  std::vector<uint32_t> corner_vertices;  // per face vertex
+  size_t dropped_faces = 0;               // polygons with fewer than three different points
 };
 
 /// The number of triangles of each polygon in a triangle list, in order. Exporters promise that consecutive polygons do
@@ -26,7 +25,15 @@ struct Cage {
 std::vector<uint32_t> find_polygons(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points);
 
 /// Decodes the polygons of `triangles` and welds vertices that were split for their normals or texture coordinates.
-/// `st` is empty or has one value per point.
-Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points, const std::vector<Vec2f>& st);
+Cage build_cage(const std::vector<uint32_t>& triangles, const std::vector<Vec3f>& points);
+
+/// A face-varying primvar of a cage.
+struct CornerValues {
+  std::vector<uint32_t> vertices;  // whose values are taken, in order
+  std::vector<int32_t> indices;    // per face vertex, into these
+};
+/// Equal values at one point become one value, so that only real seams are seams of the refined surface. `values` has
+/// 1 to 4 components for each vertex.
+CornerValues weld_corners(const Cage& cage, const std::vector<float>& values, size_t components);
 
 }  // namespace alabaster::hd::gltf

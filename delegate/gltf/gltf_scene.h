@@ -3,9 +3,12 @@
 //
 // Paths begin with `root` and /gltf/<stem>, followed by /nodes/<index>_<name>/<mesh primitive index>,
 // /materials/<index>_<name>, and /cameras/<index>_<name> or /lights/<index>_<name> with the index and name of the
-// camera's or light's node. A mesh used by several nodes lies below the first of them, placed by that node's
-// /instancer. Units are metres, as in glTF, for cameras and lights too.
+// camera's or light's node. A mesh used by several nodes, or by one with EXT_mesh_gpu_instancing, lies below the first
+// of them, placed by that node's /instancer; nodes with a skin or with morph weights of their own have meshes of their
+// own. Units are metres, as in glTF, for cameras and lights too.
 #pragma once
+
+#include <optional>
 
 #include "delegate/host/retained_scene_delegate.h"
 
@@ -16,17 +19,32 @@ struct GltfOptions {
   Matrix4d transform;  // applied after the node transforms
   size_t max_file_bytes = size_t(4) << 30;
   int refine_level = 2;  // of meshes with FB_ngon_encoding (cages); other meshes are drawn as they are
+  // Each of these is a name, or an index as a whole number.
+  std::string scene;      // empty: the file's default, else the first
+  std::string animation;  // empty: the first
+  std::string variant;    // of KHR_materials_variants; empty: the materials that primitives name themselves
+  /// The pose of the animation in seconds. Empty: the pose in which the nodes are authored; but the animation at time 0
+  /// if one is named. After the last key it is held.
+  std::optional<double> time;
+};
+
+struct GltfAnimation {
+  std::string name;
+  double seconds = 0;  // the time of the last key
 };
 
 struct GltfSummary {
   bool ok = false;  // false: nothing was added, for the reason reported
   std::vector<Path> meshes, materials, cameras, lights;
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
-  std::vector<std::string> files;  // that were read: the document and its buffers
+  std::vector<std::string> files;             // that were read: the document and its buffers
+  std::vector<std::string> scenes, variants;  // names, empty where the file gives none
+  std::vector<GltfAnimation> animations;
 };
 
 /// Adds the document's scene to `scene`. Never throws. Errors name the file, the element ("buffers[0].uri") and a
-/// remedy. A harmless fault is a warning, and everything else is loaded.
+/// remedy. A harmless fault is a warning, and everything else is loaded. A scene, animation or variant that the file
+/// lacks is an error with code "gltf.choice".
 ALABASTER_API GltfSummary LoadGltf(const std::string& file, const GltfOptions& options,
                                    host::RetainedSceneDelegate* scene, const DiagnosticSink& sink);
 

@@ -148,6 +148,8 @@ const Schema& mesh_schema() {
 
 const Schema& node_schema() {
   static const Schema light{{reference("light", "lights", true)}, {}};
+  static const Schema instancing{
+      {{.name = "attributes", .kind = Kind::reference_map, .required = true, .target = "accessors"}}, {}};
   static const Schema schema{{text("name"),
                               reference("camera", "cameras"),
                               reference("mesh", "meshes"),
@@ -158,7 +160,7 @@ const Schema& node_schema() {
                               numbers("rotation", 4),
                               numbers("scale", 3),
                               {.name = "weights", .kind = Kind::numbers}},
-                             {object("KHR_lights_punctual", light), object("EXT_mesh_gpu_instancing", kMarker),
+                             {object("KHR_lights_punctual", light), object("EXT_mesh_gpu_instancing", instancing),
                               object("KHR_node_visibility", kMarker)}};
   return schema;
 }
@@ -186,8 +188,9 @@ const Schema& animation_schema() {
   static const Schema target{{reference("node", "nodes"), text("path", nullptr, true)},
                              {object("KHR_animation_pointer", kMarker)}};
   static const Schema channel{{integer("sampler", 0, kMostInteger, true), object("target", target, true)}, {}};
-  static const Schema sampler{
-      {reference("input", "accessors", true), reference("output", "accessors", true), text("interpolation")}, {}};
+  static const Schema sampler{{reference("input", "accessors", true), reference("output", "accessors", true),
+                               text("interpolation", "|LINEAR|STEP|CUBICSPLINE|")},
+                              {}};
   static const Schema schema{{text("name"), objects("channels", channel, true), objects("samplers", sampler, true)},
                              {}};
   return schema;
@@ -240,6 +243,7 @@ const Schema& document_schema() {
 
 bool reads_extension(const std::string& name) {
   static const std::set<std::string> names = {"ALAB_materials_disney",
+                                              "EXT_mesh_gpu_instancing",
                                               "FB_ngon_encoding",
                                               "KHR_lights_punctual",
                                               "KHR_materials_clearcoat",
@@ -248,6 +252,7 @@ bool reads_extension(const std::string& name) {
                                               "KHR_materials_ior",
                                               "KHR_materials_sheen",
                                               "KHR_materials_specular",
+                                              "KHR_materials_variants",
                                               "KHR_materials_volume",
                                               "KHR_materials_volume_scatter",
                                               "KHR_mesh_quantization",

@@ -156,8 +156,8 @@ TEST_F(ProgramTest, StatisticsHaveTheirDocumentedKeys) {
     return names;
   };
   using Names = std::vector<std::string>;
-  EXPECT_EQ(keys(stats), (Names{"delegate", "error", "files", "peakMemory", "phases", "rays", "resolutions", "samples",
-                                "scene", "settings", "status", "versions", "walks"}));
+  EXPECT_EQ(keys(stats), (Names{"delegate", "error", "files", "frames", "peakMemory", "phases", "rays", "resolutions",
+                                "samples", "scene", "settings", "status", "versions", "walks"}));
   EXPECT_EQ(keys(stats["phases"]), (Names{"build", "load", "refine", "render", "write"}));
   for (const auto& [name, phase] : stats["phases"].items()) {
     EXPECT_EQ(keys(phase), (Names{"cpu", "wall"})) << name;
@@ -190,10 +190,20 @@ TEST_F(ProgramTest, OneFileForTwoThingsIsRefused) {
 TEST_F(ProgramTest, WrongValuesOfFlagsAreUsageErrors) {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"--aov", "shadow"}, "sampleCount"},
-      {{"--time", "nan"}, "--time: 'nan' is not a frame number"},
-      {{"--time", "1e300"}, "whole number"},
-      {{"--time", "1.5"}, "whole number"},
+      {{"--time", "nan"}, "--time: 'nan' is not a time: write a number of seconds"},
+      {{"--time", "inf"}, "is not a time"},
+      {{"--time", "1s"}, "is not a time"},
       {{"--time", "-1"}, ""},
+      {{"--fps", "25"}, "--fps: It needs --frames"},
+      {{"--frames", "1:3"}, "--frames: All frames would go to 'a.exr'"},
+      {{"--frames", "3:1"}, "is not a range of frames"},
+      {{"--frames", "1:3:0"}, "is not a range of frames"},
+      {{"--frames", "0:100000"}, "at most 100000"},
+      {{"--frames", "1:2", "--fps", "0"}, "is not a number of frames per second"},
+      {{"--frames", "1:2", "--time", "1"}, "cannot be given with --time"},
+      {{"--scene", "2"}, "has no scene '2'; choose from 0"},
+      {{"--animation", "walk"}, "has no animation 'walk'; it has none at all"},
+      {{"--variant", "red"}, "has no variant 'red'"},
       {{"--crop", "0,0,99999999999,4"}, "--crop: "},
       {{"--crop", "32,0,40,24"}, "--crop: '32,0,40,24' lies wholly outside the frame of 32x24"},
       {{"--crop", "4,4,4,8"}, "The crop is empty"},

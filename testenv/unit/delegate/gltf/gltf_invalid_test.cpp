@@ -200,11 +200,12 @@ const std::vector<Case> kCases = {
        d["nodes"][0]["children"] = {1, 1};
      },
      "nodes[0].children[1]", false},
-    {"animations",
+    {"joints without a common root",
      [](Json& d) {
-       d["skins"] = {{{"joints", {1}}}};
+       d["nodes"].push_back(Json::object());
+       d["skins"] = {{{"joints", {1, 2}}}};
      },
-     "skins", false},
+     "skins[0]", false},
     {"undeclared extension",
      [](Json& d) {
        d["materials"][0]["extensions"]["KHR_materials_ior"] = {{"ior", 1.4}};

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/material/fresnel.h"
-#include "testenv/support/gltf_testing.h"
+#include "testenv/unit/delegate/gltf/gltf_builder.h"
 
 namespace alabaster::hd::gltf::testing {
 namespace {
@@ -28,16 +28,6 @@ TEST_P(GltfTranslation, MatchesTheExpectedText) {
 
 INSTANTIATE_TEST_SUITE_P(Topics, GltfTranslation,
                          ::testing::Values("nodes", "modes", "ngons", "materials", "lights_cameras", "texture"));
-
-Vec3d transformed(const Vec3d& p, const Matrix4d& m) {
-  Vec3d result;
-  m.multVecMatrix(p, result);
-  return result;
-}
-
-void expect_near(const Vec3d& a, const Vec3d& b) {
-  EXPECT_LT((a - b).length(), 1e-12) << Value(a).to_string();
-}
 
 // By hand: scale (2,3,4), a third of a turn around (1,1,1) ((x,y,z) -> (z,x,y)), translation (1,2,3); then the parent's
 // quarter turn around z ((x,y,z) -> (-y,x,z)) and translation (10,20,30).

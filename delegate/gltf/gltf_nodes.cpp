@@ -1,0 +1,109 @@
+#include "delegate/gltf/gltf_nodes.h"
+
+namespace alabaster::hd::gltf {
+namespace {
+
+// Row vectors: read row by row, glTF's column-major matrix for column vectors is already transposed.
+Matrix4d local_transform(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) {
+    Matrix4d m;
+    for (size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = i % 4 == 3 ? (i == 15 ? 1.0 : 0.0) : node.matrix[i];
+    return m;
+  }
+  const auto vector = [](const std::vector<double>& v, double fallback) {
+    return v.size() == 3 ? Vec3d(v[0], v[1], v[2]) : Vec3d(fallback);
+  };
+  const double none[4] = {0, 0, 0, 1};
+  return trs_matrix(vector(node.translation, 0), node.rotation.size() == 4 ? node.rotation.data() : none,
+                    vector(node.scale, 1));
+}
+
+std::vector<char> child_marks(const tinygltf::Model& model) {
+  std::vector<char> is_child(model.nodes.size(), 0);
+  for (const tinygltf::Node& node : model.nodes)
+    for (const int c : node.children) is_child[size_t(c)] = 1;
+  return is_child;
+}
+
+// Without a scene, every root of the document.
+std::vector<size_t> roots_of(const tinygltf::Model& model, int scene) {
+  const std::vector<char> is_child = child_marks(model);
+  std::vector<size_t> roots, others;
+  if (scene < 0) {
+    for (size_t n = 0; n < model.nodes.size(); ++n)
+      if (!is_child[n]) roots.push_back(n);
+    return roots;
+  }
+  // Child nodes that a scene lists come last: they are used only if their parents are not in the scene.
+  for (const int n : model.scenes[size_t(scene)].nodes) (is_child[size_t(n)] ? others : roots).push_back(size_t(n));
+  roots.insert(roots.end(), others.begin(), others.end());
+  return roots;
+}
+
+// Not recursive: chains may be long.
+std::vector<PlacedNode> place(const tinygltf::Model& model, const std::vector<size_t>& roots, const Matrix4d& above) {
+  std::vector<PlacedNode> placed, open;
+  std::vector<char> visited(model.nodes.size(), 0);
+  for (const size_t root : roots) {
+    open.push_back({root, local_transform(model.nodes[root]) * above});
+    while (!open.empty()) {
+      const PlacedNode node = open.back();
+      open.pop_back();
+      if (visited[node.index]) continue;
+      visited[node.index] = 1;
+      placed.push_back(node);
+      const std::vector<int>& children = model.nodes[node.index].children;
+      for (auto c = children.rbegin(); c != children.rend(); ++c)
+        open.push_back({size_t(*c), local_transform(model.nodes[size_t(*c)]) * node.world});
+    }
+  }
+  return placed;
+}
+
+}  // namespace
+
+Matrix4d trs_matrix(const Vec3d& translation, const double rotation[4], const Vec3d& scale) {
+  Matrix4d m, moved;
+  m.setScale(scale);
+  const Imath::Quatd turn(rotation[3], Vec3d(rotation[0], rotation[1], rotation[2]));
+  if (turn.length() > 0) m *= turn.normalized().toMatrix44();
+  moved.setTranslation(translation);
+  return m * moved;
+}
+
+std::vector<PlacedNode> placed_nodes(const Document& document, const Matrix4d& root) {
+  return place(document.model, roots_of(document.model, document.scene), root);
+}
+
+std::vector<Matrix4d> world_transforms(const tinygltf::Model& model) {
+  std::vector<Matrix4d> worlds(model.nodes.size());
+  for (const PlacedNode& node : place(model, roots_of(model, -1), {})) worlds[node.index] = node.world;
+  return worlds;
+}
+
+std::vector<Matrix4d> instance_transforms(const Document& document, const tinygltf::Node& node) {
+  const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
+  if (extension == node.extensions.end() || !extension->second.Has("attributes")) return {Matrix4d()};
+  const tinygltf::Value& attributes = extension->second.Get("attributes");
+  size_t count = 1;
+  const auto read = [&](const char* name) {
+    if (!attributes.Has(name)) return std::vector<float>();
+    const AccessorView& accessor = document.accessors[size_t(attributes.Get(name).GetNumberAsInt())];
+    count = accessor.count;
+    return read_floats(accessor);
+  };
+  const std::vector<float> translations = read("TRANSLATION"), rotations = read("ROTATION"), scales = read("SCALE");
+  std::vector<Matrix4d> transforms;
+  transforms.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    const auto vector = [i](const std::vector<float>& v, double fallback) {
+      return v.empty() ? Vec3d(fallback) : Vec3d(Vec3f(v[3 * i], v[3 * i + 1], v[3 * i + 2]));
+    };
+    double rotation[4] = {0, 0, 0, 1};
+    for (size_t c = 0; c < 4 && !rotations.empty(); ++c) rotation[c] = double(rotations[4 * i + c]);
+    transforms.push_back(trs_matrix(vector(translations, 0), rotation, vector(scales, 1)));
+  }
+  return transforms;
+}
+
+}  // namespace alabaster::hd::gltf

@@ -1,0 +1,132 @@
+// Sequences of frames and times of an animation, from outside.
+#include <OpenImageIO/imageio.h>
+
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+using nlohmann::json;
+
+// A patch that moves to the right by a whole patch per second, and is gone after four.
+class FramesTest : public hd::description::SceneFiles {
+ protected:
+  void SetUp() override {
+    SceneFiles::SetUp();
+    const float times[2] = {0, 4}, places[6] = {0, 0, 0, 8, 0, 0};
+    std::ofstream bin(folder_ / "move.bin", std::ios::binary);
+    bin.write(reinterpret_cast<const char*>(times), sizeof times);
+    bin.write(reinterpret_cast<const char*>(places), sizeof places);
+    bin.close();
+    write("moving.gltf", moving(true).dump());
+    write("framed.gltf", moving(false).dump());
+  }
+  static json moving(bool with_camera) {
+    json document = json::parse(hd::description::patch_gltf(with_camera, with_camera));
+    document["buffers"].push_back({{"uri", "move.bin"}, {"byteLength", 32}});
+    document["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 8}});
+    document["bufferViews"].push_back({{"buffer", 1}, {"byteOffset", 8}, {"byteLength", 24}});
+    document["accessors"].push_back({{"bufferView", 2}, {"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}});
+    document["accessors"].push_back({{"bufferView", 3}, {"componentType", 5126}, {"count", 2}, {"type", "VEC3"}});
+    document["animations"] = {{{"name", "slide"},
+                               {"samplers", {{{"input", 2}, {"output", 3}}}},
+                               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}}};
+    return document;
+  }
+  int render(const std::string& scene, std::vector<std::string> more, std::string* said = nullptr) const {
+    more.insert(more.begin(), {"render", scene, "--size", "16x12", "--spp", "2"});
+    Program program(folder_, more);
+    const int code = program.wait();
+    if (said) *said = program.err();
+    return code;
+  }
+  std::vector<float> pixels(const std::string& file) const {
+    const auto input = OIIO::ImageInput::open(folder_ / file);
+    if (!input) return {};
+    std::vector<float> all(size_t(input->spec().image_pixels()) * size_t(input->spec().nchannels));
+    input->read_image(0, 0, 0, input->spec().nchannels, OIIO::TypeDesc::FLOAT, all.data());
+    return all;
+  }
+  // The share of the picture that the patch covers.
+  double coverage(const std::string& file) const {
+    const std::vector<float> all = pixels(file);
+    double sum = 0;
+    for (size_t i = 3; i < all.size(); i += 4) sum += double(all[i]);
+    return sum / double(std::max<size_t>(all.size() / 4, 1));
+  }
+};
+
+TEST_F(FramesTest, EveryFrameIsAFileOfItsOwnAndTheSameAsRenderedAlone) {
+  std::string said;
+  ASSERT_EQ(render("moving.gltf", {"--frames", "0:9:4", "--fps", "8", "-o", "f.##.exr", "--stats", "s.json"}, &said), 0)
+      << said;
+  EXPECT_NE(said.find("frame 4 at 0.5 s (2 of 3)"), std::string::npos) << said;
+  EXPECT_GT(coverage("f.00.exr"), coverage("f.04.exr"));
+  EXPECT_GT(coverage("f.04.exr"), coverage("f.08.exr"));
+  const json stats = json::parse(std::ifstream(folder_ / "s.json"));
+  EXPECT_EQ(stats["frames"], (json{0, 4, 8}));
+  EXPECT_EQ(stats["files"], (json{"f.00.exr", "f.04.exr", "f.08.exr"}));
+  ASSERT_EQ(render("moving.gltf", {"--time", "0.5", "--set", "frame=4", "-o", "alone.exr"}), 0);
+  EXPECT_EQ(pixels("f.04.exr"), pixels("alone.exr"));
+}
+
+TEST_F(FramesTest, WithoutATimeThePoseIsThatOfTheFile) {
+  ASSERT_EQ(render("moving.gltf", {"-o", "rest.exr"}), 0);
+  ASSERT_EQ(render("moving.gltf", {"-o", "late.exr", "--time", "1e3"}), 0);
+  EXPECT_GT(coverage("rest.exr"), 0.1);
+  EXPECT_EQ(coverage("late.exr"), 0);
+}
+
+TEST_F(FramesTest, ACameraThatWasFramedStandsStill) {
+  ASSERT_EQ(render("framed.gltf", {"--frames", "0:24:24", "--fps", "6", "-o", "a.####.exr", "--studio", "off"}), 0);
+  EXPECT_GT(coverage("a.0000.exr"), 0.1);
+  EXPECT_EQ(coverage("a.0024.exr"), 0);
+}
+
+TEST_F(FramesTest, DescriptionsHaveATimeForEachModel) {
+  const std::string camera = R"("camera": {"lookAt": {"eye": [0, 0, 8], "target": [0, 0, 0]}})";
+  write("scene.json", R"({"gltf": [{"file": "framed.gltf", "time": 3.5}], "settings": {"studio": "off"},
+                          "products": [{"file": "shot.####.exr"}], )" +
+                          camera + "}");
+  ASSERT_EQ(render("scene.json", {"--frames", "0:12:12"}), 0);
+  EXPECT_EQ(coverage("shot.0000.exr"), 0);  // 3.5 seconds, 7 units
+  write("still.json", R"({"gltf": [{"file": "framed.gltf", "animation": "slide"}], "settings": {"studio": "off"},
+                          "products": [{"file": "still.exr"}], )" +
+                          camera + "}");
+  ASSERT_EQ(render("still.json", {}), 0);
+  EXPECT_GT(coverage("still.exr"), 0.05);
+  std::string said;
+  EXPECT_EQ(render("still.json", {"--frames", "1:2"}, &said), 2);
+  EXPECT_NE(said.find("All frames would go to"), std::string::npos) << said;
+  write("two.json",
+        R"({"gltf": [{"file": "framed.gltf"}, {"file": "patch.gltf"}], "products": [{"file": "two.exr"}]})");
+  EXPECT_EQ(render("two.json", {"--animation", "slide"}, &said), 2);
+  EXPECT_NE(said.find("There are several models"), std::string::npos) << said;
+}
+
+TEST_F(FramesTest, AFileWithoutAnimationIsWarnedOf) {
+  std::string said;
+  EXPECT_EQ(render("lit.gltf", {"--time", "1", "-o", "a.exr"}, &said), 0);
+  EXPECT_NE(said.find("warning: lit.gltf: It has no animation"), std::string::npos) << said;
+}
+
+TEST_F(FramesTest, AnInterruptedSequenceKeepsTheFramesThatAreDone) {
+  Program program(folder_, {"render", "moving.gltf", "--size", "64x48", "--spp", "64", "--frames", "0:9999", "-o",
+                            "f.####.exr", "--stats", "s.json"});
+  for (int wait = 0; wait < 600 && !std::filesystem::exists(folder_ / "f.0001.exr"); ++wait)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  program.interrupt();
+  EXPECT_EQ(program.wait(), 130);
+  EXPECT_FALSE(pixels("f.0000.exr").empty());
+  const json stats = json::parse(std::ifstream(folder_ / "s.json"));
+  EXPECT_EQ(stats["status"], "interrupted");
+  EXPECT_LT(stats["files"].size(), 9999u);
+  for (const json& file : stats["files"]) EXPECT_FALSE(pixels(file).empty()) << file;
+}
+
+}  // namespace
+}  // namespace alabaster::cli

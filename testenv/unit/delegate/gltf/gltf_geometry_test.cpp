@@ -1,0 +1,199 @@
+// Accessors of all kinds and the primvars made from them; instances; which scene and materials are used.
+#include "testenv/unit/delegate/gltf/gltf_builder.h"
+
+namespace alabaster::hd::gltf::testing {
+namespace {
+
+TEST(GltfGeometry, EverySetOfTextureCoordinatesIsAPrimvar) {
+  GltfBuilder b;
+  b.triangle();
+  b.attribute<float>("TEXCOORD_0", {0, 0, 1, 0, 0, 1}, "VEC2");
+  b.attribute<uint16_t>("TEXCOORD_1", {0, 65535, 65535, 0, 0, 0}, "VEC2", true);
+  b.attribute<uint8_t>("TEXCOORD_2", {255, 0, 0, 0, 255, 0, 0, 0, 51, 255, 0, 0}, "VEC2", true);
+  b.json["accessors"].back()["count"] = 3;  // two bytes of four
+  b.json["bufferViews"].back()["byteStride"] = 4;
+  const Loaded loaded = b.load();
+  EXPECT_EQ(loaded.count(Severity::warning), 1u) << loaded.said();  // POSITION has no bounds
+  const host::MeshDescription& mesh = only_mesh(loaded);
+  expect_near(primvar<Array<Vec2f>>(mesh, "st")[2], Vec2f(0, 0));
+  expect_near(primvar<Array<Vec2f>>(mesh, "st1")[0], Vec2f(0, 0));  // v up
+  expect_near(primvar<Array<Vec2f>>(mesh, "st1")[1], Vec2f(1, 1));
+  expect_near(primvar<Array<Vec2f>>(mesh, "st2")[2], Vec2f(0.2f, 0));
+  EXPECT_EQ(mesh.primvars.count("st3"), 0u);
+}
+
+TEST(GltfGeometry, ColorsAreLinearPrimvarsAndTheirAlphaIsOpacity) {
+  GltfBuilder b;
+  b.triangle();
+  b.attribute<float>("COLOR_0", {1, 0, 0, 1, 0, 0.5f, 0, 0.25f, 0, 0, 1, 0}, "VEC4");
+  const Loaded with_alpha = b.load();
+  expect_near(primvar<Array<Vec3f>>(only_mesh(with_alpha), "displayColor")[1], Vec3f(0, 0.5f, 0));
+  EXPECT_EQ(primvar<Array<float>>(only_mesh(with_alpha), "displayOpacity"), (Array<float>{1, 0.25f, 0}));
+
+  b.attribute<uint16_t>("COLOR_0", {65535, 13107, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC3", true);
+  b.json["accessors"].back()["count"] = 3;
+  b.json["bufferViews"].back()["byteStride"] = 8;
+  const Loaded without = b.load();
+  expect_near(primvar<Array<Vec3f>>(only_mesh(without), "displayColor")[0], Vec3f(1, 0.2f, 0));
+  EXPECT_EQ(only_mesh(without).primvars.count("displayOpacity"), 0u);
+
+  b.attribute<uint8_t>("COLOR_0", {255, 51, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4");
+  const Loaded plain = b.load();  // glTF allows only normalized integers here
+  EXPECT_TRUE(plain.says(Severity::warning, "COLOR_0 integers must be normalized")) << plain.said();
+  expect_near(primvar<Array<Vec3f>>(only_mesh(plain), "displayColor")[0], Vec3f(1, 0.2f, 0));
+}
+
+TEST(GltfGeometry, TangentsNeedNormalsAndNeitherIsMadeUp) {
+  GltfBuilder b;
+  b.triangle();
+  b.attribute<float>("TANGENT", {1, 0, 0, -1, 1, 0, 0, -1, 1, 0, 0, -1}, "VEC4");
+  const Loaded flat = b.load();  // glTF, section 3.7.2.1: flat normals, and tangents are ignored
+  EXPECT_EQ(only_mesh(flat).primvars.count("normals") + only_mesh(flat).primvars.count("tangents"), 0u);
+  EXPECT_EQ(only_mesh(flat).topology.scheme, Token("none"));
+  b.attribute<float>("NORMAL", {0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  const Loaded smooth = b.load();
+  EXPECT_EQ(primvar<Array<Vec4f>>(only_mesh(smooth), "tangents")[2], Vec4f(1, 0, 0, -1));
+}
+
+TEST(GltfGeometry, QuantizedAndSparsePositions) {
+  GltfBuilder b;
+  b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"KHR_mesh_quantization"};
+  b.attribute<int16_t>("POSITION", {0, 0, 0, 0, 32767, -32767, 0, 0, 0, 16384, -32768, 0}, "VEC3", true);
+  b.json["accessors"].back()["count"] = 3;
+  b.json["bufferViews"].back()["byteStride"] = 8;
+  const Loaded quantized = b.load();
+  const auto& points = primvar<Array<Vec3f>>(only_mesh(quantized), "points");
+  expect_near(points[1], Vec3f(1, -1, 0));
+  expect_near(points[2], Vec3f(0, 16384 / 32767.0f, -1));  // -32768 counts as -1
+
+  b.primitive()["attributes"]["POSITION"] = b.add_sparse(3, {1, 2}, {1, 2, 3, 4, 5, 6}, "VEC3");
+  const Loaded sparse = b.load();
+  EXPECT_EQ(primvar<Array<Vec3f>>(only_mesh(sparse), "points"), (Array<Vec3f>{{0, 0, 0}, {1, 2, 3}, {4, 5, 6}}));
+}
+
+// A quad as a fan of two triangles, whose colours differ along the diagonal.
+TEST(GltfGeometry, CagesKeepEveryPrimvarOnTheirCorners) {
+  GltfBuilder b;
+  b.attribute<float>("POSITION", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, "VEC3");
+  b.attribute<float>("TEXCOORD_0", {0, 0, 1, 0, 1, 1, 0, 1}, "VEC2");
+  b.attribute<float>("TEXCOORD_1", {0, 0, 1, 0, 1, 0, 0, 0}, "VEC2");
+  b.attribute<float>("COLOR_0", {1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0}, "VEC3");
+  b.primitive()["indices"] = b.add<uint16_t>({0, 1, 2, 0, 2, 3}, "SCALAR");
+  b.primitive()["extensions"]["FB_ngon_encoding"] = Json::object();
+  b.json["extensionsUsed"] = {"FB_ngon_encoding"};
+  const Loaded loaded = b.load();
+  const host::MeshDescription& mesh = only_mesh(loaded);
+  EXPECT_EQ(mesh.topology.faceVertexCounts, (Array<int32_t>{4}));
+  for (const char* name : {"st", "st1", "displayColor"}) {
+    ASSERT_EQ(mesh.primvars.count(name), 1u) << name;
+    EXPECT_EQ(mesh.primvars.at(name).interpolation, Interpolation::faceVarying);
+    EXPECT_EQ(mesh.primvars.at(name).indices.size(), 4u);
+  }
+  const auto& corners = mesh.primvars.at("displayColor").indices;
+  EXPECT_EQ(primvar<Array<Vec3f>>(mesh, "displayColor")[size_t(corners[2])], Vec3f(0, 1, 0));
+}
+
+// Translation, a quarter turn around z and scale of two instances, below a node that is moved.
+TEST(GltfInstancing, InstancesArePlacedBelowTheirNodes) {
+  GltfBuilder b;
+  b.triangle();
+  const float h = std::sqrt(0.5f);
+  b.node()["translation"] = {10, 0, 0};
+  b.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {
+      {"TRANSLATION", b.add<float>({0, 0, 0, 0, 0, 5}, "VEC3")},
+      {"ROTATION", b.add<float>({0, 0, 0, 1, 0, 0, h, h}, "VEC4")},
+      {"SCALE", b.add<float>({1, 1, 1, 2, 2, 2}, "VEC3")},
+      {"_ID", b.add<uint16_t>({7, 0, 8, 0}, "SCALAR")}};
+  b.json["accessors"].back()["count"] = 2;
+  b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  b.json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, -1}}});
+  b.json["scenes"][0]["nodes"] = {0, 1};
+  const Loaded loaded = b.load();
+  ASSERT_EQ(loaded.scene->GetInstancers().size(), 1u) << loaded.said();
+  const auto& instancer = loaded.scene->GetInstancers().begin()->second;
+  const auto* transforms = instancer.primvars.at("hydra:instanceTransforms").get<Array<Matrix4d>>();
+  ASSERT_TRUE(transforms && transforms->size() == 3);
+  expect_near(transformed({1, 0, 0}, (*transforms)[0]), Vec3d(11, 0, 0));
+  expect_near(transformed({1, 0, 0}, (*transforms)[1]), Vec3d(10, 2, 5));
+  expect_near(transformed({1, 0, 0}, (*transforms)[2]), Vec3d(1, 0, -1));
+  EXPECT_EQ(instancer.indices.begin()->second, (Array<int32_t>{0, 1, 2}));
+}
+
+TEST(GltfInstancing, AttributesThatDoNotAgreeAreRefused) {
+  const auto fails = [](const std::string& name, const std::vector<float>& values, const char* type) {
+    GltfBuilder b;
+    b.triangle();
+    Json& attributes = b.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    attributes["SCALE"] = b.add<float>({1, 1, 1, 1, 1, 1}, "VEC3");
+    attributes[name] = b.add(values, type);
+    const Loaded loaded = b.load();
+    return !loaded.summary.ok && loaded.says(Severity::error, "nodes[0].extensions.EXT_mesh_gpu_instancing");
+  };
+  EXPECT_TRUE(fails("TRANSLATION", {0, 0, 0}, "VEC3"));
+  EXPECT_TRUE(fails("TRANSLATION", {0, 0, 0, 0}, "VEC2"));
+  EXPECT_TRUE(fails("ROTATION", {0, 0, 0, 0, 0, 0}, "VEC3"));
+  EXPECT_TRUE(fails("TRANSLATION", {0, 0, 0, 0, 0, NAN}, "VEC3"));
+}
+
+// Nodes 0 and 1 stand in scenes of their own; 2 in none.
+TEST(GltfScenes, AreChosenByNameAndIndex) {
+  GltfBuilder b;
+  b.triangle();
+  for (const double x : {1.0, 2.0}) b.json["nodes"].push_back({{"mesh", 0}, {"translation", {x, 0, 0}}});
+  b.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1}}, {"name", "other"}}};
+  const auto x_of = [&](const std::string& scene) {
+    GltfOptions options;
+    options.scene = scene;
+    const Loaded loaded = b.load(options);
+    EXPECT_TRUE(loaded.summary.ok) << loaded.said();
+    EXPECT_EQ(loaded.summary.scenes, (std::vector<std::string>{"", "other"}));
+    return world_points(only_mesh(loaded))[0].x;
+  };
+  EXPECT_EQ(x_of(""), 0);
+  EXPECT_EQ(x_of("1"), 1);
+  EXPECT_EQ(x_of("other"), 1);
+  b.json["scene"] = 1;
+  EXPECT_EQ(x_of(""), 1);
+  EXPECT_EQ(x_of("0"), 0);
+  b.json.erase("scene");
+  EXPECT_EQ(x_of(""), 0);  // a file without a default scene: its first
+  GltfOptions options;
+  for (const char* wrong : {"2", "Other", "-1", "1.5"}) {
+    options.scene = wrong;
+    const Loaded loaded = b.load(options);
+    EXPECT_FALSE(loaded.summary.ok);
+    EXPECT_TRUE(loaded.says(Severity::error, "gltf.choice")) << loaded.said();
+    EXPECT_TRUE(loaded.says(Severity::error, "choose from 0, 1 'other'")) << loaded.said();
+  }
+  b.json.erase("scenes");
+  EXPECT_EQ(b.load().scene->GetInstancers().begin()->second.indices.begin()->second.size(), 3u);  // every root
+}
+
+TEST(GltfVariants, DecideWhichMaterialAPrimitiveUses) {
+  GltfBuilder b;
+  b.triangle();
+  b.json["materials"] = {{{"name", "own"}}, {{"name", "red"}}, {{"name", "blue"}}};
+  b.json["extensionsUsed"] = {"KHR_materials_variants"};
+  b.json["extensions"]["KHR_materials_variants"]["variants"] = {
+      {{"name", "Red"}}, {{"name", "Sea"}}, {{"name", "Sky"}}, {{"name", "Bare"}}};
+  b.primitive()["material"] = 0;
+  b.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}},
+                                                                       {{"material", 2}, {"variants", {1, 2}}}};
+  const auto material = [&](const std::string& variant) {
+    GltfOptions options;
+    options.variant = variant;
+    return only_mesh(b.load(options)).material.str();
+  };
+  EXPECT_EQ(material(""), "/gltf/made/materials/0_own");
+  EXPECT_EQ(material("Red"), "/gltf/made/materials/1_red");
+  EXPECT_EQ(material("Sky"), "/gltf/made/materials/2_blue");
+  EXPECT_EQ(material("1"), "/gltf/made/materials/2_blue");
+  EXPECT_EQ(material("Bare"), "/gltf/made/materials/0_own");
+  EXPECT_EQ(b.load().summary.variants.size(), 4u);
+  GltfOptions options;
+  options.variant = "Green";
+  EXPECT_TRUE(b.load(options).says(Severity::error, "has no variant 'Green'; choose from 0 'Red', 1 'Sea'"));
+}
+
+}  // namespace
+}  // namespace alabaster::hd::gltf::testing
