@@ -63,7 +63,11 @@ class Sanitizer {
   bool run() {
     check_points();
     check_primvar(&cage_.normals, "normals");
-    check_primvar(&cage_.uv, "uv");
+    check_primvar(&cage_.tangents, "tangents");
+    for (UvPrimvar& uv : cage_.uvs) check_primvar<Vec2f>(&uv, "uv");
+    std::erase_if(cage_.uvs, [](const UvPrimvar& uv) { return uv.empty(); });
+    check_primvar(&cage_.colors, "color");
+    check_primvar(&cage_.opacities, "opacity");
     check_materials();
     check_faces();
     drop_faces();
@@ -119,6 +123,9 @@ class Sanitizer {
   }
   static bool is_usable_value(const Vec3f& v) { return is_usable(v); }
   static bool is_usable_value(const Vec2f& v) { return is_usable(Vec3f(v.x, v.y, 0)); }
+  static bool is_usable_value(const Vec4f& v) { return is_usable(Vec3f(v.x, v.y, v.z)) && std::isfinite(v.w); }
+  static bool is_usable_value(const Rgb& c) { return is_usable(Vec3f(c.r, c.g, c.b)); }
+  static bool is_usable_value(float x) { return std::isfinite(x); }
 
   void check_materials() {
     if (cage_.face_material.empty()) return;
@@ -199,7 +206,10 @@ class Sanitizer {
     }
     if (corners.size() != cage_.face_vertex_indices.size()) {
       keep_corners(&cage_.normals, corners);
-      keep_corners(&cage_.uv, corners);
+      keep_corners(&cage_.tangents, corners);
+      for (UvPrimvar& uv : cage_.uvs) keep_corners<Vec2f>(&uv, corners);
+      keep_corners(&cage_.colors, corners);
+      keep_corners(&cage_.opacities, corners);
     }
     cage_.face_vertex_counts = std::move(counts);
     cage_.face_vertex_indices = std::move(indices);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/color/rgb.h"
 #include "core/diagnostics/report.h"
 #include "core/math/vector.h"
 
@@ -27,6 +28,11 @@ struct Primvar {
   bool empty() const { return values.empty(); }
 };
 
+/// Texture coordinates, v up, under the name that textures ask for.
+struct UvPrimvar : Primvar<Vec2f> {
+  std::string name;
+};
+
 struct Cage {
   SubdivisionScheme scheme = SubdivisionScheme::none;
   bool left_handed = false;  // winding of the faces
@@ -46,7 +52,10 @@ struct Cage {
 
   std::vector<Vec3f> points;
   Primvar<Vec3f> normals;          // authored; ignored when refined
-  Primvar<Vec2f> uv;               // v up
+  Primvar<Vec4f> tangents;         // authored, for normal maps: direction of u, and +1 or -1; ignored when refined
+  std::vector<UvPrimvar> uvs;      // of different names
+  Primvar<Rgb> colors;             // linear, in the rendering space; refined if they are given per vertex
+  Primvar<float> opacities;        // 0 to 1; as colors
   std::vector<int> face_material;  // material slot per face; empty: all 0
 };
 

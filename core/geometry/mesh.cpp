@@ -17,6 +17,10 @@ template <class T>
 size_t bytes_of(const std::vector<T>& v) {
   return v.capacity() * sizeof(T);
 }
+template <class T>
+size_t bytes_of(const MeshAttribute<T>& a) {
+  return bytes_of(a.values) + bytes_of(a.triangles);
+}
 
 // Positions compare by bits, except that both zeros are one.
 std::array<uint32_t, 3> position_key(const Vec3f& p) {
@@ -50,8 +54,8 @@ bool is_closed(const Mesh& mesh) {
 }
 
 template <class T>
-uint32_t value_index(const Primvar<T>& primvar, int vertex, size_t corner) {
-  const size_t id = primvar.interpolation == Interpolation::vertex ? static_cast<size_t>(vertex) : corner;
+uint32_t value_index(const Primvar<T>& primvar, int vertex, uint32_t corner) {
+  const size_t id = primvar.interpolation == Interpolation::vertex ? static_cast<size_t>(vertex) : size_t(corner);
   return static_cast<uint32_t>(primvar.indices.empty() ? static_cast<int>(id) : primvar.indices[id]);
 }
 
@@ -65,7 +69,6 @@ class FlatBuilder {
   Mesh build() {
     mesh_.points = cage_.points;
     mesh_.normals = cage_.normals.values;
-    mesh_.uvs = cage_.uv.values;
     const bool smooth = cage_.normals.empty() &&
                         (cage_.scheme == SubdivisionScheme::catmull_clark || cage_.scheme == SubdivisionScheme::loop);
     if (smooth) vertex_normals_.assign(cage_.points.size(), Vec3d(0, 0, 0));
@@ -79,12 +82,29 @@ class FlatBuilder {
       first += count;
     }
     if (smooth) finish_normals();
-    if (mesh_.normal_triangles == mesh_.triangles) mesh_.normal_triangles = {};
-    if (mesh_.uv_triangles == mesh_.triangles) mesh_.uv_triangles = {};
+    if (!cage_.normals.empty()) mesh_.normal_triangles = attribute_triangles(cage_.normals);
+    mesh_.tangents = attribute(cage_.tangents);
+    for (const UvPrimvar& uv : cage_.uvs) mesh_.uv_sets.push_back({attribute<Vec2f>(uv), uv.name});
+    mesh_.colors = attribute(cage_.colors);
+    mesh_.opacities = attribute(cage_.opacities);
     return std::move(mesh_);
   }
 
  private:
+  template <class T>
+  std::vector<Corners> attribute_triangles(const Primvar<T>& primvar) const {
+    std::vector<Corners> triangles(mesh_.triangles);
+    for (size_t t = 0; t < triangles.size(); ++t)
+      for (size_t i = 0; i < 3; ++i)
+        triangles[t][i] = value_index(primvar, static_cast<int>(mesh_.triangles[t][i]), face_corners_[t][i]);
+    return triangles == mesh_.triangles ? std::vector<Corners>() : triangles;
+  }
+  template <class T>
+  MeshAttribute<T> attribute(const Primvar<T>& primvar) const {
+    if (primvar.empty()) return {};
+    return {primvar.values, attribute_triangles(primvar)};
+  }
+
   void gather(size_t first, size_t count) {
     corners_.clear();
     for (size_t k = first; k < first + count; ++k)
@@ -96,17 +116,13 @@ class FlatBuilder {
     triangulate_polygon(corners_, &local_);
     for (auto t : local_) {
       if (cage_.left_handed) std::swap(t[1], t[2]);
-      std::array<uint32_t, 3> points{}, normals{}, uvs{};
+      Corners points{}, corners{};
       for (size_t i = 0; i < 3; ++i) {
-        const size_t corner = first + static_cast<size_t>(t[i]);
-        const int vertex = cage_.face_vertex_indices[corner];
-        points[i] = static_cast<uint32_t>(vertex);
-        if (!cage_.normals.empty()) normals[i] = value_index(cage_.normals, vertex, corner);
-        if (!cage_.uv.empty()) uvs[i] = value_index(cage_.uv, vertex, corner);
+        corners[i] = static_cast<uint32_t>(first + static_cast<size_t>(t[i]));
+        points[i] = static_cast<uint32_t>(cage_.face_vertex_indices[corners[i]]);
       }
       mesh_.triangles.push_back(points);
-      if (!cage_.normals.empty()) mesh_.normal_triangles.push_back(normals);
-      if (!cage_.uv.empty()) mesh_.uv_triangles.push_back(uvs);
+      face_corners_.push_back(corners);
       mesh_.triangle_face.push_back(static_cast<int32_t>(face));
       if (!cage_.face_material.empty()) mesh_.triangle_material.push_back(cage_.face_material[face]);
     }
@@ -132,6 +148,7 @@ class FlatBuilder {
   std::vector<bool> hole_;
   std::vector<Vec3d> corners_, vertex_normals_;
   std::vector<std::array<int, 3>> local_;
+  std::vector<Corners> face_corners_;  // of each triangle
   Mesh mesh_;
 };
 
@@ -167,9 +184,17 @@ int affordable_level(const Cage& cage, const RefinementOptions& options, const D
 
 }  // namespace
 
+const UvSet* Mesh::uv_set(std::string_view name) const {
+  const auto found = std::find_if(uv_sets.begin(), uv_sets.end(), [&](const UvSet& set) { return set.name == name; });
+  return found == uv_sets.end() ? nullptr : &*found;
+}
+
 size_t Mesh::memory_bytes() const {
-  return bytes_of(points) + bytes_of(triangles) + bytes_of(normals) + bytes_of(normal_triangles) + bytes_of(uvs) +
-         bytes_of(uv_triangles) + bytes_of(triangle_face) + bytes_of(triangle_material);
+  size_t bytes = bytes_of(points) + bytes_of(triangles) + bytes_of(normals) + bytes_of(normal_triangles) +
+                 bytes_of(tangents) + bytes_of(colors) + bytes_of(opacities) + bytes_of(triangle_face) +
+                 bytes_of(triangle_material);
+  for (const UvSet& set : uv_sets) bytes += bytes_of<Vec2f>(set);
+  return bytes;
 }
 
 // By sorting: no choice of points makes it slow, as one does where they are hashed.
@@ -198,13 +223,14 @@ size_t estimate_mesh_bytes(const Cage& cage, int level) {
     corners += static_cast<size_t>(count);
   }
   const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
-  const bool seams = !cage.uv.empty() && cage.uv.interpolation == Interpolation::face_varying;
-  const size_t uvs = cage.uv.empty() ? 0 : points + (seams ? boundary : 0);
+  const auto is_face_varying = [](const UvPrimvar& uv) { return uv.interpolation == Interpolation::face_varying; };
+  const auto seams = static_cast<size_t>(std::count_if(cage.uvs.begin(), cage.uvs.end(), is_face_varying));
+  const size_t uvs = cage.uvs.size() * points + seams * boundary;
+  const size_t colors = (cage.colors.empty() ? 0 : sizeof(Rgb)) + (cage.opacities.empty() ? 0 : sizeof(float));
   // Points, normals (at worst every face has its own along its boundary), uvs; per triangle its points, normals, uvs,
   // face, slot, and the three edges that the test for closedness sorts.
-  const size_t per_triangle =
-      (seams ? 3 : 2) * sizeof(std::array<uint32_t, 3>) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
-  return (2 * points + boundary) * sizeof(Vec3f) + uvs * sizeof(Vec2f) + triangles * per_triangle;
+  const size_t per_triangle = (2 + seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
+  return (2 * points + boundary) * sizeof(Vec3f) + uvs * sizeof(Vec2f) + points * colors + triangles * per_triangle;
 }
 
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {

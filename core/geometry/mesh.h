@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/cage.h"
@@ -11,17 +12,32 @@
 
 namespace alabaster {
 
-/// Triangles wind counter-clockwise seen from outside (left_handed is already undone). Corner attributes are found
-/// through `triangles` (per vertex) or `uv_triangles` when uvs are split along seams.
+using Corners = std::array<uint32_t, 3>;
+
+/// Values that are interpolated over triangles.
+template <class T>
+struct MeshAttribute {
+  std::vector<T> values;           // empty: none
+  std::vector<Corners> triangles;  // indices of values; empty: same as the mesh's triangles
+  bool empty() const { return values.empty(); }
+};
+
+struct UvSet : MeshAttribute<Vec2f> {
+  std::string name;
+};
+
+/// Triangles wind counter-clockwise seen from outside (left_handed is already undone).
 struct Mesh {
   std::vector<Vec3f> points;
-  std::vector<std::array<uint32_t, 3>> triangles;
-  std::vector<Vec3f> normals;                             // empty: flat
-  std::vector<std::array<uint32_t, 3>> normal_triangles;  // empty: same as triangles
-  std::vector<Vec2f> uvs;                                 // empty: none
-  std::vector<std::array<uint32_t, 3>> uv_triangles;      // empty: same as triangles
-  std::vector<int32_t> triangle_face;                     // face of the cage, which elementId reports
-  std::vector<int32_t> triangle_material;                 // slot; empty: all 0
+  std::vector<Corners> triangles;
+  std::vector<Vec3f> normals;             // empty: flat
+  std::vector<Corners> normal_triangles;  // empty: same as triangles
+  MeshAttribute<Vec4f> tangents;          // authored: direction of u, and the sign of n x t along growing v
+  std::vector<UvSet> uv_sets;             // the first gives a hit's uv and dpdu
+  MeshAttribute<Rgb> colors;
+  MeshAttribute<float> opacities;
+  std::vector<int32_t> triangle_face;      // face of the cage, which elementId reports
+  std::vector<int32_t> triangle_material;  // slot; empty: all 0
   Bounds bounds;
   bool closed = false;  // every edge is shared by an even number (>= 2) of triangles, after welding points by position
 
@@ -29,6 +45,8 @@ struct Mesh {
   int element(uint32_t triangle) const {
     return triangle_face.empty() ? static_cast<int>(triangle) : triangle_face[triangle];
   }
+  /// Null if there is none of that name.
+  const UvSet* uv_set(std::string_view name) const;
   size_t memory_bytes() const;
 };
 

@@ -83,17 +83,15 @@ struct SharedSamples {
 struct Workspace {
   Surface points, uvs;
   std::vector<float> point_controls, uv_controls;
+  std::vector<float> value, du, dv;  // of one sample
 };
 
 class LimitTessellator {
  public:
   LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, int level)
-      : cage_(cage),
-        base_(refiner.GetLevel(0)),
-        factory_(refiner, surface_options(level)),
-        segments_(1u << level),
-        vertex_uvs_(!cage.uv.empty() && cage.uv.interpolation == Interpolation::vertex),
-        face_uvs_(!cage.uv.empty() && !vertex_uvs_) {
+      : cage_(cage), base_(refiner.GetLevel(0)), factory_(refiner, surface_options(level)), segments_(1u << level) {
+    for (const UvPrimvar& uv : cage.uvs)
+      (uv.interpolation == Interpolation::vertex ? vertex_uvs_ : face_uvs_).push_back(&uv);
     find_faces();
     find_sharp_features();
     gather_controls();
@@ -118,6 +116,7 @@ class LimitTessellator {
         }
     } while (again_);
     mend_degenerate_normals();
+    for (size_t i = 1; i < face_uvs_.size(); ++i) face_set(i).triangles = face_set(0).triangles;
     return std::move(mesh_);
   }
 
@@ -155,16 +154,30 @@ class LimitTessellator {
 
   // Values that follow the vertex rule, interleaved: one evaluation gives all.
   void gather_controls() {
-    width_ = vertex_uvs_ ? 5 : 3;
-    controls_.reserve(cage_.points.size() * at(width_));
+    refines_colors_ = !cage_.colors.empty() && cage_.colors.interpolation == Interpolation::vertex;
+    refines_opacities_ = !cage_.opacities.empty() && cage_.opacities.interpolation == Interpolation::vertex;
     for (size_t i = 0; i < cage_.points.size(); ++i) {
       const Vec3f& p = cage_.points[i];
       controls_.insert(controls_.end(), {p.x, p.y, p.z});
-      if (!vertex_uvs_) continue;
-      const Vec2f& uv = cage_.uv.values[cage_.uv.indices.empty() ? i : at(cage_.uv.indices[i])];
-      controls_.insert(controls_.end(), {uv.x, uv.y});
+      for (const UvPrimvar* primvar : vertex_uvs_) {
+        const Vec2f& uv = value_of(*primvar, i);
+        controls_.insert(controls_.end(), {uv.x, uv.y});
+      }
+      if (refines_colors_) {
+        const Rgb& c = value_of(cage_.colors, i);
+        controls_.insert(controls_.end(), {c.r, c.g, c.b});
+      }
+      if (refines_opacities_) controls_.push_back(value_of(cage_.opacities, i));
     }
+    width_ = cage_.points.empty() ? 3 : static_cast<int>(controls_.size() / cage_.points.size());
   }
+  template <class T>
+  static const T& value_of(const Primvar<T>& primvar, size_t vertex) {
+    return primvar.values[primvar.indices.empty() ? vertex : at(primvar.indices[vertex])];
+  }
+
+  // The mesh's sets: per vertex first, then face-varying.
+  UvSet& face_set(size_t i) { return mesh_.uv_sets[vertex_uvs_.size() + i]; }
 
   void claim(SharedSamples* samples, int face, uint32_t count, uint32_t* points) {
     if (samples->owner >= 0) return;
@@ -203,11 +216,11 @@ class LimitTessellator {
     mesh_.triangles.resize(triangles);
     mesh_.triangle_face.resize(triangles);
     if (own_normals) mesh_.normal_triangles.resize(triangles);
-    if (vertex_uvs_) mesh_.uvs.resize(points, Vec2f(0, 0));
-    if (face_uvs_) {
-      mesh_.uvs.resize(uvs, Vec2f(0, 0));
-      mesh_.uv_triangles.resize(triangles);
-    }
+    for (const UvPrimvar* uv : vertex_uvs_) mesh_.uv_sets.push_back({{{points, Vec2f(0, 0)}, {}}, uv->name});
+    for (const UvPrimvar* uv : face_uvs_) mesh_.uv_sets.push_back({{{uvs, Vec2f(0, 0)}, {}}, uv->name});
+    if (!face_uvs_.empty()) face_set(0).triangles.resize(triangles);
+    if (refines_colors_) mesh_.colors.values.resize(points, Rgb(0.0f));
+    if (refines_opacities_) mesh_.opacities.values.resize(points, 0.0f);
     if (!cage_.face_material.empty()) mesh_.triangle_material.resize(triangles);
   }
 
@@ -242,12 +255,11 @@ class LimitTessellator {
   }
 
   bool tessellate(int face, Workspace* w) {
-    const bool made = face_uvs_ ? factory_.InitSurfaces(face, &w->points, &w->uvs, nullptr, 1)
-                                : factory_.InitVertexSurface(face, &w->points);
-    if (!made) return false;
+    if (!factory_.InitVertexSurface(face, &w->points)) return false;
     const std::vector<Sample> samples = place_samples(face);
     evaluate_points(face, samples, w);
-    if (face_uvs_) evaluate_uvs(face, w);
+    for (size_t i = 0; i < face_uvs_.size(); ++i)
+      if (!evaluate_uvs(face, i, w)) return false;
     write_triangles(face, samples);
     return true;
   }
@@ -256,18 +268,26 @@ class LimitTessellator {
     const Surface::PointDescriptor layout(width_);
     w->point_controls.resize(at(w->points.GetNumPatchPoints()) * at(width_));
     w->points.PreparePatchPoints(controls_.data(), layout, w->point_controls.data(), layout);
+    for (std::vector<float>* values : {&w->value, &w->du, &w->dv}) values->resize(at(width_));
     const std::vector<float>& coordinates = faces_[at(face)].pattern->coordinates;
     for (size_t i = 0; i < samples.size(); ++i) {
       const Sample& sample = samples[i];
       if (!sample.owns_point && !sample.owns_normal) continue;
-      std::array<float, 5> p{}, du{}, dv{};
-      w->points.Evaluate(&coordinates[2 * i], w->point_controls.data(), layout, p.data(), du.data(), dv.data());
-      if (sample.owns_point) {
-        mesh_.points[sample.point] = {p[0], p[1], p[2]};
-        if (vertex_uvs_) mesh_.uvs[sample.point] = {p[3], p[4]};
-      }
+      const std::vector<float>&du = w->du, &dv = w->dv;
+      w->points.Evaluate(&coordinates[2 * i], w->point_controls.data(), layout, w->value.data(), w->du.data(),
+                         w->dv.data());
+      if (sample.owns_point) write_values(sample.point, w->value.data());
       if (sample.owns_normal) write_normal(sample.normal, Vec3d(du[0], du[1], du[2]), Vec3d(dv[0], dv[1], dv[2]));
     }
+  }
+
+  // In the order of gather_controls().
+  void write_values(uint32_t point, const float* v) {
+    mesh_.points[point] = {v[0], v[1], v[2]};
+    v += 3;
+    for (size_t i = 0; i < vertex_uvs_.size(); ++i, v += 2) mesh_.uv_sets[i].values[point] = {v[0], v[1]};
+    if (refines_colors_) mesh_.colors.values[point] = {v[0], v[1], v[2]}, v += 3;
+    if (refines_opacities_) mesh_.opacities.values[point] = v[0];
   }
 
   void write_normal(uint32_t index, const Vec3d& du, const Vec3d& dv) {
@@ -280,14 +300,16 @@ class LimitTessellator {
     mesh_.normals[index] = usable ? Vec3f(normalize(n)) : Vec3f(0, 0, 0);
   }
 
-  void evaluate_uvs(int f, Workspace* w) {
+  bool evaluate_uvs(int f, size_t set, Workspace* w) {
+    if (!factory_.InitFaceVaryingSurface(f, &w->uvs, static_cast<std::intptr_t>(set))) return false;
     const FaceLayout& face = faces_[at(f)];
     const Surface::PointDescriptor layout(2);
     w->uv_controls.resize(at(w->uvs.GetNumPatchPoints()) * 2);
-    w->uvs.PreparePatchPoints(&cage_.uv.values[0].x, layout, w->uv_controls.data(), layout);
+    w->uvs.PreparePatchPoints(&face_uvs_[set]->values[0].x, layout, w->uv_controls.data(), layout);
     for (uint32_t i = 0; i < face.pattern->samples; ++i)
       w->uvs.Evaluate(&face.pattern->coordinates[2 * size_t(i)], w->uv_controls.data(), layout,
-                      &mesh_.uvs[face.uvs + i].x);
+                      &face_set(set).values[face.uvs + i].x);
+    return true;
   }
 
   void write_triangles(int f, const std::vector<Sample>& samples) {
@@ -298,7 +320,7 @@ class LimitTessellator {
         const auto corner = static_cast<uint32_t>(face.pattern->facets[3 * size_t(t) + i]);
         mesh_.triangles[triangle][i] = samples[corner].point;
         if (!mesh_.normal_triangles.empty()) mesh_.normal_triangles[triangle][i] = samples[corner].normal;
-        if (face_uvs_) mesh_.uv_triangles[triangle][i] = face.uvs + corner;
+        if (!face_uvs_.empty()) face_set(0).triangles[triangle][i] = face.uvs + corner;
       }
       mesh_.triangle_face[triangle] = f;
       if (!cage_.face_material.empty()) mesh_.triangle_material[triangle] = cage_.face_material[at(f)];
@@ -327,7 +349,8 @@ class LimitTessellator {
   const Far::TopologyLevel& base_;
   SurfaceFactory factory_;
   const uint32_t segments_;
-  const bool vertex_uvs_, face_uvs_;
+  std::vector<const UvPrimvar*> vertex_uvs_, face_uvs_;
+  bool refines_colors_ = false, refines_opacities_ = false;
   int width_ = 3;
   bool again_ = false;
   std::vector<float> controls_;
@@ -351,6 +374,10 @@ std::optional<Mesh> tessellate_limit_surface(const Cage& cage, int level, const 
     return std::nullopt;
   }
   if (!messages.empty()) report(sink, Severity::warning, "mesh.subdivision.topology", where, "OpenSubdiv: " + messages);
+  if (cage.colors.interpolation == Interpolation::face_varying ||
+      cage.opacities.interpolation == Interpolation::face_varying)
+    report(sink, Severity::warning, "mesh.subdivision.color", where,
+           "colours at face corners are not refined and are left out; give one per vertex");
   return LimitTessellator(cage, *refiner, level).run();
 }
 

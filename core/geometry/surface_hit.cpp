@@ -8,13 +8,19 @@
 namespace alabaster {
 namespace {
 
-using Corners = std::array<uint32_t, 3>;
-
 const Corners& normal_corners(const Mesh& mesh, uint32_t triangle) {
   return mesh.normal_triangles.empty() ? mesh.triangles[triangle] : mesh.normal_triangles[triangle];
 }
-const Corners& uv_corners(const Mesh& mesh, uint32_t triangle) {
-  return mesh.uv_triangles.empty() ? mesh.triangles[triangle] : mesh.uv_triangles[triangle];
+template <class T>
+const Corners& corners_of(const MeshAttribute<T>& attribute, const Mesh& mesh, uint32_t triangle) {
+  return attribute.triangles.empty() ? mesh.triangles[triangle] : attribute.triangles[triangle];
+}
+
+template <class T>
+T interpolated(const MeshAttribute<T>& attribute, const Mesh& mesh, const TriangleHit& hit) {
+  const Corners& c = corners_of(attribute, mesh, hit.triangle);
+  const std::vector<T>& v = attribute.values;
+  return v[c[0]] * (1 - hit.u - hit.v) + v[c[1]] * hit.u + v[c[2]] * hit.v;
 }
 
 // 2^-exponent of x: multiplying by it brings x near 1 without rounding (x normal and finite, else 1).
@@ -92,9 +98,10 @@ struct TextureFrame {
 };
 
 TextureFrame texture_frame(const Mesh& mesh, const TriangleHit& hit, const Vec3f& e1, const Vec3f& e2) {
-  if (mesh.uvs.empty()) return {};
-  const Corners& c = uv_corners(mesh, hit.triangle);
-  const Vec2f &t0 = mesh.uvs[c[0]], &t1 = mesh.uvs[c[1]], &t2 = mesh.uvs[c[2]];
+  if (mesh.uv_sets.empty()) return {};
+  const UvSet& set = mesh.uv_sets.front();
+  const Corners& c = corners_of(set, mesh, hit.triangle);
+  const Vec2f &t0 = set.values[c[0]], &t1 = set.values[c[1]], &t2 = set.values[c[2]];
   const Vec2f d1 = t1 - t0, d2 = t2 - t0;
   const float determinant = d1.x * d2.y - d2.x * d1.y;
   TextureFrame frame;
@@ -134,8 +141,10 @@ void prefetch_corners(const Mesh& mesh, uint32_t triangle, Attributes attributes
   for (const uint32_t c : mesh.triangles[triangle]) __builtin_prefetch(&mesh.points[c]);
   if (!mesh.normals.empty())
     for (const uint32_t c : normal_corners(mesh, triangle)) __builtin_prefetch(&mesh.normals[c]);
-  if (attributes == Attributes::normals_and_uvs && !mesh.uvs.empty())
-    for (const uint32_t c : uv_corners(mesh, triangle)) __builtin_prefetch(&mesh.uvs[c]);
+  if (attributes == Attributes::normals_and_uvs && !mesh.uv_sets.empty()) {
+    const UvSet& set = mesh.uv_sets.front();
+    for (const uint32_t c : corners_of(set, mesh, triangle)) __builtin_prefetch(&set.values[c]);
+  }
 }
 
 SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
@@ -154,6 +163,21 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
   s.uv = frame.uv;
   s.dpdu = unit_or(object_to_render.vector(frame.dpdu), frame_from_normal(s.ns).s);
   return s;
+}
+
+Vec2f HitPrimvars::uv(std::string_view set) const {
+  if (mesh_.uv_sets.empty()) return {0, 0};
+  if (mesh_.uv_sets.front().name == set) return uv_;
+  const UvSet* const found = mesh_.uv_set(set);
+  return found ? interpolated<Vec2f>(*found, mesh_, hit_) : Vec2f(0, 0);
+}
+
+Rgb HitPrimvars::color() const {
+  return mesh_.colors.empty() ? Rgb(1.0f) : interpolated(mesh_.colors, mesh_, hit_);
+}
+
+float HitPrimvars::opacity() const {
+  return mesh_.opacities.empty() ? 1.0f : interpolated(mesh_.opacities, mesh_, hit_);
 }
 
 Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& side,

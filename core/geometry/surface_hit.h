@@ -33,6 +33,24 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
 SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                            const Affine& render_to_object);
 
+/// What textures ask a mesh for at a hit.
+class HitPrimvars {
+ public:
+  /// `uv`: of the mesh's first set at the hit. Keeps references.
+  HitPrimvars(const Mesh& mesh, const TriangleHit& hit, const Vec2f& uv) : mesh_(mesh), hit_(hit), uv_(uv) {}
+
+  /// (0, 0) if the mesh has no such set.
+  Vec2f uv(std::string_view set) const;
+  /// Displayed colour and opacity; white and 1 if the mesh has none.
+  Rgb color() const;
+  float opacity() const;
+
+ private:
+  const Mesh& mesh_;
+  const TriangleHit& hit_;
+  Vec2f uv_;
+};
+
 /// Rays hit triangles in no order, so their memory is far away. These ask for it in two steps, of which the second
 /// needs the first's answer: other work fits before each and before surface_hit().
 inline void prefetch_triangle(const Mesh& mesh, uint32_t triangle) {
@@ -41,7 +59,7 @@ inline void prefetch_triangle(const Mesh& mesh, uint32_t triangle) {
   };
   prefetch(mesh.triangles);
   prefetch(mesh.normal_triangles);
-  prefetch(mesh.uv_triangles);
+  if (!mesh.uv_sets.empty()) prefetch(mesh.uv_sets.front().triangles);
 }
 enum class Attributes { normals, normals_and_uvs };
 void prefetch_corners(const Mesh& mesh, uint32_t triangle, Attributes attributes);

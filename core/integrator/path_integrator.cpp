@@ -26,7 +26,7 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   v.hit = surface_on_side(*v.instance, triangle, wo);
   v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.dpdu);
   v.departure = depart(*v.instance, triangle, v.hit, v.frame.n);
-  v.material = v.instance->material(triangle.triangle).evaluate(v.hit.uv);
+  v.material = v.instance->material(triangle.triangle).evaluate({v.instance->prototype->mesh, triangle, v.hit.uv});
   return v;
 }
 

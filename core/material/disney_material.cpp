@@ -1,72 +1,110 @@
 #include "core/material/disney_material.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace alabaster {
 namespace {
 
 using P = DisneyParameters;
-using M = DisneyMaterial;
 
 constexpr std::array<MaterialParameter, 15> kParameters{{
-    {{"baseColor", &P::base_color, 0, 1}, &M::base_color_map, Texels::colors},
+    {{"baseColor", &P::base_color, 0, 1}, Texels::colors},
     {{"metallic", &P::metallic, 0, 1}},
     {{"roughness", &P::roughness, 0, 1}},
     {{"anisotropic", &P::anisotropic, 0, 1}},
     {{"specularTint", &P::specular_tint, 0, 1}},
     {{"ior", &P::ior, 1, 4}},
     {{"specular", &P::specular, 0, 1}},
-    {{"specularColor", &P::specular_color, 0, kUnbounded}},
+    {{"specularColor", &P::specular_color, 0, kUnbounded}, Texels::colors},
     {{"sheen", &P::sheen, 0, 1}},
     {{"sheenTint", &P::sheen_tint, 0, 1}},
     {{"clearcoat", &P::clearcoat, 0, 1}},
     {{"clearcoatGloss", &P::clearcoat_gloss, 0, 1}},
-    {{"scatterDistance", &P::scatter_distance, 0, kUnbounded}, &M::scatter_distance_map},
+    {{"scatterDistance", &P::scatter_distance, 0, kUnbounded}},
     {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9}},
-    {{"emission", &P::emission, 0, kUnbounded}},
+    {{"emission", &P::emission, 0, kUnbounded}, Texels::colors},
 }};
 
-constexpr bool is_textured(const MaterialParameter& parameter) {
-  return parameter.map != nullptr;
+// The value in the row's range; the default where it is not finite.
+float clamped(float value, const MaterialParameter& row, float fallback) {
+  constexpr double kLargest = std::numeric_limits<float>::max();
+  const auto low = static_cast<float>(row.minimum), high = static_cast<float>(std::min(row.maximum, kLargest));
+  return std::isfinite(value) ? std::clamp(value, low, high) : fallback;
 }
 
-// The rows with a map alone: no hit pays for the others.
-constexpr auto kTextured = [] {
-  std::array<MaterialParameter, std::count_if(kParameters.begin(), kParameters.end(), is_textured)> rows;
-  std::copy_if(kParameters.begin(), kParameters.end(), rows.begin(), is_textured);
-  return rows;
-}();
+void clamp_member(const MaterialParameter& row, DisneyParameters* p) {
+  static const DisneyParameters kDefaults;
+  if (const auto* color = std::get_if<Rgb P::*>(&row.member)) {
+    for (int i = 0; i < 3; ++i) (p->**color)[i] = clamped((p->**color)[i], row, (kDefaults.**color)[i]);
+  } else if (const auto* number = std::get_if<float P::*>(&row.member)) {
+    p->** number = clamped(p->**number, row, kDefaults.**number);
+  }
+}
 
-Rgb clamped(const Rgb& value, const MaterialParameter& parameter, const Rgb& fallback) {
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  const auto low = static_cast<float>(parameter.minimum),
-             high = static_cast<float>(std::min(parameter.maximum, kLargest));
-  Rgb c;
-  for (int i = 0; i < 3; ++i) c[i] = std::isfinite(value[i]) ? std::clamp(value[i], low, high) : fallback[i];
-  return c;
+float channel_of(const Rgb& color, Channel channel) {
+  return color[channel == Channel::g ? 1 : channel == Channel::b ? 2 : 0];
+}
+
+void multiply(const MaterialTexture& texture, const HitPrimvars& at, DisneyParameters* p) {
+  std::optional<Rgb> color;
+  std::optional<float> alpha;
+  for (const auto& [row, channel] : texture.uses) {
+    if (channel == Channel::a && !alpha) alpha = texture.lookup.alpha(at);
+    if (channel != Channel::a && !color) color = texture.lookup.color(at);
+    const auto* const member = std::get_if<Rgb P::*>(&row->member);
+    if (member && channel == Channel::rgb)
+      p->** member *= *color;
+    else if (const float factor = channel == Channel::a ? *alpha : channel_of(*color, channel); member)
+      p->** member *= factor;
+    else
+      p->*std::get<float P::*>(row->member) *= factor;
+  }
+}
+
+template <class Member>
+bool any_use(const std::vector<MaterialTexture>& textures, Member member) {
+  for (const MaterialTexture& texture : textures)
+    for (const MaterialTexture::Use& use : texture.uses)
+      if (use.parameter->member == decltype(use.parameter->member)(member)) return true;
+  return false;
 }
 
 }  // namespace
 
-DisneyParameters DisneyMaterial::evaluate(const Vec2f& uv) const {
+DisneyParameters DisneyMaterial::evaluate(const HitPrimvars& at) const {
   DisneyParameters p = constants;
-  for (const MaterialParameter& parameter : kTextured)
-    if (const Texture* map = (this->*parameter.map).get()) {
-      const auto member = std::get<Rgb P::*>(parameter.member);
-      p.*member = clamped(p.*member * map->rgb(uv), parameter, DisneyParameters().*member);
-    }
+  if (textures.empty()) return p;
+  for (const MaterialTexture& texture : textures) multiply(texture, at, &p);
+  // After all of them: the product counts, not its steps.
+  for (const MaterialTexture& texture : textures)
+    for (const MaterialTexture::Use& use : texture.uses) clamp_member(*use.parameter, &p);
   return p;
 }
 
-std::vector<const Texture*> DisneyMaterial::textures() const {
+bool DisneyMaterial::varies(Rgb DisneyParameters::*parameter) const {
+  return any_use(textures, parameter);
+}
+bool DisneyMaterial::varies(float DisneyParameters::*parameter) const {
+  return any_use(textures, parameter);
+}
+
+std::vector<const Texture*> DisneyMaterial::images() const {
   std::vector<const Texture*> all;
-  for (const MaterialParameter& parameter : kTextured)
-    if (const Texture* map = (this->*parameter.map).get()) all.push_back(map);
+  for (const MaterialTexture& texture : textures)
+    if (texture.lookup.image) all.push_back(texture.lookup.image.get());
   return all;
 }
 
 std::span<const MaterialParameter> material_parameters() {
   return kParameters;
+}
+
+const MaterialParameter* find_material_parameter(std::string_view name) {
+  const auto found =
+      std::find_if(kParameters.begin(), kParameters.end(), [&](const auto& row) { return name == row.name; });
+  return found == kParameters.end() ? nullptr : &*found;
 }
 
 }  // namespace alabaster

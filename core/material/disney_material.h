@@ -1,42 +1,57 @@
-// A material as the scene holds it: each parameter a constant or an image. The table of all its parameters.
+// A material as the scene holds it: each parameter a constant, times textures. The table of all its parameters.
 #pragma once
 
 #include <array>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/material/disney_parameters.h"
+#include "core/material/texture_lookup.h"
 #include "core/parameter/parameter.h"
-#include "core/texture/texture.h"
 
 namespace alabaster {
-
-struct DisneyMaterial {
-  std::string name;
-  DisneyParameters constants;  // within the ranges of material_parameters()
-  // Each multiplies its constant; null: none.
-  std::shared_ptr<const Texture> base_color_map;
-  std::shared_ptr<const Texture> scatter_distance_map;
-
-  /// Reads each texture once. The product is clamped to the parameter's range; where it is not finite it becomes the
-  /// parameter's default.
-  DisneyParameters evaluate(const Vec2f& uv) const;
-  std::vector<const Texture*> textures() const;
-  /// False only if no texel can scatter.
-  bool scatters() const { return constants.scatters(); }
-  bool emits() const { return !is_black(constants.emission); }
-};
 
 /// The meaning of an image's texels.
 enum class Texels { colors, numbers };
 
 /// One row for each parameter of the surface node AlabasterDisney, in the order of schemas/disney_material.json.
 struct MaterialParameter : Parameter<DisneyParameters> {
-  std::shared_ptr<const Texture> DisneyMaterial::*map = nullptr;  // null: it cannot be textured
-  Texels texels = Texels::numbers;                                // numbers are read without conversion
+  Texels texels = Texels::numbers;  // numbers are read without conversion
+  /// Colours and numbers can be textured; switches cannot.
+  constexpr bool is_textured() const { return is_color() || std::holds_alternative<float DisneyParameters::*>(member); }
 };
 std::span<const MaterialParameter> material_parameters();
+/// Null if there is none of that name.
+const MaterialParameter* find_material_parameter(std::string_view name);
+
+/// A texture, and the parameters that it multiplies.
+struct MaterialTexture {
+  struct Use {
+    const MaterialParameter* parameter;  // of material_parameters()
+    Channel channel = Channel::rgb;      // rgb: of a colour alone
+  };
+  TextureLookup lookup;
+  std::vector<Use> uses;
+};
+
+struct DisneyMaterial {
+  std::string name;
+  DisneyParameters constants;  // within the ranges of material_parameters()
+  std::vector<MaterialTexture> textures;
+
+  /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
+  /// parameter's default.
+  DisneyParameters evaluate(const HitPrimvars& at) const;
+  /// True if a texture multiplies the parameter.
+  bool varies(Rgb DisneyParameters::*parameter) const;
+  bool varies(float DisneyParameters::*parameter) const;
+  std::vector<const Texture*> images() const;
+  /// False only if no texel can scatter.
+  bool scatters() const { return constants.scatters(); }
+  bool emits() const { return !is_black(constants.emission); }
+};
 
 }  // namespace alabaster

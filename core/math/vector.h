@@ -17,6 +17,7 @@ using Vec2i = Imath::V2i;
 using Vec3f = Imath::V3f;
 using Vec3d = Imath::V3d;
 using Vec3i = Imath::V3i;
+using Vec4f = Imath::V4f;
 using Matrix4d = Imath::M44d;
 
 inline constexpr double kPiDouble = std::numbers::pi;

@@ -117,12 +117,14 @@ class BodyPlanner {
   // A texture may be white anywhere.
   static void extend(const DisneyMaterial& material, MeanFreePaths* paths) {
     const DisneyParameters& p = material.constants;
-    const Rgb albedo = material.base_color_map ? Rgb(1.0f) : p.base_color;
+    const Rgb albedo = material.varies(&DisneyParameters::base_color) ? Rgb(1.0f) : p.base_color;
     paths->extend(make_medium(albedo, p.scatter_distance, AlbedoInversion::exact, p.scatter_anisotropy));
   }
 
   std::shared_ptr<const MaterialMedia> media_of(const DisneyMaterial& material) {
-    if (material.base_color_map || material.scatter_distance_map) return nullptr;
+    if (material.varies(&DisneyParameters::base_color) || material.varies(&DisneyParameters::scatter_distance) ||
+        material.varies(&DisneyParameters::scatter_anisotropy))
+      return nullptr;
     auto& media = media_[&material];
     const DisneyParameters& p = material.constants;
     if (!media) media = std::make_shared<MaterialMedia>(p.base_color, p.scatter_distance, p.scatter_anisotropy);

@@ -139,14 +139,14 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
     snapshot->memory_bytes += p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes();
     snapshot->features.smooth_normals |= !p->mesh.normals.empty();
   }
-  for (const auto& m : snapshot->materials) snapshot->features.textures |= !m->textures().empty();
+  for (const auto& m : snapshot->materials) snapshot->features.textures |= !m->textures.empty();
 }
 
 // Materials and lights may share textures: each counts once.
 size_t texture_bytes(const SceneSnapshot& snapshot) {
   std::set<const Texture*> textures;
   for (const auto& m : snapshot.materials)
-    for (const Texture* texture : m->textures()) textures.insert(texture);
+    for (const Texture* texture : m->images()) textures.insert(texture);
   for (const Light& light : snapshot.lights.lights())
     if (const auto* dome = std::get_if<DomeLight>(&light)) textures.insert(dome->texture());
   textures.erase(nullptr);

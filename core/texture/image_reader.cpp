@@ -55,6 +55,10 @@ ImageLayout layout_of(const OIIO::ImageSpec& spec) {
     layout.rgb = {size_t(r), size_t(g), size_t(b)};
   else if (spec.nchannels >= 3)
     layout.rgb = {0, 1, 2};
+  if (const int a = spec.channelindex("A"); a >= 0)
+    layout.alpha = size_t(a);
+  else if (spec.alpha_channel >= 0)
+    layout.alpha = size_t(spec.alpha_channel);
   const OIIO::TypeDesc format = spec.format;
   layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
   return layout;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/texture/texture.h"
@@ -17,6 +18,7 @@ struct ImageLayout {
   size_t channels = 0;          // floats per pixel that read_rows gives
   std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
                                 // wherever the format lets us choose
+  std::optional<size_t> alpha;  // which of them, if any, is alpha
   bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
 };
 

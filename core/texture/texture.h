@@ -13,6 +13,7 @@
 namespace alabaster {
 
 enum class Wrap { repeat, mirror, clamp, black };
+enum class TextureFilter { linear, nearest };
 
 /// Where an image comes from: a file, or encoded bytes held in memory (an image embedded in a scene file).
 struct TextureSource {
@@ -20,15 +21,18 @@ struct TextureSource {
   std::shared_ptr<const std::vector<uint8_t>> bytes;  // encoded file contents; null: read `path`
   std::string color_space = "auto";                   // see ColorConfig::to_rendering_space
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
+  TextureFilter filter = TextureFilter::linear;
   bool operator==(const TextureSource&) const = default;
 };
 
-/// An immutable decoded image, without its alpha. uv: u to the right, v UP (v = 0 is the bottom row). Bilinear, texel
-/// centres at half integers.
+/// An immutable decoded image. uv: u to the right, v UP (v = 0 is the bottom row). Texel centres at half integers,
+/// bilinear unless its source asks for the nearest texel. The colour is not multiplied by alpha.
 class Texture {
  public:
   virtual ~Texture() = default;
   virtual Rgb rgb(const Vec2f& uv) const = 0;
+  /// 1 for an image without alpha, 0 beyond a black border.
+  virtual float alpha(const Vec2f&) const { return 1; }
   virtual int width() const = 0;
   virtual int height() const = 0;
   virtual size_t memory_bytes() const = 0;

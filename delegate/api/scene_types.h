@@ -35,7 +35,7 @@ inline constexpr DirtyBits kAll = ~0u;
 // Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 
-struct PrimvarDescriptor {  // read of meshes: points, normals, st, subsurfaceSet (delegate/README.md)
+struct PrimvarDescriptor {  // those that meshes are asked for: delegate/README.md
   Token name;
   Interpolation interpolation = Interpolation::vertex;
   Token role;  // none | color | vector | normal | point | textureCoordinate
@@ -92,11 +92,15 @@ struct MaterialNode {
   bool operator==(const MaterialNode&) const = default;
 };
 /// HdMaterialNetwork2's shape. Terminal "surface" names the surface node.
-/// Node types: AlabasterDisney (parameters: schemas/disney_material.json) and AlabasterTexture (parameters: file
-/// AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, st Token; output rgb).
-/// baseColor and scatterDistance can be connected to a texture: the parameter's constant (1 if it is not given) times
-/// the texture's rgb. sourceColorSpace "auto" is sRGB or linear by the image's type for baseColor, raw for
-/// scatterDistance, whose texels are numbers.
+/// Node types:
+/// - AlabasterDisney: parameters of schemas/disney_material.json. Every number and colour can be connected. An input's
+///   value is its constant (1 if it is not given) times all that is connected to it, clamped to its range.
+/// - AlabasterTexture: file AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, filter
+///   Token linear|nearest; st Token, the primvar that it is looked up by; stOffset Vec2f, stRotation float (radians),
+///   stScale Vec2f place it as KHR_texture_transform does; scale, bias Vec4f: value = texel * scale + bias. Outputs
+///   rgb, r, g, b, a. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
+///   (scatterDistance among them).
+/// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;
   std::map<Token, MaterialConnection> terminals;

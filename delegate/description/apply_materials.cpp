@@ -1,3 +1,4 @@
+#include "core/material/disney_material.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/name_match.h"
 
@@ -39,12 +40,16 @@ bool set_texture(const Reader& reader, const std::string& pointer, const json& t
   const Token wrap(texture.value("wrap", std::string("repeat")));
   node.parameters["wrapS"] = wrap;
   node.parameters["wrapT"] = wrap;
-  node.parameters["st"] = Token("st");
+  node.parameters["st"] = Token(texture.value("st", std::string("st")));
   network->nodes[path] = std::move(node);
   MaterialNode& disney = network->nodes[surface];
   // The constant multiplies the texture.
-  disney.parameters[parameter] = texture.contains("scale") ? to_value(texture["scale"]) : Value(Vec3f(1, 1, 1));
-  disney.inputConnections[parameter] = {{path, "rgb"}};
+  const MaterialParameter* const row = find_material_parameter(parameter);
+  const bool color = row && row->is_color();
+  disney.parameters[parameter] = texture.contains("scale") ? material_value(texture["scale"])
+                                 : color                   ? Value(Vec3f(1, 1, 1))
+                                                           : Value(1.0f);
+  disney.inputConnections[parameter] = {{path, color ? "rgb" : Token(texture.value("channel", std::string("r")))}};
   return true;
 }
 

@@ -81,11 +81,6 @@ TextureUse use_of(const tinygltf::TextureInfo& info) {
   return {info.index, info.texCoord, transform == info.extensions.end() ? nullptr : &transform->second};
 }
 
-bool same_coordinates(const TextureUse& a, const TextureUse& b) {
-  const bool same_transform = a.transform && b.transform ? *a.transform == *b.transform : a.transform == b.transform;
-  return a.coordinates == b.coordinates && same_transform;
-}
-
 class MaterialTranslator {
  public:
   MaterialTranslator(const Document& document, size_t index, const Path& id, Report& report)
@@ -137,10 +132,6 @@ class MaterialTranslator {
   void set_textures() {
     connect_texture("baseColor", uses_.base_color, "sRGB");
     connect_texture("scatterDistance", uses_.scatter_distance, "raw");
-    if (uses_.base_color.index >= 0 && uses_.scatter_distance.index >= 0 &&
-        !same_coordinates(uses_.base_color, uses_.scatter_distance))
-      report_.warning("material.texture", element_ + ".extensions.ALAB_materials_disney.scatterDistanceTexture",
-                      "is looked up at the base colour's texture coordinates; give both the same");
   }
 
   void connect_texture(const char* input, const TextureUse& use, const char* color_space) {
@@ -160,7 +151,27 @@ class MaterialTranslator {
     node.parameters["sourceColorSpace"] = Token(color_space);
     node.parameters["wrapS"] = wrap_token(wrap_s);
     node.parameters["wrapT"] = wrap_token(wrap_t);
+    place_texture(use, &node);
     surface_.inputConnections[input] = {{id_.append(input), "rgb"}};
+  }
+
+  static void place_texture(const TextureUse& use, MaterialNode* node) {
+    int set = use.coordinates;
+    if (use.transform) {
+      const tinygltf::Value& transform = *use.transform;
+      if (transform.Has("texCoord")) set = transform.Get("texCoord").GetNumberAsInt();
+      node->parameters["stOffset"] = pair_or(transform, "offset", Vec2f(0, 0));
+      node->parameters["stScale"] = pair_or(transform, "scale", Vec2f(1, 1));
+      node->parameters["stRotation"] =
+          float(transform.Has("rotation") ? transform.Get("rotation").GetNumberAsDouble() : 0.0);
+    }
+    node->parameters["st"] = Token(uv_set_name(set));
+  }
+
+  static Vec2f pair_or(const tinygltf::Value& value, const char* name, const Vec2f& fallback) {
+    if (!value.Has(name)) return fallback;
+    const tinygltf::Value& pair = value.Get(name);
+    return {float(pair.Get(0).GetNumberAsDouble()), float(pair.Get(1).GetNumberAsDouble())};
   }
 
   void set_dielectric() {
@@ -255,7 +266,8 @@ class MaterialTranslator {
       const std::string place = element_ + ".extensions.ALAB_materials_disney." + key;
       const bool texture = is_texture(key);
       const MaterialParameter* parameter = find_disney_parameter(texture ? key.substr(0, key.size() - 7) : key);
-      if (texture && parameter && parameter->map) continue;  // set_textures()
+      if (texture && parameter && (key == "baseColorTexture" || key == "scatterDistanceTexture"))
+        continue;  // set_textures()
       if (texture || !parameter) {
         report_.error("material.disney", place, "is not a parameter" + suggestion(key));
       } else if (parameter->is_color() ? !is_color(value) : !value.IsNumber()) {

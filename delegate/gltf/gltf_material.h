@@ -22,6 +22,11 @@ namespace alabaster::hd::gltf {
 ///   and scatterDistanceTexture (numbers, no conversion) multiply their parameters, which are 1 by default.
 MaterialNetwork translate_material(const Document& document, size_t index, const Path& id, Report& report);
 
+/// The primvar that holds TEXCOORD_n: "st", "st1", "st2" and so on.
+inline std::string uv_set_name(int n) {
+  return n == 0 ? "st" : "st" + std::to_string(n);
+}
+
 /// A texture that is used, and its texture coordinates.
 struct TextureUse {
   int index = -1;  // in `textures`; -1: none
@@ -30,8 +35,6 @@ struct TextureUse {
 };
 struct TextureUses {
   TextureUse base_color, scatter_distance;
-  /// A mesh has one set of coordinates: the base colour's if it has a texture.
-  const TextureUse& of_coordinates() const { return base_color.index >= 0 ? base_color : scatter_distance; }
 };
 TextureUses textures_of(const tinygltf::Material& material);
 

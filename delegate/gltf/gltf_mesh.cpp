@@ -34,47 +34,6 @@ Value to_array(const VertexAttribute& attribute) {
   }
 }
 
-// KHR_texture_transform: uv' = translation * rotation * scale * uv, in glTF's coordinates (v down).
-struct TextureTransform {
-  double offset[2] = {0, 0}, scale[2] = {1, 1}, rotation = 0;
-  Vec2f apply(const Vec2f& uv) const {
-    const double x = double(uv.x) * scale[0], y = double(uv.y) * scale[1];
-    const double c = std::cos(rotation), s = std::sin(rotation);
-    return {float(c * x + s * y + offset[0]), float(-s * x + c * y + offset[1])};
-  }
-};
-
-double number_at(const tinygltf::Value& value, const char* name, int index, double fallback) {
-  if (!value.Has(name)) return fallback;
-  const tinygltf::Value& found = value.Get(name);
-  return found.IsArray() ? found.Get(index).GetNumberAsDouble() : found.GetNumberAsDouble();
-}
-
-VertexAttribute read_st(const Document& document, const tinygltf::Primitive& primitive) {
-  int set = 0;
-  TextureTransform transform;
-  if (primitive.material >= 0) {
-    const TextureUses textures = textures_of(document.model.materials[size_t(primitive.material)]);
-    const TextureUse& use = textures.of_coordinates();
-    set = use.coordinates;
-    if (use.transform) {
-      set = int(number_at(*use.transform, "texCoord", 0, set));
-      for (int i = 0; i < 2; ++i) {
-        transform.offset[i] = number_at(*use.transform, "offset", i, 0);
-        transform.scale[i] = number_at(*use.transform, "scale", i, 1);
-      }
-      transform.rotation = number_at(*use.transform, "rotation", 0, 0);
-    }
-  }
-  VertexAttribute st = read_attribute(document, primitive, "TEXCOORD_" + std::to_string(set), {});
-  for (size_t i = 0; i < st.values.size(); i += 2) {
-    const Vec2f uv = transform.apply({st.values[i], st.values[i + 1]});
-    st.values[i] = uv.x;
-    st.values[i + 1] = 1 - uv.y;
-  }
-  return st;
-}
-
 struct Primvar {
   std::string name, role;
   VertexAttribute attribute;
@@ -84,13 +43,10 @@ struct Primvar {
 std::vector<Primvar> read_primvars(const Document& document, const tinygltf::Primitive& primitive,
                                    const std::vector<double>& weights) {
   std::vector<Primvar> primvars;
-  if (VertexAttribute st = read_st(document, primitive); !st.values.empty())
-    primvars.push_back({"st", "textureCoordinate", std::move(st)});
-  for (int set = 1; primitive.attributes.count("TEXCOORD_" + std::to_string(set)); ++set) {
-    const std::string number = std::to_string(set);
-    VertexAttribute st = read_attribute(document, primitive, "TEXCOORD_" + number, weights);
+  for (int set = 0; primitive.attributes.count("TEXCOORD_" + std::to_string(set)); ++set) {
+    VertexAttribute st = read_attribute(document, primitive, "TEXCOORD_" + std::to_string(set), weights);
     for (size_t i = 1; i < st.values.size(); i += 2) st.values[i] = 1 - st.values[i];
-    primvars.push_back({"st" + number, "textureCoordinate", std::move(st)});
+    primvars.push_back({uv_set_name(set), "textureCoordinate", std::move(st)});
   }
   const VertexAttribute colors = read_attribute(document, primitive, "COLOR_0", weights);
   VertexAttribute rgb{{}, 3}, opacity{{}, 1};

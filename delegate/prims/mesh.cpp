@@ -64,8 +64,17 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster:
   }
   if (bits & kPrimvarBits) {
     const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
-    update(&pulled_.normals, pull_primvar(scene, GetId(), "normals", descriptors), &shape_changed_);
-    update(&pulled_.st, pull_primvar(scene, GetId(), "st", descriptors), &shape_changed_);
+    const std::pair<const char*, PulledPrimvar*> named[] = {{"normals", &pulled_.normals},
+                                                            {"tangents", &pulled_.tangents},
+                                                            {"displayColor", &pulled_.display_color},
+                                                            {"displayOpacity", &pulled_.display_opacity}};
+    for (const auto& [name, held] : named)
+      update(held, pull_primvar(scene, GetId(), name, descriptors), &shape_changed_);
+    std::map<Token, PulledPrimvar> uvs;
+    for (const PrimvarDescriptor& descriptor : descriptors)
+      if (descriptor.role == Token("textureCoordinate") || descriptor.name == Token("st"))
+        uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
+    update(&pulled_.uvs, std::move(uvs), &shape_changed_);
     record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
   }
 }

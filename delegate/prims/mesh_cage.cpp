@@ -97,6 +97,12 @@ alabaster::Primvar<T> primvar(const PulledPrimvar& pulled, const char* name, con
   return out;
 }
 
+alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors) {
+  alabaster::Primvar<Rgb> colors{vectors.interpolation, {}, std::move(vectors.indices)};
+  for (const Vec3f& v : vectors.values) colors.values.emplace_back(v.x, v.y, v.z);
+  return colors;
+}
+
 // Where subsets overlap, the later one wins.
 std::vector<int> face_materials(const MeshTopology& topology, const Reporter& reporter) {
   std::vector<int> slots;
@@ -133,7 +139,11 @@ Cage make_cage(const PulledMesh& mesh, const std::string& where, const alabaster
   else if (!mesh.points.value.empty())
     reporter.warn("mesh.points.type", "points must be an array of three floats each; nothing is drawn");
   cage.normals = primvar<Vec3f>(mesh.normals, "normals", reporter);
-  cage.uv = primvar<Vec2f>(mesh.st, "st", reporter);
+  cage.tangents = primvar<Vec4f>(mesh.tangents, "tangents", reporter);
+  for (const auto& [name, pulled] : mesh.uvs)
+    cage.uvs.push_back({primvar<Vec2f>(pulled, name.str().c_str(), reporter), name.str()});
+  cage.colors = to_colors(primvar<Vec3f>(mesh.display_color, "displayColor", reporter));
+  cage.opacities = primvar<float>(mesh.display_opacity, "displayOpacity", reporter);
   return cage;
 }
 

@@ -1,6 +1,8 @@
 // A mesh in the contract's words -> a cage in core's.
 #pragma once
 
+#include <map>
+
 #include "core/geometry/cage.h"
 #include "delegate/api/scene_types.h"
 
@@ -19,7 +21,8 @@ struct PulledMesh {
   MeshTopology topology;
   SubdivTags tags;
   DisplayStyle style;
-  PulledPrimvar points, normals, st;
+  PulledPrimvar points, normals, tangents, display_color, display_opacity;
+  std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
 };
 
 /// The cage as it was given, faults included (sanitize_cage mends them). Unknown words, primvars of another type or

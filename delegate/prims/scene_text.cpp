@@ -24,11 +24,17 @@ std::string texture_text(const std::shared_ptr<const Texture>& texture) {
   return texture ? std::to_string(texture->width()) + "x" + std::to_string(texture->height()) : std::string("none");
 }
 
+std::string lookup_text(const TextureLookup& lookup, Channel channel) {
+  constexpr const char* kChannels[] = {"rgb", "r", "g", "b", "a"};
+  const std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set : "displayColor";
+  return source + " " + kChannels[static_cast<size_t>(channel)];
+}
+
 std::string material_text(const DisneyMaterial& material) {
   std::string text = parameter_lines(material_parameters(), material.constants);
-  for (const MaterialParameter& parameter : material_parameters())
-    if (parameter.map)
-      text += std::string("  ") + parameter.name + " texture " + texture_text(material.*parameter.map) + "\n";
+  for (const MaterialTexture& texture : material.textures)
+    for (const MaterialTexture::Use& use : texture.uses)
+      text += std::string("  ") + use.parameter->name + " texture " + lookup_text(texture.lookup, use.channel) + "\n";
   return text;
 }
 
@@ -42,7 +48,7 @@ std::string instance_text(const InstanceDescription& instance, const Path* mater
                      std::to_string(instance.instance_id) + "\n" + matrix_line(instance.object_to_world);
   text += "  mesh points " + std::to_string(mesh.points.size()) + " triangles " +
           std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
-          yes_no(!mesh.uvs.empty()) + " closed " + yes_no(mesh.closed) + "\n";
+          yes_no(!mesh.uv_sets.empty()) + " closed " + yes_no(mesh.closed) + "\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   for (size_t i = 0; i < instance.materials.size(); ++i)
     text += "  material " + std::to_string(i) + " " + (materials[i].empty() ? "default" : materials[i].str()) + "\n";
@@ -109,7 +115,7 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   line("emissive meshes", snapshot.features.emissive_meshes,
        first_material(translation, [](const DisneyMaterial& m) { return m.emits(); }));
   line("textures", snapshot.features.textures,
-       first_material(translation, [](const DisneyMaterial& m) { return !m.textures().empty(); }));
+       first_material(translation, [](const DisneyMaterial& m) { return !m.textures.empty(); }));
   std::string smooth;
   for (const auto& instance : translation.scene.instances)
     if (smooth.empty() && !instance.prototype->mesh.normals.empty()) smooth = instance.name;

@@ -6,6 +6,7 @@
 #include "core/material/disney_bsdf.h"
 #include "core/subsurface/medium.h"
 #include "testenv/support/half_space.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/scene_builder.h"
 #include "testenv/support/z_test.h"
 
@@ -264,7 +265,8 @@ class HalvesTexture : public Texture {
 RenderRequest body_request(const std::shared_ptr<const DisneyMaterial>& material) {
   SceneBuilder b;
   Mesh mesh = testing::sphere_mesh(1, 32, true);
-  for (const Vec3f& p : mesh.points) mesh.uvs.emplace_back(0.5f + 0.5f * p.x, 0.5f + 0.5f * p.y);
+  mesh.uv_sets.push_back({{}, "st"});
+  for (const Vec3f& p : mesh.points) mesh.uv_sets[0].values.emplace_back(0.5f + 0.5f * p.x, 0.5f + 0.5f * p.y);
   LightDescription key;
   key.type = LightType::sphere;
   key.radius = 0.25f;
@@ -285,8 +287,8 @@ std::vector<float> textured_body(const Rgb& left, const Rgb& right, bool color_m
   auto material = std::make_shared<DisneyMaterial>();
   material->constants.base_color = color_map ? Rgb(1.0f) : Rgb(0.9f, 0.6f, 0.4f);
   material->constants.scatter_distance = color_map ? Rgb(0.3f, 0.2f, 0.1f) : Rgb(1.0f);
-  (color_map ? material->base_color_map : material->scatter_distance_map) =
-      std::make_shared<HalvesTexture>(left, right);
+  testing::connect(color_map ? "baseColor" : "scatterDistance", std::make_shared<HalvesTexture>(left, right),
+                   material.get());
   return testing::render(body_request(material))->resolve_float(Aov::color);
 }
 

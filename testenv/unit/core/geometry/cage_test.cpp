@@ -48,7 +48,8 @@ TEST_P(BadCage, IsReportedAndMadeSafe) {
       EXPECT_EQ(mesh.triangles.empty(), GetParam().faces_left == 0);
       for (const auto& t : mesh.triangles)
         for (uint32_t i : t) EXPECT_TRUE(is_finite(mesh.points.at(i)));
-      for (const Vec2f& uv : mesh.uvs) EXPECT_TRUE(is_finite(Vec3f(uv.x, uv.y, 0)));
+      for (const UvSet& set : mesh.uv_sets)
+        for (const Vec2f& uv : set.values) EXPECT_TRUE(is_finite(Vec3f(uv.x, uv.y, 0)));
     }
     // Safe values are unchanged.
     RecordingSink again;
@@ -88,8 +89,8 @@ void polygon(Cage& cage, int n) {
   for (int i = 0; i < n; ++i) cage.face_vertex_indices.push_back(1 + i);
 }
 
-Primvar<Vec2f> uvs(Interpolation interpolation, size_t n) {
-  return {interpolation, std::vector<Vec2f>(n, Vec2f(0.5f, 0.25f)), {}};
+std::vector<UvPrimvar> uvs(Interpolation interpolation, size_t n) {
+  return {{{interpolation, std::vector<Vec2f>(n, Vec2f(0.5f, 0.25f)), {}}, "st"}};
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -161,24 +162,24 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"corner_nan", [](Cage& c) { c.corner_indices = {0}, c.corner_sharpnesses = {kNaN}; },
                  "mesh.corners.sharpness", 6},
         BadInput{"corner_no_sharpness", [](Cage& c) { c.corner_indices = {0}; }, "mesh.corners.size", 6},
-        BadInput{"uv_short", [](Cage& c) { c.uv = uvs(Interpolation::face_varying, 23); }, "mesh.uv.size", 6},
-        BadInput{"uv_vertex_short", [](Cage& c) { c.uv = uvs(Interpolation::vertex, 7); }, "mesh.uv.size", 6},
+        BadInput{"uv_short", [](Cage& c) { c.uvs = uvs(Interpolation::face_varying, 23); }, "mesh.uv.size", 6},
+        BadInput{"uv_vertex_short", [](Cage& c) { c.uvs = uvs(Interpolation::vertex, 7); }, "mesh.uv.size", 6},
         BadInput{"uv_index_beyond",
                  [](Cage& c) {
-                   c.uv = uvs(Interpolation::face_varying, 4);
-                   c.uv.indices.assign(24, 4);
+                   c.uvs = uvs(Interpolation::face_varying, 4);
+                   c.uvs[0].indices.assign(24, 4);
                  },
                  "mesh.uv.index", 6},
         BadInput{"uv_index_negative",
                  [](Cage& c) {
-                   c.uv = uvs(Interpolation::face_varying, 4);
-                   c.uv.indices.assign(24, -1);
+                   c.uvs = uvs(Interpolation::face_varying, 4);
+                   c.uvs[0].indices.assign(24, -1);
                  },
                  "mesh.uv.index", 6},
         BadInput{"uv_nan",
                  [](Cage& c) {
-                   c.uv = uvs(Interpolation::vertex, 8);
-                   c.uv.values[3].y = kNaN;
+                   c.uvs = uvs(Interpolation::vertex, 8);
+                   c.uvs[0].values[3].y = kNaN;
                  },
                  "mesh.uv.nonfinite", 6},
         BadInput{"normals_short", [](Cage& c) { c.normals.values.assign(3, Vec3f(0, 0, 1)); }, "mesh.normals.size", 6},
@@ -206,14 +207,15 @@ TEST(SanitizeCage, WhatIsCountedByFaceFollowsTheFacesThatStay) {
   Cage cage = cube_cage();
   cage.face_material = {0, 1, 2, 3, 4, 5};
   cage.hole_indices = {4, 1, 4};
-  cage.uv.interpolation = Interpolation::face_varying;
-  for (int i = 0; i < 24; ++i) cage.uv.values.emplace_back(static_cast<float>(i), 0.0f);
+  cage.uvs.resize(1);
+  cage.uvs[0].interpolation = Interpolation::face_varying;
+  for (int i = 0; i < 24; ++i) cage.uvs[0].values.emplace_back(static_cast<float>(i), 0.0f);
   cage.face_vertex_indices[0] = -1;
   EXPECT_TRUE(sanitize_cage(cage, "", {}));
   EXPECT_EQ(cage.face_material, (std::vector<int>{1, 2, 3, 4, 5}));
   EXPECT_EQ(cage.hole_indices, (std::vector<int>{0, 3}));
-  ASSERT_EQ(cage.uv.values.size(), 20u);
-  EXPECT_EQ(cage.uv.values[0].x, 4.0f);
+  ASSERT_EQ(cage.uvs[0].values.size(), 20u);
+  EXPECT_EQ(cage.uvs[0].values[0].x, 4.0f);
 }
 
 TEST(SanitizeCage, HolesAloneLeaveNothingToDraw) {

@@ -88,13 +88,13 @@ TEST(Mesh, AuthoredAttributesAreFoundThroughTheirIndices) {
   Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
   cage.normals = {Interpolation::face_varying, {{0, 0, 1}, {0, 1, 0}}, std::vector<int>(24, 1)};
   cage.normals.indices[2] = 0;
-  cage.uv = {Interpolation::vertex, {}, {}};
-  for (int i = 0; i < 8; ++i) cage.uv.values.emplace_back(static_cast<float>(i), 0.0f);
+  cage.uvs.resize(1);
+  for (int i = 0; i < 8; ++i) cage.uvs[0].values.emplace_back(static_cast<float>(i), 0.0f);
   cage.face_material = {0, 3, 0, 0, 0, 0};
   const Mesh mesh = build_mesh(cage, {}, {});
   EXPECT_EQ(mesh.normal_triangles[0], (std::array<uint32_t, 3>{1, 1, 0}));
   EXPECT_EQ(mesh.normals[0], Vec3f(0, 0, 1));
-  EXPECT_TRUE(mesh.uv_triangles.empty());
+  EXPECT_TRUE(mesh.uv_sets[0].triangles.empty());
   EXPECT_EQ(mesh.triangle_material[2], 3);
   EXPECT_EQ(mesh.triangle_material[4], 0);
 }

@@ -272,10 +272,10 @@ TEST(Subdivision, LeftHandedCagesAreTurnedOver) {
       EXPECT_GT(dot(cross(p1 - p0, p2 - p0), p0 + p1 + p2), 0);
       for (uint32_t i : c) EXPECT_GT(dot(mesh.normals[i], mesh.points[i]), 0);
       if (level > 0) continue;
-      const auto& uv = mesh.uv_triangles[t];
+      const auto& uv = mesh.uv_sets[0].triangles[t];
       for (size_t i = 0; i < 3; ++i) {
         const Vec3f& p = mesh.points[c[i]];
-        EXPECT_EQ(mesh.uvs[uv[i]], Vec2f(p.x + 2 * p.z, p.y));
+        EXPECT_EQ(mesh.uv_sets[0].values[uv[i]], Vec2f(p.x + 2 * p.z, p.y));
       }
     }
   }
@@ -284,11 +284,12 @@ TEST(Subdivision, LeftHandedCagesAreTurnedOver) {
 // Two halves of a 2 x 1 grid as uv islands (a seam along x = 1), and the same without a seam.
 Cage seam_cage(bool seam) {
   Cage cage = test::grid_cage(2, SubdivisionScheme::catmull_clark);
-  cage.uv.interpolation = Interpolation::face_varying;
+  cage.uvs.resize(1);
+  cage.uvs[0].interpolation = Interpolation::face_varying;
   for (size_t corner = 0; corner < 16; ++corner) {
     const Vec3f& p = cage.points[static_cast<size_t>(cage.face_vertex_indices[corner])];
     const bool right = (corner / 4) % 2 == 1;
-    cage.uv.values.emplace_back(p.x * p.x + (seam && right ? 100.0f : 0.0f), p.y * p.y);
+    cage.uvs[0].values.emplace_back(p.x * p.x + (seam && right ? 100.0f : 0.0f), p.y * p.y);
   }
   return cage;
 }
@@ -301,7 +302,7 @@ TEST(Subdivision, FaceVaryingRuleActsAtSeams) {
       Cage cage = seam_cage(seam);
       cage.face_varying_rule = rule;
       const Mesh mesh = refine(cage, 2);
-      ASSERT_EQ(mesh.uv_triangles.size(), mesh.triangles.size());
+      ASSERT_EQ(mesh.uv_sets[0].triangles.size(), mesh.triangles.size());
       const bool corners_kept = rule != FaceVaryingRule::none;
       // The middle of the grid: smooth unless the rule is linear or the seam sharpens it. u = x^2 there:
       // limit weights 1/6, 4/6, 1/6 of 0, 1, 4.
@@ -310,7 +311,7 @@ TEST(Subdivision, FaceVaryingRuleActsAtSeams) {
       for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (size_t i = 0; i < 3; ++i) {
           const Vec3f& p = mesh.points[mesh.triangles[t][i]];
-          Vec2f uv = mesh.uvs[mesh.uv_triangles[t][i]];
+          Vec2f uv = mesh.uv_sets[0].values[mesh.uv_sets[0].triangles[t][i]];
           const bool right = mesh.triangle_face[t] % 2 == 1;
           if (seam && right) uv.x -= 100;
           if (p == Vec3f(0, 0, 0) && corners_kept) {
@@ -328,13 +329,14 @@ TEST(Subdivision, FaceVaryingRuleActsAtSeams) {
 
 TEST(Subdivision, VertexUvsFollowTheSurface) {
   Cage cage = skewed(test::cube_cage(SubdivisionScheme::catmull_clark));
-  for (const Vec3f& p : cage.points) cage.uv.values.emplace_back(p.z, 2 * p.x - p.y);
+  cage.uvs.resize(1);
+  for (const Vec3f& p : cage.points) cage.uvs[0].values.emplace_back(p.z, 2 * p.x - p.y);
   const Mesh mesh = refine(cage, 2);
-  EXPECT_TRUE(mesh.uv_triangles.empty());
+  EXPECT_TRUE(mesh.uv_sets[0].triangles.empty());
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     const Vec3f& p = mesh.points[i];  // an affine function of position is carried along exactly
-    EXPECT_NEAR(mesh.uvs[i].x, p.z, 1e-6f);
-    EXPECT_NEAR(mesh.uvs[i].y, 2 * p.x - p.y, 2e-6f);
+    EXPECT_NEAR(mesh.uv_sets[0].values[i].x, p.z, 1e-6f);
+    EXPECT_NEAR(mesh.uv_sets[0].values[i].y, 2 * p.x - p.y, 2e-6f);
   }
 }
 
@@ -380,8 +382,8 @@ TEST(Subdivision, AnyNumberOfThreadsGivesTheSameBytes) {
   cage.crease_indices = {30, 31, 31, 32, 32, 57};
   cage.crease_lengths = {2, 2, 2};
   cage.crease_sharpnesses = {1.5f, 10, 3};
-  cage.uv = seam_cage(false).uv;
-  cage.uv.values.assign(24 * 24 * 4, Vec2f(0.25f, 0.5f));
+  cage.uvs = seam_cage(false).uvs;
+  cage.uvs[0].values.assign(24 * 24 * 4, Vec2f(0.25f, 0.5f));
   std::vector<Mesh> meshes;
   for (size_t threads : {1u, 2u, 4u}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -390,7 +392,7 @@ TEST(Subdivision, AnyNumberOfThreadsGivesTheSameBytes) {
   for (const Mesh& mesh : meshes) {
     EXPECT_TRUE(same_bytes(mesh.points, meshes[0].points));
     EXPECT_TRUE(same_bytes(mesh.normals, meshes[0].normals));
-    EXPECT_TRUE(same_bytes(mesh.uvs, meshes[0].uvs));
+    EXPECT_TRUE(same_bytes(mesh.uv_sets[0].values, meshes[0].uv_sets[0].values));
     EXPECT_TRUE(same_bytes(mesh.triangles, meshes[0].triangles));
     EXPECT_TRUE(same_bytes(mesh.normal_triangles, meshes[0].normal_triangles));
   }

@@ -180,7 +180,8 @@ TEST(SurfaceHit, PowersOfTwoScaleEverythingExactly) {
   Mesh mesh = sphere(1);
   for (size_t i = 0; i < mesh.points.size(); ++i) {
     mesh.normals.push_back(normalize(mesh.points[i] + random_direction(random) * 0.3f));
-    mesh.uvs.emplace_back(uniform(random), uniform(random));
+    mesh.uv_sets.resize(1);
+    mesh.uv_sets[0].values.emplace_back(uniform(random), uniform(random));
   }
   mesh = moved(mesh, {0.3f, 7.7f, -2.1f}, 1);
   for (const Matrix4d& matrix : placements())
@@ -246,8 +247,9 @@ TriangleHit hit_at(float u, float v) {
 
 TEST(SurfaceHit, AttributesComeFromTheirOwnCorners) {
   Mesh mesh = triangle();
-  mesh.uvs = {{9, 9}, {0, 0}, {0, 1}, {-1, 0}};  // u grows along -y, v along x
-  mesh.uv_triangles = {{1, 2, 3}};
+  mesh.uv_sets.resize(1);
+  mesh.uv_sets[0].values = {{9, 9}, {0, 0}, {0, 1}, {-1, 0}};  // u grows along -y, v along x
+  mesh.uv_sets[0].triangles = {{1, 2, 3}};
   mesh.normals = {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}};
   mesh.normal_triangles = {{0, 1, 2}};
   mesh.triangle_face = {17};
@@ -287,7 +289,8 @@ TEST(SurfaceHit, ShadingNormalsStayOnTheOutwardSide) {
 
 TEST(SurfaceHit, DegenerateInputStaysFinite) {
   Mesh mesh = triangle();
-  mesh.uvs.assign(3, Vec2f(0.5f, 0.5f));  // no direction of u
+  mesh.uv_sets.resize(1);
+  mesh.uv_sets[0].values.assign(3, Vec2f(0.5f, 0.5f));  // no direction of u
   SurfaceHit s = surface_hit(mesh, hit_at(0.2f, 0.3f), {}, {});
   EXPECT_NEAR(length(s.dpdu), 1, 1e-6f);
   EXPECT_NEAR(dot(s.dpdu, s.ns), 0, 1e-6f);

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "testenv/support/material_testing.h"
 #include "testenv/support/memory_texture.h"
 
 namespace alabaster {
@@ -23,18 +24,68 @@ class CountingTexture : public Texture {
   mutable int reads = 0;
 };
 
-TEST(DisneyMaterial, ReadsItsMapOnceAndMultiplies) {
-  const auto map = std::make_shared<CountingTexture>();
+TEST(DisneyMaterial, ReadsATextureOnceForAllItsParameters) {
+  const auto image = std::make_shared<CountingTexture>();
   DisneyMaterial material;
   material.constants.base_color = {0.5f, 0.25f, 0.8f};
-  material.constants.roughness = 0.3f;
-  material.base_color_map = map;
-  const DisneyParameters p = material.evaluate({0.5f, 0.75f});
-  EXPECT_EQ(map->reads, 1);
+  material.constants.metallic = 0.5f;
+  testing::connect("baseColor", image, &material);
+  for (const auto& [name, channel] : {std::pair("roughness", Channel::g), std::pair("metallic", Channel::r)})
+    material.textures[0].uses.push_back({find_material_parameter(name), channel});
+  const DisneyParameters p = testing::evaluate_at(material, {0.5f, 0.75f});
+  EXPECT_EQ(image->reads, 1);
   EXPECT_EQ(p.base_color, Rgb(0.25f, 0.1875f, 1));  // the last channel clamped
-  EXPECT_EQ(p.roughness, 0.3f);
-  material.base_color_map = nullptr;
-  EXPECT_EQ(material.evaluate({0.5f, 0.75f}).base_color, material.constants.base_color);
+  EXPECT_EQ(p.roughness, 0.375f);
+  EXPECT_EQ(p.metallic, 0.25f);
+  EXPECT_TRUE(material.varies(&DisneyParameters::metallic) && material.varies(&DisneyParameters::base_color));
+  EXPECT_FALSE(material.varies(&DisneyParameters::specular) || material.varies(&DisneyParameters::emission));
+  material.textures.clear();
+  EXPECT_EQ(testing::evaluate_at(material, {0.5f, 0.75f}).base_color, material.constants.base_color);
+}
+
+TEST(DisneyMaterial, MultipliesTexturesScaledAndBiasedAndClampsTheProduct) {
+  const auto half = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{{0.5f, 0.25f, 1}});
+  DisneyMaterial material;
+  material.constants.base_color = Rgb(1.0f);
+  testing::connect("baseColor", half, &material);
+  material.textures[0].lookup.scale = Rgb(4.0f), material.textures[0].lookup.bias = {0, 0.5f, -1};
+  EXPECT_EQ(testing::evaluate_at(material, {0, 0}).base_color, Rgb(1, 1, 1)) << "2, 1.5 and 3";
+  testing::connect("baseColor", half, &material);
+  EXPECT_EQ(testing::evaluate_at(material, {0, 0}).base_color, Rgb(1, 0.375f, 1)) << "2/2, 1.5/4 and 3";
+}
+
+TEST(DisneyMaterial, ReadsTheMeshsColorsAndTheNamedTextureCoordinates) {
+  Mesh mesh;
+  mesh.triangles = {{0, 1, 2}};
+  mesh.colors.values = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.opacities.values = {0, 1, 0};
+  mesh.uv_sets.resize(2);
+  mesh.uv_sets[0].name = "st", mesh.uv_sets[1].name = "map2";
+  mesh.uv_sets[1].values = {{0, 0}, {1, 0}, {0, 1}};
+  TriangleHit hit;
+  hit.u = 0.5f, hit.v = 0.25f;
+  DisneyMaterial material;
+  material.constants.base_color = Rgb(1.0f);
+  material.constants.specular = 1;
+  testing::connect("baseColor", nullptr, &material);
+  material.textures[0].uses.push_back({find_material_parameter("specular"), Channel::a});
+  testing::connect("specularColor", std::make_shared<CountingTexture>(), &material);
+  material.textures[1].lookup.uv_set = "map2";
+  material.textures[1].lookup.transform = {{0.125f, 0}, 0, {2, 1}};
+  const DisneyParameters p = material.evaluate({mesh, hit, {9, 9}});
+  EXPECT_EQ(p.base_color, Rgb(0.25f, 0.5f, 0.25f));
+  EXPECT_EQ(p.specular, 0.5f);
+  EXPECT_EQ(p.specular_color, Rgb(1.125f, 0.25f, 2));
+  material.textures[1].lookup.uv_set = "none";
+  EXPECT_EQ(material.evaluate({mesh, hit, {9, 9}}).specular_color, Rgb(0.125f, 0, 2)) << "looked up at (0, 0)";
+}
+
+TEST(UvTransform, IsThatOfKhrTextureTransform) {
+  EXPECT_EQ(UvTransform()({0.3f, -0.7f}), Vec2f(0.3f, -0.7f));
+  // v down: (.25, .5) scaled (.5, 1) by (2, 2), turned by 90 degrees (y, -x) = (1, -.5), moved (1.1, -.3).
+  const Vec2f uv = UvTransform({0.1f, 0.2f}, kPi / 2, {2, 2})({0.25f, 0.5f});
+  EXPECT_NEAR(uv.x, 1.1f, 1e-6f);
+  EXPECT_NEAR(uv.y, 1 + 0.3f, 1e-6f);
 }
 
 TEST(DisneyMaterial, ScatterDistanceMapMultipliesAndIsClamped) {
@@ -42,13 +93,15 @@ TEST(DisneyMaterial, ScatterDistanceMapMultipliesAndIsClamped) {
   DisneyMaterial material;
   material.constants.scatter_distance = {0.5f, 0.25f, 2};
   const auto at = [&](const Rgb& texel) {
-    material.scatter_distance_map = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel});
-    return material.evaluate({0.5f, 0.5f}).scatter_distance;
+    material.textures.clear();
+    testing::connect("scatterDistance", std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel}),
+                     &material);
+    return testing::evaluate_at(material, {0.5f, 0.5f}).scatter_distance;
   };
   EXPECT_EQ(at({1, 4, 0.5f}), Rgb(0.5f, 1, 1));
   EXPECT_EQ(at({0, 1, 0}), Rgb(0, 0.25f, 0));
   EXPECT_EQ(at({-1, nan, inf}), Rgb(0, 0, 0)) << "such a texel does not scatter";
-  EXPECT_EQ(material.evaluate({0.5f, 0.5f}).base_color, material.constants.base_color);
+  EXPECT_EQ(testing::evaluate_at(material, {0.5f, 0.5f}).base_color, material.constants.base_color);
   EXPECT_TRUE(material.scatters()) << "by its constants: some texel may";
 }
 
@@ -67,8 +120,9 @@ TEST(DisneyMaterial, ProductsStayInTheirRangeAndFallBackToTheDefault) {
   DisneyMaterial material;
   material.constants.base_color = Rgb(1.0f);
   const auto at = [&](const Rgb& texel) {
-    material.base_color_map = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel});
-    return material.evaluate({0.5f, 0.5f}).base_color;
+    material.textures.clear();
+    testing::connect("baseColor", std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel}), &material);
+    return testing::evaluate_at(material, {0.5f, 0.5f}).base_color;
   };
   const float fallback = DisneyParameters().base_color.r;
   EXPECT_EQ(at({-1, 0.25f, 7}), Rgb(0, 0.25f, 1));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/subsurface/body.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/medium_bodies.h"
 #include "testenv/support/memory_texture.h"
 
@@ -58,7 +59,8 @@ TEST(Bodies, MediaAreMadeAtCommitUnlessATextureVariesThem) {
   const auto sphere = b.prototype(testing::sphere_mesh(1, 8, false));
   const auto constant = b.material(wax(0.1f));
   auto textured = std::make_shared<DisneyMaterial>(*constant);
-  textured->base_color_map = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{Rgb(1.0f)});
+  testing::connect("baseColor", std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{Rgb(1.0f)}),
+                   textured.get());
   b.add(sphere, constant).add(sphere, textured, moved(3)).add(sphere, constant, moved(6));
   const auto snapshot = b.snapshot();
   const auto media = [&](size_t i) { return snapshot->instances[i].body->members[0].media[0]; };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "testenv/support/cages.h"
+#include "testenv/support/material_testing.h"
 #include "testenv/support/memory_texture.h"
 #include "testenv/support/scene_builder.h"
 
@@ -87,7 +88,7 @@ TEST_F(SceneMemory, CountsATextureOnceWhoeverHoldsIt) {
   LightDescription sky = testing::constant_dome(1, false);
   const size_t plain = bytes({}, {}, sky);
   DisneyMaterial textured;
-  textured.base_color_map = image_;
+  testing::connect("baseColor", image_, &textured);
   EXPECT_EQ(bytes(textured, {}, sky), plain + kTextureBytes);
   EXPECT_EQ(bytes(textured, textured, sky), plain + kTextureBytes);
   sky.texture = image_;

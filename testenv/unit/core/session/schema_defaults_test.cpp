@@ -77,7 +77,7 @@ TEST(SchemaDefaults, DisneyMaterialIsItsTable) {
   EXPECT_EQ(properties.size(), material_parameters().size());
   for (const MaterialParameter& row : material_parameters()) {
     expect_schema(properties, row, DisneyParameters());
-    EXPECT_EQ(row.map != nullptr, properties[row.name].contains("anyOf")) << row.name << " may be a texture";
+    EXPECT_EQ(row.is_textured(), properties[row.name].contains("anyOf")) << row.name << " may be a texture";
   }
 }
 

@@ -1,0 +1,31 @@
+// A value that a material reads at a hit: an image through texture coordinates, or a colour of the mesh's own.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/geometry/surface_hit.h"
+#include "core/texture/texture.h"
+#include "core/texture/uv_transform.h"
+
+namespace alabaster {
+
+/// One of the values at a texel. Grey images have three equal colours; images without alpha have 1 there.
+enum class Channel { rgb, r, g, b, a };
+
+struct TextureLookup {
+  std::shared_ptr<const Texture> image;  // null: the mesh's displayed colour and opacity
+  std::string uv_set = "st";
+  UvTransform transform;
+  Rgb scale{1.0f}, bias{0.0f};  // value = texel * scale + bias
+  float alpha_scale = 1, alpha_bias = 0;
+
+  Rgb color(const HitPrimvars& at) const {
+    return (image ? image->rgb(transform(at.uv(uv_set))) : at.color()) * scale + bias;
+  }
+  float alpha(const HitPrimvars& at) const {
+    return (image ? image->alpha(transform(at.uv(uv_set))) : at.opacity()) * alpha_scale + alpha_bias;
+  }
+};
+
+}  // namespace alabaster
