@@ -258,10 +258,11 @@ TEST(Subdivision, LeftHandedCagesAreTurnedOver) {
       std::reverse(left.face_vertex_indices.begin() + static_cast<long>(4 * f),
                    left.face_vertex_indices.begin() + static_cast<long>(4 * f + 4));
     for (Cage* cage : {&left}) {
-      cage->uv.interpolation = Interpolation::face_varying;
+      cage->uvs.resize(1);
+      cage->uvs[0].interpolation = Interpolation::face_varying;
       for (int i : cage->face_vertex_indices) {
         const Vec3f& p = cage->points[static_cast<size_t>(i)];
-        cage->uv.values.emplace_back(p.x + 2 * p.z, p.y);
+        cage->uvs[0].values.emplace_back(p.x + 2 * p.z, p.y);
       }
       cage->face_varying_rule = FaceVaryingRule::all;
     }
