@@ -129,12 +129,32 @@ struct Growth {
   bool allows(const Ray& ray) const { return allows(max_abs_component(ray.org), max_abs_component(ray.dir)); }
 };
 
-bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit) {
+// Embree hands the context back to the filter, so it must begin with Embree's.
+struct FilterContext {
+  RTCIntersectContext embree;
+  const HitFilter* filter;
+};
+
+void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
+  const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
+  const TriangleHit hit{RTCRayN_tfar(args->ray, args->N, 0), RTCHitN_u(args->hit, args->N, 0),
+                        RTCHitN_v(args->hit, args->N, 0), RTCHitN_primID(args->hit, args->N, 0),
+                        RTCHitN_instID(args->hit, args->N, 0, 0)};
+  if (!context.filter->stops(hit)) args->valid[0] = 0;
+}
+
+FilterContext make_context(const HitFilter* filter) {
+  FilterContext context{{}, filter};
+  rtcInitIntersectContext(&context.embree);
+  if (filter) context.embree.filter = &ask_filter;
+  return context;
+}
+
+bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, const HitFilter* filter = nullptr) {
   if (!is_traceable(ray)) return false;
   RTCRayHit query = to_query(ray);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &query);
+  FilterContext context = make_context(filter);
+  rtcIntersect1(scene, &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit->t = query.ray.tfar;
   hit->u = query.hit.u;
@@ -247,16 +267,15 @@ class EmbreeInstancedScene final : public InstancedScene {
   }
   bool take_error() const { return scene_.take_error() || failed_; }
 
-  bool intersect(const Ray& ray, TriangleHit* hit) const override {
-    return growth_.allows(ray) && intersect_scene(scene_.get(), ray, hit);
+  bool intersect(const Ray& ray, TriangleHit* hit, const HitFilter* filter) const override {
+    return growth_.allows(ray) && intersect_scene(scene_.get(), ray, hit, filter);
   }
 
-  bool occluded(const Ray& ray) const override {
+  bool occluded(const Ray& ray, const HitFilter* filter) const override {
     if (!growth_.allows(ray) || !is_traceable(ray)) return false;
     RTCRay query = to_embree(ray);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene_.get(), &context, &query);
+    FilterContext context = make_context(filter);
+    rtcOccluded1(scene_.get(), &context.embree, &query);
     return query.tfar < 0;
   }
 

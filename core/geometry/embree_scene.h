@@ -49,12 +49,21 @@ struct InstancePlacement {
   Affine object_to_world;
 };
 
+/// Asked of each hit that a ray meets on its way, in no order, on the ray's thread.
+class HitFilter {
+ public:
+  virtual ~HitFilter() = default;
+  /// False: the ray passes as if there were nothing.
+  virtual bool stops(const TriangleHit& hit) const noexcept = 0;
+};
+
 /// Top level over instances (flattened: one level of instancing). Immutable; traced from any thread.
 class InstancedScene {
  public:
   virtual ~InstancedScene() = default;
-  virtual bool intersect(const Ray& ray, TriangleHit* hit) const = 0;
-  virtual bool occluded(const Ray& ray) const = 0;
+  /// `filter` null: every hit stops the ray.
+  virtual bool intersect(const Ray& ray, TriangleHit* hit, const HitFilter* filter = nullptr) const = 0;
+  virtual bool occluded(const Ray& ray, const HitFilter* filter = nullptr) const = 0;
   virtual size_t memory_bytes() const = 0;
 };
 /// A placement without an object, and one that is not traceable, is never hit; the others keep their indices. Rays that

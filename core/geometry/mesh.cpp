@@ -53,6 +53,16 @@ bool is_closed(const Mesh& mesh) {
   return every_edge_is_paired(mesh, {}) || every_edge_is_paired(mesh, weld_by_position(mesh.points));
 }
 
+// By tetrahedra over the centre of the bounds, so that no digits cancel.
+bool encloses_positive_volume(const Mesh& mesh) {
+  const Vec3d center(mesh.bounds.center());
+  double volume = 0;
+  for (const auto& t : mesh.triangles)
+    volume += dot(Vec3d(mesh.points[t[0]]) - center,
+                  cross(Vec3d(mesh.points[t[1]]) - center, Vec3d(mesh.points[t[2]]) - center));
+  return volume > 0;
+}
+
 template <class T>
 uint32_t value_index(const Primvar<T>& primvar, int vertex, uint32_t corner) {
   const size_t id = primvar.interpolation == Interpolation::vertex ? static_cast<size_t>(vertex) : size_t(corner);
@@ -241,6 +251,7 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
   for (const auto& t : mesh.triangles)
     for (uint32_t i : t) mesh.bounds.extend(mesh.points[i]);
   mesh.closed = is_closed(mesh);
+  mesh.outward = mesh.closed && encloses_positive_volume(mesh);
   return mesh;
 }
 

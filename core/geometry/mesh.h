@@ -39,7 +39,8 @@ struct Mesh {
   std::vector<int32_t> triangle_face;      // face of the cage, which elementId reports
   std::vector<int32_t> triangle_material;  // slot; empty: all 0
   Bounds bounds;
-  bool closed = false;  // every edge is shared by an even number (>= 2) of triangles, after welding points by position
+  bool closed = false;   // every edge is shared by an even number (>= 2) of triangles, after welding points by position
+  bool outward = false;  // closed, and its triangles enclose a positive volume
 
   /// The cage's face that a triangle is part of.
   int element(uint32_t triangle) const {

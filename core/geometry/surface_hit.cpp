@@ -11,18 +11,6 @@ namespace {
 const Corners& normal_corners(const Mesh& mesh, uint32_t triangle) {
   return mesh.normal_triangles.empty() ? mesh.triangles[triangle] : mesh.normal_triangles[triangle];
 }
-template <class T>
-const Corners& corners_of(const MeshAttribute<T>& attribute, const Mesh& mesh, uint32_t triangle) {
-  return attribute.triangles.empty() ? mesh.triangles[triangle] : attribute.triangles[triangle];
-}
-
-template <class T>
-T interpolated(const MeshAttribute<T>& attribute, const Mesh& mesh, const TriangleHit& hit) {
-  const Corners& c = corners_of(attribute, mesh, hit.triangle);
-  const std::vector<T>& v = attribute.values;
-  return v[c[0]] * (1 - hit.u - hit.v) + v[c[1]] * hit.u + v[c[2]] * hit.v;
-}
-
 // 2^-exponent of x: multiplying by it brings x near 1 without rounding (x normal and finite, else 1).
 float exact_reciprocal_scale(float x) {
   const uint32_t exponent = (std::bit_cast<uint32_t>(x) >> 23) & 0xff;

@@ -33,6 +33,19 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
 SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                            const Affine& render_to_object);
 
+/// The attribute's indices for a triangle.
+template <class T>
+const Corners& corners_of(const MeshAttribute<T>& attribute, const Mesh& mesh, uint32_t triangle) {
+  return attribute.triangles.empty() ? mesh.triangles[triangle] : attribute.triangles[triangle];
+}
+
+template <class T>
+T interpolated(const MeshAttribute<T>& attribute, const Mesh& mesh, const TriangleHit& hit) {
+  const Corners& c = corners_of(attribute, mesh, hit.triangle);
+  const std::vector<T>& v = attribute.values;
+  return v[c[0]] * (1 - hit.u - hit.v) + v[c[1]] * hit.u + v[c[2]] * hit.v;
+}
+
 /// What textures ask a mesh for at a hit.
 class HitPrimvars {
  public:

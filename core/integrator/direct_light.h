@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/integrator/path_state.h"
+#include "core/integrator/see_through.h"
 #include "core/sampling/mis.h"
 
 namespace alabaster {
@@ -21,9 +22,13 @@ struct LightWeight {
   float mis;  // against sampling of the lobe
 };
 
-inline bool is_occluded(const PathContext& context, const Vec3f& p, const LightSample& light) {
+/// The share of the light that arrives at `p`.
+inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light) {
   ++context.counters.shadow_rays;
-  return context.scene.top->occluded({p, light.wi, light.shadow_length()});
+  const Ray ray(p, light.wi, light.shadow_length());
+  if (!context.scene.features.see_through) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
+  const Transmittance transmittance(context.scene, ray.dir);
+  return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }
 
 /// How the lights are sampled at a point.
@@ -40,9 +45,11 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon&
                       const Scatter& scatter, const Add& add) {
   context.scene.lights.sample_lights(p, horizon, numbers.u, numbers.domes, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
-    if (is_black(value.f_cos) || is_occluded(context, p, light)) return;
+    if (is_black(value.f_cos)) return;
+    const float arrives = visibility(context, p, light);
+    if (!(arrives > 0)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    add(value, value.f_cos * light.radiance * (weight / light.pdf), LightWeight{light.pdf, weight});
+    add(value, value.f_cos * light.radiance * (arrives * weight / light.pdf), LightWeight{light.pdf, weight});
   });
 }
 

@@ -5,18 +5,13 @@
 #include "core/integrator/layer_split.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/path_state.h"
+#include "core/integrator/see_through.h"
+#include "core/integrator/shading_normal.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
 
 namespace alabaster {
 namespace {
-
-// An interpolated normal may turn away from the viewer at a silhouette; it is bent back until the viewer is just above.
-Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
-  constexpr float kLeastCosine = 0.01f;
-  const float cosine = dot(ns, wo);
-  return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
-}
 
 PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle) {
   PathVertex v;
@@ -24,14 +19,27 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   v.triangle = triangle;
   const Vec3f wo = -ray.dir;
   v.hit = surface_on_side(*v.instance, triangle, wo);
-  v.frame = frame_from_normal_tangent(bend_towards(v.hit.ns, wo), v.hit.dpdu);
-  v.departure = depart(*v.instance, triangle, v.hit, v.frame.n);
-  v.material = v.instance->material(triangle.triangle).evaluate({v.instance->prototype->mesh, triangle, v.hit.uv});
+  const Vec3f surface = bend_towards(v.hit.ns, wo);
+  v.departure = depart(*v.instance, triangle, v.hit, surface);
+  const DisneyMaterial& material = v.instance->material(triangle.triangle);
+  v.mapped = material.normal_map.has_value();
+  const Vec3f n =
+      v.mapped ? reflecting_normal(mapped_normal(*v.instance, triangle, v.hit, *material.normal_map), surface, wo)
+               : surface;
+  v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
+  v.material = material.evaluate({v.instance->prototype->mesh, triangle, v.hit.uv});
   return v;
 }
 
-bool intersect(const PathContext& context, const Ray& ray, TriangleHit* hit) {
-  if (context.scene.top->intersect(ray, hit)) return true;
+bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
+  if (!context.scene.features.see_through) return context.scene.top->intersect(path.ray, hit);
+  const StochasticStop filter(context.scene, path.ray.dir, sampler.number(Dimension::opacity, path.depth));
+  return context.scene.top->intersect(path.ray, hit, &filter);
+}
+
+bool intersect(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
+  const Ray& ray = path.ray;
+  if (trace(context, sampler, path, hit)) return true;
   if (!is_traceable(ray)) ++context.counters.rejected_rays;
   return false;
 }
@@ -89,11 +97,14 @@ bool survives_roulette(const PathContext& context, const Draw& draw, PathState* 
   return true;
 }
 
-void scatter_at_surface(const PathContext& context, const PathVertex& v, const BsdfSample& sample, PathState* path) {
+// False: the direction leads into the surface.
+bool scatter_at_surface(const PathContext& context, const PathVertex& v, const BsdfSample& sample, PathState* path) {
   const Vec3f wi = v.frame.to_world(sample.wi);
+  if (!v.is_above_surface(wi)) return false;
   path->throughput *= sample.f * (sample.wi.z / sample.pdf);
   path->scatter_pdf = sample.pdf;
   path->ray = {origin_of(context, v.departure, wi), wi};
+  return true;
 }
 
 // The record of a path, where the integrator can write one. Variants without layers do not ask at a vertex.
@@ -172,7 +183,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
-    if (!(wi.z > 0)) return {};
+    if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
     const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
     if (record) record->sample_light(wi_world, value.f * wi.z, value.pdf);
@@ -207,7 +218,9 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
     path->throughput *= sample->f * (1 / sample->pdf);
     return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
   }
-  scatter_at_surface(context, v, *sample, path);
+  const bool leaves = scatter_at_surface(context, v, *sample, path);
+  if (record && !leaves) record->end("the direction leads into the surface");
+  if (!leaves) return false;
   if (splits) split->specular_share = share_of(specular, sample->f), split->went_on = true;
   ++path->depth;
   return survives<kLayers>(
@@ -236,7 +249,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (record) record->follow(path->ray, path->throughput, path->scatter_pdf);
     ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
-    const bool found = intersect(context, path->ray, &hit);
+    const bool found = intersect(context, sampler, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instances[hit.instance].prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 

@@ -50,9 +50,13 @@ struct PathVertex {
   const Instance* instance = nullptr;
   TriangleHit triangle;
   SurfaceHit hit;
-  Frame frame;          // about the shading normal, bent so that the viewer is above it
-  Departure departure;  // on the viewer's side
+  Frame frame;          // of the lobes; the viewer is above it
+  Departure departure;  // on the viewer's side, of the interpolated normal
+  bool mapped = false;  // the frame is tilted by a normal map
   DisneyParameters material;
+
+  /// A lobe that a normal map tilts may lead into the surface, where it has no light to fetch.
+  bool is_above_surface(const Vec3f& wi) const { return !mapped || dot(wi, departure.n) > 0; }
 };
 
 /// A SurfaceHit or a SurfacePoint with all normals on the side that `towards` points to.

@@ -3,6 +3,7 @@
 #include "core/diagnostics/check.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_record.h"
+#include "core/integrator/shading_normal.h"
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/body.h"
@@ -52,6 +53,12 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
       body, entry, numbers, context.counters);
 }
 
+Vec3f exit_normal(const Instance& instance, const SubsurfaceExit& exit, const SurfacePoint& point) {
+  const DisneyMaterial& material = instance.material(exit.hit.triangle);
+  if (!material.normal_map) return point.ns;
+  return mapped_normal(instance, exit.hit, surface_on_side(instance, exit.hit, exit.direction), *material.normal_map);
+}
+
 /// The exit lobe: light sampling, and the direction in which the path goes on.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
                    PathState* path) {
@@ -64,11 +71,11 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const auto u_bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
   const SurfacePoint hit =
       on_side(surface_point(mesh, exit.hit, instance.object_to_world, instance.world_to_object), exit.direction);
-  const Frame frame = frame_from_normal(hit.ns);
-  const Departure departure = depart(instance, exit.hit, hit, frame.n);
+  const Frame frame = frame_from_normal(exit_normal(instance, exit, hit));
+  const Departure departure = depart(instance, exit.hit, hit, hit.ns);
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
-    if (!(cosine > 0)) return {};
+    if (!(cosine > 0 && dot(wi, hit.ns) > 0)) return {};
     return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
   };
   PathRecord* const record = context.record;

@@ -14,8 +14,10 @@ Vec3d area_vector(const MeshLight::Triangle& t) {
 
 }  // namespace
 
-MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids)
-    : instance_(instance), triangles_(std::move(triangles)) {
+MeshLight::MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids,
+                     Emission emission)
+    : instance_(instance), triangles_(std::move(triangles)), emission_(std::move(emission)) {
+  if (emission_) triangle_ids_ = triangle_ids;
   std::vector<double> powers(triangles_.size());
   double largest = 0;
   BoundsDouble bounds;
@@ -66,7 +68,10 @@ std::optional<LightSample> MeshLight::sample(const Vec3f& p, const Vec2f& u) con
   s.on_mesh = true;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
-  s.radiance = t.radiance;
+  if (t.one_sided && dot(area_vector(t), wi) > 0) return std::nullopt;
+  s.radiance =
+      emission_ ? finite_or_black(emission_(triangle_ids_[chosen.index], {b.y, 1 - b.x - b.y}), 1) : t.radiance;
+  if (is_black(s.radiance)) return std::nullopt;
   s.pdf = pdf_of_entry(chosen.index, wi, distance);
   if (!(s.pdf > 0) || !(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
   return s;
@@ -79,8 +84,8 @@ float MeshLight::pdf(uint32_t triangle_id, const Vec3f& wi, float t) const {
 }
 
 size_t MeshLight::memory_bytes() const {
-  return triangles_.capacity() * sizeof(Triangle) + index_of_triangle_.capacity() * sizeof(uint32_t) +
-         distribution_.memory_bytes();
+  return triangles_.capacity() * sizeof(Triangle) +
+         (index_of_triangle_.capacity() + triangle_ids_.capacity()) * sizeof(uint32_t) + distribution_.memory_bytes();
 }
 
 // The whole power at distance sqrt(d^2 + r^2), d to the centre and r the radius of the bounding sphere, with the mean

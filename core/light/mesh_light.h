@@ -2,6 +2,7 @@
 // Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "core/light/light_description.h"
@@ -14,11 +15,16 @@ namespace alabaster {
 class MeshLight {
  public:
   struct Triangle {
-    Vec3f p0, p1, p2;  // render space
-    Rgb radiance;      // both sides; negative or not finite counts as black
+    Vec3f p0, p1, p2;        // render space
+    Rgb radiance;            // negative or not finite counts as black; of a textured triangle the mean
+    bool one_sided = false;  // emits only to the side from which it winds counter-clockwise
   };
+  /// The radiance of a textured light at a point: of triangle `triangle_id`, p0 (1-b.x-b.y) + p1 b.x + p2 b.y.
+  using Emission = std::function<Rgb(uint32_t triangle_id, const Vec2f& b)>;
   /// `triangle_ids[i]`: which triangle of the mesh `triangles[i]` is. Same length.
-  MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids);
+  /// `emission` empty: each triangle emits its radiance all over.
+  MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids,
+            Emission emission = {});
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// pdf of sampling the point where a ray from `p` with unit `wi` met triangle `triangle_id` at distance t; 0 for
   /// triangles that are never chosen or not of this light.
@@ -34,6 +40,8 @@ class MeshLight {
 
   uint32_t instance_;
   std::vector<Triangle> triangles_;
+  Emission emission_;
+  std::vector<uint32_t> triangle_ids_;       // only with emission_
   std::vector<uint32_t> index_of_triangle_;  // mesh triangle -> entry, or ~0u
   Distribution1D distribution_;              // by area times luminance
   double power_ = 0;                         // sum of area times luminance

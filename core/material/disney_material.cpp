@@ -9,7 +9,7 @@ namespace {
 
 using P = DisneyParameters;
 
-constexpr std::array<MaterialParameter, 15> kParameters{{
+constexpr std::array<MaterialParameter, 17> kParameters{{
     {{"baseColor", &P::base_color, 0, 1}, Texels::colors},
     {{"metallic", &P::metallic, 0, 1}},
     {{"roughness", &P::roughness, 0, 1}},
@@ -25,6 +25,8 @@ constexpr std::array<MaterialParameter, 15> kParameters{{
     {{"scatterDistance", &P::scatter_distance, 0, kUnbounded}},
     {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9}},
     {{"emission", &P::emission, 0, kUnbounded}, Texels::colors},
+    {{"opacity", &P::opacity, 0, 1}},
+    {{"opacityThreshold", &P::opacity_threshold, 0, 1}},
 }};
 
 // The value in the row's range; the default where it is not finite.
@@ -90,10 +92,28 @@ bool DisneyMaterial::varies(float DisneyParameters::*parameter) const {
   return any_use(textures, parameter);
 }
 
+bool DisneyMaterial::is_partly_opaque() const {
+  return constants.opacity < 1 || varies(&P::opacity);
+}
+
+float DisneyMaterial::coverage(const HitPrimvars& at) const {
+  const auto value = [&](float DisneyParameters::*member) {
+    float product = constants.*member;
+    for (const MaterialTexture& texture : textures)
+      for (const auto& [row, channel] : texture.uses)
+        if (row->member == decltype(row->member)(member))
+          product *= channel == Channel::a ? texture.lookup.alpha(at) : channel_of(texture.lookup.color(at), channel);
+    return std::isfinite(product) ? std::clamp(product, 0.0f, 1.0f) : DisneyParameters().*member;
+  };
+  const float opacity = value(&P::opacity), threshold = value(&P::opacity_threshold);
+  return threshold > 0 ? (opacity >= threshold ? 1.0f : 0.0f) : opacity;
+}
+
 std::vector<const Texture*> DisneyMaterial::images() const {
   std::vector<const Texture*> all;
   for (const MaterialTexture& texture : textures)
     if (texture.lookup.image) all.push_back(texture.lookup.image.get());
+  if (normal_map && normal_map->image) all.push_back(normal_map->image.get());
   return all;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -41,6 +42,7 @@ struct DisneyMaterial {
   std::string name;
   DisneyParameters constants;  // within the ranges of material_parameters()
   std::vector<MaterialTexture> textures;
+  std::optional<TextureLookup> normal_map;  // value: the normal in tangent space, of any length
 
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
   /// parameter's default.
@@ -52,6 +54,11 @@ struct DisneyMaterial {
   /// False only if no texel can scatter.
   bool scatters() const { return constants.scatters(); }
   bool emits() const { return !is_black(constants.emission); }
+  /// Light may go on behind the surface: then its back is there whether or not the mesh is double-sided.
+  bool is_translucent() const { return scatters(); }
+  bool is_partly_opaque() const;
+  /// The share of the surface that is there: its opacity, or 0 or 1 by its threshold.
+  float coverage(const HitPrimvars& at) const;
 };
 
 }  // namespace alabaster

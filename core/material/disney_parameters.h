@@ -23,6 +23,8 @@ struct DisneyParameters {
   Rgb scatter_distance{0.0f};    // per channel, scene units; 0: Lambert in that channel
   float scatter_anisotropy = 0;  // Henyey-Greenstein g of the scattering below the surface
   Rgb emission{0.0f};            // radiance
+  float opacity = 1;             // the share of the surface that is there
+  float opacity_threshold = 0;   // > 0: present where opacity reaches it, nowhere else
 
   bool scatters() const { return max_component(scatter_distance) > 0; }
 };

@@ -63,7 +63,7 @@ class Rng {
 };
 
 /// The purposes that draw numbers; a path vertex at depth d uses blocks (purpose, d).
-enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf, exit_light, subsurface_rung };
+enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf, exit_light, subsurface_rung, opacity };
 
 class PixelSampler {
  public:
@@ -73,6 +73,11 @@ class PixelSampler {
 
   /// Four numbers in [0,1): well distributed over the samples of a pixel, jointly in all four.
   std::array<float, 4> draw(Dimension purpose, uint32_t depth) const;
+
+  /// 32 random bits of this block, to be hashed with what they decide.
+  uint32_t number(Dimension purpose, uint32_t depth) const {
+    return hash_combine(hash_combine(seed_, (static_cast<uint32_t>(purpose) << 24) + depth), index_);
+  }
 
   /// The sampler of branch `branch` of `count` that the sample's path splits into: the branches of all samples of a
   /// pixel are as well distributed as samples are.

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "core/sampling/warp.h"
 #include "core/scene/bodies.h"
 #include "core/scene/lit_surfaces.h"
 
@@ -65,8 +66,46 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   instance.world_to_object = to_affine(m.inverse());
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
-  for (const auto& material : d.materials) instance.materials.push_back(material.get());
+  for (const auto& material : d.materials) {
+    instance.materials.push_back(material.get());
+    instance.see_through |= material->is_partly_opaque();
+    if (material->normal_map && !instance.tangents)
+      instance.tangents = d.prototype->tangents.of(d.prototype->mesh, material->normal_map->uv_set);
+  }
+  instance.single_sided = !d.double_sided && !d.prototype->mesh.outward;
+  instance.see_through |= instance.single_sided;
   return instance;
+}
+
+// Emission at a point of a triangle, of which only a share may be there.
+Rgb emission_at(const Instance& instance, uint32_t triangle, const Vec2f& b) {
+  const Mesh& mesh = instance.prototype->mesh;
+  TriangleHit hit;
+  hit.triangle = triangle, hit.u = b.x, hit.v = b.y;
+  const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
+  const HitPrimvars at(mesh, hit, uv);
+  const DisneyMaterial& material = instance.material(triangle);
+  return material.evaluate(at).emission * material.coverage(at);
+}
+
+bool has_varying_emission(const DisneyMaterial& material) {
+  return material.varies(&DisneyParameters::emission) || material.is_partly_opaque();
+}
+
+// The mean over a triangle by points spread over it. Where it misses all bright texels the triangle is never chosen,
+// and paths that meet it count in full.
+Rgb mean_emission(const Instance& instance, uint32_t triangle) {
+  const DisneyMaterial& material = instance.material(triangle);
+  if (!has_varying_emission(material)) return material.constants.emission;
+  const int side = instance.prototype->mesh.triangles.size() > 65536 ? 2 : 8;
+  const float step = 1 / static_cast<float>(side);
+  Rgb sum(0.0f);
+  for (int i = 0; i < side * side; ++i) {
+    const Vec2f u((static_cast<float>(i % side) + 0.5f) * step, (static_cast<float>(i / side) + 0.5f) * step);
+    const Vec2f b = sample_uniform_triangle(u);
+    sum += emission_at(instance, triangle, {b.y, 1 - b.x - b.y});
+  }
+  return sum * (step * step);
 }
 
 // The emissive triangles of an instance, in render space; nothing when no material of it emits.
@@ -76,15 +115,21 @@ std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t inde
   const Mesh& mesh = instance.prototype->mesh;
   std::vector<MeshLight::Triangle> triangles;
   std::vector<uint32_t> ids;
+  bool varies = false;
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const DisneyMaterial& material = instance.material(static_cast<uint32_t>(i));
     if (!material.emits()) continue;
     const auto corner = [&](size_t c) { return instance.object_to_world.point(mesh.points[mesh.triangles[i][c]]); };
-    triangles.push_back({corner(0), corner(1), corner(2), material.constants.emission});
+    triangles.push_back({corner(0), corner(1), corner(2), mean_emission(instance, static_cast<uint32_t>(i)),
+                         instance.single_sided && !material.is_translucent()});
     ids.push_back(static_cast<uint32_t>(i));
+    varies |= has_varying_emission(material);
   }
   if (triangles.empty()) return std::nullopt;
-  return MeshLight(index, std::move(triangles), std::move(ids));
+  if (!varies) return MeshLight(index, std::move(triangles), ids);
+  // The snapshot keeps its instances where they are.
+  return MeshLight(index, std::move(triangles), ids,
+                   [&instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); });
 }
 
 // True if the light can be placed. Says why one gives no light.
@@ -136,7 +181,8 @@ void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnaps
   sort_unique(&snapshot->prototypes);
   sort_unique(&snapshot->materials);
   for (const auto& p : snapshot->prototypes) {
-    snapshot->memory_bytes += p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes();
+    snapshot->memory_bytes +=
+        p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes() + p->tangents.memory_bytes();
     snapshot->features.smooth_normals |= !p->mesh.normals.empty();
   }
   for (const auto& m : snapshot->materials) snapshot->features.textures |= !m->textures.empty();
@@ -156,6 +202,13 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
 }
 
 }  // namespace
+
+bool is_behind(const Instance& instance, uint32_t triangle, const Vec3f& dir) {
+  const Mesh& mesh = instance.prototype->mesh;
+  const Corners& c = mesh.triangles[triangle];
+  const Vec3f n = cross(mesh.points[c[1]] - mesh.points[c[0]], mesh.points[c[2]] - mesh.points[c[0]]);
+  return dot(n, instance.world_to_object.vector(dir)) > 0;
+}
 
 std::vector<size_t> scattering_slots(const InstanceDescription& instance) {
   const auto& materials = instance.materials;
@@ -201,6 +254,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   std::vector<InstancePlacement> placements;
   for (const InstanceDescription* d : drawn) {
     snapshot->instances.push_back(place(*d, snapshot->origin));
+    snapshot->features.see_through |= snapshot->instances.back().see_through;
     placements.push_back({d->prototype->object, snapshot->instances.back().object_to_world});
   }
   snapshot->top = build_instanced_scene(device, placements);

@@ -9,6 +9,7 @@
 
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/mesh.h"
+#include "core/geometry/tangents.h"
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
 #include "core/subsurface/mesh_interior.h"
@@ -24,6 +25,7 @@ struct MeshPrototype {
 
   const MeshShells& shells() const { return interior.shells(mesh, *object); }
   MeshInterior interior = {};  // only light below the surface asks for it
+  TangentCache tangents = {};  // only normal maps ask for them
 };
 
 struct InstanceDescription {
@@ -35,6 +37,7 @@ struct InstanceDescription {
   std::string name;         // prim path, for reports
   /// Instances that scatter and name the same set do so as one body; empty: each for itself.
   std::string subsurface_set = {};
+  bool double_sided = true;  // false: not there for rays from behind, but where light passes below the surface
   bool operator==(const InstanceDescription&) const = default;
 };
 
@@ -54,6 +57,7 @@ struct SceneFeatures {
   bool emissive_meshes = false;
   bool textures = false;
   bool smooth_normals = false;
+  bool see_through = false;         // some instance is
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
 };
 
@@ -66,6 +70,9 @@ struct Instance {
   int32_t prim_id = 0, instance_id = 0;
   const SubsurfaceBody* body = nullptr;  // where light goes below this surface; null: no material of it scatters
   uint32_t member = 0;                   // of the body
+  bool see_through = false;              // rays may pass some hits: partly opaque, or single-sided and seen from behind
+  bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
+  const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
 
   /// The material slot of a triangle; slots beyond the list use the first.
   size_t slot(uint32_t triangle) const {
@@ -75,6 +82,9 @@ struct Instance {
   }
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
 };
+
+/// True if a ray along `dir` meets the triangle from behind, the side from which it winds clockwise.
+bool is_behind(const Instance& instance, uint32_t triangle, const Vec3f& dir);
 
 /// Immutable. Render space = world - origin: the origin is the centre of the scene's bounds, so that precision does not
 /// depend on where in the world a scene stands.

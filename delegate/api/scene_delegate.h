@@ -18,6 +18,8 @@ class ALABASTER_API SceneDelegate {
   virtual DisplayStyle GetDisplayStyle(const Path& id) = 0;
   virtual Matrix4d GetTransform(const Path& id) = 0;
   virtual bool GetVisible(const Path& id) = 0;
+  /// False: faces are not there for what sees them from behind, but where their material lets light below the surface.
+  /// An adaptor of a host that culls nothing answers true, whatever the host's flag says.
   virtual bool GetDoubleSided(const Path& id) = 0;
   virtual Token GetRenderTag(const Path& id) = 0;
   virtual Path GetMaterialId(const Path& id) = 0;

@@ -149,6 +149,10 @@ class MaterialReader {
   void read_connections(const MaterialNode& surface, const Token& input,
                         const std::vector<MaterialConnection>& connections, DisneyMaterial* material) {
     if (connections.empty()) return;
+    if (input == Token("normal")) {
+      material->normal_map = read_lookup(connections.front().upstreamNode, input, Texels::numbers);
+      return;
+    }
     const MaterialParameter* row = find_material_parameter(input.str());
     if (!row || !row->is_textured())
       return warn("material.connection", input.str() + " cannot be textured; the connection is ignored" +

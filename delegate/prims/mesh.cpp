@@ -83,6 +83,7 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
   pull_shape(scene, bits, sink);
   if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) tag_visible_ = is_drawn_tag(scene.GetRenderTag(GetId()));
+  if (bits & dirty::kDoubleSided) record_.double_sided = scene.GetDoubleSided(GetId());
   if (bits & dirty::kTransform) record_.transform = scene.GetTransform(GetId());
   if (bits & dirty::kMaterialId) material_ = scene.GetMaterialId(GetId());
   if (bits & dirty::kInstancer) record_.instancer = scene.GetInstancerId(GetId());

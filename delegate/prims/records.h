@@ -19,6 +19,7 @@ struct MeshRecord {
   Path instancer;
   Array<int32_t> instance_indices;
   std::string subsurface_set;  // empty: each object scatters for itself
+  bool double_sided = true;
   bool operator==(const MeshRecord&) const = default;
 };
 

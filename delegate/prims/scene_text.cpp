@@ -49,6 +49,7 @@ std::string instance_text(const InstanceDescription& instance, const Path* mater
   text += "  mesh points " + std::to_string(mesh.points.size()) + " triangles " +
           std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
           yes_no(!mesh.uv_sets.empty()) + " closed " + yes_no(mesh.closed) + "\n";
+  if (!instance.double_sided) text += "  single-sided\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   for (size_t i = 0; i < instance.materials.size(); ++i)
     text += "  material " + std::to_string(i) + " " + (materials[i].empty() ? "default" : materials[i].str()) + "\n";

@@ -44,6 +44,7 @@ struct SceneTranslator::Run {
     instance.prototype = mesh.prototype;
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
+    instance.double_sided = mesh.double_sided;
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id));
     check_closed(instance);
     instance.subsurface_set = set_of(instance, mesh);

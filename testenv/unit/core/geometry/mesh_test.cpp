@@ -61,13 +61,17 @@ TEST(Triangulation, CollinearCornersAreCovered) {
 }
 
 TEST(Triangulation, ConvexPolygonsAreFansFromTheirFirstCorner) {
-  const Mesh mesh = build_mesh(test::cube_cage(), {}, {});
+  Cage cage = test::cube_cage();
+  const Mesh mesh = build_mesh(cage, {}, {});
   ASSERT_EQ(mesh.triangles.size(), 12u);
   EXPECT_EQ(mesh.triangles[0], (std::array<uint32_t, 3>{0, 2, 3}));
   EXPECT_EQ(mesh.triangles[1], (std::array<uint32_t, 3>{0, 3, 1}));
   EXPECT_EQ(mesh.triangle_face[11], 5);
   EXPECT_TRUE(mesh.normals.empty());  // scheme none: flat
   EXPECT_TRUE(mesh.closed);
+  EXPECT_TRUE(mesh.outward);
+  cage.left_handed = !cage.left_handed;
+  EXPECT_FALSE(build_mesh(cage, {}, {}).outward) << "turned inside out";
   EXPECT_EQ(mesh.bounds.lower, Vec3f(-1, -1, -1));
   EXPECT_EQ(mesh.bounds.upper, Vec3f(1, 1, 1));
 }

@@ -1,0 +1,41 @@
+#include "core/integrator/see_through.h"
+
+#include <cmath>
+
+namespace alabaster {
+namespace {
+
+constexpr double kUnit = 0x1p32;
+constexpr int64_t kBlack = int64_t(-200) << 32;  // below the smallest float
+
+}  // namespace
+
+float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit) {
+  const Instance& instance = scene.instances[hit.instance];
+  if (!instance.see_through) return 1;
+  const Mesh& mesh = instance.prototype->mesh;
+  const DisneyMaterial& material = instance.material(hit.triangle);
+  if (instance.single_sided && !material.is_translucent() && is_behind(instance, hit.triangle, dir)) return 0;
+  if (!material.is_partly_opaque()) return 1;
+  const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
+  return material.coverage({mesh, hit, uv});
+}
+
+bool StochasticStop::stops(const TriangleHit& hit) const noexcept {
+  const float coverage = coverage_at(scene_, dir_, hit);
+  if (coverage <= 0 || coverage >= 1) return coverage >= 1;
+  return to_unit_float(hash_combine(hash_combine(number_, hit.instance), hit.triangle)) < coverage;
+}
+
+bool Transmittance::stops(const TriangleHit& hit) const noexcept {
+  const float coverage = coverage_at(scene_, dir_, hit);
+  if (coverage >= 1) return true;
+  if (coverage > 0) log_ += static_cast<int64_t>(std::llrint(std::log2(1.0 - double(coverage)) * kUnit));
+  return log_ < kBlack;
+}
+
+float Transmittance::value() const {
+  return log_ == 0 ? 1.0f : static_cast<float>(std::exp2(static_cast<double>(log_) / kUnit));
+}
+
+}  // namespace alabaster

@@ -1,0 +1,26 @@
+// The normal of the lobes at a hit: the interpolated one, or that of a normal map, never such that the viewer's mirror
+// image lies below the surface.
+#pragma once
+
+#include "core/scene/scene.h"
+
+namespace alabaster {
+
+/// `ns` bent until `wo` is just above it: an interpolated normal may turn away from the viewer at a silhouette.
+inline Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
+  constexpr float kLeastCosine = 0.01f;
+  const float cosine = dot(ns, wo);
+  return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
+}
+
+/// The normal of a normal map at a hit, on the side of `side`, whose normals have been turned to the viewer (or to
+/// where light leaves); `ns` if the mesh has no tangents there.
+Vec3f mapped_normal(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& side,
+                    const TextureLookup& map);
+
+/// The unit normal nearest to `n` about which the mirror image of `wo` lies above the plane of `surface`: else a facet
+/// of the map reflects only into its own surface, and shows black (Keller et al. 2017, "The Iray Light Transport
+/// Simulation and Rendering System", section A.3). wo above `surface`.
+Vec3f reflecting_normal(const Vec3f& n, const Vec3f& surface, const Vec3f& wo);
+
+}  // namespace alabaster
