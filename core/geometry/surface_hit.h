@@ -46,7 +46,7 @@ T interpolated(const MeshAttribute<T>& attribute, const Mesh& mesh, const Triang
   return v[c[0]] * (1 - hit.u - hit.v) + v[c[1]] * hit.u + v[c[2]] * hit.v;
 }
 
-/// What textures ask a mesh for at a hit.
+/// The primvars at a hit that textures read.
 class HitPrimvars {
  public:
   /// `uv`: of the mesh's first set at the hit. Keeps references.

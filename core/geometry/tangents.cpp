@@ -8,7 +8,8 @@
 namespace alabaster {
 namespace {
 
-// What corners must have in common: bits of position, normal and uv (both zeros are one), winding in uv.
+// Corners that share a tangent have these in common: bits of position, normal and uv (both zeros are one), winding in
+// uv.
 struct Corner {
   std::array<uint32_t, 9> key{};
   uint32_t index = 0;  // 3 * triangle + corner

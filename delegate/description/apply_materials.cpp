@@ -1,4 +1,3 @@
-#include "core/material/disney_material.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/name_match.h"
 
@@ -43,13 +42,10 @@ bool set_texture(const Reader& reader, const std::string& pointer, const json& t
   node.parameters["st"] = Token(texture.value("st", std::string("st")));
   network->nodes[path] = std::move(node);
   MaterialNode& disney = network->nodes[surface];
-  // The constant multiplies the texture.
-  const MaterialParameter* const row = find_material_parameter(parameter);
-  const bool color = row && row->is_color();
-  disney.parameters[parameter] = texture.contains("scale") ? material_value(texture["scale"])
-                                 : color                   ? Value(Vec3f(1, 1, 1))
-                                                           : Value(1.0f);
-  disney.inputConnections[parameter] = {{path, color ? "rgb" : Token(texture.value("channel", std::string("r")))}};
+  // The constant multiplies the texture; without one it is 1.
+  disney.parameters.erase(parameter);
+  if (texture.contains("scale")) disney.parameters[parameter] = material_value(texture["scale"]);
+  disney.inputConnections[parameter] = {{path, Token(texture.value("channel", std::string("rgb")))}};
   return true;
 }
 

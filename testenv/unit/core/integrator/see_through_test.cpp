@@ -34,7 +34,7 @@ RunningStatistics greens(PathTracer* tracer, uint32_t samples) {
   return statistics;
 }
 
-// Black films before a white sky: what passes is the product of what each lets pass.
+// Black films before a white sky pass the product of their transmittances.
 TEST(SeeThrough, LayersMultiply) {
   SceneBuilder b;
   const auto plane = b.prototype(testing::plane_mesh(4));
