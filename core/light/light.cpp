@@ -5,7 +5,10 @@ namespace alabaster {
 Light make_light(const LightDescription& d, const Vec3d& render_origin) {
   switch (d.type) {
     case LightType::rect:
-      return RectLight(d, render_origin);
+    case LightType::disk:
+      return PlaneLight(d, render_origin);
+    case LightType::cylinder:
+      return CylinderLight(d, render_origin);
     case LightType::sphere:
       return SphereLight(d, render_origin);
     case LightType::distant:

@@ -2,7 +2,7 @@
 //
 // README.md, "Extending", lists the steps to add a light.
 //
-// The functions (see rect_light.h): a constructor from (LightDescription, render origin), sample(p, u),
+// The functions (see plane_light.h): a constructor from (LightDescription, render origin), sample(p, u),
 // intersect(ray), importance(p) and extent(). A light whose surface is in the ray-traced scene (MeshLight) has pdf() in
 // place of intersect().
 //
@@ -15,15 +15,16 @@
 
 #include <variant>
 
+#include "core/light/cylinder_light.h"
 #include "core/light/distant_light.h"
 #include "core/light/dome_light.h"
 #include "core/light/mesh_light.h"
-#include "core/light/rect_light.h"
+#include "core/light/plane_light.h"
 #include "core/light/sphere_light.h"
 
 namespace alabaster {
 
-using Light = std::variant<RectLight, SphereLight, DistantLight, DomeLight, MeshLight>;
+using Light = std::variant<PlaneLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight>;
 
 /// The light of a description, placed in the render space whose origin this is in the world.
 Light make_light(const LightDescription& description, const Vec3d& render_origin);

@@ -14,10 +14,15 @@ std::span<const Parameter<LightDescription>> light_parameters() {
       {"width", &P::width, 0, kUnbounded},
       {"height", &P::height, 0, kUnbounded},
       {"radius", &P::radius, 0, kUnbounded},
+      {"length", &P::length, 0, kUnbounded},
       {"treatAsPoint", &P::treat_as_point},
       {"angle", &P::angle, 0, 360},
       {"coneInner", &P::cone_inner, 0, 180},
       {"coneOuter", &P::cone_outer, 0, 180},
+      {"shaping:cone:angle", &P::cone_angle, 0, 180},
+      {"shaping:cone:softness", &P::cone_softness, 0, 1},
+      {"shaping:focus", &P::focus, 0, kUnbounded},
+      {"shaping:focusTint", &P::focus_tint, 0, kUnbounded},
       {"visibleToCamera", &P::visible_to_camera},
   };
   return kTable;

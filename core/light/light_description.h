@@ -49,32 +49,38 @@ struct LightExtent {
   bool finite = true;
 };
 
-enum class LightType { rect, sphere, distant, dome };
+enum class LightType { rect, sphere, distant, dome, disk, cylinder };
 
 /// A light as the scene gives it (before placement in render space).
 ///
 /// Bad values never spread. A light gives no light and is never sampled if its transform is not finite, not affine or
-/// not invertible, if its width or height is zero, or if its emission is not finite or not representable. Negative
-/// channels count as black. The sign of a size is ignored.
+/// not invertible, if a size other than a sphere's is zero, or if its emission is not finite or not representable.
+/// Negative channels count as black. The sign of a size is ignored.
 struct LightDescription {
   LightType type = LightType::rect;
-  Matrix4d light_to_world;  // lights emit down their local -z (rect, distant); scale applies to sizes
+  Matrix4d light_to_world;  // lights emit down their local -z (rect, disk, distant); scale applies to sizes
   Rgb color{1.0f};
   float intensity = 1;
   float exposure = 0;  // stops
   /// Power independent of size, by UsdLux's size factors: the radiance is divided by the world-space area (rect
-  /// w*h, sphere 4 pi r^2) or, distant, by pi sin^2(angle/2) (beyond a hemisphere pi (2 - sin^2)), which makes
-  /// color*intensity the irradiance on a plane facing the light. Ignored by domes and point lights.
+  /// w*h, disk pi r^2, sphere 4 pi r^2, cylinder 2 pi r l) or, distant, by pi sin^2(angle/2) (beyond a hemisphere
+  /// pi (2 - sin^2)), which makes color*intensity the irradiance on a plane facing the light. A point light has the
+  /// limit of a sphere, radiant intensity I/4. Ignored by domes.
   bool normalize = false;
   float width = 1, height = 1;  // rect
-  float radius = 0.5f;          // sphere; under a transform that scales unevenly the sphere keeps its volume
+  float radius = 0.5f;  // disk; sphere and cylinder, which keep their volume under a transform that scales unevenly
+  float length = 1;     // cylinder, along x
   /// sphere: a point light. The radius then does not count, and `intensity` is radiant intensity (candela-like), as it
   /// is for radius 0: irradiance at distance d is intensity / d^2.
   bool treat_as_point = false;
   float angle = 0.53f;  // distant: angular diameter in degrees; 0: delta, color*intensity is then irradiance
-  float cone_inner = 180, cone_outer = 180;  // spot shaping of a sphere light about -z, half angles in degrees;
-                                             // smooth between them as KHR_lights_punctual defines
-  std::shared_ptr<const Texture> texture;    // dome: lat-long, USD's orientation (see dome_light.h)
+  /// Shaping of lights that have a place, about their local -z (light_shaping.h); half angles in degrees. A cone_angle
+  /// below 180 or a softness replaces inner and outer.
+  float cone_inner = 180, cone_outer = 180;   // falloff between them as KHR_lights_punctual defines
+  float cone_angle = 180, cone_softness = 0;  // UsdLuxShapingAPI; dark beyond the angle, the softness is its soft share
+  float focus = 0;                            // radiance times lerp(focus_tint, white, |cos|^focus)
+  Rgb focus_tint{0.0f};
+  std::shared_ptr<const Texture> texture;  // dome: lat-long, USD's orientation (see dome_light.h)
   bool visible_to_camera = false;
   std::string name = {};  // prim path, for reports
   bool operator==(const LightDescription&) const = default;

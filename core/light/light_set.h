@@ -50,7 +50,7 @@ class LightSet {
   /// arrives.
   std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u) const;
 
-  /// Sum of the light that lights without geometry emit along the ray: finite ones (rect, sphere) nearer than ray.tmax
+  /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
   /// each weighed by `weigh(pdf)`, the pdf that sample_lights(ray.org, u, domes, ...) has for this direction of this
   /// light, with the choice in it.

@@ -7,12 +7,6 @@
 namespace alabaster {
 namespace {
 
-double one_minus_cos_degrees(float angle) {
-  const double clamped = std::isfinite(angle) ? std::clamp(static_cast<double>(angle), 0.0, 180.0) : 180.0;
-  const double s = std::sin(clamped * (kPiDouble / 360));
-  return 2 * s * s;
-}
-
 // 1 - cos of the cone that a sphere of radius r fills at distance d > r, without cancellation:
 // sin^2 / (1 + cos), cos^2 = (d - r)(d + r) / d^2.
 double one_minus_cos_sphere(double r, double d) {
@@ -34,52 +28,20 @@ double pdf_outside(double r, double d) {
 
 }  // namespace
 
-SpotCone::SpotCone(float inner, float outer, const Vec3d& axis)
-    : axis_(axis), inner_(one_minus_cos_degrees(inner)), outer_(one_minus_cos_degrees(outer)) {
-  inner_ = std::min(inner_, outer_);
-}
-
-float SpotCone::attenuation(const Vec3d& direction) const {
-  if (inner_ >= 2) return 1;
-  const Vec3d apart = direction - axis_;
-  return attenuation_at(0.5 * dot(apart, apart));
-}
-
-float SpotCone::attenuation_at(double one_minus_cos) const {
-  if (one_minus_cos <= inner_) return outer_ > 0 ? 1.0f : 0.0f;
-  if (one_minus_cos >= outer_) return 0;
-  const double ramp = (outer_ - one_minus_cos) / (outer_ - inner_);
-  return static_cast<float>(ramp * ramp);
-}
-
-float SpotCone::largest_attenuation(const Vec3d& direction, double sin_half_angle) const {
-  if (inner_ >= 2) return 1;
-  // Directions of rays are rounded to float, and so are the points that they meet.
-  constexpr double kRounding = 0x1p-20;
-  const double off_axis = std::atan2(length(cross(direction, axis_)), dot(direction, axis_));
-  const double s = std::sin(0.5 * std::max(0.0, off_axis - std::asin(sin_half_angle) - kRounding));
-  return attenuation_at(2 * s * s);
-}
-
-double SpotCone::mean() const {
-  // The mean of a function of cos over the sphere is half its integral; the squared ramp gives a third of its width.
-  return 0.5 * (inner_ + (outer_ - inner_) / 3);
-}
-
 SphereLight::SphereLight(const LightDescription& description, const Vec3d& render_origin) {
   const Matrix4d& m = description.light_to_world;
   if (!is_valid_affine(m)) return;
   center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
-  const Vec3d axis = transform_vector(Vec3d(0, 0, -1), m);
-  cone_ = SpotCone(description.cone_inner, description.cone_outer, axis * (1 / length(axis)));
   const double scale = cube_root(std::abs(linear_determinant(m)));
   if (!description.treat_as_point) radius_ = scale * std::abs(static_cast<double>(description.radius));
-  if (!std::isfinite(dot(center_, center_)) || !std::isfinite(dot(axis, axis)) || !std::isfinite(radius_)) {
+  if (!std::isfinite(dot(center_, center_)) || !std::isfinite(radius_)) {
     radius_ = 0;
     return;
   }
-  const double area = 4 * kPiDouble * radius_ * radius_;
-  radiance_ = finite_or_black(emission(description), description.normalize && area > 0 ? 1 / area : 1);
+  // A normalised sphere of any radius has radiant intensity pi r^2 L = I / 4, and so has its limit, a point.
+  const double area = is_delta() ? 4 : 4 * kPiDouble * radius_ * radius_;
+  radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area : 1);
+  shaping_ = LightShaping::make(description);
 }
 
 std::optional<LightSample> SphereLight::sample_point(const Vec3d& to_center) const {
@@ -89,7 +51,7 @@ std::optional<LightSample> SphereLight::sample_point(const Vec3d& to_center) con
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(std::sqrt(d2));
-  s.radiance = finite_or_black(radiance_, cone_.attenuation(-wi) / d2);
+  s.radiance = finite_or_black(shaped(radiance_, shaping_, -wi), 1 / d2);
   s.pdf = 1;
   s.delta = true;
   if (is_black(s.radiance)) return std::nullopt;
@@ -124,7 +86,7 @@ std::optional<LightSample> SphereLight::sample(const Vec3f& p, const Vec2f& u) c
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
-  s.radiance = radiance_ * cone_.attenuation(-wi);
+  s.radiance = shaped(radiance_, shaping_, -wi);
   s.pdf = static_cast<float>(pdf);
   if (is_black(s.radiance) || !(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
   if (!(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
@@ -146,7 +108,7 @@ std::optional<LightHit> SphereLight::intersect(const Ray& ray) const {
   const double t = outside ? (d - radius_) * (d + radius_) / (along + half_chord) : along + half_chord;
   LightHit hit;
   hit.t = static_cast<float>(t / speed);
-  hit.radiance = radiance_ * cone_.attenuation(-wi);
+  hit.radiance = shaped(radiance_, shaping_, -wi);
   hit.pdf = outside ? static_cast<float>(pdf_outside(radius_, d)) : pdf_uniform_sphere();
   if (is_black(hit.radiance) || !(hit.t > 0) || !std::isfinite(hit.t) || !std::isfinite(hit.pdf)) return std::nullopt;
   return hit;
@@ -161,10 +123,11 @@ bool SphereLight::is_below(const Vec3f& p, const Vec3f& n) const {
 double SphereLight::importance(const Vec3f& p) const {
   const Vec3d from_center = Vec3d(p) - center_;
   const double d2 = dot(from_center, from_center), r2 = radius_ * radius_;
-  if (!is_delta() && !(d2 > r2)) return representable_importance(radiance_, kPiDouble * cone_.mean());
+  if (!is_delta() && !(d2 > r2))
+    return representable_importance(radiance_, kPiDouble * (shaping_ ? shaping_->mean() : 1));
   if (!(d2 > 0)) return 0;
   const double d = std::sqrt(d2);
-  const float spot = cone_.largest_attenuation(from_center * (1 / d), radius_ / d);
+  const double spot = shaping_ ? shaping_->largest(from_center * (1 / d), radius_ / d) : 1;
   return representable_importance(radiance_, spot * (is_delta() ? 1 : kPiDouble * r2) / d2);
 }
 

@@ -132,12 +132,17 @@ std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t inde
                    [&instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); });
 }
 
+bool has_no_size(const LightDescription& d) {
+  if (d.type == LightType::rect) return d.width == 0 || d.height == 0;
+  return (d.type == LightType::disk && d.radius == 0) ||
+         (d.type == LightType::cylinder && (d.radius == 0 || d.length == 0));
+}
+
 // True if the light can be placed. Says why one gives no light.
 bool is_usable(const LightDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
   if (is_valid_affine(d.light_to_world) && is_within_reach(d.light_to_world)) {
-    if (d.type == LightType::rect && d.intensity != 0 && (d.width == 0 || d.height == 0))
-      report(sink, Severity::warning, "light.size", d.name,
-             "a light of width or height zero gives no light; give it a size");
+    if (d.intensity != 0 && has_no_size(d))
+      report(sink, Severity::warning, "light.size", d.name, "a light of size zero gives no light; give it a size");
     return true;
   }
   const bool near = is_within_reach(d.light_to_world);

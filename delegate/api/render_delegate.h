@@ -24,8 +24,8 @@ class ALABASTER_API RenderDelegate {
   virtual ~RenderDelegate();
 
   // Prims. Unknown types give null and the host goes on. The host destroys through the delegate, after Finalize.
-  // Rprims: mesh. Sprims: camera, material, rectLight, sphereLight, distantLight, domeLight. Bprims: renderSettings,
-  // renderBuffer.
+  // Rprims: mesh. Sprims: camera, material, rectLight, diskLight, cylinderLight, sphereLight, distantLight, domeLight.
+  // Bprims: renderSettings, renderBuffer.
   virtual const std::vector<Token>& GetSupportedRprimTypes() const = 0;
   virtual const std::vector<Token>& GetSupportedSprimTypes() const = 0;
   virtual const std::vector<Token>& GetSupportedBprimTypes() const = 0;

@@ -38,7 +38,8 @@ struct InstancerDescription {
   bool operator==(const InstancerDescription&) const = default;
 };
 
-/// Parameters have the names of schemas/lights.json. Types: rectLight, sphereLight, distantLight, domeLight.
+/// Parameters have the names of schemas/lights.json. Types: rectLight, diskLight, cylinderLight, sphereLight,
+/// distantLight, domeLight.
 struct LightDescription {
   Token type;
   Matrix4d transform;

@@ -74,7 +74,8 @@ class MaterialPrim final : public RecordedPrim<Sprim> {
 };
 
 /// Prim types of lights, in the order of LightType.
-inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight", "domeLight"};
+inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight",
+                                              "domeLight", "diskLight",   "cylinderLight"};
 
 class LightPrim final : public RecordedPrim<Sprim> {
  public:

@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 24;  // in this file
+constexpr int kTests = 34;  // in this file
 
 // Directions are binned on a chart of the light as seen from p. It maps to the unit square, where the light's outline
 // follows bin edges, so that the pdf has no jumps within bins. Half the square lies outside the light.
@@ -90,6 +90,59 @@ Chart lat_long() {
   return {to_square, direction, [](const Vec2f& u) { return 2 * kPiDouble * kPiDouble * std::sin(kPiDouble * u.y); }};
 }
 
+// An ellipse in the plane z = 0, centred at the origin, of these semi-axes (perpendicular or not). The square covers
+// twice its area, radius squared by azimuth.
+Chart ellipse(const Vec3f& p, const Vec3d& x, const Vec3d& y) {
+  const Vec3d origin(p);
+  const double area = length(cross(x, y)), size = std::min(length(x), length(y));
+  const auto point = [=](const Vec2f& u) {
+    const double r = std::sqrt(2 * static_cast<double>(u.x)), phi = 2 * kPiDouble * (static_cast<double>(u.y) - 0.5);
+    return x * (r * std::cos(phi)) + y * (r * std::sin(phi)) - origin;
+  };
+  const auto to_square = [=](const Vec3f& w) {
+    if (!(w.z > 0)) return Vec2f(0.99f, 0);
+    const double t = -origin.z / static_cast<double>(w.z), blur = kBlur * t / (static_cast<double>(w.z) * size);
+    const Vec3d q = origin + Vec3d(w) * t;
+    const double determinant = x.x * y.y - x.y * y.x;
+    const double a = (q.x * y.y - q.y * y.x) / determinant, b = (x.x * q.y - x.y * q.x) / determinant;
+    return in_square(snap(0.5 * (a * a + b * b), 0.5, -1, 2 * blur), 0.5 + std::atan2(b, a) / (2 * kPiDouble));
+  };
+  const auto solid_angle = [=](const Vec2f& u) {
+    const Vec3d d = point(u);
+    const double l = length(d);
+    return 2 * kPiDouble * area * d.z / (l * l * l);
+  };
+  return {to_square, [=](const Vec2f& u) { return Vec3f(normalize(point(u))); }, solid_angle};
+}
+
+// The visible side of a cylinder about the x axis, of radius r. The square covers twice its length, and the angles
+// about the axis from which it is seen.
+Chart cylinder(const Vec3f& p, double length_of_it, double r) {
+  const Vec3d origin(p);
+  const double h = std::hypot(origin.y, origin.z), middle = std::atan2(origin.z, origin.y), widest = std::acos(r / h);
+  const auto point = [=](const Vec2f& u) {
+    const double angle = middle + widest * (2 * static_cast<double>(u.y) - 1);
+    return Vec3d(length_of_it * (2 * static_cast<double>(u.x) - 1), r * std::cos(angle), r * std::sin(angle));
+  };
+  const auto to_square = [=](const Vec3f& w) {
+    // |(y, z) of origin + t w| = r.
+    const Vec3d d(w);
+    const double a = d.y * d.y + d.z * d.z, b = origin.y * d.y + origin.z * d.z, c = h * h - r * r;
+    const double t = (-b - std::sqrt(std::max(0.0, b * b - a * c))) / a;
+    const Vec3d q = origin + d * t;
+    const double angle = std::remainder(std::atan2(q.z, q.y) - middle, 2 * kPiDouble);
+    const double blur = kBlur * t / length_of_it * 4;
+    const double x = 0.5 + 0.5 * q.x / length_of_it;
+    return in_square(snap(snap(x, 0.25, 1, blur), 0.75, -1, blur), 0.5 + 0.5 * angle / widest);
+  };
+  const auto solid_angle = [=](const Vec2f& u) {
+    const Vec3d q = point(u), d = q - origin;
+    const double l = length(d), cosine = -(d.y * q.y + d.z * q.z) / (l * r);
+    return std::max(0.0, cosine) / (l * l) * r * 2 * widest * 2 * length_of_it;
+  };
+  return {to_square, [=](const Vec2f& u) { return Vec3f(normalize(point(u) - origin)); }, solid_angle};
+}
+
 template <class L>
 ChiSquareResult test_light(const L& light, const Vec3f& p, const Chart& chart, uint64_t seed) {
   const auto sample = [&](Rng& rng) -> std::optional<Vec2f> {
@@ -120,7 +173,7 @@ LightDescription described(LightType type) {
 TEST(LightChiSquare, Rect) {
   LightDescription d = described(LightType::rect);
   d.width = 2;
-  const RectLight light(d, Vec3d(0, 0, 0));
+  const PlaneLight light(d, Vec3d(0, 0, 0));
   struct View {
     const char* name;
     Vec3f p;
@@ -135,10 +188,34 @@ TEST(LightChiSquare, Rect) {
 TEST(LightChiSquare, ShearedRectIsSampledByArea) {
   LightDescription d = described(LightType::rect);
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0.8, 1, 0, 0, 0, 0.3, 2, 0, 0, 0, 0, 1);
-  const RectLight light(d, Vec3d(0, 0, 0));
+  const PlaneLight light(d, Vec3d(0, 0, 0));
   uint64_t seed = 20;
   for (const Vec3f& p : {Vec3f(0.2f, 0.1f, -0.5f), Vec3f(1.5f, -0.2f, -0.8f)})
     check(light, "sheared", p, parallelogram(p, Vec3d(1, 0, 0), Vec3d(0.8, 1, 0)), seed++);
+}
+
+TEST(LightChiSquare, Disk) {
+  LightDescription d = described(LightType::disk);
+  d.radius = 1;
+  const PlaneLight light(d, Vec3d(0, 0, 0));
+  uint64_t seed = 90;
+  for (const Vec3f& p :
+       {Vec3f(0.2f, 0.1f, -0.3f), Vec3f(0, 0.9f, -0.2f), Vec3f(1.5f, -0.2f, -0.8f), Vec3f(40, 10, -70)})
+    check(light, "disk", p, ellipse(p, Vec3d(1, 0, 0), Vec3d(0, 1, 0)), seed++);
+  d.light_to_world = Matrix4d(-1, 0, 0, 0, 0.8, 2, 0, 0, 0, 0.3, 2, 0, 0, 0, 0, 1);  // mirrored and sheared
+  const Vec3f p(0.2f, 0.1f, -2);
+  check(PlaneLight(d, Vec3d(0, 0, 0)), "sheared", p, ellipse(p, Vec3d(-1, 0, 0), Vec3d(0.8, 2, 0)), seed);
+}
+
+TEST(LightChiSquare, Cylinder) {
+  LightDescription d = described(LightType::cylinder);
+  d.radius = 0.25f;
+  d.length = 2;
+  const CylinderLight light(d, Vec3d(0, 0, 0));
+  uint64_t seed = 100;
+  for (const Vec3f& p :
+       {Vec3f(0.1f, -0.2f, -0.3f), Vec3f(0.3f, 2, 1), Vec3f(3, 0.2f, 0.4f), Vec3f(-1.2f, 0, 0.3f), Vec3f(40, 10, -70)})
+    check(light, "cylinder", p, cylinder(p, 2, 0.25), seed++);
 }
 
 TEST(LightChiSquare, Sphere) {
@@ -232,7 +309,7 @@ TEST(LightChiSquare, Mesh) {
 // The test detects a light that is slightly larger than it states, and a pdf without the light's cosine.
 TEST(LightChiSquare, WrongPdfsFail) {
   struct Wrong {
-    RectLight sampled, stated;
+    PlaneLight sampled, stated;
     float power_of_cosine;
     std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return sampled.sample(p, u); }
     std::optional<LightHit> intersect(const Ray& ray) const {
@@ -242,9 +319,9 @@ TEST(LightChiSquare, WrongPdfsFail) {
     }
   };
   LightDescription d = described(LightType::rect);
-  const RectLight light(d, Vec3d(0, 0, 0));
+  const PlaneLight light(d, Vec3d(0, 0, 0));
   d.width = 1.03f;
-  const RectLight larger(d, Vec3d(0, 0, 0));
+  const PlaneLight larger(d, Vec3d(0, 0, 0));
   const Vec3f p(0.8f, 0.1f, -0.6f);
   const Chart chart = parallelogram(p, Vec3d(1, 0, 0), Vec3d(0, 1, 0));
   EXPECT_TRUE(test_light(Wrong{light, light, 0}, p, chart, 80).passed);

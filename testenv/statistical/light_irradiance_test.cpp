@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 48;  // in this file
+constexpr int kTests = 58;  // in this file
 struct Plane {
   Vec3f p, n;
 };
@@ -57,7 +57,7 @@ TEST(LightIrradiance, RectIsLambertsFormula) {
   d.color = Rgb(3, 1, 1);
   d.light_to_world = translation(10.25, 0, 3);  // faces down
   const Vec3d origin(10, 0, 0);
-  const RectLight light(d, origin);
+  const PlaneLight light(d, origin);
   const std::array<Vec3d, 4> corners = {Vec3d(-0.75, -0.25, 3), Vec3d(1.25, -0.25, 3), Vec3d(1.25, 0.25, 3),
                                         Vec3d(-0.75, 0.25, 3)};
   uint64_t seed = 100;
@@ -65,6 +65,53 @@ TEST(LightIrradiance, RectIsLambertsFormula) {
                              Plane{{3, 2, 0}, normalize(Vec3f(-1, 0, 1))}, Plane{{0.25f, 0, 2.999f}, {0, 0, 1}},
                              Plane{{-300, 0, 0}, normalize(Vec3f(1, 0, 1))}, Plane{{5, 0, 2.97f}, {-1, 0, 0}}})
     expect(irradiance(light, plane, 40000, seed++), 3 * lambert_polygon(plane, corners), "rect");
+}
+
+// A disk of radius r at height h seen from the plane below it, a from its axis: pi L / 2 (1 - (h^2 + a^2 - r^2) /
+// sqrt((h^2 + a^2 + r^2)^2 - 4 a^2 r^2)), on the axis pi L sin^2.
+TEST(LightIrradiance, DiskOverAParallelPlane) {
+  LightDescription d;
+  d.type = LightType::disk;
+  d.radius = 0.75f;
+  d.color = Rgb(3, 1, 1);
+  d.light_to_world = translation(0, 0, 3);
+  const PlaneLight light(d, Vec3d(0, 0, 0));
+  uint64_t seed = 120;
+  for (const auto& [a, z] : {std::pair(0.0, 0.0), {0.0, 2.9}, {0.5, 2.75}, {1.5, 2.5}, {20.0, 0.0}}) {
+    const double h = 3 - z, r = 0.75, sum = h * h + a * a;
+    const double expected =
+        1.5 * kPiDouble * (1 - (sum - r * r) / std::sqrt((sum + r * r) * (sum + r * r) - 4 * a * a * r * r));
+    expect(irradiance(light, {Vec3f(Vec3d(a, 0, z)), {0, 0, 1}}, 40000, seed++), expected, "disk");
+  }
+}
+
+// Quadrature over the side of the tube that faces the plane and is above it.
+TEST(LightIrradiance, Cylinder) {
+  LightDescription d;
+  d.type = LightType::cylinder;
+  d.radius = 0.5f;
+  d.length = 1.5f;
+  d.normalize = true;
+  d.light_to_world = Matrix4d(2, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 2, 1);  // mirrored, of length 3
+  const CylinderLight light(d, Vec3d(0, 0, 0));
+  uint64_t seed = 140;
+  for (const Plane& plane : {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0.3f, 0.2f, 1.45f}, {0, 0, 1}},
+                             Plane{{4, 1, 1.75f}, normalize(Vec3f(-1, 0, 0.2f))}, Plane{{0.5f, 0.6f, 2}, {0, 0, 1}}}) {
+    const Vec3d p(plane.p), n(plane.n);
+    constexpr int kSteps = 1500;
+    double expected = 0;
+    for (int i = 0; i < kSteps; ++i)
+      for (int j = 0; j < kSteps; ++j) {
+        const double x = 3 * ((i + 0.5) / kSteps - 0.5), angle = 2 * kPiDouble * (j + 0.5) / kSteps;
+        const Vec3d out(0, std::cos(angle), std::sin(angle)), to_light = Vec3d(x, 0, 2) + out * 0.5 - p;
+        const double d2 = dot(to_light, to_light), facing = -dot(to_light, out), above = dot(to_light, n);
+        if (facing > 0 && above > 0) expected += facing * above / (d2 * d2);
+      }
+    expected /= static_cast<double>(kSteps) * kSteps;  // radiance 1 / area
+    const auto r = z_test(irradiance(light, plane, 40000, seed++), expected,
+                          {.number_of_tests = kTests, .slack = 1e-4 * expected});
+    EXPECT_TRUE(r.passed) << r.report;
+  }
 }
 
 // Cosine-weighted solid angle of a sphere fully above the plane: pi L (r/d)^2 cos.
@@ -195,7 +242,7 @@ TEST(LightIrradiance, LightSetWithMultipleImportanceSampling) {
   black.intensity = 0;
   const Vec3d o(0, 0, 0);
   const LightSet set(
-      {RectLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)},
+      {PlaneLight(rect, o), SphereLight(black, o), SphereLight(sphere, o), DomeLight(dome, o), DistantLight(sun, o)},
       {});
   const Plane plane{{0, 0, 0}, {0, 0, 1}};
   const std::array<Vec3d, 4> corners = {Vec3d(-1.5, -1.5, 2), Vec3d(1.5, -1.5, 2), Vec3d(1.5, 1.5, 2),
@@ -225,7 +272,7 @@ TEST(LightIrradiance, LightSetOfVeryDifferentLights) {
   dome.type = LightType::dome;
   dome.intensity = 0.01f;
   const Vec3d o(0, 0, 0);
-  const LightSet set({RectLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
+  const LightSet set({PlaneLight(rect, o), SphereLight(point, o), DomeLight(dome, o)}, {});
   const std::array<Vec3d, 4> corners = {Vec3d(-0.1, -0.1, 1), Vec3d(0.1, -0.1, 1), Vec3d(0.1, 0.1, 1),
                                         Vec3d(-0.1, 0.1, 1)};
   uint64_t seed = 710;
@@ -254,7 +301,7 @@ TEST(LightIrradiance, ChoosingAtThePointPays) {
   LightDescription sky;
   sky.type = LightType::dome;
   sky.intensity = 0.06f;
-  const RectLight rect(key, Vec3d(0, 0, 0));
+  const PlaneLight rect(key, Vec3d(0, 0, 0));
   const DomeLight dome(sky, Vec3d(0, 0, 0));
   const LightSet set({rect, dome}, {});
   const double key_power = 34 * kPiDouble * 0.09, sky_power = 4 * kPiDouble * 0.06 * kPiDouble * 200;
@@ -280,7 +327,7 @@ TEST(LightIrradiance, ChoosingAtThePointPays) {
 TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
   LightDescription d;
   d.light_to_world = translation(0, 0, 1);
-  const RectLight light(d, Vec3d(0, 0, 0));
+  const PlaneLight light(d, Vec3d(0, 0, 0));
   struct Case {
     Plane plane;
     double least_gain;
@@ -309,7 +356,7 @@ TEST(LightIrradiance, WrongExpectationFails) {
   d.light_to_world = translation(0, 0, 3);
   const std::array<Vec3d, 4> corners = {Vec3d(-0.5, -0.5, 3), Vec3d(0.5, -0.5, 3), Vec3d(0.5, 0.5, 3),
                                         Vec3d(-0.5, 0.5, 3)};
-  const auto e = irradiance(RectLight(d, Vec3d(0, 0, 0)), plane, 40000, 900);
+  const auto e = irradiance(PlaneLight(d, Vec3d(0, 0, 0)), plane, 40000, 900);
   EXPECT_FALSE(z_test(e, 1.01 * lambert_polygon(plane, corners), {.number_of_tests = kTests}).passed);
 }
 

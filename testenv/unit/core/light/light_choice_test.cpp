@@ -13,7 +13,7 @@ Light described(LightType type, float intensity, double scale = 1) {
   d.intensity = intensity;
   for (int i = 0; i < 3; ++i) d.light_to_world[i][i] = scale;
   d.light_to_world[3][2] = 2 * scale;
-  if (type == LightType::rect) return RectLight(d, Vec3d(0, 0, 0));
+  if (type == LightType::rect) return PlaneLight(d, Vec3d(0, 0, 0));
   if (type == LightType::sphere) return SphereLight(d, Vec3d(0, 0, 0));
   if (type == LightType::distant) return DistantLight(d, Vec3d(0, 0, 0));
   return DomeLight(d, Vec3d(0, 0, 0));

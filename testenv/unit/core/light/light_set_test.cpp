@@ -113,7 +113,7 @@ TEST(LightSet, OnlyLightsBelowTheHorizonAreLeftOut) {
   LightDescription rect = described(LightType::rect, 1);
   rect.width = 3;
   rect.light_to_world = Matrix4d(1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0.5, 0, 0, 1);
-  const LightSet sets[] = {LightSet({RectLight(rect, kOrigin)}, {}, 8), LightSet({sphere(1)}, {}, 8)};
+  const LightSet sets[] = {LightSet({PlaneLight(rect, kOrigin)}, {}, 8), LightSet({sphere(1)}, {}, 8)};
   Rng rng(1, 2);
   const auto direction = [&] { return sample_uniform_sphere({rng.uniform(), rng.uniform()}); };
   for (const LightSet& set : sets) {

@@ -39,7 +39,19 @@ std::vector<LightDescription> some_of_each() {
   texels[5] = Rgb(0.0f);
   texels[3] = Rgb(90, 80, 70);
   image.texture = std::make_shared<testing::MemoryTexture>(4, texels);
-  return {rect, sheared, sphere, spot, point, sun, ray, sky, image};
+  LightDescription disk = sheared;
+  disk.type = LightType::disk;
+  LightDescription round = disk;
+  round.light_to_world = Matrix4d();
+  round.radius = 2;
+  LightDescription tube;
+  tube.type = LightType::cylinder;
+  tube.light_to_world = Matrix4d(0, 2, 0, 0, 0.5, 0, 0.1, 0, 0, 0.2, -1, 0, 0.5, 0.25, 0, 1);  // uneven and mirrored
+  LightDescription shaped = tube;
+  shaped.cone_angle = 100;
+  shaped.cone_softness = 0.5f;
+  shaped.focus = 2;
+  return {rect, sheared, sphere, spot, point, sun, ray, sky, image, disk, round, tube, shaped};
 }
 
 std::optional<LightSample> sample(const Light& light, const Vec3f& p, const Vec2f& u) {
@@ -210,7 +222,7 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
     bad = d;
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 3; ++column) bad.light_to_world[row][column] *= 1e200;
-    if (d.type == LightType::rect || (d.type == LightType::sphere && !d.treat_as_point)) {
+    if (d.type != LightType::dome && d.type != LightType::distant && !d.treat_as_point) {
       expect_dark(bad, "size beyond floats");
     }
   }
@@ -219,10 +231,17 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
   expect_dark(d, "no width");
   d.width = kNaN;
   expect_dark(d, "NaN width");
-  d = {};
-  d.type = LightType::sphere;
-  d.radius = kNaN;
-  expect_dark(d, "NaN radius");
+  for (const LightType type : {LightType::sphere, LightType::disk, LightType::cylinder}) {
+    d = {};
+    d.type = type;
+    d.radius = kNaN;
+    expect_dark(d, "NaN radius");
+    d.radius = 0;
+    if (type != LightType::sphere) expect_dark(d, "no radius");
+  }
+  d.radius = 1;
+  d.length = 0;
+  expect_dark(d, "no length");
   d = {};
   d.type = LightType::sphere;
   d.cone_inner = d.cone_outer = 0;

@@ -119,7 +119,7 @@ TEST(LightTree, FindsEveryLightThatARayMeets) {
     visits += found.size();
     for (size_t i = 0; i < lights.size(); ++i) {
       std::optional<LightHit> hit;
-      if (const auto* rect = std::get_if<RectLight>(&lights[i])) hit = rect->intersect(ray);
+      if (const auto* rect = std::get_if<PlaneLight>(&lights[i])) hit = rect->intersect(ray);
       if (const auto* sphere = std::get_if<SphereLight>(&lights[i])) hit = sphere->intersect(ray);
       if (!hit || hit->t > ray.tmax) continue;
       EXPECT_TRUE(found.count(i)) << i;

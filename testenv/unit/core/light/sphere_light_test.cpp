@@ -46,7 +46,6 @@ TEST(SphereLight, PointFallsOffWithTheSquareOfTheDistance) {
   LightDescription d = sphere();
   d.treat_as_point = true;
   d.intensity = 8;
-  d.normalize = true;  // means nothing for a point
   const SphereLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.is_delta());
   const auto s = light.sample({0, 0, -4}, {0.1f, 0.9f});
@@ -63,6 +62,22 @@ TEST(SphereLight, PointFallsOffWithTheSquareOfTheDistance) {
   EXPECT_EQ(SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, -4}, {0, 0})->radiance, Rgb(0.5f));
 }
 
+// A normalised sphere of any radius has the radiant intensity pi r^2 L = I / 4 in each direction, and so has its limit.
+TEST(SphereLight, NormalizedPointIsTheLimitOfANormalizedSphere) {
+  LightDescription d = sphere();
+  d.normalize = true;
+  d.intensity = 8;
+  d.radius = 1e-3f;
+  const auto of_sphere = SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, -4}, {0.5f, 0.5f});
+  ASSERT_TRUE(of_sphere);
+  EXPECT_NEAR(of_sphere->radiance.g / of_sphere->pdf, 0.125f, 1e-6f);
+  d.treat_as_point = true;
+  EXPECT_EQ(SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, -4}, {0.5f, 0.5f})->radiance, Rgb(0.125f));
+  d.treat_as_point = false;
+  d.radius = 0;
+  EXPECT_EQ(SphereLight(d, Vec3d(0, 0, 0)).sample({0, 0, -4}, {0.5f, 0.5f})->radiance, Rgb(0.125f));
+}
+
 TEST(SphereLight, NormalizeKeepsWhatItGives) {
   LightDescription d = sphere();
   d.normalize = true;
@@ -73,42 +88,6 @@ TEST(SphereLight, NormalizeKeepsWhatItGives) {
     EXPECT_NEAR(SphereLight(d, Vec3d(0, 0, 0)).importance({0, 0, 200}) * 160000, 1, 1e-5);
   }
   EXPECT_NEAR(SphereLight(sphere(), Vec3d(0, 0, 0)).importance({0.1f, 0.2f, 0.3f}), kPi, 1e-6) << "inside";
-}
-
-float spot(float inner, float outer, float degrees) {
-  const double a = degrees * kPiDouble / 180;
-  return SpotCone(inner, outer, Vec3d(0, 0, -1)).attenuation(Vec3d(std::sin(a), 0, -std::cos(a)));
-}
-
-// KHR_lights_punctual: ((cos(angle) - cos(outer)) / (cos(inner) - cos(outer)))^2, clamped.
-TEST(SpotCone, FollowsKhrLightsPunctual) {
-  EXPECT_EQ(spot(20, 40, 0), 1);
-  EXPECT_EQ(spot(20, 40, 19.9f), 1);
-  EXPECT_EQ(spot(20, 40, 40.1f), 0);
-  EXPECT_EQ(spot(20, 40, 180), 0);
-  const double ramp = (std::cos(30 * kPiDouble / 180) - std::cos(40 * kPiDouble / 180)) /
-                      (std::cos(20 * kPiDouble / 180) - std::cos(40 * kPiDouble / 180));
-  EXPECT_NEAR(spot(20, 40, 30), ramp * ramp, 1e-6);
-  EXPECT_EQ(spot(180, 180, 180), 1) << "unshaped";
-  EXPECT_EQ(spot(50, 40, 39.9f), 1) << "inner beyond outer: a hard edge";
-  EXPECT_EQ(spot(50, 40, 40.1f), 0);
-  // Narrow beams keep their shape: here cos differs from 1 by less than a float can say.
-  EXPECT_EQ(spot(0.01f, 0.02f, 0.005f), 1);
-  EXPECT_NEAR(spot(0, 0.02f, 0.01f), 0.5625, 1e-3);  // (1 - 1/4)^2: 1 - cos goes as the square of small angles
-  EXPECT_EQ(spot(0.01f, 0.02f, 0.021f), 0);
-}
-
-TEST(SpotCone, MeanIsTheMeanOverTheSphere) {
-  for (const auto& [inner, outer] : {std::pair(180.0f, 180.0f), {20.0f, 40.0f}, {0.0f, 90.0f}, {30.0f, 30.0f}}) {
-    double sum = 0;
-    constexpr int kSteps = 20000;
-    for (int i = 0; i < kSteps; ++i) {
-      const double z = -1 + 2 * (i + 0.5) / kSteps;
-      sum +=
-          static_cast<double>(SpotCone(inner, outer, Vec3d(0, 0, -1)).attenuation(Vec3d(std::sqrt(1 - z * z), 0, z)));
-    }
-    EXPECT_NEAR(SpotCone(inner, outer, Vec3d(0, 0, -1)).mean(), sum / kSteps, 1e-4);
-  }
 }
 
 TEST(SphereLight, SpotTurnsWithTheLight) {

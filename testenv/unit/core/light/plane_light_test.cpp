@@ -1,14 +1,14 @@
-#include "core/light/rect_light.h"
+#include "core/light/plane_light.h"
 
 #include <gtest/gtest.h>
 
 namespace alabaster {
 namespace {
 
-TEST(RectLight, EmitsDownLocalMinusZOnly) {
+TEST(PlaneLight, EmitsDownLocalMinusZOnly) {
   LightDescription d;
   d.intensity = 2;
-  const RectLight light(d, Vec3d(0, 0, 0));
+  const PlaneLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.sample({0, 0, -1}, {0.5f, 0.5f}));
   EXPECT_FALSE(light.sample({0, 0, 1}, {0.5f, 0.5f}));
   EXPECT_FALSE(light.sample({3, 0, 0}, {0.5f, 0.5f})) << "in its plane";
@@ -21,40 +21,40 @@ TEST(RectLight, EmitsDownLocalMinusZOnly) {
   EXPECT_FALSE(light.intersect({{0.6f, 0.3f, -2}, {0, 0, 1}})) << "beside";
 }
 
-TEST(RectLight, MirroringKeepsTheEmittingSideLocal) {
+TEST(PlaneLight, MirroringKeepsTheEmittingSideLocal) {
   LightDescription d;
   d.light_to_world = Matrix4d(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);  // mirrors x
-  EXPECT_TRUE(RectLight(d, Vec3d(0, 0, 0)).sample({0, 0, -1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(PlaneLight(d, Vec3d(0, 0, 0)).sample({0, 0, -1}, {0.5f, 0.5f}));
   d.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);  // mirrors z
-  EXPECT_TRUE(RectLight(d, Vec3d(0, 0, 0)).sample({0, 0, 1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(PlaneLight(d, Vec3d(0, 0, 0)).sample({0, 0, 1}, {0.5f, 0.5f}));
 }
 
 // A cube's face seen from its centre is a sixth of the sphere.
-TEST(RectLight, PdfIsOneOverTheSolidAngle) {
+TEST(PlaneLight, PdfIsOneOverTheSolidAngle) {
   LightDescription d;
   d.width = d.height = 2;
-  const auto s = RectLight(d, Vec3d(0, 0, 1)).sample({0, 0, -2}, {0.3f, 0.8f});
+  const auto s = PlaneLight(d, Vec3d(0, 0, 1)).sample({0, 0, -2}, {0.3f, 0.8f});
   ASSERT_TRUE(s);
   EXPECT_NEAR(s->pdf, 6 / (4 * kPi), 1e-6f);
 }
 
-TEST(RectLight, SizesTimesScaleAndNormalize) {
+TEST(PlaneLight, SizesTimesScaleAndNormalize) {
   LightDescription d;
   d.width = 3;
   d.height = 0.5f;
   d.light_to_world = Matrix4d(2, 0, 0, 0, 0, 4, 0, 0, 0, 0, 7, 0, 0, 0, 0, 1);
-  const RectLight light(d, Vec3d(0, 0, 0));
+  const PlaneLight light(d, Vec3d(0, 0, 0));
   EXPECT_TRUE(light.intersect({{2.9f, 0.9f, -1}, {0, 0, 1}}));
   EXPECT_FALSE(light.intersect({{3.1f, 0.9f, -1}, {0, 0, 1}}));
   EXPECT_FALSE(light.intersect({{2.9f, 1.1f, -1}, {0, 0, 1}}));
   d.normalize = true;
-  const RectLight normalized(d, Vec3d(0, 0, 0));
+  const PlaneLight normalized(d, Vec3d(0, 0, 0));
   EXPECT_NEAR(normalized.intersect({{0, 0, -1}, {0, 0, 1}})->radiance.r, 1.0f / 12, 1e-7f);
 }
 
 // Estimates solid angles of squares seen straight on, 4 asin(a^2 / (a^2 + z^2)) for half edge a.
-TEST(RectLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
-  const RectLight light({}, Vec3d(0, 0, 0));
+TEST(PlaneLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
+  const PlaneLight light({}, Vec3d(0, 0, 0));
   for (double z : {0.01, 0.3, 1.0, 30.0, 1e4}) {
     const double solid_angle = 4 * std::asin(0.25 / (0.25 + z * z));
     const double importance = light.importance({0, 0, static_cast<float>(-z)});
@@ -69,8 +69,8 @@ TEST(RectLight, ImportanceFollowsTheSolidAngleInFrontAndIsZeroBehind) {
 }
 
 // The random numbers' square covers the rectangle without folding: corners go to corners, from near and far.
-TEST(RectLight, SamplesSpanTheRectangle) {
-  const RectLight light({}, Vec3d(0, 0, 0));
+TEST(PlaneLight, SamplesSpanTheRectangle) {
+  const PlaneLight light({}, Vec3d(0, 0, 0));
   for (const Vec3f& p : {Vec3f(0.1f, 0.2f, -0.01f), Vec3f(2, -1, -0.5f), Vec3f(100, 100, -100), Vec3f(0, 0, -300)})
     for (float x : {0.0f, kOneMinusEpsilon})
       for (float y : {0.0f, kOneMinusEpsilon}) {
@@ -82,6 +82,48 @@ TEST(RectLight, SamplesSpanTheRectangle) {
         EXPECT_NEAR(std::abs(q.y), 0.5f, tolerance);
         EXPECT_NEAR(q.z, 0, tolerance);
       }
+}
+
+LightDescription disk(float radius) {
+  LightDescription d;
+  d.type = LightType::disk;
+  d.radius = radius;
+  return d;
+}
+
+TEST(PlaneLight, DisksAreRoundAndBecomeEllipses) {
+  LightDescription d = disk(2);
+  d.normalize = true;
+  d.light_to_world = Matrix4d(3, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1);  // mirrors y
+  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const auto at = [&](double x, double y) {
+    return light.intersect({{static_cast<float>(x), static_cast<float>(y), -1}, {0, 0, 1}});
+  };
+  ASSERT_TRUE(at(5.9, 0.1));
+  EXPECT_NEAR(at(5.9, 0.1)->radiance.r, 1 / (12 * kPi), 1e-7f);
+  EXPECT_TRUE(at(4.2, -1.4));
+  EXPECT_FALSE(at(4.3, 1.5)) << "in the corner of the square";
+  EXPECT_FALSE(at(0, 2.1));
+}
+
+// Seen on its axis, E = pi L sin^2. Near points sample the square around the disk, others its area; the samples of both
+// are the disk's.
+TEST(PlaneLight, DisksAreSampledFromNearAndFar) {
+  for (double z : {0.01, 0.7, 0.8, 100.0}) {
+    const PlaneLight light(disk(1), Vec3d(0, 0, 0));
+    const Vec3f p(0, 0, static_cast<float>(-z));
+    double irradiance = 0;
+    constexpr int kSide = 200;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const Vec2f u((static_cast<float>(i % kSide) + 0.5f) / kSide, (static_cast<float>(i / kSide) + 0.5f) / kSide);
+      const auto s = light.sample(p, u);
+      if (!s) continue;
+      const Vec3f q = p + s->wi * s->distance;
+      EXPECT_LE(q.x * q.x + q.y * q.y, 1 + 1e-5f);
+      irradiance += static_cast<double>(s->wi.z / s->pdf) / (kSide * kSide);
+    }
+    EXPECT_NEAR(irradiance * (1 + z * z) / kPiDouble, 1, 2e-3) << z;
+  }
 }
 
 }  // namespace

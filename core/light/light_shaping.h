@@ -1,0 +1,59 @@
+// How the radiance of a light depends on the direction in which it leaves.
+#pragma once
+
+#include <memory>
+
+#include "core/light/light_description.h"
+
+namespace alabaster {
+
+/// Attenuation about an axis: 1 inside the inner cone, 0 outside the outer one. Kept as 1 - cos, which does not cancel
+/// for narrow cones.
+class SpotCone {
+ public:
+  /// How the light falls between the cones.
+  enum class Falloff {
+    square_of_cosine,  // KHR_lights_punctual: the square of the linear ramp in cos(angle)
+    smooth_in_angle    // UsdLuxShapingAPI: 1 - smoothstep of the angle
+  };
+  SpotCone() = default;
+  /// Half angles in degrees, clamped to [0, 180] (not finite: 180); the inner is at most the outer.
+  SpotCone(float inner, float outer, Falloff falloff);
+  /// Of the direction at this 1 - cos from the axis.
+  float attenuation(double one_minus_cos) const;
+
+ private:
+  double inner_ = 2, outer_ = 2;  // 1 - cos
+  Falloff falloff_ = Falloff::square_of_cosine;
+};
+
+/// Spot cone and focus (UsdLuxShapingAPI). Immutable; a light without shaping has none.
+class LightShaping {
+ public:
+  /// Null if the description shapes nothing. Its transform is valid and affine.
+  static std::shared_ptr<const LightShaping> make(const LightDescription& description);
+  /// Multiplies the radiance. `direction`: unit, away from the light.
+  Rgb factor(const Vec3d& direction) const;
+  /// At least the luminance of the factor, and 0 only where the factor is black, in all directions within an angle of
+  /// `direction` (any direction if the sine is 1 or more).
+  double largest(const Vec3d& direction, double sin_half_angle) const;
+  /// Mean of the factor over the sphere of directions, as luminance.
+  double mean() const { return mean_; }
+
+ private:
+  LightShaping(const LightDescription& description, const Vec3d& axis);
+  Rgb factor_at(double one_minus_cos) const;
+
+  Vec3d axis_;
+  SpotCone cone_;
+  double focus_;
+  Rgb focus_tint_;
+  double mean_ = 0;
+};
+
+/// Radiance that leaves in this direction.
+inline Rgb shaped(const Rgb& radiance, const std::shared_ptr<const LightShaping>& shaping, const Vec3d& direction) {
+  return shaping ? radiance * shaping->factor(direction) : radiance;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,141 @@
+#include "core/light/plane_light.h"
+
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+// Beyond this skew (cosine of the angle between the edges) it is a parallelogram; below, rounding of the transform.
+constexpr double kMaxSkew = 0x1p-20;
+// A disk is near up to this height above its plane and this distance from its centre, in units of its radius. With 1 to
+// 64 samples the standard deviation of the irradiance is then less by the square than by area: a third at height 0.3,
+// the same at the bounds.
+constexpr double kNearHeight = 0.75, kNearDistance = 2;
+
+}  // namespace
+
+PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_origin)
+    : disk_(description.type == LightType::disk) {
+  const Matrix4d& m = description.light_to_world;
+  if (!is_valid_affine(m)) return;
+  const Vec3d x = transform_vector(Vec3d(1, 0, 0), m), y = transform_vector(Vec3d(0, 1, 0), m);
+  const double x_length = length(x), y_length = length(y);
+  const double width = disk_ ? 2.0 * description.radius : description.width;
+  const double height = disk_ ? width : description.height;
+  half_width_ = 0.5 * x_length * std::abs(width);
+  half_height_ = 0.5 * y_length * std::abs(height);
+  center_ = transform_point(Vec3d(0, 0, 0), m) - render_origin;
+  x_ = x * (1 / x_length);
+  y_ = y * (1 / y_length);
+  const Vec3d normal = cross(x_, y_);
+  const double sine = length(normal);
+  n_ = normal * (1 / sine);
+  skew_ = dot(x_, y_);
+  if (std::abs(skew_) < kMaxSkew) {
+    skew_ = 0;
+    y_ = cross(n_, x_);
+  }
+  if (dot(n_, transform_vector(Vec3d(0, 0, -1), m)) < 0) n_ = -n_;
+  area_ = (disk_ ? kPiDouble : 4) * half_width_ * half_height_ * sine;
+  const double finite = dot(center_, n_) + area_ + dot(x_, y_);
+  if (!std::isfinite(finite) || !(area_ > 0)) return;
+  radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area_ : 1);
+  shaping_ = LightShaping::make(description);
+}
+
+std::optional<SphericalRectangle> PlaneLight::view_from(const Vec3d& to_center, double height) const {
+  if (skew_ != 0) return std::nullopt;
+  if (disk_) {
+    const double radius = std::max(half_width_, half_height_), distance = kNearDistance * radius;
+    if (height > kNearHeight * radius || dot(to_center, to_center) > distance * distance) return std::nullopt;
+  }
+  const double unit = 1 / height, x = dot(to_center, x_), y = dot(to_center, y_);
+  const SphericalRectangle seen((x - half_width_) * unit, (x + half_width_) * unit, (y - half_height_) * unit,
+                                (y + half_height_) * unit);
+  if (seen.solid_angle() == 0) return std::nullopt;
+  return seen;
+}
+
+bool PlaneLight::is_inside(const Vec3d& from_center) const {
+  // Coordinates along edges that need not be perpendicular.
+  const double along_x = dot(from_center, x_), along_y = dot(from_center, y_), unskew = 1 / (1 - skew_ * skew_);
+  const double x = (along_x - skew_ * along_y) * unskew, y = (along_y - skew_ * along_x) * unskew;
+  if (!disk_) return std::abs(x) <= half_width_ && std::abs(y) <= half_height_;
+  return (x / half_width_) * (x / half_width_) + (y / half_height_) * (y / half_height_) <= 1;
+}
+
+std::optional<LightSample> PlaneLight::sample(const Vec3f& p, const Vec2f& u) const {
+  if (is_black(radiance_)) return std::nullopt;
+  const Vec3d to_center = center_ - Vec3d(p);
+  const double height = -dot(to_center, n_);
+  if (!(height > 0)) return std::nullopt;
+  Vec3d to_light;
+  const auto seen = view_from(to_center, height);
+  if (seen) {
+    const Vec3d point = seen->sample(u);
+    to_light = (x_ * point.x + y_ * point.y - n_) * height;
+    if (disk_ && !is_inside(to_light - to_center)) return std::nullopt;
+  } else {
+    const Vec2f at = disk_ ? sample_concentric_disk(u) : Vec2f(2 * u.x - 1, 2 * u.y - 1);
+    to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
+  }
+  const double distance = length(to_light);
+  // By area: d^2 / (A cos) with cos = height / d.
+  const double pdf = seen ? 1 / seen->solid_angle() : distance * distance * distance / (area_ * height);
+  const Vec3d wi = to_light * (1 / distance);
+  LightSample s;
+  s.wi = to_float(wi);
+  s.distance = static_cast<float>(distance);
+  s.radiance = shaped(radiance_, shaping_, -wi);
+  s.pdf = static_cast<float>(pdf);
+  if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
+  if (!(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
+  return s;
+}
+
+std::optional<LightHit> PlaneLight::intersect(const Ray& ray) const {
+  if (is_black(radiance_)) return std::nullopt;
+  const Vec3d origin(ray.org), direction(ray.dir);
+  const double towards = -dot(direction, n_), height = dot(origin - center_, n_);
+  if (!(towards > 0) || !(height > 0)) return std::nullopt;
+  const double t = height / towards;
+  if (!is_inside(origin - center_ + direction * t)) return std::nullopt;
+  const auto seen = view_from(center_ - origin, height);
+  const double speed = length(direction), distance = t * speed;
+  LightHit hit;
+  hit.t = static_cast<float>(t);
+  hit.radiance = shaped(radiance_, shaping_, direction * (-1 / speed));
+  hit.pdf = static_cast<float>(seen ? 1 / seen->solid_angle() : distance * distance * distance / (area_ * height));
+  if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;
+  if (is_black(hit.radiance)) return std::nullopt;
+  return hit;
+}
+
+bool PlaneLight::is_below(const Vec3f& p, const Vec3f& n) const {
+  const Vec3d d = center_ - Vec3d(p), normal(n);
+  return is_wholly_below(dot(d, normal),
+                         half_width_ * std::abs(dot(x_, normal)) + half_height_ * std::abs(dot(y_, normal)),
+                         std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
+}
+
+// Irradiance from a disk of the same area on its axis at the distance of the centre, L A / (d^2 + A / pi), times the
+// cosine at the light. The cosine is softened by the light's size: near the plane, the nearest part of the rectangle is
+// still overhead.
+double PlaneLight::importance(const Vec3f& p) const {
+  const Vec3d d = center_ - Vec3d(p);
+  const double z = -dot(d, n_);
+  if (!(z > 0)) return 0;
+  const double d2 = dot(d, d), size = half_width_ + half_height_;
+  const double cosine = (z + size) / (std::sqrt(d2) + size);
+  const double spot = shaping_ ? shaping_->largest(-d * (1 / std::sqrt(d2)), size / std::sqrt(d2)) : 1;
+  return representable_importance(radiance_, spot * area_ * cosine / (d2 + area_ * static_cast<double>(kInvPi)));
+}
+
+LightExtent PlaneLight::extent() const {
+  LightExtent extent{{}, representable_importance(radiance_, area_)};
+  for (const double x : {-half_width_, half_width_})
+    for (const double y : {-half_height_, half_height_}) extent.box.extend(center_ + x_ * x + y_ * y);
+  return extent;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,49 @@
+// A rectangle or a disk that emits on one side.
+// Units, frames, pdfs and the treatment of bad values, common to all lights: light_description.h, light.h.
+#pragma once
+
+#include "core/light/light_description.h"
+#include "core/light/light_shaping.h"
+#include "core/light/spherical_rectangle.h"
+
+namespace alabaster {
+
+/// A rectangle or a disk in the local xy plane about the origin, emitting down local -z only (UsdLuxRectLight,
+/// UsdLuxDiskLight). A disk becomes an ellipse under a transform that scales unevenly.
+///
+/// Directions are drawn uniformly over the solid angle of the rectangle, so that sample weights stay bounded however
+/// near the point is: the variance of the irradiance under a unit square is 16 times less than by area at distance 1,
+/// 60 times at 0.1. Points are drawn uniformly over the area instead where that solid angle is lost in the rounding of
+/// angles, and where a shear has made the rectangle a parallelogram.
+///
+/// A disk is sampled by area, but from near, where its weights would vary, as the square around it is (Gamito 2016,
+/// "Solid Angle Sampling of Disk and Cylinder Lights"): directions that miss it, a fifth, give no light.
+class PlaneLight {
+ public:
+  PlaneLight(const LightDescription& description, const Vec3d& render_origin);
+  /// Empty for points behind or in the plane of the light.
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
+  std::optional<LightHit> intersect(const Ray& ray) const;
+  /// 0 exactly behind and in the plane, and outside the spot of every part.
+  double importance(const Vec3f& p) const;
+  LightExtent extent() const;
+  /// True only if every direction from p to the light lies below the plane through p with unit normal n.
+  bool is_below(const Vec3f& p, const Vec3f& n) const;
+
+ private:
+  /// The rectangle as seen from a point in front; empty: sample by area.
+  std::optional<SphericalRectangle> view_from(const Vec3d& to_center, double height) const;
+  /// True for points of the plane, from the centre, that lie on the light.
+  bool is_inside(const Vec3d& from_center) const;
+
+  bool disk_ = false;
+  Vec3d center_{0, 0, 0};
+  Vec3d x_{1, 0, 0}, y_{0, 1, 0}, n_{0, 0, 1};  // unit: along width, along height, normal of the emitting side
+  double half_width_ = 0, half_height_ = 0;     // half edge lengths, of the rectangle around a disk
+  double skew_ = 0;                             // dot(x_, y_); exactly 0 for a rectangle
+  double area_ = 0;
+  Rgb radiance_{0.0f};
+  std::shared_ptr<const LightShaping> shaping_;
+};
+
+}  // namespace alabaster
