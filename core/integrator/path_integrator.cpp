@@ -1,6 +1,7 @@
 #include "core/integrator/path_integrator.h"
 
 #include "core/diagnostics/check.h"
+#include "core/integrator/boundary.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/layer_split.h"
 #include "core/integrator/path_record.h"
@@ -11,7 +12,6 @@
 #include "core/material/disney_bsdf.h"
 
 namespace alabaster {
-namespace {
 
 PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle) {
   PathVertex v;
@@ -30,6 +30,8 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   v.material = material.evaluate({v.instance->prototype->mesh, triangle, v.hit.uv});
   return v;
 }
+
+namespace {
 
 bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
   if (!context.scene.features.see_through) return context.scene.top->intersect(path.ray, hit);
@@ -83,14 +85,18 @@ void record_guides(const PathContext& context, const PathVertex& v, const PathSt
 // Shows an image of its surroundings: at most a few pixels wide blurred. Rougher lobes are surfaces to a denoiser.
 bool is_mirror(const PathVertex& v, Lobe lobe) {
   constexpr float kLargestRoughness = 0.1f;
-  return lobe == Lobe::specular && v.material.roughness <= kLargestRoughness;
+  if (lobe == Lobe::straight) return true;
+  return (lobe == Lobe::specular || lobe == Lobe::dielectric) && v.material.roughness <= kLargestRoughness;
 }
 
 // Unbiased: survivors carry the weight of the ended. `draw` gives the random number, where one is needed.
 template <class Draw>
 bool survives_roulette(const PathContext& context, const Draw& draw, PathState* path) {
   if (path->depth < context.settings.roulette_depth) return true;
-  const float survival = std::min(1.0f, max_component(path->throughput));
+  float throughput = max_component(path->throughput);
+  // Radiance in a medium is larger by its index squared, and the throughput of a path that enters it smaller.
+  if (!path->interiors.empty()) throughput *= sqr(path->interiors.index());
+  const float survival = std::min(1.0f, throughput);
   DCHECK_LE(survival, 1.0f);
   if (!(draw() < survival)) return false;
   path->throughput *= 1 / survival;
@@ -167,11 +173,6 @@ bool continue_below(const PathContext& context, const PixelSampler& sampler, con
   return goes_on && survives<kLayers>(context, draw, path);
 }
 
-// Random numbers of scattering at a vertex.
-struct VertexNumbers {
-  std::array<float, 4> light, bsdf;
-};
-
 // Samples direct light and the next direction at the vertex. False: the path ends.
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool scatter(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, const VertexNumbers& numbers,
@@ -237,6 +238,16 @@ bool continue_path(const PathContext& context, const PixelSampler& sampler, cons
       if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
       return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
     }
+  if (v.material.transmits()) [[unlikely]] {
+    const std::optional<Lobe> lobe = scatter_at_boundary(context, v, numbers, path, split);
+    if (!lobe) return false;
+    path->seeks_guides = path->seeks_guides && is_mirror(v, *lobe);
+    if (kMode != SubsurfaceMode::lambert && *lobe == Lobe::subsurface)
+      return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
+    ++path->depth;
+    return survives<kLayers>(
+        context, [&] { return numbers.bsdf[3]; }, path);
+  }
   return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, numbers, path, split);
 }
 
@@ -252,6 +263,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     const bool found = intersect(context, sampler, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instances[hit.instance].prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
+    if (found && !path->interiors.empty()) path->throughput *= path->interiors.transmittance(hit.t);
 
     // Add emission of lights without geometry; of infinite lights only if the ray escaped.
     const Rgb met = path->throughput * analytic_light_emission(context, *path, !found);
@@ -273,6 +285,11 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
       vertex.material.scatter_distance = Rgb(0.0f);
     else if (vertex.material.scatters())
       drop_unresolved_distances(&vertex);
+    if (vertex.material.transmits() && !meet_boundary(&vertex, path)) [[unlikely]] {
+      if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
+      if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
+      continue;
+    }
 
     // Add the surface's emission and record the first hit; end at the depth limit.
     const Rgb before = path->radiance;
@@ -297,6 +314,8 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   PathState path;
   path.ray = camera_ray;
   path.seeks_guides = (context.aovs & kGuideAovs) != 0;
+  if (context.scene.clear_bodies.contains(camera_ray.org)) [[unlikely]]
+    path.interiors = interiors_at(context, camera_ray);
   if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);

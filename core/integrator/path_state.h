@@ -2,7 +2,9 @@
 #pragma once
 
 #include "core/geometry/surface_hit.h"
+#include "core/integrator/interiors.h"
 #include "core/integrator/path_integrator.h"
+#include "core/material/disney_transmissive_bsdf.h"
 #include "core/math/frame.h"
 
 namespace alabaster {
@@ -23,12 +25,15 @@ struct PathState {
   Ray ray;
   Rgb throughput{1.0f};
   Rgb radiance{0.0f};
-  float scatter_pdf = 0;  // of the ray's direction; 0 for the camera ray, which no light sampling competes with
+  /// Density of the ray's direction; 0 for the camera ray, which no light sampling competes with, and infinite after a
+  /// discrete choice, with which it cannot.
+  float scatter_pdf = 0;
   ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
   uint32_t depth = 0;
   bool seeks_guides = false;  // the next surface gives the values of kGuideAovs
   uint32_t walk_events = 0;   // of the last subsurface walk; any other carrier of light counts as many
   Footprint footprint;
+  Interiors interiors;  // that the ray is in
 };
 
 /// The points from which light leaves a facet with a smooth normal. Directions above the facet leave from it.
@@ -54,9 +59,18 @@ struct PathVertex {
   Departure departure;  // on the viewer's side, of the interpolated normal
   bool mapped = false;  // the frame is tilted by a normal map
   DisneyParameters material;
+  BoundarySide boundary;  // of a material that transmits, once meet_boundary() has set it
 
   /// A lobe that a normal map tilts may lead into the surface, where it has no light to fetch.
   bool is_above_surface(const Vec3f& wi) const { return !mapped || dot(wi, departure.n) > 0; }
+};
+
+/// The vertex where `ray` (unit direction, render space) met the scene.
+PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle);
+
+/// Random numbers of scattering at a vertex.
+struct VertexNumbers {
+  std::array<float, 4> light, bsdf;
 };
 
 /// A SurfaceHit or a SurfacePoint with all normals on the side that `towards` points to.

@@ -1,6 +1,7 @@
 #include "core/integrator/subsurface_scatter.h"
 
 #include "core/diagnostics/check.h"
+#include "core/integrator/boundary.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/shading_normal.h"
@@ -105,6 +106,24 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   return true;
 }
 
+/// An exit through the clear share of a boundary: a vertex that is seen from inside. Light that it reflects walks on in
+/// the body. Empty: the exit lobe has the light, as it has the share 1 - specTrans.
+std::optional<bool> leave_clear_surface(const PathContext& context, const PixelSampler& sampler,
+                                        const SubsurfaceExit& exit, PathState* path) {
+  const DisneyMaterial& material = context.scene.instances[exit.hit.instance].material(exit.hit.triangle);
+  if (!(material.constants.spec_trans > 0)) return std::nullopt;
+  path->ray.dir = exit.direction;
+  PathVertex v = make_vertex(context, path->ray, exit.hit);
+  const VertexNumbers numbers{sampler.draw(Dimension::exit_light, path->depth),
+                              sampler.draw(Dimension::exit_bsdf, path->depth)};
+  if (!(numbers.bsdf[3] < v.material.spec_trans)) return std::nullopt;
+  v.material.metallic = v.material.diff_trans = 0;
+  v.material.spec_trans = 1;
+  path->throughput = exit.throughput;
+  if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, exit.throughput);
+  return !meet_boundary(&v, path) || scatter_at_boundary(context, v, numbers, path, nullptr);
+}
+
 }  // namespace
 
 VertexBelow::VertexBelow(const PathVertex& v, const IntegratorSettings& settings, bool is_within)
@@ -117,6 +136,11 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;
   path->walk_events = exit->events;
+  if (!path->interiors.empty())
+    for (const auto& member : below.vertex.instance->body->members) path->interiors.leave(member.instance);
+  // A profile does not know from where the light comes to the boundary.
+  if (kMode != SubsurfaceMode::diffusion)
+    if (const auto left = leave_clear_surface(context, sampler, *exit, path)) return *left;
   return leave_surface(context, sampler, *exit, path);
 }
 

@@ -16,17 +16,19 @@ Rgb scattering_channels(const Rgb& scatter_distance) {
 }  // namespace
 
 const char* lobe_name(Lobe lobe) {
-  constexpr const char* kNames[] = {"diffuse", "sheen", "specular", "clearcoat", "subsurface"};
+  constexpr const char* kNames[] = {"diffuse",    "sheen",      "specular", "clearcoat",
+                                    "subsurface", "dielectric", "straight", "diffuse transmission"};
   return kNames[static_cast<size_t>(lobe)];
 }
 
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
     : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)) {
   if (!(wo.z > 0)) return;
-  dielectric_ = 1 - p.metallic;
-  entry_channels_ = scattering_channels(p.scatter_distance);
-  const Rgb color = p.base_color * dielectric_;
-  diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness};
+  dielectric_ = (1 - p.metallic) * (1 - p.spec_trans);
+  stays_ = 1 - 0.5f * p.diff_trans;
+  if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
+  const Rgb color = p.base_color * (dielectric_ * stays_);
+  diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
   if (p.sheen > 0) sheen_.color = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
 
@@ -42,6 +44,7 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   float total = 0;
   for (float w : weight) total += w;
   if (!(total > 0)) return;
+  weight_ = total;
   for (int i = 0; i < kLobes; ++i) probability_[i] = weight[i] / total;
 }
 
@@ -86,7 +89,7 @@ std::optional<Vec3f> DisneyBsdf::sample_direction(Lobe lobe, const Vec2f& u) con
       return specular_.sample(wo_, u);
     case Lobe::clearcoat:
       return clearcoat_.sample(wo_, u);
-    case Lobe::subsurface:
+    default:
       break;
   }
   return std::nullopt;
@@ -113,7 +116,7 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* 
 }
 
 Rgb DisneyBsdf::subsurface_entry() const {
-  return entry_channels_ * (dielectric_ * diffuse_transmittance(wo_.z));
+  return entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z));
 }
 
 Rgb DisneyBsdf::albedo() const {

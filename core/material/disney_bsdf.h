@@ -3,10 +3,11 @@
 // Conventions (Veach 1997, 3.7.5): wo to the viewer, wi to the light, both leave the surface and are unit; local frame
 // with z = ns and x along the tangent of anisotropy; f WITHOUT the cosine; pdf per solid angle.
 //
-// f = (1-metallic) [ diffuse + sheen ] + specular + clearcoat, the diffuse part being
+// f = (1-metallic) (1-specTrans) [ diffuse + sheen ] + specular + clearcoat, the diffuse part being
 //   (C/pi)(1-.5F_L)(1-.5F_V)  +  (C/pi) R_R (F_L + F_V + F_L F_V (R_R-1)),  R_R = 2 roughness cos^2(theta_d).
 // In each channel with scatter_distance > 0 the first term is absent from evaluate and sample: it is the subsurface
 // entry lobe, which the integrator walks. In a channel with scatter_distance = 0 it is exactly the 2015 diffuse.
+// This is all that stays on the viewer's side but for the clear share of the base: disney_transmissive_bsdf.h.
 #pragma once
 
 #include <optional>
@@ -20,15 +21,26 @@
 
 namespace alabaster {
 
-enum class Lobe { diffuse, sheen, specular, clearcoat, subsurface };
+enum class Lobe {
+  diffuse,
+  sheen,
+  specular,
+  clearcoat,
+  subsurface,
+  // The others belong to DisneyTransmissiveBsdf alone.
+  dielectric,            // reflected or refracted by a clear boundary
+  straight,              // passed it in the same direction, by a discrete choice
+  diffuse_transmission,  // scattered to the other side
+};
 const char* lobe_name(Lobe lobe);
 
 struct BsdfSample {
   Lobe lobe = Lobe::diffuse;
   Vec3f wi{0, 0, 1};  // not set for Lobe::subsurface
-  Rgb f{0.0f};        // all local lobes' f for wi; for Lobe::subsurface the entry weight per channel (see below)
-  float pdf = 0;      // of all local lobes together, including the probability not to choose subsurface; for
-                      // Lobe::subsurface the (discrete) probability of that choice
+  Rgb f{0.0f};        // all local lobes' f for wi; for Lobe::subsurface the entry weight per channel (see below), for
+                      // Lobe::straight what passes
+  float pdf = 0;  // of all local lobes together, including the probability not to choose subsurface or straight; for
+                  // those the (discrete) probability of that choice
 };
 
 class DisneyBsdf {
@@ -44,22 +56,26 @@ class DisneyBsdf {
   /// evaluate(wi); `specular` is left alone for Lobe::subsurface.
   std::optional<BsdfSample> sample(float u_lobe, const Vec2f& u, Rgb* specular = nullptr) const;
 
-  /// Entry weight of the walk per channel: (1-metallic)(1-.5F_V) where scatter_distance > 0, else 0. The colour is in
-  /// the walk's throughput, never here.
+  /// Entry weight of the walk per channel: (1-metallic)(1-specTrans)(1-diffTrans/2)(1-.5F_V) where scatter_distance >
+  /// 0, else 0. The colour is in the walk's throughput, never here.
   Rgb subsurface_entry() const;
+
+  /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
+  float weight() const { return weight_; }
 
   /// Directional albedo estimate for the denoising AOV: diffuse colour plus specular reflectance at wo.
   Rgb albedo() const;
 
  private:
-  static constexpr int kLobes = 5;  // of enum Lobe
+  static constexpr int kLobes = 5;  // the first of enum Lobe
 
   Lobe choose(float u) const;
   std::optional<Vec3f> sample_direction(Lobe lobe, const Vec2f& u) const;
 
   Vec3f wo_;
   Rgb base_color_{0.0f};
-  float dielectric_ = 0;      // 1 - metallic
+  float dielectric_ = 0;      // the opaque share of the dielectric base
+  float stays_ = 1;           // the share of diffuse light that does not leave on the other side
   Rgb entry_channels_{0.0f};  // 1 in the channels that scatter
   DisneyDiffuse diffuse_;
   DisneySheen sheen_;
@@ -67,6 +83,7 @@ class DisneyBsdf {
   DisneyClearcoat clearcoat_;
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
   float probability_[kLobes] = {0, 0, 0, 0, 0};
+  float weight_ = 0;
 };
 
 /// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016,

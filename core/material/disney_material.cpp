@@ -9,7 +9,7 @@ namespace {
 
 using P = DisneyParameters;
 
-constexpr std::array<MaterialParameter, 17> kParameters{{
+constexpr std::array<MaterialParameter, 25> kParameters{{
     {{"baseColor", &P::base_color, 0, 1}, Texels::colors},
     {{"metallic", &P::metallic, 0, 1}},
     {{"roughness", &P::roughness, 0, 1}},
@@ -27,6 +27,14 @@ constexpr std::array<MaterialParameter, 17> kParameters{{
     {{"emission", &P::emission, 0, kUnbounded}, Texels::colors},
     {{"opacity", &P::opacity, 0, 1}},
     {{"opacityThreshold", &P::opacity_threshold, 0, 1}},
+    {{"specTrans", &P::spec_trans, 0, 1}},
+    {{"thin", &P::thin}},
+    {{"flatness", &P::flatness, 0, 1}},
+    {{"diffTrans", &P::diff_trans, 0, 2}},
+    {{"diffTransColor", &P::diff_trans_color, 0, 1}, Texels::colors},
+    {{"attenuationColor", &P::attenuation_color, 0, 1}, Texels::colors},
+    {{"attenuationDistance", &P::attenuation_distance, 0, kUnbounded}},
+    {{"priority", &P::priority, 0, 255}},
 }};
 
 // The value in the row's range; the default where it is not finite.

@@ -53,9 +53,11 @@ struct DisneyMaterial {
   std::vector<const Texture*> images() const;
   /// False only if no texel can scatter.
   bool scatters() const { return constants.scatters(); }
+  /// False only if no texel lets light through.
+  bool transmits() const { return constants.transmits(); }
   bool emits() const { return !is_black(constants.emission); }
   /// Light may go on behind the surface: then its back is there whether or not the mesh is double-sided.
-  bool is_translucent() const { return scatters(); }
+  bool is_translucent() const { return scatters() || transmits(); }
   bool is_partly_opaque() const;
   /// The share of the surface that is there: its opacity, or 0 or 1 by its threshold.
   float coverage(const HitPrimvars& at) const;

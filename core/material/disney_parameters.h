@@ -2,6 +2,8 @@
 // Names and ranges: material_parameters(). Meanings: schemas/disney_material.json (Burley 2012 and 2015).
 #pragma once
 
+#include <cstdint>
+
 #include "core/color/rgb.h"
 #include "core/math/vector.h"
 
@@ -20,13 +22,23 @@ struct DisneyParameters {
   float sheen_tint = 0.5f;
   float clearcoat = 0;
   float clearcoat_gloss = 1;
-  Rgb scatter_distance{0.0f};    // per channel, scene units; 0: Lambert in that channel
-  float scatter_anisotropy = 0;  // Henyey-Greenstein g of the scattering below the surface
-  Rgb emission{0.0f};            // radiance
-  float opacity = 1;             // the share of the surface that is there
-  float opacity_threshold = 0;   // > 0: present where opacity reaches it, nowhere else
+  Rgb scatter_distance{0.0f};      // per channel, scene units; 0: Lambert in that channel
+  float scatter_anisotropy = 0;    // Henyey-Greenstein g of the scattering below the surface
+  Rgb emission{0.0f};              // radiance
+  float opacity = 1;               // the share of the surface that is there
+  float opacity_threshold = 0;     // > 0: present where opacity reaches it, nowhere else
+  float spec_trans = 0;            // share of the dielectric base that refracts instead of scattering
+  bool thin = false;               // the surface is a sheet without an interior
+  float flatness = 0;              // thin only: towards a flatter diffuse reflection
+  float diff_trans = 0;            // 1: half of the diffuse light leaves on the other side; 2: all of it
+  Rgb diff_trans_color{0.8f};      // of that light
+  Rgb attenuation_color{1.0f};     // white light has this colour after attenuation_distance inside
+  float attenuation_distance = 0;  // scene units; 0: the interior absorbs nothing
+  uint32_t priority = 0;           // where interiors overlap the highest counts
 
-  bool scatters() const { return max_component(scatter_distance) > 0; }
+  bool scatters() const { return !thin && max_component(scatter_distance) > 0; }
+  /// Light may go through the surface into an interior, or through the sheet.
+  bool transmits() const { return spec_trans > 0 || diff_trans > 0; }
 };
 
 }  // namespace alabaster

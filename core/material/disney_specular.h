@@ -37,6 +37,12 @@ struct DisneySpecular {
   Rgb albedo(const Vec3f& wo) const { return lerp(f0, f90, std::max(schlick_weight(wo.z), 1.0f / 21)); }
 };
 
+/// Burley 2012, section 5.4: alpha = roughness^2, stretched to a ratio of at most 10.
+inline Ggx disney_ggx(float roughness, float anisotropic) {
+  const float aspect = anisotropic > 0 ? std::sqrt(1 - 0.9f * anisotropic) : 1, alpha = sqr(roughness);
+  return {std::max(kMinAlpha, alpha / aspect), std::max(kMinAlpha, alpha * aspect)};
+}
+
 /// Dielectric f0 by ior, tinted by base colour (specularTint) and by KHR_materials_specular:
 /// f0 = min(1, f0_ior tint specularColor) specular, f90 = specular; metallic blends to (baseColor, 1).
 /// Schlick's f90 = 1 would leave a grazing reflection on a surface of ior 1, which has none: below f0_ior = 0.02
@@ -46,14 +52,14 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   const Rgb white(1.0f);
   const Rgb tinted =
       (p.specular_tint > 0 ? lerp(white, tint(p.base_color), p.specular_tint) : white) * f0_ior * p.specular_color;
-  const Rgb dielectric_f0 = clamp01(tinted) * p.specular;
-  const Rgb dielectric_f90 = Rgb(p.specular * std::min(1.0f, 50 * f0_ior));
+  // The clear share of the dielectric has a lobe of its own (disney_dielectric.h).
+  const float dielectric = p.specular * (1 - p.spec_trans);
+  const Rgb dielectric_f0 = clamp01(tinted) * dielectric;
+  const Rgb dielectric_f90 = Rgb(dielectric * std::min(1.0f, 50 * f0_ior));
   DisneySpecular lobe;
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
   lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
-  // Burley 2012, section 5.4: alpha = roughness^2, stretched to a ratio of at most 10.
-  const float aspect = p.anisotropic > 0 ? std::sqrt(1 - 0.9f * p.anisotropic) : 1, alpha = sqr(p.roughness);
-  lobe.ggx = {std::max(kMinAlpha, alpha / aspect), std::max(kMinAlpha, alpha * aspect)};
+  lobe.ggx = disney_ggx(p.roughness, p.anisotropic);
   return lobe;
 }
 

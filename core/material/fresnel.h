@@ -26,6 +26,17 @@ inline float f0_from_ior(float ior) {
   return sqr((ior - 1) / (ior + 1));
 }
 
+/// Reflectance of a smooth dielectric surface for unpolarised light: Fresnel's equations. `eta`: the index of the far
+/// side over that of the side that the light comes from; `cosine` > 0 of incidence. 1 under total reflection.
+inline float fresnel_dielectric(float cosine, float eta) {
+  const float sin2_t = (1 - sqr(cosine)) / sqr(eta);
+  if (!(sin2_t < 1)) return 1;
+  const float cos_t = std::sqrt(1 - std::max(0.0f, sin2_t));
+  const float parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
+  const float perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
+  return 0.5f * (sqr(parallel) + sqr(perpendicular));
+}
+
 /// The hue and saturation of a colour at luminance one, which specularTint and sheenTint mix with white. The luminance
 /// weights .3, .6, .1 are those of the published model (Burley 2012) and belong to its look. White for black.
 inline Rgb tint(const Rgb& color) {

@@ -108,6 +108,11 @@ Rgb mean_emission(const Instance& instance, uint32_t triangle) {
   return sum * (step * step);
 }
 
+bool has_clear_interior(const InstanceDescription& d) {
+  return std::any_of(d.materials.begin(), d.materials.end(),
+                     [](const auto& m) { return m->transmits() && !m->constants.thin; });
+}
+
 // The emissive triangles of an instance, in render space; nothing when no material of it emits.
 std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t index) {
   if (std::none_of(instance.materials.begin(), instance.materials.end(), [](const auto* m) { return m->emits(); }))
@@ -260,7 +265,11 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   for (const InstanceDescription* d : drawn) {
     snapshot->instances.push_back(place(*d, snapshot->origin));
     snapshot->features.see_through |= snapshot->instances.back().see_through;
-    placements.push_back({d->prototype->object, snapshot->instances.back().object_to_world});
+    const Affine& object_to_world = snapshot->instances.back().object_to_world;
+    placements.push_back({d->prototype->object, object_to_world});
+    if (has_clear_interior(*d))
+      for (const Vec3f& corner : d->prototype->mesh.bounds.corners())
+        snapshot->clear_bodies.extend(object_to_world.point(corner));
   }
   snapshot->top = build_instanced_scene(device, placements);
   if (!snapshot->top || !plan_bodies(drawn, device, snapshot.get())) return nullptr;

@@ -93,6 +93,7 @@ struct SceneSnapshot {
   Vec3d origin{0, 0, 0};
   float radius = 0;  // of a sphere about the render-space origin that holds all geometry
   SceneFeatures features;
+  Bounds clear_bodies;  // of all instances that have an interior which light may go through
   std::vector<Instance> instances;
   std::shared_ptr<const InstancedScene> top;
   LightSet lights;

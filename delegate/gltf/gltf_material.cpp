@@ -270,6 +270,11 @@ class MaterialTranslator {
         continue;  // set_textures()
       if (texture || !parameter) {
         report_.error("material.disney", place, "is not a parameter" + suggestion(key));
+      } else if (std::holds_alternative<bool DisneyParameters::*>(parameter->member)) {
+        if (value.IsBool())
+          surface_.parameters[parameter->name] = value.Get<bool>();
+        else
+          report_.error("material.disney", place, "must be true or false");
       } else if (parameter->is_color() ? !is_color(value) : !value.IsNumber()) {
         report_.error("material.disney", place, parameter->is_color() ? "must be three numbers" : "must be a number");
       } else if (parameter->is_color()) {

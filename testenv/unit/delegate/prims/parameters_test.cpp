@@ -32,6 +32,10 @@ Probe probe(const json& property) {
   if (type == "boolean")
     return {!property.at("default").get<bool>(), property.at("default").get<bool>() ? "false" : "true"};
   if (type == "array") return {Vec3f(0.25f, 0.5f, 0.75f), "(0.25, 0.5, 0.75)"};
+  if (type == "integer") {
+    const uint32_t next = property.at("default").get<uint32_t>() + 1;
+    return {next, std::to_string(next)};
+  }
   const double fallback = property.at("default");
   double value = fallback + 0.25;
   if (property.contains("maximum") && value > property.at("maximum").get<double>()) value = fallback - 0.25;
@@ -72,7 +76,9 @@ TEST(Parameters, MaterialDefaultsAreTheSchemas) {
   const json schema = schema_properties("disney_material");
   for (const auto& [name, property] : schema.items()) {
     const json& d = property.at("default");
-    const Value value = d.is_array() ? Value(Vec3f(d[0], d[1], d[2])) : Value(d.get<float>());
+    const Value value = d.is_array()     ? Value(Vec3f(d[0], d[1], d[2]))
+                        : d.is_boolean() ? Value(d.get<bool>())
+                                         : Value(d.get<float>());
     EXPECT_NE(text.find("\n  " + name + " " + value.to_string() + "\n"), std::string::npos) << name;
   }
 }

@@ -1,0 +1,156 @@
+#include "core/integrator/boundary.h"
+
+#include "core/integrator/direct_light.h"
+#include "core/integrator/path_record.h"
+
+namespace alabaster {
+namespace {
+
+// True if the vertex is seen from the side on which its triangle winds clockwise: from the interior.
+bool is_seen_from_inside(const PathVertex& v) {
+  const Mesh& mesh = v.instance->prototype->mesh;
+  const auto& corners = mesh.triangles[v.triangle.triangle];
+  const Vec3f& p = mesh.points[corners[0]];
+  return dot(cross(mesh.points[corners[1]] - p, mesh.points[corners[2]] - p), v.hit.ng_object) < 0;
+}
+
+Interior interior_of(const PathVertex& v) {
+  const DisneyParameters& p = v.material;
+  Interior interior{v.triangle.instance, p.priority, p.ior};
+  // Where light scatters inside, walks absorb it.
+  if (p.scatters() || !(p.attenuation_distance > 0)) return interior;
+  constexpr float kBlackest = 1e-30f;
+  for (int c = 0; c < 3; ++c)
+    interior.sigma_a[c] = -std::log(std::max(p.attenuation_color[c], kBlackest)) / p.attenuation_distance;
+  return interior;
+}
+
+// Ray origin on the far side.
+Vec3f beyond(const PathVertex& v) {
+  return offset_point(v.hit.p, -v.hit.ng, v.hit.offset);
+}
+
+void cross_boundary(const PathVertex& v, Interiors* interiors) {
+  if (v.material.thin) return;
+  if (v.boundary.inside)
+    interiors->leave(v.triangle.instance);
+  else
+    interiors->enter(interior_of(v));
+}
+
+// The side of the surface that a direction leaves to: light that passes must do so by the lobe, by the interpolated
+// normal, which a normal map tilts, and by the facet.
+enum class Side { near, far, neither };
+Side side_of(const PathVertex& v, const Vec3f& wi_local, const Vec3f& wi) {
+  if (wi_local.z > 0 && v.is_above_surface(wi)) return Side::near;
+  return wi_local.z < 0 && dot(wi, v.departure.n) < 0 && dot(wi, v.hit.ng) < 0 ? Side::far : Side::neither;
+}
+
+}  // namespace
+
+bool meet_boundary(PathVertex* v, PathState* path) {
+  const DisneyParameters& p = v->material;
+  Interiors& interiors = path->interiors;
+  const uint32_t instance = v->triangle.instance;
+  if (p.thin) {
+    v->boundary = {p.ior / interiors.index(), false};
+    return true;
+  }
+  const bool inside = is_seen_from_inside(*v);
+  // A surface that is left without having been entered belongs to an open mesh.
+  if (inside && !interiors.contains(instance)) interiors.enter(interior_of(*v));
+  const Interior* const other = inside ? interiors.current_without(instance) : interiors.current();
+  const float around = other ? other->ior : 1;
+  if (inside)
+    v->boundary = {around / p.ior, true};
+  else
+    v->boundary = {p.ior / around, false};
+  const bool is_there = inside ? interiors.current()->instance == instance : !other || other->priority <= p.priority;
+  if (is_there) return true;
+  cross_boundary(*v, &interiors);
+  path->ray = {beyond(*v), path->ray.dir};
+  path->scatter_pdf = std::numeric_limits<float>::infinity();
+  return false;
+}
+
+std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& v, const VertexNumbers& numbers,
+                                        PathState* path, LayerSplit* split) {
+  const bool splits = split && path->depth == 0;
+  if (splits) split->emission = path->radiance;
+  PathRecord* const record = context.record;
+  const DisneyTransmissiveBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), v.boundary);
+
+  // Sample the lights, on each side for the directions that leave there.
+  Rgb direct(0.0f);
+  const auto add = [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
+    direct += light;
+    if (record) record->light_arrives(path->throughput * light, weight);
+    if (splits) split->add_local(path->throughput * light, value.specular_share);
+  };
+  path->domes = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
+  const auto sample_lights = [&](const Departure& from, Side side) {
+    const auto lobes = [&](const Vec3f& wi_world) -> ScatterValue {
+      const Vec3f wi = v.frame.to_local(wi_world);
+      if (side_of(v, wi, wi_world) != side) return {};
+      Rgb specular;
+      const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
+      const Rgb f_cos = value.f * std::abs(wi.z);
+      if (record) record->sample_light(wi_world, f_cos, value.pdf);
+      return {f_cos, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
+    };
+    for_direct_light(context, from, {numbers.light, path->domes}, lobes, add);
+  };
+  sample_lights(v.departure, Side::near);
+  if (bsdf.scatters_beyond()) sample_lights({.flat = beyond(v), .ng = -v.hit.ng, .n = -v.frame.n}, Side::far);
+  path->radiance += path->throughput * direct;
+  if (splits) split->gathered = path->radiance, split->scattered = true;
+
+  // Sample a lobe and a direction.
+  Rgb specular;
+  const auto& u = numbers.bsdf;
+  const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
+  if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
+  const Vec3f wi = sample ? v.frame.to_world(sample->wi) : Vec3f(0, 0, 0);
+  const bool leaves = sample && sample->lobe != Lobe::subsurface;
+  const Side side = !leaves ? Side::neither : side_of(v, sample->wi, wi);
+  if (!sample || (leaves && side == Side::neither)) {
+    if (record) record->end("no direction was sampled");
+    return std::nullopt;
+  }
+  const bool discrete = !leaves || sample->lobe == Lobe::straight;
+  path->throughput *= sample->f * ((discrete ? 1 : std::abs(sample->wi.z)) / sample->pdf);
+  if (!leaves) return sample->lobe;
+  if (splits) {
+    split->specular_share = sample->lobe == Lobe::straight ? Rgb(1.0f) : share_of(specular, sample->f);
+    split->went_on = true;
+  }
+  path->scatter_pdf = discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
+  if (side == Side::far) cross_boundary(v, &path->interiors);
+  path->ray = side == Side::far ? Ray{beyond(v), sample->lobe == Lobe::straight ? path->ray.dir : wi}
+                                : Ray{origin_of(context, v.departure, wi), wi};
+  return sample->lobe;
+}
+
+Interiors interiors_at(const PathContext& context, Ray ray) {
+  Interiors entered, about;
+  std::array<Interior, Interiors::kMost> found;
+  uint32_t count = 0;
+  constexpr int kMostSurfaces = 256;
+  TriangleHit hit;
+  for (int i = 0; i < kMostSurfaces && context.scene.top->intersect(ray, &hit); ++i) {
+    const PathVertex v = make_vertex(context, ray, hit);
+    ray.org = beyond(v);
+    if (!v.material.transmits() || v.material.thin) continue;
+    if (!is_seen_from_inside(v))
+      entered.enter(interior_of(v));
+    else if (entered.contains(hit.instance))
+      entered.leave(hit.instance);
+    else if (count < found.size())
+      found[count++] = interior_of(v);
+  }
+  // The surface that is left last was entered first.
+  while (count > 0) about.enter(found[--count]);
+  return about;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,25 @@
+// Surfaces that light goes through: how a path meets, crosses and leaves the interiors of clear bodies.
+#pragma once
+
+#include "core/integrator/layer_split.h"
+#include "core/integrator/path_state.h"
+#include "core/material/disney_transmissive_bsdf.h"
+
+namespace alabaster {
+
+/// False if the surface is not there, because an interior of higher priority is on both sides: the path's ray is sent
+/// on behind it, and knows that it entered or left. Sets vertex->boundary. For materials that transmit.
+bool meet_boundary(PathVertex* vertex, PathState* path);
+
+/// Samples direct light on both sides, then a lobe and the path's next ray. Empty: the path ends. Lobe::subsurface: it
+/// goes on below the surface, weighed for the entry. `split`, unless null, takes the layers at the first vertex.
+///
+/// Shadow rays end at clear surfaces too: light finds its way through them by sampled lobes alone.
+std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& vertex,
+                                        const VertexNumbers& numbers, PathState* path, LayerSplit* split);
+
+/// The interiors that the ray's origin lies in: all whose surface the ray leaves without having entered. Asked where a
+/// camera stands among clear bodies, at the cost of a ray through the scene.
+Interiors interiors_at(const PathContext& context, Ray ray);
+
+}  // namespace alabaster

@@ -1,0 +1,74 @@
+// The interiors of clear bodies that a ray is in: a small stack that a path carries through nested and overlapping
+// dielectrics (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+#pragma once
+
+#include <array>
+
+#include "core/color/rgb.h"
+#include "core/math/elementary.h"
+
+namespace alabaster {
+
+struct Interior {
+  uint32_t instance = 0;
+  uint32_t priority = 0;
+  float ior = 1;
+  Rgb sigma_a{0.0f};  // absorption per world distance
+};
+
+class Interiors {
+ public:
+  static constexpr uint32_t kMost = 8;
+
+  bool empty() const { return count_ == 0; }
+  bool contains(uint32_t instance) const { return find(instance) < count_; }
+
+  /// The one that is really there: of the highest priority, among equals the one that was entered last. Null: none, so
+  /// air. `instance`: as if it had been left.
+  const Interior* current() const { return best(count_); }
+  const Interior* current_without(uint32_t instance) const { return best(find(instance)); }
+
+  float index() const { return index_of(current()); }
+  float index_without(uint32_t instance) const { return index_of(current_without(instance)); }
+
+  /// Beer and Lambert's law.
+  Rgb transmittance(float distance) const {
+    const Interior* const at = current();
+    if (!at || is_black(at->sigma_a)) return Rgb(1.0f);
+    return {quick_exp(-at->sigma_a.r * distance), quick_exp(-at->sigma_a.g * distance),
+            quick_exp(-at->sigma_a.b * distance)};
+  }
+
+  /// An interior beyond the most that are kept is not noticed, neither is leaving it.
+  void enter(const Interior& interior) {
+    if (count_ < kMost) stack_[count_++] = interior;
+  }
+  /// Where the ray was not in it, nothing happens.
+  void leave(uint32_t instance) {
+    const uint32_t at = find(instance);
+    if (at == count_) return;
+    for (uint32_t i = at + 1; i < count_; ++i) stack_[i - 1] = stack_[i];
+    --count_;
+  }
+
+ private:
+  static float index_of(const Interior* interior) { return interior ? interior->ior : 1; }
+
+  /// The last that was entered of this instance; count_: none.
+  uint32_t find(uint32_t instance) const {
+    for (uint32_t i = count_; i > 0; --i)
+      if (stack_[i - 1].instance == instance) return i - 1;
+    return count_;
+  }
+  const Interior* best(uint32_t left_out) const {
+    const Interior* best = nullptr;
+    for (uint32_t i = 0; i < count_; ++i)
+      if (i != left_out && (!best || stack_[i].priority >= best->priority)) best = &stack_[i];
+    return best;
+  }
+
+  std::array<Interior, kMost> stack_;
+  uint32_t count_ = 0;
+};
+
+}  // namespace alabaster

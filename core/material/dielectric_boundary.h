@@ -1,0 +1,43 @@
+// The shares of light that a smooth boundary of two dielectrics reflects and lets through: exact Fresnel equations,
+// with the tints of the Disney BSDF.
+#pragma once
+
+#include "core/material/disney_parameters.h"
+#include "core/material/fresnel.h"
+
+namespace alabaster {
+
+struct DielectricBoundary {
+  float eta = 1.5f;        // index of the far side over that of the viewer's side
+  Rgb reflection{1.0f};    // tint, at most 1
+  Rgb transmission{1.0f};  // tint, at most 1
+
+  /// A tint of the reflection, by specular, specularColor and specularTint, lets through what it does not reflect.
+  static DielectricBoundary from(const DisneyParameters& p, float eta, const Rgb& transmission) {
+    const Rgb hue = p.specular_tint > 0 ? lerp(Rgb(1.0f), tint(p.base_color), p.specular_tint) : Rgb(1.0f);
+    return {eta, clamp01(hue * p.specular_color) * p.specular, transmission};
+  }
+
+  struct Shares {
+    Rgb reflected, passed;
+    float chance = 0;  // of choosing reflection
+  };
+  /// `cosine` > 0 of incidence.
+  Shares shares(float cosine) const {
+    const float f = fresnel_dielectric(cosine, eta);
+    // Total reflection is not tinted: no other light would take up the rest.
+    if (!(f < 1)) return {Rgb(1.0f), Rgb(0.0f), 1};
+    Shares s{reflection * f, transmission * (1 - f * max_component(reflection))};
+    const float reflected = choice_weight(s.reflected), passed = choice_weight(s.passed);
+    if (reflected > 0) s.chance = reflected / (reflected + passed);
+    return s;
+  }
+  /// Estimate of what a rough boundary reflects and lets through: as one that lies flat, but of reflection at least
+  /// what tilted facets give.
+  Rgb albedo(float cosine) const {
+    const Shares s = shares(cosine);
+    return s.reflected + s.passed + Rgb(1.0f / 21);
+  }
+};
+
+}  // namespace alabaster

@@ -1,0 +1,100 @@
+#include "core/material/disney_transmissive_bsdf.h"
+
+namespace alabaster {
+namespace {
+
+Rgb square_root(const Rgb& c) {
+  return {std::sqrt(c.r), std::sqrt(c.g), std::sqrt(c.b)};
+}
+
+DisneyParameters seen_from(DisneyParameters p, bool inside) {
+  if (inside) p.clearcoat = p.sheen = 0;
+  return p;
+}
+
+/// u in [0, share) spread over [0, 1).
+float spread(float u, float share) {
+  return std::min(u / share, kOneMinusEpsilon);
+}
+
+}  // namespace
+
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const BoundarySide& side)
+    : wo_(wo), thin_(p.thin), near_(seen_from(p, side.inside), wo) {
+  if (!(wo.z > 0)) return;
+  clear_ = (1 - p.metallic) * p.spec_trans;
+  diffuse_beyond_ = p.diff_trans_color * ((1 - p.metallic) * (1 - p.spec_trans) * 0.5f * p.diff_trans);
+  const Ggx ggx = disney_ggx(p.roughness, p.anisotropic);
+  if (thin_) {
+    const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
+    sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
+  } else {
+    solid_ = {DielectricBoundary::from(p, side.eta, square_root(p.base_color)), ggx};
+  }
+  const float near = near_.weight(),
+              clear = clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
+              beyond = choice_weight(diffuse_beyond_), total = near + clear + beyond;
+  if (!(total > 0)) return;
+  p_near_ = near / total;
+  p_beyond_ = beyond / total;
+  p_clear_ = beyond > 0 ? clear / total : 1 - p_near_;
+}
+
+bool DisneyTransmissiveBsdf::scatters_beyond() const {
+  return p_beyond_ > 0 || (p_clear_ > 0 && !at_boundary([](const auto& lobe) { return lobe.is_straight(); }));
+}
+
+BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
+  if (specular) *specular = Rgb(0.0f);
+  if (!(wo_.z > 0) || wi.z == 0) return {};
+  BsdfValue sum;
+  if (wi.z > 0 && p_near_ > 0) {
+    sum = near_.evaluate(wi, specular);
+    sum.pdf *= p_near_;
+  }
+  if (wi.z < 0 && p_beyond_ > 0) {
+    sum.f = diffuse_beyond_ * kInvPi;
+    sum.pdf = p_beyond_ * -wi.z * kInvPi;
+  }
+  if (p_clear_ > 0) {
+    const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
+    sum.f += value.f * clear_;
+    sum.pdf += value.pdf * p_clear_;
+    if (specular) *specular += value.f * clear_;
+  }
+  return sum;
+}
+
+std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec2f& u, Rgb* specular) const {
+  BsdfSample sample;
+  std::optional<Vec3f> wi;
+  if (u_lobe < p_near_) {
+    const auto near = near_.sample(spread(u_lobe, p_near_), u);
+    if (!near) return std::nullopt;
+    sample = *near;
+    if (sample.lobe == Lobe::subsurface) {
+      sample.pdf *= p_near_;
+      return sample;
+    }
+    wi = sample.wi;
+  } else if (u_lobe - p_near_ < p_clear_) {
+    const float u_choice = spread(u_lobe - p_near_, p_clear_);
+    sample.lobe = Lobe::dielectric;
+    const float straight = at_boundary([&](const auto& lobe) { return lobe.chance_of_straight(wo_); });
+    if (u_choice < straight) {
+      const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
+      return BsdfSample{Lobe::straight, -wo_, passed * clear_, p_clear_ * straight};
+    }
+    wi = at_boundary([&](const auto& lobe) { return lobe.sample(wo_, u_choice, u); });
+  } else if (p_beyond_ > 0) {
+    sample.lobe = Lobe::diffuse_transmission;
+    const Vec3f up = sample_cosine_hemisphere(u);
+    wi = {up.x, up.y, -up.z};
+  }
+  if (!wi) return std::nullopt;
+  const BsdfValue value = evaluate(*wi, specular);
+  if (!(value.pdf > 0)) return std::nullopt;
+  return BsdfSample{sample.lobe, *wi, value.f, value.pdf};
+}
+
+}  // namespace alabaster

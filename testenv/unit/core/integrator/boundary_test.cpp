@@ -1,0 +1,293 @@
+// Paths through clear bodies against slabs by hand.
+#include "core/integrator/boundary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/path_tracer.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::PathTracer;
+using testing::RunningStatistics;
+using testing::SceneBuilder;
+
+constexpr int kZTests = 24;
+
+DisneyParameters clear(float ior) {
+  DisneyParameters p;
+  p.base_color = Rgb(1.0f);
+  p.spec_trans = 1;
+  p.roughness = 0;
+  p.ior = ior;
+  return p;
+}
+
+DisneyParameters lamp(float radiance) {
+  DisneyParameters p = testing::matt(Rgb(0.0f));
+  p.emission = Rgb(radiance);
+  return p;
+}
+
+/// A closed box of flat faces, in y from `bottom` to `top`.
+Mesh slab_mesh(float bottom, float top, float half_width) {
+  Cage cage;
+  for (int i = 0; i < 8; ++i)
+    cage.points.emplace_back(i & 1 ? half_width : -half_width, i & 2 ? top : bottom, i & 4 ? half_width : -half_width);
+  cage.face_vertex_counts.assign(6, 4);
+  cage.face_vertex_indices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+  return build_mesh(cage, {}, {});
+}
+
+RunningStatistics means(PathTracer* tracer, int channel, int runs = 256, int samples = 32) {
+  RunningStatistics statistics;
+  uint32_t index = 0;
+  for (int r = 0; r < runs; ++r) {
+    double sum = 0;
+    for (int i = 0; i < samples; ++i) sum += double(tracer->trace(index++).color[channel]);
+    statistics.add(sum / samples);
+  }
+  return statistics;
+}
+
+void expect_mean(PathTracer* tracer, int channel, double expected, const char* what) {
+  const auto result =
+      z_test(means(tracer, channel), expected, {.number_of_tests = kZTests, .slack = 2e-4 * expected + 1e-6});
+  EXPECT_TRUE(result.passed) << what << ": " << result.report;
+}
+
+/// A stack of layers: how much of the light that comes from below it passes and what it sends back, all reflections
+/// counted (adding, without interference).
+struct Stack {
+  double passed = 1, reflected_above = 0, reflected_below = 0;
+
+  void add(double reflectance, double transmittance) {
+    const double echo = 1 / (1 - reflected_below * reflectance);
+    reflected_above += passed * passed * reflectance * echo;
+    const double below = reflectance + transmittance * transmittance * reflected_below * echo;
+    passed *= transmittance * echo;
+    reflected_below = below;
+  }
+  void boundary(double n1, double n2) {
+    const double f = (n1 - n2) * (n1 - n2) / ((n1 + n2) * (n1 + n2));
+    add(f, 1 - f);
+  }
+  void absorb(double transmittance) {
+    // Light that turns back passes twice.
+    reflected_below *= transmittance * transmittance;
+    passed *= transmittance;
+  }
+};
+
+/// A camera above that looks straight down, and a lamp below everything.
+PathTracer look_down(SceneBuilder* b, float eye_height = 5) {
+  b->add(b->prototype(testing::plane_mesh(40)), b->material(lamp(1)), Matrix4d().setTranslation(Vec3d(0, -10, 0)));
+  PathTracer tracer(b->snapshot(), {0, eye_height, 0});
+  tracer.settings.max_depth = 40;
+  return tracer;
+}
+
+TEST(Boundary, AnAbsorbingSlabFollowsBeerAndLambert) {
+  SceneBuilder b;
+  DisneyParameters glass = clear(1.5f);
+  glass.attenuation_color = {1, 0.5f, 0.1f};
+  glass.attenuation_distance = 0.5f;
+  b.add(b.prototype(slab_mesh(-1.5f, 0.5f, 20)), b.material(glass));
+  PathTracer tracer = look_down(&b);
+  for (int c = 0; c < 3; ++c) {
+    const double tau = std::pow(double(glass.attenuation_color[c]), 2 / 0.5);
+    Stack stack;
+    stack.boundary(1, 1.5);
+    stack.absorb(tau);
+    stack.boundary(1.5, 1);
+    expect_mean(&tracer, c, stack.passed, "a slab two units thick");
+  }
+}
+
+// baseColor is the colour of the whole body: its square root at each of two surfaces.
+TEST(Boundary, ABodyHasItsBaseColorOnceAndSoHasASheet) {
+  for (const bool thin : {false, true}) {
+    SceneBuilder b;
+    DisneyParameters glass = clear(1.5f);
+    glass.base_color = {1, 0.5f, 0.04f};
+    glass.thin = thin;
+    if (thin)
+      b.add(b.prototype(testing::plane_mesh(20)), b.material(glass));
+    else
+      b.add(b.prototype(slab_mesh(-1, 0, 20)), b.material(glass));
+    PathTracer tracer = look_down(&b);
+    for (int c = 0; c < 3; ++c) {
+      const double color = double(glass.base_color[c]), f = 0.04;
+      const double echo = 1 / (1 - f * f);  // reflections inside are not tinted
+      expect_mean(&tracer, c, thin ? (1 - f) * color : (1 - f) * (1 - f) * echo * color, thin ? "sheet" : "slab");
+    }
+  }
+}
+
+struct Pool {
+  uint32_t glass_priority, water_priority;
+  double glass_ends;  // the depth of the boundary of glass and water
+};
+
+// Glass from 0 to -1, and water that begins at -0.9 inside it and ends at -2.
+TEST(Boundary, OverlappingDielectricsMeetWherePrioritySays) {
+  for (const Pool& pool : {Pool{2, 1, 1.0}, Pool{1, 2, 0.9}, Pool{0, 0, 0.9}}) {
+    SceneBuilder b;
+    DisneyParameters glass = clear(1.8f), water = clear(1.33f);
+    glass.attenuation_color = {0.5f, 1, 0.8f};
+    water.attenuation_color = {1, 0.2f, 0.8f};
+    glass.attenuation_distance = water.attenuation_distance = 1;
+    glass.priority = pool.glass_priority;
+    water.priority = pool.water_priority;
+    b.add(b.prototype(slab_mesh(-1, 0, 20)), b.material(glass));
+    b.add(b.prototype(slab_mesh(-2, -0.9f, 20)), b.material(water));
+    PathTracer tracer = look_down(&b);
+    for (int c = 0; c < 3; ++c) {
+      Stack stack;
+      stack.boundary(1, double(water.ior));
+      stack.absorb(std::pow(double(water.attenuation_color[c]), 2 - pool.glass_ends));
+      stack.boundary(double(water.ior), double(glass.ior));
+      stack.absorb(std::pow(double(glass.attenuation_color[c]), pool.glass_ends));
+      stack.boundary(double(glass.ior), 1);
+      // Equal priorities: light that turns back may find the boundary at the other place; absorption tells.
+      if (pool.glass_priority != pool.water_priority || c == 2)
+        expect_mean(&tracer, c, stack.passed, pool.glass_priority ? "by priority" : "the last entered");
+    }
+  }
+}
+
+TEST(Boundary, ACameraMayStandInside) {
+  SceneBuilder b;
+  DisneyParameters water = clear(1.33f), glass = clear(1.5f);
+  water.attenuation_color = Rgb(0.5f);
+  water.attenuation_distance = 1;
+  glass.attenuation_color = Rgb(0.25f);
+  glass.attenuation_distance = 1;
+  // A sea, and a pane in it below the camera.
+  b.add(b.prototype(slab_mesh(-3, 20, 20)), b.material(water));
+  b.add(b.prototype(slab_mesh(-1, 0, 10)), b.material(glass));
+  PathTracer tracer = look_down(&b, 2);
+  Stack stack;
+  stack.boundary(1, 1.33);
+  stack.absorb(0.25);
+  stack.boundary(1.33, 1.5);
+  stack.absorb(0.25);
+  stack.boundary(1.5, 1.33);
+  stack.absorb(0.25);
+  // Light that the pane sends back upwards has far to go in water, which leaves 0.5^18 of it.
+  expect_mean(&tracer, 1, stack.passed * 1.33 * 1.33, "radiance in water is n^2 times that in air");
+}
+
+TEST(Boundary, InteriorsAboutAPoint) {
+  SceneBuilder b;
+  b.add(b.prototype(slab_mesh(-3, 3, 20)), b.material(clear(1.33f)));
+  b.add(b.prototype(slab_mesh(-1, 1, 10)), b.material(clear(1.5f)));
+  b.add(b.prototype(slab_mesh(-0.5f, 0.5f, 0.1f)), b.material(clear(1.2f)));
+  PathTracer tracer(b.snapshot(), {0, 5, 0});
+  const auto index_at = [&](const Vec3f& p) { return interiors_at(tracer.context(), {p, {0, -1, 0}, 1e30f}).index(); };
+  EXPECT_EQ(index_at({0, 4, 0}), 1);
+  EXPECT_EQ(index_at({0, 2, 0}), 1.33f);
+  EXPECT_EQ(index_at({0, 0.7f, 0}), 1.5f);
+  EXPECT_EQ(index_at({0, 0, 0}), 1.2f);
+  EXPECT_EQ(index_at({0, -0.7f, 0}), 1.5f);
+  EXPECT_EQ(index_at({0, -2, 0}), 1.33f);
+}
+
+// A body of ior 1 is not seen: every sample is the background's.
+TEST(Boundary, IorOneIsNotSeen) {
+  for (const bool thin : {false, true}) {
+    SceneBuilder b;
+    DisneyParameters p = clear(1);
+    p.roughness = 0.6f;
+    p.thin = thin;
+    b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(p)).add(testing::constant_dome(0.75f, true));
+    PathTracer tracer(b.snapshot(), {0, 0, 3});
+    for (uint32_t i = 0; i < 64; ++i) EXPECT_EQ(tracer.trace(i).color, Rgb(0.75f));
+  }
+}
+
+// A lossless body in a white furnace is not seen either. Rough facets lose what they hide from each other.
+TEST(Boundary, AClearBodyInAFurnace) {
+  for (const float roughness : {0.0f, 0.3f}) {
+    SceneBuilder b;
+    DisneyParameters p = clear(1.5f);
+    p.roughness = roughness;
+    b.add(b.prototype(testing::sphere_mesh(1, 64, true)), b.material(p)).add(testing::constant_dome(1, true));
+    PathTracer tracer(b.snapshot(), {1, 2, 3});
+    tracer.settings.max_depth = 64;
+    const auto energy = means(&tracer, 1);
+    EXPECT_NEAR(energy.mean(), 1, roughness > 0 ? 0.03 : 1e-3) << roughness;
+    EXPECT_LE(energy.mean(), 1 + 1e-3) << roughness;
+  }
+}
+
+// A medium without loss, seen through a clear boundary: all light comes out again, past any number of inner
+// reflections. A blend with the entry and exit lobes keeps what those keep, 41/42 each time.
+TEST(Boundary, AScatteringMediumInAFurnace) {
+  for (const float clear_share : {1.0f, 0.5f}) {
+    SceneBuilder b;
+    DisneyParameters p = clear(1.5f);
+    p.spec_trans = clear_share;
+    p.specular = clear_share == 1 ? 1 : 0;  // of the opaque share: its reflection is not subtracted from its base
+    p.scatter_distance = Rgb(0.5f);
+    b.add(b.prototype(testing::sphere_mesh(1, 32, true)), b.material(p)).add(testing::constant_dome(1, true));
+    PathTracer tracer(b.snapshot(), {1, 2, 3});
+    tracer.settings.max_depth = 64;
+    const auto energy = means(&tracer, 1, 64, 32);
+    std::cout << "scattering body, clear share " << clear_share << ": " << energy.mean() << " +- "
+              << energy.standard_error() << "\n";
+    EXPECT_LE(energy.mean(), 1 + 4 * energy.standard_error() + 1e-3);
+    EXPECT_GE(energy.mean(), (clear_share == 1 ? 0.995 : 0.93) - 4 * energy.standard_error());
+  }
+}
+
+// With hardly any scattering the medium is clear: refraction in, a straight line, refraction out.
+TEST(Boundary, AMediumThatHardlyScattersIsClear) {
+  SceneBuilder b;
+  DisneyParameters p = clear(1.5f);
+  p.scatter_distance = Rgb(1e5f);
+  b.add(b.prototype(slab_mesh(-1, 0, 20)), b.material(p));
+  PathTracer tracer = look_down(&b);
+  Stack stack;
+  stack.boundary(1, 1.5);
+  stack.boundary(1.5, 1);
+  expect_mean(&tracer, 1, stack.passed, "slab");
+}
+
+// Light sampling and lobe sampling find the same light through a rough boundary and on the far side of a leaf.
+TEST(Boundary, LightsBehindAreSampled) {
+  for (const bool leaf : {false, true}) {
+    double mean[2];
+    for (const bool lights_are_meshes : {true, false}) {
+      SceneBuilder b;
+      DisneyParameters p = clear(1.5f);
+      p.roughness = 0.7f;
+      p.thin = true;
+      if (leaf) p.spec_trans = 0, p.diff_trans = 1.5f, p.ior = 1, p.diff_trans_color = {0.2f, 0.6f, 0.1f};
+      b.add(b.prototype(testing::plane_mesh(20)), b.material(p));
+      if (lights_are_meshes) {
+        b.add(b.prototype(testing::plane_mesh(2)), b.material(lamp(3)), Matrix4d().setTranslation(Vec3d(1, -2, 0)));
+      } else {
+        LightDescription light;
+        light.type = LightType::rect;
+        light.width = light.height = 2;
+        light.intensity = 3;
+        light.light_to_world =
+            Matrix4d().setAxisAngle(Vec3d(1, 0, 0), M_PI / 2) * Matrix4d().setTranslation(Vec3d(1, -2, 0));
+        b.add(light);
+      }
+      PathTracer tracer(b.snapshot(), {0, 3, 0});
+      const auto found = means(&tracer, 1);
+      mean[lights_are_meshes] = found.mean();
+      EXPECT_LT(found.standard_error(), 0.01 * found.mean()) << "the lamp is found by light sampling";
+      EXPECT_GT(found.mean(), 0.01);
+    }
+    EXPECT_NEAR(mean[0], mean[1], 0.03 * mean[0]) << leaf;
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
