@@ -54,7 +54,7 @@ struct DisneyThinDielectric {
   /// reflect and pass other shares than the flat one.
   float chance(const Vec3f& wo) const {
     const float flat = boundary.shares(wo.z).chance;
-    return flat > 0 && flat < 1 ? std::clamp(flat, 0.1f, 0.9f) : flat;
+    return is_straight() ? flat : std::clamp(flat, 0.1f, 0.9f);
   }
 };
 

@@ -82,7 +82,9 @@ TEST(ReflectingNormal, KeepsTheMirrorImageAboveTheSurface) {
     const Vec3f mirrored = bent * (2 * dot(bent, wo)) - wo;
     EXPECT_GT(mirrored.z, 0) << wo.z << " " << n.x << " " << n.y << " " << n.z;
     const Vec3f straight = n * (2 * dot(n, wo)) - wo;
-    if (straight.z > 0.01f && dot(n, wo) > 0) EXPECT_EQ(bent, n);
+    if (straight.z > 0.01f && dot(n, wo) > 0) {
+      EXPECT_EQ(bent, n);
+    }
   }
 }
 
