@@ -107,7 +107,9 @@ double CylinderLight::importance(const Vec3f& p) const {
 LightExtent CylinderLight::extent() const {
   const auto reach = [this](double x) { return half_length_ * std::abs(x) + radius_; };
   const Vec3d r(reach(axis_.x), reach(axis_.y), reach(axis_.z));
-  return {{center_ - r, center_ + r}, representable_importance(radiance_, 4 * radius_ * half_length_)};
+  return shaped(
+      LightExtent{{center_ - r, center_ + r}, representable_importance(radiance_, 4 * radius_ * half_length_)},
+      shaping_);
 }
 
 }  // namespace alabaster

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/light/light_description.h"
-#include "core/sampling/distribution.h"
+#include "core/light/light_image.h"
 
 namespace alabaster {
 
@@ -15,10 +15,7 @@ namespace alabaster {
 /// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Only the transform's rotation
 /// and mirroring count.
 ///
-/// The image is filtered bilinearly. It wraps around in longitude and is clamped at the poles; the texture's own wrap
-/// modes do not count. Directions are drawn from a density that is constant per texel and solid angle, proportional to
-/// the mean of the FILTERED luminance over the texel: it is positive wherever the filtered image is. Negative and NaN
-/// texels count as black, infinite ones as the largest half float.
+/// Directions are drawn from the image's density (light_image.h), which is constant per texel and solid angle.
 class DomeLight {
  public:
   DomeLight(const LightDescription& description, const Vec3d& render_origin);
@@ -28,22 +25,14 @@ class DomeLight {
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
   /// Null: a constant dome.
-  const Texture* texture() const { return texture_.get(); }
-  /// On the heap, without the texture, which others may share.
-  size_t memory_bytes() const { return distribution_ ? distribution_->memory_bytes() : 0; }
+  const LightImage* image() const { return image_.get(); }
 
  private:
-  Rgb texel(int x, int y) const;
-  Rgb lookup(double longitude_turns, double colatitude_turns) const;
-  void build_distribution();
   float pdf_of_cell(double pdf_uv, int row) const;
 
   Vec3d x_{1, 0, 0}, y_{0, 1, 0}, z_{0, 0, 1};  // the light's axes in render space: orthonormal, perhaps left-handed
-  Rgb scale_{0.0f};
-  std::shared_ptr<const Texture> texture_;  // null: constant
-  int width_ = 0, height_ = 0;
-  std::shared_ptr<const Distribution2D> distribution_;  // shared: lights are copied
-  Rgb mean_{1.0f};                                      // of the image over the sphere
+  Rgb radiance_{0.0f};                          // of an image: its mean
+  std::shared_ptr<const LightImage> image_;     // null: constant; shared, for lights are copied
 };
 
 }  // namespace alabaster

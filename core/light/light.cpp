@@ -19,4 +19,13 @@ Light make_light(const LightDescription& d, const Vec3d& render_origin) {
   return DomeLight(d, render_origin);
 }
 
+const LightImage* image_of(const Light& light) {
+  return std::visit(
+      [](const auto& l) -> const LightImage* {
+        if constexpr (requires { l.image(); }) return l.image();
+        return nullptr;
+      },
+      light);
+}
+
 }  // namespace alabaster

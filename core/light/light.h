@@ -29,4 +29,7 @@ using Light = std::variant<PlaneLight, CylinderLight, SphereLight, DistantLight,
 /// The light of a description, placed in the render space whose origin this is in the world.
 Light make_light(const LightDescription& description, const Vec3d& render_origin);
 
+/// The image that it is made of, or null.
+const LightImage* image_of(const Light& light);
+
 }  // namespace alabaster

@@ -10,6 +10,8 @@ std::span<const Parameter<LightDescription>> light_parameters() {
       {"intensity", &P::intensity, 0, kUnbounded},
       {"exposure", &P::exposure, -64, 64},
       {"color", &P::color, 0, kUnbounded},
+      {"enableColorTemperature", &P::enable_color_temperature},
+      {"colorTemperature", &P::color_temperature, 1000, 10000},
       {"normalize", &P::normalize},
       {"width", &P::width, 0, kUnbounded},
       {"height", &P::height, 0, kUnbounded},
@@ -23,6 +25,8 @@ std::span<const Parameter<LightDescription>> light_parameters() {
       {"shaping:cone:softness", &P::cone_softness, 0, 1},
       {"shaping:focus", &P::focus, 0, kUnbounded},
       {"shaping:focusTint", &P::focus_tint, 0, kUnbounded},
+      {"shaping:ies:angleScale", &P::ies_angle_scale},
+      {"shaping:ies:normalize", &P::ies_normalize},
       {"visibleToCamera", &P::visible_to_camera},
   };
   return kTable;
@@ -39,7 +43,8 @@ Rgb finite_or_black(const Rgb& color, double scale) {
 }
 
 Rgb emission(const LightDescription& description) {
-  return finite_or_black(description.color,
+  const Rgb& color = description.color;
+  return finite_or_black(description.enable_color_temperature ? color * description.color_of_temperature : color,
                          description.intensity * std::exp2(static_cast<double>(description.exposure)));
 }
 

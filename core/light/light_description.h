@@ -18,6 +18,8 @@
 
 namespace alabaster {
 
+class IesProfile;
+
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Answer of sample(). Always finite and worth tracing: pdf > 0 and some radiance; otherwise sample() is empty.
@@ -47,6 +49,10 @@ struct LightExtent {
   BoundsDouble box;  // of a finite light
   double power = 0;
   bool finite = true;
+  /// Light leaves within an angle of normals that lie within an angle of an axis (radians), fallen by the cosine of the
+  /// former. By default it leaves everywhere.
+  Vec3d axis{0, 0, 1};
+  double normals_angle = kPiDouble, emission_angle = 0.5 * kPiDouble;
 };
 
 enum class LightType { rect, sphere, distant, dome, disk, cylinder };
@@ -62,6 +68,9 @@ struct LightDescription {
   Rgb color{1.0f};
   float intensity = 1;
   float exposure = 0;  // stops
+  bool enable_color_temperature = false;
+  float color_temperature = 6500;  // kelvin
+  Rgb color_of_temperature{1.0f};  // in the rendering space (blackbody.h); multiplies color where it is enabled
   /// Power independent of size, by UsdLux's size factors: the radiance is divided by the world-space area (rect
   /// w*h, disk pi r^2, sphere 4 pi r^2, cylinder 2 pi r l) or, distant, by pi sin^2(angle/2) (beyond a hemisphere
   /// pi (2 - sin^2)), which makes color*intensity the irradiance on a plane facing the light. A point light has the
@@ -80,15 +89,19 @@ struct LightDescription {
   float cone_angle = 180, cone_softness = 0;  // UsdLuxShapingAPI; dark beyond the angle, the softness is its soft share
   float focus = 0;                            // radiance times lerp(focus_tint, white, |cos|^focus)
   Rgb focus_tint{0.0f};
-  std::shared_ptr<const Texture> texture;  // dome: lat-long, USD's orientation (see dome_light.h)
+  std::shared_ptr<const IesProfile> ies;   // its candela multiply the radiance; 0 degrees is -z, the horizontal +x
+  float ies_angle_scale = 0;               // of its vertical angles: stretches them about -z, negative: about +z
+  bool ies_normalize = false;              // divides it by its mean, so that it keeps the power
+  std::shared_ptr<const Texture> texture;  // rect (plane_light.h); dome: lat-long, USD's orientation (dome_light.h)
   bool visible_to_camera = false;
   std::string name = {};  // prim path, for reports
   bool operator==(const LightDescription&) const = default;
 };
-/// schemas/lights.json, but for texture:file.
+/// schemas/lights.json, but for the names of files.
 std::span<const Parameter<LightDescription>> light_parameters();
 
-/// color * intensity * 2^exposure, negative channels cut to zero; black if that is not finite.
+/// color * colour of the temperature * intensity * 2^exposure, negative channels cut to zero; black if that is not
+/// finite.
 Rgb emission(const LightDescription& description);
 
 /// Light given as double to the float that is stored: black if any channel is not finite.

@@ -104,7 +104,7 @@ class LightSet {
   bool is_left(ConstantDomes domes, size_t i) const {
     if (domes == ConstantDomes::sampled || !sample_all_) return false;
     const auto* dome = std::get_if<DomeLight>(&lights_[i]);
-    return dome && !dome->texture();
+    return dome && !dome->image();
   }
 
   static constexpr size_t kMostWeighed = 128;

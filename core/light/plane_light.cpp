@@ -41,10 +41,14 @@ PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_
   if (!std::isfinite(finite) || !(area_ > 0)) return;
   radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area_ : 1);
   shaping_ = LightShaping::make(description);
+  const auto& texture = description.texture;
+  if (disk_ || is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
+  image_ = std::make_shared<LightImage>(texture, radiance_, LightImage::Shape::flat);
+  radiance_ = image_->mean();
 }
 
 std::optional<SphericalRectangle> PlaneLight::view_from(const Vec3d& to_center, double height) const {
-  if (skew_ != 0) return std::nullopt;
+  if (skew_ != 0 || image_) return std::nullopt;
   if (disk_) {
     const double radius = std::max(half_width_, half_height_), distance = kNearDistance * radius;
     if (height > kNearHeight * radius || dot(to_center, to_center) > distance * distance) return std::nullopt;
@@ -56,12 +60,14 @@ std::optional<SphericalRectangle> PlaneLight::view_from(const Vec3d& to_center, 
   return seen;
 }
 
-bool PlaneLight::is_inside(const Vec3d& from_center) const {
+std::optional<PlaneLight::Place> PlaneLight::place_of(const Vec3d& from_center) const {
   // Coordinates along edges that need not be perpendicular.
   const double along_x = dot(from_center, x_), along_y = dot(from_center, y_), unskew = 1 / (1 - skew_ * skew_);
   const double x = (along_x - skew_ * along_y) * unskew, y = (along_y - skew_ * along_x) * unskew;
-  if (!disk_) return std::abs(x) <= half_width_ && std::abs(y) <= half_height_;
-  return (x / half_width_) * (x / half_width_) + (y / half_height_) * (y / half_height_) <= 1;
+  if (!(std::abs(x) <= half_width_ && std::abs(y) <= half_height_)) return std::nullopt;
+  const Place place{x / half_width_, y / half_height_};
+  if (disk_ && !(place.x * place.x + place.y * place.y <= 1)) return std::nullopt;
+  return place;
 }
 
 std::optional<LightSample> PlaneLight::sample(const Vec3f& p, const Vec2f& u) const {
@@ -70,23 +76,27 @@ std::optional<LightSample> PlaneLight::sample(const Vec3f& p, const Vec2f& u) co
   const double height = -dot(to_center, n_);
   if (!(height > 0)) return std::nullopt;
   Vec3d to_light;
+  float density = 1;
+  Vec2f place;
   const auto seen = view_from(to_center, height);
   if (seen) {
     const Vec3d point = seen->sample(u);
     to_light = (x_ * point.x + y_ * point.y - n_) * height;
-    if (disk_ && !is_inside(to_light - to_center)) return std::nullopt;
+    if (disk_ && !place_of(to_light - to_center)) return std::nullopt;
   } else {
-    const Vec2f at = disk_ ? sample_concentric_disk(u) : Vec2f(2 * u.x - 1, 2 * u.y - 1);
+    if (image_) place = image_->sample(u, &density);
+    const Vec2f at = disk_    ? sample_concentric_disk(u)
+                     : image_ ? Vec2f(1 - 2 * place.x, 1 - 2 * place.y)
+                              : Vec2f(2 * u.x - 1, 2 * u.y - 1);
     to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
   }
   const double distance = length(to_light);
-  // By area: d^2 / (A cos) with cos = height / d.
-  const double pdf = seen ? 1 / seen->solid_angle() : distance * distance * distance / (area_ * height);
+  const double pdf = seen ? 1 / seen->solid_angle() : pdf_by_area(density, distance, height);
   const Vec3d wi = to_light * (1 / distance);
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
-  s.radiance = shaped(radiance_, shaping_, -wi);
+  s.radiance = shaped(image_ ? image_->lookup(place.x, place.y) : radiance_, shaping_, -wi);
   s.pdf = static_cast<float>(pdf);
   if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
   if (!(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
@@ -99,13 +109,16 @@ std::optional<LightHit> PlaneLight::intersect(const Ray& ray) const {
   const double towards = -dot(direction, n_), height = dot(origin - center_, n_);
   if (!(towards > 0) || !(height > 0)) return std::nullopt;
   const double t = height / towards;
-  if (!is_inside(origin - center_ + direction * t)) return std::nullopt;
+  const auto place = place_of(origin - center_ + direction * t);
+  if (!place) return std::nullopt;
   const auto seen = view_from(center_ - origin, height);
   const double speed = length(direction), distance = t * speed;
   LightHit hit;
   hit.t = static_cast<float>(t);
-  hit.radiance = shaped(radiance_, shaping_, direction * (-1 / speed));
-  hit.pdf = static_cast<float>(seen ? 1 / seen->solid_angle() : distance * distance * distance / (area_ * height));
+  const Vec2f at = place->image_place();
+  hit.radiance = shaped(image_ ? image_->lookup(at.x, at.y) : radiance_, shaping_, direction * (-1 / speed));
+  const double density = image_ ? static_cast<double>(image_->pdf(at)) : 1;
+  hit.pdf = static_cast<float>(seen ? 1 / seen->solid_angle() : pdf_by_area(density, distance, height));
   if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;
   if (is_black(hit.radiance)) return std::nullopt;
   return hit;
@@ -135,6 +148,8 @@ LightExtent PlaneLight::extent() const {
   LightExtent extent{{}, representable_importance(radiance_, area_)};
   for (const double x : {-half_width_, half_width_})
     for (const double y : {-half_height_, half_height_}) extent.box.extend(center_ + x_ * x + y_ * y);
+  extent.axis = n_;
+  extent.normals_angle = 0;
   return extent;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/light/light_description.h"
+#include "core/light/light_image.h"
 #include "core/light/light_shaping.h"
 #include "core/light/spherical_rectangle.h"
 
@@ -15,6 +16,9 @@ namespace alabaster {
 /// near the point is: the variance of the irradiance under a unit square is 16 times less than by area at distance 1,
 /// 60 times at 0.1. Points are drawn uniformly over the area instead where that solid angle is lost in the rounding of
 /// angles, and where a shear has made the rectangle a parallelogram.
+///
+/// A rectangle may show an image: upright and not mirrored for who faces it with its +y up, its first texel at (+x, +y)
+/// (UsdLuxRectLight). Places are then drawn by its density (light_image.h).
 ///
 /// A disk is sampled by area, but from near, where its weights would vary, as the square around it is (Gamito 2016,
 /// "Solid Angle Sampling of Disk and Cylinder Lights"): directions that miss it, a fifth, give no light.
@@ -29,12 +33,22 @@ class PlaneLight {
   LightExtent extent() const;
   /// True only if every direction from p to the light lies below the plane through p with unit normal n.
   bool is_below(const Vec3f& p, const Vec3f& n) const;
+  /// Null: the same radiance everywhere.
+  const LightImage* image() const { return image_.get(); }
 
  private:
   /// The rectangle as seen from a point in front; empty: sample by area.
   std::optional<SphericalRectangle> view_from(const Vec3d& to_center, double height) const;
-  /// True for points of the plane, from the centre, that lie on the light.
-  bool is_inside(const Vec3d& from_center) const;
+  /// Where on the light a point of its plane lies, given from the centre: in half edges along x and y, each in [-1, 1].
+  struct Place {
+    double x, y;
+    Vec2f image_place() const { return {static_cast<float>(0.5 - 0.5 * x), static_cast<float>(0.5 - 0.5 * y)}; }
+  };
+  std::optional<Place> place_of(const Vec3d& from_center) const;
+  /// Of an image, from its density per unit square; else of 1: per solid angle.
+  double pdf_by_area(double density, double distance, double height) const {
+    return density * distance * distance * distance / (area_ * height);
+  }
 
   bool disk_ = false;
   Vec3d center_{0, 0, 0};
@@ -42,7 +56,8 @@ class PlaneLight {
   double half_width_ = 0, half_height_ = 0;     // half edge lengths, of the rectangle around a disk
   double skew_ = 0;                             // dot(x_, y_); exactly 0 for a rectangle
   double area_ = 0;
-  Rgb radiance_{0.0f};
+  Rgb radiance_{0.0f};  // of an image: its mean
+  std::shared_ptr<const LightImage> image_;
   std::shared_ptr<const LightShaping> shaping_;
 };
 

@@ -133,8 +133,9 @@ double SphereLight::importance(const Vec3f& p) const {
 
 LightExtent SphereLight::extent() const {
   const Vec3d r(radius_, radius_, radius_);
-  return {{center_ - r, center_ + r},
-          representable_importance(radiance_, is_delta() ? 1 : kPiDouble * radius_ * radius_)};
+  return shaped(LightExtent{{center_ - r, center_ + r},
+                            representable_importance(radiance_, is_delta() ? 1 : kPiDouble * radius_ * radius_)},
+                shaping_);
 }
 
 }  // namespace alabaster

@@ -204,7 +204,7 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
   for (const auto& m : snapshot.materials)
     for (const Texture* texture : m->images()) textures.insert(texture);
   for (const Light& light : snapshot.lights.lights())
-    if (const auto* dome = std::get_if<DomeLight>(&light)) textures.insert(dome->texture());
+    if (const LightImage* image = image_of(light)) textures.insert(image->texture());
   textures.erase(nullptr);
   size_t bytes = 0;
   for (const Texture* texture : textures) bytes += texture->memory_bytes();

@@ -21,9 +21,11 @@ bool set_parameter(const Reader& reader, const std::string& pointer, const std::
     if (std::find(types->begin(), types->end(), light->type.str()) == types->end())
       return reader.fail(pointer, "A " + light->type.str() + " has no '" + name + "'; that belongs to " +
                                       (*types)[0].get<std::string>() + ".");
-  if (name == "texture:file") {
+  if (name == "texture:file" || name == "shaping:ies:file") {
     const std::string file = value;
-    const AssetPath asset = file.empty() ? AssetPath() : reader.image(pointer, file);
+    const AssetPath asset = file.empty()             ? AssetPath()
+                            : name == "texture:file" ? reader.image(pointer, file)
+                                                     : reader.asset(pointer, file);
     if (!file.empty() && asset.resolved.empty()) return false;
     light->parameters[name] = asset;
     return true;

@@ -1,4 +1,5 @@
 // Checks nodes, scenes, cameras and lights (glTF 2.0, sections 3.5, 3.10; KHR_lights_punctual).
+#include <algorithm>
 #include <cmath>
 
 #include "delegate/gltf/gltf_document.h"
@@ -94,6 +95,9 @@ void check_cameras(const Json& cameras, Report& report) {
 void check_lights(const Json& root, Report& report) {
   if (!root.contains("extensions") || !root["extensions"].contains("KHR_lights_punctual")) return;
   const Json& lights = root["extensions"]["KHR_lights_punctual"]["lights"];
+  if (std::any_of(lights.begin(), lights.end(), [](const Json& light) { return light.contains("range"); }))
+    report.info("light", "extensions.KHR_lights_punctual",
+                "range is not used: light falls with the square of the distance, however far");
   for (size_t l = 0; l < lights.size(); ++l) {
     if (lights[l]["type"] != "spot") continue;
     const std::string element = element_name("extensions.KHR_lights_punctual.lights", l) + ".spot";

@@ -14,7 +14,8 @@ host::CameraDescription translate_camera(const tinygltf::Camera& camera, const M
 
 /// KHR_lights_punctual. Photometric values are kept as radiometric ones: the intensity of point and spot lights
 /// (candela) becomes radiant intensity, and that of directional lights (lux) irradiance; choose the exposure
-/// accordingly. `range`, a cut-off for game engines, is ignored.
+/// accordingly. `range`, a cut-off for game engines, is not used;
+/// the reader says so.
 host::LightDescription translate_light(const tinygltf::Light& light, const Matrix4d& transform);
 
 }  // namespace alabaster::hd::gltf

@@ -57,7 +57,7 @@ DirtyBits parameter_difference(const T& a, const T& b) {
   return bits;
 }
 DirtyBits difference(const LightDescription& a, const LightDescription& b) {
-  return parameter_difference(a, b);
+  return parameter_difference(a, b) | (a.visible != b.visible ? dirty::kVisibility : dirty::kClean);
 }
 DirtyBits difference(const CameraDescription& a, const CameraDescription& b) {
   return parameter_difference(a, b);
@@ -253,6 +253,7 @@ Matrix4d RetainedSceneDelegate::GetTransform(const Path& id) {
 }
 
 bool RetainedSceneDelegate::GetVisible(const Path& id) {
+  if (const auto* light = find(state_->lights, id)) return light->visible;
   const auto* mesh = find(state_->meshes, id);
   return !mesh || mesh->visible;
 }

@@ -44,6 +44,7 @@ struct LightDescription {
   Token type;
   Matrix4d transform;
   std::map<Token, Value> parameters;
+  bool visible = true;  // else it gives no light
   bool operator==(const LightDescription&) const = default;
 };
 

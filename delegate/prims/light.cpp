@@ -1,4 +1,5 @@
-#include "core/light/light.h"
+#include "core/color/blackbody.h"
+#include "core/light/ies_profile.h"
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
@@ -17,6 +18,15 @@ std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id
   return param.texture(source, fault);
 }
 
+std::shared_ptr<const IesProfile> pull_profile(SceneDelegate& scene, const Path& id, SceneParam& param,
+                                               std::optional<SceneFault>* fault) {
+  const std::string path = scene.GetLightParamValue(id, "shaping:ies:file").text_or("");
+  if (path.empty()) return nullptr;
+  auto profile = IesProfile::load(path, param.sink());
+  if (!profile) *fault = SceneFault{true, "the IES profile '" + path + "' could not be read"};
+  return profile;
+}
+
 }  // namespace
 
 DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
@@ -30,12 +40,18 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
       report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &light_), value);
     }
   }
-  if ((bits & (dirty::kParams | dirty::kResource)) && light_.type == LightType::dome) {
+  if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
+  if (bits & (dirty::kParams | dirty::kResource)) {
+    const ColorConfig& colors = param.colors();
+    light_.color_of_temperature = blackbody(light_.color_temperature, colors.chromaticities(colors.rendering_space()));
+    const bool infinite = light_.type == LightType::dome || light_.type == LightType::distant;
     std::optional<SceneFault> fault;
-    light_.texture = pull_texture(scene, GetId(), param, &fault);
+    light_.ies = infinite ? nullptr : pull_profile(scene, GetId(), param, &fault);
+    const bool image = light_.type == LightType::dome || light_.type == LightType::rect;
+    light_.texture = image ? pull_texture(scene, GetId(), param, &fault) : nullptr;
     param.set_fault(GetId(), std::move(fault));
   }
-  param.post(GetId(), LightRecord{light_});
+  param.post(GetId(), LightRecord{light_, visible_});
   return dirty::kClean;
 }
 

@@ -87,6 +87,7 @@ class LightPrim final : public RecordedPrim<Sprim> {
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   alabaster::LightDescription light_;
+  bool visible_ = true;
 };
 
 class CameraPrim final : public RecordedPrim<Sprim> {

@@ -32,6 +32,7 @@ struct MaterialRecord {
 
 struct LightRecord {
   alabaster::LightDescription light;
+  bool visible = true;  // else it gives no light
   bool operator==(const LightRecord&) const = default;
 };
 

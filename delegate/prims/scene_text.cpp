@@ -1,6 +1,7 @@
 // The translated scene as text: for goldens, and for people who ask what the renderer was given.
 #include <cstdio>
 
+#include "core/light/ies_profile.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
@@ -97,6 +98,10 @@ std::string dump_scene(const Translation& translation, const Records& records) {
     text += std::string(kLightTypes[static_cast<size_t>(light.type)]) + " " + translation.light_paths[i].str() + "\n" +
             matrix_line(light.light_to_world) + parameter_lines(light_parameters(), light) + "  texture " +
             texture_text(light.texture) + "\n";
+    if (light.ies) text += "  profile mean " + Value(static_cast<float>(light.ies->mean())).to_string() + "\n";
+    const Rgb& glow = light.color_of_temperature;
+    if (light.enable_color_temperature)
+      text += "  color of temperature " + Value(Vec3f(glow.r, glow.g, glow.b)).to_string() + "\n";
   }
   for (const auto& [path, record] : records)
     if (const auto* camera = std::get_if<CameraRecord>(&record)) text += camera_text(path, camera->camera);

@@ -96,7 +96,7 @@ Translation SceneTranslator::translate(const Records& records) {
   Run run{.translator = *this, .records = records, .out = {}};
   for (const auto& [path, record] : records) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
-    if (const auto* light = std::get_if<LightRecord>(&record)) {
+    if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) {
       run.out.scene.lights.push_back(light->light);
       run.out.light_paths.push_back(path);
     }

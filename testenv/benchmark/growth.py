@@ -2,11 +2,15 @@
 """Measures how cost and memory grow with the size of a scene and of its picture.
 
   growth.py PROGRAM [--most-triangles N] [--only triangles|instances|lights|pixels|threads ...]
+  growth.py PROGRAM --noise     the noise of many lights, as relative mean squared error x CPU seconds of the render phase
 
 Scenes are made in a temporary folder. Triangles: one translucent sphere, subdivided. Instances: translucent spheres in a cubic
 lattice of fixed size. Lights: rect lights in a square of fixed size and power, above a diffuse sphere. Pixels and threads: the
 diffuse and the translucent sphere. CPU seconds are of all threads; those of the render phase are divided by the camera samples.
 A run may have 8 GiB; one that needs more is a row that says so.
+
+--noise: disk lights of one power together, at random places above a floor with spheres. They face down, or anywhere. The
+error is the variance over eight seeds, as noise_gain.py has it.
 """
 import argparse
 import array
@@ -15,6 +19,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import resource
 import subprocess
 import sys
@@ -128,6 +133,40 @@ def threads_scene(folder, _):
     return scene(translucent(0.1), [KEY, SKY], [smooth(4)])
 
 
+def noise_scene(folder, count, anywhere):
+    """Lights above a floor of 16 x 16 with 25 spheres."""
+    write_sphere(folder, 0.5, [[3 * x, 0.5, 3 * z] for x in range(-2, 3) for z in range(-2, 3)])
+    rng, lights = random.Random(7), []
+    for i in range(count):
+        place = [rng.uniform(-8, 8), rng.uniform(1.2, 4), rng.uniform(-8, 8)]
+        towards = [rng.gauss(0, 1) for _ in range(3)] if anywhere else [0, -1, 0]
+        lights.append({"name": f"l{i}", "type": "diskLight", "position": place, "target": [p + t for p, t in zip(place, towards)],
+                       "radius": 0.05, "normalize": True, "intensity": 1500 / count})
+    description = scene(DIFFUSE, lights, [smooth(1)])
+    description["gltf"].append({"file": "ball.gltf", "transform": {"scale": [16, 0.001, 16]}})
+    return description | {"camera": {"lookAt": {"eye": [0, 6, 13], "target": [0, 0, 0]}}}
+
+
+def noise_rows(program, seeds=8):
+    """Relative mean squared error at 16 samples, CPU seconds of a picture, and their product."""
+    from noise_gain import Side, read_exr
+    print("| lights | facing | relative MSE | CPU s | product |\n|--|--|--|--|--|")
+    for anywhere in (False, True):
+        for count in (10, 100, 1000, 10000):
+            side = Side()
+            with tempfile.TemporaryDirectory() as name:
+                folder = pathlib.Path(name)
+                for seed in range(1, seeds + 1):
+                    flags = ["--size", "96x64", "--spp", "16", "--threads", "1", "--set", f"seed={seed}"]
+                    stats = measure(program, folder, noise_scene, (count, anywhere), flags)
+                    side.pictures.append(read_exr(folder / "picture.exr"))
+                    side.seconds += stats["phases"]["render"]["cpu"] / seeds
+            errors = side.pixel_errors()
+            error = sum(errors) / len(errors)
+            print(f"| {count} | {'anywhere' if anywhere else 'down'} | {error:.4f} | {side.seconds:.2f} | {error * side.seconds:.4f} |",
+                  flush=True)
+
+
 # One row each: the quantity, its number, the scene and its argument, flags.
 USUAL = ["--size", "160x120", "--spp", "8", "--threads", "1"]
 ROWS = [("triangles", 320 * 6 * 4 ** (level - 1), triangles_scene, level, USUAL) for level in (2, 3, 5, 6, 7, 8)]
@@ -140,7 +179,8 @@ ROWS += [("threads", n, threads_scene, 0, ["--size", "320x240", "--spp", "16", "
 
 def measure(program, folder, make, argument, flags):
     """The statistics of one render, or None if it needs too much memory."""
-    (folder / "scene.json").write_text(json.dumps(make(folder, argument)))
+    arguments = argument if isinstance(argument, tuple) else (argument,)
+    (folder / "scene.json").write_text(json.dumps(make(folder, *arguments)))
     command = [program, "render", str(folder / "scene.json"), "-o", str(folder / "picture.exr"), "--quiet", "--stats",
                str(folder / "stats.json"), *flags]
     done = subprocess.run(command, env=environment(program), capture_output=True, text=True,
@@ -166,7 +206,10 @@ def main():
     parser.add_argument("program", type=os.path.abspath)
     parser.add_argument("--only", nargs="*", default=[])
     parser.add_argument("--most-triangles", type=float, default=1e9)
+    parser.add_argument("--noise", action="store_true")
     a = parser.parse_args()
+    if a.noise:
+        return noise_rows(a.program)
     print("| what grows | number | CPU us/sample | wall us/sample | load, CPU s | build, CPU s | peak MiB |")
     print("|--|--|--|--|--|--|--|")
     for kind, number, make, argument, flags in ROWS:

@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 34;  // in this file
+constexpr int kTests = 37;  // in this file
 
 // Directions are binned on a chart of the light as seen from p. It maps to the unit square, where the light's outline
 // follows bin edges, so that the pdf has no jumps within bins. Half the square lies outside the light.
@@ -183,6 +183,20 @@ TEST(LightChiSquare, Rect) {
                                 View{"beside", {1.5f, -0.2f, -0.4f}}, View{"grazing", {0, 0.7f, -0.02f}},
                                 View{"far", {40, 10, -70}}, View{"so far that it is sampled by area", {200, 0, -200}}})
     check(light, name, p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
+}
+
+TEST(LightChiSquare, RectWithAnImage) {
+  LightDescription d = described(LightType::rect);
+  d.width = 2;
+  // A black region wider than the filter, bright texels, edges that differ.
+  std::vector<Rgb> texels(size_t{6} * 6, Rgb(0.0f));
+  for (size_t i = 0; i < 6; ++i) texels[i] = Rgb(static_cast<float>(i + 1), 1, 2);
+  texels[6 * 3 + 5] = Rgb(40, 0, 0);
+  texels[6 * 5] = Rgb(0, 0, 30);
+  d.texture = std::make_shared<MemoryTexture>(6, texels);
+  uint64_t seed = 110;
+  for (const Vec3f& p : {Vec3f(0.2f, 0.1f, -1), Vec3f(1.5f, -0.2f, -0.8f), Vec3f(40, 10, -70)})
+    check(PlaneLight(d, Vec3d(0, 0, 0)), "image", p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
 }
 
 TEST(LightChiSquare, ShearedRectIsSampledByArea) {

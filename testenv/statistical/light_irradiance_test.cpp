@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 58;  // in this file
+constexpr int kTests = 61;  // in this file
 struct Plane {
   Vec3f p, n;
 };
@@ -108,6 +108,40 @@ TEST(LightIrradiance, Cylinder) {
         if (facing > 0 && above > 0) expected += facing * above / (d2 * d2);
       }
     expected /= static_cast<double>(kSteps) * kSteps;  // radiance 1 / area
+    const auto r = z_test(irradiance(light, plane, 40000, seed++), expected,
+                          {.number_of_tests = kTests, .slack = 1e-4 * expected});
+    EXPECT_TRUE(r.passed) << r.report;
+  }
+}
+
+// Quadrature over an image that grows with x and is brightest in one corner.
+TEST(LightIrradiance, RectWithAnImage) {
+  LightDescription d;
+  d.width = 2;
+  d.normalize = true;
+  std::vector<Rgb> texels;
+  for (int i = 0; i < 32; ++i) texels.emplace_back(i == 0 ? 50.0f : static_cast<float>(i % 8));
+  d.texture = std::make_shared<MemoryTexture>(8, texels);
+  d.light_to_world = translation(0, 0, 2);
+  const PlaneLight light(d, Vec3d(0, 0, 0));
+  uint64_t seed = 160;
+  for (const Plane& plane :
+       {Plane{{0, 0, 0}, {0, 0, 1}}, Plane{{0.8f, 0.2f, 1.5f}, {0, 0, 1}}, Plane{{-4, 1, -3}, {0, 0, 1}}}) {
+    constexpr int kSteps = 800;
+    double expected = 0;
+    for (int i = 0; i < kSteps; ++i)
+      for (int j = 0; j < kSteps; ++j) {
+        const double u = (i + 0.5) / kSteps, v = (j + 0.5) / kSteps;
+        const double x = std::clamp(8 * u - 0.5, 0.0, 7.0), y = std::clamp(4 * v - 0.5, 0.0, 3.0);
+        const auto texel = [&](int a, int b) { return static_cast<double>(texels[static_cast<size_t>(8 * b + a)].r); };
+        const int a = std::min(static_cast<int>(x), 6), b = std::min(static_cast<int>(y), 2);
+        const double low = std::lerp(texel(a, b), texel(a + 1, b), x - a),
+                     high = std::lerp(texel(a, b + 1), texel(a + 1, b + 1), x - a);
+        const Vec3d to_light = Vec3d(1 - 2 * u, 0.5 - v, 2) - Vec3d(plane.p);
+        const double d2 = dot(to_light, to_light);
+        expected += std::lerp(low, high, y - b) / 2 * to_light.z * to_light.z / (d2 * d2);
+      }
+    expected *= 2.0 / (kSteps * kSteps);
     const auto r = z_test(irradiance(light, plane, 40000, seed++), expected,
                           {.number_of_tests = kTests, .slack = 1e-4 * expected});
     EXPECT_TRUE(r.passed) << r.report;

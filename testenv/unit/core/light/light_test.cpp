@@ -51,7 +51,9 @@ std::vector<LightDescription> some_of_each() {
   shaped.cone_angle = 100;
   shaped.cone_softness = 0.5f;
   shaped.focus = 2;
-  return {rect, sheared, sphere, spot, point, sun, ray, sky, image, disk, round, tube, shaped};
+  LightDescription screen = rect;
+  screen.texture = image.texture;
+  return {rect, sheared, sphere, spot, point, sun, ray, sky, image, disk, round, tube, shaped, screen};
 }
 
 std::optional<LightSample> sample(const Light& light, const Vec3f& p, const Vec2f& u) {
@@ -253,6 +255,8 @@ TEST(Lights, BadDescriptionsGiveNoLight) {
   d = {};
   d.type = LightType::dome;
   d.texture = std::make_shared<testing::MemoryTexture>(2, std::vector<Rgb>(2, Rgb(0.0f)));
+  expect_dark(d, "black image");
+  d.type = LightType::rect;
   expect_dark(d, "black image");
 }
 

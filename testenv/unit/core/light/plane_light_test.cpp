@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "testenv/support/memory_texture.h"
+
 namespace alabaster {
 namespace {
 
@@ -82,6 +84,23 @@ TEST(PlaneLight, SamplesSpanTheRectangle) {
         EXPECT_NEAR(std::abs(q.y), 0.5f, tolerance);
         EXPECT_NEAR(q.z, 0, tolerance);
       }
+}
+
+// Upright for who looks at the emitting side with +y up: its first texel lies at (+x, +y).
+TEST(PlaneLight, ImagesAreUprightFromInFront) {
+  LightDescription d;
+  d.width = 2;
+  d.intensity = 3;
+  const std::vector<Rgb> texels = {Rgb(1.0f), Rgb(2.0f), Rgb(3.0f), Rgb(4.0f)};  // two rows from the top
+  d.texture = std::make_shared<testing::MemoryTexture>(2, texels);
+  const PlaneLight light(d, Vec3d(0, 0, 0));
+  const auto at = [&](float x, float y) { return light.intersect({{x, y, -1}, {0, 0, 1}})->radiance.g; };
+  EXPECT_FLOAT_EQ(at(0.9f, 0.4f), 3);
+  EXPECT_FLOAT_EQ(at(-0.9f, 0.4f), 6);
+  EXPECT_FLOAT_EQ(at(0.9f, -0.4f), 9);
+  EXPECT_FLOAT_EQ(at(-0.9f, -0.4f), 12);
+  EXPECT_NEAR(at(0, 0), 7.5f, 1e-4f) << "bilinear";
+  EXPECT_NEAR(light.importance({0, 0, -100}) * 1e4, 7.5 * 2, 0.1) << "of the mean";
 }
 
 LightDescription disk(float radius) {

@@ -91,7 +91,8 @@ TEST(SchemaDefaults, LightsAreTheirTable) {
   const json properties = properties_of("lights");
   for (const auto& row : light_parameters()) expect_schema(properties, row, LightDescription());
   EXPECT_EQ(properties["texture:file"]["default"], "");
-  EXPECT_EQ(properties.size(), light_parameters().size() + 1);
+  EXPECT_EQ(properties["shaping:ies:file"]["default"], "");
+  EXPECT_EQ(properties.size(), light_parameters().size() + 2);
 }
 
 TEST(SchemaDefaults, CameraIsItsTable) {

@@ -90,7 +90,7 @@ TEST(Parameters, EveryLightParameterOfTheSchemaArrivesAndDefaultsAgree) {
   std::map<std::string, std::string> expected;
   const json schema = schema_properties("lights");
   for (const auto& [name, property] : schema.items()) {
-    if (name == "texture:file") continue;
+    if (name == "texture:file" || name == "shaping:ies:file") continue;
     const Probe p = probe(property);
     light.parameters[name] = p.value;
     expected[name] = p.text;
@@ -108,6 +108,50 @@ TEST(Parameters, EveryLightParameterOfTheSchemaArrivesAndDefaultsAgree) {
     EXPECT_NE(plain.find("\n  " + name + " " + fallback.to_string() + "\n"), std::string::npos) << name << "\n"
                                                                                                 << plain;
   }
+}
+
+TEST(Parameters, AnInvisibleLightGivesNoLight) {
+  Stage stage;
+  host::LightDescription light{.type = "cylinderLight", .transform = {}, .parameters = {}};
+  stage.scene.SetLight("/lamp", light);
+  EXPECT_NE(stage.dump().find("cylinderLight /lamp"), std::string::npos);
+  light.visible = false;
+  stage.scene.SetLight("/lamp", light);
+  EXPECT_EQ(stage.dump().find("/lamp"), std::string::npos);
+  light.visible = true;
+  stage.scene.SetLight("/lamp", light);
+  EXPECT_NE(stage.dump().find("cylinderLight /lamp"), std::string::npos);
+}
+
+TEST(Parameters, ColorTemperatureIsAColorOfTheRenderingSpace) {
+  Stage stage;
+  stage.scene.SetLight("/lamp", {.type = "sphereLight",
+                                 .transform = {},
+                                 .parameters = {{"enableColorTemperature", true}, {"colorTemperature", 2700.0f}}});
+  const std::string text = stage.dump();
+  const size_t at = text.find("  color of temperature (");
+  ASSERT_NE(at, std::string::npos) << text;
+  Vec3f rgb;
+  ASSERT_EQ(std::sscanf(text.c_str() + at, "  color of temperature (%f, %f, %f)", &rgb.x, &rgb.y, &rgb.z), 3);
+  EXPECT_GT(rgb.x, rgb.y);
+  EXPECT_GT(rgb.y, rgb.z);
+  EXPECT_GT(rgb.z, 0);
+}
+
+TEST(Parameters, AnIesProfileArrivesAndABrokenOneIsAFault) {
+  const std::string path = ::testing::TempDir() + "lamp.ies";
+  std::ofstream(path) << "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 180\n0\n6 6\n";
+  Stage stage;
+  host::LightDescription light{.type = "sphereLight", .transform = {}, .parameters = {}};
+  light.parameters["shaping:ies:file"] = AssetPath{path, path, nullptr};
+  stage.scene.SetLight("/lamp", light);
+  EXPECT_NE(stage.dump().find("  profile mean 6\n"), std::string::npos);
+  EXPECT_EQ(stage.count("ies.invalid"), 0u);
+  std::ofstream(path) << "TILT=NONE\n1 -1 1 2 1 3 2 0 0 0\n";
+  light.parameters["intensity"] = 2.0f;
+  stage.scene.SetLight("/lamp", light);
+  EXPECT_EQ(stage.dump().find("profile"), std::string::npos);
+  EXPECT_EQ(stage.count("ies.invalid"), 1u);
 }
 
 TEST(Parameters, EveryCameraParameterOfTheSchemaArrives) {
