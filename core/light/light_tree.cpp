@@ -20,6 +20,33 @@ int longest_axis(const Vec3d& v) {
   return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
 }
 
+// The cone that holds both cones of normals (Conty Estevez, Kulla 2018, algorithm 1).
+void unite_normals(const LightExtent& a, const LightExtent& b, LightExtent* both) {
+  const LightExtent& wide = a.normals_angle >= b.normals_angle ? a : b;
+  const LightExtent& narrow = &wide == &a ? b : a;
+  both->axis = wide.axis;
+  both->normals_angle = wide.normals_angle;
+  both->emission_angle = std::max(a.emission_angle, b.emission_angle);
+  const double cosine = dot(wide.axis, narrow.axis), apart = std::atan2(length(cross(wide.axis, narrow.axis)), cosine);
+  if (apart + narrow.normals_angle <= wide.normals_angle) return;
+  const double angle = 0.5 * (wide.normals_angle + apart + narrow.normals_angle);
+  const Vec3d across = narrow.axis - wide.axis * cosine;
+  both->normals_angle = kPiDouble;
+  if (angle >= kPiDouble || !(length(across) > 0)) return;
+  both->normals_angle = angle;
+  const double turn = angle - wide.normals_angle;
+  both->axis = wide.axis * std::cos(turn) + across * (std::sin(turn) / length(across));
+}
+
+struct Angle {
+  double cosine, sine;
+};
+// a - b, or 0 if that is less. Angles up to pi.
+Angle minus(const Angle& a, const Angle& b) {
+  if (a.cosine >= b.cosine) return {1, 0};
+  return {a.cosine * b.cosine + a.sine * b.sine, a.sine * b.cosine - a.cosine * b.sine};
+}
+
 }  // namespace
 
 struct LightTree::Leaf {
@@ -68,9 +95,26 @@ uint32_t LightTree::build(std::span<Leaf> leaves, uint32_t parent) {
   const LightExtent &a = nodes_[left].extent, &b = nodes_[right].extent;
   LightExtent both{b.box, a.power + b.power, b.finite};  // the second one is finite if any is
   if (a.finite) both.box.extend(a.box);
-  nodes_[index].extent = both;
-  nodes_[index].next = right;
+  // A light that gives nothing has no say.
+  const bool left_counts = a.finite && a.power > 0, right_counts = b.power > 0 || !left_counts;
+  unite_normals(left_counts ? a : b, right_counts ? b : a, &both);
+  Node& node = nodes_[index];
+  node.extent = both;
+  node.cos_normals = std::cos(both.normals_angle);
+  node.sin_normals = std::sin(both.normals_angle);
+  node.cos_emission = std::cos(both.emission_angle);
+  node.next = right;
   return index;
+}
+
+double LightTree::facing(const Node& node, const Vec3d& to_middle, double radius) {
+  const double distance = length(to_middle);
+  if (node.cos_normals <= -1 || !(distance > radius)) return 1;
+  const double cosine = std::clamp(-dot(node.extent.axis, to_middle) / distance, -1.0, 1.0);
+  const double seen = radius / distance;
+  const Angle off = minus({cosine, std::sqrt(1 - cosine * cosine)}, {node.cos_normals, node.sin_normals});
+  const double nearest = minus(off, {std::sqrt(1 - seen * seen), seen}).cosine;
+  return nearest >= node.cos_emission ? std::max(nearest, 0.0) : 0;
 }
 
 double LightTree::importance(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const {
@@ -78,7 +122,8 @@ double LightTree::importance(const std::vector<Light>& lights, const Vec3f& p, u
   if (n.is_light()) return std::visit([&](const auto& light) { return light.importance(p); }, lights[n.next]);
   if (!n.extent.finite) return n.extent.power;
   const Vec3d d = n.extent.box.center() - Vec3d(p), half = n.extent.box.extent() * 0.5;
-  return n.extent.power / (dot(d, d) + dot(half, half));
+  const double radius2 = dot(half, half);
+  return n.extent.power * facing(n, d, std::sqrt(radius2)) / (dot(d, d) + radius2);
 }
 
 uint32_t LightTree::divide(const std::vector<Light>& lights, const Vec3f& p, uint32_t node, const Steps& steps) const {

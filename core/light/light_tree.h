@@ -2,9 +2,10 @@
 // over the lights (Conty Estevez, Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting",
 // without splitting).
 //
-// A node stands for its lights as one light in their middle: power / (d^2 + r^2), d the distance to the middle and r
-// half the diagonal of their box. It ignores which way they face; a single light is weighed by its own importance
-// (light.h). Infinite lights are one half of the tree.
+// A node stands for its lights as one light in their middle: power cos / (d^2 + r^2), d the distance to the middle and
+// r half the diagonal of their box. The cosine is that of the least angle to a normal that the cone of their normals,
+// and the angle under which the box is seen, allow. A single light is weighed by its own importance (light.h). Infinite
+// lights are one half of the tree.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +39,10 @@ class LightTree {
 
  private:
   struct Node {
-    LightExtent extent;   // of its lights together
-    uint32_t lights = 0;  // how many
-    uint32_t next = 0;    // of an inner node: its second child, the first one follows it; of the others: the light
+    LightExtent extent;                                          // of its lights together
+    double cos_normals = -1, sin_normals = 0, cos_emission = 0;  // of its angles
+    uint32_t lights = 0;                                         // how many
+    uint32_t next = 0;  // of an inner node: its second child, the first one follows it; of the others: the light
     uint32_t parent = 0;
     bool is_light() const { return lights == 1; }
   };
@@ -51,6 +53,8 @@ class LightTree {
   };
 
   uint32_t build(std::span<Leaf> leaves, uint32_t parent);
+  /// The largest cosine of an angle to a normal of the node's lights: 1 where nothing is known, 0 where all is dark.
+  static double facing(const Node& node, const Vec3d& to_middle, double radius);
   double importance(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const;
   /// Divides a node's steps between its children: returns where the second child's begin.
   uint32_t divide(const std::vector<Light>& lights, const Vec3f& p, uint32_t node, const Steps& steps) const;
