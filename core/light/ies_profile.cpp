@@ -55,7 +55,7 @@ class IesReader {
     return line;
   }
 
-  // Labels and keywords, which say nothing about the light, go before the line TILT=.
+  // Labels and keywords, which come before the line TILT=, are skipped.
   bool find_tilt() {
     while (at_ < text_.size()) {
       const std::string_view line = next_line();

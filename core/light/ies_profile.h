@@ -23,7 +23,7 @@ class IesProfile {
 
   /// Degrees: `vertical` from straight down (0) to straight up (180), `horizontal` about the vertical, any.
   double intensity(double vertical, double horizontal) const;
-  /// Of all directions between two vertical angles.
+  /// The largest intensity between two vertical angles.
   double largest(double from_vertical, double to_vertical) const;
   /// Over the sphere of directions: exact for the bilinear profile.
   double mean() const { return mean_; }

@@ -22,7 +22,7 @@ class SpotCone {
   SpotCone(float inner, float outer, Falloff falloff);
   /// The outer half angle in radians.
   double widest_angle() const;
-  /// Of the direction at this 1 - cos from the axis.
+  /// `one_minus_cos`: of the angle to the axis.
   float attenuation(double one_minus_cos) const;
 
  private:

@@ -45,7 +45,7 @@ class PlaneLight {
     Vec2f image_place() const { return {static_cast<float>(0.5 - 0.5 * x), static_cast<float>(0.5 - 0.5 * y)}; }
   };
   std::optional<Place> place_of(const Vec3d& from_center) const;
-  /// Of an image, from its density per unit square; else of 1: per solid angle.
+  /// Per solid angle. `density`: of places in the unit square, 1 where they are uniform.
   double pdf_by_area(double density, double distance, double height) const {
     return density * distance * distance * distance / (area_ * height);
   }

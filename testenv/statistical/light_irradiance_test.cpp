@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 61;  // in this file
+constexpr int kTests = 64;  // in this file
 struct Plane {
   Vec3f p, n;
 };
@@ -354,6 +354,46 @@ TEST(LightIrradiance, ChoosingAtThePointPays) {
   const double gain = by_power.variance() / at_point.variance();
   RecordProperty("gain", std::to_string(gain));
   EXPECT_GT(gain, 20);
+}
+
+// Small disks over a floor: the tree gives their sum, and with less noise than a light chosen by lot.
+TEST(LightIrradiance, ATreeOfManyLightsPays) {
+  Rng place(740, 1);
+  std::vector<PlaneLight> disks;
+  std::vector<Light> lights;
+  std::vector<Vec3d> centers;
+  constexpr size_t kLights = 1000;
+  for (size_t i = 0; i < kLights; ++i) {
+    LightDescription d;
+    d.type = LightType::disk;
+    d.radius = 0.01f;
+    const double x = 20 * place.uniform() - 10, y = 20 * place.uniform() - 10, z = 1 + 2 * place.uniform();
+    d.light_to_world = translation(x, y, z);
+    centers.emplace_back(x, y, z);
+    disks.emplace_back(d, Vec3d(0, 0, 0));
+    lights.emplace_back(disks.back());
+  }
+  const LightSet set(lights, {});
+  uint64_t seed = 741;
+  for (const Vec3f& p : {Vec3f(0, 0, 0), Vec3f(7, -3, 0.5f), Vec3f(-30, 0, 0)}) {
+    double expected = 0;
+    for (const Vec3d& c : centers) {
+      const Vec3d d = c - Vec3d(p);
+      expected += kPiDouble * 1e-4 * d.z * d.z / (dot(d, d) * dot(d, d));
+    }
+    const auto tree = irradiance(Choosing{set, seed}, {p, {0, 0, 1}}, 100000, seed);
+    const auto r = z_test(tree, expected, {.number_of_tests = kTests, .slack = 1e-3 * expected});
+    EXPECT_TRUE(r.passed) << r.report;
+    Rng rng(seed++, 3);
+    RunningStatistics by_lot;
+    for (int i = 0; i < 100000; ++i) {
+      const auto s = disks[static_cast<size_t>(rng.uniform() * kLights)].sample(p, uniform2(rng));
+      by_lot.add(s ? static_cast<double>(s->radiance.r * s->wi.z / s->pdf * kLights) : 0.0);
+    }
+    const double gain = by_lot.variance() / tree.variance();
+    RecordProperty("gain_" + std::to_string(seed), std::to_string(gain));
+    EXPECT_GT(gain, 3) << p;
+  }
 }
 
 // This is why the rect light samples solid angles: compares the variance of irradiance with sampling points of its

@@ -92,6 +92,32 @@ TEST(LightTree, PrefersWhatIsNearAndStrong) {
   EXPECT_GT(tree.probability(lights, {-60, 50, 0}, 70), 0.3f);
 }
 
+// Two groups at one distance, of lights that face the point or nearly so, and of others that face away.
+TEST(LightTree, PrefersGroupsThatFaceThePoint) {
+  for (const LightType type : {LightType::disk, LightType::sphere}) {
+    Rng rng(8, 1);
+    std::vector<Light> lights;
+    for (int i = 0; i < 128; ++i) {
+      LightDescription d;
+      d.type = type;
+      d.radius = 0.01f;
+      if (type == LightType::sphere) d.cone_angle = 50;
+      const double side = i % 2 == 0 ? -10 : 10, tilt = 0.4 * (static_cast<double>(rng.uniform()) - 0.5);
+      const Vec3d place(random_point(rng, 0.5f));
+      d.light_to_world = Matrix4d(std::cos(tilt), 0, -std::sin(tilt), 0, 0, 1, 0, 0, std::sin(tilt), 0, std::cos(tilt),
+                                  0, side + place.x, place.y, side + place.z, 1);
+      lights.push_back(make_light(d, Vec3d(0, 0, 0)));  // down -z
+    }
+    const LightTree tree(lights);
+    float facing = 0, averted = 0;
+    for (size_t i = 0; i < lights.size(); ++i)
+      (i % 2 == 1 ? facing : averted) += tree.probability(lights, {10, 0, 0}, i);
+    EXPECT_GT(facing, 0.94f);
+    EXPECT_GT(averted, 0.04f) << "the reserved share";
+    EXPECT_GT(tree.probability(lights, {0, 0, 0}, 1), 0);
+  }
+}
+
 TEST(LightTree, ScalingByAPowerOfTwoChangesNoBit) {
   const auto lights = many_lights(100), large = many_lights(100, 1024);
   const LightTree tree(lights), large_tree(large);
