@@ -301,7 +301,7 @@ TEST(Materials, MayComeAfterAndGoBeforeTheMesh) {
 TEST(Delegate, UnknownTypesGiveNullAndFallbacksExist) {
   Stage stage;
   EXPECT_EQ(stage.delegate->CreateRprim("basisCurves", "/x"), nullptr);
-  EXPECT_EQ(stage.delegate->CreateSprim("cylinderLight", "/x"), nullptr);
+  EXPECT_EQ(stage.delegate->CreateSprim("portalLight", "/x"), nullptr);
   EXPECT_EQ(stage.delegate->CreateBprim("openvdbAsset", "/x"), nullptr);
   for (const Token& type : stage.delegate->GetSupportedSprimTypes()) {
     Sprim* fallback = stage.delegate->CreateFallbackSprim(type);
