@@ -199,7 +199,7 @@ double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors&
   const ConvergenceLaw& law = errors.convergence.law;
   const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
   const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();
-  const auto part = [](double weight, float difference, double scale, double mean_difference) {
+  const auto part = [](double weight, double difference, double scale, double mean_difference) {
     return mean_difference > 0 ? weight * (difference / scale / mean_difference - 1) : 0.0;
   };
   struct Squares {
@@ -231,6 +231,7 @@ FrameError estimate_frame_error(const NoiseImage& image) {
   error.known = true;
   const size_t n = errors.values.size();
   const auto mean = sum_over_pixels<double>(n, [&](size_t i, double* sum) { *sum += errors.values[i] / double(n); });
+  if (!std::isfinite(mean)) return {.known = false, .relative_rmse = mean};
   if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
   const double reach = 1.96 * std::sqrt(log_variance(image.pixels, errors, mean));
   error.relative_rmse = std::sqrt(mean);

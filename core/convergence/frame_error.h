@@ -15,8 +15,9 @@ namespace alabaster {
 inline constexpr double kErrorFloor = 0.05;
 
 struct FrameError {
-  bool known = false;  // false: some pixel has less than two samples. The error of a black frame is known, and zero
-  double relative_rmse = 0;
+  bool known = false;  // false: some pixel has less than two samples, or is not finite. The error of a black frame is
+                       // known, and zero
+  double relative_rmse = 0;  // not finite where some pixel is not
   /// The true error lies in this interval in 95 % of frames, if some sample has found every kind of light: no estimate
   /// can know of a path that no sample has taken.
   double low = 0, high = 0;

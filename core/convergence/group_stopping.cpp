@@ -19,7 +19,8 @@ uint32_t GroupStopping::decide(const std::array<FrameError, kPixelGroups>& error
     // A frame one pixel wide or high lacks the other group: there a group ends by its own error.
     const FrameError& other = errors[static_cast<size_t>(stopping_group(g))];
     const FrameError& error = other.known ? other : errors[static_cast<size_t>(g)];
-    if (!error.known || error.relative_rmse <= target) ending |= 1u << g;
+    // An empty group has no error; one that is not finite goes on.
+    if (error.relative_rmse <= target) ending |= 1u << g;
   }
   ending &= ~ended_;
   ended_ |= ending;

@@ -105,7 +105,7 @@ void FilmTile::compare_halves(size_t pixel) {
   if (n > 1) {
     h.earlier = h.previous;
     h.previous = h.latest;
-    h.latest = static_cast<float>(squared_difference(sums, h.first, n / 2, n / 2));
+    h.latest = squared_difference(sums, h.first, n / 2, n / 2);
   }
   h.first = {static_cast<float>(sums[0]), static_cast<float>(sums[1]), static_cast<float>(sums[2])};
 }
@@ -116,9 +116,8 @@ PixelNoise FilmTile::noise(size_t pixel) const {
   const auto& sums = color_[pixel];
   const Halves& h = halves_[pixel];
   const uint32_t m = std::bit_floor(n);
-  return {n,         static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)),
-          h.latest,  h.previous,
-          h.earlier, n > m ? static_cast<float>(squared_difference(sums, h.first, m, n - m)) : 0.0f};
+  return {n,         static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)), h.latest, h.previous,
+          h.earlier, n > m ? squared_difference(sums, h.first, m, n - m) : 0.0};
 }
 
 void FilmTile::take(size_t pixel, const FilmTile& from) {

@@ -25,7 +25,7 @@ class StochasticStop final : public HitFilter {
 };
 
 /// The share of light that arrives through the surfaces that a shadow ray passes. The same bits in whatever order they
-/// are found: logarithms are summed in fixed point.
+/// are found: logarithms are summed in fixed point. A ray through the very edge between two triangles counts both.
 class Transmittance final : public HitFilter {
  public:
   Transmittance(const SceneSnapshot& scene, const Vec3f& dir) : scene_(scene), dir_(dir) {}

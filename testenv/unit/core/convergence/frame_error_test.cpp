@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include <tbb/task_arena.h>
 
@@ -15,7 +16,7 @@ namespace {
 // Noise of the law V = a / m + b / m^2 that all pixels have to the letter, at 16 samples.
 NoiseImage image_of_law(double a, double b, float level) {
   const auto variance = [&](double m) { return a / m + b / (m * m); };
-  const auto difference = [&](double m) { return static_cast<float>(4 * (variance(m / 2) - variance(m))); };
+  const auto difference = [&](double m) { return 4 * (variance(m / 2) - variance(m)); };
   NoiseImage image{5, 4, {}};
   image.pixels.assign(
       20,
@@ -43,9 +44,26 @@ TEST(FrameError, FollowsASmoothIntegrand) {
 }
 
 TEST(FrameError, DoesNotDependOnTheUnitOfLight) {
-  NoiseImage dim = image_of_law(1, 2, 1), bright = image_of_law(1, 2, 1);
-  for (PixelNoise& p : bright.pixels) p = {p.samples, 4 * p.level, 16 * p.latest, 16 * p.previous, 16 * p.earlier, 0};
-  EXPECT_EQ(estimate_frame_error(dim).relative_rmse, estimate_frame_error(bright).relative_rmse);
+  const NoiseImage image = image_of_law(1, 2, 1);
+  for (const double unit : {0x1p-100, 0x1p2, 0x1p100}) {  // 8e-31 to 1e30
+    NoiseImage other = image;
+    for (PixelNoise& p : other.pixels) {
+      p.level *= static_cast<float>(unit);
+      for (double* d : {&p.latest, &p.previous, &p.earlier}) *d *= unit * unit;
+    }
+    EXPECT_EQ(estimate_frame_error(other).relative_rmse, estimate_frame_error(image).relative_rmse) << unit;
+    EXPECT_TRUE(estimate_frame_error(other).known);
+  }
+}
+
+TEST(FrameError, IsUnknownAndNoSmallOneWhereAPixelIsNotFinite) {
+  for (const double fault : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    NoiseImage image = image_of_law(1, 0, 1);
+    image.pixels[3].latest = fault;
+    const FrameError error = estimate_frame_error(image);
+    EXPECT_FALSE(error.known);
+    EXPECT_FALSE(error.relative_rmse <= 1e30) << "no target ends the frame";
+  }
 }
 
 TEST(FrameError, IsUnknownUntilEveryPixelHasTwoSamples) {
@@ -85,7 +103,7 @@ TEST(FrameError, SamplesForAnErrorFallWithItsSquare) {
 TEST(FrameError, NoBitDependsOnThreads) {
   NoiseImage image{301, 173, {}};  // several blocks of pixels, the last one not full
   for (uint32_t i = 0; i < 301 * 173; ++i) {
-    const auto number = [&](uint32_t which) { return static_cast<float>(hash32(5 * i + which) >> 8) * 0x1p-24f; };
+    const auto number = [&](uint32_t which) { return to_unit_float(hash32(5 * i + which)); };
     image.pixels.push_back({.samples = 24 + i % 3,
                             .level = number(0),
                             .latest = number(1),

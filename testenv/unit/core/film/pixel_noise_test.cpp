@@ -17,11 +17,11 @@ TEST(PixelNoise, UsesTheTailOnceItIsHalfAsLong) {
 TEST(PixelNoise, DeviationOfIndependentSamplesFallsWithTheirRoot) {
   EXPECT_EQ((PixelNoise{.samples = 1, .latest = 9}).deviation(), 0);
   for (const uint32_t n : {2u, 8u, 11u}) {
-    const float m = static_cast<float>(std::bit_floor(n));
+    const double m = std::bit_floor(n);
     EXPECT_FLOAT_EQ((PixelNoise{.samples = n, .latest = 4 / m, .tail = 9}).deviation(),
                     1 / std::sqrt(static_cast<float>(n)));
   }
-  EXPECT_FLOAT_EQ((PixelNoise{.samples = 12, .latest = 9, .tail = 1 / 8.0f + 1 / 4.0f}).deviation(),
+  EXPECT_FLOAT_EQ((PixelNoise{.samples = 12, .latest = 9, .tail = 1 / 8.0 + 1 / 4.0}).deviation(),
                   1 / std::sqrt(12.0f));
 }
 

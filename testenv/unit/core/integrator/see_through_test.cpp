@@ -24,8 +24,9 @@ DisneyParameters film(float opacity) {
   return p;
 }
 
+// Moved aside, so that no ray meets the edge between two triangles, of which both would count.
 Matrix4d at_height(double y) {
-  return Matrix4d().setTranslation(Vec3d(0, y, 0));
+  return Matrix4d().setTranslation(Vec3d(0.37, y, 0.11));
 }
 
 RunningStatistics greens(PathTracer* tracer, uint32_t samples) {
@@ -144,7 +145,7 @@ TEST(TexturedEmission, LightsAsTheGlowingPartAlone) {
     if (textured) {
       testing::connect("emission", std::make_shared<StepTexture>(), glow.get());
     } else {
-      place = Matrix4d().setScale(Vec3d(0.5, 1, 1)) * Matrix4d().setTranslation(Vec3d(0.5, 1.5, 0));
+      place = Matrix4d().setScale(Vec3d(0.5, 1, 1)) * Matrix4d().setTranslation(Vec3d(0.5, 0, 0)) * place;
     }
     b.add(b.prototype(std::move(quad)), glow, place);
     PathTracer tracer(b.snapshot(), {0.3, 0.7, 0.2});
