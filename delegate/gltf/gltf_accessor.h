@@ -37,7 +37,7 @@ uint64_t most_decoded_bytes();
 uint32_t read_index(const uint8_t* p, int component_type);
 
 /// All elements, with components interleaved, normalized integers mapped to [0,1] or [-1,1] (glTF 2.0, section
-/// 3.6.2.2), and sparse values applied. Of the matrices only MAT4 of floats.
+/// 3.6.2.2), and sparse values applied. No matrices but MAT4 of floats.
 std::vector<float> read_floats(const AccessorView& accessor);
 
 /// The first element that is not finite; empty if all are.

@@ -76,7 +76,7 @@ class AnimationCheck {
       return false;
     };
     if (path == "pointer")
-      return left_out("KHR_animation_pointer is not supported: what the channel animates stays as it is");
+      return left_out("KHR_animation_pointer is not supported; the target of the channel stays as it is");
     if (path != "translation" && path != "rotation" && path != "scale" && path != "weights")
       return left_out("'" + path.substr(0, 60) + "' cannot be animated; the channel is ignored");
     if (!target.contains("node")) return left_out("has no node; the channel is ignored");

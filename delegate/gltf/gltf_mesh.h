@@ -8,7 +8,7 @@
 
 namespace alabaster::hd::gltf {
 
-/// What a mesh's users give it.
+/// The nodes that use a mesh give it these.
 struct PrimitiveShape {
   int refine_level = 2;                  // of cages
   std::vector<double> weights;           // of morph targets; those missing are zero

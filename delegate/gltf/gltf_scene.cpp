@@ -85,8 +85,8 @@ class SceneTranslator {
     prims_.lights[child("lights", placed.index)] = translate_light(model_.lights[size_t(light)], placed.world);
   }
 
-  // A mesh with several placements becomes one prototype below the first of its nodes, placed by an instancer. What
-  // follows a skin is placed by its joints, however many nodes use it.
+  // A mesh with several placements becomes one prototype below the first of its nodes, placed by an instancer. A
+  // mesh that follows a skin is placed by its joints, however many nodes use it.
   void add_mesh(const MeshUse& use) {
     const Path parent = child("nodes", use.nodes[0]);
     const tinygltf::Mesh& mesh = model_.meshes[use.mesh];
