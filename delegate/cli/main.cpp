@@ -41,7 +41,7 @@ constexpr SettingFlag kSettingFlags[] = {
     {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
 };
 
-/// What is shown of a glTF model, and when.
+/// The part of a glTF model that is shown, and its time.
 struct TextFlag {
   const char* flag;
   std::string RenderArguments::*value;

@@ -2,7 +2,7 @@
 // - versions [text]: of Alabaster and what it is built on
 // - scene text: as given
 // - status: "done", "degraded" (rendered by --keep-going without all that the scene names), "interrupted" or "failed"
-// - faults [text]: what the scene lacks of what was asked for; absent if nothing
+// - faults [text]: parts of the scene that the picture lacks; absent if none
 // - settings {name: value}: every render setting as it was in effect
 // - resolutions [[width, height]], frames [number]: of each render
 // - files [text]: that were written
