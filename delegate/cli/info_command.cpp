@@ -63,7 +63,7 @@ std::string quoted(const std::string& name) {
   return name.empty() ? "" : " '" + printable(name) + "'";
 }
 
-// What --scene, --animation and --variant choose from, with the number of each.
+// The choices of --scene, --animation and --variant, with the number of each.
 void print_choices(const hd::gltf::GltfSummary& model) {
   const auto print = [](const char* kind, const std::vector<std::string>& names) {
     if (!names.empty()) std::printf("%s: %zu\n", kind, names.size());
