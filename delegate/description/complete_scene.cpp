@@ -77,11 +77,23 @@ bool complete_camera(LoadState* state) {
   return true;
 }
 
+// A texture of emission is a display or a label as a rule, and an unlit surface shows its own colour: nobody means
+// either to light a scene.
+bool is_light(const MaterialNode& node) {
+  const auto number = [&](const char* name, double fallback) {
+    const auto found = node.parameters.find(name);
+    return found == node.parameters.end() ? fallback : found->second.number_or(fallback);
+  };
+  const auto emission = node.parameters.find("emission");
+  if (emission == node.parameters.end() || node.inputConnections.count("emission")) return false;
+  const bool unlit = number("specular", 1) == 0 && number("ior", 1.5) == 1;
+  return !unlit && emission->second.get_or(Vec3f(0)).length() > 0;
+}
+
 bool any_emission(const host::RetainedSceneDelegate& scene) {
   for (const auto& [path, network] : scene.GetMaterials())
     for (const auto& [node_path, node] : network.nodes)
-      if (const auto emission = node.parameters.find("emission"); emission != node.parameters.end())
-        if (emission->second.get_or(Vec3f(0)).length() > 0) return true;
+      if (is_light(node)) return true;
   return false;
 }
 

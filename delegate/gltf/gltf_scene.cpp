@@ -46,9 +46,11 @@ class SceneTranslator {
         root_(options.root.append("gltf").append(clean_name(std::filesystem::path(document.file).stem().string()))) {}
 
   Prims run() {
+    const std::vector<VertexColors> vertex_colors = find_vertex_colors(document_);
     for (size_t m = 0; m < model_.materials.size(); ++m) {
       material_paths_.push_back(root_.append("materials").append(prim_name(m, model_.materials[m].name)));
-      prims_.materials[material_paths_.back()] = translate_material(document_, m, material_paths_.back(), report_);
+      prims_.materials[material_paths_.back()] =
+          translate_material(document_, m, vertex_colors[m], material_paths_.back(), report_);
     }
     for (const PlacedNode& placed : placed_nodes(document_, options_.transform)) {
       const tinygltf::Node& node = model_.nodes[placed.index];

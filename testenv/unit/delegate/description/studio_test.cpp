@@ -126,6 +126,18 @@ TEST_F(StudioTest, ObjectsThatEmitLightNeedNone) {
   EXPECT_EQ(lights(), "");
 }
 
+TEST_F(StudioTest, DisplaysAndUnlitSurfacesAreNoLights) {
+  const std::string authored = R"("materials": [{"name": "skin"}])";
+  for (const char* materials :
+       {R"("textures": [{}], "materials": [{"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": 0}}])",
+        R"("extensionsUsed": ["KHR_materials_unlit"], "materials": [{"extensions": {"KHR_materials_unlit": {}}}])"}) {
+    std::string gltf = patch_gltf(false, false);
+    write("patch.gltf", gltf.replace(gltf.find(authored), authored.size(), materials));
+    ASSERT_TRUE(patch("").ok) << errors();
+    EXPECT_EQ(lights(), kStudioLights) << materials;
+  }
+}
+
 TEST_F(StudioTest, ItScalesWithTheObjects) {
   ASSERT_TRUE(patch("").ok) << errors();
   const Vec3d key = light_place("studio_key");

@@ -1,0 +1,97 @@
+// Materials that are damaged, and translations that a number must confirm. Networks as text: gltf_translation_test.cpp.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "testenv/support/gltf_testing.h"
+
+namespace alabaster::hd::gltf::testing {
+namespace {
+
+/// Loads a document with one material and one texture.
+Loaded load_material(const std::string& material) {
+  const TemporaryFolder folder;
+  return folder.load_text(R"({"asset": {"version": "2.0"}, "images": [{"uri": "a.png"}], "textures": [{"source": 0}],
+                              "extensionsUsed": ["KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_ior",
+                                "KHR_materials_transmission", "KHR_materials_volume"],
+                              "materials": [)" +
+                          material + "]}");
+}
+
+const MaterialNode& surface_of(const Loaded& loaded) {
+  const MaterialNetwork& network = loaded.scene->GetMaterials().begin()->second;
+  return network.nodes.at(network.terminals.at("surface").upstreamNode);
+}
+
+double number(const MaterialNode& node, const char* name) {
+  const auto found = node.parameters.find(name);
+  return found == node.parameters.end() ? NAN : found->second.number_or(NAN);
+}
+
+std::string extension(const std::string& name, const std::string& content) {
+  return R"({"extensions": {")" + name + R"(": )" + content + "}}";
+}
+
+TEST(GltfMaterial, EveryDamageIsReportedWithItsPlace) {
+  struct Case {
+    std::string material;
+    const char* place;
+    bool fatal = true;
+  };
+  const Case kCases[] = {
+      {R"({"normalTexture": {"index": 1}})", "materials[0].normalTexture.index"},
+      {R"({"normalTexture": {"index": 0, "scale": "deep"}})", "materials[0].normalTexture.scale"},
+      {R"({"emissiveTexture": {}})", "materials[0].emissiveTexture.index"},
+      {R"({"alphaMode": "GLASS"})", "materials[0].alphaMode"},
+      {extension("KHR_materials_transmission", R"({"transmissionTexture": {"index": 7}})"),
+       "KHR_materials_transmission.transmissionTexture.index"},
+      {extension("KHR_materials_transmission", R"({"transmissionFactor": [1]})"), "transmissionFactor"},
+      {extension("KHR_materials_anisotropy", R"({"anisotropyRotation": true})"), "anisotropyRotation"},
+      {extension("KHR_materials_iridescence", R"({"iridescenceIor": "thin"})"), "iridescenceIor"},
+      {extension("KHR_materials_dispersion", R"({"dispersion": {}})"), "KHR_materials_dispersion.dispersion"},
+      {extension("KHR_materials_pbrSpecularGlossiness", R"({"diffuseFactor": [1, 1, 1]})"), "diffuseFactor"},
+      {extension("KHR_materials_volume", R"({"attenuationColor": [1, 1]})"), "attenuationColor"},
+      {extension("ALAB_materials_disney", R"({"roughnesTexture": {"index": 0}})"), "roughnesTexture"},
+      {extension("ALAB_materials_disney", R"({"roughnessTexture": {"index": 2}})"), "roughnessTexture.index"},
+      {extension("ALAB_materials_disney", R"({"roughness": [0.5]})"), "must be a number"},
+      // the nearest legal value is used
+      {R"({"alphaMode": "MASK", "alphaCutoff": -1})", "materials[0].alphaCutoff", false},
+      {R"({"pbrMetallicRoughness": {"metallicFactor": -0.5}})", "metallicFactor", false},
+      {extension("KHR_materials_transmission", R"({"transmissionFactor": -1})"), "transmissionFactor", false},
+      {extension("KHR_materials_clearcoat", R"({"clearcoatFactor": 3})"), "clearcoatFactor", false},
+      {extension("KHR_materials_dispersion", R"({"dispersion": -1})"), "dispersion", false},
+      {extension("KHR_materials_ior", R"({"ior": 0.5})"), "KHR_materials_ior.ior is below 1", false},
+  };
+  for (const Case& damaged : kCases) {
+    const Loaded loaded = load_material(damaged.material);
+    EXPECT_EQ(loaded.summary.ok, !damaged.fatal) << damaged.material << "\n" << loaded.said();
+    EXPECT_TRUE(loaded.says(damaged.fatal ? Severity::error : Severity::warning, damaged.place))
+        << damaged.material << loaded.said();
+  }
+}
+
+// A mask of cutoff 0 leaves nothing out, and one above 1 everything.
+TEST(GltfMaterial, CutoffsBeyondTheRangeOfAlpha) {
+  const auto opacity = [](const char* cutoff) {
+    const std::string half = R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}, "alphaMode": "MASK", )";
+    return number(surface_of(load_material(half + R"("alphaCutoff": )" + cutoff + "}")), "opacity");
+  };
+  EXPECT_TRUE(std::isnan(opacity("0")));
+  EXPECT_EQ(opacity("1"), 0.5);
+  EXPECT_EQ(opacity("1.01"), 0);
+}
+
+// The alphas of the surface's lobe are those of the extension: mix(alpha, 1, strength^2) and alpha.
+TEST(GltfMaterial, AnisotropyKeepsBothAlphas) {
+  const Loaded loaded = load_material(
+      R"({"pbrMetallicRoughness": {"roughnessFactor": 0.6},
+          "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}})");
+  const MaterialNode& surface = surface_of(loaded);
+  const double alpha = std::pow(number(surface, "roughness"), 2);
+  const double aspect = std::sqrt(1 - 0.9 * number(surface, "anisotropic"));
+  EXPECT_NEAR(alpha / aspect, 0.36 + (1 - 0.36) * 0.25, 1e-6);
+  EXPECT_NEAR(alpha * aspect, 0.36, 1e-6);
+}
+
+}  // namespace
+}  // namespace alabaster::hd::gltf::testing
