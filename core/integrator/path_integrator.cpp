@@ -28,6 +28,12 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
                : surface;
   v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
   v.material = material.evaluate({v.instance->prototype->mesh, triangle, v.hit.uv});
+  if (v.material.coat > 0 && (v.mapped || material.coat_normal_map)) {
+    Vec3f coat = surface;
+    if (material.coat_normal_map)
+      coat = reflecting_normal(mapped_normal(*v.instance, triangle, v.hit, *material.coat_normal_map), surface, wo);
+    v.material.coat_normal = v.frame.to_local(coat);
+  }
   return v;
 }
 

@@ -29,18 +29,33 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
-  if (p.sheen > 0) sheen_.color = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * (p.sheen * dielectric_);
+  if (p.sheen > 0) {
+    const Rgb hue = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * p.sheen_color;
+    if (p.sheen_roughness > 0)
+      fibres_ = CharlieSheen::from(clamp01(hue * p.sheen), p.sheen_roughness);
+    else
+      sheen_.color = hue * (p.sheen * dielectric_);
+  }
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
+  if (p.coat > 0) coat_ = DisneyCoat::from(p.coat, p.coat_roughness, p.coat_normal);
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
   // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
-  const Rgb walked = subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f));
+  set_probabilities(subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f)));
+}
+
+void DisneyBsdf::set_probabilities(const Rgb& walked) {
   float weight[kLobes];
-  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo));
-  weight[index(Lobe::sheen)] = choice_weight(sheen_.albedo(wo));
-  weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo));
-  weight[index(Lobe::clearcoat)] = choice_weight(clearcoat_.albedo(wo));
+  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_));
+  weight[index(Lobe::sheen)] = choice_weight(fibrous() ? fibres_.albedo(wo_) : sheen_.albedo(wo_));
+  weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo_));
+  weight[index(Lobe::clearcoat)] = choice_weight(coated() ? coat_.albedo(wo_) : clearcoat_.albedo(wo_));
   weight[index(Lobe::subsurface)] = choice_weight(walked);
+  if (fibrous() || coated()) {
+    weight[index(Lobe::diffuse)] *= passed_layers(wo_);
+    weight[index(Lobe::specular)] *= std::sqrt(passed_layers(wo_));
+    if (coated()) weight[index(Lobe::sheen)] *= coat_.passed(wo_);
+  }
   float total = 0;
   for (float w : weight) total += w;
   if (!(total > 0)) return;
@@ -48,23 +63,41 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   for (int i = 0; i < kLobes; ++i) probability_[i] = weight[i] / total;
 }
 
+float DisneyBsdf::passed_layers(const Vec3f& w) const {
+  return (fibrous() ? fibres_.passed(w.z) : 1) * (coated() ? coat_.passed(w) : 1);
+}
+
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
   if (specular) *specular = Rgb(0.0f);
   if (!(wo_.z > 0 && wi.z > 0)) return {};
   BsdfValue sum;
-  // Diffuse and sheen are sampled alike.
-  const float cosine = probability_[index(Lobe::diffuse)] + probability_[index(Lobe::sheen)];
-  sum.pdf = cosine * pdf_cosine_hemisphere(wi);
-  if (probability_[index(Lobe::diffuse)] > 0) sum.f += diffuse_.evaluate(wo_, wi).f;
-  if (probability_[index(Lobe::sheen)] > 0) sum.f += sheen_.evaluate(wo_, wi).f;
+  // Diffuse and Burley's sheen are sampled alike.
+  const float diffuse = probability_[index(Lobe::diffuse)], sheen = probability_[index(Lobe::sheen)];
+  const float below = fibrous() ? fibres_.over(wo_.z, wi.z) : 1;
+  sum.pdf = (fibrous() ? diffuse : diffuse + sheen) * pdf_cosine_hemisphere(wi);
+  if (diffuse > 0) sum.f += diffuse_.evaluate(wo_, wi).f;
+  if (fibrous()) {
+    const BsdfValue fibres = fibres_.evaluate(wo_, wi);
+    sum.f = sum.f * below + fibres.f;
+    sum.pdf += sheen * fibres.pdf;
+  } else if (sheen > 0) {
+    sum.f += sheen_.evaluate(wo_, wi).f;
+  }
+  if (coated()) sum.f *= coat_.over_diffuse(wo_, wi);
   // The specular part is never above f, which adds the same terms to a sum that is not negative: rounding is monotonic.
   const auto add = [&](Lobe lobe, const BsdfValue& value) {
     sum.f += value.f;
     sum.pdf += probability_[index(lobe)] * value.pdf;
     if (specular) *specular += value.f;
   };
-  if (probability_[index(Lobe::specular)] > 0) add(Lobe::specular, specular_.evaluate(wo_, wi));
-  if (probability_[index(Lobe::clearcoat)] > 0) add(Lobe::clearcoat, clearcoat_.evaluate(wo_, wi));
+  if (probability_[index(Lobe::specular)] > 0) {
+    BsdfValue value = specular_.evaluate(wo_, wi);
+    if (fibrous()) value.f *= below;
+    if (coated()) value.f *= coat_.over_specular(wo_, wi);
+    add(Lobe::specular, value);
+  }
+  if (probability_[index(Lobe::clearcoat)] > 0)
+    add(Lobe::clearcoat, coated() ? coat_.evaluate(wo_, wi) : clearcoat_.evaluate(wo_, wi));
   return sum;
 }
 
@@ -84,11 +117,11 @@ std::optional<Vec3f> DisneyBsdf::sample_direction(Lobe lobe, const Vec2f& u) con
     case Lobe::diffuse:
       return diffuse_.sample(wo_, u);
     case Lobe::sheen:
-      return sheen_.sample(wo_, u);
+      return fibrous() ? fibres_.sample(wo_, u) : sheen_.sample(wo_, u);
     case Lobe::specular:
       return specular_.sample(wo_, u);
     case Lobe::clearcoat:
-      return clearcoat_.sample(wo_, u);
+      return coated() ? coat_.sample(wo_, u) : clearcoat_.sample(wo_, u);
     default:
       break;
   }
@@ -116,7 +149,7 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* 
 }
 
 Rgb DisneyBsdf::subsurface_entry() const {
-  return entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z));
+  return entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z) * passed_layers(wo_));
 }
 
 Rgb DisneyBsdf::albedo() const {

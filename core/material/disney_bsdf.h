@@ -12,7 +12,9 @@
 
 #include <optional>
 
+#include "core/material/charlie_sheen.h"
 #include "core/material/disney_clearcoat.h"
+#include "core/material/disney_coat.h"
 #include "core/material/disney_diffuse.h"
 #include "core/material/disney_parameters.h"
 #include "core/material/disney_sheen.h"
@@ -69,6 +71,12 @@ class DisneyBsdf {
  private:
   static constexpr int kLobes = 5;  // the first of enum Lobe
 
+  bool fibrous() const { return fibres_.roughness > 0; }
+  bool coated() const { return coat_.weight > 0; }
+  /// Divides the samples among the lobes. `walked`: what subsurface is expected to carry.
+  void set_probabilities(const Rgb& walked);
+  /// What the layers leave of light on its way in or out.
+  float passed_layers(const Vec3f& w) const;
   Lobe choose(float u) const;
   std::optional<Vec3f> sample_direction(Lobe lobe, const Vec2f& u) const;
 
@@ -79,8 +87,10 @@ class DisneyBsdf {
   Rgb entry_channels_{0.0f};  // 1 in the channels that scatter
   DisneyDiffuse diffuse_;
   DisneySheen sheen_;
+  CharlieSheen fibres_;  // with a roughness: in the place of sheen_, and over all but the coat
   DisneySpecular specular_;
   DisneyClearcoat clearcoat_;
+  DisneyCoat coat_;  // with a weight: in the place of clearcoat_, and over the rest
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
   float probability_[kLobes] = {0, 0, 0, 0, 0};
   float weight_ = 0;

@@ -9,19 +9,23 @@ namespace {
 
 using P = DisneyParameters;
 
-constexpr std::array<MaterialParameter, 25> kParameters{{
+constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"baseColor", &P::base_color, 0, 1}, Texels::colors},
     {{"metallic", &P::metallic, 0, 1}},
     {{"roughness", &P::roughness, 0, 1}},
-    {{"anisotropic", &P::anisotropic, 0, 1}},
+    {{"anisotropic", &P::anisotropic, 0, 1.11}},
     {{"specularTint", &P::specular_tint, 0, 1}},
     {{"ior", &P::ior, 1, 4}},
     {{"specular", &P::specular, 0, 1}},
     {{"specularColor", &P::specular_color, 0, kUnbounded}, Texels::colors},
     {{"sheen", &P::sheen, 0, 1}},
     {{"sheenTint", &P::sheen_tint, 0, 1}},
+    {{"sheenColor", &P::sheen_color, 0, 1}, Texels::colors},
+    {{"sheenRoughness", &P::sheen_roughness, 0, 1}},
     {{"clearcoat", &P::clearcoat, 0, 1}},
     {{"clearcoatGloss", &P::clearcoat_gloss, 0, 1}},
+    {{"coat", &P::coat, 0, 1}},
+    {{"coatRoughness", &P::coat_roughness, 0, 1}},
     {{"scatterDistance", &P::scatter_distance, 0, kUnbounded}},
     {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9}},
     {{"emission", &P::emission, 0, kUnbounded}, Texels::colors},
@@ -35,7 +39,7 @@ constexpr std::array<MaterialParameter, 25> kParameters{{
     {{"attenuationColor", &P::attenuation_color, 0, 1}, Texels::colors},
     {{"attenuationDistance", &P::attenuation_distance, 0, kUnbounded}},
     {{"priority", &P::priority, 0, 255}},
-}};
+});
 
 // The value in the row's range; the default where it is not finite.
 float clamped(float value, const MaterialParameter& row, float fallback) {
@@ -121,7 +125,8 @@ std::vector<const Texture*> DisneyMaterial::images() const {
   std::vector<const Texture*> all;
   for (const MaterialTexture& texture : textures)
     if (texture.lookup.image) all.push_back(texture.lookup.image.get());
-  if (normal_map && normal_map->image) all.push_back(normal_map->image.get());
+  for (const auto* map : {&normal_map, &coat_normal_map})
+    if (*map && (*map)->image) all.push_back((*map)->image.get());
   return all;
 }
 

@@ -42,7 +42,8 @@ struct DisneyMaterial {
   std::string name;
   DisneyParameters constants;  // within the ranges of material_parameters()
   std::vector<MaterialTexture> textures;
-  std::optional<TextureLookup> normal_map;  // value: the normal in tangent space, of any length
+  std::optional<TextureLookup> normal_map;       // value: the normal in tangent space, of any length
+  std::optional<TextureLookup> coat_normal_map;  // of the coat; without it the coat has the mesh's normal
 
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
   /// parameter's default.

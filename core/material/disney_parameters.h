@@ -20,8 +20,13 @@ struct DisneyParameters {
   Rgb specular_color{1.0f};  // tints dielectric F0 (KHR_materials_specular)
   float sheen = 0;
   float sheen_tint = 0.5f;
+  Rgb sheen_color{1.0f};
+  float sheen_roughness = 0;  // > 0: fibres of this roughness in place of Burley's sheen
   float clearcoat = 0;
   float clearcoat_gloss = 1;
+  float coat = 0;  // > 0: a layer of ior 1.5 over everything, in place of the clearcoat
+  float coat_roughness = 0;
+  Vec3f coat_normal{0, 0, 1};      // in the local frame, unit; not a row of the table: the integrator sets it at a hit
   Rgb scatter_distance{0.0f};      // per channel, scene units; 0: Lambert in that channel
   float scatter_anisotropy = 0;    // Henyey-Greenstein g of the scattering below the surface
   Rgb emission{0.0f};              // radiance

@@ -84,9 +84,9 @@ MaterialNetwork translate_material(const Document& document, size_t index, const
     set_dielectric(&material);
     set_anisotropy(&material);
     set_clearcoat(&material);
+    set_sheen(&material);
     set_transmission(&material);
     set_scatter(&material);
-    set_sheen(&material);
   }
   set_opacity(base, vertex, &material);
   set_disney_extension(&material);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/material/fresnel.h"
+#include "core/material/microfacet.h"
 #include "delegate/gltf/gltf_material_parts.h"
 
 namespace alabaster::hd::gltf {
@@ -34,25 +34,25 @@ void set_clearcoat(MaterialBuilder* material) {
   const Extension clearcoat = material->extension("KHR_materials_clearcoat");
   const double factor = number_or(clearcoat, "clearcoatFactor", 0);
   if (factor <= 0) return;
-  material->set("clearcoat", factor);
-  material->connect("clearcoat", use_in(clearcoat, "clearcoatTexture"), number_reading("r"));
-  const double roughness = number_or(clearcoat, "clearcoatRoughnessFactor", 0);
-  material->set("clearcoatGloss", std::clamp((0.1 - roughness * roughness) / 0.099, 0.0, 1.0));
+  material->set("coat", factor);
+  material->connect("coat", use_in(clearcoat, "clearcoatTexture"), number_reading("r"));
+  material->set("coatRoughness", number_or(clearcoat, "clearcoatRoughnessFactor", 0));
+  material->connect("coatRoughness", use_in(clearcoat, "clearcoatRoughnessTexture"), number_reading("g"));
   const TextureUse normal = use_in(clearcoat, "clearcoatNormalTexture");
-  material->connect("clearcoatNormal", normal, normal_reading(normal.scale));
+  material->connect("coatNormal", normal, normal_reading(normal.scale));
 }
 
 void set_sheen(MaterialBuilder* material) {
-  const Vec3f color = color_or(material->extension("KHR_materials_sheen"), "sheenColorFactor", Vec3f(0));
-  const float sheen = std::max({color.x, color.y, color.z});
-  if (sheen <= 0) return;
-  // minimise |color / sheen - (white + t (hue - white))| over t in [0, 1], with the hue that the lobe mixes with
-  const Vec3f base = material->color("baseColor");
-  const Rgb hue = tint({base.x, base.y, base.z});
-  const Vec3f colored = Vec3f(hue.r, hue.g, hue.b) - Vec3f(1), wanted = color / sheen - Vec3f(1);
-  const float t = colored.length2() > 1e-8f ? colored.dot(wanted) / colored.length2() : 0.0f;
-  material->set("sheen", double(sheen));
-  material->set("sheenTint", double(std::clamp(t, 0.0f, 1.0f)));
+  const Extension sheen = material->extension("KHR_materials_sheen");
+  const Vec3f color = color_or(sheen, "sheenColorFactor", Vec3f(0));
+  if (color == Vec3f(0)) return;
+  material->set("sheen", 1.0);
+  material->set("sheenTint", 0.0);
+  material->set("sheenColor", color);
+  material->connect("sheenColor", use_in(sheen, "sheenColorTexture"), color_reading());
+  // 0 would be Burley's sheen; the lobe itself ends at 0.07.
+  material->set("sheenRoughness", std::max(0.07, number_or(sheen, "sheenRoughnessFactor", 0)));
+  material->connect("sheenRoughness", use_in(sheen, "sheenRoughnessTexture"), alpha_reading());
 }
 
 // alpha_t = mix(alpha, 1, strength^2), alpha_b = alpha = roughness^2, from Disney's alpha_b / alpha_t = 1 - 0.9
@@ -60,12 +60,16 @@ void set_sheen(MaterialBuilder* material) {
 void set_anisotropy(MaterialBuilder* material) {
   const Extension anisotropy = material->extension("KHR_materials_anisotropy");
   const double strength = number_or(anisotropy, "anisotropyStrength", 0), roughness = material->number("roughness", 1);
-  if (strength <= 0 || roughness <= 0) return;
-  const double b = roughness * roughness, t = b + (1 - b) * strength * strength;
+  if (strength <= 0) return;
+  const double b = std::max(roughness * roughness, double(kMinAlpha)), t = b + (1 - b) * strength * strength;
   const TextureUse texture = use_in(anisotropy, "anisotropyTexture");
-  material->set("anisotropic", std::min(1.0, (1 - b / t) / 0.9));
+  material->set("anisotropic", (1 - std::max(b / t, 1e-3)) / 0.9);
   material->connect("anisotropic", texture, number_reading("b"));
   if (texture.index < 0) material->set("roughness", std::pow(t * b, 0.25));
+  const bool turned = number_or(anisotropy, "anisotropyRotation", 0, -kUnlimited, kUnlimited) != 0;
+  if (turned || texture.index >= 0)
+    material->warn("material.anisotropy", "extensions.KHR_materials_anisotropy",
+                   "has a direction, which is not supported; the highlight is stretched along the tangent");
 }
 
 }  // namespace alabaster::hd::gltf

@@ -149,8 +149,10 @@ class MaterialReader {
   void read_connections(const MaterialNode& surface, const Token& input,
                         const std::vector<MaterialConnection>& connections, DisneyMaterial* material) {
     if (connections.empty()) return;
-    if (input == Token("normal")) {
-      material->normal_map = read_lookup(connections.front().upstreamNode, input, Texels::numbers);
+    const bool coat = input == Token("coatNormal");
+    if (coat || input == Token("normal")) {
+      (coat ? material->coat_normal_map : material->normal_map) =
+          read_lookup(connections.front().upstreamNode, input, Texels::numbers);
       return;
     }
     const MaterialParameter* row = find_material_parameter(input.str());

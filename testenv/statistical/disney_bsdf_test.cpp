@@ -23,7 +23,7 @@ using testing::RunningStatistics;
 using testing::uniform2;
 using testing::z_test;
 
-constexpr int kChiSquareTests = 40, kZTests = 84;  // at least as many as this file runs
+constexpr int kChiSquareTests = 44, kZTests = 108;  // at least as many as this file runs
 
 Vec3f at_angle(double degrees) {
   const double theta = degrees * std::acos(-1.0) / 180;
@@ -115,7 +115,7 @@ struct NamedParameters {
 };
 
 std::vector<NamedParameters> materials() {
-  std::vector<NamedParameters> list(6);
+  std::vector<NamedParameters> list(8);
   list[0] = {"plastic", {}, 2};
   list[1].name = "skin";
   list[1].p.base_color = {0.9f, 0.6f, 0.45f};
@@ -143,6 +143,17 @@ std::vector<NamedParameters> materials() {
   list[5].p.roughness = 0.7f;
   list[5].p.specular_color = {1, 0, 1};
   list[5].exponent = 2;
+  list[6].name = "coated skin";
+  list[6].p = list[1].p;
+  list[6].p.coat = 1;
+  list[6].p.coat_roughness = 0.3f;
+  list[6].p.coat_normal = normalize(Vec3f(0.3f, -0.2f, 1));
+  list[6].exponent = 3;
+  list[7].name = "velvet";
+  list[7].p.sheen = 1;
+  list[7].p.sheen_roughness = 0.4f;
+  list[7].p.sheen_color = {0.9f, 0.5f, 0.1f};
+  list[7].exponent = 1;
   return list;
 }
 
@@ -245,6 +256,47 @@ TEST(Furnace, WhiteFurnacePerLobe) {
   row("diffuse, roughness 0", DisneyDiffuse{Rgb(1.0f), Rgb(1.0f), 0}, 1, 1 - 1.0 / 42);
   row("diffuse, roughness 0.5", DisneyDiffuse{Rgb(1.0f), Rgb(1.0f), 0.5f}, 1, 1.1);
   row("diffuse, roughness 1", DisneyDiffuse{Rgb(1.0f), Rgb(1.0f), 1}, 1, 1.5576);
+}
+
+TEST(Furnace, FibresTakeWhatTheyReflect) {
+  for (float roughness : {0.2f, 0.5f, 1.0f}) {
+    const CharlieSheen fibres = CharlieSheen::from(Rgb(1.0f), roughness);
+    for (double angle : kAngles) {
+      const Vec3f wo = at_angle(angle);
+      const double reflected = albedo_by_quadrature(
+          wo, [&](const Vec3f& wi) { return fibres.evaluate(wo, wi).f.g; }, 1);
+      const double below = albedo_by_quadrature(
+          wo, [&](const Vec3f& wi) { return kInvPi * fibres.over(wo.z, wi.z); }, 1);
+      std::printf("fibres of roughness %.1f at %2.0f degrees: reflect %.4f, with white below %.4f\n", double(roughness),
+                  angle, reflected, reflected + below);
+      EXPECT_NEAR(reflected, double(fibres.albedo(wo).g), angle < 80 ? 0.01 : 0.05) << roughness << " at " << angle;
+      EXPECT_LE(reflected + below, angle < 80 ? 1.01 : 1.05) << roughness << " at " << angle;
+    }
+  }
+}
+
+// What a coat reflects is taken from the base: of a Lambertian one exactly passed(wo), of a rough mirror what its
+// albedo without the coat allows.
+TEST(Furnace, ACoatTakesWhatItReflects) {
+  const DisneyCoat coat = DisneyCoat::from(1, 0.3f);
+  DisneySpecular metal;
+  metal.f0 = metal.f90 = Rgb(1.0f);
+  metal.ggx = {0.09f, 0.09f};
+  for (double angle : kAngles) {
+    const Vec3f wo = at_angle(angle);
+    const double base = albedo_by_quadrature(
+        wo, [&](const Vec3f& wi) { return kInvPi * coat.over_diffuse(wo, wi); }, 1);
+    EXPECT_NEAR(base, double(coat.passed(wo)), 1e-4) << angle;
+    const double layer = albedo_by_quadrature(
+        wo, [&](const Vec3f& wi) { return coat.evaluate(wo, wi).f.g; }, 3);
+    const double mirror = albedo_by_quadrature(
+        wo, [&](const Vec3f& wi) { return metal.evaluate(wo, wi).f.g * coat.over_specular(wo, wi); }, 3);
+    std::printf("coat at %2.0f degrees: reflects %.4f, white %.4f, mirror %.4f\n", angle, layer, base + layer,
+                mirror + layer);
+    EXPECT_LE(base + layer, 1.01) << angle;
+    EXPECT_LE(mirror + layer, 1.01) << angle;
+    if (angle < 80) EXPECT_GE(base + layer, 0.9) << angle;  // facets that mask each other lose more at grazing view
+  }
 }
 
 template <class L>

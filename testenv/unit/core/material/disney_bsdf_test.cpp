@@ -42,6 +42,9 @@ DisneyParameters random_parameters(Rng& rng) {
   p.clearcoat = unit_or_extreme(rng);
   p.clearcoat_gloss = unit_or_extreme(rng);
   if (rng.next() % 2) p.scatter_distance = color_or_extreme(rng);
+  if (rng.next() % 4 == 0) p.coat = unit_or_extreme(rng);
+  p.coat_roughness = unit_or_extreme(rng);
+  if (rng.next() % 4 == 0) p.sheen_roughness = unit_or_extreme(rng);
   return p;
 }
 
@@ -149,7 +152,8 @@ TEST(DisneyBsdf, SpecularPartIsThatOfSpecularAndClearcoat) {
   Rng rng(23, 4);
   int shared = 0;
   for (int i = 0; i < 20000; ++i) {
-    const DisneyParameters p = random_parameters(rng);
+    DisneyParameters p = random_parameters(rng);
+    p.coat = p.sheen_roughness = 0;
     const Vec3f wo = random_direction(rng), wi = random_direction(rng);
     const DisneyBsdf bsdf(p, wo);
     Rgb part;
@@ -173,6 +177,7 @@ TEST(DisneyBsdf, ScatterDistanceTakesTheLambertTermOfItsChannelOnly) {
   for (int i = 0; i < 20000; ++i) {
     DisneyParameters plain = random_parameters(rng);
     plain.scatter_distance = Rgb(0.0f);
+    plain.coat = plain.sheen_roughness = 0;
     DisneyParameters mixed = plain;
     for (int c = 0; c < 3; ++c) mixed.scatter_distance[c] = rng.next() % 2 ? 0.0f : 1e-12f + rng.uniform();
     const Vec3f wo = random_direction(rng), wi = random_direction(rng);

@@ -88,6 +88,25 @@ Brdf khronos_metal(double color, double roughness) {
   };
 }
 
+/// KHR_materials_clearcoat, fresnel_coat over a rough dielectric: ior 1.5, alpha = roughness^2.
+Brdf khronos_coat(double color, double roughness, double coat_roughness) {
+  return [=](const Vec3f& wo, const Vec3f& wi) {
+    const double layer = khronos_microfacet(coat_roughness * coat_roughness, wo, wi);
+    const double base = khronos_dielectric(color, roughness)(wo, wi);
+    return (1 - fresnel(0.04, double(wo.z))) * base + fresnel(0.04, half_cosine(wo, wi)) * layer;
+  };
+}
+
+/// KHR_materials_sheen over a Lambertian base that is not dimmed: Charlie (Estevez and Kulla 2017), visibility of
+/// Neubelt and Pettineo 2013.
+Brdf khronos_sheen(double color, double roughness) {
+  return [=](const Vec3f& wo, const Vec3f& wi) {
+    const double n = double((wo + wi).normalized().z), inverse = 1 / (roughness * roughness);
+    const double d = (2 + inverse) * std::pow(std::sqrt(std::max(0.0, 1 - n * n)), inverse) / (2 * std::numbers::pi);
+    return color * d / (4 * (double(wo.z) + double(wi.z) - double(wo.z) * double(wi.z)));
+  };
+}
+
 struct Row {
   const char* name;
   std::string material;
@@ -114,6 +133,15 @@ TEST(GltfMaterialModel, DirectionalAlbedoAgainstKhronos) {
        khronos_metal(0.8, 0.6), 1},
       {"metal, roughness 1", R"({"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.8, 0.8, 1]}})",
        khronos_metal(0.8, 1), 1},
+      {"coat of roughness 0.3",
+       R"({"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.8, 0.8, 1], "metallicFactor": 0, "roughnessFactor": 0.6},
+           "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.3}}})",
+       khronos_coat(0.8, 0.6, 0.3), 1},
+      {"sheen 1 of roughness 0.5, base black",
+       R"({"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1], "metallicFactor": 0},
+           "extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenRoughnessFactor": 0.5},
+                          "KHR_materials_specular": {"specularFactor": 0}}})",
+       khronos_sheen(1, 0.5), 1},
   };
   std::printf("%-28s  angle: albedo by glTF, ours\n", "");
   for (const Row& row : kRows) {

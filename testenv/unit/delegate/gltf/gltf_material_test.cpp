@@ -83,14 +83,15 @@ TEST(GltfMaterial, CutoffsBeyondTheRangeOfAlpha) {
 
 // The alphas of the surface's lobe are those of the extension: mix(alpha, 1, strength^2) and alpha.
 TEST(GltfMaterial, AnisotropyKeepsBothAlphas) {
-  const Loaded loaded = load_material(
-      R"({"pbrMetallicRoughness": {"roughnessFactor": 0.6},
-          "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5}}})");
-  const MaterialNode& surface = surface_of(loaded);
-  const double alpha = std::pow(number(surface, "roughness"), 2);
-  const double aspect = std::sqrt(1 - 0.9 * number(surface, "anisotropic"));
-  EXPECT_NEAR(alpha / aspect, 0.36 + (1 - 0.36) * 0.25, 1e-6);
-  EXPECT_NEAR(alpha * aspect, 0.36, 1e-6);
+  for (const auto& [roughness, strength] : {std::pair(0.6, 0.5), {0.2, 1.0}, {0.2, 0.1}}) {
+    const MaterialNode surface = surface_of(load_material(
+        R"({"pbrMetallicRoughness": {"roughnessFactor": )" + std::to_string(roughness) +
+        R"(}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": )" + std::to_string(strength) + "}}}"));
+    const double alpha = std::pow(number(surface, "roughness"), 2), b = roughness * roughness;
+    const double aspect = std::sqrt(1 - 0.9 * number(surface, "anisotropic"));
+    EXPECT_NEAR(alpha / aspect, b + (1 - b) * strength * strength, 1e-5);
+    EXPECT_NEAR(alpha * aspect, b, 1e-5);
+  }
 }
 
 }  // namespace

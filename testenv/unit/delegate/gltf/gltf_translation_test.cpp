@@ -75,31 +75,6 @@ TEST(GltfMaterials, AnisotropyBeyondTheRangeIsTakenAtItsEnd) {
   }
 }
 
-// sheenTint is the mix with which the sheen lobe itself, color = lerp(1, tint(baseColor), sheenTint), comes nearest.
-TEST(GltfMaterials, SheenTintIsFittedWithTheTintOfTheLobe) {
-  Json document = Json::parse(read_text(kFolder + "materials.gltf"));
-  for (const Rgb& base : {Rgb(0.9f, 0.3f, 0.1f), Rgb(0.2f, 0.5f, 0.9f), Rgb(0.7f, 0.8f, 0.1f)}) {
-    const Rgb wanted = lerp(Rgb(1.0f), tint(base), 0.4f) * (1 / max_component(tint(base)));
-    document["materials"] = {
-        {{"pbrMetallicRoughness", {{"baseColorFactor", {base.r, base.g, base.b, 1}}}},
-         {"extensions", {{"KHR_materials_sheen", {{"sheenColorFactor", {wanted.r, wanted.g, wanted.b}}}}}}}};
-    const TemporaryFolder folder;
-    const Loaded loaded = load(folder.write("sheen.gltf", document.dump()));
-    ASSERT_TRUE(loaded.summary.ok) << loaded.said();
-    const MaterialNetwork& network = loaded.scene->GetMaterials().begin()->second;
-    const MaterialNode& node = network.nodes.at(network.terminals.at("surface").upstreamNode);
-    const float* fitted = node.parameters.at("sheenTint").get<float>();
-    ASSERT_NE(fitted, nullptr);
-    const auto distance = [&](float t) {
-      const Rgb apart = wanted * (1 / max_component(wanted)) - lerp(Rgb(1.0f), tint(base), t);
-      return apart.r * apart.r + apart.g * apart.g + apart.b * apart.b;
-    };
-    EXPECT_GT(*fitted, 0.1f);
-    EXPECT_LT(*fitted, 0.9f);
-    for (const float step : {-0.01f, 0.01f}) EXPECT_LT(distance(*fitted), distance(*fitted + step)) << *fitted;
-  }
-}
-
 // Every triangle of a strip and of a fan faces as in the specification's formula: here all towards +z.
 TEST(GltfModes, StripAndFanKeepTheirWinding) {
   const Loaded loaded = load_own("modes");
@@ -153,16 +128,6 @@ TEST(GltfNgons, ChainedQuadsAreTwoPolygonsAndHexagonsOne) {
     hexagon.emplace_back(float(std::cos(i * 1.0471975512)), float(std::sin(i * 1.0471975512)), 0.0f);
   EXPECT_EQ(load_fan(hexagon), (Array<int32_t>{6}));
   EXPECT_EQ(load_fan({{1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}}), (Array<int32_t>{4, 4}));
-}
-
-// v points down in image space and up in ours. A quarter turn and half scale, as in the extension's own example.
-TEST(GltfTextures, TransformIsAppliedBeforeTurningVUp) {
-  const Loaded loaded = load_own("texture");
-  ASSERT_EQ(loaded.scene->GetMeshes().size(), 1u) << loaded.said();
-  const auto& st = primvar<Array<Vec2f>>(loaded.scene->GetMeshes().begin()->second, "st");
-  ASSERT_EQ(st.size(), 3u);
-  const Vec2f expected[] = {{0, 0}, {0, 0.5f}, {0.5f, 0}};  // uv (0,0) (1,0) (0,1)
-  for (size_t i = 0; i < 3; ++i) EXPECT_LT((st[i] - expected[i]).length(), 1e-6f) << Value(st[i]).to_string();
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+// Sheen of fibres as a layer with a roughness of its own, as KHR_materials_sheen defines it: colour D V with the
+// "Charlie" distribution D = (2 + 1/alpha) sin(theta_m)^(1/alpha) / 2pi, alpha = roughness^2 (Estevez and Kulla 2017,
+// "Production Friendly Microfacet Sheen BRDF"), and V = 1 / (4 (cos_o + cos_i - cos_o cos_i)) (Neubelt and Pettineo
+// 2013, "Crafting a Next-Gen Material Pipeline for The Order: 1886"). f has no cosine; pdf per solid angle. Reciprocal.
+#pragma once
+
+#include "core/material/bsdf_value.h"
+#include "core/material/microfacet.h"
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+
+/// Directional albedo of white sheen before it is limited, by cosine and roughness: a table made at the first call,
+/// exact to 0.01 where the cosine is above 0.1.
+float charlie_albedo(float cosine, float roughness);
+
+struct CharlieSheen {
+  static constexpr float kMinRoughness = 0.07f;  // below, the lobe is narrower than what a horizon resolves
+
+  Rgb color{0.0f};
+  float roughness = 0;  // 0: there is none
+
+  static CharlieSheen from(const Rgb& color, float roughness) { return {color, std::max(kMinRoughness, roughness)}; }
+
+  /// D V of white.
+  float unlimited(const Vec3f& wo, const Vec3f& wi, const Vec3f& wm) const {
+    const float inverse = 1 / sqr(roughness), sine = safe_sqrt(1 - sqr(wm.z));
+    const float d = (2 + inverse) * std::pow(sine, inverse) * (0.5f * kInvPi);
+    return 0.25f * d / std::max(1e-6f, wo.z + wi.z - wo.z * wi.z);
+  }
+  /// D V reflects more than it receives at grazing view below roughness 0.4, up to 1.7 times; it is divided by that
+  /// much. The pdf is uniform over the hemisphere, which bounds f cos / pdf by pi D.
+  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+    if (!(wo.z > 0 && wi.z > 0)) return {};
+    const auto facet = mirror_facet(wo, wi);
+    if (!facet) return {};
+    const float excess = std::max({1.0f, charlie_albedo(wo.z, roughness), charlie_albedo(wi.z, roughness)});
+    return {color * (unlimited(wo, wi, facet->wm) / excess), 0.5f * kInvPi};
+  }
+  std::optional<Vec3f> sample(const Vec3f&, const Vec2f& u) const {
+    const float r = safe_sqrt(1 - sqr(u.x)), phi = kTwoPi * u.y;
+    return Vec3f(r * std::cos(phi), r * std::sin(phi), u.x);
+  }
+
+  Rgb albedo(const Vec3f& wo) const { return color * std::min(1.0f, charlie_albedo(wo.z, roughness)); }
+  /// What the layer leaves to those below (KHR_materials_sheen, "Albedo Scaling Technique").
+  float passed(float cosine) const {
+    return std::max(0.0f, 1 - max_component(color) * charlie_albedo(cosine, roughness));
+  }
+  float over(float cos_o, float cos_i) const { return std::min(passed(cos_o), passed(cos_i)); }
+};
+
+}  // namespace alabaster

@@ -1,0 +1,46 @@
+// Coat: a clear layer of ior 1.5 over the whole surface, GGX with alpha = roughness^2 and the full strength of its
+// Fresnel reflection, as KHR_materials_clearcoat defines it. It takes the place of Burley's clearcoat, which is a
+// quarter as strong and dims nothing.
+#pragma once
+
+#include "core/material/disney_specular.h"
+#include "core/math/frame.h"
+
+namespace alabaster {
+
+struct DisneyCoat {
+  float weight = 0;  // the parameter `coat`, in [0,1]; 0: there is no coat
+  DisneySpecular layer;
+  Frame frame;  // about the coat's own normal
+
+  static DisneyCoat from(float coat, float roughness, const Vec3f& normal = {0, 0, 1}) {
+    const float alpha = std::max(kMinAlpha, sqr(roughness));
+    return {coat, {Rgb(0.04f * coat), Rgb(coat), {alpha, alpha}}, normal.z < 1 ? frame_from_normal(normal) : Frame()};
+  }
+
+  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+    return layer.evaluate(frame.to_local(wo), frame.to_local(wi));
+  }
+  /// Empty where the direction goes below the coat's horizon.
+  std::optional<Vec3f> sample(const Vec3f& wo, const Vec2f& u) const {
+    const Vec3f local = frame.to_local(wo);
+    if (!(local.z > 0)) return std::nullopt;
+    const std::optional<Vec3f> wi = layer.sample(local, u);
+    return wi ? std::optional(frame.to_world(*wi)) : std::nullopt;
+  }
+  Rgb albedo(const Vec3f& wo) const { return layer.albedo(frame.to_local(wo)); }
+
+  /// What light from or to `w` keeps on its way through.
+  float passed(const Vec3f& w) const { return passed(frame.to_local(w).z); }
+  float passed(float cosine) const { return std::max(0.0f, 1 - weight * lerp(0.04f, 1.0f, schlick_weight(cosine))); }
+  /// Factor of lobes that reflect into all directions: reciprocal, and a Lambertian base keeps the albedo times
+  /// passed(wo.z) that the extension gives it (as Kelemen and Szirmay-Kalos 2001 normalise a matte base). The mean of
+  /// Schlick's reflectance over the hemisphere is .04 + .96 / 21.
+  float over_diffuse(const Vec3f& wo, const Vec3f& wi) const {
+    return passed(wo) * passed(wi) / (1 - weight * (0.04f + 0.96f / 21));
+  }
+  /// Factor of lobes about the mirror direction: the same there, and reciprocal.
+  float over_specular(const Vec3f& wo, const Vec3f& wi) const { return std::sqrt(passed(wo) * passed(wi)); }
+};
+
+}  // namespace alabaster
