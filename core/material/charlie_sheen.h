@@ -43,7 +43,7 @@ struct CharlieSheen {
   }
 
   Rgb albedo(const Vec3f& wo) const { return color * std::min(1.0f, charlie_albedo(wo.z, roughness)); }
-  /// What the layer leaves to those below (KHR_materials_sheen, "Albedo Scaling Technique").
+  /// The share that the layer leaves to those below (KHR_materials_sheen, "Albedo Scaling Technique").
   float passed(float cosine) const {
     return std::max(0.0f, 1 - max_component(color) * charlie_albedo(cosine, roughness));
   }

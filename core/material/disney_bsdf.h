@@ -73,9 +73,9 @@ class DisneyBsdf {
 
   bool fibrous() const { return fibres_.roughness > 0; }
   bool coated() const { return coat_.weight > 0; }
-  /// Divides the samples among the lobes. `walked`: what subsurface is expected to carry.
+  /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
   void set_probabilities(const Rgb& walked);
-  /// What the layers leave of light on its way in or out.
+  /// The share of light that the layers let in or out.
   float passed_layers(const Vec3f& w) const;
   Lobe choose(float u) const;
   std::optional<Vec3f> sample_direction(Lobe lobe, const Vec2f& u) const;

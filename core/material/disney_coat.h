@@ -30,7 +30,7 @@ struct DisneyCoat {
   }
   Rgb albedo(const Vec3f& wo) const { return layer.albedo(frame.to_local(wo)); }
 
-  /// What light from or to `w` keeps on its way through.
+  /// The share of light from or to `w` that passes the coat.
   float passed(const Vec3f& w) const { return passed(frame.to_local(w).z); }
   float passed(float cosine) const { return std::max(0.0f, 1 - weight * lerp(0.04f, 1.0f, schlick_weight(cosine))); }
   /// Factor of lobes that reflect into all directions: reciprocal, and a Lambertian base keeps the albedo times

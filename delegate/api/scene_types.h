@@ -94,7 +94,8 @@ struct MaterialNode {
 /// HdMaterialNetwork2's shape. Terminal "surface" names the surface node.
 /// Node types:
 /// - AlabasterDisney: parameters of schemas/disney_material.json. Every number and colour can be connected. An input's
-///   value is its constant (1 if it is not given) times all that is connected to it, clamped to its range.
+///   value is its constant (1 if it is not given) times all that is connected to it, clamped to its range. `normal` and
+///   `coatNormal` take a texture of normals in tangent space.
 /// - AlabasterTexture: file AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, filter
 ///   Token linear|nearest; st Token, the primvar that it is looked up by; stOffset Vec2f, stRotation float (radians),
 ///   stScale Vec2f place it as KHR_texture_transform does; scale, bias Vec4f: value = texel * scale + bias. Outputs

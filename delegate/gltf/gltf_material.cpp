@@ -48,7 +48,8 @@ const char* type_of(const MaterialParameter& parameter) {
                                                                             : "must be a number";
 }
 
-// Its constants replace those of the other extensions, its textures all that is connected to the same parameter.
+// The constants of this extension replace those of the other extensions, its textures all that is connected to the same
+// parameter.
 void set_disney_extension(MaterialBuilder* material) {
   const Extension disney = material->extension("ALAB_materials_disney");
   if (!disney) return;

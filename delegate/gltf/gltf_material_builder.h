@@ -22,8 +22,8 @@ struct VertexColors {
 /// For each material of the document.
 std::vector<VertexColors> find_vertex_colors(const Document& document);
 
-/// What an input takes from a texture: `output` of texel * scale + bias. Colours are stored as sRGB, numbers as they
-/// are; an alpha channel is a number in both.
+/// The value that an input takes from a texture: `output` of texel * scale + bias. Colours are stored as sRGB, numbers
+/// as they are; an alpha channel is a number in both.
 struct Reading {
   const char* output = "rgb";
   const char* color_space = "raw";
@@ -54,7 +54,7 @@ class MaterialBuilder {
   void set(const char* name, double value) { surface_.parameters[name] = float(value); }
   void set(const char* name, const Vec3f& value) { surface_.parameters[name] = value; }
   void set(const char* name, bool value) { surface_.parameters[name] = value; }
-  /// What was set; white, `fallback` otherwise.
+  /// The constant that was set; white, `fallback` otherwise.
   Vec3f color(const char* name) const;
   double number(const char* name, double fallback) const;
 

@@ -20,13 +20,13 @@ void set_unlit(const BaseColor& base, const VertexColors& vertex, MaterialBuilde
 void set_opacity(const BaseColor& base, const VertexColors& vertex, MaterialBuilder* material);
 void set_emission(MaterialBuilder* material);
 
-// gltf_material_layers.cpp: what reflects. Needs set_base.
+// gltf_material_layers.cpp: reflection. After set_base.
 void set_dielectric(MaterialBuilder* material);
 void set_anisotropy(MaterialBuilder* material);
 void set_clearcoat(MaterialBuilder* material);
 void set_sheen(MaterialBuilder* material);
 
-// gltf_material_interior.cpp: what light passes through.
+// gltf_material_interior.cpp: transmission and scattering.
 void set_transmission(MaterialBuilder* material);
 /// Replaces the base colour by that of a scattering volume.
 void set_scatter(MaterialBuilder* material);

@@ -275,8 +275,8 @@ TEST(Furnace, FibresTakeWhatTheyReflect) {
   }
 }
 
-// What a coat reflects is taken from the base: of a Lambertian one exactly passed(wo), of a rough mirror what its
-// albedo without the coat allows.
+// A coat takes its reflection from the base: a Lambertian one keeps exactly passed(wo), a rough mirror as much as its
+// albedo allows.
 TEST(Furnace, ACoatTakesWhatItReflects) {
   const DisneyCoat coat = DisneyCoat::from(1, 0.3f);
   DisneySpecular metal;
