@@ -60,14 +60,13 @@ LightTree::LightTree(const std::vector<Light>& lights) : node_of_light_(lights.s
   if (leaves.empty()) return;
   nodes_.reserve(2 * leaves.size());
   reserved_ = std::max(1u, kSteps / 10 / static_cast<uint32_t>(leaves.size()));
-  build(leaves, 0);
+  build(leaves);
 }
 
-uint32_t LightTree::build(std::span<Leaf> leaves, uint32_t parent) {
+uint32_t LightTree::build(std::span<Leaf> leaves) {
   const auto index = static_cast<uint32_t>(nodes_.size());
   nodes_.emplace_back();
   nodes_[index].lights = static_cast<uint32_t>(leaves.size());
-  nodes_[index].parent = parent;
   if (leaves.size() == 1) {
     nodes_[index].extent = leaves[0].extent;
     nodes_[index].next = leaves[0].light;
@@ -89,7 +88,7 @@ uint32_t LightTree::build(std::span<Leaf> leaves, uint32_t parent) {
     });
   }
   const auto first = static_cast<size_t>(middle - leaves.begin());
-  const uint32_t left = build(leaves.first(first), index), right = build(leaves.subspan(first), index);
+  const uint32_t left = build(leaves.first(first)), right = build(leaves.subspan(first));
 
   // Take both together.
   const LightExtent &a = nodes_[left].extent, &b = nodes_[right].extent;
@@ -126,40 +125,72 @@ double LightTree::importance(const std::vector<Light>& lights, const Vec3f& p, u
   return n.extent.power * facing(n, d, std::sqrt(radius2)) / (dot(d, d) + radius2);
 }
 
-uint32_t LightTree::divide(const std::vector<Light>& lights, const Vec3f& p, uint32_t node, const Steps& steps) const {
-  const uint32_t left = node + 1, right = nodes_[node].next;
-  const double a = importance(lights, p, left), b = importance(lights, p, right);
-  const double share = a + b > 0 && std::isfinite(a + b) ? a / (a + b) : 0.5;
-  const uint32_t kept_left = reserved_ * nodes_[left].lights, kept_right = reserved_ * nodes_[right].lights;
-  const uint32_t free = steps.end - steps.begin - kept_left - kept_right;
-  return steps.begin + kept_left + static_cast<uint32_t>(share * free + 0.5);
+struct LightTree::Cut {
+  static constexpr int kLevels = 4;
+  std::array<uint32_t, size_t(1) << kLevels> nodes;
+  std::array<double, size_t(1) << kLevels> importances;
+  size_t size = 0;
+  double total = 0;
+};
+
+LightTree::Cut LightTree::cut_below(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const {
+  Cut cut;
+  cut.nodes[cut.size++] = node;
+  for (int level = 0; level < Cut::kLevels; ++level) {
+    const size_t size = cut.size;
+    for (size_t i = 0; i < size; ++i) {
+      const uint32_t n = cut.nodes[i];
+      if (nodes_[n].is_light()) continue;
+      cut.nodes[i] = n + 1;
+      cut.nodes[cut.size++] = nodes_[n].next;
+    }
+  }
+  for (size_t i = 0; i < cut.size; ++i) cut.total += cut.importances[i] = importance(lights, p, cut.nodes[i]);
+  if (cut.total > 0 && std::isfinite(cut.total)) return cut;
+  cut.importances.fill(1);
+  cut.total = static_cast<double>(cut.size);
+  return cut;
+}
+
+template <class IsIt>
+uint32_t LightTree::descend(const Cut& cut, const IsIt& is_it, Steps* steps) const {
+  uint32_t count = 0;
+  for (size_t i = 0; i < cut.size; ++i) count += nodes_[cut.nodes[i]].lights;
+  const double free = static_cast<double>(steps->end - steps->begin) - static_cast<double>(reserved_) * count;
+  uint32_t begin = steps->begin, reserved = steps->begin;
+  double running = 0;
+  for (size_t i = 0;; ++i) {
+    const uint32_t node = cut.nodes[i];
+    running += cut.importances[i];
+    reserved += reserved_ * nodes_[node].lights;
+    const bool last = i + 1 == cut.size;
+    const uint32_t end =
+        last ? steps->end : reserved + static_cast<uint32_t>(std::min(1.0, running / cut.total) * free);
+    if (last || is_it(node, end)) {
+      *steps = {begin, end};
+      return node;
+    }
+    begin = end;
+  }
 }
 
 std::optional<LightChoice::Chosen> LightTree::choose(const std::vector<Light>& lights, const Vec3f& p, float u) const {
   const auto step = static_cast<uint32_t>(std::clamp(u, 0.0f, kOneMinusEpsilon) * static_cast<float>(kSteps));
   Steps steps;
   uint32_t node = 0;
-  while (!nodes_[node].is_light()) {
-    const uint32_t middle = divide(lights, p, node, steps);
-    const bool left = step < middle;
-    (left ? steps.end : steps.begin) = middle;
-    node = left ? node + 1 : nodes_[node].next;
-  }
+  while (!nodes_[node].is_light())
+    node = descend(
+        cut_below(lights, p, node), [step](uint32_t, uint32_t end) { return step < end; }, &steps);
   return LightChoice::Chosen{nodes_[node].next,
                              static_cast<float>(steps.end - steps.begin) / static_cast<float>(kSteps)};
 }
 
-// The same way down, which is known from below.
+// A node of n lights is followed by the 2 n - 2 below it.
 float LightTree::probability(const std::vector<Light>& lights, const Vec3f& p, size_t light) const {
-  std::array<uint32_t, 64> way;
-  size_t depth = 0;
-  for (uint32_t node = node_of_light_[light]; node != 0; node = nodes_[node].parent) way[depth++] = node;
+  const uint32_t goal = node_of_light_[light];
+  const auto holds = [&](uint32_t n, uint32_t) { return n <= goal && goal <= n + 2 * (nodes_[n].lights - 1); };
   Steps steps;
-  for (uint32_t node = 0; depth > 0; node = way[depth]) {
-    const uint32_t middle = divide(lights, p, node, steps);
-    --depth;
-    (way[depth] == node + 1 ? steps.end : steps.begin) = middle;
-  }
+  for (uint32_t node = 0; node != goal;) node = descend(cut_below(lights, p, node), holds, &steps);
   return static_cast<float>(steps.end - steps.begin) / static_cast<float>(kSteps);
 }
 

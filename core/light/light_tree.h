@@ -6,6 +6,10 @@
 // r half the diagonal of their box. The cosine is that of the least angle to a normal that the cone of their normals,
 // and the angle under which the box is seen, allow. A single light is weighed by its own importance (light.h). Infinite
 // lights are one half of the tree.
+//
+// The way down takes four levels at a time: the sixteen nodes there are weighed against each other. Larger nodes are
+// not asked, for one estimate says little of a node that is large beside its distance. Under 1000 lights that halves
+// the variance for a 1.6 times longer choice.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +47,6 @@ class LightTree {
     double cos_normals = -1, sin_normals = 0, cos_emission = 0;  // of its angles
     uint32_t lights = 0;                                         // how many
     uint32_t next = 0;  // of an inner node: its second child, the first one follows it; of the others: the light
-    uint32_t parent = 0;
     bool is_light() const { return lights == 1; }
   };
   struct Leaf;
@@ -52,12 +55,16 @@ class LightTree {
     uint32_t begin = 0, end = uint32_t(1) << 24;
   };
 
-  uint32_t build(std::span<Leaf> leaves, uint32_t parent);
+  uint32_t build(std::span<Leaf> leaves);
   /// The largest cosine of an angle to a normal of the node's lights: 1 where nothing is known, 0 where all is dark.
   static double facing(const Node& node, const Vec3d& to_middle, double radius);
   double importance(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const;
-  /// Divides a node's steps between its children: returns where the second child's begin.
-  uint32_t divide(const std::vector<Light>& lights, const Vec3f& p, uint32_t node, const Steps& steps) const;
+  /// The nodes four levels below a node, and the lights above them: up to sixteen that hold its lights, each once.
+  struct Cut;
+  Cut cut_below(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const;
+  /// Divides a node's steps among its cut; the node there of which is_it(node, end of its steps), and its steps.
+  template <class IsIt>
+  uint32_t descend(const Cut& cut, const IsIt& is_it, Steps* steps) const;
   static bool meets(const Ray& ray, const LightExtent& extent);
 
   std::vector<Node> nodes_;  // the root first
