@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "delegate/gltf/gltf_compression.h"
 #include "delegate/gltf/gltf_document.h"
 
 namespace alabaster::hd::gltf {
@@ -19,6 +20,12 @@ uint64_t integer_or(const Json& object, const char* name, uint64_t fallback) {
   return found == object.end() ? fallback : found->get<uint64_t>();
 }
 
+// The extension of that name; an empty object if there is none.
+Json find_extension(const Json& object, const char* name) {
+  if (!object.contains("extensions") || !object["extensions"].contains(name)) return Json::object();
+  return object["extensions"][name];
+}
+
 class BufferLoader {
  public:
   BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, const std::string& folder)
@@ -27,7 +34,10 @@ class BufferLoader {
   /// Many buffers may be one file, which is read once.
   const std::map<std::string, Bytes>& files() const { return files_; }
 
+  /// Null after an error, and for the place of data that is stored compressed elsewhere (EXT_meshopt_compression).
   Bytes load(const Json& buffer, size_t index) {
+    if (!buffer.contains("uri") && find_extension(buffer, "EXT_meshopt_compression").value("fallback", false))
+      return nullptr;
     const std::string element = element_name("buffers", index);
     const uint64_t length = buffer["byteLength"].get<uint64_t>();
     std::string reason;
@@ -113,9 +123,15 @@ class AccessorLoader {
     if (root_.contains("bufferViews"))
       for (size_t i = 0; i < root_["bufferViews"].size(); ++i) load_view(root_["bufferViews"][i], i);
     if (report_.failed() || !root_.contains("accessors")) return;
+    if (root_.contains("meshes"))
+      for (size_t m = 0; m < root_["meshes"].size() && !report_.failed(); ++m)
+        for (size_t p = 0; p < root_["meshes"][m]["primitives"].size() && !report_.failed(); ++p)
+          load_draco(root_["meshes"][m]["primitives"][p], element_name(element_name("meshes", m) + ".primitives", p));
+    if (report_.failed()) return;
     for (size_t i = 0; i < root_["accessors"].size(); ++i) {
-      document_->accessors.emplace_back();
-      load_accessor(root_["accessors"][i], element_name("accessors", i), &document_->accessors.back());
+      AccessorView& accessor = document_->accessors.emplace_back();
+      if (const auto bytes = draco_.find(i); bytes != draco_.end()) accessor.data = bytes->second->data();
+      load_accessor(root_["accessors"][i], element_name("accessors", i), &accessor);
     }
   }
 
@@ -126,7 +142,11 @@ class AccessorLoader {
     const uint64_t available = root_["buffers"][json["buffer"].get<size_t>()]["byteLength"].get<uint64_t>();
     View view{nullptr, integer_or(json, "byteOffset", 0), json["byteLength"].get<uint64_t>(),
               integer_or(json, "byteStride", 0)};
-    if (view.offset > available || view.length > available - view.offset) {
+    if (const Json compressed = find_extension(json, "EXT_meshopt_compression"); !compressed.empty()) {
+      load_meshopt(compressed, element, &view);
+    } else if (!buffer) {
+      report_.error("bufferView.buffer", element, "lies in a buffer without data; export the file again");
+    } else if (view.offset > available || view.length > available - view.offset) {
       report_.error("bufferView.range", element,
                     "byteOffset + byteLength exceeds the buffer of " + std::to_string(available) +
                         " bytes; export the file again");
@@ -140,6 +160,62 @@ class AccessorLoader {
     else if (view.stride > view.length)
       report_.warning("bufferView.stride", element + ".byteStride", stride + " exceeds the view");
     views_.push_back(view);
+  }
+
+  void load_meshopt(const Json& json, const std::string& element, View* view) {
+    const size_t index = json["buffer"].get<size_t>();
+    const uint64_t available = root_["buffers"][index]["byteLength"].get<uint64_t>();
+    const uint64_t offset = integer_or(json, "byteOffset", 0), length = json["byteLength"].get<uint64_t>();
+    const std::string place = element + ".extensions.EXT_meshopt_compression";
+    if (!document_->buffers[index] || offset > available || length > available - offset)
+      return report_.error("bufferView.range", place, "lies outside its buffer; compress the file again");
+    std::string reason;
+    const Bytes bytes = decode_meshopt(json, {document_->buffers[index]->data() + offset, size_t(length)}, &reason);
+    if (!bytes) return report_.error("bufferView.meshopt", place, reason);
+    if (!keep(bytes, place)) return;
+    if (bytes->size() < view->length)
+      return report_.error("bufferView.meshopt", place,
+                           "decodes to " + std::to_string(bytes->size()) + " bytes, but the view has " +
+                               std::to_string(view->length) + "; compress the file again");
+    view->data = bytes->data();
+    view->offset = 0;
+  }
+
+  // Accessors that have data without compression are read as they are.
+  void load_draco(const Json& primitive, const std::string& element) {
+    const Json compressed = find_extension(primitive, "KHR_draco_mesh_compression");
+    if (compressed.empty()) return;
+    uint64_t declared = 0;
+    bool needed = false;
+    const auto add = [&](const Json& index) {
+      const Json& accessor = root_["accessors"][index.get<size_t>()];
+      needed = needed || !accessor.contains("bufferView");
+      declared += accessor["count"].get<uint64_t>() * 16;
+    };
+    for (const auto& [name, index] : primitive["attributes"].items()) add(index);
+    if (primitive.contains("indices")) add(primitive["indices"]);
+    if (!needed) return;
+    const std::string place = element + ".extensions.KHR_draco_mesh_compression";
+    const View& view = views_[compressed["bufferView"].get<size_t>()];
+    if (declared > most_decoded_bytes())
+      return report_.error("mesh.size", place, "declares more than this machine can hold; split the file");
+    AccessorBytes accessors;
+    std::string reason;
+    if (!decode_draco(root_, primitive, {view.data, size_t(view.length)}, &accessors, &reason))
+      return report_.error("mesh.draco", place, reason);
+    for (const auto& [index, bytes] : accessors) {
+      if (root_["accessors"][index].contains("bufferView") || !draco_.emplace(index, bytes).second) continue;
+      if (!keep(bytes, place)) return;
+    }
+  }
+
+  // Keeps decoded bytes for as long as the document.
+  bool keep(const Bytes& bytes, const std::string& place) {
+    decoded_bytes_ += bytes->size();
+    document_->decoded.push_back(bytes);
+    if (decoded_bytes_ <= most_decoded_bytes()) return true;
+    report_.error("mesh.size", place, "the file decodes to more than this machine can hold; split it");
+    return false;
   }
 
   void load_accessor(const Json& json, const std::string& element, AccessorView* accessor) {
@@ -157,7 +233,7 @@ class AccessorLoader {
     accessor->stride = size;
     if (json.contains("bufferView")) {
       place(json, element, size, accessor);
-    } else {
+    } else if (!accessor->data) {
       zero_bytes_ += accessor->count * uint64_t(size);
       if (zero_bytes_ > kMostZeroBytes)
         return report_.error("accessor.zeros", element, "declares too many elements without data; lower count");
@@ -254,7 +330,8 @@ class AccessorLoader {
   Report& report_;
   Document* document_;
   std::vector<View> views_;
-  uint64_t zero_bytes_ = 0, bounds_bytes_ = 0;
+  AccessorBytes draco_;
+  uint64_t zero_bytes_ = 0, bounds_bytes_ = 0, decoded_bytes_ = 0;
 };
 
 }  // namespace

@@ -89,6 +89,7 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   check_node_meshes(root, *document, report);
   check_animations(root, report, document);
   if (report.failed()) return false;
+  choose_images(&root);
   load_images(root, max_bytes, report, document);
   check_materials(root, report);
   read_extension_lists(root, report, document);

@@ -11,8 +11,9 @@ namespace alabaster::hd::gltf {
 
 struct Document {
   std::string file, folder;
-  tinygltf::Model model;  // without images and buffers; of the animations only the one that is used
-  std::vector<Bytes> buffers;
+  tinygltf::Model model;           // without images and buffers; of the animations only the one that is used
+  std::vector<Bytes> buffers;      // null: its data is stored compressed
+  std::vector<Bytes> decoded;      // from compressed buffer views and primitives
   std::vector<std::string> files;  // that were read
   std::vector<AccessorView> accessors;
   std::vector<AssetPath> images;  // not usable without `resolved` and `bytes` (reported)
@@ -41,6 +42,9 @@ void check_scene(const Json& root, Report& report);
 void check_node_meshes(const Json& root, const Document& document, Report& report);
 /// Checks animations, and removes those that are not used and channels that change nothing.
 void check_animations(Json& root, Report& report, Document* document);
+/// Gives every texture the source that is used: EXT_texture_webp's, else its own, else KHR_texture_basisu's, which is
+/// then refused as an image.
+void choose_images(Json* root);
 /// Finds every image's bytes or file. An image that cannot be used is a warning; the renderer refuses it where it is
 /// used.
 void load_images(const Json& root, size_t max_bytes, Report& report, Document* document);

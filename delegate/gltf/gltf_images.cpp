@@ -10,14 +10,19 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-bool is_png_or_jpeg(const uint8_t* data, size_t size) {
-  constexpr uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  if (size >= sizeof kPng && std::memcmp(data, kPng, sizeof kPng) == 0) return true;
+// The reason why an image that begins with these bytes cannot be used; null if it can.
+const char* kind_fault(const uint8_t* data, size_t size) {
+  const auto begins_with = [&](std::string_view magic, size_t at = 0) {
+    return size >= at + magic.size() && std::memcmp(data + at, magic.data(), magic.size()) == 0;
+  };
+  if (begins_with({"\x89PNG\r\n\x1a\n", 8})) return nullptr;
   // JPEG: start of image, then another marker (0xC0 to 0xFE)
-  return size >= 4 && data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff && data[3] >= 0xc0 && data[3] != 0xff;
+  if (size >= 4 && begins_with("\xff\xd8\xff") && data[3] >= 0xc0 && data[3] != 0xff) return nullptr;
+  if (begins_with("RIFF") && begins_with("WEBP", 8)) return nullptr;
+  if (begins_with("\xabKTX 20"))
+    return "is KTX2 (KHR_texture_basisu), which is not supported; convert the image to PNG, JPEG or WebP";
+  return "is neither PNG nor JPEG nor WebP, convert the image";
 }
-
-constexpr const char* kWrongKind = "is neither PNG nor JPEG, convert the image";
 
 class ImageLoader {
  public:
@@ -43,7 +48,7 @@ class ImageLoader {
   }
 
   AssetPath embedded(std::vector<uint8_t> bytes) {
-    if (!is_png_or_jpeg(bytes.data(), bytes.size())) return unusable(kWrongKind);
+    if (const char* fault = kind_fault(bytes.data(), bytes.size())) return unusable(fault);
     if (bytes.size() > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
     left_ -= bytes.size();
     AssetPath asset;
@@ -54,6 +59,7 @@ class ImageLoader {
 
   AssetPath from_view(const Json& view) {
     const Bytes& buffer = document_.buffers[view["buffer"].get<size_t>()];
+    if (!buffer) return unusable("lies in a buffer without data; export the file again");
     const size_t offset = view.value("byteOffset", size_t(0)), length = view["byteLength"].get<size_t>();
     if (length > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
     return embedded({buffer->data() + offset, buffer->data() + offset + length});
@@ -75,10 +81,10 @@ class ImageLoader {
       report_.warning("image", element_, "'" + *file + "' is missing; check the path");
       return asset;
     }
-    uint8_t head[8] = {};
+    uint8_t head[12] = {};
     std::ifstream stream(*file, std::ios::binary);
     stream.read(reinterpret_cast<char*>(head), sizeof head);
-    if (!is_png_or_jpeg(head, size_t(stream.gcount()))) report_.warning("image", element_, kWrongKind);
+    if (const char* fault = kind_fault(head, size_t(stream.gcount()))) report_.warning("image", element_, fault);
     return asset;
   }
 
@@ -90,6 +96,19 @@ class ImageLoader {
 };
 
 }  // namespace
+
+void choose_images(Json* root) {
+  if (!root->contains("textures")) return;
+  for (Json& texture : (*root)["textures"]) {
+    if (!texture.contains("extensions")) continue;
+    const auto source = [&](const char* extension) {
+      return texture["extensions"].value(extension, Json::object()).value("source", Json());
+    };
+    if (const Json webp = source("EXT_texture_webp"); !webp.is_null()) texture["source"] = webp;
+    if (const Json basisu = source("KHR_texture_basisu"); !basisu.is_null() && !texture.contains("source"))
+      texture["source"] = basisu;
+  }
+}
 
 void load_images(const Json& root, size_t max_bytes, Report& report, Document* document) {
   if (!root.contains("images")) return;

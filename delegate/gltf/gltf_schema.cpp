@@ -33,13 +33,14 @@ const Schema& mesh_schema() {
                                {.name = "variants", .kind = Kind::references, .required = true, .target = "variants"}},
                               {}};
   static const Schema variants{{objects("mappings", mapping, true)}, {}};
+  static const Schema draco{{reference("bufferView", "bufferViews", true), object("attributes", kMarker, true)}, {}};
   static const Schema primitive{
       {{.name = "attributes", .kind = Kind::reference_map, .required = true, .target = "accessors"},
        reference("indices", "accessors"),
        reference("material", "materials"),
        integer("mode", 0, 6),
        {.name = "targets", .kind = Kind::reference_map, .target = "accessors", .schema = &kMarker}},
-      {object("FB_ngon_encoding", kMarker), object("KHR_draco_mesh_compression", kMarker),
+      {object("FB_ngon_encoding", kMarker), object("KHR_draco_mesh_compression", draco),
        object("KHR_materials_variants", variants)}};
   static const Schema schema{
       {text("name"), objects("primitives", primitive, true), {.name = "weights", .kind = Kind::numbers}}, {}};
@@ -110,12 +111,19 @@ const Schema& lights_schema() {
 const Schema& document_schema() {
   static const Schema asset{{text("version", nullptr, true), text("minVersion"), text("generator"), text("copyright")},
                             {}};
+  static const Schema fallback{{{.name = "fallback", .kind = Kind::boolean}}, {}};
   static const Schema buffer{{text("name"), text("uri"), integer("byteLength", 1, kMostInteger, true)},
-                             {object("EXT_meshopt_compression", kMarker)}};
+                             {object("EXT_meshopt_compression", fallback)}};
+  static const Schema meshopt{
+      {reference("buffer", "buffers", true), integer("byteOffset", 0, kMostInteger),
+       integer("byteLength", 1, kMostInteger, true), integer("byteStride", 1, 256, true),
+       integer("count", 1, 2147483647, true), text("mode", "|ATTRIBUTES|TRIANGLES|INDICES|", true),
+       text("filter", "|NONE|OCTAHEDRAL|QUATERNION|EXPONENTIAL|")},
+      {}};
   static const Schema view{
       {text("name"), reference("buffer", "buffers", true), integer("byteOffset", 0, kMostInteger),
        integer("byteLength", 1, kMostInteger, true), integer("byteStride", 1, 2147483647), integer("target", 0, 65535)},
-      {object("EXT_meshopt_compression", kMarker)}};
+      {object("EXT_meshopt_compression", meshopt)}};
   static const Schema image{{text("name"), text("uri"), text("mimeType"), reference("bufferView", "bufferViews")}, {}};
   static const Schema sampler{{text("name"), integer("magFilter", 0, 65535), integer("minFilter", 0, 65535),
                                integer("wrapS", 0, 65535), integer("wrapT", 0, 65535)},
@@ -144,7 +152,10 @@ const Schema& document_schema() {
 bool reads_extension(const std::string& name) {
   static const std::set<std::string> names = {"ALAB_materials_disney",
                                               "EXT_mesh_gpu_instancing",
+                                              "EXT_meshopt_compression",
+                                              "EXT_texture_webp",
                                               "FB_ngon_encoding",
+                                              "KHR_draco_mesh_compression",
                                               "KHR_lights_punctual",
                                               "KHR_materials_anisotropy",
                                               "KHR_materials_clearcoat",

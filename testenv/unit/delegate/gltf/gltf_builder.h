@@ -25,6 +25,8 @@ class GltfBuilder {
                {"nodes", {{{"mesh", 0}}}},
                {"meshes", {{{"primitives", {{{"attributes", Json::object()}}}}}}}};
 
+  std::vector<Json> more_buffers;  // after the one that holds all data
+
   Json& primitive() { return json["meshes"][0]["primitives"][0]; }
   Json& node(size_t n = 0) { return json["nodes"][n]; }
 
@@ -83,6 +85,7 @@ class GltfBuilder {
   std::string bytes() const {
     Json document = json;
     document["buffers"] = {{{"byteLength", binary_.size()}}};
+    for (const Json& buffer : more_buffers) document["buffers"].push_back(buffer);
     return make_glb(document.dump(), binary_);
   }
   Loaded load(const GltfOptions& options = {}) const {

@@ -1,0 +1,28 @@
+// Compressed geometry: EXT_meshopt_compression (buffer views) and KHR_draco_mesh_compression (primitives).
+#pragma once
+
+#include <map>
+
+#include "delegate/gltf/gltf_container.h"
+
+namespace alabaster::hd::gltf {
+
+/// The bytes of a document, valid as long as its buffers.
+struct ByteRange {
+  const uint8_t* data = nullptr;
+  size_t size = 0;
+};
+
+/// Decodes the buffer view that an EXT_meshopt_compression object describes. Null and `reason` if the bytes are not
+/// what the object says, or if it declares more than they can hold.
+Bytes decode_meshopt(const Json& extension, ByteRange compressed, std::string* reason);
+
+/// The data of accessors, tightly packed, by their index.
+using AccessorBytes = std::map<size_t, Bytes>;
+
+/// Decodes the accessors of a primitive that has KHR_draco_mesh_compression. False and `reason` if the bytes do not
+/// hold the elements that the accessors declare; what is larger is refused before it is decoded.
+bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, AccessorBytes* accessors,
+                  std::string* reason);
+
+}  // namespace alabaster::hd::gltf

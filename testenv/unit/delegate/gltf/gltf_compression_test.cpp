@@ -1,0 +1,243 @@
+// EXT_meshopt_compression and KHR_draco_mesh_compression: what their own encoders wrote is read back, and damaged bytes
+// are refused.
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "testenv/unit/delegate/gltf/gltf_builder.h"
+
+namespace alabaster::hd::gltf::testing {
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+
+constexpr size_t kSide = 20;  // vertices along the side of a wavy sheet
+
+std::vector<float> sheet_points() {
+  std::vector<float> points;
+  for (size_t i = 0; i < kSide * kSide; ++i)
+    points.insert(points.end(), {float(i % kSide), float(i / kSide), std::sin(float(i))});
+  return points;
+}
+
+std::vector<uint32_t> sheet_indices() {
+  std::vector<uint32_t> indices;
+  for (uint32_t y = 0; y + 1 < kSide; ++y)
+    for (uint32_t x = 0; x + 1 < kSide; ++x) {
+      const uint32_t a = y * kSide + x, b = a + 1, c = a + kSide, d = c + 1;
+      indices.insert(indices.end(), {a, b, d, a, d, c});
+    }
+  return indices;
+}
+
+// A buffer view whose data is stored compressed; `buffer` 1 is the place of what is decoded.
+size_t compressed_view(GltfBuilder* b, const Bytes& bytes, Json extension) {
+  const size_t stored = b->view(bytes);
+  extension["buffer"] = 0;
+  extension["byteOffset"] = b->json["bufferViews"][stored]["byteOffset"];
+  extension["byteLength"] = bytes.size();
+  const size_t length = extension["count"].get<size_t>() * extension["byteStride"].get<size_t>();
+  b->json["bufferViews"][stored] = {
+      {"buffer", 1}, {"byteLength", length}, {"extensions", {{"EXT_meshopt_compression", extension}}}};
+  return stored;
+}
+
+Bytes encode_vertices(const std::vector<float>& values, size_t stride) {
+  const size_t count = values.size() * sizeof(float) / stride;
+  Bytes bytes(meshopt_encodeVertexBufferBound(count, stride));
+  bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), values.data(), count, stride));
+  return bytes;
+}
+
+Bytes encode_indices(const std::vector<uint32_t>& indices) {
+  Bytes bytes(meshopt_encodeIndexBufferBound(indices.size(), kSide * kSide));
+  bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), indices.data(), indices.size()));
+  return bytes;
+}
+
+GltfBuilder meshopt_sheet() {
+  GltfBuilder b;
+  b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"EXT_meshopt_compression"};
+  b.more_buffers = {{{"byteLength", 1 << 20}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
+  const size_t count = kSide * kSide;
+  const size_t points = compressed_view(&b, encode_vertices(sheet_points(), 12),
+                                        {{"count", count}, {"byteStride", 12}, {"mode", "ATTRIBUTES"}});
+  const size_t indices = compressed_view(&b, encode_indices(sheet_indices()),
+                                         {{"count", sheet_indices().size()}, {"byteStride", 4}, {"mode", "TRIANGLES"}});
+  b.json["accessors"] = {
+      {{"bufferView", points}, {"componentType", 5126}, {"type", "VEC3"}, {"count", count}},
+      {{"bufferView", indices}, {"componentType", 5125}, {"type", "SCALAR"}, {"count", sheet_indices().size()}}};
+  b.primitive()["attributes"]["POSITION"] = 0;
+  b.primitive()["indices"] = 1;
+  return b;
+}
+
+TEST(GltfMeshopt, PointsAndTrianglesAreDecoded) {
+  const Loaded loaded = meshopt_sheet().load();
+  ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+  const host::MeshDescription& mesh = only_mesh(loaded);
+  const std::vector<float> expected = sheet_points();
+  const auto& points = primvar<Array<Vec3f>>(mesh, "points");
+  ASSERT_EQ(points.size(), kSide * kSide);
+  for (size_t i = 0; i < points.size(); ++i) EXPECT_EQ(points[i].z, expected[3 * i + 2]);
+  EXPECT_EQ(mesh.topology.faceVertexCounts.size(), sheet_indices().size() / 3);
+  // The codec may turn triangles, but keeps their order.
+  std::vector<int32_t> first(mesh.topology.faceVertexIndices.begin(), mesh.topology.faceVertexIndices.begin() + 3);
+  std::sort(first.begin(), first.end());
+  EXPECT_EQ(first, (std::vector<int32_t>{0, 1, int32_t(kSide) + 1}));
+}
+
+TEST(GltfMeshopt, FiltersAreUndone) {
+  GltfBuilder b = meshopt_sheet();
+  const size_t count = kSide * kSide;
+  std::vector<float> normals;
+  for (size_t i = 0; i < count; ++i) normals.insert(normals.end(), {0.6f, 0, 0.8f, 0});
+  std::vector<float> filtered(count * 2);  // four 16-bit numbers for each
+  meshopt_encodeFilterOct(filtered.data(), count, 8, 16, normals.data());
+  b.json["extensionsUsed"].push_back("KHR_mesh_quantization");
+  b.json["extensionsRequired"].push_back("KHR_mesh_quantization");
+  const size_t view =
+      compressed_view(&b, encode_vertices(filtered, 8),
+                      {{"count", count}, {"byteStride", 8}, {"mode", "ATTRIBUTES"}, {"filter", "OCTAHEDRAL"}});
+  b.json["bufferViews"][view]["byteStride"] = 8;
+  b.json["accessors"].push_back(
+      {{"bufferView", view}, {"componentType", 5122}, {"normalized", true}, {"type", "VEC3"}, {"count", count}});
+  b.primitive()["attributes"]["NORMAL"] = 2;
+  const Loaded loaded = b.load();
+  ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+  expect_near(primvar<Array<Vec3f>>(only_mesh(loaded), "normals")[7], Vec3f(0.6f, 0, 0.8f), 1e-3);
+}
+
+TEST(GltfMeshopt, DamageIsRefused) {
+  const auto expect_error = [](const std::string& what, const std::function<void(Json&)>& damage) {
+    GltfBuilder b = meshopt_sheet();
+    damage(b.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"]);
+    const Loaded loaded = b.load();
+    EXPECT_FALSE(loaded.summary.ok) << what;
+    EXPECT_TRUE(loaded.says(Severity::error, "bufferViews[0]")) << loaded.said();
+    EXPECT_TRUE(loaded.says(Severity::error, what)) << what << "\n" << loaded.said();
+  };
+  expect_error("lies outside its buffer", [](Json& view) { view["byteOffset"] = 1 << 30; });
+  expect_error("lies outside its buffer", [](Json& view) { view["buffer"] = 1; });
+  expect_error("cannot be decoded", [](Json& view) { view["byteLength"] = 100; });
+  expect_error("cannot be decoded", [](Json& view) { view["count"] = 401; });
+  expect_error("more elements than its bytes can hold", [](Json& view) { view["count"] = 2000000000; });
+  expect_error("do not agree", [](Json& view) { view["byteStride"] = 10; });
+  expect_error("do not agree", [](Json& view) { view["filter"] = "QUATERNION"; });
+}
+
+// A Draco mesh with positions of floats and normalized 8-bit colours.
+draco::EncoderBuffer draco_sheet(int method) {
+  draco::TriangleSoupMeshBuilder builder;
+  const std::vector<float> points = sheet_points();
+  const std::vector<uint32_t> indices = sheet_indices();
+  builder.Start(int(indices.size() / 3));
+  const int position = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+  const int color = builder.AddAttribute(draco::GeometryAttribute::COLOR, 4, draco::DT_UINT8);
+  for (size_t f = 0; f < indices.size() / 3; ++f) {
+    uint8_t colors[3][4];
+    for (size_t k = 0; k < 3; ++k) {
+      const uint8_t red = uint8_t(indices[3 * f + k] % 200);
+      colors[k][0] = colors[k][1] = colors[k][2] = red;
+      colors[k][3] = 255;
+    }
+    const auto face = draco::FaceIndex(uint32_t(f));
+    builder.SetAttributeValuesForFace(position, face, &points[3 * indices[3 * f]], &points[3 * indices[3 * f + 1]],
+                                      &points[3 * indices[3 * f + 2]]);
+    builder.SetAttributeValuesForFace(color, face, colors[0], colors[1], colors[2]);
+  }
+  const auto mesh = builder.Finalize();
+  draco::ExpertEncoder encoder(*mesh);
+  encoder.SetEncodingMethod(method);
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+  return buffer;
+}
+
+GltfBuilder draco_document(int method, bool damaged = false) {
+  const draco::EncoderBuffer buffer = draco_sheet(method);
+  Bytes bytes(buffer.data(), buffer.data() + buffer.size());
+  for (size_t i = 40; damaged && i < bytes.size(); i += 7) bytes[i] = uint8_t(bytes[i] ^ 0x5a);
+  GltfBuilder b;
+  b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  const size_t view = b.view(bytes), count = kSide * kSide;
+  b.json["accessors"] = {{{"componentType", 5126}, {"type", "VEC3"}, {"count", count}},
+                         {{"componentType", 5123}, {"type", "SCALAR"}, {"count", sheet_indices().size()}},
+                         {{"componentType", 5121}, {"normalized", true}, {"type", "VEC4"}, {"count", count}}};
+  b.primitive()["attributes"] = {{"POSITION", 0}, {"COLOR_0", 2}};
+  b.primitive()["indices"] = 1;
+  b.primitive()["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", view},
+                                                               {"attributes", {{"POSITION", 0}, {"COLOR_0", 1}}}};
+  return b;
+}
+
+// The encoder orders vertices as it likes: every vertex is found by its place, and has the colour of that place.
+TEST(GltfDraco, MeshesAreDecodedWithAllTheirAttributes) {
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const Loaded loaded = draco_document(method).load();
+    ASSERT_TRUE(loaded.summary.ok) << loaded.said();
+    const host::MeshDescription& mesh = only_mesh(loaded);
+    const auto& points = primvar<Array<Vec3f>>(mesh, "points");
+    const auto& colors = primvar<Array<Vec3f>>(mesh, "displayColor");
+    ASSERT_EQ(points.size(), kSide * kSide);
+    ASSERT_EQ(colors.size(), points.size());
+    const std::vector<float> expected = sheet_points();
+    for (size_t i = 0; i < points.size(); ++i) {
+      const auto vertex = size_t(points[i].x + 0.5f) + kSide * size_t(points[i].y + 0.5f);
+      EXPECT_EQ(points[i].z, expected[3 * vertex + 2]);
+      EXPECT_NEAR(colors[i].x, float(vertex % 200) / 255, 1e-6f);
+    }
+    EXPECT_EQ(mesh.topology.faceVertexCounts.size(), sheet_indices().size() / 3);
+    EXPECT_EQ(primvar<Array<float>>(mesh, "displayOpacity")[0], 1);
+  }
+}
+
+TEST(GltfDraco, DamageIsRefused) {
+  const auto expect_error = [](const std::string& what, const std::function<void(GltfBuilder&)>& damage) {
+    GltfBuilder b = draco_document(draco::MESH_EDGEBREAKER_ENCODING);
+    damage(b);
+    const Loaded loaded = b.load();
+    EXPECT_FALSE(loaded.summary.ok) << what;
+    EXPECT_TRUE(loaded.says(Severity::error, what)) << what << "\n" << loaded.said();
+  };
+  const auto extension = [](GltfBuilder& b) -> Json& {
+    return b.primitive()["extensions"]["KHR_draco_mesh_compression"];
+  };
+  expect_error("has no attribute 9 for COLOR_0", [&](GltfBuilder& b) { extension(b)["attributes"]["COLOR_0"] = 9; });
+  expect_error("COLOR_0 has 400 elements of 3 components, which accessors[2] contradicts",
+               [&](GltfBuilder& b) { extension(b)["attributes"]["COLOR_0"] = 0; });
+  expect_error("attribute POSITION has no number",
+               [&](GltfBuilder& b) { extension(b)["attributes"]["POSITION"] = "zero"; });
+  expect_error("POSITION has 400 elements", [](GltfBuilder& b) { b.json["accessors"][0]["count"] = 401; });
+  expect_error("has more faces than its indices", [](GltfBuilder& b) { b.json["accessors"][1]["count"] = 3; });
+  expect_error("2166 indices, which accessors[1]", [](GltfBuilder& b) { b.json["accessors"][1]["count"] = 3000; });
+  expect_error("indices do not fit", [](GltfBuilder& b) { b.json["accessors"][1]["componentType"] = 5121; });
+  expect_error("the primitive has no indices", [](GltfBuilder& b) { b.primitive().erase("indices"); });
+  expect_error("is not a mesh in Draco's bitstream 2.2",
+               [&](GltfBuilder& b) { extension(b)["bufferView"] = b.view(Bytes(200, 7)); });
+  expect_error("cannot be decoded", [](GltfBuilder& b) { b.json["bufferViews"][0]["byteLength"] = 60; });
+  for (const int method : {draco::MESH_SEQUENTIAL_ENCODING, draco::MESH_EDGEBREAKER_ENCODING}) {
+    const Loaded loaded = draco_document(method, true).load();  // any outcome but a crash or an unreported refusal
+    EXPECT_TRUE(loaded.summary.ok || loaded.count(Severity::error) > 0);
+  }
+}
+
+// A header that declares two thousand million faces in a few bytes.
+TEST(GltfDraco, CountsAreCheckedBeforeAnythingIsDecoded) {
+  for (const uint8_t method : {uint8_t(0), uint8_t(1)}) {
+    Bytes bytes = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, method, 0, 0};
+    if (method == 1) bytes.insert(bytes.end(), {0, 4});
+    bytes.insert(bytes.end(), {0x80, 0x80, 0x80, 0x80, 7, 3, 0, 0, 0, 0});
+    GltfBuilder b = draco_document(draco::MESH_SEQUENTIAL_ENCODING);
+    b.primitive()["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = b.view(bytes);
+    const Loaded loaded = b.load();
+    EXPECT_TRUE(loaded.says(Severity::error, "has more faces than its indices")) << loaded.said();
+  }
+}
+
+}  // namespace
+}  // namespace alabaster::hd::gltf::testing
