@@ -277,15 +277,20 @@ class MeshCheck {
   }
 
   void check_texture_sets(const Json& primitive, const std::string& element) {
-    if (!primitive.contains("material")) return;
-    const size_t material = primitive["material"].get<size_t>();
-    const auto [sets, is_new] = texture_sets_.try_emplace(material);
-    if (is_new) collect_texture_sets(root_["materials"][material], &sets->second);
-    for (const int set : sets->second)
-      if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
-        report_.warning("mesh.texcoord", element,
-                        "has no TEXCOORD_" + std::to_string(set) + ", which materials[" + std::to_string(material) +
-                            "] uses; (0, 0) is used instead");
+    std::set<size_t> materials;
+    if (primitive.contains("material")) materials.insert(primitive["material"].get<size_t>());
+    if (primitive.contains("extensions") && primitive["extensions"].contains("KHR_materials_variants"))
+      for (const Json& mapping : primitive["extensions"]["KHR_materials_variants"]["mappings"])
+        materials.insert(mapping["material"].get<size_t>());
+    for (const size_t material : materials) {
+      const auto [sets, is_new] = texture_sets_.try_emplace(material);
+      if (is_new) collect_texture_sets(root_["materials"][material], &sets->second);
+      for (const int set : sets->second)
+        if (!primitive["attributes"].contains("TEXCOORD_" + std::to_string(set)))
+          report_.warning("mesh.texcoord", element,
+                          "has no TEXCOORD_" + std::to_string(set) + ", which materials[" + std::to_string(material) +
+                              "] uses; (0, 0) is used instead");
+    }
   }
 
   const Json& root_;

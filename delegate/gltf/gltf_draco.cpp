@@ -11,12 +11,13 @@
 namespace alabaster::hd::gltf {
 namespace {
 
+// What a Draco mesh begins with, by which its decoder allocates.
 struct Counts {
-  uint32_t faces = 0, vertices = 0;
+  uint32_t faces = 0;
+  uint32_t points = 0;  // 0: the decoder bounds them by the faces
 };
 
-// Reads the counts that a Draco mesh begins with, by which its decoder allocates. Bitstream 2.2 is the only one that
-// glTF allows. Empty if this is none.
+// Bitstream 2.2 is the only one that glTF allows. Empty if this is none.
 std::optional<Counts> read_counts(ByteRange compressed) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(compressed.data), compressed.size);
@@ -30,14 +31,12 @@ std::optional<Counts> read_counts(ByteRange compressed) {
     if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return {};
   }
   Counts counts;
-  if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING) {
-    uint8_t traversal;
-    if (!buffer.Decode(&traversal) || !draco::DecodeVarint(&counts.vertices, &buffer) ||
-        !draco::DecodeVarint(&counts.faces, &buffer))
-      return {};
-    return counts;
-  }
-  if (!draco::DecodeVarint(&counts.faces, &buffer) || !draco::DecodeVarint(&counts.vertices, &buffer)) return {};
+  const bool edgebreaker = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING;
+  uint8_t traversal = 0;
+  uint32_t vertices = 0;
+  if (edgebreaker && !(buffer.Decode(&traversal) && draco::DecodeVarint(&vertices, &buffer))) return {};
+  if (!draco::DecodeVarint(&counts.faces, &buffer)) return {};
+  if (!edgebreaker && !draco::DecodeVarint(&counts.points, &buffer)) return {};
   return counts;
 }
 
@@ -86,6 +85,9 @@ class PrimitiveDecoder {
     if (uint64_t(counts->faces) * 3 > indices["count"].get<uint64_t>()) return fail("has more faces than its indices");
     for (const auto& [name, id] : attributes.items())
       if (!id.is_number_unsigned()) return fail("attribute " + name + " has no number");
+    for (const auto& [name, index] : primitive_["attributes"].items())
+      if (counts->points > root_["accessors"][index.get<size_t>()]["count"].get<uint64_t>())
+        return fail("has more points than " + name);
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(compressed.data), compressed.size);
     auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);

@@ -10,15 +10,19 @@
 namespace alabaster::hd::gltf {
 namespace {
 
+bool is_webp(const uint8_t* data, size_t size) {
+  return size >= 12 && std::memcmp(data, "RIFF", 4) == 0 && std::memcmp(data + 8, "WEBP", 4) == 0;
+}
+
 // The reason why an image that begins with these bytes cannot be used; null if it can.
 const char* kind_fault(const uint8_t* data, size_t size) {
-  const auto begins_with = [&](std::string_view magic, size_t at = 0) {
-    return size >= at + magic.size() && std::memcmp(data + at, magic.data(), magic.size()) == 0;
+  const auto begins_with = [&](std::string_view magic) {
+    return size >= magic.size() && std::memcmp(data, magic.data(), magic.size()) == 0;
   };
   if (begins_with({"\x89PNG\r\n\x1a\n", 8})) return nullptr;
   // JPEG: start of image, then another marker (0xC0 to 0xFE)
   if (size >= 4 && begins_with("\xff\xd8\xff") && data[3] >= 0xc0 && data[3] != 0xff) return nullptr;
-  if (begins_with("RIFF") && begins_with("WEBP", 8)) return nullptr;
+  if (is_webp(data, size)) return nullptr;
   if (begins_with("\xabKTX 20"))
     return "is KTX2 (KHR_texture_basisu), which is not supported; convert the image to PNG, JPEG or WebP";
   return "is neither PNG nor JPEG nor WebP, convert the image";
@@ -27,7 +31,10 @@ const char* kind_fault(const uint8_t* data, size_t size) {
 class ImageLoader {
  public:
   ImageLoader(const Json& root, size_t max_bytes, Report& report, const Document& document)
-      : root_(root), left_(max_bytes), report_(report), document_(document) {}
+      : root_(root), left_(max_bytes), report_(report), document_(document) {
+    if (root.contains("extensionsUsed"))
+      for (const Json& name : root["extensionsUsed"]) allows_webp_ |= name == "EXT_texture_webp";
+  }
 
   AssetPath load(const Json& image, size_t index) {
     element_ = element_name("images", index);
@@ -47,8 +54,15 @@ class ImageLoader {
     return {name_, "", nullptr};
   }
 
+  // The reason why the image cannot be used; null if it can.
+  const char* check_kind(const uint8_t* data, size_t size) {
+    if (is_webp(data, size) && !allows_webp_)
+      report_.warning("image", element_, "is WebP, which needs EXT_texture_webp in extensionsUsed; add it");
+    return kind_fault(data, size);
+  }
+
   AssetPath embedded(std::vector<uint8_t> bytes) {
-    if (const char* fault = kind_fault(bytes.data(), bytes.size())) return unusable(fault);
+    if (const char* fault = check_kind(bytes.data(), bytes.size())) return unusable(fault);
     if (bytes.size() > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
     left_ -= bytes.size();
     AssetPath asset;
@@ -84,7 +98,7 @@ class ImageLoader {
     uint8_t head[12] = {};
     std::ifstream stream(*file, std::ios::binary);
     stream.read(reinterpret_cast<char*>(head), sizeof head);
-    if (const char* fault = kind_fault(head, size_t(stream.gcount()))) report_.warning("image", element_, fault);
+    if (const char* fault = check_kind(head, size_t(stream.gcount()))) report_.warning("image", element_, fault);
     return asset;
   }
 
@@ -92,6 +106,7 @@ class ImageLoader {
   size_t left_;
   Report& report_;
   const Document& document_;
+  bool allows_webp_ = false;
   std::string element_, name_;  // of the image that is loaded
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 
 #include "delegate/gltf/gltf_material.h"
@@ -43,8 +44,12 @@ struct Primvar {
 std::vector<Primvar> read_primvars(const Document& document, const tinygltf::Primitive& primitive,
                                    const std::vector<double>& weights) {
   std::vector<Primvar> primvars;
-  for (int set = 0; primitive.attributes.count("TEXCOORD_" + std::to_string(set)); ++set) {
-    VertexAttribute st = read_attribute(document, primitive, "TEXCOORD_" + std::to_string(set), weights);
+  constexpr std::string_view kSet = "TEXCOORD_";
+  for (const auto& [name, index] : primitive.attributes) {  // the sets may have gaps, though glTF allows none
+    if (!name.starts_with(kSet) || name.size() > kSet.size() + 3) continue;
+    const int set = std::atoi(name.c_str() + kSet.size());
+    if (set < 0 || name != std::string(kSet) + std::to_string(set)) continue;
+    VertexAttribute st = read_attribute(document, primitive, name, weights);
     for (size_t i = 1; i < st.values.size(); i += 2) st.values[i] = 1 - st.values[i];
     primvars.push_back({uv_set_name(set), "textureCoordinate", std::move(st)});
   }

@@ -22,9 +22,8 @@ bool follows_skin(const tinygltf::Primitive& primitive, const PrimitiveShape& sh
 /// it has no triangles (reported).
 ///
 /// Primvars: points, normals, tangents (Vec4f: the fourth number is the sign of the bitangent), st, st1, st2, ... (v
-/// upwards), displayColor (linear) and displayOpacity. "st" is the coordinate set of the material's textures
-/// (textures_of), with KHR_texture_transform applied. Primitives with FB_ngon_encoding become catmullClark cages, whose
-/// normals come from refinement; all others get scheme none and keep their normals, or are flat without.
+/// upwards), displayColor (linear) and displayOpacity. Primitives with FB_ngon_encoding become catmullClark cages,
+/// whose normals come from refinement; all others get scheme none and keep their normals, or are flat without.
 std::optional<host::MeshDescription> translate_primitive(const Document& document, const tinygltf::Primitive& primitive,
                                                          const std::string& element, const PrimitiveShape& shape,
                                                          Report& report);

@@ -194,7 +194,7 @@ TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
 TEST_F(TextureFile, EncodedBytesInMemoryGiveTheSameTexture) {
   std::vector<float> pixels(48);
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = float(i) / 48;
-  for (const char* name : {"m.png", "m.jpg", "m.exr", "m.tif"}) {
+  for (const char* name : {"m.png", "m.jpg", "m.exr", "m.tif", "m.webp"}) {
     const std::string file =
         write(name, 4, 4, 3, std::string(name) == "m.exr" ? OIIO::TypeHalf : OIIO::TypeUInt8, pixels);
     TextureSource source;

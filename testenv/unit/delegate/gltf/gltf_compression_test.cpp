@@ -28,7 +28,7 @@ std::vector<uint32_t> sheet_indices() {
   std::vector<uint32_t> indices;
   for (uint32_t y = 0; y + 1 < kSide; ++y)
     for (uint32_t x = 0; x + 1 < kSide; ++x) {
-      const uint32_t a = y * kSide + x, b = a + 1, c = a + kSide, d = c + 1;
+      const uint32_t a = y * uint32_t(kSide) + x, b = a + 1, c = a + uint32_t(kSide), d = c + 1;
       indices.insert(indices.end(), {a, b, d, a, d, c});
     }
   return indices;
@@ -124,7 +124,7 @@ TEST(GltfMeshopt, DamageIsRefused) {
   expect_error("lies outside its buffer", [](Json& view) { view["byteOffset"] = 1 << 30; });
   expect_error("lies outside its buffer", [](Json& view) { view["buffer"] = 1; });
   expect_error("cannot be decoded", [](Json& view) { view["byteLength"] = 100; });
-  expect_error("cannot be decoded", [](Json& view) { view["count"] = 401; });
+  expect_error("cannot be decoded", [](Json& view) { view["count"] = 2000; });
   expect_error("more elements than its bytes can hold", [](Json& view) { view["count"] = 2000000000; });
   expect_error("do not agree", [](Json& view) { view["byteStride"] = 10; });
   expect_error("do not agree", [](Json& view) { view["filter"] = "QUATERNION"; });
@@ -226,17 +226,22 @@ TEST(GltfDraco, DamageIsRefused) {
   }
 }
 
-// A header that declares two thousand million faces in a few bytes.
+// Headers that declare two thousand million faces or points in a few bytes.
 TEST(GltfDraco, CountsAreCheckedBeforeAnythingIsDecoded) {
-  for (const uint8_t method : {uint8_t(0), uint8_t(1)}) {
+  const Bytes many = {0x80, 0x80, 0x80, 0x80, 7}, few = {3};
+  const auto expect_refusal = [](std::vector<Bytes> parts, uint8_t method, const char* what) {
     Bytes bytes = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, method, 0, 0};
-    if (method == 1) bytes.insert(bytes.end(), {0, 4});
-    bytes.insert(bytes.end(), {0x80, 0x80, 0x80, 0x80, 7, 3, 0, 0, 0, 0});
+    for (const Bytes& part : parts) bytes.insert(bytes.end(), part.begin(), part.end());
+    bytes.resize(bytes.size() + 64);
     GltfBuilder b = draco_document(draco::MESH_SEQUENTIAL_ENCODING);
     b.primitive()["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = b.view(bytes);
     const Loaded loaded = b.load();
-    EXPECT_TRUE(loaded.says(Severity::error, "has more faces than its indices")) << loaded.said();
-  }
+    EXPECT_TRUE(loaded.says(Severity::error, what)) << loaded.said();
+  };
+  expect_refusal({many, few}, 0, "has more faces than its indices");
+  expect_refusal({few, many}, 0, "has more points than");
+  expect_refusal({{0}, few, many}, 1, "has more faces than its indices");
+  expect_refusal({{0}, many, few}, 1, "cannot be decoded");
 }
 
 }  // namespace

@@ -20,6 +20,8 @@ TEST(GltfGeometry, EverySetOfTextureCoordinatesIsAPrimvar) {
   expect_near(primvar<Array<Vec2f>>(mesh, "st1")[1], Vec2f(1, 1));
   expect_near(primvar<Array<Vec2f>>(mesh, "st2")[2], Vec2f(0.2f, 0));
   EXPECT_EQ(mesh.primvars.count("st3"), 0u);
+  b.primitive()["attributes"].erase("TEXCOORD_1");
+  EXPECT_EQ(only_mesh(b.load()).primvars.count("st2"), 1u) << "a gap";
 }
 
 TEST(GltfGeometry, ColorsAreLinearPrimvarsAndTheirAlphaIsOpacity) {

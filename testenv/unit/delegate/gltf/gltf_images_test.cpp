@@ -1,0 +1,62 @@
+// Which image a texture uses, and which kinds are refused.
+#include "testenv/unit/delegate/gltf/gltf_builder.h"
+
+namespace alabaster::hd::gltf::testing {
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+
+Bytes bytes_of(std::string_view text) {
+  return {text.begin(), text.end()};
+}
+
+// Image 0 is a PNG, 1 a WebP, 2 a KTX2, by their first bytes.
+GltfBuilder pictures(const Json& texture) {
+  GltfBuilder b;
+  b.triangle();
+  b.attribute<float>("TEXCOORD_0", {0, 0, 1, 0, 0, 1}, "VEC2");
+  const size_t png = b.view(bytes_of({"\x89PNG\r\n\x1a\n\0\0\0\0", 12}));
+  const size_t webp = b.view(bytes_of({"RIFF\4\0\0\0WEBP", 12}));
+  const size_t ktx = b.view(bytes_of({"\xabKTX 20\xbb\r\n\x1a\n", 12}));
+  b.json["images"] = {{{"bufferView", png}}, {{"bufferView", webp}}, {{"bufferView", ktx}}};
+  b.json["textures"] = {texture};
+  b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  b.primitive()["material"] = 0;
+  return b;
+}
+
+std::string image_of(const Loaded& loaded) {
+  for (const auto& [id, node] : loaded.scene->GetMaterials().begin()->second.nodes)
+    if (const auto file = node.parameters.find("file"); file != node.parameters.end())
+      return file->second.get_or(AssetPath()).authored;
+  return {};
+}
+
+TEST(GltfImages, WebPComesBeforeTheTexturesOwnSource) {
+  const Json webp = {{"EXT_texture_webp", {{"source", 1}}}};
+  for (const Json& texture : {Json{{"source", 0}, {"extensions", webp}}, Json{{"extensions", webp}}}) {
+    GltfBuilder b = pictures(texture);
+    b.json["extensionsUsed"] = b.json["extensionsRequired"] = {"EXT_texture_webp"};
+    const Loaded loaded = b.load();
+    EXPECT_TRUE(loaded.summary.ok) << loaded.said();
+    EXPECT_EQ(image_of(loaded), "made.glb#images[1]");
+  }
+  const Loaded undeclared = pictures({{"source", 0}}).load();
+  EXPECT_EQ(image_of(undeclared), "made.glb#images[0]");
+  EXPECT_TRUE(undeclared.says(Severity::warning, "images[1] is WebP, which needs EXT_texture_webp"));
+}
+
+TEST(GltfImages, BasisUniversalIsRefusedByNameUnlessThereIsAnotherImage) {
+  const Json basisu = {{"KHR_texture_basisu", {{"source", 2}}}};
+  EXPECT_EQ(image_of(pictures({{"source", 0}, {"extensions", basisu}}).load()), "made.glb#images[0]");
+  const Loaded alone = pictures({{"extensions", basisu}}).load();
+  EXPECT_TRUE(alone.says(Severity::warning, "images[2] is KTX2 (KHR_texture_basisu), which is not supported"))
+      << alone.said();
+  EXPECT_EQ(image_of(alone), "made.glb#images[2]");  // without bytes: the renderer refuses it where it is used
+  GltfBuilder required = pictures({{"extensions", basisu}});
+  required.json["extensionsUsed"] = required.json["extensionsRequired"] = {"KHR_texture_basisu"};
+  EXPECT_TRUE(required.load().says(Severity::error, "KHR_texture_basisu is not supported"));
+}
+
+}  // namespace
+}  // namespace alabaster::hd::gltf::testing
