@@ -17,6 +17,8 @@ bool is_seen_from_inside(const PathVertex& v) {
 Interior interior_of(const PathVertex& v) {
   const DisneyParameters& p = v.material;
   Interior interior{v.triangle.instance, p.priority, p.ior};
+  // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.
+  interior.spread = 0.025f * p.dispersion * (p.ior - 1);
   // Where light scatters inside, walks absorb it.
   if (p.scatters() || !(p.attenuation_distance > 0)) return interior;
   constexpr float kBlackest = 1e-30f;
@@ -30,9 +32,28 @@ Vec3f beyond(const PathVertex& v) {
   return offset_point(v.hit.p, -v.hit.ng, v.hit.offset);
 }
 
-void cross_boundary(const PathVertex& v, Interiors* interiors) {
+// The only channel that carries light; green where there are several.
+int channel_of(const Rgb& throughput) {
+  if (throughput.g == 0 && throughput.b == 0) return 0;
+  return throughput.r == 0 && throughput.g == 0 ? 2 : 1;
+}
+
+bool has_several_channels(const Rgb& c) {
+  return (c.r != 0) + (c.g != 0) + (c.b != 0) > 1;
+}
+
+// Keeps one channel of three, with three times the light.
+void choose_channel(float* u, Rgb* throughput) {
+  const int chosen = std::min(2, static_cast<int>(3 * *u));
+  *u = std::clamp(3 * *u - static_cast<float>(chosen), 0.0f, kOneMinusEpsilon);
+  Rgb kept(0.0f);
+  kept[chosen] = 3 * (*throughput)[chosen];
+  *throughput = kept;
+}
+
+void cross_boundary(const PathVertex& v, bool inside, Interiors* interiors) {
   if (v.material.thin) return;
-  if (v.boundary.inside)
+  if (inside)
     interiors->leave(v.triangle.instance);
   else
     interiors->enter(interior_of(v));
@@ -48,7 +69,7 @@ Side side_of(const PathVertex& v, const Vec3f& wi_local, const Vec3f& wi) {
 
 }  // namespace
 
-bool meet_boundary(PathVertex* v, PathState* path) {
+bool meet_boundary(PathVertex* v, PathState* path, float* u) {
   const DisneyParameters& p = v->material;
   Interiors& interiors = path->interiors;
   const uint32_t instance = v->triangle.instance;
@@ -57,20 +78,23 @@ bool meet_boundary(PathVertex* v, PathState* path) {
     return true;
   }
   const bool inside = is_seen_from_inside(*v);
+  const Interior own = interior_of(*v);
   // A surface that is left without having been entered belongs to an open mesh.
-  if (inside && !interiors.contains(instance)) interiors.enter(interior_of(*v));
+  if (inside && !interiors.contains(instance)) interiors.enter(own);
   const Interior* const other = inside ? interiors.current_without(instance) : interiors.current();
-  const float around = other ? other->ior : 1;
-  if (inside)
-    v->boundary = {around / p.ior, true};
-  else
-    v->boundary = {p.ior / around, false};
   const bool is_there = inside ? interiors.current()->instance == instance : !other || other->priority <= p.priority;
-  if (is_there) return true;
-  cross_boundary(*v, &interiors);
-  path->ray = {beyond(*v), path->ray.dir};
-  path->scatter_pdf = std::numeric_limits<float>::infinity();
-  return false;
+  if (!is_there) {
+    cross_boundary(*v, inside, &interiors);
+    path->ray = {beyond(*v), path->ray.dir};
+    path->scatter_pdf = std::numeric_limits<float>::infinity();
+    return false;
+  }
+  const bool disperses = own.spread > 0 || (other && other->spread > 0);
+  if (disperses && p.spec_trans > 0 && has_several_channels(path->throughput)) choose_channel(u, &path->throughput);
+  const int channel = channel_of(path->throughput);
+  const float eta = own.index(channel) / (other ? other->index(channel) : 1);
+  v->boundary = {inside ? 1 / eta : eta, inside};
+  return true;
 }
 
 std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& v, const VertexNumbers& numbers,
@@ -80,13 +104,10 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   PathRecord* const record = context.record;
   const DisneyTransmissiveBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), v.boundary);
 
+  Interiors interiors_beyond = path->interiors;
+  cross_boundary(v, v.boundary.inside, &interiors_beyond);
+
   // Sample the lights, on each side for the directions that leave there.
-  Rgb direct(0.0f);
-  const auto add = [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
-    direct += light;
-    if (record) record->light_arrives(path->throughput * light, weight);
-    if (splits) split->add_local(path->throughput * light, value.specular_share);
-  };
   path->domes = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
   const auto sample_lights = [&](const Departure& from, Side side) {
     const auto lobes = [&](const Vec3f& wi_world) -> ScatterValue {
@@ -98,11 +119,17 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
       if (record) record->sample_light(wi_world, f_cos, value.pdf);
       return {f_cos, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
     };
-    for_direct_light(context, from, {numbers.light, path->domes}, lobes, add);
+    const Interiors& interiors = side == Side::far ? interiors_beyond : path->interiors;
+    for_direct_light(context, from, {numbers.light, path->domes}, lobes,
+                     [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
+                       const Rgb light = path->throughput * arriving * interiors.transmittance(weight.distance);
+                       path->radiance += light;
+                       if (record) record->light_arrives(light, weight);
+                       if (splits) split->add_local(light, value.specular_share);
+                     });
   };
   sample_lights(v.departure, Side::near);
   if (bsdf.scatters_beyond()) sample_lights({.flat = beyond(v), .ng = -v.hit.ng, .n = -v.frame.n}, Side::far);
-  path->radiance += path->throughput * direct;
   if (splits) split->gathered = path->radiance, split->scattered = true;
 
   // Sample a lobe and a direction.
@@ -125,7 +152,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
     split->went_on = true;
   }
   path->scatter_pdf = discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
-  if (side == Side::far) cross_boundary(v, &path->interiors);
+  if (side == Side::far) path->interiors = interiors_beyond;
   path->ray = side == Side::far ? Ray{beyond(v), sample->lobe == Lobe::straight ? path->ray.dir : wi}
                                 : Ray{origin_of(context, v.departure, wi), wi};
   return sample->lobe;

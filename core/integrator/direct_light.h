@@ -20,6 +20,7 @@ struct ScatterValue {
 struct LightWeight {
   float pdf;  // of sampling the direction, with the choice of light
   float mis;  // against sampling of the lobe
+  float distance = 0;
 };
 
 /// The share of the light that arrives at `p`.
@@ -49,7 +50,8 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon&
     const float arrives = visibility(context, p, light);
     if (!(arrives > 0)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    add(value, value.f_cos * light.radiance * (arrives * weight / light.pdf), LightWeight{light.pdf, weight});
+    add(value, value.f_cos * light.radiance * (arrives * weight / light.pdf),
+        LightWeight{light.pdf, weight, light.distance});
   });
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 
 #include "core/color/rgb.h"
 #include "core/math/elementary.h"
@@ -13,7 +15,11 @@ struct Interior {
   uint32_t instance = 0;
   uint32_t priority = 0;
   float ior = 1;
+  float spread = 0;   // of ior, between one channel and the next
   Rgb sigma_a{0.0f};  // absorption per world distance
+
+  /// Index of refraction for a channel: red light is refracted least.
+  float index(int channel) const { return ior + static_cast<float>(channel - 1) * spread; }
 };
 
 class Interiors {
@@ -28,13 +34,16 @@ class Interiors {
   const Interior* current() const { return best(count_); }
   const Interior* current_without(uint32_t instance) const { return best(find(instance)); }
 
-  float index() const { return index_of(current()); }
-  float index_without(uint32_t instance) const { return index_of(current_without(instance)); }
+  /// Index of refraction of the current one; for all channels that of green.
+  float index(int channel = 1) const {
+    const Interior* const at = current();
+    return at ? at->index(channel) : 1;
+  }
 
-  /// Beer and Lambert's law.
+  /// Beer and Lambert's law. An infinite distance tells of a body that is not closed, and of none.
   Rgb transmittance(float distance) const {
     const Interior* const at = current();
-    if (!at || is_black(at->sigma_a)) return Rgb(1.0f);
+    if (!at || is_black(at->sigma_a) || std::isinf(distance)) return Rgb(1.0f);
     return {quick_exp(-at->sigma_a.r * distance), quick_exp(-at->sigma_a.g * distance),
             quick_exp(-at->sigma_a.b * distance)};
   }
@@ -52,8 +61,6 @@ class Interiors {
   }
 
  private:
-  static float index_of(const Interior* interior) { return interior ? interior->ior : 1; }
-
   /// The last that was entered of this instance; count_: none.
   uint32_t find(uint32_t instance) const {
     for (uint32_t i = count_; i > 0; --i)

@@ -55,8 +55,11 @@ bool intersect(const PathContext& context, const PixelSampler& sampler, const Pa
 // Emission of the lights without geometry that the path's segment meets.
 Rgb analytic_light_emission(const PathContext& context, const PathState& path, bool escaped) {
   const float pdf = path.scatter_pdf;
-  return context.scene.lights.emitted(path.ray, escaped, path.depth == 0, path.domes, [pdf](float light_pdf) {
-    return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f;
+  const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
+  const LightSet& lights = context.scene.lights;
+  if (path.interiors.empty()) return lights.emitted(path.ray, escaped, path.depth == 0, path.domes, weigh);
+  return lights.emitted(path.ray, escaped, path.depth == 0, path.domes, [&](float light_pdf, float distance) {
+    return path.interiors.transmittance(distance) * weigh(light_pdf);
   });
 }
 
@@ -202,7 +205,8 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   path->domes =
       kMode != SubsurfaceMode::lambert && v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
   for_direct_light(context, v.departure, {numbers.light, path->domes}, local_lobes,
-                   [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
+                   [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
+                     const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;
                      if (record) record->light_arrives(path->throughput * light, weight);
                      if (splits) split->add_local(path->throughput * light, value.specular_share);
@@ -269,7 +273,6 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     const bool found = intersect(context, sampler, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instances[hit.instance].prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
-    if (found && !path->interiors.empty()) path->throughput *= path->interiors.transmittance(hit.t);
 
     // Add emission of lights without geometry; of infinite lights only if the ray escaped.
     const Rgb met = path->throughput * analytic_light_emission(context, *path, !found);
@@ -277,6 +280,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (record) record->meet_light(met);
     if (record && !found) record->end("the ray meets no surface");
     if (!found) return;
+    if (!path->interiors.empty()) path->throughput *= path->interiors.transmittance(hit.t);
 
     // Draw the vertex's random numbers while its triangle comes from memory.
     VertexNumbers numbers;
@@ -291,7 +295,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
       vertex.material.scatter_distance = Rgb(0.0f);
     else if (vertex.material.scatters())
       drop_unresolved_distances(&vertex);
-    if (vertex.material.transmits() && !meet_boundary(&vertex, path)) [[unlikely]] {
+    if (vertex.material.transmits() && !meet_boundary(&vertex, path, &numbers.bsdf[0])) [[unlikely]] {
       if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       continue;

@@ -34,6 +34,10 @@ struct PathState {
   uint32_t walk_events = 0;   // of the last subsurface walk; any other carrier of light counts as many
   Footprint footprint;
   Interiors interiors;  // that the ray is in
+
+  Rgb through_interiors(const Rgb& light, float distance) const {
+    return interiors.empty() ? light : light * interiors.transmittance(distance);
+  }
 };
 
 /// The points from which light leaves a facet with a smooth normal. Directions above the facet leave from it.

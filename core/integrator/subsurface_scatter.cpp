@@ -90,7 +90,8 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   Rgb direct(0.0f);
   path->domes = ConstantDomes::left_to_lobes;
   for_direct_light(context, departure, {u_light, path->domes}, recorded_lobe,
-                   [&](const ScatterValue&, const Rgb& light, LightWeight weight) {
+                   [&](const ScatterValue&, const Rgb& arriving, LightWeight weight) {
+                     const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;
                      if (record) record->light_arrives(path->throughput * light, weight);
                    });
@@ -114,14 +115,14 @@ std::optional<bool> leave_clear_surface(const PathContext& context, const PixelS
   if (!(material.constants.spec_trans > 0)) return std::nullopt;
   path->ray.dir = exit.direction;
   PathVertex v = make_vertex(context, path->ray, exit.hit);
-  const VertexNumbers numbers{sampler.draw(Dimension::exit_light, path->depth),
-                              sampler.draw(Dimension::exit_bsdf, path->depth)};
+  VertexNumbers numbers{sampler.draw(Dimension::exit_light, path->depth),
+                        sampler.draw(Dimension::exit_bsdf, path->depth)};
   if (!(numbers.bsdf[3] < v.material.spec_trans)) return std::nullopt;
   v.material.metallic = v.material.diff_trans = 0;
   v.material.spec_trans = 1;
   path->throughput = exit.throughput;
   if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, exit.throughput);
-  return !meet_boundary(&v, path) || scatter_at_boundary(context, v, numbers, path, nullptr);
+  return !meet_boundary(&v, path, &numbers.bsdf[0]) || scatter_at_boundary(context, v, numbers, path, nullptr);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -52,8 +53,8 @@ class LightSet {
 
   /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
-  /// each weighed by `weigh(pdf)`, the pdf that sample_lights(ray.org, u, domes, ...) has for this direction of this
-  /// light, with the choice in it.
+  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, u, domes, ...) has for
+  /// this direction of this light, with the choice in it.
   template <class Weigh>
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, ConstantDomes domes, const Weigh& weigh) const {
     Rgb sum(0.0f);
@@ -63,15 +64,21 @@ class LightSet {
       if (!choice) choice.emplace(lights_, ray.org);
       return choice->probability(i);
     };
+    const auto weight = [&](float pdf, float distance) {
+      if constexpr (std::is_invocable_v<const Weigh&, float, float>)
+        return weigh(pdf, distance);
+      else
+        return weigh(pdf);
+    };
     const auto add = [&](size_t i) {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray);
       if (!hit || hit->t > ray.tmax) return;
       if (is_left(domes, i)) {
-        sum += hit->radiance * weigh(0.0f);
+        sum += hit->radiance * weight(0.0f, hit->t);
         return;
       }
-      sum += hit->radiance * weigh(sample_all_ ? hit->pdf : hit->pdf * probability(i));
+      sum += hit->radiance * weight(sample_all_ ? hit->pdf : hit->pdf * probability(i), hit->t);
     };
     if (tree_.empty())
       for (const uint32_t i : finite_) add(i);

@@ -4,6 +4,7 @@
 
 #include "core/material/disney_parameters.h"
 #include "core/material/fresnel.h"
+#include "core/material/thin_film.h"
 
 namespace alabaster {
 
@@ -11,11 +12,15 @@ struct DielectricBoundary {
   float eta = 1.5f;        // index of the far side over that of the viewer's side
   Rgb reflection{1.0f};    // tint, at most 1
   Rgb transmission{1.0f};  // tint, at most 1
+  ThinFilm film{};         // on the viewer's side
 
   /// A tint of the reflection, by specular, specularColor and specularTint, lets through what it does not reflect.
   static DielectricBoundary from(const DisneyParameters& p, float eta, const Rgb& transmission) {
     const Rgb hue = p.specular_tint > 0 ? lerp(Rgb(1.0f), tint(p.base_color), p.specular_tint) : Rgb(1.0f);
-    return {eta, clamp01(hue * p.specular_color) * p.specular, transmission};
+    return {eta,
+            clamp01(hue * p.specular_color) * p.specular,
+            transmission,
+            {p.iridescence, p.iridescence_ior, p.iridescence_thickness}};
   }
 
   struct Shares {
@@ -27,7 +32,9 @@ struct DielectricBoundary {
     const float f = fresnel_dielectric(cosine, eta);
     // Total reflection is not tinted: no other light would take up the rest.
     if (!(f < 1)) return {Rgb(1.0f), Rgb(0.0f), 1};
-    Shares s{reflection * f, transmission * (1 - f * max_component(reflection))};
+    Rgb fresnel(f);
+    if (film.share > 0) fresnel = lerp(fresnel, film.reflectance(cosine, Rgb(f0_from_ior(eta))), film.share);
+    Shares s{reflection * fresnel, transmission * (Rgb(1.0f) - fresnel * max_component(reflection))};
     const float reflected = choice_weight(s.reflected), passed = choice_weight(s.passed);
     if (reflected > 0) s.chance = reflected / (reflected + passed);
     return s;

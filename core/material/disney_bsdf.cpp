@@ -24,7 +24,8 @@ const char* lobe_name(Lobe lobe) {
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
     : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)) {
   if (!(wo.z > 0)) return;
-  dielectric_ = (1 - p.metallic) * (1 - p.spec_trans);
+  nonmetal_ = 1 - p.metallic;
+  dielectric_ = nonmetal_ * (1 - p.spec_trans);
   stays_ = 1 - 0.5f * p.diff_trans;
   if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
@@ -154,7 +155,7 @@ Rgb DisneyBsdf::subsurface_entry() const {
 
 Rgb DisneyBsdf::albedo() const {
   if (!(wo_.z > 0)) return Rgb(0.0f);
-  return clamp01(base_color_ * dielectric_ + schlick(specular_.f0, specular_.f90, wo_.z));
+  return clamp01(base_color_ * nonmetal_ + schlick(specular_.f0, specular_.f90, wo_.z));
 }
 
 float eval_subsurface_exit(const Vec3f& wi) {

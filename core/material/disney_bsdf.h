@@ -65,7 +65,11 @@ class DisneyBsdf {
   /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
   float weight() const { return weight_; }
 
-  /// Directional albedo estimate for the denoising AOV: diffuse colour plus specular reflectance at wo.
+  /// The share of light that coat and fibres let in or out along `w`.
+  float passed_layers(const Vec3f& w) const;
+
+  /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
+  /// reflectance at wo.
   Rgb albedo() const;
 
  private:
@@ -75,13 +79,12 @@ class DisneyBsdf {
   bool coated() const { return coat_.weight > 0; }
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
   void set_probabilities(const Rgb& walked);
-  /// The share of light that the layers let in or out.
-  float passed_layers(const Vec3f& w) const;
   Lobe choose(float u) const;
   std::optional<Vec3f> sample_direction(Lobe lobe, const Vec2f& u) const;
 
   Vec3f wo_;
   Rgb base_color_{0.0f};
+  float nonmetal_ = 0;        // 1 - metallic
   float dielectric_ = 0;      // the opaque share of the dielectric base
   float stays_ = 1;           // the share of diffuse light that does not leave on the other side
   Rgb entry_channels_{0.0f};  // 1 in the channels that scatter

@@ -39,6 +39,10 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"attenuationColor", &P::attenuation_color, 0, 1}, Texels::colors},
     {{"attenuationDistance", &P::attenuation_distance, 0, kUnbounded}},
     {{"priority", &P::priority, 0, 255}},
+    {{"dispersion", &P::dispersion, 0, 20}},
+    {{"iridescence", &P::iridescence, 0, 1}},
+    {{"iridescenceIor", &P::iridescence_ior, 1, 4}},
+    {{"iridescenceThickness", &P::iridescence_thickness, 0, kUnbounded}},
 });
 
 // The value in the row's range; the default where it is not finite.

@@ -40,6 +40,10 @@ struct DisneyParameters {
   Rgb attenuation_color{1.0f};     // white light has this colour after attenuation_distance inside
   float attenuation_distance = 0;  // scene units; 0: the interior absorbs nothing
   uint32_t priority = 0;           // where interiors overlap the highest counts
+  float dispersion = 0;            // 20 over the Abbe number of the clear interior
+  float iridescence = 0;           // share of the surface under a thin film
+  float iridescence_ior = 1.3f;    // of the film
+  float iridescence_thickness = 400;  // of the film, in nanometres
 
   bool scatters() const { return !thin && max_component(scatter_distance) > 0; }
   /// Light may go through the surface into an interior, or through the sheet.

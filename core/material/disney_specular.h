@@ -7,12 +7,14 @@
 #include "core/material/disney_parameters.h"
 #include "core/material/fresnel.h"
 #include "core/material/microfacet.h"
+#include "core/material/thin_film.h"
 
 namespace alabaster {
 
 struct DisneySpecular {
   Rgb f0{0.0f}, f90{0.0f};
   Ggx ggx;
+  ThinFilm film{};
 
   static DisneySpecular from(const DisneyParameters& p);
 
@@ -22,7 +24,7 @@ struct DisneySpecular {
     const auto facet = mirror_facet(wo, wi);
     if (!facet) return {};
     const float pdf = 0.25f * ggx.d(facet->wm) * ggx.g1_over_cos(wo);
-    return {schlick(f0, f90, facet->cos_d) * (pdf * ggx.g1_over_cos(wi)), pdf};
+    return {fresnel(facet->cos_d) * (pdf * ggx.g1_over_cos(wi)), pdf};
   }
   /// Empty where the reflected direction goes below the horizon: light that a further bounce between facets would
   /// carry.
@@ -32,9 +34,19 @@ struct DisneySpecular {
     return wi;
   }
 
+  /// A film lies over the whole of what is reflected, and so do specular's f90 and its black.
+  Rgb fresnel(float cosine) const {
+    const Rgb bare = schlick(f0, f90, cosine);
+    if (!(film.share > 0)) return bare;
+    return lerp(bare, film.reflectance(cosine, f0) * max_component(f90), film.share);
+  }
+
   /// Estimate of the directional albedo: Schlick at wo, but at least its hemispherical mean 1/21, which a rough facet
   /// sees even at normal view.
-  Rgb albedo(const Vec3f& wo) const { return lerp(f0, f90, std::max(schlick_weight(wo.z), 1.0f / 21)); }
+  Rgb albedo(const Vec3f& wo) const {
+    const Rgb bare = lerp(f0, f90, std::max(schlick_weight(wo.z), 1.0f / 21));
+    return film.share > 0 ? lerp(bare, fresnel(wo.z) + f90 * (1.0f / 21), film.share) : bare;
+  }
 };
 
 /// Burley 2012, section 5.4: alpha = roughness^2, stretched to a ratio of at most 10.
@@ -60,6 +72,7 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
   lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
   lobe.ggx = disney_ggx(p.roughness, p.anisotropic);
+  lobe.film = {p.iridescence, p.iridescence_ior, p.iridescence_thickness};
   return lobe;
 }
 

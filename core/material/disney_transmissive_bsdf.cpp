@@ -8,7 +8,7 @@ Rgb square_root(const Rgb& c) {
 }
 
 DisneyParameters seen_from(DisneyParameters p, bool inside) {
-  if (inside) p.clearcoat = p.sheen = 0;
+  if (inside) p.clearcoat = p.coat = p.sheen = p.iridescence = 0;
   return p;
 }
 
@@ -19,17 +19,22 @@ float spread(float u, float share) {
 
 }  // namespace
 
-DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const BoundarySide& side)
-    : wo_(wo), thin_(p.thin), near_(seen_from(p, side.inside), wo) {
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo,
+                                               const BoundarySide& side)
+    : DisneyTransmissiveBsdf(wo, seen_from(parameters, side.inside), side.eta) {}
+
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& p, float eta)
+    : wo_(wo), thin_(p.thin), near_(p, wo) {
   if (!(wo.z > 0)) return;
-  clear_ = (1 - p.metallic) * p.spec_trans;
-  diffuse_beyond_ = p.diff_trans_color * ((1 - p.metallic) * (1 - p.spec_trans) * 0.5f * p.diff_trans);
+  const float dielectric = (1 - p.metallic) * near_.passed_layers(wo);
+  clear_ = dielectric * p.spec_trans;
+  diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
   const Ggx ggx = disney_ggx(p.roughness, p.anisotropic);
   if (thin_) {
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
-    sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
+    sheet_ = {DielectricBoundary::from(p, eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
   } else {
-    solid_ = {DielectricBoundary::from(p, side.eta, square_root(p.base_color)), ggx};
+    solid_ = {DielectricBoundary::from(p, eta, square_root(p.base_color)), ggx};
   }
   const float near = near_.weight(),
               clear = clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),

@@ -21,7 +21,7 @@ namespace alabaster {
 /// The side of a surface that is seen, and what lies beyond it.
 struct BoundarySide {
   float eta = 1.5f;     // index of the far side over that of the near side; of a sheet: its own over that around it
-  bool inside = false;  // seen from the interior of a solid: coat and sheen lie on the other side
+  bool inside = false;  // seen from the interior of a solid: coat, sheen and film lie on the other side
 };
 
 class DisneyTransmissiveBsdf {
@@ -36,6 +36,8 @@ class DisneyTransmissiveBsdf {
   bool scatters_beyond() const;
 
  private:
+  DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& parameters, float eta);
+
   /// f(lobe) of the clear boundary: the solid one or the sheet.
   template <class F>
   auto at_boundary(const F& f) const {

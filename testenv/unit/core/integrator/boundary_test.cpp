@@ -257,6 +257,70 @@ TEST(Boundary, AMediumThatHardlyScattersIsClear) {
   expect_mean(&tracer, 1, stack.passed, "slab");
 }
 
+// The guides of a denoiser are those of what smooth glass shows.
+TEST(Boundary, GuidesAreSeenThroughSmoothGlass) {
+  for (const bool smooth : {true, false}) {
+    SceneBuilder b;
+    DisneyParameters glass = clear(1.5f), floor = testing::matt({0.2f, 0.6f, 0.1f});
+    glass.roughness = smooth ? 0.05f : 0.5f;
+    glass.specular = 0;  // no path reflects
+    b.add(b.prototype(slab_mesh(-1, 0, 20)), b.material(glass)).add(testing::constant_dome(1, false));
+    b.add(b.prototype(testing::plane_mesh(40)), b.material(floor), Matrix4d().setTranslation(Vec3d(0, -2, 0)));
+    PathTracer tracer(b.snapshot(), {0, 5, 0});
+    tracer.aovs = kGuideAovs;
+    EXPECT_NEAR(tracer.trace(0).albedo.g, smooth ? 0.6f : 1.0f, 0.05f) << smooth;
+  }
+}
+
+// Each channel has an index of its own. Channels share no path, so each keeps its mean.
+TEST(Boundary, DispersionSpreadsTheIndexOverTheChannels) {
+  SceneBuilder b;
+  DisneyParameters glass = clear(2);
+  glass.dispersion = 20;
+  b.add(b.prototype(slab_mesh(-1, 0, 20)), b.material(glass));
+  PathTracer tracer = look_down(&b);
+  for (int c = 0; c < 3; ++c) {
+    const double ior = 2 + (c - 1) * 0.025 * 20;
+    Stack stack;
+    stack.boundary(1, ior);
+    stack.boundary(ior, 1);
+    expect_mean(&tracer, c, stack.passed, "slab of index 1.5, 2 and 2.5");
+  }
+}
+
+// A lamp in absorbing water lights a floor there: the same through light sampling, which a small lamp needs, and
+// through sampled lobes, whatever the lamp is made of.
+TEST(Boundary, LightInsideAMediumIsAbsorbed) {
+  double mean[2][2];
+  for (const bool absorbs : {false, true})
+    for (const bool mesh : {false, true}) {
+      SceneBuilder b;
+      DisneyParameters water = clear(1.33f);
+      water.attenuation_color = Rgb(0.25f);
+      water.attenuation_distance = absorbs ? 2.0f : 0.0f;
+      b.add(b.prototype(slab_mesh(-1, 20, 20)), b.material(water));
+      b.add(b.prototype(testing::plane_mesh(8)), b.material(testing::matt(Rgb(0.5f))));
+      if (mesh) {
+        b.add(b.prototype(testing::sphere_mesh(0.1f, 24, false)), b.material(lamp(10)),
+              Matrix4d().setTranslation(Vec3d(0, 2, 0)));
+      } else {
+        LightDescription light;
+        light.type = LightType::sphere;
+        light.radius = 0.1f;
+        light.intensity = 10;
+        light.light_to_world = Matrix4d().setTranslation(Vec3d(0, 2, 0));
+        b.add(light);
+      }
+      PathTracer tracer(b.snapshot(), {1.5, 1, 0});
+      tracer.settings.max_depth = 1;
+      mean[absorbs][mesh] = means(&tracer, 1, 64, 32).mean();
+    }
+  const double from_camera = std::hypot(1.5, 1.0);
+  for (const bool mesh : {false, true})
+    EXPECT_NEAR(mean[1][mesh] / mean[0][mesh], std::pow(0.5, from_camera + 1.9), 0.01) << mesh;
+  EXPECT_NEAR(mean[1][0], mean[1][1], 0.03 * mean[1][0]);
+}
+
 // Light sampling and lobe sampling find the same light through a rough boundary and on the far side of a leaf.
 TEST(Boundary, LightsBehindAreSampled) {
   for (const bool leaf : {false, true}) {

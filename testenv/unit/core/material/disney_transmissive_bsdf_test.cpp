@@ -32,6 +32,8 @@ DisneyParameters random_parameters(Rng& rng) {
   p.specular = unit_or_extreme(rng);
   p.specular_color = color_or_extreme(rng);
   p.clearcoat = unit_or_extreme(rng);
+  if (rng.next() % 2) p.coat = unit_or_extreme(rng), p.coat_roughness = unit_or_extreme(rng);
+  if (rng.next() % 2) p.iridescence = unit_or_extreme(rng), p.iridescence_thickness = 1000 * rng.uniform();
   p.sheen = unit_or_extreme(rng);
   p.spec_trans = unit_or_extreme(rng);
   p.diff_trans = 2 * unit_or_extreme(rng);
@@ -66,7 +68,7 @@ TEST(DisneyTransmissiveBsdf, Reciprocity) {
   for (int i = 0; i < 40000; ++i) {
     DisneyParameters p = random_parameters(rng);
     p.roughness = 0.1f + 0.9f * p.roughness;
-    p.clearcoat = p.sheen = 0;  // on one side of a solid
+    p.clearcoat = p.sheen = p.coat = p.iridescence = 0;  // on one side of a solid
     const float eta = p.thin ? p.ior : 1.05f + 0.9f * rng.uniform();
     const Vec3f wo = sample_cosine_hemisphere(uniform2(rng)), wi = sample_cosine_hemisphere(uniform2(rng));
     if (wo.z < 1e-2f || wi.z < 1e-2f) continue;
@@ -216,6 +218,30 @@ TEST(DisneyDiffuse, FlatnessIsThePublishedApproximation) {
       EXPECT_LT(albedo, roughness > 0 ? 1.6 : 1.1);
     }
   }
+}
+
+// The film of KHR_materials_iridescence: none where it has no thickness, colours that the thickness moves, the same
+// light either way, never more than all of it.
+TEST(ThinFilm, Interferes) {
+  const Rgb f0(0.04f);
+  const Rgb none = ThinFilm{1, 1.3f, 0}.reflectance(1, f0);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(none[c], 0.04f, 2e-3f) << "no film";
+  // A quarter of a wave of green, 550 nm, between air and glass: the two reflections cancel where the film's index is
+  // the root of the glass's, and add up to that of the bare glass where it is half a wave.
+  const float n = std::sqrt(1.5f);
+  const Rgb quarter = ThinFilm{1, n, 550 / (4 * n)}.reflectance(1, f0);
+  EXPECT_LT(quarter.g, 0.006f);
+  const Rgb half = ThinFilm{1, n, 550 / (2 * n)}.reflectance(1, f0);
+  EXPECT_NEAR(half.g, 0.04f, 0.01f);
+  Rng rng(6, 6);
+  float most_colored = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Rgb base(rng.uniform(), rng.uniform(), rng.uniform());
+    const Rgb r = ThinFilm{1, 1 + 2 * rng.uniform(), 1200 * rng.uniform()}.reflectance(rng.uniform(), base);
+    for (int c = 0; c < 3; ++c) ASSERT_TRUE(r[c] >= 0 && r[c] <= 1);
+    most_colored = std::max(most_colored, std::abs(r.r - r.b) - std::abs(base.r - base.b));
+  }
+  EXPECT_GT(most_colored, 0.2f);
 }
 
 TEST(DisneyTransmissiveBsdf, ShareOfEachPart) {
