@@ -295,7 +295,10 @@ TEST(Furnace, ACoatTakesWhatItReflects) {
                 mirror + layer);
     EXPECT_LE(base + layer, 1.01) << angle;
     EXPECT_LE(mirror + layer, 1.01) << angle;
-    if (angle < 80) EXPECT_GE(base + layer, 0.9) << angle;  // facets that mask each other lose more at grazing view
+    // Facets that mask each other lose more at grazing view.
+    if (angle < 80) {
+      EXPECT_GE(base + layer, 0.9) << angle;
+    }
   }
 }
 
