@@ -21,7 +21,7 @@ Bytes decode_meshopt(const Json& extension, ByteRange compressed, std::string* r
 using AccessorBytes = std::map<size_t, Bytes>;
 
 /// Decodes the accessors of a primitive that has KHR_draco_mesh_compression. False and `reason` if the bytes do not
-/// hold the elements that the accessors declare; what is larger is refused before it is decoded.
+/// hold the elements that the accessors declare. Larger ones are refused before they are decoded.
 bool decode_draco(const Json& root, const Json& primitive, ByteRange compressed, AccessorBytes* accessors,
                   std::string* reason);
 

@@ -11,7 +11,7 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// What a Draco mesh begins with, by which its decoder allocates.
+// A Draco mesh begins with these, by which its decoder allocates.
 struct Counts {
   uint32_t faces = 0;
   uint32_t points = 0;  // 0: the decoder bounds them by the faces

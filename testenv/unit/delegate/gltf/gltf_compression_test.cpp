@@ -1,4 +1,4 @@
-// EXT_meshopt_compression and KHR_draco_mesh_compression: what their own encoders wrote is read back, and damaged bytes
+// EXT_meshopt_compression and KHR_draco_mesh_compression: the output of their own encoders is read back, and damaged bytes
 // are refused.
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
