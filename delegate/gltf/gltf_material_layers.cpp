@@ -63,7 +63,7 @@ void set_anisotropy(MaterialBuilder* material) {
   if (strength <= 0) return;
   const double b = std::max(roughness * roughness, double(kMinAlpha)), t = b + (1 - b) * strength * strength;
   const TextureUse texture = use_in(anisotropy, "anisotropyTexture");
-  material->set("anisotropic", (1 - std::max(b / t, 1e-3)) / 0.9);
+  material->set("anisotropic", (1 - std::max(b / t, 1.1e-3)) / 0.9);
   material->connect("anisotropic", texture, number_reading("b"));
   if (texture.index < 0) material->set("roughness", std::pow(t * b, 0.25));
   const bool turned = number_or(anisotropy, "anisotropyRotation", 0, -kUnlimited, kUnlimited) != 0;

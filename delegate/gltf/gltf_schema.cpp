@@ -171,7 +171,9 @@ bool reads_extension(const std::string& name) {
                                               "KHR_materials_volume",
                                               "KHR_materials_volume_scatter",
                                               "KHR_mesh_quantization",
-                                              "KHR_texture_transform"};
+                                              "KHR_texture_transform",
+                                              "KHR_xmp",  // metadata: the picture has nothing of it
+                                              "KHR_xmp_json_ld"};
   return names.count(name) > 0;
 }
 

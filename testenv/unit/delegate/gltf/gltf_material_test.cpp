@@ -92,6 +92,10 @@ TEST(GltfMaterial, AnisotropyKeepsBothAlphas) {
     EXPECT_NEAR(alpha / aspect, b + (1 - b) * strength * strength, 1e-5);
     EXPECT_NEAR(alpha * aspect, b, 1e-5);
   }
+  const MaterialNode sharpest = surface_of(load_material(
+      R"({"pbrMetallicRoughness": {"roughnessFactor": 0},
+          "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 1}}})"));
+  EXPECT_LE(number(sharpest, "anisotropic"), 1.11) << "in the range of the parameter";
 }
 
 }  // namespace
