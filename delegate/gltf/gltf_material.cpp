@@ -86,6 +86,7 @@ MaterialNetwork translate_material(const Document& document, size_t index, const
     set_anisotropy(&material);
     set_clearcoat(&material);
     set_sheen(&material);
+    set_iridescence(&material);
     set_transmission(&material);
     set_scatter(&material);
   }

@@ -50,6 +50,8 @@ void set_transmission(MaterialBuilder* material) {
   }
   if ((clear_factor <= 0 && diffuse_factor <= 0) || scatters(*material)) return;
   if (number_or(volume, "thicknessFactor", 0, 0, kUnlimited) <= 0) return material->set("thin", true);
+  const double dispersion = number_or(material->extension("KHR_materials_dispersion"), "dispersion", 0, 0, 20);
+  if (dispersion > 0) material->set("dispersion", dispersion);
   // A solid takes the square root of its colour at each surface (Burley 2015), the extension the colour itself.
   if (material->number("specTrans", 0) == 1 && !material->connected("specTrans")) material->square("baseColor");
   if (!attenuates(volume)) return;

@@ -55,6 +55,20 @@ void set_sheen(MaterialBuilder* material) {
   material->connect("sheenRoughness", use_in(sheen, "sheenRoughnessTexture"), alpha_reading());
 }
 
+void set_iridescence(MaterialBuilder* material) {
+  const Extension film = material->extension("KHR_materials_iridescence");
+  const double factor = number_or(film, "iridescenceFactor", 0);
+  if (factor <= 0) return;
+  material->set("iridescence", factor);
+  material->connect("iridescence", use_in(film, "iridescenceTexture"), number_reading("r"));
+  material->set("iridescenceIor", number_or(film, "iridescenceIor", 1.3, 1, 4));
+  const auto least = float(number_or(film, "iridescenceThicknessMinimum", 100, 0, kUnlimited));
+  const auto most = float(number_or(film, "iridescenceThicknessMaximum", 400, 0, kUnlimited));
+  const TextureUse texture = use_in(film, "iridescenceThicknessTexture");
+  material->set("iridescenceThickness", texture.index < 0 ? double(most) : 1.0);
+  material->connect("iridescenceThickness", texture, {"g", "raw", Vec4f(most - least), Vec4f(least)});
+}
+
 // alpha_t = mix(alpha, 1, strength^2), alpha_b = alpha = roughness^2, from Disney's alpha_b / alpha_t = 1 - 0.9
 // anisotropic and alpha_t alpha_b = roughness^4.
 void set_anisotropy(MaterialBuilder* material) {

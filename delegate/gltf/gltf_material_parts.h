@@ -25,6 +25,7 @@ void set_dielectric(MaterialBuilder* material);
 void set_anisotropy(MaterialBuilder* material);
 void set_clearcoat(MaterialBuilder* material);
 void set_sheen(MaterialBuilder* material);
+void set_iridescence(MaterialBuilder* material);
 
 // gltf_material_interior.cpp: transmission and scattering.
 void set_transmission(MaterialBuilder* material);

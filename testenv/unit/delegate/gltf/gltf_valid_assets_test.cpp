@@ -61,19 +61,6 @@ TEST(GltfValidAssets, ModelsHaveTheTrianglesThatTheirCatalogueTells) {
   }
 }
 
-TEST(GltfValidAssets, RequiredExtensionsThatAreNotReadAreRefusedByName) {
-  const std::string assets = assets_folder();
-  if (assets.empty()) return;
-  const std::pair<const char*, const char*> kModels[] = {
-      {"valid/IridescenceSuzanne/IridescenceSuzanne.glb", "KHR_materials_iridescence is not supported"}};
-  for (const auto& [name, text] : kModels) {
-    const Loaded loaded = load(assets + "/" + name);
-    EXPECT_FALSE(loaded.summary.ok) << name;
-    EXPECT_TRUE(loaded.says(Severity::error, text)) << name << "\n" << loaded.said();
-    EXPECT_TRUE(loaded.scene->GetMeshes().empty());
-  }
-}
-
 TEST(GltfValidAssets, CagesHaveTheirPolygonsAndAreWelded) {
   const std::string assets = assets_folder();
   if (assets.empty()) return;
