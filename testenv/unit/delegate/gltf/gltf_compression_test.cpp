@@ -1,5 +1,5 @@
-// EXT_meshopt_compression and KHR_draco_mesh_compression: the output of their own encoders is read back, and damaged bytes
-// are refused.
+// EXT_meshopt_compression and KHR_draco_mesh_compression: the output of their own encoders is read back, and damaged
+// bytes are refused.
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <meshoptimizer.h>
