@@ -10,6 +10,10 @@
 namespace alabaster {
 namespace {
 
+double squared(float x) {
+  return double(x) * double(x);
+}
+
 /// Mean of the 3 x 3 pixels around (x, y). The pixel's own level counts at most as much as its brightest neighbour's,
 /// since a sample that found much light by chance must not excuse the noise that it is.
 double local_level(const NoiseImage& image, int x, int y) {
@@ -81,7 +85,7 @@ struct SampleTree {
   }
 };
 
-// Variance of the mean of n samples over the expectation of PixelNoise::difference().
+// Variance of the mean of n samples over the expectation of the square of PixelNoise::difference().
 double variance_per_difference(uint32_t n, const ConvergenceLaw& law) {
   const uint32_t m = std::bit_floor(n), rest = n - m;
   const SampleTree tree{law, double(m)};
@@ -148,7 +152,8 @@ Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::ve
   Convergence c;
   const auto n = double(pixels.size());
   c.means = sum_over_pixels<PerDifference>(pixels.size(), [&](size_t i, PerDifference* sum) {
-    *sum += {pixels[i].latest / scales[i] / n, pixels[i].previous / scales[i] / n, pixels[i].earlier / scales[i] / n};
+    *sum += {squared(pixels[i].latest) / scales[i] / n, squared(pixels[i].previous) / scales[i] / n,
+             squared(pixels[i].earlier) / scales[i] / n};
   });
   const PerDifference& means = c.means;
   // A difference of zero does not show how the variance falls.
@@ -186,7 +191,7 @@ RelativeErrors relative_errors(const NoiseImage& image, const SampleExtremes& sa
       std::atomic<double>& shared = factors[pixels[i].samples];
       double factor = shared.load(std::memory_order_relaxed);
       if (factor == 0) shared = factor = variance_per_difference(pixels[i].samples, errors.convergence.law);
-      errors.values[i] = factor * pixels[i].difference() / errors.scales[i];
+      errors.values[i] = factor * squared(pixels[i].difference()) / errors.scales[i];
     }
   });
   return errors;
@@ -199,8 +204,8 @@ double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors&
   const ConvergenceLaw& law = errors.convergence.law;
   const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
   const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();
-  const auto part = [](double weight, double difference, double scale, double mean_difference) {
-    return mean_difference > 0 ? weight * (difference / scale / mean_difference - 1) : 0.0;
+  const auto part = [](double weight, float difference, double scale, double mean) {
+    return mean > 0 ? weight * (squared(difference) / scale / mean - 1) : 0.0;
   };
   struct Squares {
     double truth = 0, estimate = 0;

@@ -84,15 +84,15 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers)
 
 namespace {
 
-// Squared difference, averaged over red, green and blue, between the means of the `first` samples and of the `rest`.
-double squared_difference(const std::array<double, 4>& all, const std::array<float, 3>& some, double first,
-                          double rest) {
+// Difference between the means of the `first` samples and of the `rest`: the root of its mean square over red, green
+// and blue.
+float mean_difference(const std::array<double, 4>& all, const std::array<float, 3>& some, double first, double rest) {
   double squares = 0;
   for (size_t c = 0; c < 3; ++c) {
     const double difference = some[c] / first - (all[c] - some[c]) / rest;
     squares += difference * difference / 3;
   }
-  return squares;
+  return static_cast<float>(std::sqrt(squares));
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ void FilmTile::compare_halves(size_t pixel) {
   if (n > 1) {
     h.earlier = h.previous;
     h.previous = h.latest;
-    h.latest = squared_difference(sums, h.first, n / 2, n / 2);
+    h.latest = mean_difference(sums, h.first, n / 2, n / 2);
   }
   h.first = {static_cast<float>(sums[0]), static_cast<float>(sums[1]), static_cast<float>(sums[2])};
 }
@@ -117,7 +117,7 @@ PixelNoise FilmTile::noise(size_t pixel) const {
   const Halves& h = halves_[pixel];
   const uint32_t m = std::bit_floor(n);
   return {n,         static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)), h.latest, h.previous,
-          h.earlier, n > m ? squared_difference(sums, h.first, m, n - m) : 0.0};
+          h.earlier, n > m ? mean_difference(sums, h.first, m, n - m) : 0.0f};
 }
 
 void FilmTile::take(size_t pixel, const FilmTile& from) {

@@ -81,7 +81,7 @@ class FilmTile {
   };
   struct Halves {
     std::array<float, 3> first{};  // sum of color over the first m samples
-    double latest = 0, previous = 0, earlier = 0;
+    float latest = 0, previous = 0, earlier = 0;
   };
   void compare_halves(size_t pixel);
 

@@ -10,7 +10,7 @@ float PixelNoise::deviation() const {
   if (samples < 2) return 0;
   const double m = std::bit_floor(samples), rest = samples - m;
   const double variance = m / samples;  // of the mean, with v = m
-  return static_cast<float>(std::sqrt(variance / (uses_tail(samples) ? 1 + m / rest : 4) * difference()));
+  return static_cast<float>(std::sqrt(variance / (uses_tail(samples) ? 1 + m / rest : 4))) * difference();
 }
 
 }  // namespace alabaster

@@ -16,7 +16,7 @@ namespace {
 // Noise of the law V = a / m + b / m^2 that all pixels have to the letter, at 16 samples.
 NoiseImage image_of_law(double a, double b, float level) {
   const auto variance = [&](double m) { return a / m + b / (m * m); };
-  const auto difference = [&](double m) { return 4 * (variance(m / 2) - variance(m)); };
+  const auto difference = [&](double m) { return static_cast<float>(2 * std::sqrt(variance(m / 2) - variance(m))); };
   NoiseImage image{5, 4, {}};
   image.pixels.assign(
       20,
@@ -38,18 +38,21 @@ TEST(FrameError, FollowsItsLaw) {
 // A law without noise, V = b / m^3: faster than the sum can fall.
 TEST(FrameError, FollowsASmoothIntegrand) {
   NoiseImage image{5, 4, {}};
-  image.pixels.assign(20, {.samples = 16, .level = 1, .latest = 7, .previous = 56, .earlier = 448});
+  image.pixels.assign(20, {.samples = 16,
+                           .level = 1,
+                           .latest = std::sqrt(7.0f),
+                           .previous = std::sqrt(56.0f),
+                           .earlier = std::sqrt(448.0f)});
   const double variance = 7.0 / 4 / 7;  // V(8) - V(16) = 7 V(16)
   EXPECT_NEAR(estimate_frame_error(image).relative_rmse, std::sqrt(variance / (1 + kErrorFloor * kErrorFloor)), 1e-6);
 }
 
 TEST(FrameError, DoesNotDependOnTheUnitOfLight) {
   const NoiseImage image = image_of_law(1, 2, 1);
-  for (const double unit : {0x1p-100, 0x1p2, 0x1p100}) {  // 8e-31 to 1e30
+  for (const float unit : {0x1p-100f, 0x1p2f, 0x1p100f}) {  // 8e-31 to 1e30
     NoiseImage other = image;
     for (PixelNoise& p : other.pixels) {
-      p.level *= static_cast<float>(unit);
-      for (double* d : {&p.latest, &p.previous, &p.earlier}) *d *= unit * unit;
+      for (float* x : {&p.level, &p.latest, &p.previous, &p.earlier}) *x *= unit;
     }
     EXPECT_EQ(estimate_frame_error(other).relative_rmse, estimate_frame_error(image).relative_rmse) << unit;
     EXPECT_TRUE(estimate_frame_error(other).known);
@@ -57,7 +60,7 @@ TEST(FrameError, DoesNotDependOnTheUnitOfLight) {
 }
 
 TEST(FrameError, IsUnknownAndNoSmallOneWhereAPixelIsNotFinite) {
-  for (const double fault : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+  for (const float fault : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
     NoiseImage image = image_of_law(1, 0, 1);
     image.pixels[3].latest = fault;
     const FrameError error = estimate_frame_error(image);
@@ -86,7 +89,7 @@ TEST(FrameError, OfABlackFrameIsZero) {
 // A pixel that is much brighter than all around it does not count its own level.
 TEST(FrameError, AFireflyDoesNotExcuseItsNoise) {
   NoiseImage image = image_of_law(1, 0, 1);
-  image.pixels[7].latest = 1e6f;
+  image.pixels[7].latest = 1e3f;
   const auto with_level = [&](float level) {
     image.pixels[7].level = level;
     return relative_squared_errors(image)[7] / relative_squared_errors(image)[0];

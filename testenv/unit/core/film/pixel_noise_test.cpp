@@ -13,15 +13,15 @@ TEST(PixelNoise, UsesTheTailOnceItIsHalfAsLong) {
     EXPECT_FALSE(PixelNoise::uses_tail(samples)) << samples;
 }
 
-// Independent samples of variance 1: halves of m differ by 4 / m squared, m and r samples by 1 / m + 1 / r.
+// Independent samples of variance 1: the squared difference of halves of m is 4 / m, of m and r samples 1 / m + 1 / r.
 TEST(PixelNoise, DeviationOfIndependentSamplesFallsWithTheirRoot) {
   EXPECT_EQ((PixelNoise{.samples = 1, .latest = 9}).deviation(), 0);
   for (const uint32_t n : {2u, 8u, 11u}) {
-    const double m = std::bit_floor(n);
-    EXPECT_FLOAT_EQ((PixelNoise{.samples = n, .latest = 4 / m, .tail = 9}).deviation(),
+    const float m = static_cast<float>(std::bit_floor(n));
+    EXPECT_FLOAT_EQ((PixelNoise{.samples = n, .latest = 2 / std::sqrt(m), .tail = 9}).deviation(),
                     1 / std::sqrt(static_cast<float>(n)));
   }
-  EXPECT_FLOAT_EQ((PixelNoise{.samples = 12, .latest = 9, .tail = 1 / 8.0 + 1 / 4.0}).deviation(),
+  EXPECT_FLOAT_EQ((PixelNoise{.samples = 12, .latest = 9, .tail = std::sqrt(1 / 8.0f + 1 / 4.0f)}).deviation(),
                   1 / std::sqrt(12.0f));
 }
 

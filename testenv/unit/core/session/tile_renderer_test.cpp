@@ -26,8 +26,8 @@ TileSamples samples_of(const SampleRange& range) {
 }
 
 // All that a tile tells, as bytes.
-std::vector<double> contents(const FilmTile& tile) {
-  std::vector<double> all;
+std::vector<float> contents(const FilmTile& tile) {
+  std::vector<float> all;
   for (size_t pixel = 0; pixel < kPixels; ++pixel) {
     for (const AovInfo& info : kAovs) {
       std::array<float, 4> value{};
@@ -38,12 +38,12 @@ std::vector<double> contents(const FilmTile& tile) {
       all.insert(all.end(), value.begin(), value.end());
     }
     const PixelNoise noise = tile.noise(pixel);
-    all.insert(all.end(), {double(noise.level), noise.latest, noise.previous, noise.earlier, noise.tail});
+    all.insert(all.end(), {noise.level, noise.latest, noise.previous, noise.earlier, noise.tail});
   }
   return all;
 }
 
-std::vector<double> render_ranges(const TileRenderer& renderer, const std::vector<SampleRange>& ranges) {
+std::vector<float> render_ranges(const TileRenderer& renderer, const std::vector<SampleRange>& ranges) {
   FilmTile tile(kPixels, ~0u);
   RenderCounters counters;
   for (const SampleRange& range : ranges) EXPECT_TRUE(renderer.render(samples_of(range), always, &tile, &counters));
@@ -51,8 +51,8 @@ std::vector<double> render_ranges(const TileRenderer& renderer, const std::vecto
   return contents(tile);
 }
 
-bool same_bytes(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 TEST(TileRenderer, SameTileAndRangeGiveTheSameBytes) {
