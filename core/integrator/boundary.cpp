@@ -6,12 +6,9 @@
 namespace alabaster {
 namespace {
 
-// True if the vertex is seen from the side on which its triangle winds clockwise: from the interior.
+// True if the vertex is seen from the interior.
 bool is_seen_from_inside(const PathVertex& v) {
-  const Mesh& mesh = v.instance->prototype->mesh;
-  const auto& corners = mesh.triangles[v.triangle.triangle];
-  const Vec3f& p = mesh.points[corners[0]];
-  return dot(cross(mesh.points[corners[1]] - p, mesh.points[corners[2]] - p), v.hit.ng_object) < 0;
+  return is_behind(*v.instance, v.triangle.triangle, -v.hit.ng);
 }
 
 Interior interior_of(const PathVertex& v) {

@@ -13,11 +13,7 @@ Vec3f mapped_normal(const Instance& instance, const TriangleHit& triangle, const
   if (!(dot(across, across) > 0)) return side.ns;
   const Vec3f t = normalize(across);
   // Tangents wind with the object; a mirroring transform turns n x t around.
-  const Vec3f e1 =
-      mesh.points[mesh.triangles[triangle.triangle][1]] - mesh.points[mesh.triangles[triangle.triangle][0]];
-  const Vec3f e2 =
-      mesh.points[mesh.triangles[triangle.triangle][2]] - mesh.points[mesh.triangles[triangle.triangle][0]];
-  const bool behind = dot(cross(e1, e2), side.ng_object) < 0;
+  const bool behind = is_behind(instance, triangle.triangle, -side.ng);
   const bool mirrored = dot(cross(to_render.x, to_render.y), to_render.z) < 0;
   const Vec3f n = behind ? -side.ns : side.ns;
   const Vec3f b = cross(n, t) * ((tangent.w < 0) != mirrored ? -1.0f : 1.0f);

@@ -8,24 +8,14 @@
 #include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/disney_reference.h"
+#include "testenv/support/extreme_numbers.h"
 
 namespace alabaster {
 namespace {
 
+using testing::color_or_extreme;
 using testing::uniform2;
-
-constexpr std::array<float, 8> kExtremes = {0, 1e-6f, 1e-3f, 0.02f, 0.5f, 0.98f, 1 - 1e-6f, 1};
-
-/// In [0,1]: an extreme as often as anything between.
-float unit_or_extreme(Rng& rng) {
-  const uint32_t pick = rng.next() % (2 * kExtremes.size());
-  return pick < kExtremes.size() ? kExtremes[pick] : rng.uniform();
-}
-
-Rgb color_or_extreme(Rng& rng) {
-  const float r = unit_or_extreme(rng), g = unit_or_extreme(rng);
-  return {r, g, unit_or_extreme(rng)};
-}
+using testing::unit_or_extreme;
 
 DisneyParameters random_parameters(Rng& rng) {
   DisneyParameters p;

@@ -5,22 +5,14 @@
 #include <array>
 
 #include "testenv/support/chi_square.h"
+#include "testenv/support/extreme_numbers.h"
 
 namespace alabaster {
 namespace {
 
+using testing::color_or_extreme;
 using testing::uniform2;
-
-float unit_or_extreme(Rng& rng) {
-  constexpr std::array<float, 8> kExtremes = {0, 1e-6f, 1e-3f, 0.02f, 0.5f, 0.98f, 1 - 1e-6f, 1};
-  const uint32_t pick = rng.next() % (2 * kExtremes.size());
-  return pick < kExtremes.size() ? kExtremes[pick] : rng.uniform();
-}
-
-Rgb color_or_extreme(Rng& rng) {
-  const float r = unit_or_extreme(rng), g = unit_or_extreme(rng);
-  return {r, g, unit_or_extreme(rng)};
-}
+using testing::unit_or_extreme;
 
 DisneyParameters random_parameters(Rng& rng) {
   DisneyParameters p;
