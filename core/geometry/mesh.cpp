@@ -194,7 +194,7 @@ int affordable_level(const Cage& cage, const RefinementOptions& options, const D
 
 }  // namespace
 
-const UvSet* Mesh::uv_set(std::string_view name) const {
+const UvSet* Mesh::uv_set(const UvSetName& name) const {
   const auto found = std::find_if(uv_sets.begin(), uv_sets.end(), [&](const UvSet& set) { return set.name == name; });
   return found == uv_sets.end() ? nullptr : &*found;
 }

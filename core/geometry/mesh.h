@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/cage.h"
@@ -22,8 +22,24 @@ struct MeshAttribute {
   bool empty() const { return values.empty(); }
 };
 
+/// Compared by a hash of 64 bits (FNV-1a), because hits compare it. Names that share a hash share a uv set: a file that
+/// is made so gets another set of its own.
+class UvSetName {
+ public:
+  UvSetName(std::string text) : text_(std::move(text)) {
+    for (const char c : text_) hash_ = (hash_ ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  }
+  UvSetName(const char* text) : UvSetName(std::string(text)) {}
+  const std::string& text() const { return text_; }
+  bool operator==(const UvSetName& other) const { return hash_ == other.hash_; }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325u;
+  std::string text_;
+};
+
 struct UvSet : MeshAttribute<Vec2f> {
-  std::string name;
+  UvSetName name = "st";
 };
 
 /// Triangles wind counter-clockwise seen from outside (left_handed is already undone).
@@ -47,7 +63,7 @@ struct Mesh {
     return triangle_face.empty() ? static_cast<int>(triangle) : triangle_face[triangle];
   }
   /// Null if there is none of that name.
-  const UvSet* uv_set(std::string_view name) const;
+  const UvSet* uv_set(const UvSetName& name) const;
   size_t memory_bytes() const;
 };
 

@@ -153,7 +153,7 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
   return s;
 }
 
-Vec2f HitPrimvars::uv(std::string_view set) const {
+Vec2f HitPrimvars::uv(const UvSetName& set) const {
   if (mesh_.uv_sets.empty()) return {0, 0};
   if (mesh_.uv_sets.front().name == set) return uv_;
   const UvSet* const found = mesh_.uv_set(set);

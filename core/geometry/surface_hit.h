@@ -53,7 +53,7 @@ class HitPrimvars {
   HitPrimvars(const Mesh& mesh, const TriangleHit& hit, const Vec2f& uv) : mesh_(mesh), hit_(hit), uv_(uv) {}
 
   /// (0, 0) if the mesh has no such set.
-  Vec2f uv(std::string_view set) const;
+  Vec2f uv(const UvSetName& set) const;
   /// Displayed colour and opacity; white and 1 if the mesh has none.
   Rgb color() const;
   float opacity() const;

@@ -102,12 +102,12 @@ MeshAttribute<Vec4f> compute_tangents(const Mesh& mesh, const MeshAttribute<Vec2
   return TangentBuilder(mesh, uvs).run();
 }
 
-const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const std::string& uv_set) const {
+const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const UvSetName& uv_set) const {
   if (!mesh.tangents.empty()) return &mesh.tangents;
   const UvSet* const uvs = mesh.uv_set(uv_set);
   if (!uvs) return nullptr;
   const std::scoped_lock lock(mutex_);
-  const auto [found, is_new] = computed_.try_emplace(uv_set);
+  const auto [found, is_new] = computed_.try_emplace(uv_set.text());
   // A thread that waits for the sort must not take up a task that asks for this lock.
   if (is_new) tbb::this_task_arena::isolate([&] { found->second = compute_tangents(mesh, *uvs); });
   return &found->second;

@@ -20,7 +20,7 @@ MeshAttribute<Vec4f> compute_tangents(const Mesh& mesh, const MeshAttribute<Vec2
 class TangentCache {
  public:
   /// The authored ones if the mesh has some; null without that uv set.
-  const MeshAttribute<Vec4f>* of(const Mesh& mesh, const std::string& uv_set) const;
+  const MeshAttribute<Vec4f>* of(const Mesh& mesh, const UvSetName& uv_set) const;
   size_t memory_bytes() const;
 
  private:

@@ -15,7 +15,7 @@ enum class Channel { rgb, r, g, b, a };
 
 struct TextureLookup {
   std::shared_ptr<const Texture> image;  // null: the mesh's displayed colour and opacity
-  std::string uv_set = "st";
+  UvSetName uv_set = "st";
   UvTransform transform;
   Rgb scale{1.0f}, bias{0.0f};  // value = texel * scale + bias
   float alpha_scale = 1, alpha_bias = 0;

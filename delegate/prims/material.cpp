@@ -36,8 +36,7 @@ struct TextureNodeReader {
     TextureLookup lookup;
     lookup.image = param.texture(source, fault);
     if (!lookup.image) return std::nullopt;
-    lookup.uv_set = parameter("st").text_or("st");
-    if (lookup.uv_set.empty()) lookup.uv_set = "st";
+    if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
     lookup.transform = UvTransform(finite_or("stOffset", Vec2f(0, 0)), float(finite_or("stRotation")),
                                    finite_or("stScale", Vec2f(1, 1)));
     const Vec4f scale = finite_or("scale", Vec4f(1, 1, 1, 1)), bias = finite_or("bias", Vec4f(0, 0, 0, 0));

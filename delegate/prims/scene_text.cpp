@@ -27,7 +27,7 @@ std::string texture_text(const std::shared_ptr<const Texture>& texture) {
 
 std::string lookup_text(const TextureLookup& lookup, Channel channel) {
   constexpr const char* kChannels[] = {"rgb", "r", "g", "b", "a"};
-  const std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set : "displayColor";
+  const std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set.text() : "displayColor";
   return source + " " + kChannels[static_cast<size_t>(channel)];
 }
 
