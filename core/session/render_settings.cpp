@@ -19,6 +19,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"walkWeights", &S::walk_weights, 0, 0, {"throughput", "throughputTimesAlbedo"}},
       {"walkGuiding", &S::walk_guiding},
       {"walkSphereSteps", &S::walk_sphere_steps},
+      {"textureMemory", &S::texture_memory, 1, 16777216},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
       {"denoise", &S::denoise},
   };

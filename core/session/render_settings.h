@@ -27,6 +27,7 @@ struct RenderSettings {
   WalkWeights walk_weights = WalkSettings().weights;
   bool walk_guiding = WalkSettings().guiding;
   bool walk_sphere_steps = WalkSettings().sphere_steps;
+  uint32_t texture_memory = 4096;  // MiB of texels in memory (core/texture/texel_store.h); read by who loads textures
   PixelFilter filter = PixelFilter::blackman_harris;
   bool denoise = false;  // read by who binds AOVs: paths and films never depend on it
   bool operator==(const RenderSettings&) const = default;

@@ -60,6 +60,7 @@ ImageLayout layout_of(const OIIO::ImageSpec& spec) {
   else if (spec.alpha_channel >= 0)
     layout.alpha = size_t(spec.alpha_channel);
   const OIIO::TypeDesc format = spec.format;
+  layout.bytes = format == OIIO::TypeUInt8;
   layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
   return layout;
 }

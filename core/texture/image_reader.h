@@ -19,6 +19,7 @@ struct ImageLayout {
   std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
                                 // wherever the format lets us choose
   std::optional<size_t> alpha;  // which of them, if any, is alpha
+  bool bytes = false;           // a channel is a multiple of 1/255
   bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
 };
 

@@ -1,21 +1,18 @@
 #include "core/texture/texture.h"
 
-#include <half.h>
-
 #include <algorithm>
-#include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 
 #include "core/texture/image_reader.h"
+#include "core/texture/texel_packer.h"
+#include "core/texture/texel_plane.h"
 
 namespace alabaster {
 namespace {
-
-using Imath::half;
-
-constexpr float kLargestHalf = 65504.0f;
 
 /// The two texels that a coordinate lies between, and the weight of the second. -1: outside a black border.
 struct Taps {
@@ -57,50 +54,44 @@ Taps taps_of(float u, int size, Wrap wrap, TextureFilter filter) {
   return {wrap_index(i, size, wrap), wrap_index(i + 1, size, wrap), x - cell};
 }
 
-class HalfTexture final : public Texture {
+/// `Element` and `kCount`: see TexelPlane.
+template <class Element, int kCount>
+class StoredTexture final : public Texture {
  public:
-  /// `alpha`: empty, or one for each texel.
-  HalfTexture(const Vec2i& size, std::vector<half> texels, std::vector<half> alpha, const TextureSource& source)
-      : width_(size.x),
-        height_(size.y),
-        wrap_s_(source.wrap_s),
-        wrap_t_(source.wrap_t),
-        filter_(source.filter),
-        texels_(std::move(texels)),
-        alpha_(std::move(alpha)) {}
+  explicit StoredTexture(const TextureSource& source)
+      : wrap_s_(source.wrap_s), wrap_t_(source.wrap_t), filter_(source.filter) {}
+  /// `alpha`: without elements where all texels are opaque. False, with errno as the reason, if there is no place.
+  bool keep(PackedTexels<Element> colors, PackedTexels<Element> alpha, const std::shared_ptr<TexelStore>& store) {
+    return colors_.keep(std::move(colors), store) && (alpha.elements.empty() || alpha_.keep(std::move(alpha), store));
+  }
 
   Rgb rgb(const Vec2f& uv) const override {
     Rgb sum;
-    for_each_tap(uv, [&](size_t i, float weight) {
-      const half* t = &texels_[3 * i];
-      sum += Rgb(t[0], t[1], t[2]) * weight;
-    });
+    for_each_tap(uv, [&](int x, int y, float weight) { sum += colors_.color(x, y) * weight; });
     return sum;
   }
   float alpha(const Vec2f& uv) const override {
     float sum = 0;
-    for_each_tap(uv, [&](size_t i, float weight) { sum += (alpha_.empty() ? 1.0f : float(alpha_[i])) * weight; });
+    for_each_tap(uv,
+                 [&](int x, int y, float weight) { sum += (alpha_.empty() ? 1.0f : alpha_.number(x, y)) * weight; });
     return sum;
   }
-  int width() const override { return width_; }
-  int height() const override { return height_; }
-  size_t memory_bytes() const override { return (texels_.capacity() + alpha_.capacity()) * sizeof(half); }
+  int width() const override { return colors_.width(); }
+  int height() const override { return colors_.height(); }
+  size_t memory_bytes() const override { return colors_.memory_bytes() + alpha_.memory_bytes(); }
   Rgb texel(int x, int y) const override {
-    const half* t = &texels_[3 * index(std::clamp(x, 0, width_ - 1), std::clamp(y, 0, height_ - 1))];
-    return {t[0], t[1], t[2]};
+    return colors_.color(std::clamp(x, 0, width() - 1), std::clamp(y, 0, height() - 1));
   }
 
  private:
-  size_t index(int x, int y) const { return size_t(y) * size_t(width_) + size_t(x); }
-
   template <class F>
   void for_each_tap(const Vec2f& uv, const F& f) const {
-    const Taps s = taps_of(uv.x, width_, wrap_s_, filter_);
-    Taps t = taps_of(uv.y, height_, wrap_t_, filter_);  // counted from the bottom row
+    const Taps s = taps_of(uv.x, width(), wrap_s_, filter_);
+    Taps t = taps_of(uv.y, height(), wrap_t_, filter_);  // counted from the bottom row
     for (int* row : {&t.i0, &t.i1})
-      if (*row >= 0) *row = height_ - 1 - *row;
+      if (*row >= 0) *row = height() - 1 - *row;
     const auto add = [&](int x, int y, float weight) {
-      if (x >= 0 && y >= 0 && weight > 0) f(index(x, y), weight);
+      if (x >= 0 && y >= 0 && weight > 0) f(x, y, weight);
     };
     add(s.i0, t.i0, (1 - s.weight) * (1 - t.weight));
     add(s.i1, t.i0, s.weight * (1 - t.weight));
@@ -108,36 +99,28 @@ class HalfTexture final : public Texture {
     add(s.i1, t.i1, s.weight * t.weight);
   }
 
-  int width_, height_;
   Wrap wrap_s_, wrap_t_;
   TextureFilter filter_;
-  std::vector<half> texels_, alpha_;  // RGB, and alpha where a texel is not opaque; rows from the top
+  TexelPlane<Element, kCount> colors_;
+  TexelPlane<Element, 1> alpha_;  // empty: 1
 };
 
-/// The alpha of an image, kept from the first texel on that is not opaque.
-class AlphaPlane {
- public:
-  /// `pixels`: the next rows, as the layout has them.
-  void add(std::span<const float> pixels, const ImageLayout& layout) {
-    const size_t count = pixels.size() / layout.channels;
-    if (layout.alpha)
-      for (size_t i = 0; i < count; ++i) set(seen_ + i, pixels[i * layout.channels + *layout.alpha], layout);
-    seen_ += count;
-  }
-  std::vector<half> take() { return std::move(alpha_); }
+template <class Element, int kCount>
+std::shared_ptr<const Texture> store(PackedTexels<Element> colors, PackedTexels<Element> alpha,
+                                     const TextureSource& source, const std::shared_ptr<TexelStore>& store) {
+  const auto texture = std::make_shared<StoredTexture<Element, kCount>>(source);
+  return texture->keep(std::move(colors), std::move(alpha), store) ? texture : nullptr;
+}
 
- private:
-  void set(size_t texel, float alpha, const ImageLayout& layout) {
-    if (alpha_.empty()) {
-      if (alpha == 1) return;
-      alpha_.assign(size_t(layout.width) * size_t(layout.height), half(1.0f));
-    }
-    alpha_[texel] = half(std::isfinite(alpha) ? std::clamp(alpha, 0.0f, 1.0f) : 1.0f);
-  }
-
-  size_t seen_ = 0;  // texels
-  std::vector<half> alpha_;
-};
+/// Null, with errno as the reason, if there is no place for it.
+std::shared_ptr<const Texture> make_texture(PackedImage image, const TextureSource& source,
+                                            const std::shared_ptr<TexelStore>& held) {
+  if (!image.bytes.elements.empty())
+    return (image.is_grey ? store<uint8_t, 1> : store<uint8_t, 3>)(std::move(image.bytes), std::move(image.alpha_bytes),
+                                                                   source, held);
+  return (image.is_grey ? store<uint16_t, 1> : store<uint16_t, 3>)(std::move(image.halves),
+                                                                   std::move(image.alpha_halves), source, held);
+}
 
 /// Grey to RGB; opaque, as ColorTransform takes RGBA.
 void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vector<float>& rgba) {
@@ -157,7 +140,8 @@ bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
 }
 
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
-                                            const DiagnosticSink& sink, size_t max_pixels) {
+                                            const DiagnosticSink& sink, const std::shared_ptr<TexelStore>& store,
+                                            size_t max_pixels) {
   try {
     ImageReader reader;
     if (!reader.open(source, max_pixels, sink)) return nullptr;
@@ -168,23 +152,21 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
     });
     if (!transform) return nullptr;
 
-    // Memory is reserved at once but touched only as rows arrive: a small file that claims to be huge costs nothing.
     const ImageLayout& layout = reader.layout();
-    std::vector<half> texels;
-    texels.reserve(3 * size_t(layout.width) * size_t(layout.height));
-    AlphaPlane alpha;
+    TexelPacker packer(layout);
     std::vector<float> pixels, rgba;
     for (int y = 0; y < layout.height;) {
       const int rows = reader.read_rows(y, pixels, sink);
       if (rows == 0) return nullptr;
-      alpha.add(pixels, layout);
       to_rgba(pixels, layout, rgba);
       transform->apply(rgba.data(), rgba.size() / 4);
-      for (size_t i = 0; i < rgba.size(); ++i)
-        if (i % 4 < 3) texels.emplace_back(std::clamp(rgba[i], -kLargestHalf, kLargestHalf));
+      packer.add(pixels, rgba);
       y += rows;
     }
-    return std::make_shared<HalfTexture>(Vec2i(layout.width, layout.height), std::move(texels), alpha.take(), source);
+    if (auto texture = make_texture(packer.take(), source, store)) return texture;
+    report(sink, Severity::error, "texture.memory", source.path,
+           std::string("textureMemory is spent, and the image cannot be written to a temporary file: ") +
+               std::strerror(errno) + "; free disk space, set TMPDIR to another folder, or raise textureMemory");
   } catch (const std::bad_alloc&) {
     report(sink, Severity::error, "texture.memory", source.path, "not enough memory for this image; make it smaller");
   } catch (const std::exception& e) {

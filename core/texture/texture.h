@@ -1,4 +1,5 @@
-// Images as functions of uv. Decoded once at commit into the rendering space; lookups never fail and never lock.
+// Images as functions of uv. Decoded once at commit into the rendering space. Lookups never fail, and lock only where a
+// TexelStore reads from its file.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,8 @@
 #include "core/math/vector.h"
 
 namespace alabaster {
+
+class TexelStore;
 
 enum class Wrap { repeat, mirror, clamp, black };
 enum class TextureFilter { linear, nearest };
@@ -35,15 +38,18 @@ class Texture {
   virtual float alpha(const Vec2f&) const { return 1; }
   virtual int width() const = 0;
   virtual int height() const = 0;
+  /// Without tiles in a TexelStore's cache.
   virtual size_t memory_bytes() const = 0;
   /// Texel (x, y), y-down, without filtering.
   virtual Rgb texel(int x, int y) const = 0;
 };
 
-/// Reads, converts and keeps an image. Null + a report (file, reason, remedy) on failure. Images above `max_pixels` are
-/// refused before memory is allocated.
+/// Reads, converts and keeps an image, in the store if one is given. Null + a report (file, reason, remedy) on failure.
+/// Images above `max_pixels` are refused before memory is allocated.
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
-                                            const DiagnosticSink& sink, size_t max_pixels = size_t(1) << 28);
+                                            const DiagnosticSink& sink,
+                                            const std::shared_ptr<TexelStore>& store = nullptr,
+                                            size_t max_pixels = size_t(1) << 28);
 
 /// True if the file opens as an image; nothing is decoded. Otherwise a report says why not.
 bool is_image(const TextureSource& source, const DiagnosticSink& sink);

@@ -39,6 +39,8 @@ constexpr SettingFlag kSettingFlags[] = {
      "backdrop only if it has no camera either; on replaces the scene's lights; off adds a soft dome to a scene "
      "without light"},
     {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
+    {"--texture-memory", "textureMemory", "MIB",
+     "Memory for the texels of images; more texels are read from a temporary file as they are needed. Default: 4096"},
 };
 
 /// The part of a glTF model that is shown, and its time.

@@ -4,7 +4,10 @@ namespace alabaster::hd::prims {
 
 SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
                        std::shared_ptr<const ColorConfig> colors)
-    : sink_(std::move(sink)), device_(std::move(device)), colors_(std::move(colors)) {}
+    : sink_(std::move(sink)),
+      device_(std::move(device)),
+      colors_(std::move(colors)),
+      texels_(std::make_shared<TexelStore>(sink_)) {}
 
 SceneParam::~SceneParam() = default;
 
@@ -28,7 +31,7 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
     input = d.code != "texture.memory";
     if (sink_) sink_(d);
   };
-  run([&] { loaded = load_texture(source, *colors_, sink); });
+  run([&] { loaded = load_texture(source, *colors_, sink, texels_); });
   if (!loaded) {
     *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
     return nullptr;
@@ -38,6 +41,11 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
   std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
   textures_.emplace(source.path, HeldTexture{source, loaded});
   return loaded;
+}
+
+void SceneParam::set_texture_memory(uint32_t mib, bool by_host) {
+  if (by_host) host_set_texels_ = true;
+  if (by_host || !host_set_texels_) texels_->set_budget(size_t(mib) << 20);
 }
 
 std::shared_ptr<tbb::task_arena> SceneParam::arena() {

@@ -11,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "core/color/color_config.h"
+#include "core/texture/texel_store.h"
 #include "delegate/api/prims.h"
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/records.h"
@@ -48,6 +49,8 @@ class SceneParam final : public RenderParam {
     arena()->execute(work);
   }
   void set_threads(uint32_t threads) { threads_ = threads; }
+  /// MiB, for images that are read from then on. What the host sets counts before what a settings prim does.
+  void set_texture_memory(uint32_t mib, bool by_host);
   /// Stop sets it: Sync gives up what it is building, and the prim stays dirty.
   void set_cancelled(bool cancelled) { cancelled_ = cancelled; }
   bool cancelled() const { return cancelled_; }
@@ -89,6 +92,8 @@ class SceneParam final : public RenderParam {
   alabaster::DiagnosticSink sink_;
   std::shared_ptr<TraceDevice> device_;
   std::shared_ptr<const ColorConfig> colors_;
+  std::shared_ptr<TexelStore> texels_;
+  std::atomic<bool> host_set_texels_{false};
   std::atomic<uint32_t> threads_{0};
   std::atomic<bool> cancelled_{false};
   std::atomic<size_t> edits_{0};

@@ -1,10 +1,20 @@
+#include "core/session/render_settings.h"
+#include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 
 namespace alabaster::hd::prims {
 
 DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
-  if (bits & (dirty::kParams | dirty::kDescription))
-    param.post(GetId(), SettingsRecord{scene.GetRenderSettings(GetId())});
+  if (!(bits & (dirty::kParams | dirty::kDescription))) return dirty::kClean;
+  const RenderSettingsDescription description = scene.GetRenderSettings(GetId());
+  // Images are read before the settings' record is: Sprims are synced after Bprims, records at CommitResources.
+  if (const auto memory = description.settings.find("textureMemory"); memory != description.settings.end()) {
+    RenderSettings settings;
+    for (const SettingParameter& row : setting_parameters())
+      if (memory->first == Token(row.name)) set_parameter(row, memory->second, &settings);
+    param.set_texture_memory(settings.texture_memory, false);
+  }
+  param.post(GetId(), SettingsRecord{description});
   return dirty::kClean;
 }
 

@@ -37,6 +37,7 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
   if (parameter && !value.empty())
     prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
                         value);
+  if (key == Token("textureMemory")) param->set_texture_memory(render_settings().texture_memory, true);
   if (key == Token("threads")) param->set_threads(render_settings().threads);
 }
 

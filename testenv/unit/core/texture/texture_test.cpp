@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 
+#include "core/texture/texel_store.h"
 #include "testenv/support/reports.h"
 
 namespace alabaster {
@@ -67,6 +68,14 @@ class TextureFile : public ::testing::Test {
 
 float srgb_to_linear(float v) {
   return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+std::vector<float> noise(size_t count) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<float> values(count);
+  for (float& v : values) v = unit(random);
+  return values;
 }
 
 // A 2 x 2 picture: red, green / blue, white from the top left.
@@ -176,6 +185,69 @@ TEST_F(TextureFile, ValuesBeyondHalfAreClampedAndNonFiniteOnesScrubbed) {
   EXPECT_EQ(t->texel(1, 0), Rgb(0, 0, 3));
 }
 
+// Bytes per texel, without palettes.
+TEST_F(TextureFile, TexelsAreKeptAsSmallAsTheyGo) {
+  constexpr size_t kTexels = 64 * 64, kPalette = 3 * 256 * 4;
+  std::vector<float> grey = noise(kTexels), rgb = noise(3 * kTexels), rgba = noise(4 * kTexels), grey_as_rgb;
+  for (const float g : grey) grey_as_rgb.insert(grey_as_rgb.end(), 3, g);
+  const auto bytes = [&](const char* name, int channels, OIIO::TypeDesc format, const std::vector<float>& pixels,
+                         const char* space) {
+    const auto texture = load(write(name, 64, 64, channels, format, pixels), space);
+    EXPECT_TRUE(texture) << reports_.text();
+    return texture ? texture->memory_bytes() : 0;
+  };
+  EXPECT_EQ(bytes("1.png", 1, OIIO::TypeUInt8, grey, "auto"), kTexels + kPalette);
+  EXPECT_EQ(bytes("2.png", 3, OIIO::TypeUInt8, grey_as_rgb, "auto"), kTexels + kPalette);
+  EXPECT_EQ(bytes("3.png", 3, OIIO::TypeUInt8, rgb, "auto"), 3 * kTexels + kPalette);
+  EXPECT_EQ(bytes("4.png", 4, OIIO::TypeUInt8, rgba, "raw"), 4 * kTexels + kPalette + 256 * 4);
+  EXPECT_EQ(bytes("5.png", 1, OIIO::TypeUInt16, grey, "raw"), 2 * kTexels);
+  EXPECT_EQ(bytes("6.exr", 3, OIIO::TypeHalf, rgb, "auto"), 6 * kTexels);
+  EXPECT_EQ(bytes("7.exr", 4, OIIO::TypeFloat, rgba, "auto"), 8 * kTexels);
+  EXPECT_EQ(bytes("8.hdr", 3, OIIO::TypeFloat, grey_as_rgb, "auto"), 2 * kTexels);
+  EXPECT_EQ(bytes("9.png", 3, OIIO::TypeUInt8, rgb, "ACEScg"), 6 * kTexels) << "the conversion mixes channels";
+}
+
+// Whichever way texels are kept, they are what the conversion gives, rounded to halves.
+TEST_F(TextureFile, BytesInAPaletteAreTheValuesOfHalves) {
+  std::vector<float> values = noise(64 * 64 * 4), rounded;
+  for (const float v : values) rounded.push_back(std::round(v * 255) / 255);
+  // Grey first, then not: what was kept as bytes becomes halves on the way.
+  std::fill_n(values.begin(), 8, 0.5f), std::fill_n(rounded.begin(), 8, 128 / 255.0f);
+  for (const char* space : {"raw", "sRGB", "ACEScg"}) {
+    const auto bytes = load(write("a.png", 64, 64, 4, OIIO::TypeUInt8, values), space);
+    const auto floats = load(write("a.tif", 64, 64, 4, OIIO::TypeFloat, rounded), space);
+    ASSERT_TRUE(bytes && floats) << reports_.text();
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        const Vec2f centre((float(x) + 0.5f) / 64, 1 - (float(y) + 0.5f) / 64);
+        ASSERT_EQ(bytes->texel(x, y), floats->texel(x, y)) << space << x << "," << y;
+        ASSERT_EQ(bytes->alpha(centre), floats->alpha(centre)) << space << x << "," << y;
+      }
+  }
+}
+
+TEST_F(TextureFile, LookupsAreTheSameInAStoreThatHoldsNoWholeImage) {
+  const auto tight = std::make_shared<TexelStore>();
+  tight->set_budget(0);
+  for (const char* name : {"a.png", "a.exr"}) {
+    const auto format = std::string(name) == "a.png" ? OIIO::TypeUInt8 : OIIO::TypeHalf;
+    const std::string file = write(name, 300, 200, 4, format, noise(300 * 200 * 4));
+    for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::black}) {
+      const TextureSource source{file, nullptr, "auto", wrap, wrap};
+      const auto ample = load(source), paged = load_texture(source, *colors_, reports_.sink, tight);
+      ASSERT_TRUE(ample && paged) << reports_.text();
+      EXPECT_LT(paged->memory_bytes(), 5000u);
+      std::mt19937 random(2);
+      std::uniform_real_distribution<float> unit(-1, 2);
+      for (int i = 0; i < 5000; ++i) {
+        const Vec2f uv(unit(random), unit(random));
+        ASSERT_EQ(ample->rgb(uv), paged->rgb(uv)) << uv;
+        ASSERT_EQ(ample->alpha(uv), paged->alpha(uv)) << uv;
+      }
+    }
+  }
+}
+
 TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
   constexpr int kWidth = 150, kHeight = 131;  // not a multiple of a tile or a strip
   std::vector<float> pixels(size_t(kWidth * kHeight * 3));
@@ -240,14 +312,6 @@ TEST_F(TextureFile, WhatIsNoImageIsReported) {
   }
 }
 
-std::vector<float> noise(size_t count) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> unit(0, 1);
-  std::vector<float> values(count);
-  for (float& v : values) v = unit(random);
-  return values;
-}
-
 TEST_F(TextureFile, TruncatedFilesAreRefusedWithoutAWord) {
   ::testing::internal::CaptureStderr();
   for (const char* name : {"t.png", "t.jpg", "t.exr", "t.tif", "t.hdr", "t.bmp"}) {
@@ -277,7 +341,7 @@ TEST_F(TextureFile, FlippedBitsNeverCrashOrPrint) {
         damaged[random() % range] ^= uint8_t(1u << (random() % 8));
       }
       const auto t = load_texture({spit("damaged_" + std::string(name), damaged), nullptr, "auto"}, *colors_,
-                                  reports_.sink, size_t(1) << 20);
+                                  reports_.sink, nullptr, size_t(1) << 20);
       EXPECT_TRUE(!t || is_finite(t->rgb({0.4f, 0.6f})));
       EXPECT_FALSE(t && std::string(name) == "f.png") << "every bit of a PNG is under a checksum";
     }
@@ -315,8 +379,8 @@ TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
 
   const std::string file4 = write("four.png", 2, 2, 3, OIIO::TypeUInt8, kQuad);
   Reports reports;
-  EXPECT_FALSE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, 3));
-  EXPECT_TRUE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, 4));
+  EXPECT_FALSE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, nullptr, 3));
+  EXPECT_TRUE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, nullptr, 4));
   EXPECT_EQ(reports.all.size(), 1u);
 }
 

@@ -286,6 +286,34 @@ TEST(Materials, ScatterDistanceTakesATexture) {
   has(absent, "subsurface: no");
 }
 
+TEST(Materials, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
+  // A grey image of 2 MiB as halves.
+  std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 262144 +X 4\n";
+  text.append(size_t(4) << 20, '\x80');
+  const AssetPath file{"tall.hdr", "tall.hdr", std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
+  const auto memory = [&](const Dictionary& host, const Dictionary& described) {
+    Stage stage(host);
+    RenderSettingsDescription settings;
+    settings.settings = described;
+    stage.scene.SetRenderSettings("/settings", settings);
+    MaterialNetwork network = disney({});
+    network.nodes["/m/map"] = {"AlabasterTexture", {{"file", file}}, {}};
+    network.nodes["/m/surface"].inputConnections["baseColor"] = {{"/m/map", "rgb"}};
+    stage.scene.SetMaterial("/m", network);
+    host::MeshDescription mesh = Stage::quad();
+    mesh.material = "/m";
+    stage.scene.SetMesh("/mesh", mesh);
+    stage.index->SyncAll();
+    EXPECT_EQ(stage.count("texture.memory"), 0u);
+    return stage.stat("totalMemory");
+  };
+  const double held = memory({}, {});
+  EXPECT_GT(held, 0x1p21);
+  EXPECT_LT(memory({{"textureMemory", 1}}, {}), held - 0x1.fp20);
+  EXPECT_LT(memory({}, {{"textureMemory", 1}}), held - 0x1.fp20);
+  EXPECT_EQ(memory({{"textureMemory", 64}}, {{"textureMemory", 1}}), held);
+}
+
 TEST(Materials, MayComeAfterAndGoBeforeTheMesh) {
   Stage stage;
   host::MeshDescription mesh = Stage::quad();

@@ -1,0 +1,52 @@
+// The rows of an image, packed as small as they go without loss. Internal to this room.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/texture/image_reader.h"
+#include "core/texture/texel_plane.h"
+
+namespace alabaster {
+
+/// One of `bytes` and `halves` holds the colours, one of the others the alpha, if some texel is not opaque.
+struct PackedImage {
+  bool is_grey = false;  // one element per colour instead of three
+  PackedTexels<uint8_t> bytes, alpha_bytes;
+  PackedTexels<uint16_t> halves, alpha_halves;
+};
+
+/// Takes the rows of an image with the colours that they become in the rendering space. A byte of the file stays a byte
+/// if equal bytes become equal values in all the image. A palette holds these, so the conversion need not be known.
+/// Everything else becomes halves; the palette's values are halves, too. Non-finite alpha is 1.
+class TexelPacker {
+ public:
+  explicit TexelPacker(const ImageLayout& layout);
+  /// `pixels`: the next rows as the layout has them; `rgba`: their colours.
+  void add(std::span<const float> pixels, std::span<const float> rgba);
+  /// After the last row, once.
+  PackedImage take();
+
+ private:
+  using Color = std::array<uint16_t, 3>;  // bits of halves
+  struct Palette {
+    std::array<std::array<uint16_t, 256>, 3> values;
+    std::array<std::array<bool, 256>, 3> known{};
+  };
+  void add_color(const float* pixel, const Color& color);
+  bool fits_palette(const std::array<uint8_t, 3>& bytes, const Color& color);
+  void leave_palette();
+  void add_alpha(size_t texel, float alpha);
+
+  const ImageLayout layout_;
+  size_t count_ = 0;  // texels so far
+  bool is_grey_ = true;
+  std::optional<Palette> palette_;
+  std::vector<uint8_t> bytes_;    // three per texel, while there is a palette
+  std::vector<uint16_t> halves_;  // three per texel, without one
+  std::vector<uint16_t> alpha_;   // from the first texel on that is not opaque
+};
+
+}  // namespace alabaster

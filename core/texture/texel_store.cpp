@@ -1,0 +1,126 @@
+#include "core/texture/texel_store.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string>
+
+namespace alabaster {
+namespace {
+
+constexpr size_t kLeastTiles = 16;
+
+// A file without a name, or with one that is gone at once where the file system has no such files.
+int open_unnamed() {
+  std::error_code error;
+  const std::string folder = std::filesystem::temp_directory_path(error).string();
+  if (error) return errno = error.value(), -1;
+  const int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return file;
+  std::string name = folder + "/.alabaster-XXXXXX";
+  const int named = mkostemp(name.data(), O_CLOEXEC);
+  if (named >= 0) unlink(name.c_str());
+  return named;
+}
+
+}  // namespace
+
+TexelStore::~TexelStore() {
+  if (file_ >= 0) close(file_);
+}
+
+bool TexelStore::reserve(size_t bytes) {
+  const size_t limit = budget_ / 2;
+  size_t lent = lent_;
+  do
+    if (bytes > limit || lent > limit - bytes) return false;
+  while (!lent_.compare_exchange_weak(lent, lent + bytes));
+  return true;
+}
+
+// Before the first tile is written, so that whoever has a tile to read sees the cache.
+bool TexelStore::open_file() {
+  if (file_ < 0 && (file_ = open_unnamed()) < 0) return false;
+  if (slots_) return true;
+  size_ = static_cast<uint32_t>(std::clamp(budget_ / 2 / kTileBytes, kLeastTiles, size_t(UINT32_MAX)));
+  // Pages that hold no tile yet take no memory.
+  cache_ = std::make_unique_for_overwrite<std::byte[]>(size_ * kTileBytes);
+  slots_ = std::make_unique<Slot[]>(size_);
+  return true;
+}
+
+bool TexelStore::write(uint64_t first, std::span<const std::byte> tiles) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!open_file()) return false;
+  }
+  for (size_t done = 0; done < tiles.size();) {
+    const ssize_t n = pwrite(file_, tiles.data() + done, tiles.size() - done, off_t(first * kTileBytes + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    done += static_cast<size_t>(n);
+  }
+  return true;
+}
+
+// Numbers of tiles are not used again, so that no slot holds an older tile of the same number.
+void TexelStore::discard(uint64_t first, uint64_t count) {
+  static_cast<void>(fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, off_t(first * kTileBytes),
+                              off_t(count * kTileBytes)));
+}
+
+void TexelStore::read_file(uint64_t tile, std::byte* buffer) {
+  for (size_t done = 0; done < kTileBytes;) {
+    const ssize_t n = pread(file_, buffer + done, kTileBytes - done, off_t(tile * kTileBytes + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      std::memset(buffer, 0, kTileBytes);
+      if (!failed_.exchange(true))
+        report(sink_, Severity::error, "texture.memory", "the temporary file of textures",
+               std::string("cannot be read: ") + std::strerror(errno) +
+                   "; parts of textures are black. Free its disk, or raise textureMemory");
+      return;
+    }
+    done += static_cast<size_t>(n);
+  }
+}
+
+void TexelStore::fetch(uint64_t tile, std::atomic<uint32_t>* slot, std::byte* buffer) {
+  read_file(tile, buffer);
+  ++fetched_;
+  const std::scoped_lock lock(mutex_);
+  const uint32_t place = slot->load(std::memory_order_relaxed);
+  if (place != 0 && slots_[place - 1].tile.load(std::memory_order_relaxed) == tile)
+    return;  // another thread was faster
+  const uint32_t found = victim();
+  fill(found, tile, buffer);
+  slot->store(found + 1, std::memory_order_release);
+}
+
+// Second chance: the first slot from the clock's hand on that was not used since the hand passed it.
+uint32_t TexelStore::victim() {
+  while (slots_[hand_].used.exchange(false, std::memory_order_relaxed)) hand_ = (hand_ + 1) % size_;
+  const uint32_t found = hand_;
+  hand_ = (hand_ + 1) % size_;
+  return found;
+}
+
+void TexelStore::fill(uint32_t place, uint64_t tile, const std::byte* buffer) {
+  Slot& slot = slots_[place];
+  const uint64_t version = slot.version.load(std::memory_order_relaxed);
+  slot.version.store(version + 1, std::memory_order_relaxed);
+  auto* const to = reinterpret_cast<uint64_t*>(&cache_[place * kTileBytes]);
+  for (size_t i = 0; i < kTileBytes / sizeof(uint64_t); ++i) {
+    uint64_t word;
+    std::memcpy(&word, buffer + i * sizeof(word), sizeof(word));
+    __atomic_store_n(to + i, word, __ATOMIC_RELEASE);
+  }
+  slot.tile.store(tile, std::memory_order_release);
+  slot.version.store(version + 2, std::memory_order_release);
+}
+
+}  // namespace alabaster
