@@ -1,4 +1,4 @@
-// Memory for texels, within a budget. Internal to this room but for its owner, who gives the budget.
+// Memory for texels, within a budget.
 #pragma once
 
 #include <atomic>
