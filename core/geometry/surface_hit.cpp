@@ -160,6 +160,23 @@ Vec2f HitPrimvars::uv(const UvSetName& set) const {
   return found ? interpolated<Vec2f>(*found, mesh_, hit_) : Vec2f(0, 0);
 }
 
+// J = D E^-1 with the edges E and their uv D, so J J^T = D (E^T E)^-1 D^T.
+Vec3f HitPrimvars::uv_metric(const UvSetName& set) const {
+  const UvSet* const found = mesh_.uv_set(set);
+  if (!found) return Vec3f(0, 0, 0);
+  const Corners &c = mesh_.triangles[hit_.triangle], &t = corners_of(*found, mesh_, hit_.triangle);
+  const Vec3f e1 = footprint_.object_to_render->vector(mesh_.points[c[1]] - mesh_.points[c[0]]);
+  const Vec3f e2 = footprint_.object_to_render->vector(mesh_.points[c[2]] - mesh_.points[c[0]]);
+  const Vec2f d1 = found->values[t[1]] - found->values[t[0]], d2 = found->values[t[2]] - found->values[t[0]];
+  const float g11 = dot(e1, e1), g12 = dot(e1, e2), g22 = dot(e2, e2);
+  const float determinant = g11 * g22 - g12 * g12;
+  if (!(determinant > 0)) return Vec3f(0, 0, 0);
+  const auto product = [&](float a1, float a2, float b1, float b2) {
+    return (a1 * b1 * g22 - (a1 * b2 + a2 * b1) * g12 + a2 * b2 * g11) / determinant;
+  };
+  return {product(d1.x, d2.x, d1.x, d2.x), product(d1.x, d2.x, d1.y, d2.y), product(d1.y, d2.y, d1.y, d2.y)};
+}
+
 Rgb HitPrimvars::color() const {
   return mesh_.colors.empty() ? Rgb(1.0f) : interpolated(mesh_.colors, mesh_, hit_);
 }

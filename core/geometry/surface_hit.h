@@ -46,12 +46,24 @@ T interpolated(const MeshAttribute<T>& attribute, const Mesh& mesh, const Triang
   return v[c[0]] * (1 - hit.u - hit.v) + v[c[1]] * hit.u + v[c[2]] * hit.v;
 }
 
+/// The part of a surface that textures may be read as means over.
+struct SurfaceFootprint {
+  float width = 0;                           // render space; 0: a point
+  const Affine* object_to_render = nullptr;  // needed for a width
+};
+
 /// The primvars at a hit that textures read.
 class HitPrimvars {
  public:
   /// `uv`: of the mesh's first set at the hit. Keeps references.
-  HitPrimvars(const Mesh& mesh, const TriangleHit& hit, const Vec2f& uv) : mesh_(mesh), hit_(hit), uv_(uv) {}
+  HitPrimvars(const Mesh& mesh, const TriangleHit& hit, const Vec2f& uv, const SurfaceFootprint& footprint = {})
+      : mesh_(mesh), hit_(hit), uv_(uv), footprint_(footprint) {}
 
+  /// Render space; 0: textures are read at a point.
+  float footprint() const { return footprint_.width; }
+  /// With the footprint's map: how fast the set's uv change over the triangle, J J^T (xx, xy, yy) of the matrix J of uv
+  /// per length in render space. 0 if the mesh has no such set.
+  Vec3f uv_metric(const UvSetName& set) const;
   /// (0, 0) if the mesh has no such set.
   Vec2f uv(const UvSetName& set) const;
   /// Displayed colour and opacity; white and 1 if the mesh has none.
@@ -62,6 +74,7 @@ class HitPrimvars {
   const Mesh& mesh_;
   const TriangleHit& hit_;
   Vec2f uv_;
+  SurfaceFootprint footprint_;
 };
 
 /// Rays hit triangles in no order, so their memory is far away. These ask for it in two steps, of which the second

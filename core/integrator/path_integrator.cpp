@@ -13,7 +13,7 @@
 
 namespace alabaster {
 
-PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle) {
+PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle, float footprint) {
   PathVertex v;
   v.instance = &context.scene.instances[triangle.instance];
   v.triangle = triangle;
@@ -27,7 +27,8 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
       v.mapped ? reflecting_normal(mapped_normal(*v.instance, triangle, v.hit, *material.normal_map), surface, wo)
                : surface;
   v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
-  v.material = material.evaluate({v.instance->prototype->mesh, triangle, v.hit.uv});
+  v.material =
+      material.evaluate({v.instance->prototype->mesh, triangle, v.hit.uv, {footprint, &v.instance->object_to_world}});
   if (v.material.coat > 0 && (v.mapped || material.coat_normal_map)) {
     Vec3f coat = surface;
     if (material.coat_normal_map)
@@ -135,6 +136,11 @@ bool survives(const PathContext& context, const Draw& draw, PathState* path) {
   return false;
 }
 
+template <SubsurfaceMode kMode>
+bool keeps_footprints(const PathContext& context) {
+  return kMode == SubsurfaceMode::automatic || context.settings.texture_filter > 0;
+}
+
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split);
@@ -155,7 +161,7 @@ void split_below_surface(const PathContext& context, const PixelSampler& sampler
     branch.radiance = Rgb(0.0f);
     if (scatter_below_surface<kMode>(context, branch_sampler, below, &branch)) {
       ++branch.depth;
-      if (kMode == SubsurfaceMode::automatic) branch.footprint.scatter(branch.scatter_pdf);
+      if (keeps_footprints<kMode>(context)) branch.footprint.scatter(branch.scatter_pdf);
       if (survives<kLayers>(
               context, [&] { return branch_sampler.draw(Dimension::bsdf, 0)[3]; }, &branch))
         follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
@@ -289,14 +295,15 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     numbers.bsdf = sampler.draw(Dimension::bsdf, path->depth);
 
     // Find the surface and the material at the vertex.
-    PathVertex vertex = make_vertex(context, path->ray, hit);
+    if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
+    PathVertex vertex =
+        make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
     if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
     if (kMode == SubsurfaceMode::lambert)
       vertex.material.scatter_distance = Rgb(0.0f);
     else if (vertex.material.scatters())
       drop_unresolved_distances(&vertex);
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, &numbers.bsdf[0])) [[unlikely]] {
-      if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       continue;
     }
@@ -309,11 +316,10 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (path->seeks_guides) record_guides(context, vertex, *path, first_hit);
     if (record && path->depth >= context.settings.max_depth) record->end("maxDepth");
     if (path->depth >= context.settings.max_depth) return;
-    if (kMode == SubsurfaceMode::automatic) path->footprint.travel(hit.t);
 
     // Sample direct light and the next ray, at the surface or below it.
     if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, numbers, path, split)) return;
-    if (kMode == SubsurfaceMode::automatic) path->footprint.scatter(path->scatter_pdf);
+    if (keeps_footprints<kMode>(context)) path->footprint.scatter(path->scatter_pdf);
   }
 }
 
@@ -326,7 +332,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   path.seeks_guides = (context.aovs & kGuideAovs) != 0;
   if (context.scene.clear_bodies.contains(camera_ray.org)) [[unlikely]]
     path.interiors = interiors_at(context, camera_ray);
-  if (kMode == SubsurfaceMode::automatic) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
+  if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);
 

@@ -26,6 +26,7 @@ struct IntegratorSettings {
   SubsurfaceMode subsurface;
   AlbedoInversion inversion;
   WalkSettings walk;
+  float texture_filter = 0;  // of colour textures, in widths of a path's footprint; 0: none
 };
 
 class PathRecord;

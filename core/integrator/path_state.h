@@ -11,7 +11,7 @@ namespace alabaster {
 
 /// The width of the bundle of paths that one path stands for where it meets a surface: from the camera all paths of its
 /// pixel, after a lobe a solid angle 1/pdf about the sampled direction (as in path differentials, Suykens and Willems
-/// 2001). Kept in mode `auto` only.
+/// 2001). Kept in mode `auto`, and where textures are filtered.
 struct Footprint {
   PixelCone cone;
 
@@ -69,8 +69,9 @@ struct PathVertex {
   bool is_above_surface(const Vec3f& wi) const { return !mapped || dot(wi, departure.n) > 0; }
 };
 
-/// The vertex where `ray` (unit direction, render space) met the scene.
-PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle);
+/// The vertex where `ray` (unit direction, render space) met the scene. Textures are read as means over `footprint`
+/// (render space; 0: at the point).
+PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle, float footprint = 0);
 
 /// Random numbers of scattering at a vertex.
 struct VertexNumbers {

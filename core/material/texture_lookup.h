@@ -19,12 +19,21 @@ struct TextureLookup {
   UvTransform transform;
   Rgb scale{1.0f}, bias{0.0f};  // value = texel * scale + bias
   float alpha_scale = 1, alpha_bias = 0;
+  /// Light is linear in the colour, so its mean over a footprint may stand for it.
+  bool is_linear = false;
 
-  Rgb color(const HitPrimvars& at) const {
-    return (image ? image->rgb(transform(at.uv(uv_set))) : at.color()) * scale + bias;
-  }
+  Rgb color(const HitPrimvars& at) const { return (image ? texel(at) : at.color()) * scale + bias; }
   float alpha(const HitPrimvars& at) const {
     return (image ? image->alpha(transform(at.uv(uv_set))) : at.opacity()) * alpha_scale + alpha_bias;
+  }
+
+ private:
+  Rgb texel(const HitPrimvars& at) const {
+    const Vec2f uv = transform(at.uv(uv_set));
+    if (!(at.footprint() > 0) || !is_linear) [[likely]]
+      return image->rgb(uv);
+    const Vec2f size(static_cast<float>(image->width()), static_cast<float>(image->height()));
+    return image->filtered(uv, transform.texels_across(at.footprint(), at.uv_metric(uv_set), size));
   }
 };
 

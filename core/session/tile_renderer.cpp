@@ -1,5 +1,10 @@
 #include "core/session/tile_renderer.h"
 
+#include <tbb/parallel_for.h>
+
+#include <cerrno>
+#include <cstring>
+
 #include "core/diagnostics/check.h"
 
 namespace alabaster {
@@ -9,12 +14,37 @@ SampleFailure::SampleFailure(const std::string& failure, const SampleAddress& wh
                        "," + std::to_string(where.y)),
       at(where) {}
 
+namespace {
+
+// A scene without images does not need to know what its paths cover.
+IntegratorSettings settings_for(const RenderRequest& request) {
+  IntegratorSettings settings = integrator_settings(request.settings);
+  if (!request.scene->features.textures) settings.texture_filter = 0;
+  return settings;
+}
+
+void prepare_filtering(const SceneSnapshot& scene) {
+  std::vector<const Texture*> images;
+  for (const auto& material : scene.materials)
+    for (const MaterialTexture& texture : material->textures)
+      if (texture.lookup.image && texture.lookup.is_linear) images.push_back(texture.lookup.image.get());
+  tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
+    if (images[i]->prepare_filtering()) return;
+    throw std::runtime_error(std::string("the means of images cannot be written to a temporary file: ") +
+                             std::strerror(errno) + "; raise textureMemory, or set textureFilter to 0");
+  });
+}
+
+}  // namespace
+
 TileRenderer::TileRenderer(const RenderRequest& request)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
-      integrator_settings_(integrator_settings(request.settings)),
+      integrator_settings_(settings_for(request)),
       has_layers_((request.aovs & kLayerAovs) != 0),
-      trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {}
+      trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
+  if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene);
+}
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <span>
 
 #include "core/texture/image_reader.h"
 #include "core/texture/texel_packer.h"
 #include "core/texture/texel_plane.h"
+#include "core/texture/texel_pyramid.h"
 
 namespace alabaster {
 namespace {
@@ -62,34 +64,56 @@ class StoredTexture final : public Texture {
       : wrap_s_(source.wrap_s), wrap_t_(source.wrap_t), filter_(source.filter) {}
   /// `alpha`: without elements where all texels are opaque. False, with errno as the reason, if there is no place.
   bool keep(PackedTexels<Element> colors, PackedTexels<Element> alpha, const std::shared_ptr<TexelStore>& store) {
+    store_ = store;
     return colors_.keep(std::move(colors), store) && (alpha.elements.empty() || alpha_.keep(std::move(alpha), store));
   }
 
-  Rgb rgb(const Vec2f& uv) const override {
-    Rgb sum;
-    for_each_tap(uv, [&](int x, int y, float weight) { sum += colors_.color(x, y) * weight; });
-    return sum;
+  Rgb rgb(const Vec2f& uv) const override { return color(colors_, uv, filter_); }
+  Rgb filtered(const Vec2f& uv, float width) const override {
+    if (!(width > 1) || levels_.empty()) return rgb(uv);
+    const float level = std::min(std::log2(width), static_cast<float>(levels_.size()));
+    const auto finer = static_cast<size_t>(level);
+    const Rgb fine = finer == 0 ? rgb(uv) : color(*levels_[finer - 1], uv, TextureFilter::linear);
+    const float share = level - static_cast<float>(finer);
+    return share > 0 ? lerp(fine, color(*levels_[finer], uv, TextureFilter::linear), share) : fine;
+  }
+  bool prepare_filtering() const override {
+    const std::scoped_lock lock(mutex_);
+    return filter_ == TextureFilter::nearest || !levels_.empty() || make_levels();
   }
   float alpha(const Vec2f& uv) const override {
     float sum = 0;
-    for_each_tap(uv,
+    for_each_tap(colors_, uv, filter_,
                  [&](int x, int y, float weight) { sum += (alpha_.empty() ? 1.0f : alpha_.number(x, y)) * weight; });
     return sum;
   }
   int width() const override { return colors_.width(); }
   int height() const override { return colors_.height(); }
-  size_t memory_bytes() const override { return colors_.memory_bytes() + alpha_.memory_bytes(); }
+  size_t memory_bytes() const override {
+    const std::scoped_lock lock(mutex_);
+    size_t bytes = colors_.memory_bytes() + alpha_.memory_bytes();
+    for (const auto& level : levels_) bytes += level->memory_bytes();
+    return bytes;
+  }
   Rgb texel(int x, int y) const override {
     return colors_.color(std::clamp(x, 0, width() - 1), std::clamp(y, 0, height() - 1));
   }
 
  private:
-  template <class F>
-  void for_each_tap(const Vec2f& uv, const F& f) const {
-    const Taps s = taps_of(uv.x, width(), wrap_s_, filter_);
-    Taps t = taps_of(uv.y, height(), wrap_t_, filter_);  // counted from the bottom row
+  using Level = TexelPlane<uint16_t, kCount>;  // of halves: means are not in a palette
+
+  template <class Plane>
+  Rgb color(const Plane& plane, const Vec2f& uv, TextureFilter filter) const {
+    Rgb sum;
+    for_each_tap(plane, uv, filter, [&](int x, int y, float weight) { sum += plane.color(x, y) * weight; });
+    return sum;
+  }
+  template <class Plane, class F>
+  void for_each_tap(const Plane& plane, const Vec2f& uv, TextureFilter filter, const F& f) const {
+    const Taps s = taps_of(uv.x, plane.width(), wrap_s_, filter);
+    Taps t = taps_of(uv.y, plane.height(), wrap_t_, filter);  // counted from the bottom row
     for (int* row : {&t.i0, &t.i1})
-      if (*row >= 0) *row = height() - 1 - *row;
+      if (*row >= 0) *row = plane.height() - 1 - *row;
     const auto add = [&](int x, int y, float weight) {
       if (x >= 0 && y >= 0 && weight > 0) f(x, y, weight);
     };
@@ -99,10 +123,30 @@ class StoredTexture final : public Texture {
     add(s.i1, t.i1, s.weight * t.weight);
   }
 
+  bool make_levels() const {
+    const auto texel = [this](int x, int y) {
+      return TexelMeans::sum_of(colors_.color(x, y), alpha_.empty() ? 1.0f : alpha_.number(x, y));
+    };
+    std::vector<std::unique_ptr<const Level>> levels;
+    TexelMeans means;
+    for (Vec2i size(width(), height()); std::max(size.x, size.y) > 1; size = means.size) {
+      means = levels.empty() ? halved(size, texel)
+                             : halved(size, [held = std::move(means)](int x, int y) { return held.at(x, y); });
+      auto level = std::make_unique<Level>();
+      if (!level->keep(packed(means, kCount), store_)) return false;
+      levels.push_back(std::move(level));
+    }
+    levels_ = std::move(levels);
+    return true;
+  }
+
   Wrap wrap_s_, wrap_t_;
   TextureFilter filter_;
   TexelPlane<Element, kCount> colors_;
   TexelPlane<Element, 1> alpha_;  // empty: 1
+  std::shared_ptr<TexelStore> store_;
+  mutable std::mutex mutex_;                                  // of making levels: no lookup filters before that
+  mutable std::vector<std::unique_ptr<const Level>> levels_;  // from half the size down to one texel
 };
 
 template <class Element, int kCount>

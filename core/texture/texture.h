@@ -34,6 +34,11 @@ class Texture {
  public:
   virtual ~Texture() = default;
   virtual Rgb rgb(const Vec2f& uv) const = 0;
+  /// The mean of rgb() over a footprint about `width` texels wide: from a pyramid of box means, trilinear. It is rgb()
+  /// where the footprint is not wider than a texel, for nearest texels, and without prepare_filtering().
+  virtual Rgb filtered(const Vec2f& uv, float /*width*/) const { return rgb(uv); }
+  /// Makes the pyramid, once; any thread. False, with errno as the reason, if there is no place for it.
+  virtual bool prepare_filtering() const { return true; }
   /// 1 for an image without alpha, 0 beyond a black border.
   virtual float alpha(const Vec2f&) const { return 1; }
   virtual int width() const = 0;

@@ -1,6 +1,7 @@
 // Placement of an image on texture coordinates.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/math/vector.h"
@@ -21,6 +22,19 @@ class UvTransform {
   }
   Vec2f operator()(const Vec2f& uv) const {
     return {u_.x * uv.x + u_.y * uv.y + u_.z, v_.x * uv.x + v_.y * uv.y + v_.z};
+  }
+  /// How far a footprint reaches in an image: its width, of a length for which `metric` (xx, xy, yy) is the squared
+  /// rate of change of uv, in texels of an image of this size, along the direction in which it covers the fewest.
+  float texels_across(float width, const Vec3f& metric, const Vec2f& size) const {
+    const Vec2f u = Vec2f(u_.x, u_.y) * size.x, v = Vec2f(v_.x, v_.y) * size.y;
+    const auto product = [&](const Vec2f& a, const Vec2f& b) {
+      return a.x * b.x * metric.x + (a.x * b.y + a.y * b.x) * metric.y + a.y * b.y * metric.z;
+    };
+    const float uu = product(u, u), uv = product(u, v), vv = product(v, v);
+    // The smaller eigenvalue.
+    const float trace = uu + vv, determinant = uu * vv - uv * uv;
+    const float root = trace + std::sqrt(std::max(trace * trace - 4 * determinant, 0.0f));
+    return root > 0 ? width * std::sqrt(std::max(2 * determinant / root, 0.0f)) : 0;
   }
   bool operator==(const UvTransform&) const = default;
 

@@ -42,6 +42,7 @@ struct TextureNodeReader {
     const Vec4f scale = finite_or("scale", Vec4f(1, 1, 1, 1)), bias = finite_or("bias", Vec4f(0, 0, 0, 0));
     lookup.scale = {scale.x, scale.y, scale.z}, lookup.alpha_scale = scale.w;
     lookup.bias = {bias.x, bias.y, bias.z}, lookup.alpha_bias = bias.w;
+    lookup.is_linear = texels == Texels::colors;
     return lookup;
   }
 
