@@ -211,6 +211,32 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
   return bytes;
 }
 
+// Reports the first uv of an instance for which a set of images has none.
+void find_missing_tiles(const InstanceDescription& d, const Instance& instance, const DiagnosticSink& sink,
+                        std::vector<std::string>* faults) {
+  const Mesh& mesh = instance.prototype->mesh;
+  const auto missing = [&](const DisneyMaterial* material, const TextureLookup& lookup) -> std::optional<Vec2f> {
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      if (&instance.material(i) != material) continue;
+      TriangleHit middle;
+      middle.triangle = i, middle.u = middle.v = 1.0f / 3;
+      const UvSet* const set = mesh.uv_set(lookup.uv_set);
+      const Vec2f uv = lookup.transform(set ? interpolated<Vec2f>(*set, mesh, middle) : Vec2f(0, 0));
+      if (!lookup.image->covers(uv)) return uv;
+    }
+    return std::nullopt;
+  };
+  for (const auto& material : d.materials)
+    for (const MaterialTexture& texture : material->textures) {
+      if (!texture.lookup.image || !texture.lookup.image->is_set()) continue;
+      if (const auto uv = missing(material.get(), texture.lookup)) {
+        faults->push_back(d.name + ": a set of images has none at (" + std::to_string(uv->x) + ", " +
+                          std::to_string(uv->y) + ")");
+        report(sink, Severity::error, "texture.tile", d.name, faults->back());
+      }
+    }
+}
+
 }  // namespace
 
 bool is_behind(const Instance& instance, uint32_t triangle, const Vec3f& dir) {
@@ -264,6 +290,7 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   std::vector<InstancePlacement> placements;
   for (const InstanceDescription* d : drawn) {
     snapshot->instances.push_back(place(*d, snapshot->origin));
+    find_missing_tiles(*d, snapshot->instances.back(), sink, &snapshot->faults);
     snapshot->features.see_through |= snapshot->instances.back().see_through;
     const Affine& object_to_world = snapshot->instances.back().object_to_world;
     placements.push_back({d->prototype->object, object_to_world});

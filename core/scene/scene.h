@@ -98,6 +98,7 @@ struct SceneSnapshot {
   std::shared_ptr<const InstancedScene> top;
   LightSet lights;
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
+  std::vector<std::string> faults;    // of textures: sets of images without one where it is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
 
   std::vector<std::shared_ptr<SubsurfaceBody>> bodies;           // keep-alive

@@ -18,16 +18,20 @@ PackedTexels<uint16_t> packed(const TexelMeans& means, int count) {
   return texels;
 }
 
-// With texels odd, 2 n + 1, boxes n: each is 2 + 1/n wide.
-BoxShares box_shares(int i, int boxes, int texels) {
-  const double width = static_cast<double>(texels) / boxes, begin = i * width, end = begin + width;
-  BoxShares box{static_cast<int>(begin), {}};
-  for (int k = 0; k < 3; ++k) {
-    const int texel = box.first + k;
-    const double covered = std::min(end, texel + 1.0) - std::max(begin, static_cast<double>(texel));
-    if (texel < texels && covered > 0) box.shares[size_t(k)] = static_cast<float>(covered / width);
+// An odd number of texels, 2 n + 1, makes n boxes that are 2 + 1/n wide, and none of them reaches a fourth texel.
+std::vector<BoxShares> box_shares(int boxes, int texels) {
+  const double width = static_cast<double>(texels) / boxes;
+  std::vector<BoxShares> all(static_cast<size_t>(boxes));
+  for (int i = 0; i < boxes; ++i) {
+    BoxShares& box = all[static_cast<size_t>(i)];
+    const double begin = i * width, end = begin + width;
+    box.first = static_cast<int>(begin);
+    while (box.count < 3 && box.first + box.count < std::min(end, static_cast<double>(texels))) {
+      const double texel = box.first + box.count;
+      box.shares[size_t(box.count++)] = static_cast<float>((std::min(end, texel + 1) - std::max(begin, texel)) / width);
+    }
   }
-  return box;
+  return all;
 }
 
 }  // namespace alabaster

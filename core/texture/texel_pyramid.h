@@ -28,29 +28,26 @@ TexelMeans halved(const Vec2i& size, const At& at);
 
 /// The texels that a box covers along an axis: `first` and up to two more, by their shares of its width.
 struct BoxShares {
-  int first;
-  std::array<float, 3> shares;
+  int first = 0, count = 0;
+  std::array<float, 3> shares{};
 };
-/// Of box `i` of `boxes` over `texels`, at most twice as many and a half.
-BoxShares box_shares(int i, int boxes, int texels);
+/// Of all boxes over an axis of `texels`.
+std::vector<BoxShares> box_shares(int boxes, int texels);
 
 template <class At>
 TexelMeans halved(const Vec2i& size, const At& at) {
   TexelMeans means;
   means.size = {std::max(size.x / 2, 1), std::max(size.y / 2, 1)};
   means.sums.reserve(size_t(means.size.x) * size_t(means.size.y));
-  for (int y = 0; y < means.size.y; ++y) {
-    const BoxShares rows = box_shares(y, means.size.y, size.y);
-    for (int x = 0; x < means.size.x; ++x) {
-      const BoxShares columns = box_shares(x, means.size.x, size.x);
+  const std::vector<BoxShares> columns = box_shares(means.size.x, size.x);
+  for (const BoxShares& row : box_shares(means.size.y, size.y))
+    for (const BoxShares& column : columns) {
       Vec4f sum(0, 0, 0, 0);
-      for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i)
-          if (const float share = rows.shares[size_t(j)] * columns.shares[size_t(i)]; share > 0)
-            sum += at(columns.first + i, rows.first + j) * share;
+      for (int j = 0; j < row.count; ++j)
+        for (int i = 0; i < column.count; ++i)
+          sum += at(column.first + i, row.first + j) * (row.shares[size_t(j)] * column.shares[size_t(i)]);
       means.sums.push_back(sum);
     }
-  }
   return means;
 }
 

@@ -12,6 +12,8 @@
 #include "core/texture/texel_packer.h"
 #include "core/texture/texel_plane.h"
 #include "core/texture/texel_pyramid.h"
+#include "core/texture/udim.h"
+#include "core/texture/udim_texture.h"
 
 namespace alabaster {
 namespace {
@@ -180,13 +182,35 @@ void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vect
 }  // namespace
 
 bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
+  if (source.may_be_set)
+    if (const auto tiles = udim_tiles(source.path); !tiles.empty())
+      return std::all_of(tiles.begin(), tiles.end(), [&](const UdimTile& tile) {
+        TextureSource one;
+        one.path = tile.path;
+        return is_image(one, sink);
+      });
   return ImageReader().open(source, std::numeric_limits<size_t>::max(), sink);
+}
+
+std::shared_ptr<const Texture> load_set(const TextureSource& source, const ColorConfig& colors,
+                                        const DiagnosticSink& sink, const std::shared_ptr<TexelStore>& store,
+                                        size_t max_pixels) {
+  std::map<std::pair<int, int>, std::shared_ptr<const Texture>> images;
+  for (const UdimTile& tile : udim_tiles(source.path)) {
+    TextureSource one = source;
+    one.path = tile.path, one.wrap_s = one.wrap_t = Wrap::clamp, one.may_be_set = false;
+    auto image = load_texture(one, colors, sink, store, max_pixels);
+    if (!image) return nullptr;
+    images[{tile.place.x, tile.place.y}] = std::move(image);
+  }
+  return std::make_shared<UdimTexture>(std::move(images));
 }
 
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
                                             const DiagnosticSink& sink, const std::shared_ptr<TexelStore>& store,
                                             size_t max_pixels) {
   try {
+    if (source.may_be_set && !udim_tiles(source.path).empty()) return load_set(source, colors, sink, store, max_pixels);
     ImageReader reader;
     if (!reader.open(source, max_pixels, sink)) return nullptr;
     const std::string space =

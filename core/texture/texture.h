@@ -25,6 +25,7 @@ struct TextureSource {
   std::string color_space = "auto";                   // see ColorConfig::to_rendering_space
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
   TextureFilter filter = TextureFilter::linear;
+  bool may_be_set = false;  // "<UDIM>" in the path names a set of files (core/texture/udim.h)
   bool operator==(const TextureSource&) const = default;
 };
 
@@ -41,6 +42,10 @@ class Texture {
   virtual bool prepare_filtering() const { return true; }
   /// 1 for an image without alpha, 0 beyond a black border.
   virtual float alpha(const Vec2f&) const { return 1; }
+  /// A set of images, each for a unit square of uv. False: it covers all uv.
+  virtual bool is_set() const { return false; }
+  /// False where a set has no image: it is black and transparent there.
+  virtual bool covers(const Vec2f&) const { return true; }
   virtual int width() const = 0;
   virtual int height() const = 0;
   /// Without tiles in a TexelStore's cache.
@@ -56,7 +61,7 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
                                             const std::shared_ptr<TexelStore>& store = nullptr,
                                             size_t max_pixels = size_t(1) << 28);
 
-/// True if the file opens as an image; nothing is decoded. Otherwise a report says why not.
+/// True if the file opens as an image, or each of a set does; nothing is decoded. Otherwise a report says why not.
 bool is_image(const TextureSource& source, const DiagnosticSink& sink);
 
 }  // namespace alabaster

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/texture/texture.h"
+#include "core/texture/udim.h"
 #include "delegate/description/name_match.h"
 
 namespace alabaster::hd::description {
@@ -68,11 +69,13 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
 
 AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
   if (state_.options.keep_going) return {file, resolve(file), nullptr};
-  AssetPath found = asset(pointer, file);
-  if (found.resolved.empty()) return found;
-  std::string problem;
+  AssetPath found{file, resolve(file), nullptr};
   TextureSource source;
   source.path = found.resolved;
+  source.may_be_set = !udim_tiles(found.resolved).empty();
+  if (!source.may_be_set) found = asset(pointer, file);
+  if (found.resolved.empty()) return found;
+  std::string problem;
   if (is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; })) return found;
   if (*state_.sink)
     (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});

@@ -22,6 +22,7 @@ struct TextureNodeReader {
     TextureSource source;
     const Value file = parameter("file");
     source.path = file.text_or("");
+    source.may_be_set = true;
     if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
     if (source.path.empty() && !source.bytes) {
       warn("material.texture.file", "a texture has no file; it is ignored");

@@ -182,8 +182,10 @@ std::vector<std::string> RenderCore::scene_faults(bool* input) const {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
   }
-  if (const auto held = snapshot())
+  if (const auto held = snapshot()) {
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
+    texts.insert(texts.end(), held->faults.begin(), held->faults.end());
+  }
   return texts;
 }
 

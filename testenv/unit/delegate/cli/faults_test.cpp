@@ -89,6 +89,25 @@ TEST_F(FaultsTest, AnImageThatCannotBeReadIsOneFaultWhereverItIsNamed) {
   }
 }
 
+// The patch has no texture coordinates, so it is looked up at (0, 0).
+TEST_F(FaultsTest, ASetOfImagesNeedsOneWhereTheMeshHasTextureCoordinates) {
+  const auto write_tile = [&](const char* name) {
+    const float grey[3] = {0.5f, 0.5f, 0.5f};
+    const auto out = OIIO::ImageOutput::create("x.png");
+    ASSERT_TRUE(out->open(folder_ / name, OIIO::ImageSpec(1, 1, 3, OIIO::TypeUInt8)));
+    ASSERT_TRUE(out->write_image(OIIO::TypeFloat, grey) && out->close());
+  };
+  write("set.json", R"({"gltf": [{"file": "lit.gltf"}], "materials": [{"match": "skin",
+                        "set": {"baseColor": {"file": "skin.<UDIM>.png"}}}]})");
+  expect_fault("set.json");
+  write_tile("skin.1012.png");
+  expect_fault("set.json");
+  write_tile("skin.1001.png");
+  EXPECT_EQ(render("set.json").code, 0);
+  write("skin.1002.png", "no image");
+  expect_fault("set.json");
+}
+
 TEST_F(FaultsTest, AnImageThatNothingUsesDoesNotCount) {
   write_textured("unused.gltf", R"({"uri": "absent.png"})");
   std::string text = read("unused.gltf");
