@@ -55,10 +55,9 @@ class TexelPlane {
 
  private:
   static constexpr bool kBytes = sizeof(Element) == 1;
-  // These fill a store's tile, or three quarters of it.
+  // Of a tile that fits one of the store's.
   static constexpr uint32_t kTileWidth = kBytes && kCount == 1 ? 128 : 64;
-  static constexpr uint32_t kTileHeight = kCount == 1 ? 128 : kBytes ? 64 : 32;
-  static_assert(kTileWidth * kTileHeight * kCount * sizeof(Element) <= TexelStore::kTileBytes);
+  static constexpr uint32_t kTileHeight = TexelStore::kTileBytes / (kTileWidth * kCount * sizeof(Element));
 
   float value(Element e, [[maybe_unused]] size_t row) const {
     if constexpr (kBytes) {

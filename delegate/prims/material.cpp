@@ -162,9 +162,12 @@ class MaterialReader {
                                              (row ? " and the constant used" : ""));
     bool connected = false;
     for (const MaterialConnection& connection : connections) {
-      MaterialTexture* const texture = texture_of(connection.upstreamNode, input, row->texels, material);
+      const Channel channel = channel_of(connection, row->is_color());
+      // Alpha is the same whatever its image's colours mean: it comes from the one that is read for colours.
+      MaterialTexture* const texture =
+          texture_of(connection.upstreamNode, input, channel == Channel::a ? Texels::colors : row->texels, material);
       if (!texture) continue;
-      texture->uses.push_back({row, channel_of(connection, row->is_color())});
+      texture->uses.push_back({row, channel});
       connected = true;
     }
     // A constant that nobody gave must not scale the texture.

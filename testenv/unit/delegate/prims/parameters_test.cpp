@@ -286,32 +286,43 @@ TEST(Materials, ScatterDistanceTakesATexture) {
   has(absent, "subsurface: no");
 }
 
-TEST(Materials, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
-  // A grey image of 2 MiB as halves.
+/// The scene's memory with a grey image of 2 MiB, as halves, connected to these inputs.
+double memory_with_image(Stage& stage, const std::map<Token, Token>& outputs) {
   std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 262144 +X 4\n";
   text.append(size_t(4) << 20, '\x80');
   const AssetPath file{"tall.hdr", "tall.hdr", std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
+  MaterialNetwork network = disney({});
+  network.nodes["/m/map"] = {"AlabasterTexture", {{"file", file}}, {}};
+  for (const auto& [input, output] : outputs)
+    network.nodes["/m/surface"].inputConnections[input] = {{"/m/map", output}};
+  stage.scene.SetMaterial("/m", network);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/m";
+  stage.scene.SetMesh("/mesh", mesh);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.count("texture.memory"), 0u);
+  return stage.stat("totalMemory");
+}
+
+TEST(Materials, TextureMemoryIsWhatTheHostSetsElseWhatASettingsPrimDoes) {
   const auto memory = [&](const Dictionary& host, const Dictionary& described) {
     Stage stage(host);
     RenderSettingsDescription settings;
     settings.settings = described;
     stage.scene.SetRenderSettings("/settings", settings);
-    MaterialNetwork network = disney({});
-    network.nodes["/m/map"] = {"AlabasterTexture", {{"file", file}}, {}};
-    network.nodes["/m/surface"].inputConnections["baseColor"] = {{"/m/map", "rgb"}};
-    stage.scene.SetMaterial("/m", network);
-    host::MeshDescription mesh = Stage::quad();
-    mesh.material = "/m";
-    stage.scene.SetMesh("/mesh", mesh);
-    stage.index->SyncAll();
-    EXPECT_EQ(stage.count("texture.memory"), 0u);
-    return stage.stat("totalMemory");
+    return memory_with_image(stage, {{"baseColor", "rgb"}});
   };
   const double held = memory({}, {});
   EXPECT_GT(held, 0x1p21);
   EXPECT_LT(memory({{"textureMemory", 1}}, {}), held - 0x1.fp20);
   EXPECT_LT(memory({}, {{"textureMemory", 1}}), held - 0x1.fp20);
   EXPECT_EQ(memory({{"textureMemory", 64}}, {{"textureMemory", 1}}), held);
+}
+
+TEST(Materials, AlphaComesFromTheImageThatIsReadForColors) {
+  Stage one, both;
+  EXPECT_LT(memory_with_image(both, {{"baseColor", "rgb"}, {"opacity", "a"}}),
+            memory_with_image(one, {{"baseColor", "rgb"}}) + 0x1p20);
 }
 
 TEST(Materials, MayComeAfterAndGoBeforeTheMesh) {
