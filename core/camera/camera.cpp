@@ -23,6 +23,10 @@ std::span<const Parameter<CameraParameters>> camera_parameters() {
       {"verticalApertureOffset", &P::vertical_aperture_offset},
       {"fStop", &P::f_stop, 0, kUnbounded},
       {"focusDistance", &P::focus_distance, 0, kUnbounded},
+      {"apertureBlades", &P::aperture_blades, 0, 64},
+      {"apertureRotation", &P::aperture_rotation},
+      {"shutterOpen", &P::shutter_open},
+      {"shutterClose", &P::shutter_close},
   };
   return kTable;
 }
@@ -34,7 +38,9 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
       focus_distance_(p.focus_distance),
       clip_near_(p.clip_near),
       clip_far_(p.clip_far),
-      orthographic_(p.orthographic) {
+      orthographic_(p.orthographic),
+      blades_(p.aperture_blades >= 3 ? p.aperture_blades : 0),
+      rotation_(p.aperture_rotation * (kPi / 180)) {
   const Matrix4d& m = p.camera_to_world;
   origin_ = Vec3f(Vec3d(m[3][0], m[3][1], m[3][2]) - render_origin);
   // Aperture -> tangent plane at distance one; an orthographic aperture is the view's size itself.
@@ -44,6 +50,22 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
   film_offset_ = {p.horizontal_aperture_offset * unit - 0.5f * w, p.vertical_aperture_offset * unit + 0.5f * h};
   const bool has_lens = p.f_stop > 0 && focus_distance_ > 0 && !orthographic_;
   lens_radius_ = has_lens ? p.focal_length / (2 * p.f_stop) : 0;
+}
+
+// A regular polygon as large as the disk: a blade less or more changes the shape of what is out of focus, not how much
+// it is.
+Vec2f Camera::sample_aperture(const Vec2f& lens) const {
+  if (blades_ == 0) return sample_concentric_disk(lens) * lens_radius_;
+  const auto n = static_cast<float>(blades_);
+  const float corner_angle = kTwoPi / n;
+  const float radius = lens_radius_ * std::sqrt(kTwoPi / (n * std::sin(corner_angle)));
+  const float side = std::min(std::floor(lens.x * n), n - 1);
+  const Vec2f b = sample_uniform_triangle({lens.x * n - side, lens.y});
+  const auto corner = [&](float i) {
+    const float angle = rotation_ + i * corner_angle;
+    return Vec2f(std::cos(angle), std::sin(angle)) * radius;
+  };
+  return corner(side) * b.y + corner(side + 1) * (1 - b.x - b.y);
 }
 
 Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
@@ -58,7 +80,7 @@ Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
   Vec3f origin = origin_;
   if (lens_radius_ > 0) {
     // Kolb, Mitchell, Hanrahan 1995, thin lens: all rays of a film point meet in the plane of focus.
-    const Vec2f d = sample_concentric_disk(lens) * lens_radius_;
+    const Vec2f d = sample_aperture(lens);
     const Vec3f focus = local * focus_distance_;
     local = {(focus.x - d.x) / focus_distance_, (focus.y - d.y) / focus_distance_, -1};
     origin = origin_ + x_ * d.x + y_ * d.y;
@@ -79,6 +101,28 @@ PixelCone Camera::pixel_cone(const Vec3f& d) const {
 
 float Camera::axial_depth(const Vec3f& p_render) const {
   return dot(origin_ - p_render, z_);
+}
+
+MovingCamera::MovingCamera(const CameraParameters& parameters, int width, int height, const Vec3d& render_origin)
+    : opens_(parameters.opens), closes_(parameters.closes) {
+  CameraParameters posed = parameters;
+  for (const Matrix4d& pose : parameters.poses) {
+    posed.camera_to_world = pose;
+    poses_.emplace_back(posed, width, height, render_origin);
+  }
+  if (poses_.empty()) poses_.emplace_back(parameters, width, height, render_origin);
+}
+
+Camera MovingCamera::at(float share) const {
+  if (!moves()) return poses_.front();
+  const PoseTime at(share, poses_.size());
+  const Camera &a = poses_[at.first], &b = poses_[at.first + 1];
+  Camera posed = a;
+  posed.origin_ = at.between(a.origin_, b.origin_);
+  posed.x_ = normalize(at.between(a.x_, b.x_));
+  posed.y_ = normalize(at.between(a.y_, b.y_));
+  posed.z_ = normalize(at.between(a.z_, b.z_));
+  return posed;
 }
 
 float Camera::clip_depth(float axial) const {

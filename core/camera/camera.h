@@ -2,9 +2,10 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
+#include "core/math/motion.h"
 #include "core/math/ray.h"
-#include "core/math/transform.h"
 #include "core/parameter/parameter.h"
 
 namespace alabaster {
@@ -23,6 +24,12 @@ struct CameraParameters {
   float clip_near = 0;  // 0: none
   float clip_far = 0;   // 0: none
   bool orthographic = false;
+  uint32_t aperture_blades = 0;  // below 3: a round aperture
+  float aperture_rotation = 0;   // degrees, from the camera's x to its y; 0: a corner on the x axis
+  float shutter_open = 0;        // frames, relative to the one that is drawn
+  float shutter_close = 0;       // not before it opens; the same: nothing is blurred
+  std::vector<Matrix4d> poses;   // camera_to_world over the camera's own shutter, even ones; empty: stands still
+  float opens = 0, closes = 0;   // the camera's shutter as a part of the scene's, which goes from 0 to 1
   bool operator==(const CameraParameters&) const = default;
 };
 /// schemas/camera.json, but for projection and clippingRange.
@@ -41,7 +48,7 @@ class Camera {
   /// `render_origin`: the world position that render space has at its origin (SceneSnapshot::origin).
   Camera(const CameraParameters& parameters, int width, int height, const Vec3d& render_origin);
 
-  /// Unit direction. `lens` is used only with a lens. In render space.
+  /// Unit direction. `lens` is used only with a lens. In render space; time 0.
   Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
 
   /// The cone of a pixel that looks in unit direction `d`, render space, without filter and lens.
@@ -53,11 +60,34 @@ class Camera {
   float clip_depth(float axial_depth) const;
 
  private:
+  friend class MovingCamera;
+  Vec2f sample_aperture(const Vec2f& lens) const;
+
   Vec3f origin_, x_, y_, z_;  // frame in render space, unit
   // From film pixels to coordinates in the plane at unit distance, or to world units if orthographic.
   Vec2f film_scale_, film_offset_;
   float lens_radius_, focus_distance_, clip_near_, clip_far_;
   bool orthographic_;
+  uint32_t blades_;  // of a polygon, else 0
+  float rotation_;   // of the aperture, radians
+};
+
+/// A camera through its shutter. Samples of its own time are spread evenly over that.
+class MovingCamera {
+ public:
+  MovingCamera(const CameraParameters& parameters, int width, int height, const Vec3d& render_origin);
+
+  /// Where the shutter opens.
+  const Camera& first() const { return poses_.front(); }
+  bool moves() const { return poses_.size() > 1; }
+  /// At a share 0..1 of the shutter.
+  Camera at(float share) const;
+  /// The time of the scene's shutter then.
+  float time(float share) const { return opens_ + (closes_ - opens_) * share; }
+
+ private:
+  std::vector<Camera> poses_;
+  float opens_, closes_;
 };
 
 }  // namespace alabaster

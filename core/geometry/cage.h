@@ -57,6 +57,11 @@ struct Cage {
   Primvar<Rgb> colors;             // linear, in the rendering space; refined if they are given per vertex
   Primvar<float> opacities;        // 0 to 1; as colors
   std::vector<int> face_material;  // material slot per face; empty: all 0
+
+  /// Unrefined, it has normals that are computed.
+  bool has_smooth_normals() const {
+    return normals.empty() && (scheme == SubdivisionScheme::catmull_clark || scheme == SubdivisionScheme::loop);
+  }
 };
 
 /// Makes a cage safe for everything after it (Embree and OpenSubdiv trust their input): drops or repairs what is broken

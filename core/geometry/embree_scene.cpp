@@ -88,7 +88,7 @@ class SceneHandle {
 RTCRay to_embree(const Ray& ray) {
   const Vec3f &o = ray.org, &d = ray.dir;
   // Members: org, tnear, dir, time, tfar, mask, id, flags.
-  return {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.tmax, ~0u, 0, 0};
+  return {o.x, o.y, o.z, 0, d.x, d.y, d.z, ray.time, ray.tmax, ~0u, 0, 0};
 }
 
 // Without a hit so far.
@@ -123,6 +123,18 @@ struct Growth {
     stretch = std::max(stretch, other.stretch);
     shift = std::max(shift, other.shift);
   }
+  // Between two poses the inverse is at most as large as the least stretch allows.
+  static Growth of(const std::vector<Affine>& poses) {
+    const float least = least_stretch_over(poses);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const float stretch = least > 0 ? 2 / least : kInfinity;
+    Growth growth{stretch, 0};
+    for (const Affine& pose : poses) {
+      growth.include(of(pose));
+      growth.shift = std::max(growth.shift, 2 * stretch * max_abs_component(pose.t));
+    }
+    return std::isfinite(growth.shift) ? growth : Growth{kInfinity, kInfinity};
+  }
   bool allows(float origin, float direction) const {
     return origin * stretch + shift < kTraceLimit && direction * stretch < kTraceLimit;
   }
@@ -137,9 +149,9 @@ struct FilterContext {
 
 void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
   const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
-  const TriangleHit hit{RTCRayN_tfar(args->ray, args->N, 0), RTCHitN_u(args->hit, args->N, 0),
-                        RTCHitN_v(args->hit, args->N, 0), RTCHitN_primID(args->hit, args->N, 0),
-                        RTCHitN_instID(args->hit, args->N, 0, 0)};
+  const TriangleHit hit{RTCRayN_tfar(args->ray, args->N, 0),      RTCHitN_u(args->hit, args->N, 0),
+                        RTCHitN_v(args->hit, args->N, 0),         RTCHitN_primID(args->hit, args->N, 0),
+                        RTCHitN_instID(args->hit, args->N, 0, 0), RTCRayN_time(args->ray, args->N, 0)};
   if (!context.filter->stops(hit)) args->valid[0] = 0;
 }
 
@@ -161,6 +173,7 @@ bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, const Hit
   hit->v = query.hit.v;
   hit->triangle = query.hit.primID;
   hit->instance = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID ? 0 : query.hit.instID[0];
+  hit->time = ray.time;
   return true;
 }
 
@@ -177,7 +190,8 @@ void collect_hit(const RTCFilterFunctionNArguments* args) noexcept {
   args->valid[0] = 0;
   try {
     context.hits->push_back({RTCRayN_tfar(args->ray, args->N, 0), RTCHitN_u(args->hit, args->N, 0),
-                             RTCHitN_v(args->hit, args->N, 0), RTCHitN_primID(args->hit, args->N, 0), 0});
+                             RTCHitN_v(args->hit, args->N, 0), RTCHitN_primID(args->hit, args->N, 0), 0,
+                             RTCRayN_time(args->ray, args->N, 0)});
   } catch (...) {
     context.out_of_memory = true;
   }
@@ -200,16 +214,21 @@ void intersect_all_in_scene(RTCScene scene, const Ray& ray, std::pmr::vector<Tri
 class EmbreeObjectScene final : public ObjectScene {
  public:
   EmbreeObjectScene(std::shared_ptr<TraceDevice> device, const Mesh& mesh)
-      : scene_(std::move(device)), points_(mesh.points.size()), triangles_(mesh.triangles.size()) {}
+      : scene_(std::move(device)),
+        points_(mesh.points.size()),
+        triangles_(mesh.triangles.size()),
+        poses_(1 + mesh.later_poses.size()) {}
 
   /// Copies the mesh into buffers that Embree allocates (and pads: it reads 16 bytes at each 12-byte vertex).
   bool attach(const Mesh& mesh) {
     RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     if (!geometry) return false;
-    const bool filled =
-        fill(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, mesh.points.data(), sizeof(Vec3f), points_) &&
-        fill(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, mesh.triangles.data(), 3 * sizeof(uint32_t),
-             triangles_);
+    rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(poses_));
+    bool filled = fill(geometry, {RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3}, mesh.triangles.data(),
+                       3 * sizeof(uint32_t), triangles_);
+    for (unsigned i = 0; i < poses_ && filled; ++i)
+      filled = fill(geometry, {RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3}, mesh.points_of_pose(i).data(),
+                    sizeof(Vec3f), points_);
     if (filled) {
       rtcCommitGeometry(geometry);
       rtcAttachGeometryByID(scene_.get(), geometry, 0);
@@ -225,23 +244,27 @@ class EmbreeObjectScene final : public ObjectScene {
 
   size_t memory_bytes() const override {
     // The buffers are known; the hierarchy takes about 66 bytes a triangle (Embree 3.13 does not tell per scene).
-    constexpr size_t kHierarchyBytesPerTriangle = 66;
-    return points_ * sizeof(Vec3f) + triangles_ * (3 * sizeof(uint32_t) + kHierarchyBytesPerTriangle);
+    const size_t hierarchy_per_triangle = poses_ > 1 ? 200 : 66;
+    return poses_ * points_ * sizeof(Vec3f) + triangles_ * (3 * sizeof(uint32_t) + hierarchy_per_triangle);
   }
   RTCScene get() const { return scene_.get(); }
   bool take_error() const { return scene_.take_error(); }
 
  private:
-  static bool fill(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const void* data, size_t stride,
-                   size_t count) {
-    void* buffer = rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, count);
+  struct Slot {
+    RTCBufferType type;
+    unsigned slot;
+    RTCFormat format;
+  };
+  static bool fill(RTCGeometry geometry, const Slot& to, const void* data, size_t stride, size_t count) {
+    void* buffer = rtcSetNewGeometryBuffer(geometry, to.type, to.slot, to.format, stride, count);
     if (!buffer) return false;
     std::memcpy(buffer, data, count * stride);
     return true;
   }
 
   SceneHandle scene_;
-  size_t points_, triangles_;
+  size_t points_, triangles_, poses_;
 };
 
 struct BuildMonitor {
@@ -286,22 +309,28 @@ class EmbreeInstancedScene final : public InstancedScene {
 
  private:
   bool add(const InstancePlacement& placement, unsigned index) {
-    const Growth growth = Growth::of(placement.object_to_world);
+    const bool moves = !placement.poses.empty();
+    const Growth growth = moves ? Growth::of(placement.poses) : Growth::of(placement.object_to_world);
     if (!placement.object || !growth.allows(0, 1)) return true;
     RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_INSTANCE);
     if (!geometry) return false;
     // Every ObjectScene comes from build_object_scene.
     rtcSetGeometryInstancedScene(geometry, static_cast<const EmbreeObjectScene&>(*placement.object).get());
-    // Embree's columns are the images of the axes and of the origin: the rows of our row-vector matrices.
-    const Affine& m = placement.object_to_world;
-    const float columns[12] = {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z, m.t.x, m.t.y, m.t.z};
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+    if (moves) rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(placement.poses.size()));
+    for (unsigned i = 0; i < placement.poses.size(); ++i) set_transform(geometry, i, placement.poses[i]);
+    if (!moves) set_transform(geometry, 0, placement.object_to_world);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene_.get(), geometry, index);
     rtcReleaseGeometry(geometry);
     objects_.push_back(placement.object);
     growth_.include(growth);
     return !scene_.take_error();
+  }
+
+  // Embree's columns are the images of the axes and of the origin: the rows of our row-vector matrices.
+  static void set_transform(RTCGeometry geometry, unsigned pose, const Affine& m) {
+    const float columns[12] = {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z, m.t.x, m.t.y, m.t.z};
+    rtcSetGeometryTransform(geometry, pose, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
   }
 
   Growth growth_;                                            // of all instances together
@@ -314,6 +343,10 @@ class EmbreeInstancedScene final : public InstancedScene {
 
 bool is_traceable(const Affine& object_to_world, float distance) {
   return Growth::of(object_to_world).allows(distance, 1);
+}
+
+bool is_traceable(const std::vector<Affine>& poses, float distance) {
+  return Growth::of(poses).allows(distance, 1);
 }
 
 std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink) {

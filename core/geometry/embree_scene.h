@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/geometry/mesh.h"
+#include "core/math/motion.h"
 #include "core/math/ray.h"
-#include "core/math/transform.h"
 
 namespace alabaster {
 
@@ -25,9 +25,10 @@ struct TriangleHit {
   float u = 0, v = 0;  // barycentric: p = (1-u-v) p0 + u p1 + v p2
   uint32_t triangle = 0;
   uint32_t instance = 0;  // InstancedScene only: index into the instances it was built from
+  float time = 0;         // of the ray: where the triangle was then
 };
 
-/// BVH of one mesh in object space. Immutable; traced from any thread.
+/// BVH of one mesh in object space, with its motion if it deforms. Immutable; traced from any thread.
 class ObjectScene {
  public:
   virtual ~ObjectScene() = default;
@@ -47,6 +48,7 @@ std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<Trac
 struct InstancePlacement {
   std::shared_ptr<const ObjectScene> object;
   Affine object_to_world;
+  std::vector<Affine> poses = {};  // of an instance that moves: even ones over the shutter, 2 to kMostPoses
 };
 
 /// Asked of each hit that a ray meets on its way, in no order, on the ray's thread.
@@ -85,5 +87,7 @@ inline bool is_traceable(const Ray& ray) {
 /// placement: Embree inverts it in float, and aborts as well when the ray is too large in object space. False for what
 /// is flat or huge or tiny beyond floats.
 bool is_traceable(const Affine& object_to_world, float distance);
+/// The same through all poses of an instance that moves, and in between. False also where it turns inside out.
+bool is_traceable(const std::vector<Affine>& poses, float distance);
 
 }  // namespace alabaster

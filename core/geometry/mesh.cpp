@@ -79,25 +79,40 @@ class FlatBuilder {
   Mesh build() {
     mesh_.points = cage_.points;
     mesh_.normals = cage_.normals.values;
-    const bool smooth = cage_.normals.empty() &&
-                        (cage_.scheme == SubdivisionScheme::catmull_clark || cage_.scheme == SubdivisionScheme::loop);
-    if (smooth) vertex_normals_.assign(cage_.points.size(), Vec3d(0, 0, 0));
     size_t first = 0;
     for (size_t face = 0; face < hole_.size(); ++face) {
       const size_t count = static_cast<size_t>(cage_.face_vertex_counts[face]);
-      // Holes shape smooth normals as they shape the limit surface.
       gather(first, count);
-      if (smooth) add_normal(first, count);
       if (!hole_[face]) add_face(face, first);
       first += count;
     }
-    if (smooth) finish_normals();
+    if (cage_.has_smooth_normals()) mesh_.normals = smooth_normals();
     if (!cage_.normals.empty()) mesh_.normal_triangles = attribute_triangles(cage_.normals);
     mesh_.tangents = attribute(cage_.tangents);
     for (const UvPrimvar& uv : cage_.uvs) mesh_.uv_sets.push_back({attribute<Vec2f>(uv), uv.name});
     mesh_.colors = attribute(cage_.colors);
     mesh_.opacities = attribute(cage_.opacities);
     return std::move(mesh_);
+  }
+
+  std::vector<Vec3f> smooth_normals() {
+    vertex_normals_.assign(cage_.points.size(), Vec3d(0, 0, 0));
+    size_t first = 0;
+    // Holes shape smooth normals as they shape the limit surface.
+    for (const int corners : cage_.face_vertex_counts) {
+      const auto count = static_cast<size_t>(corners);
+      gather(first, count);
+      add_normal(first, count);
+      first += count;
+    }
+    std::vector<Vec3f> normals;
+    normals.reserve(vertex_normals_.size());
+    for (const Vec3d& n : vertex_normals_) {
+      const double l = length(n);
+      // Zero (faces that cancel): the hit falls back to the geometric normal.
+      normals.push_back(l > 0 ? Vec3f(n / l) : Vec3f(0, 0, 0));
+    }
+    return normals;
   }
 
  private:
@@ -143,15 +158,6 @@ class FlatBuilder {
     const Vec3d n = polygon_normal(corners_) * (cage_.left_handed ? -1.0 : 1.0);
     for (size_t k = first; k < first + count; ++k)
       vertex_normals_[static_cast<size_t>(cage_.face_vertex_indices[k])] += n;
-  }
-
-  void finish_normals() {
-    mesh_.normals.reserve(vertex_normals_.size());
-    for (const Vec3d& n : vertex_normals_) {
-      const double l = length(n);
-      // Zero (faces that cancel): the hit falls back to the geometric normal.
-      mesh_.normals.push_back(l > 0 ? Vec3f(n / l) : Vec3f(0, 0, 0));
-    }
   }
 
   const Cage& cage_;
@@ -204,6 +210,7 @@ size_t Mesh::memory_bytes() const {
                  bytes_of(tangents) + bytes_of(colors) + bytes_of(opacities) + bytes_of(triangle_face) +
                  bytes_of(triangle_material);
   for (const UvSet& set : uv_sets) bytes += bytes_of<Vec2f>(set);
+  for (const MeshPose& pose : later_poses) bytes += bytes_of(pose.points) + bytes_of(pose.normals);
   return bytes;
 }
 
@@ -253,6 +260,19 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
   mesh.closed = is_closed(mesh);
   mesh.outward = mesh.closed && encloses_positive_volume(mesh);
   return mesh;
+}
+
+MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose posed) {
+  Cage moved = cage;
+  moved.points = posed.points;
+  if (const int level = affordable_level(cage, options, {}); level > 0) {
+    moved.uvs.clear();
+    moved.colors = {}, moved.opacities = {};
+    if (auto refined = tessellate_limit_surface(moved, level, options.where, {}))
+      return {std::move(refined->points), std::move(refined->normals)};
+  }
+  if (cage.has_smooth_normals()) posed.normals = FlatBuilder(moved).smooth_normals();
+  return posed;
 }
 
 }  // namespace alabaster

@@ -9,6 +9,7 @@
 
 #include "core/geometry/cage.h"
 #include "core/math/bounds.h"
+#include "core/math/motion.h"
 
 namespace alabaster {
 
@@ -42,6 +43,11 @@ struct UvSet : MeshAttribute<Vec2f> {
   UvSetName name = "st";
 };
 
+/// The shape of a mesh that deforms, at another time. As many points and normals as the mesh has.
+struct MeshPose {
+  std::vector<Vec3f> points, normals;
+};
+
 /// Triangles wind counter-clockwise seen from outside (left_handed is already undone).
 struct Mesh {
   std::vector<Vec3f> points;
@@ -54,13 +60,35 @@ struct Mesh {
   MeshAttribute<float> opacities;
   std::vector<int32_t> triangle_face;      // face of the cage, which elementId reports
   std::vector<int32_t> triangle_material;  // slot; empty: all 0
-  Bounds bounds;
+  /// Of a mesh that deforms: points and normals are those at the shutter's opening, these follow at even times up to
+  /// its close. Everything else that is said of the mesh's shape holds at the opening.
+  std::vector<MeshPose> later_poses;
+  Bounds bounds;         // at all times
   bool closed = false;   // every edge is shared by an even number (>= 2) of triangles, after welding points by position
   bool outward = false;  // closed, and its triangles enclose a positive volume
 
   /// The cage's face that a triangle is part of.
   int element(uint32_t triangle) const {
     return triangle_face.empty() ? static_cast<int>(triangle) : triangle_face[triangle];
+  }
+  bool deforms() const { return !later_poses.empty(); }
+  const std::vector<Vec3f>& points_of_pose(size_t i) const { return i == 0 ? points : later_poses[i - 1].points; }
+  const std::vector<Vec3f>& normals_of_pose(size_t i) const { return i == 0 ? normals : later_poses[i - 1].normals; }
+  /// A point or a normal, not unit, of a mesh that deforms.
+  Vec3f point_at(uint32_t i, float time) const {
+    const PoseTime at(time, later_poses.size() + 1);
+    return at.between(points_of_pose(at.first)[i], later_poses[at.first].points[i]);
+  }
+  Vec3f normal_at(uint32_t i, float time) const {
+    const PoseTime at(time, later_poses.size() + 1);
+    return at.between(normals_of_pose(at.first)[i], later_poses[at.first].normals[i]);
+  }
+  /// The corners of a triangle at a time.
+  std::array<Vec3f, 3> corners_at(uint32_t triangle, float time) const {
+    const Corners& c = triangles[triangle];
+    if (deforms()) [[unlikely]]
+      return {point_at(c[0], time), point_at(c[1], time), point_at(c[2], time)};
+    return {points[c[0]], points[c[1]], points[c[2]]};
   }
   /// Null if there is none of that name.
   const UvSet* uv_set(const UvSetName& name) const;
@@ -79,6 +107,10 @@ struct RefinementOptions {
 /// faces are triangulated as they are: polygons without folding over for concave planar ones, smooth normals computed
 /// for catmull_clark and loop without authored ones (area weighted), authored normals used, else flat.
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink);
+
+/// The shape of a mesh, which build_mesh() made of `cage` with these options, when the cage's points (and normals, if
+/// it has authored ones) are these. As many of them as the cage has.
+MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose posed);
 
 /// Bytes that build_mesh would need at this level (an upper estimate), without building it.
 size_t estimate_mesh_bytes(const Cage& cage, int level);

@@ -62,11 +62,18 @@ float render_offset(float m, const Vec3f& ng, const Affine& to_render, const Aff
   return kRoundings * (dot(s, absolute(ng)) + plane_error(m, along) + dot(q + r, along));
 }
 
+// The normals at a triangle's corners.
+std::array<Vec3f, 3> normals_at(const Mesh& mesh, const TriangleHit& hit) {
+  const Corners& c = normal_corners(mesh, hit.triangle);
+  if (mesh.deforms()) [[unlikely]]
+    return {mesh.normal_at(c[0], hit.time), mesh.normal_at(c[1], hit.time), mesh.normal_at(c[2], hit.time)};
+  return {mesh.normals[c[0]], mesh.normals[c[1]], mesh.normals[c[2]]};
+}
+
 // The interpolated normal in object space. Three corners that all point inward are taken as authored for the other
 // side; a single one that leans over the horizon is left to the caller, who bends the result.
 Vec3f interpolated_normal(const Mesh& mesh, const TriangleHit& hit, const Vec3f& ng_object) {
-  const Corners& c = normal_corners(mesh, hit.triangle);
-  const Vec3f &n0 = mesh.normals[c[0]], &n1 = mesh.normals[c[1]], &n2 = mesh.normals[c[2]];
+  const auto [n0, n1, n2] = normals_at(mesh, hit);
   const Vec3f n = n0 * (1 - hit.u - hit.v) + n1 * hit.u + n2 * hit.v;
   const bool reversed = dot(n0, ng_object) < 0 && dot(n1, ng_object) < 0 && dot(n2, ng_object) < 0;
   return reversed ? -n : n;
@@ -100,11 +107,14 @@ TextureFrame texture_frame(const Mesh& mesh, const TriangleHit& hit, const Vec3f
 
 // The triangle in its own space.
 struct Facet {
-  const Vec3f &p0, &p1, &p2;
+  std::array<Vec3f, 3> corners;
+  const Vec3f &p0 = corners[0], &p1 = corners[1], &p2 = corners[2];
   Vec3f e1 = p1 - p0, e2 = p2 - p0;
   float scale = exact_reciprocal_scale(std::max(max_abs_component(e1), max_abs_component(e2)));
 
-  Facet(const Mesh& mesh, const Corners& c) : p0(mesh.points[c[0]]), p1(mesh.points[c[1]]), p2(mesh.points[c[2]]) {}
+  Facet(const Mesh& mesh, const TriangleHit& hit) : corners(mesh.corners_at(hit.triangle, hit.time)) {}
+  Facet(const Facet&) = delete;
+  Facet& operator=(const Facet&) = delete;
   float largest_coordinate() const {
     return std::max(max_abs_component(p0), std::max(max_abs_component(p1), max_abs_component(p2)));
   }
@@ -121,6 +131,9 @@ inline void set_point(const Mesh& mesh, const TriangleHit& hit, const Facet& f, 
   const float m = f.largest_coordinate();
   s->offset = render_offset(m, s->ng, object_to_render, render_to_object);
   s->offset_object = kRoundings * (plane_error(m, s->ng_object) + m);
+  // Between poses the corners and the placement are rounded once more each.
+  if (hit.time > 0) [[unlikely]]
+    s->offset *= 2, s->offset_object *= 2;
 }
 
 }  // namespace
@@ -138,14 +151,14 @@ void prefetch_corners(const Mesh& mesh, uint32_t triangle, Attributes attributes
 SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                            const Affine& render_to_object) {
   SurfacePoint s;
-  set_point(mesh, hit, Facet(mesh, mesh.triangles[hit.triangle]), object_to_render, render_to_object, &s);
+  set_point(mesh, hit, Facet(mesh, hit), object_to_render, render_to_object, &s);
   return s;
 }
 
 SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                        const Affine& render_to_object) {
   SurfaceHit s;
-  const Facet f(mesh, mesh.triangles[hit.triangle]);
+  const Facet f(mesh, hit);
   set_point(mesh, hit, f, object_to_render, render_to_object, &s);
   const TextureFrame frame = texture_frame(mesh, hit, f.e1 * f.scale, f.e2 * f.scale);
   s.uv = frame.uv;
@@ -188,16 +201,14 @@ float HitPrimvars::opacity() const {
 Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& side,
                       const Affine& object_to_render) {
   if (mesh.normals.empty()) return Vec3f(0, 0, 0);
-  const Corners& points = mesh.triangles[hit.triangle];
-  const Corners& normals = normal_corners(mesh, hit.triangle);
+  const std::array<Vec3f, 3> points = mesh.corners_at(hit.triangle, hit.time), normals = normals_at(mesh, hit);
   const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-  const bool reversed =
-      dot(mesh.normals[normals[0]] + mesh.normals[normals[1]] + mesh.normals[normals[2]], side.ng_object) < 0;
+  const bool reversed = dot(normals[0] + normals[1] + normals[2], side.ng_object) < 0;
   Vec3f shift(0, 0, 0);
   for (size_t i = 0; i < 3; ++i) {
-    const Vec3f n = reversed ? -mesh.normals[normals[i]] : mesh.normals[normals[i]];
+    const Vec3f n = reversed ? -normals[i] : normals[i];
     // Below the tangent plane of the vertex: up to it. A normal that leans over the facet's horizon is no guide.
-    const float depth = dot(mesh.points[points[i]] - side.p_object, n);
+    const float depth = dot(points[i] - side.p_object, n);
     if (depth > 0 && dot(n, side.ng_object) > 0) shift += n * (weights[i] * depth / dot(n, n));
   }
   return object_to_render.vector(shift);

@@ -8,7 +8,7 @@ namespace {
 
 // True if the vertex is seen from the interior.
 bool is_seen_from_inside(const PathVertex& v) {
-  return is_behind(*v.instance, v.triangle.triangle, -v.hit.ng);
+  return is_behind(*v.instance, v.triangle, -v.hit.ng);
 }
 
 Interior interior_of(const PathVertex& v) {
@@ -82,7 +82,7 @@ bool meet_boundary(PathVertex* v, PathState* path, float* u) {
   const bool is_there = inside ? interiors.current()->instance == instance : !other || other->priority <= p.priority;
   if (!is_there) {
     cross_boundary(*v, inside, &interiors);
-    path->ray = {beyond(*v), path->ray.dir};
+    path->go_on(beyond(*v), path->ray.dir);
     path->scatter_pdf = std::numeric_limits<float>::infinity();
     return false;
   }
@@ -150,8 +150,10 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   }
   path->scatter_pdf = discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
   if (side == Side::far) path->interiors = interiors_beyond;
-  path->ray = side == Side::far ? Ray{beyond(v), sample->lobe == Lobe::straight ? path->ray.dir : wi}
-                                : Ray{origin_of(context, v.departure, wi), wi};
+  if (side == Side::far)
+    path->go_on(beyond(v), sample->lobe == Lobe::straight ? path->ray.dir : wi);
+  else
+    path->go_on(origin_of(context, v.departure, wi), wi);
   return sample->lobe;
 }
 

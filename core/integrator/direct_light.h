@@ -26,7 +26,7 @@ struct LightWeight {
 /// The share of the light that arrives at `p`.
 inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light) {
   ++context.counters.shadow_rays;
-  const Ray ray(p, light.wi, light.shadow_length());
+  const Ray ray{p, light.wi, light.shadow_length(), context.time};
   if (!context.scene.features.see_through) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
   const Transmittance transmittance(context.scene, ray.dir);
   return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
@@ -59,7 +59,7 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon&
 /// in between them.
 inline bool reaches_curved_surface(const PathContext& context, const Departure& from) {
   ++context.counters.shadow_rays;
-  return !context.scene.top->occluded({from.flat, from.curved - from.flat, 1});
+  return !context.scene.top->occluded({from.flat, from.curved - from.flat, 1, context.time});
 }
 
 /// Origin of a ray in direction `wi`.

@@ -18,21 +18,22 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   v.instance = &context.scene.instances[triangle.instance];
   v.triangle = triangle;
   const Vec3f wo = -ray.dir;
-  v.hit = surface_on_side(*v.instance, triangle, wo);
+  const Placement& placement = v.instance->at(triangle.time, &v.moved);
+  const Mesh& mesh = v.instance->prototype->mesh;
+  v.hit = surface_on_side(*v.instance, placement, triangle, wo);
   const Vec3f surface = bend_towards(v.hit.ns, wo);
-  v.departure = depart(*v.instance, triangle, v.hit, surface);
+  v.departure = depart(mesh, placement.object_to_world, triangle, v.hit, surface);
   const DisneyMaterial& material = v.instance->material(triangle.triangle);
   v.mapped = material.normal_map.has_value();
-  const Vec3f n =
-      v.mapped ? reflecting_normal(mapped_normal(*v.instance, triangle, v.hit, *material.normal_map), surface, wo)
-               : surface;
+  const auto mapped = [&](const TextureLookup& map) {
+    return reflecting_normal(mapped_normal(*v.instance, placement, triangle, v.hit, map), surface, wo);
+  };
+  const Vec3f n = v.mapped ? mapped(*material.normal_map) : surface;
   v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
-  v.material =
-      material.evaluate({v.instance->prototype->mesh, triangle, v.hit.uv, {footprint, &v.instance->object_to_world}});
+  v.material = material.evaluate({mesh, triangle, v.hit.uv, {footprint, &placement.object_to_world}});
   if (v.material.coat > 0 && (v.mapped || material.coat_normal_map)) {
     Vec3f coat = surface;
-    if (material.coat_normal_map)
-      coat = reflecting_normal(mapped_normal(*v.instance, triangle, v.hit, *material.coat_normal_map), surface, wo);
+    if (material.coat_normal_map) coat = mapped(*material.coat_normal_map);
     v.material.coat_normal = v.frame.to_local(coat);
   }
   return v;
@@ -119,7 +120,7 @@ bool scatter_at_surface(const PathContext& context, const PathVertex& v, const B
   if (!v.is_above_surface(wi)) return false;
   path->throughput *= sample.f * (sample.wi.z / sample.pdf);
   path->scatter_pdf = sample.pdf;
-  path->ray = {origin_of(context, v.departure, wi), wi};
+  path->go_on(origin_of(context, v.departure, wi), wi);
   return true;
 }
 

@@ -40,10 +40,11 @@ struct PathContext {
   LightLayers* layers = nullptr;        // of the sample, for integrators that were selected with layers
   uint32_t aovs = aov_bit(Aov::color);  // bits of Aov: values of the first hit are computed only for these
   PathRecord* record = nullptr;         // the path is written here; needs layers
+  float time = 0;                       // of the shutter; all rays have it. `camera` stands as it does then
 };
 
-/// Traces one camera sample. `camera_ray`: unit direction, render space. Color and alpha are the same to the bit
-/// whatever else is asked for.
+/// Traces one camera sample. `camera_ray`: unit direction, render space, at the context's time. Color and alpha are the
+/// same to the bit whatever else is asked for.
 using PathIntegrator = FilmSample (*)(const PathContext& context, const Ray& camera_ray, const PixelSampler& sampler);
 
 /// The variant with just the abilities that the scene requires: chosen once per render, so that the loop never asks.

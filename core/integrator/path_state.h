@@ -22,7 +22,7 @@ struct Footprint {
 };
 
 struct PathState {
-  Ray ray;
+  Ray ray;  // all of a path's have one time
   Rgb throughput{1.0f};
   Rgb radiance{0.0f};
   /// Density of the ray's direction; 0 for the camera ray, which no light sampling competes with, and infinite after a
@@ -35,6 +35,10 @@ struct PathState {
   Footprint footprint;
   Interiors interiors;  // that the ray is in
 
+  /// The path goes on along another ray.
+  void go_on(const Vec3f& origin, const Vec3f& direction) {
+    ray = {origin, direction, std::numeric_limits<float>::infinity(), ray.time};
+  }
   Rgb through_interiors(const Rgb& light, float distance) const {
     return interiors.empty() ? light : light * interiors.transmittance(distance);
   }
@@ -57,6 +61,7 @@ struct Departure {
 /// A point on a surface as seen along a ray: all normals on the viewer's side.
 struct PathVertex {
   const Instance* instance = nullptr;
+  std::optional<Placement> moved = {};  // at the ray's time, of an instance that moves
   TriangleHit triangle;
   SurfaceHit hit;
   Frame frame;          // of the lobes; the viewer is above it
@@ -65,6 +70,7 @@ struct PathVertex {
   DisneyParameters material;
   BoundarySide boundary;  // of a material that transmits, once meet_boundary() has set it
 
+  const Placement& placement() const { return moved ? *moved : *instance; }
   /// A lobe that a normal map tilts may lead into the surface, where it has no light to fetch.
   bool is_above_surface(const Vec3f& wi) const { return !mapped || dot(wi, departure.n) > 0; }
 };
@@ -89,19 +95,21 @@ Hit on_side(Hit hit, const Vec3f& towards) {
   return hit;
 }
 
-inline SurfaceHit surface_on_side(const Instance& instance, const TriangleHit& triangle, const Vec3f& towards) {
-  return on_side(surface_hit(instance.prototype->mesh, triangle, instance.object_to_world, instance.world_to_object),
+/// `placement`: of the instance at the hit's time.
+inline SurfaceHit surface_on_side(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
+                                  const Vec3f& towards) {
+  return on_side(surface_hit(instance.prototype->mesh, triangle, placement.object_to_world, placement.world_to_object),
                  towards);
 }
 
-/// `hit`: normals on the side that the light leaves to; `n`: the lobe's normal.
-inline Departure depart(const Instance& instance, const TriangleHit& triangle, const SurfacePoint& hit,
-                        const Vec3f& n) {
+/// `hit`: of `triangle`, with normals on the side that the light leaves to; `n`: the lobe's normal.
+inline Departure depart(const Mesh& mesh, const Affine& object_to_world, const TriangleHit& triangle,
+                        const SurfacePoint& hit, const Vec3f& n) {
   Departure d;
   d.flat = offset_point(hit.p, hit.ng, hit.offset);
   d.ng = hit.ng;
   d.n = n;
-  d.curved = d.flat + curvature_shift(instance.prototype->mesh, triangle, hit, instance.object_to_world);
+  d.curved = d.flat + curvature_shift(mesh, triangle, hit, object_to_world);
   if (d.curved != d.flat) d.wedge = length(cross(hit.ng, n));
   return d;
 }

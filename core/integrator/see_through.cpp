@@ -15,7 +15,7 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
   if (!instance.see_through) return 1;
   const Mesh& mesh = instance.prototype->mesh;
   const DisneyMaterial& material = instance.material(hit.triangle);
-  if (instance.single_sided && !material.is_translucent() && is_behind(instance, hit.triangle, dir)) return 0;
+  if (instance.single_sided && !material.is_translucent() && is_behind(instance, hit, dir)) return 0;
   if (!material.is_partly_opaque()) return 1;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
   return material.coverage({mesh, hit, uv});

@@ -1,19 +1,37 @@
 #include "core/integrator/shading_normal.h"
 
 namespace alabaster {
+namespace {
 
-Vec3f mapped_normal(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& side,
-                    const TextureLookup& map) {
+// A tangent of the mesh at rest goes with its triangle, as a combination of two edges.
+Vec3f deformed(const Vec3f& tangent, const Mesh& mesh, const TriangleHit& hit) {
+  const auto edges = [&](float time) {
+    const auto [p0, p1, p2] = mesh.corners_at(hit.triangle, time);
+    return std::array<Vec3d, 2>{Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0)};
+  };
+  const auto [a, b] = edges(0);
+  const auto [c, d] = edges(hit.time);
+  const Vec3d n = cross(a, b), t(tangent);
+  const double n2 = dot(n, n);
+  if (!(n2 > 0)) return tangent;
+  return Vec3f(c * (dot(cross(t, b), n) / n2) + d * (dot(cross(a, t), n) / n2));
+}
+
+}  // namespace
+
+Vec3f mapped_normal(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
+                    const SurfaceHit& side, const TextureLookup& map) {
   const Mesh& mesh = instance.prototype->mesh;
   if (!instance.tangents) return side.ns;
   const Vec4f tangent = interpolated(*instance.tangents, mesh, triangle);
-  const Affine& to_render = instance.object_to_world;
-  const Vec3f along = to_render.vector({tangent.x, tangent.y, tangent.z});
+  const Affine& to_render = placement.object_to_world;
+  const Vec3f t_object(tangent.x, tangent.y, tangent.z);
+  const Vec3f along = to_render.vector(mesh.deforms() ? deformed(t_object, mesh, triangle) : t_object);
   const Vec3f across = along - side.ns * dot(along, side.ns);
   if (!(dot(across, across) > 0)) return side.ns;
   const Vec3f t = normalize(across);
   // Tangents wind with the object; a mirroring transform turns n x t around.
-  const bool behind = is_behind(instance, triangle.triangle, -side.ng);
+  const bool behind = is_behind(instance, triangle, -side.ng);
   const bool mirrored = dot(cross(to_render.x, to_render.y), to_render.z) < 0;
   const Vec3f n = behind ? -side.ns : side.ns;
   const Vec3f b = cross(n, t) * ((tangent.w < 0) != mirrored ? -1.0f : 1.0f);

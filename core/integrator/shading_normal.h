@@ -15,8 +15,8 @@ inline Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
 
 /// The normal of a normal map at a hit, on the side of `side`, whose normals have been turned to the viewer (or to
 /// where light leaves); `ns` if the mesh has no tangents there.
-Vec3f mapped_normal(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& side,
-                    const TextureLookup& map);
+Vec3f mapped_normal(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
+                    const SurfaceHit& side, const TextureLookup& map);
 
 /// The unit normal nearest to `n` about which the mirror image of `wo` lies above the plane of `surface`: else a facet
 /// of the map reflects only into its own surface, and shows black (Keller et al. 2017, "The Iray Light Transport

@@ -54,10 +54,12 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
       body, entry, numbers, context.counters);
 }
 
-Vec3f exit_normal(const Instance& instance, const SubsurfaceExit& exit, const SurfacePoint& point) {
+Vec3f exit_normal(const Instance& instance, const Placement& placement, const SubsurfaceExit& exit,
+                  const SurfacePoint& point) {
   const DisneyMaterial& material = instance.material(exit.hit.triangle);
   if (!material.normal_map) return point.ns;
-  return mapped_normal(instance, exit.hit, surface_on_side(instance, exit.hit, exit.direction), *material.normal_map);
+  return mapped_normal(instance, placement, exit.hit, surface_on_side(instance, placement, exit.hit, exit.direction),
+                       *material.normal_map);
 }
 
 /// The exit lobe: light sampling, and the direction in which the path goes on.
@@ -70,10 +72,12 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const auto u_light = sampler.draw(Dimension::exit_light, path->depth);
   prefetch_corners(mesh, exit.hit.triangle, Attributes::normals);
   const auto u_bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
+  std::optional<Placement> moved;
+  const Placement& placement = instance.at(exit.hit.time, &moved);
   const SurfacePoint hit =
-      on_side(surface_point(mesh, exit.hit, instance.object_to_world, instance.world_to_object), exit.direction);
-  const Frame frame = frame_from_normal(exit_normal(instance, exit, hit));
-  const Departure departure = depart(instance, exit.hit, hit, hit.ns);
+      on_side(surface_point(mesh, exit.hit, placement.object_to_world, placement.world_to_object), exit.direction);
+  const Frame frame = frame_from_normal(exit_normal(instance, placement, exit, hit));
+  const Departure departure = depart(mesh, placement.object_to_world, exit.hit, hit, hit.ns);
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
     if (!(cosine > 0 && dot(wi, hit.ns) > 0)) return {};
@@ -81,7 +85,8 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   };
   PathRecord* const record = context.record;
   if (record)
-    record->leave_body(instance, exit.hit, surface_on_side(instance, exit.hit, exit.direction), exit.throughput);
+    record->leave_body(instance, exit.hit, surface_on_side(instance, placement, exit.hit, exit.direction),
+                       exit.throughput);
   const auto recorded_lobe = [&](const Vec3f& wi) {
     const ScatterValue value = exit_lobe(wi);
     if (record) record->sample_light(wi, value.f_cos, value.pdf);
@@ -103,7 +108,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   if (!(value.pdf > 0)) return false;
   path->throughput *= value.f_cos * (1 / value.pdf);
   path->scatter_pdf = value.pdf;
-  path->ray = {origin_of(context, departure, wi), wi};
+  path->go_on(origin_of(context, departure, wi), wi);
   return true;
 }
 
@@ -153,7 +158,7 @@ template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext
                                                                const VertexBelow&, PathState*);
 
 void drop_unresolved_distances(PathVertex* v) {
-  const float depth = depth_below_surface(v->hit, v->instance->object_to_world);
+  const float depth = depth_below_surface(v->hit, v->placement().object_to_world);
   Rgb& distance = v->material.scatter_distance;
   for (int c = 0; c < 3; ++c)
     if (!is_resolved(distance[c], depth)) distance[c] = 0;
@@ -163,11 +168,10 @@ bool is_within_medium(const PathVertex& v, const PathState& path) {
   const SubsurfaceBody* body = v.instance->body;
   if (!body || !v.material.scatters() || v.material.metallic == 1) return false;
   // In a union the first surface that is met may be one that the ray enters.
-  if (body->is_union() && path.depth == 0) return body->contains(path.ray.org, path.ray.dir);
-  const uint32_t triangle = v.triangle.triangle;
-  const uint8_t flags = body->members[v.instance->member].shells->flags(triangle);
+  if (body->is_union() && path.depth == 0) return body->contains(path.ray);
+  const uint8_t flags = body->members[v.instance->member].shells->flags(v.triangle.triangle);
   return !(flags & (MeshShells::kOpen | MeshShells::kInner)) &&
-         body->leaves(v.instance->member, triangle, path.ray.dir);
+         body->leaves(v.instance->member, v.triangle, path.ray.dir);
 }
 
 }  // namespace alabaster

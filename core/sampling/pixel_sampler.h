@@ -63,7 +63,17 @@ class Rng {
 };
 
 /// The purposes that draw numbers; a path vertex at depth d uses blocks (purpose, d).
-enum class Dimension : uint32_t { film_lens, bsdf, subsurface, light, exit_bsdf, exit_light, subsurface_rung, opacity };
+enum class Dimension : uint32_t {
+  film_lens,
+  bsdf,
+  subsurface,
+  light,
+  exit_bsdf,
+  exit_light,
+  subsurface_rung,
+  opacity,
+  time
+};
 
 class PixelSampler {
  public:

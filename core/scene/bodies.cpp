@@ -15,11 +15,20 @@ bool is_simple(const MeshShells& shells) {
   return !shells.any_open && !shells.overlapping;
 }
 
-Bounds transformed(const Bounds& b, const Affine& to) {
-  Bounds out;
-  for (const Vec3f& corner : b.corners()) out.extend(to.point(corner));
-  return out;
-}
+// Where a member stands in its body.
+struct MemberMotion {
+  Affine to_body, to_object;
+  std::vector<Affine> poses;  // of one that moves
+
+  Bounds transformed(const Bounds& b) const {
+    Bounds out;
+    for (const Vec3f& corner : b.corners()) {
+      out.extend(to_body.point(corner));
+      for (const Affine& pose : poses) out.extend(pose.point(corner));
+    }
+    return out;
+  }
+};
 
 class BodyPlanner {
  public:
@@ -56,7 +65,7 @@ class BodyPlanner {
 
   void add_alone(uint32_t index, SubsurfaceBody* body) {
     const Instance& instance = snapshot_.instances[index];
-    add_member(index, instance.object_to_world, instance.world_to_object, body);
+    add_member(index, {instance.object_to_world, instance.world_to_object, instance.poses}, body);
     body->bounds = instance.prototype->mesh.bounds;
   }
 
@@ -66,11 +75,16 @@ class BodyPlanner {
     std::vector<InstancePlacement> placements;
     bool open = false;
     for (const uint32_t i : indices) {
-      Matrix4d m = drawn_[i]->object_to_world;
-      for (int axis = 0; axis < 3; ++axis) m[3][axis] -= origin[axis];
-      const Member& member = add_member(i, to_affine(m), to_affine(m.inverse()), body);
+      const auto moved = [&](Matrix4d m) {
+        for (int axis = 0; axis < 3; ++axis) m[3][axis] -= origin[axis];
+        return m;
+      };
+      const Matrix4d m = moved(drawn_[i]->object_to_world);
+      MemberMotion motion{to_affine(m), to_affine(m.inverse()), {}};
+      for (const Matrix4d& pose : drawn_[i]->poses) motion.poses.push_back(to_affine(moved(pose)));
+      const Member& member = add_member(i, motion, body);
       body->bounds.extend(member.bounds);
-      placements.push_back({drawn_[i]->prototype->object, member.to_body});
+      placements.push_back({drawn_[i]->prototype->object, member.to_body, member.poses});
       open |= member.shells->any_open;
     }
     if (open) body->bounds = widened(body->bounds);
@@ -80,14 +94,19 @@ class BodyPlanner {
     return true;
   }
 
-  const Member& add_member(uint32_t index, const Affine& to_body, const Affine& to_object, SubsurfaceBody* body) {
+  const Member& add_member(uint32_t index, const MemberMotion& motion, SubsurfaceBody* body) {
     Instance& instance = snapshot_.instances[index];
     instance.body = body;
     instance.member = static_cast<uint32_t>(body->members.size());
     const MeshPrototype& prototype = *instance.prototype;
-    body->members.push_back({index, &prototype.mesh, &prototype.shells(), prototype.object.get(), to_body, to_object,
-                             transformed(prototype.mesh.bounds, to_body)});
-    snapshot_.memory_bytes += sizeof(Member);
+    body->members.push_back({{motion.to_body, motion.to_object},
+                             index,
+                             &prototype.mesh,
+                             &prototype.shells(),
+                             prototype.object.get(),
+                             motion.poses,
+                             motion.transformed(prototype.mesh.bounds)});
+    snapshot_.memory_bytes += sizeof(Member) + motion.poses.size() * sizeof(Affine);
     return body->members.back();
   }
 

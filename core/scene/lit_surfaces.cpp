@@ -26,13 +26,16 @@ std::array<float, 4> spread(int i, const Vec3f& shift) {
   return {at(shift.x, 0.8191725134), at(shift.y, 0.6710436067), at(shift.z, 0.5497004779), 0};
 }
 
+// Of the shutter, for what moves: only noise depends on it.
+constexpr float kTime = 0.5f;
+
 float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& rng) {
   const Vec3f p = offset_point(hit.p, hit.ng, hit.offset);
   const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
   float sum = 0;
   const auto add = [&](const LightSample& light) {
     const float cosine = dot(light.wi, hit.ng);
-    if (cosine > 0 && !snapshot.top->occluded({p, light.wi, light.shadow_length()}))
+    if (cosine > 0 && !snapshot.top->occluded({p, light.wi, light.shadow_length(), kTime}))
       sum += luminance(light.radiance) * cosine / light.pdf;
   };
   for (int i = 0; i < kDirections; ++i) {
@@ -47,10 +50,12 @@ LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint3
   const Vec2f b = sample_uniform_triangle({rng.uniform(), rng.uniform()});
   TriangleHit at;
   at.u = b.x, at.v = b.y, at.triangle = triangle;
-  const SurfaceHit hit = surface_hit(mesh, at, instance.object_to_world, instance.world_to_object);
-  const auto corner = [&](size_t c) {
-    return instance.object_to_world.point(mesh.points[mesh.triangles[triangle][c]]);
-  };
+  if (!instance.is_still()) at.time = kTime;
+  std::optional<Placement> moved;
+  const Placement& placement = instance.at(at.time, &moved);
+  const SurfaceHit hit = surface_hit(mesh, at, placement.object_to_world, placement.world_to_object);
+  const std::array<Vec3f, 3> corners = mesh.corners_at(triangle, at.time);
+  const auto corner = [&](size_t c) { return placement.object_to_world.point(corners[c]); };
   const float area = length(cross(corner(1) - corner(0), corner(2) - corner(0)));
   return {hit.p, -hit.ng, irradiance_at(snapshot, hit, rng), area};
 }

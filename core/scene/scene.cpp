@@ -15,7 +15,10 @@ BoundsDouble world_bounds(const InstanceDescription& d) {
   BoundsDouble world;
   const Bounds& object = d.prototype->mesh.bounds;
   if (object.empty()) return world;
-  for (const Vec3f& corner : object.corners()) world.extend(transform_point(Vec3d(corner), d.object_to_world));
+  for (const Vec3f& corner : object.corners()) {
+    world.extend(transform_point(Vec3d(corner), d.object_to_world));
+    for (const Matrix4d& pose : d.poses) world.extend(transform_point(Vec3d(corner), pose));
+  }
   return world;
 }
 
@@ -32,7 +35,7 @@ bool is_within_reach(const Matrix4d& m) {
 // instance has no extent.
 void leave_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink,
                std::vector<std::string>* left_out) {
-  const bool near = is_within_reach(d.object_to_world);
+  const bool near = is_within_reach(d.object_to_world) && std::all_of(d.poses.begin(), d.poses.end(), is_within_reach);
   report(sink, near ? Severity::warning : Severity::error, "instance.transform", d.name,
          std::string(reason) + ": the instance is left out; check its " + (near ? "scale" : "transform"));
   if (!near) left_out->push_back(d.name);
@@ -40,7 +43,7 @@ void leave_out(const InstanceDescription& d, const char* reason, const Diagnosti
 
 bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
   if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
-  if (!is_valid_affine(d.object_to_world)) {
+  if (!is_valid_affine(d.object_to_world) || !std::all_of(d.poses.begin(), d.poses.end(), is_valid_affine)) {
     leave_out(d, "the transform is not finite, not affine or not invertible in single precision", sink, left_out);
     return false;
   }
@@ -64,6 +67,7 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   instance.prototype = d.prototype.get();
   instance.object_to_world = to_affine(m);
   instance.world_to_object = to_affine(m.inverse());
+  for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to_render_space(pose, origin)));
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   for (const auto& material : d.materials) {
@@ -108,15 +112,31 @@ Rgb mean_emission(const Instance& instance, uint32_t triangle) {
   return sum * (step * step);
 }
 
+Bounds bounds_in_render_space(const Instance& instance) {
+  Bounds bounds;
+  for (const Vec3f& corner : instance.prototype->mesh.bounds.corners()) {
+    bounds.extend(instance.object_to_world.point(corner));
+    for (const Affine& pose : instance.poses) bounds.extend(pose.point(corner));
+  }
+  return bounds;
+}
+
 bool has_clear_interior(const InstanceDescription& d) {
   return std::any_of(d.materials.begin(), d.materials.end(),
                      [](const auto& m) { return m->transmits() && !m->constants.thin; });
 }
 
-// The emissive triangles of an instance, in render space; nothing when no material of it emits.
-std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t index) {
+// True if some triangle has a material that emits.
+bool emits(const Instance& instance) {
   if (std::none_of(instance.materials.begin(), instance.materials.end(), [](const auto* m) { return m->emits(); }))
-    return std::nullopt;
+    return false;
+  for (uint32_t i = 0; i < instance.prototype->mesh.triangles.size(); ++i)
+    if (instance.material(i).emits()) return true;
+  return false;
+}
+
+// The emissive triangles of an instance that emits and stands still, in render space.
+MeshLight make_mesh_light(const Instance& instance, uint32_t index) {
   const Mesh& mesh = instance.prototype->mesh;
   std::vector<MeshLight::Triangle> triangles;
   std::vector<uint32_t> ids;
@@ -130,7 +150,6 @@ std::optional<MeshLight> make_mesh_light(const Instance& instance, uint32_t inde
     ids.push_back(static_cast<uint32_t>(i));
     varies |= has_varying_emission(material);
   }
-  if (triangles.empty()) return std::nullopt;
   if (!varies) return MeshLight(index, std::move(triangles), ids);
   // The snapshot keeps its instances where they are.
   return MeshLight(index, std::move(triangles), ids,
@@ -168,10 +187,12 @@ void add_lights(const SceneDescription& description, const DiagnosticSink& sink,
     snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
   }
   for (uint32_t i = 0; i < snapshot->instances.size(); ++i)
-    if (auto light = make_mesh_light(snapshot->instances[i], i)) {
-      lights.emplace_back(std::move(*light));
-      visible.push_back(true);
+    if (emits(snapshot->instances[i])) {
       snapshot->features.emissive_meshes = true;
+      // The triangles of what moves are nowhere long enough to be sampled: paths find them by their lobes.
+      if (!snapshot->instances[i].is_still()) continue;
+      lights.emplace_back(make_mesh_light(snapshot->instances[i], i));
+      visible.push_back(true);
     }
   constexpr size_t kSampleAllUpTo = 4;
   snapshot->lights = LightSet(std::move(lights), std::move(visible), kSampleAllUpTo);
@@ -239,11 +260,10 @@ void find_missing_tiles(const InstanceDescription& d, const Instance& instance, 
 
 }  // namespace
 
-bool is_behind(const Instance& instance, uint32_t triangle, const Vec3f& dir) {
-  const Mesh& mesh = instance.prototype->mesh;
-  const Corners& c = mesh.triangles[triangle];
-  const Vec3f n = cross(mesh.points[c[1]] - mesh.points[c[0]], mesh.points[c[2]] - mesh.points[c[0]]);
-  return dot(n, instance.world_to_object.vector(dir)) > 0;
+bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
+  const auto [p0, p1, p2] = instance.prototype->mesh.corners_at(hit.triangle, hit.time);
+  std::optional<Placement> moved;
+  return dot(cross(p1 - p0, p2 - p0), instance.at(hit.time, &moved).world_to_object.vector(dir)) > 0;
 }
 
 std::vector<size_t> scattering_slots(const InstanceDescription& instance) {
@@ -280,8 +300,12 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   // Rays come from the scene itself, and from a camera that sees it from some radii away.
   constexpr float kFarthestCamera = 1000;
   std::erase_if(drawn, [&](const InstanceDescription* d) {
-    const Affine placed = to_affine(moved_to_render_space(d->object_to_world, snapshot->origin));
-    if (is_traceable(placed, kFarthestCamera * snapshot->radius)) return false;
+    const float farthest = kFarthestCamera * snapshot->radius;
+    const auto placed = [&](const Matrix4d& m) { return to_affine(moved_to_render_space(m, snapshot->origin)); };
+    std::vector<Affine> poses;
+    for (const Matrix4d& pose : d->poses) poses.push_back(placed(pose));
+    if (is_traceable(placed(d->object_to_world), farthest) && (poses.empty() || is_traceable(poses, farthest)))
+      return false;
     leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced", sink,
               &snapshot->left_out);
     return true;
@@ -292,11 +316,10 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
     snapshot->instances.push_back(place(*d, snapshot->origin));
     find_missing_tiles(*d, snapshot->instances.back(), sink, &snapshot->faults);
     snapshot->features.see_through |= snapshot->instances.back().see_through;
-    const Affine& object_to_world = snapshot->instances.back().object_to_world;
-    placements.push_back({d->prototype->object, object_to_world});
-    if (has_clear_interior(*d))
-      for (const Vec3f& corner : d->prototype->mesh.bounds.corners())
-        snapshot->clear_bodies.extend(object_to_world.point(corner));
+    const Instance& instance = snapshot->instances.back();
+    snapshot->features.motion |= !instance.is_still();
+    placements.push_back({d->prototype->object, instance.object_to_world, instance.poses});
+    if (has_clear_interior(*d)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
   }
   snapshot->top = build_instanced_scene(device, placements);
   if (!snapshot->top || !plan_bodies(drawn, device, snapshot.get())) return nullptr;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct MeshPrototype {
 struct InstanceDescription {
   std::shared_ptr<const MeshPrototype> prototype;
   Matrix4d object_to_world;
+  std::vector<Matrix4d> poses = {};  // of an instance that moves: even ones over the shutter, 2 to kMostPoses
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // by the mesh's material slot; at least one
   int32_t prim_id = 0;
   int32_t instance_id = 0;  // flattened, innermost fastest; 0 when not instanced
@@ -58,14 +60,20 @@ struct SceneFeatures {
   bool textures = false;
   bool smooth_normals = false;
   bool see_through = false;         // some instance is
+  bool motion = false;              // some instance moves or deforms: rays have a time
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
 };
 
-/// A placed mesh: object space to RENDER space, and the materials at a hit.
-struct Instance {
-  const MeshPrototype* prototype = nullptr;
+/// Where an instance stands: object space to RENDER space.
+struct Placement {
   Affine object_to_world;
   Affine world_to_object;
+};
+
+/// A placed mesh, and the materials at a hit. The Placement is that of one that stands still.
+struct Instance : Placement {
+  const MeshPrototype* prototype = nullptr;
+  std::vector<Affine> poses;                     // of one that moves: even ones over the shutter
   std::vector<const DisneyMaterial*> materials;  // by slot, at least one
   int32_t prim_id = 0, instance_id = 0;
   const SubsurfaceBody* body = nullptr;  // where light goes below this surface; null: no material of it scatters
@@ -73,6 +81,15 @@ struct Instance {
   bool see_through = false;              // rays may pass some hits: partly opaque, or single-sided and seen from behind
   bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
   const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
+
+  /// Where it stands at a time. `moved` holds the answer if it moves.
+  const Placement& at(float time, std::optional<Placement>* moved) const {
+    if (poses.empty()) [[likely]]
+      return *this;
+    const Affine map = posed(poses, time);
+    return moved->emplace(Placement{map, inverse(map)});
+  }
+  bool is_still() const { return poses.empty() && !prototype->mesh.deforms(); }
 
   /// The material slot of a triangle; slots beyond the list use the first.
   size_t slot(uint32_t triangle) const {
@@ -84,7 +101,7 @@ struct Instance {
 };
 
 /// True if a ray along `dir` meets the triangle from behind, the side from which it winds clockwise.
-bool is_behind(const Instance& instance, uint32_t triangle, const Vec3f& dir);
+bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir);
 
 /// Immutable. Render space = world - origin: the origin is the centre of the scene's bounds, so that precision does not
 /// depend on where in the world a scene stands.

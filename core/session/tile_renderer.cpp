@@ -40,6 +40,7 @@ void prepare_filtering(const SceneSnapshot& scene) {
 TileRenderer::TileRenderer(const RenderRequest& request)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
+      has_motion_(camera_.moves() || request.scene->features.motion),
       integrator_settings_(settings_for(request)),
       has_layers_((request.aovs & kLayerAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
@@ -53,17 +54,18 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* c
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                                       LightLayers* layers, PathRecord* record) const {
-  // Place the sample in the pixel's filter and on the lens.
-  const auto u = sampler.draw(Dimension::film_lens, 0);
-  const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
-  const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
-
-  // Trace its path.
-  const PathContext context{*request_.scene, camera_, integrator_settings_, *counters, layers, request_.aovs, record};
-  const Ray ray = camera_.generate_ray(film_position, {u[2], u[3]});
+  // Find when it is taken, and trace its path.
   FilmSample result;
+  const auto context = [&](const Camera& camera, float time) {
+    return PathContext{*request_.scene, camera, integrator_settings_, *counters, layers, request_.aovs, record, time};
+  };
   try {
-    result = trace_path_(context, ray, sampler);
+    if (has_motion_) [[unlikely]] {
+      const float share = sampler.draw(Dimension::time, 0)[0];
+      result = trace_ray(sampler, at, context(camera_.at(share), camera_.time(share)));
+    } else {
+      result = trace_ray(sampler, at, context(camera_.first(), 0));
+    }
   } catch (const CheckFailure& failure) {
     throw SampleFailure(failure.what(), at);
   }
@@ -77,6 +79,17 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     *layers = {};
   }
   return result;
+}
+
+// Places the sample in the pixel's filter and on the lens.
+FilmSample TileRenderer::trace_ray(const PixelSampler& sampler, const SampleAddress& at,
+                                   const PathContext& context) const {
+  const auto u = sampler.draw(Dimension::film_lens, 0);
+  const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
+  const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
+  Ray ray = context.camera.generate_ray(film_position, {u[2], u[3]});
+  ray.time = context.time;
+  return trace_path_(context, ray, sampler);
 }
 
 }  // namespace alabaster

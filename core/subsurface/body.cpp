@@ -38,36 +38,47 @@ Vec3f SubsurfaceBody::below(const SubsurfaceEntry& entry) const {
   const SurfaceHit& outer = entry.hit;
   if (!is_union()) return offset_point(outer.p_object, -outer.ng_object, outer.offset_object);
   const Member& m = members[entry.member];
-  const SurfacePoint hit = surface_point(*m.mesh, entry.triangle, m.to_body, m.to_object);
+  std::optional<Maps> moved;
+  const Maps& maps = m.at(entry.triangle.time, &moved);
+  const SurfacePoint hit = surface_point(*m.mesh, entry.triangle, maps.to_body, maps.to_object);
   return offset_point(hit.p, -outer.ng, hit.offset);
 }
 
-Vec3f SubsurfaceBody::to_walk_space(uint32_t member, const Vec3f& p) const {
-  return is_union() ? p - origin : members[member].to_object.point(p);
+Vec3f SubsurfaceBody::to_walk_space(uint32_t member, const Vec3f& p, float time) const {
+  std::optional<Maps> moved;
+  return is_union() ? p - origin : members[member].at(time, &moved).to_object.point(p);
 }
 
-bool SubsurfaceBody::leaves(uint32_t member, uint32_t triangle, const Vec3f& direction) const {
+bool SubsurfaceBody::leaves(uint32_t member, const TriangleHit& hit, const Vec3f& direction) const {
   const Member& m = members[member];
-  return alabaster::leaves(*m.mesh, *m.shells, triangle, m.to_object.vector(direction));
+  std::optional<Maps> moved;
+  return alabaster::leaves(*m.mesh, *m.shells, hit, m.at(hit.time, &moved).to_object.vector(direction));
 }
 
-bool SubsurfaceBody::contains(const Vec3f& p, const Vec3f& direction) const {
-  return contains_in_body_space(p - origin, direction, nullptr);
+bool SubsurfaceBody::contains(Ray ray) const {
+  ray.org -= origin;
+  return contains_in_body_space(ray, nullptr);
 }
 
 Crossed SubsurfaceBody::cross(const TriangleHit& hit, const Vec3f& direction) const {
   const Member& m = members[hit.instance];
-  const SurfacePoint s = surface_point(*m.mesh, hit, m.to_body, m.to_object);
+  std::optional<Maps> moved;
+  const Maps& maps = m.at(hit.time, &moved);
+  const SurfacePoint s = surface_point(*m.mesh, hit, maps.to_body, maps.to_object);
   const float side = dot(s.ng, direction) >= 0 ? 1.0f : -1.0f;
-  return {m.shells->flags(hit.triangle), leaves(hit.instance, hit.triangle, direction),
+  return {m.shells->flags(hit.triangle), alabaster::leaves(*m.mesh, *m.shells, hit, maps.to_object.vector(direction)),
           offset_point(s.p, s.ng * side, s.offset)};
 }
 
-bool SubsurfaceBody::contains_in_body_space(const Vec3f& p, const Vec3f& direction, const Member* left) const {
+bool SubsurfaceBody::contains_in_body_space(const Ray& ray, const Member* left) const {
   for (const Member& m : members) {
-    if (!m.bounds.contains(p) || !m.shells->any_closed || (&m == left && !m.shells->overlapping)) continue;
-    if (winding_number(*m.mesh, *m.shells, *m.object, m.to_object.point(p), m.to_object.vector(direction)) > 0)
-      return true;
+    if (!m.bounds.contains(ray.org) || !m.shells->any_closed || (&m == left && !m.shells->overlapping)) continue;
+    std::optional<Maps> moved;
+    const Affine& to_object = m.at(ray.time, &moved).to_object;
+    Ray in_object = ray;
+    in_object.org = to_object.point(ray.org);
+    in_object.dir = to_object.vector(ray.dir);
+    if (winding_number(*m.mesh, *m.shells, *m.object, in_object) > 0) return true;
   }
   return false;
 }
@@ -89,7 +100,7 @@ void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<c
   bool anywhere = false;
   for (size_t i = 0; i < body->members.size(); ++i) {
     SubsurfaceBody::Member& m = body->members[i];
-    m.least_stretch = least_stretch(m.to_body);
+    m.least_stretch = m.poses.empty() ? least_stretch(m.to_body) : least_stretch_over(m.poses);
     // Behind an open mesh the medium has no end.
     m.room_to_guide = m.shells->any_open || half_thickness(m) > kRoom * paths[i].longest;
     m.room_for_spheres = paths[i].of_long_walks > 0 && has_room_for_spheres(m, paths[i].of_long_walks);
@@ -98,7 +109,9 @@ void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<c
   if (!anywhere || body->members.size() > kMostGrids) return;
   // A sphere must keep clear of every member, so all of them need a grid.
   for (size_t i = 0; i < body->members.size(); ++i) {
-    body->members[i].distances = interiors[i]->distances(*body->members[i].mesh);
+    const Mesh& mesh = *body->members[i].mesh;
+    // A grid knows one shape.
+    body->members[i].distances = mesh.deforms() ? nullptr : interiors[i]->distances(mesh);
     if (body->members[i].distances) continue;
     for (SubsurfaceBody::Member& m : body->members) m.distances = nullptr;
     return;

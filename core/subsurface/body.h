@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/math/bounds.h"
@@ -17,20 +18,31 @@ namespace alabaster {
 /// of its mesh, with directions and distances of the world, so that scatter distances stay world distances under any
 /// affine transform.
 struct SubsurfaceBody {
-  struct Member {
+  struct Maps {
+    Affine to_body, to_object;  // from the mesh's space and back
+  };
+  struct Member : Maps {    // the maps of one that stands still
     uint32_t instance = 0;  // index into the scene's instances
     const Mesh* mesh = nullptr;
     const MeshShells* shells = nullptr;
     const ObjectScene* object = nullptr;
-    Affine to_body, to_object;  // from the mesh's space and back
-    Bounds bounds;              // in the body's space
+    std::vector<Affine> poses = {};  // to_body of one that moves: even ones over the shutter
+    Bounds bounds;                   // in the body's space, at all times
     /// By the mesh's material slot; null where nothing scatters and where a texture varies the medium.
     std::vector<std::shared_ptr<const MaterialMedia>> media = {};
     /// For sphere steps; null: none, see plan_shortcuts().
     const DistanceGrid* distances = nullptr;
-    float least_stretch = 1;       // a world distance is at least this times the mesh's
+    float least_stretch = 1;       // a world distance is at least this times the mesh's, at any time
     bool room_to_guide = true;     // enough mean free paths across for guiding to pay
     bool room_for_spheres = true;  // and for sphere steps
+
+    /// At a time. `moved` holds the answer if the member moves.
+    const Maps& at(float time, std::optional<Maps>* moved) const {
+      if (poses.empty()) [[likely]]
+        return *this;
+      const Affine map = posed(poses, time);
+      return moved->emplace(Maps{map, inverse(map)});
+    }
   };
 
   std::vector<Member> members;
@@ -52,17 +64,17 @@ struct SubsurfaceBody {
   /// body's for a union.
   Vec3f below(const SubsurfaceEntry& entry) const;
   /// A point of render space there.
-  Vec3f to_walk_space(uint32_t member, const Vec3f& p) const;
-  /// True if a line in direction `direction` (world) leaves the member's shell at this triangle, false if it enters.
-  bool leaves(uint32_t member, uint32_t triangle, const Vec3f& direction) const;
-  /// True if a closed shell of a union contains `p` (render space), asked along `direction`.
-  bool contains(const Vec3f& p, const Vec3f& direction) const;
+  Vec3f to_walk_space(uint32_t member, const Vec3f& p, float time) const;
+  /// True if a line in direction `direction` (world) leaves the member's shell at a hit, false if it enters.
+  bool leaves(uint32_t member, const TriangleHit& hit, const Vec3f& direction) const;
+  /// True if a closed shell of a union contains the ray's origin (render space), asked along the ray.
+  bool contains(Ray ray) const;
 
   /// The surface of a union that a line of direction `direction` has met; `hit` as `scene` answers. Body space.
   Crossed cross(const TriangleHit& hit, const Vec3f& direction) const;
   /// As contains(), in the body's space. Each member is asked by itself: surfaces of several that lie on each other
-  /// could not be told apart. `left`: a member whose surface p lies outside of, or null.
-  bool contains_in_body_space(const Vec3f& p, const Vec3f& direction, const Member* left) const;
+  /// could not be told apart. `left`: a member whose surface the origin lies outside of, or null.
+  bool contains_in_body_space(const Ray& ray, const Member* left) const;
 };
 
 /// World distance by which an entry lies below the surface: as far as rounding can displace the surface.

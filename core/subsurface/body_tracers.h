@@ -17,16 +17,28 @@ class MeshTracer {
  public:
   using Hit = TriangleHit;
 
-  /// `entry_distance`: the way through the medium from the surface to `p`, which counts for the first segment.
-  MeshTracer(const SubsurfaceBody& body, const Vec3f& p, float entry_distance)
-      : member_(body.members.front()), bounds_(body.bounds), p_(p), entry_(p), untraced_(entry_distance) {}
+  struct Start {
+    Vec3f p;                  // in the mesh's space
+    float entry_distance;     // the way through the medium from the surface to p, which counts for the first segment
+    const Affine& to_object;  // at the walk's time
+    float time;               // of the shutter
+  };
+
+  MeshTracer(const SubsurfaceBody& body, const Start& start)
+      : member_(body.members.front()),
+        to_object_(start.to_object),
+        bounds_(body.bounds),
+        p_(start.p),
+        entry_(start.p),
+        untraced_(start.entry_distance),
+        time_(start.time) {}
 
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
-    const Vec3f d = member_.to_object.vector(direction);
+    const Vec3f d = to_object_.vector(direction);
     tmax = std::max(0.0f, tmax - untraced_);
     const float rounding = kRounding * (max_abs_component(p_) / length(d) + tmax);
     step_back_ = 0;
-    if (!member_.object->intersect({p_, d, tmax + rounding}, hit)) return false;
+    if (!member_.object->intersect({p_, d, tmax + rounding, time_}, hit)) return false;
     if (hit->t <= tmax) {
       prefetch_triangle(*member_.mesh, hit->triangle);
       return true;
@@ -44,7 +56,7 @@ class MeshTracer {
     return member_.distances->bound(p_) * member_.least_stretch;
   }
   bool advance(const Vec3f& direction, float t) {
-    p_ += member_.to_object.vector(direction) * std::max(0.0f, t - untraced_ - step_back_);
+    p_ += to_object_.vector(direction) * std::max(0.0f, t - untraced_ - step_back_);
     step_back_ = untraced_ = 0;
     return bounds_.empty() ? is_finite(p_) : bounds_.contains(p_);
   }
@@ -53,10 +65,12 @@ class MeshTracer {
   static constexpr float kRounding = 4 * 0x1p-23f;
 
   const SubsurfaceBody::Member& member_;
+  const Affine& to_object_;
   const Bounds& bounds_;
   Vec3f p_, entry_;
   float step_back_ = 0;
   float untraced_;  // of the first segment
+  float time_;
 };
 
 /// Traces a walk's segments in the union of the closed shells of a body's members. The tracer keeps no depth that could
@@ -74,6 +88,7 @@ class UnionTracer {
     Vec3f p;               // body space
     float entry_distance;  // as for MeshTracer
     bool from_behind;      // through the inner side of an open shell: the medium is on its outer side
+    float time;            // of the shutter
   };
 
   UnionTracer(const SubsurfaceBody& body, const Start& start)
@@ -82,7 +97,8 @@ class UnionTracer {
         from_behind_(start.from_behind),
         p_(start.p),
         entry_(start.p),
-        untraced_(start.entry_distance) {}
+        untraced_(start.entry_distance),
+        time_(start.time) {}
 
   bool intersect(const Vec3f& direction, float tmax, Hit* hit) {
     tmax = std::max(0.0f, tmax - untraced_);
@@ -91,7 +107,7 @@ class UnionTracer {
     float passed = 0;
     step_back_ = 0;
     for (int i = 0; i < kMaxCrossings; ++i) {
-      if (!body_.scene->intersect({from, direction, tmax - passed + rounding}, hit)) return false;
+      if (!body_.scene->intersect({from, direction, tmax - passed + rounding, time_}, hit)) return false;
       passed += hit->t;
       const Crossed crossed = body_.cross(*hit, direction);
       if (ends_medium(crossed, direction, body_.members[hit->instance])) {
@@ -133,11 +149,13 @@ class UnionTracer {
     if (crossed.flags & MeshShells::kInner) return false;
     const bool behind = crossed.flags & MeshShells::kOpen && from_behind_;
     if (crossed.leaves == behind) return false;
-    return !body_.contains_in_body_space(crossed.beyond, direction, &member);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    return !body_.contains_in_body_space({crossed.beyond, direction, kInfinity, time_}, &member);
   }
   double distance_to(const SubsurfaceBody::Member& m) const {
     if (!m.bounds.contains(p_)) return distance_to_bounds(m.bounds, p_);
-    return static_cast<double>(m.distances->bound(m.to_object.point(p_))) * m.least_stretch;
+    std::optional<SubsurfaceBody::Maps> moved;
+    return static_cast<double>(m.distances->bound(m.at(time_, &moved).to_object.point(p_))) * m.least_stretch;
   }
 
   const SubsurfaceBody& body_;
@@ -145,6 +163,7 @@ class UnionTracer {
   Vec3f p_, entry_;
   float step_back_ = 0;
   float untraced_;  // of the first segment
+  float time_;
 };
 
 }  // namespace alabaster

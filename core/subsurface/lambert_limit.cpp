@@ -33,8 +33,11 @@ bool is_thick(const SubsurfaceBody& body, const SubsurfaceEntry& entry, float de
   const Vec3f direction = frame_from_normal(-hit.ng).to_world(sample_cosine_hemisphere(u));
   ++counters.probe_rays;
   TriangleHit met;
-  return !member.object->intersect(
-      {offset_point(hit.p_object, -hit.ng_object, hit.offset_object), member.to_object.vector(direction), depth}, &met);
+  std::optional<SubsurfaceBody::Maps> moved;
+  const Affine& to_object = member.at(entry.triangle.time, &moved).to_object;
+  return !member.object->intersect({offset_point(hit.p_object, -hit.ng_object, hit.offset_object),
+                                    to_object.vector(direction), depth, entry.triangle.time},
+                                   &met);
 }
 
 /// The isotropic medium of the same A and d reaches as far (make_medium).

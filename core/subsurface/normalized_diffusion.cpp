@@ -83,7 +83,7 @@ SubsurfaceExit exit_at(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                        const Vec3f& outward, const std::array<double, 3>& throughput) {
   const SubsurfaceBody::Member& member = body.members[entry.member];
   const bool closed = !(member.shells->flags(where.triangle) & MeshShells::kOpen);
-  const bool turned = closed && !body.leaves(entry.member, where.triangle, outward);
+  const bool turned = closed && !body.leaves(entry.member, where, outward);
   SubsurfaceExit exit{where, turned ? -outward : outward, {}, kManyEvents};
   exit.hit.instance = member.instance;
   for (int c = 0; c < 3; ++c) exit.throughput[c] = static_cast<float>(throughput[static_cast<size_t>(c)]);
@@ -91,10 +91,9 @@ SubsurfaceExit exit_at(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
 }
 
 /// Not normalised; in double, so that the smallest triangle's does not underflow.
-Vec3d winding_normal(const Mesh& mesh, uint32_t triangle) {
-  const auto& c = mesh.triangles[triangle];
-  const Vec3d p0(mesh.points[c[0]]), p1(mesh.points[c[1]]), p2(mesh.points[c[2]]);
-  return cross(p1 - p0, p2 - p0);
+Vec3d winding_normal(const Mesh& mesh, const TriangleHit& hit) {
+  const auto [p0, p1, p2] = mesh.corners_at(hit.triangle, hit.time);
+  return cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0));
 }
 
 struct ProbeAxes {
@@ -107,8 +106,8 @@ struct ProbeAxes {
     for (int k = 0; k < 3; ++k) object[k] = Vec3d(to_object.vector(world[k]));
   }
   /// The unit normal of a triangle, world space, in the axes' coordinates; zero for a degenerate one.
-  Vec3d normal(const Mesh& mesh, uint32_t triangle) const {
-    const Vec3d n = winding_normal(mesh, triangle);
+  Vec3d normal(const Mesh& mesh, const TriangleHit& hit) const {
+    const Vec3d n = winding_normal(mesh, hit);
     const Vec3d a(dot(n, object[0]), dot(n, object[1]), dot(n, object[2]));
     const double l = length(a);
     return l > 0 ? a * (1 / l) : Vec3d(0, 0, 0);
@@ -148,8 +147,8 @@ class RepeatedHits {
   bool repeats(const Mesh& mesh, const TriangleHit& hit, const Ray& ray, double facing) {
     constexpr double kRounding = 0x1p-20;
     double size = 0;
-    for (const uint32_t corner : mesh.triangles[hit.triangle])
-      size = std::max(size, double(max_abs_component(mesh.points[corner])));
+    for (const Vec3f& corner : mesh.corners_at(hit.triangle, hit.time))
+      size = std::max(size, double(max_abs_component(corner)));
     const double t = hit.t, tolerance = kRounding * size / (length(Vec3d(ray.dir)) * std::abs(facing));
     double& last = last_[facing > 0];
     if (t - last <= tolerance) return true;
@@ -222,8 +221,11 @@ std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& b
 
   // Trace the probe.
   const SubsurfaceBody::Member& member = body.members[entry.member];
-  const ProbeAxes axes(member.to_object, entry.hit.ng);
-  const Probe probe = make_probe(member.to_object, entry.hit, axes, axis, ball, {u[2], u[3]});
+  std::optional<SubsurfaceBody::Maps> moved;
+  const Affine& to_object = member.at(entry.triangle.time, &moved).to_object;
+  const ProbeAxes axes(to_object, entry.hit.ng);
+  Probe probe = make_probe(to_object, entry.hit, axes, axis, ball, {u[2], u[3]});
+  probe.ray.time = entry.triangle.time;
   std::array<TriangleHit, 32> storage;
   std::pmr::monotonic_buffer_resource memory(storage.data(), sizeof(storage));
   std::pmr::vector<TriangleHit> hits(&memory);
@@ -236,7 +238,7 @@ std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& b
   ExitReservoir chosen;
   RepeatedHits repeated;
   for (const TriangleHit& hit : hits) {
-    const Vec3d normal = axes.normal(*member.mesh, hit.triangle);
+    const Vec3d normal = axes.normal(*member.mesh, hit);
     const double covered = coverage(normal, axis);
     if (!(covered > 0) || repeated.repeats(*member.mesh, hit, probe.ray, normal[static_cast<int>(axis)])) continue;
     std::array<double, 3> throughput = channels.throughput(std::hypot(probe.radius, hit.t - probe.half_length));
@@ -245,7 +247,7 @@ std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& b
   }
   if (chosen.empty()) return std::nullopt;
   // The exit's normal lies on the same side of the mesh as the entry's.
-  const bool reversed = dot(winding_normal(*member.mesh, entry.triangle.triangle), Vec3d(entry.hit.ng_object)) < 0;
+  const bool reversed = dot(winding_normal(*member.mesh, entry.triangle), Vec3d(entry.hit.ng_object)) < 0;
   return exit_at(body, entry, chosen.hit(), axes.to_world(reversed ? -chosen.normal() : chosen.normal()),
                  chosen.throughput());
 }

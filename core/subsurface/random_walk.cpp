@@ -15,14 +15,15 @@ struct WalkBeginning {
   float depth = 0;  // world distance of p below the surface: medium that nothing was traced in
 };
 
-WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const Vec2f& u) {
+WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const Affine& to_body,
+                         const Vec2f& u) {
   // The paper's weights go on from the path's throughput, here relative to its largest channel.
   const Rgb relative = entry.throughput * (1 / max_component(entry.throughput));
   const ChannelValues throughput{relative.r, relative.g, relative.b};
   if (entry.within)  // the side that the path comes from is the inner one
-    return {body.to_walk_space(entry.member, entry.within->org), {entry.within->dir, entry.hit.ng, throughput}};
+    return {body.to_walk_space(entry.member, entry.within->org, entry.triangle.time),
+            {entry.within->dir, entry.hit.ng, throughput}};
   const Vec3f inward = -entry.hit.ng;
-  const Affine& to_body = body.members[entry.member].to_body;
   return {body.below(entry),
           {sample_entry_direction(-entry.ns, inward, u), inward, throughput},
           depth_below_surface(entry.hit, to_body)};
@@ -36,7 +37,7 @@ float entry_distance(const WalkBeginning& beginning) {
 
 // Through the inner side of an open shell.
 bool enters_from_behind(const SubsurfaceBody& body, const SubsurfaceEntry& entry) {
-  return !entry.within && body.leaves(entry.member, entry.triangle.triangle, -entry.hit.ng);
+  return !entry.within && body.leaves(entry.member, entry.triangle, -entry.hit.ng);
 }
 
 // The direction to light that a walk is guided to, if that lies below the surface; else zero.
@@ -68,7 +69,10 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   CHECK(entry.medium);
   const float scale = max_component(entry.throughput);
   if (!(scale > 0)) return std::nullopt;
-  WalkBeginning beginning = begin_walk(body, entry, {numbers.first()[0], numbers.first()[1]});
+  const float time = entry.triangle.time;
+  std::optional<SubsurfaceBody::Maps> moved;
+  const SubsurfaceBody::Maps& maps = body.members[entry.member].at(time, &moved);
+  WalkBeginning beginning = begin_walk(body, entry, maps.to_body, {numbers.first()[0], numbers.first()[1]});
   WalkSettings used = settings;
   if (settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within &&
       !body.lit->faces_light(entry.hit.ng))
@@ -82,9 +86,10 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
     return end;
   };
   const float distance = entry_distance(beginning);
-  const auto end = body.is_union()
-                       ? walk(UnionTracer(body, {entry.member, beginning.p, distance, enters_from_behind(body, entry)}))
-                       : walk(MeshTracer(body, beginning.p, distance));
+  const auto end =
+      body.is_union()
+          ? walk(UnionTracer(body, {entry.member, beginning.p, distance, enters_from_behind(body, entry), time}))
+          : walk(MeshTracer(body, {beginning.p, distance, maps.to_object, time}));
   if (!end) return std::nullopt;
   SubsurfaceExit exit{end->hit, end->direction, {}, end->events};
   exit.hit.instance = body.members[body.is_union() ? end->hit.instance : 0].instance;

@@ -77,7 +77,7 @@ class ShellFinder {
     write_flags();
     if (out_.any_closed) {
       find_cavities();
-      out_.overlapping = !walls_.empty() || overlaps();
+      out_.overlapping = !walls_.empty() || overlaps() || (mesh_.deforms() && shells_.size() > 1);
     }
     auto& flags = out_.triangle_flags;
     if (std::all_of(flags.begin(), flags.end(), [](uint8_t f) { return f == 0; })) flags = {};
@@ -236,7 +236,7 @@ class ShellFinder {
 
   // The closed shells that contain p; those of `except` do not count.
   int winding(const Vec3f& p, const Vec3f& direction, uint32_t except) const {
-    return winding_number(mesh_, out_, object_, p, direction, [&](uint32_t t) { return shell_[t] != except; });
+    return winding_number(mesh_, out_, object_, {p, direction}, [&](uint32_t t) { return shell_[t] != except; });
   }
 
   bool is_nested(uint32_t s) const {
@@ -313,16 +313,15 @@ MeshShells find_shells(const Mesh& mesh, const ObjectScene& object) {
 Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction) {
   const SurfacePoint s = surface_point(mesh, hit, Affine(), Affine());
   const float side = dot(s.ng_object, direction) >= 0 ? 1.0f : -1.0f;
-  return {shells.flags(hit.triangle), leaves(mesh, shells, hit.triangle, direction),
+  return {shells.flags(hit.triangle), leaves(mesh, shells, hit, direction),
           offset_point(s.p_object, s.ng_object * side, s.offset_object)};
 }
 
-bool leaves(const Mesh& mesh, const MeshShells& shells, uint32_t triangle, const Vec3f& direction) {
-  const auto& c = mesh.triangles[triangle];
-  const Vec3f p = mesh.points[c[0]];
+bool leaves(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction) {
+  const auto [p, p1, p2] = mesh.corners_at(hit.triangle, hit.time);
   // In double: the product of three lengths, of which a scene may have large and small ones.
-  const double along = dot(Vec3d(direction), cross(Vec3d(mesh.points[c[1]] - p), Vec3d(mesh.points[c[2]] - p)));
-  return (along >= 0) != ((shells.flags(triangle) & MeshShells::kReversed) != 0);
+  const double along = dot(Vec3d(direction), cross(Vec3d(p1 - p), Vec3d(p2 - p)));
+  return (along >= 0) != ((shells.flags(hit.triangle) & MeshShells::kReversed) != 0);
 }
 
 }  // namespace alabaster

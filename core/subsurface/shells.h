@@ -26,13 +26,15 @@ struct MeshShells {
   uint8_t flags(uint32_t triangle) const { return triangle_flags.empty() ? uint8_t(0) : triangle_flags[triangle]; }
 };
 
-/// `object` traces `mesh`. A function of the mesh alone, for any number of threads; scaling it by 2^k changes nothing.
+/// `object` traces `mesh`. Of a mesh that deforms the shells are those at the opening of the shutter, and where it has
+/// several they count as overlapping, for they may do so later. A function of the mesh alone, for any number of
+/// threads; scaling it by 2^k changes nothing.
 MeshShells find_shells(const Mesh& mesh, const ObjectScene& object);
 
-/// True if a line in direction `direction` (object space) leaves the triangle's shell there, false if it enters. The
+/// True if a line in direction `direction` (object space) leaves the triangle's shell at a hit, false if it enters. The
 /// outer side of an open shell is the one that would be out if little is missing; of a plane, the one from which it
 /// winds counter-clockwise.
-bool leaves(const Mesh& mesh, const MeshShells& shells, uint32_t triangle, const Vec3f& direction);
+bool leaves(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction);
 
 /// The surface that a line has just met, and a point beyond it to trace on from.
 struct Crossed {
@@ -50,23 +52,22 @@ Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const Triangle
 /// A line that has crossed so many surfaces is not followed further.
 inline constexpr int kMaxCrossings = 4096;
 
-/// The number of closed shells that contain `p` (object space), by the balance of crossings along a line from it: a
-/// cavity takes one away. `counts(triangle)`: true if the triangle's shell counts.
+/// The number of closed shells that contain the ray's origin (object space), by the balance of crossings along the ray:
+/// a cavity takes one away. `counts(triangle)`: true if the triangle's shell counts.
 template <class Counts>
-int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, Vec3f p,
-                   const Vec3f& direction, const Counts& counts) {
+int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, Ray ray,
+                   const Counts& counts) {
   int winding = 0;
   TriangleHit hit;
-  for (int i = 0; i < kMaxCrossings && object.intersect({p, direction}, &hit); ++i) {
-    const Crossed crossed = cross_surface(mesh, shells, hit, direction);
+  for (int i = 0; i < kMaxCrossings && object.intersect(ray, &hit); ++i) {
+    const Crossed crossed = cross_surface(mesh, shells, hit, ray.dir);
     if (counts(hit.triangle)) winding += crossed.crossing();
-    p = crossed.beyond;
+    ray.org = crossed.beyond;
   }
   return winding;
 }
-inline int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, const Vec3f& p,
-                          const Vec3f& direction) {
-  return winding_number(mesh, shells, object, p, direction, [](uint32_t) { return true; });
+inline int winding_number(const Mesh& mesh, const MeshShells& shells, const ObjectScene& object, const Ray& ray) {
+  return winding_number(mesh, shells, object, ray, [](uint32_t) { return true; });
 }
 
 }  // namespace alabaster

@@ -1,9 +1,19 @@
-// The abstract classes' destructors: out of line, so that each vtable and type_info lives once, in the library.
+// The abstract classes' destructors: out of line, so that each vtable and type_info lives once, in the library. And the
+// answers of a scene that does not move.
 #include "delegate/api/render_delegate.h"
 
 namespace alabaster::hd {
 
 SceneDelegate::~SceneDelegate() = default;
+TimeSamples<Matrix4d> SceneDelegate::SampleTransform(const Path&) {
+  return {};
+}
+TimeSamples<Value> SceneDelegate::SamplePrimvar(const Path&, const Token&) {
+  return {};
+}
+TimeSamples<Matrix4d> SceneDelegate::SampleInstancerTransform(const Path&) {
+  return {};
+}
 RenderParam::~RenderParam() = default;
 Instancer::~Instancer() = default;
 Prim::~Prim() = default;

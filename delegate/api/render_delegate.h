@@ -100,7 +100,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 4;
+inline constexpr uint32_t kAbiVersion = 5;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

@@ -27,6 +27,14 @@ class ALABASTER_API SceneDelegate {
   /// A primvar ("points", "st", "normals", ...), unflattened: with `indices` when its descriptor says indexed.
   virtual Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) = 0;
 
+  // Motion: asked together with the values themselves, which are those of time 0. The defaults say that nothing moves.
+  /// Of a mesh or a camera.
+  virtual TimeSamples<Matrix4d> SampleTransform(const Path& id);
+  /// "points" and "normals" of a mesh, "hydra:instanceTransforms" and the like of an instancer: as many at each time as
+  /// at time 0.
+  virtual TimeSamples<Value> SamplePrimvar(const Path& id, const Token& name);
+  virtual TimeSamples<Matrix4d> SampleInstancerTransform(const Path& instancerId);
+
   // Instancing
   virtual Path GetInstancerId(const Path& primId) = 0;  // of an rprim or of an instancer (nesting); empty: none
   virtual Matrix4d GetInstancerTransform(const Path& instancerId) = 0;

@@ -32,6 +32,16 @@ inline constexpr DirtyBits kDescription = 1u << 16;  // render buffer
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
+// Motion -------------------------------------------------------------------------------------------
+/// Values at increasing times, in frames, relative to the frame that is drawn. They may lie outside of the shutter and
+/// need not be evenly spaced. Less than two: nothing moves, and the value is the one that is pulled without samples.
+template <class T>
+struct TimeSamples {
+  std::vector<double> times;
+  std::vector<T> values;
+  bool operator==(const TimeSamples&) const = default;
+};
+
 // Meshes -------------------------------------------------------------------------------------------
 enum class Interpolation { constant, uniform, varying, vertex, faceVarying, instance };
 

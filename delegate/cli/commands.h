@@ -19,6 +19,7 @@ struct RenderArguments {
   std::string time;                             // seconds
   std::string frames;                           // "1:100" or "1:100:10"
   std::string fps;                              // frames per second
+  std::string shutter;                          // "open:close", frames
   std::string model_scene, animation, variant;  // of a glTF model: name or index
   std::string size;                             // "1280x720"
   std::string crop;                             // "x0,y0,x1,y1"

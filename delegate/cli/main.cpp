@@ -55,7 +55,10 @@ constexpr TextFlag kModelFlags[] = {
     {"--frames", &RenderArguments::frames, "A:B[:STEP]",
      "Render the frames from A to B, each to files of its own: -o frame.####.exr. Frame N shows the models at N / fps "
      "seconds and has a noise pattern of its own"},
-    {"--fps", &RenderArguments::fps, "N", "Frames per second, for --frames; default: 24"},
+    {"--fps", &RenderArguments::fps, "N", "Frames per second, for --frames and --shutter; default: 24"},
+    {"--shutter", &RenderArguments::shutter, "OPEN:CLOSE",
+     "Motion blur: when the shutter opens and closes, in frames relative to the frame that is drawn, such as 0:0.5 or "
+     "-0.25:0.25. Default: the camera's own, else closed at once"},
     {"--scene", &RenderArguments::model_scene, "N|NAME", "Scene of the glTF file; default: the file's own choice"},
     {"--animation", &RenderArguments::animation, "N|NAME", "Animation of the glTF file; default: the first"},
     {"--variant", &RenderArguments::variant, "N|NAME", "Variant of the glTF file's materials"},

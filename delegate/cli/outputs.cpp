@@ -120,6 +120,13 @@ std::optional<double> parse_nonnegative(const std::string& text) {
   return numbers.size() == 1 && numbers[0] >= 0 && std::isfinite(numbers[0]) ? std::optional(numbers[0]) : std::nullopt;
 }
 
+std::optional<std::pair<double, double>> parse_interval(const std::string& text) {
+  const auto numbers = parse_numbers<double>(text, ":");
+  if (numbers.size() != 2 || !std::isfinite(numbers[0]) || !std::isfinite(numbers[1]) || numbers[1] < numbers[0])
+    return std::nullopt;
+  return std::pair(numbers[0], numbers[1]);
+}
+
 std::vector<uint32_t> parse_frames(const std::string& text) {
   constexpr uint64_t kMost = 100'000;
   std::vector<uint32_t> range = parse_numbers<uint32_t>(text, ":");

@@ -25,6 +25,8 @@ struct PixelChoice {
 std::optional<PixelChoice> parse_pixel(const std::string& text);
 /// Parses a number of seconds or of frames per second, finite and not negative. Empty if malformed.
 std::optional<double> parse_nonnegative(const std::string& text);
+/// Parses "open:close", two finite numbers in order.
+std::optional<std::pair<double, double>> parse_interval(const std::string& text);
 /// Parses "first:last" and "first:last:step" as the frames' numbers, at most 100,000. Empty if malformed or none.
 std::vector<uint32_t> parse_frames(const std::string& text);
 /// `file` with the last '#'s of its name replaced by the frame's number, which has leading zeros to their count. Empty

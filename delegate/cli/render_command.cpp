@@ -77,10 +77,16 @@ class RenderCommand {
   int check_times() {
     if (!a_.time.empty() && !parse_nonnegative(a_.time))
       return console_.usage_error("--time", "'" + a_.time + "' is not a time: write a number of seconds from 0 up.");
+    if (!a_.shutter.empty() && !parse_interval(a_.shutter))
+      return console_.usage_error("--shutter", "'" + a_.shutter +
+                                                   "' is not a shutter: write when it opens and when it closes, in "
+                                                   "frames, such as 0:0.5; it must not close before it opens.");
     if (!a_.fps.empty() && parse_nonnegative(a_.fps).value_or(0) == 0)
       return console_.usage_error("--fps", "'" + a_.fps + "' is not a number of frames per second above 0.");
     if (a_.frames.empty())
-      return a_.fps.empty() ? kDone : console_.usage_error("--fps", "It needs --frames, or give a --time in seconds.");
+      return a_.fps.empty() || !a_.shutter.empty()
+                 ? kDone
+                 : console_.usage_error("--fps", "It needs --frames or --shutter, or give a --time in seconds.");
     if (parse_frames(a_.frames).empty())
       return console_.usage_error("--frames", "'" + a_.frames +
                                                   "' is not a range of frames: write first:last or first:last:step, in "
@@ -99,7 +105,8 @@ class RenderCommand {
     return kDone;
   }
 
-  double seconds_at(uint32_t frame) const { return frame / parse_nonnegative(a_.fps).value_or(24); }
+  double frames_per_second() const { return parse_nonnegative(a_.fps).value_or(24); }
+  double seconds_at(uint32_t frame) const { return frame / frames_per_second(); }
 
   // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
   // output.
@@ -124,6 +131,8 @@ class RenderCommand {
       if (!value.empty()) options.overrides.push_back(key + "=" + value);
     };
     options.time = frames_.empty() ? parse_nonnegative(a_.time) : std::optional(seconds_at(frames_[0]));
+    if (const auto shutter = parse_interval(a_.shutter)) options.shutter = {shutter->first, shutter->second};
+    options.frames_per_second = frames_per_second();
     options.scene = a_.model_scene;
     options.animation = a_.animation;
     options.variant = a_.variant;

@@ -1,3 +1,4 @@
+#include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
 #include "delegate/description/schema_check.h"
@@ -33,6 +34,16 @@ bool apply_camera(const Reader& reader) {
     if (!plan.transform)
       return reader.fail("/camera/lookAt",
                          "The camera has no direction: eye and target coincide, or up lies along the view.");
+  }
+  if (const auto motion = entry->find("motion"); motion != entry->end()) {
+    if (entry->contains("transform") || entry->contains("lookAt"))
+      return reader.fail("/camera", "Give either a motion or a single placement, not both.");
+    const auto samples = to_motion(reader, "/camera/motion", *motion);
+    if (!samples) return false;
+    plan.motion = *samples;
+    plan.transform = transform_at(plan.motion, 0);
+  } else if (entry->contains("transform") || entry->contains("lookAt")) {
+    plan.motion = {};
   }
   static const json parameters = expanded_schema("camera")["properties"];
   for (const auto& [name, schema] : parameters.items()) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 
 namespace alabaster::hd::description {
@@ -96,6 +97,18 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
   return true;
 }
 
+bool move_meshes(const Reader& reader, const std::string& pointer, const json& motion, const std::vector<Path>& paths) {
+  const auto samples = to_motion(reader, pointer, motion);
+  if (!samples) return false;
+  for (const Path& path : paths)
+    if (!reader.scene().GetMeshes().at(path).instancer.empty())
+      return reader.fail(pointer, "Mesh '" + path.str() +
+                                      "' is drawn several times, and moves only with all of its model: give the motion "
+                                      "to the model.");
+  move_prims(paths, *samples, &reader.scene());
+  return true;
+}
+
 }  // namespace
 
 bool apply_meshes(const Reader& reader) {
@@ -107,6 +120,8 @@ bool apply_meshes(const Reader& reader) {
     if (paths.empty()) return false;
     for (const Path& path : paths)
       if (!change_mesh(reader, pointer, (*entries)[i], path)) return false;
+    const auto motion = (*entries)[i].find("motion");
+    if (motion != (*entries)[i].end() && !move_meshes(reader, pointer + "/motion", *motion, paths)) return false;
   }
   return true;
 }

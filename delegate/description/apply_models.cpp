@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <set>
 
+#include "delegate/description/apply_motion.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/placement.h"
 
@@ -30,7 +31,25 @@ gltf::GltfOptions options_of(const nlohmann::json& model, const LoadOptions& ask
   return options;
 }
 
+// The shutter that is asked for, else the description's own.
+LoadOptions described_shutter(const Reader& reader) {
+  LoadOptions options = reader.state().options;
+  if (options.shutter || !reader.value().contains("camera")) return options;
+  const nlohmann::json& camera = reader.value()["camera"];
+  const double open = camera.value("shutterOpen", 0.0), close = camera.value("shutterClose", open);
+  options.shutter = {open, close};
+  return options;
+}
+
 }  // namespace
+
+void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model) {
+  if (!asked.shutter || !(asked.shutter->close > asked.shutter->open)) return;
+  model->time = model->time.value_or(0);
+  model->frames_per_second = asked.frames_per_second;
+  model->shutter_open = asked.shutter->open / asked.frames_per_second;
+  model->shutter_close = asked.shutter->close / asked.frames_per_second;
+}
 
 bool apply_models(const Reader& reader) {
   const auto models = reader.value().find("gltf");
@@ -51,6 +70,7 @@ bool apply_models(const Reader& reader) {
     if (file.resolved.empty()) return false;
     gltf::GltfOptions options = options_of(model, asked);
     options.root = root_for(file.resolved, &taken);
+    sample_shutter(described_shutter(reader), &options);
     if (model.contains("transform")) {
       const auto transform = to_transform(model["transform"]);
       if (!transform)
@@ -59,9 +79,22 @@ bool apply_models(const Reader& reader) {
                            "no scale may be 0.");
       options.transform = *transform;
     }
+    TimeSamples<Matrix4d> motion;
+    if (model.contains("motion")) {
+      if (model.contains("transform"))
+        return reader.fail(pointer, "Give either a transform or a motion, which has one for each of its times.");
+      const auto samples = to_motion(reader, pointer + "/motion", model["motion"]);
+      if (!samples) return false;
+      motion = *samples;
+      options.transform = transform_at(motion, 0);
+    }
     reader.state().result->gltf.push_back(
         gltf::LoadGltf(file.resolved, options, &reader.scene(), *reader.state().sink));
-    ok = ok && reader.state().result->gltf.back().ok;
+    const gltf::GltfSummary& loaded = reader.state().result->gltf.back();
+    ok = ok && loaded.ok;
+    if (!loaded.ok || motion.values.empty()) continue;
+    move_prims(loaded.meshes, motion, &reader.scene());
+    move_prims(loaded.cameras, motion, &reader.scene());
   }
   return ok;
 }

@@ -55,7 +55,13 @@ bool complete_camera(LoadState* state) {
     camera = state->scene->GetCameras().at(base);
   }
   for (const auto& [name, value] : plan.parameters) camera.parameters[name] = value;
-  if (plan.transform) camera.transform = *plan.transform;
+  if (parameter(camera, "shutterClose", 0) < parameter(camera, "shutterOpen", 0)) {
+    if (*state->sink)
+      (*state->sink)({Severity::error, "description.shutter", "camera",
+                      "The shutter closes before it opens: shutterClose must not be less than shutterOpen."});
+    return false;
+  }
+  if (plan.transform) camera.transform = *plan.transform, camera.transformSamples = plan.motion;
   if (base.empty() && !plan.transform) {
     const auto projection = camera.parameters.find("projection");
     if (projection != camera.parameters.end() && projection->second.text_or("") == "orthographic") {

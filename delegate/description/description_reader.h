@@ -13,6 +13,7 @@ namespace alabaster::hd::description {
 struct CameraPlan {
   std::string use, use_place;  // name of an existing camera, and the place that asks for it
   std::optional<Matrix4d> transform;
+  TimeSamples<Matrix4d> motion;       // in place of the transform, or empty
   std::map<Token, Value> parameters;  // in the contract's units
 };
 
@@ -67,6 +68,9 @@ class Reader {
   std::string folder_;
   LoadState& state_;
 };
+
+/// Has the animation sampled over the shutter, if that is open.
+void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model);
 
 bool apply_models(const Reader& reader);
 bool apply_materials(const Reader& reader);

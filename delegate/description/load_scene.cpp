@@ -51,6 +51,10 @@ class Loader {
       if (!apply_override(assignment)) return false;
     if (!options.dome.empty() && !replace_domes(options.dome)) return false;
     if (!options.camera.empty() && !choose_camera(options.camera)) return false;
+    if (options.shutter) {
+      state_.camera.parameters["shutterOpen"] = static_cast<float>(options.shutter->open);
+      state_.camera.parameters["shutterClose"] = static_cast<float>(options.shutter->close);
+    }
     if (!complete_scene(&state_)) return false;
     if (!draws_anything(*state_.scene) && sink_)
       sink_({Severity::warning, "scene.empty", file,
@@ -79,6 +83,7 @@ class Loader {
       options.animation = o.animation;
       options.variant = o.variant;
       options.time = o.time;
+      sample_shutter(o, &options);
       state_.result->gltf.push_back(gltf::LoadGltf(file, options, state_.scene, sink_));
       return state_.result->gltf.back().ok;
     }

@@ -21,6 +21,13 @@ struct LoadOptions {
   /// Seconds of the models' animations, added to each description's `time`. Empty: models without a `time` keep the
   /// pose in which they are authored.
   std::optional<double> time;
+  /// The shutter of the camera, in frames relative to the one that is drawn, in place of the description's. Animations
+  /// are sampled over it; models without a time are then posed at 0.
+  struct Shutter {
+    double open = 0, close = 0;
+  };
+  std::optional<Shutter> shutter;
+  double frames_per_second = 24;
   /// As in gltf::GltfOptions, in place of the description's; an error if it has several models.
   std::string scene, animation, variant;
 };

@@ -1,5 +1,6 @@
 #include "delegate/gltf/gltf_scene.h"
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <numeric>
@@ -130,6 +131,80 @@ class SceneTranslator {
   Prims prims_;
 };
 
+// The prims at several times, as samples of those at the frame's own.
+class MotionSampler {
+ public:
+  MotionSampler(const GltfOptions& options, Prims* prims) : options_(options), prims_(*prims) {}
+
+  void run(Document* document, Report& report) {
+    constexpr int kSamples = 5;
+    Report silent({}, {});
+    for (int i = 0; i < kSamples; ++i) {
+      const double open = options_.shutter_open, length = options_.shutter_close - open;
+      const double seconds = open + length * i / (kSamples - 1);
+      apply_animation(options_.time.value_or(0) + seconds, document);
+      frames_.push_back(seconds * options_.frames_per_second);
+      poses_.push_back(SceneTranslator(*document, options_, silent).run());
+    }
+    for (auto& [id, mesh] : prims_.meshes) {
+      sample_transform(id, &Prims::meshes, &mesh, report);
+      for (const char* name : {"points", "normals"}) sample_primvar(id, name, &mesh);
+    }
+    for (auto& [id, camera] : prims_.cameras) sample_transform(id, &Prims::cameras, &camera, report);
+    for (auto& [id, instancer] : prims_.instancers) sample_instances(id, &instancer, report);
+  }
+
+ private:
+  template <class T>
+  void sample_transform(const Path& id, std::map<Path, T> Prims::*all, T* prim, Report& report) const {
+    TimeSamples<Matrix4d> samples{frames_, {}};
+    for (const Prims& pose : poses_) {
+      const auto found = (pose.*all).find(id);
+      if (found == (pose.*all).end()) return warn(id, report);
+      samples.values.push_back(found->second.transform);
+    }
+    if (changes(samples)) prim->transformSamples = std::move(samples);
+  }
+
+  void sample_primvar(const Path& id, const char* name, host::MeshDescription* mesh) const {
+    if (!mesh->primvars.contains(name)) return;
+    TimeSamples<Value> samples{frames_, {}};
+    for (const Prims& pose : poses_) {
+      const auto found = pose.meshes.find(id);
+      if (found == pose.meshes.end() || !(found->second.topology == mesh->topology)) return;
+      samples.values.push_back(found->second.primvars.at(name).value);
+    }
+    if (changes(samples)) mesh->primvarSamples[name] = std::move(samples);
+  }
+
+  // Of a mesh that several nodes place, each may move by itself.
+  void sample_instances(const Path& id, host::InstancerDescription* instancer, Report& report) const {
+    const Token name = "hydra:instanceTransforms";
+    TimeSamples<Value> samples{frames_, {}};
+    for (const Prims& pose : poses_) {
+      const auto found = pose.instancers.find(id);
+      if (found == pose.instancers.end()) return warn(id, report);
+      samples.values.push_back(found->second.primvars.at(name));
+    }
+    if (changes(samples)) instancer->primvarSamples[name] = std::move(samples);
+  }
+
+  static void warn(const Path& id, Report& report) {
+    report.warning("motion", id.str(), "is not there at all times of the shutter; it is drawn without motion blur");
+  }
+
+  template <class T>
+  static bool changes(const TimeSamples<T>& samples) {
+    return std::any_of(samples.values.begin(), samples.values.end(),
+                       [&](const T& value) { return !(value == samples.values.front()); });
+  }
+
+  const GltfOptions& options_;
+  Prims& prims_;
+  std::vector<double> frames_;
+  std::vector<Prims> poses_;
+};
+
 void hand_over(Prims prims, host::RetainedSceneDelegate* scene, GltfSummary* summary) {
   for (auto& [id, material] : prims.materials) {
     summary->materials.push_back(id);
@@ -166,6 +241,8 @@ void load(const std::string& file, const GltfOptions& options, host::RetainedSce
   if (document.variant >= 0) apply_variant(size_t(document.variant), &document.model);
   Prims prims = SceneTranslator(document, options, report).run();
   if (report.failed()) return;
+  if (document.animation >= 0 && options.shutter_close > options.shutter_open)
+    MotionSampler(options, &prims).run(&document, report);
   if (prims.meshes.empty()) report.warning("scene.empty", "", "the scene has nothing to draw");
   hand_over(std::move(prims), scene, summary);
   summary->ok = true;

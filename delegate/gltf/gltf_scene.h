@@ -26,6 +26,10 @@ struct GltfOptions {
   /// The pose of the animation in seconds. Empty: the pose in which the nodes are authored; but the animation at time 0
   /// if one is named. After the last key it is held.
   std::optional<double> time;
+  /// Seconds, relative to `time`. Over an interval with a length, what the animation moves or deforms gets time
+  /// samples, five of them, in frames. What stands still in it, and lights, get none.
+  double shutter_open = 0, shutter_close = 0;
+  double frames_per_second = 24;
 };
 
 struct GltfAnimation {

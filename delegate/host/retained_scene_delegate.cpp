@@ -21,15 +21,20 @@ bool same_primvars_but(const MeshDescription& a, const MeshDescription& b, const
   return true;
 }
 
+template <class T>
+bool transform_differs(const T& a, const T& b) {
+  return a.transform != b.transform || !(a.transformSamples == b.transformSamples);
+}
+
 DirtyBits difference(const MeshDescription& a, const MeshDescription& b) {
   DirtyBits bits = dirty::kClean;
   if (!(a.topology == b.topology)) bits |= dirty::kTopology;
   if (!(a.subdivTags == b.subdivTags)) bits |= dirty::kSubdivTags;
   if (!(a.displayStyle == b.displayStyle)) bits |= dirty::kDisplayStyle;
-  if (!same_primvar(a, b, "points")) bits |= dirty::kPoints;
+  if (!same_primvar(a, b, "points") || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPoints;
   if (!same_primvar(a, b, "normals")) bits |= dirty::kNormals | dirty::kPrimvar;
   if (!same_primvars_but(a, b, "points")) bits |= dirty::kPrimvar;
-  if (a.transform != b.transform) bits |= dirty::kTransform;
+  if (transform_differs(a, b)) bits |= dirty::kTransform;
   if (a.visible != b.visible) bits |= dirty::kVisibility;
   if (a.doubleSided != b.doubleSided) bits |= dirty::kDoubleSided;
   if (!(a.material == b.material)) bits |= dirty::kMaterialId;
@@ -39,8 +44,8 @@ DirtyBits difference(const MeshDescription& a, const MeshDescription& b) {
 
 DirtyBits difference(const InstancerDescription& a, const InstancerDescription& b) {
   DirtyBits bits = dirty::kClean;
-  if (a.transform != b.transform) bits |= dirty::kTransform;
-  if (!(a.primvars == b.primvars)) bits |= dirty::kPrimvar;
+  if (transform_differs(a, b)) bits |= dirty::kTransform;
+  if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPrimvar;
   if (!(a.parent == b.parent)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
   return bits;
 }
@@ -60,7 +65,7 @@ DirtyBits difference(const LightDescription& a, const LightDescription& b) {
   return parameter_difference(a, b) | (a.visible != b.visible ? dirty::kVisibility : dirty::kClean);
 }
 DirtyBits difference(const CameraDescription& a, const CameraDescription& b) {
-  return parameter_difference(a, b);
+  return parameter_difference(a, b) | (transform_differs(a, b) ? dirty::kTransform : dirty::kClean);
 }
 DirtyBits difference(const RenderBufferDescriptor& a, const RenderBufferDescriptor& b) {
   return a == b ? dirty::kClean : dirty::kDescription;
@@ -302,6 +307,27 @@ Path RetainedSceneDelegate::GetInstancerId(const Path& primId) {
 Matrix4d RetainedSceneDelegate::GetInstancerTransform(const Path& instancerId) {
   const auto* instancer = find(state_->instancers, instancerId);
   return instancer ? instancer->transform : Matrix4d();
+}
+
+TimeSamples<Matrix4d> RetainedSceneDelegate::SampleTransform(const Path& id) {
+  if (const auto* mesh = find(state_->meshes, id)) return mesh->transformSamples;
+  const auto* camera = find(state_->cameras, id);
+  return camera ? camera->transformSamples : TimeSamples<Matrix4d>();
+}
+
+TimeSamples<Value> RetainedSceneDelegate::SamplePrimvar(const Path& id, const Token& name) {
+  const auto sampled = [&](const auto* prim) {
+    const auto found = prim->primvarSamples.find(name);
+    return found == prim->primvarSamples.end() ? TimeSamples<Value>() : found->second;
+  };
+  if (const auto* mesh = find(state_->meshes, id)) return sampled(mesh);
+  const auto* instancer = find(state_->instancers, id);
+  return instancer ? sampled(instancer) : TimeSamples<Value>();
+}
+
+TimeSamples<Matrix4d> RetainedSceneDelegate::SampleInstancerTransform(const Path& instancerId) {
+  const auto* instancer = find(state_->instancers, instancerId);
+  return instancer ? instancer->transformSamples : TimeSamples<Matrix4d>();
 }
 
 Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId, const Path& prototypeId) {

@@ -25,16 +25,20 @@ struct MeshDescription {
   Matrix4d transform;
   bool visible = true;
   bool doubleSided = true;
-  Path material;   // empty: the default material
-  Path instancer;  // empty: not instanced
+  Path material;                                            // empty: the default material
+  Path instancer;                                           // empty: not instanced
+  TimeSamples<Matrix4d> transformSamples = {};              // of what moves
+  std::map<Token, TimeSamples<Value>> primvarSamples = {};  // of what deforms: "points", "normals"
   bool operator==(const MeshDescription&) const = default;
 };
 
 struct InstancerDescription {
   Matrix4d transform;
-  Path parent;                             // outer instancer; empty: none
-  std::map<Token, Value> primvars;         // hydra:instanceTransforms, ...
-  std::map<Path, Array<int32_t>> indices;  // prototype (mesh or inner instancer) -> indices into the primvars
+  Path parent;                                  // outer instancer; empty: none
+  std::map<Token, Value> primvars;              // hydra:instanceTransforms, ...
+  std::map<Path, Array<int32_t>> indices;       // prototype (mesh or inner instancer) -> indices into the primvars
+  TimeSamples<Matrix4d> transformSamples = {};  // of what moves
+  std::map<Token, TimeSamples<Value>> primvarSamples = {};  // of points that move
   bool operator==(const InstancerDescription&) const = default;
 };
 
@@ -52,6 +56,7 @@ struct LightDescription {
 struct CameraDescription {
   Matrix4d transform;
   std::map<Token, Value> parameters;
+  TimeSamples<Matrix4d> transformSamples = {};  // of what moves
   bool operator==(const CameraDescription&) const = default;
 };
 
@@ -93,6 +98,9 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   Path GetMaterialId(const Path& id) override;
   std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) override;
   Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) override;
+  TimeSamples<Matrix4d> SampleTransform(const Path& id) override;
+  TimeSamples<Value> SamplePrimvar(const Path& id, const Token& name) override;
+  TimeSamples<Matrix4d> SampleInstancerTransform(const Path& instancerId) override;
   Path GetInstancerId(const Path& primId) override;
   Matrix4d GetInstancerTransform(const Path& instancerId) override;
   Array<int32_t> GetInstanceIndices(const Path& instancerId, const Path& prototypeId) override;

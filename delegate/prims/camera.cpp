@@ -1,5 +1,6 @@
 #include "core/camera/camera.h"
 
+#include "delegate/prims/motion.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 
@@ -28,14 +29,24 @@ void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::Diag
   if (!range.empty() && !valid)
     alabaster::report(sink, alabaster::Severity::warning, "camera.clippingRange", id.str(),
                       "clippingRange must be near and far with 0 <= near < far; nothing is clipped");
+  if (camera->shutter_close >= camera->shutter_open) return;
+  alabaster::report(sink, alabaster::Severity::error, "camera.shutter", id.str(),
+                    "the shutter closes before it opens (shutterOpen " + std::to_string(camera->shutter_open) +
+                        ", shutterClose " + std::to_string(camera->shutter_close) + "); it is drawn as at shutterOpen");
+  camera->shutter_close = camera->shutter_open;
 }
 
 }  // namespace
 
 DirtyBits CameraPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
-  if (bits & dirty::kTransform) camera_.camera_to_world = scene.GetTransform(GetId());
-  if (bits & dirty::kParams) pull_parameters(scene, GetId(), param.sink(), &camera_);
-  param.post(GetId(), CameraRecord{camera_});
+  if (bits & dirty::kTransform) {
+    record_.camera.camera_to_world = scene.GetTransform(GetId());
+    record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), param.sink());
+  }
+  if (bits & dirty::kParams) {
+    pull_parameters(scene, GetId(), param.sink(), &record_.camera);
+  }
+  param.post(GetId(), record_);
   return dirty::kClean;
 }
 

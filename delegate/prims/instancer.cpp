@@ -1,3 +1,4 @@
+#include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
 
 namespace alabaster::hd::prims {
@@ -5,12 +6,21 @@ namespace alabaster::hd::prims {
 void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyBits* bits) {
   SceneParam& param = SceneParam::of(render_param);
   const bool synced = guarded(param.sink(), GetId().str(), [&] {
-    if (*bits & dirty::kTransform) record_.transform = scene->GetInstancerTransform(GetId());
+    if (*bits & dirty::kTransform) {
+      record_.transform = scene->GetInstancerTransform(GetId());
+      auto [times, values] = checked_motion(scene->SampleInstancerTransform(GetId()), GetId(), param.sink());
+      record_.motion = {std::move(times), std::move(values)};
+    }
     if (*bits & dirty::kPrimvar) {
-      auto points = support::pull_instance_points(
-          *scene, GetId(), [&](const char* code, const Path& where, const std::string& text) {
-            alabaster::report(param.sink(), alabaster::Severity::warning, code, where.str(), text);
-          });
+      const support::InstancingReport report = [&](const char* code, const Path& where, const std::string& text) {
+        alabaster::report(param.sink(), alabaster::Severity::warning, code, where.str(), text);
+      };
+      auto points = support::pull_instance_points(*scene, GetId(), report);
+      record_.moving_points = support::pull_moving_points(*scene, GetId(), points, report);
+      if (!times_fault(record_.moving_points.times, record_.moving_points.values.size()).empty()) {
+        report("motion.instances", GetId(), "times of samples must be finite and increase; the instances stand still");
+        record_.moving_points = {};
+      }
       const bool same = points && record_.points ? *points == *record_.points : points == record_.points;
       if (!same) record_.points = std::move(points);
     }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
 
 namespace alabaster::hd::prims {
@@ -39,6 +40,15 @@ void update(T* held, T now, bool* changed) {
   *changed = true;
 }
 
+std::vector<Vec3f> read_points(const Value& value) {
+  const auto* array = value.get<Array<Vec3f>>();
+  return array ? std::vector<Vec3f>(array->begin(), array->end()) : std::vector<Vec3f>();
+}
+
+bool is_usable_point(const Vec3f& p) {
+  return is_finite(p) && max_abs_component(p) <= kTraceLimit;
+}
+
 // Purposes other than the final picture's are never drawn.
 bool is_drawn_tag(const Token& tag) {
   return !(tag == Token("guide") || tag == Token("proxy") || tag == Token("hidden"));
@@ -61,7 +71,10 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster:
     Array<int32_t> unused;
     points.value = scene.GetPrimvar(GetId(), "points", &unused);
     update(&pulled_.points, std::move(points), &shape_changed_);
+    update(&pulled_.point_samples, scene.SamplePrimvar(GetId(), "points"), &shape_changed_);
   }
+  if (bits & (dirty::kPoints | dirty::kNormals))
+    update(&pulled_.normal_samples, scene.SamplePrimvar(GetId(), "normals"), &shape_changed_);
   if (bits & kPrimvarBits) {
     const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
     const std::pair<const char*, PulledPrimvar*> named[] = {{"normals", &pulled_.normals},
@@ -84,7 +97,10 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
   if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) tag_visible_ = is_drawn_tag(scene.GetRenderTag(GetId()));
   if (bits & dirty::kDoubleSided) record_.double_sided = scene.GetDoubleSided(GetId());
-  if (bits & dirty::kTransform) record_.transform = scene.GetTransform(GetId());
+  if (bits & dirty::kTransform) {
+    record_.transform = scene.GetTransform(GetId());
+    record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), sink);
+  }
   if (bits & dirty::kMaterialId) material_ = scene.GetMaterialId(GetId());
   if (bits & dirty::kInstancer) record_.instancer = scene.GetInstancerId(GetId());
   if (bits & (dirty::kInstancer | dirty::kInstanceIndex))
@@ -97,6 +113,7 @@ bool MeshPrim::build(SceneParam& param) {
   const std::string& where = GetId().str();
   Cage cage = make_cage(pulled_, where, param.sink());
   std::shared_ptr<MeshPrototype> prototype;
+  std::shared_ptr<const Deformation> deformation;
   bool finished = true;
   std::optional<SceneFault> fault;
   const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
@@ -116,6 +133,7 @@ bool MeshPrim::build(SceneParam& param) {
     {
       const SyncClock::Running running(&param.clock, SyncPhase::refine);
       prototype->mesh = build_mesh(cage, options, sink);
+      deformation = deform(cage, options, sink);
     }
     const SyncClock::Running running(&param.clock, SyncPhase::bvh);
     if (!prototype->mesh.triangles.empty())
@@ -131,7 +149,37 @@ bool MeshPrim::build(SceneParam& param) {
   if (!finished) return false;
   param.set_fault(GetId(), std::move(fault));
   record_.prototype = prototype && prototype->object ? std::move(prototype) : nullptr;
+  record_.deformation = record_.prototype ? std::move(deformation) : nullptr;
   return true;
+}
+
+// The shape at each sample. What is faulty is drawn as it is at time 0.
+std::shared_ptr<const Deformation> MeshPrim::deform(const Cage& cage, const RefinementOptions& options,
+                                                    const alabaster::DiagnosticSink& sink) const {
+  const auto& [times, values] = pulled_.point_samples;
+  if (times.size() < 2 && values.size() < 2) return nullptr;
+  std::string fault = times_fault(times, values.size());
+  const bool has_normals = !cage.normals.empty() && pulled_.normal_samples.times == times &&
+                           pulled_.normal_samples.values.size() == values.size();
+  auto deformation = std::make_shared<Deformation>();
+  deformation->times = times;
+  for (size_t i = 0; i < values.size() && fault.empty(); ++i) {
+    MeshPose posed{read_points(values[i]), cage.normals.values};
+    if (has_normals) posed.normals = read_points(pulled_.normal_samples.values[i]);
+    if (posed.points.size() != cage.points.size())
+      fault = "sample " + std::to_string(i) + " has " + std::to_string(posed.points.size()) + " points, the mesh has " +
+              std::to_string(cage.points.size());
+    else if (posed.normals.size() != cage.normals.values.size())
+      fault = "sample " + std::to_string(i) + " has another number of normals than the mesh";
+    else if (!std::all_of(posed.points.begin(), posed.points.end(), is_usable_point))
+      fault = "a point of sample " + std::to_string(i) + " is not finite, or beyond 1e17";
+    else
+      deformation->poses.push_back(pose_mesh(cage, options, std::move(posed)));
+  }
+  if (fault.empty()) return deformation;
+  alabaster::report(sink, alabaster::Severity::error, "motion.points", GetId().str(),
+                    "the samples of the points cannot be used: " + fault + "; the mesh is drawn without deformation");
+  return nullptr;
 }
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {

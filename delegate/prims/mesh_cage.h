@@ -22,6 +22,7 @@ struct PulledMesh {
   SubdivTags tags;
   DisplayStyle style;
   PulledPrimvar points, normals, tangents, display_color, display_opacity;
+  TimeSamples<Value> point_samples, normal_samples;
   std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
 };
 

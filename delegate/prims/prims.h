@@ -45,6 +45,8 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   void pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   bool build(SceneParam& param);
+  std::shared_ptr<const Deformation> deform(const Cage& cage, const RefinementOptions& options,
+                                            const alabaster::DiagnosticSink& sink) const;
 
   PulledMesh pulled_;
   bool shape_changed_ = false;
@@ -96,7 +98,7 @@ class CameraPrim final : public RecordedPrim<Sprim> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  CameraParameters camera_;
+  CameraRecord record_;
 };
 
 class RenderSettingsPrim final : public RecordedPrim<Bprim> {

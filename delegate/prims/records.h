@@ -10,9 +10,17 @@
 
 namespace alabaster::hd::prims {
 
+/// The refined shape of a mesh that deforms, at the times of its samples.
+struct Deformation {
+  std::vector<double> times;
+  std::vector<MeshPose> poses;
+};
+
 struct MeshRecord {
   std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
   Matrix4d transform;
+  alabaster::TimeSamples<Matrix4d> motion;         // of the transform; empty: stands still
+  std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times
   bool visible = true;
   int32_t prim_id = 0;
   std::vector<Path> materials{Path()};  // by slot: the prim's, then those of its subsets; empty path: default
@@ -37,7 +45,9 @@ struct LightRecord {
 };
 
 struct CameraRecord {
-  CameraParameters camera;
+  CameraParameters camera;  // without poses; opens and closes are not set
+  alabaster::TimeSamples<Matrix4d> motion;
+  Shutter shutter() const { return {camera.shutter_open, camera.shutter_close}; }
   bool operator==(const CameraRecord&) const = default;
 };
 

@@ -10,8 +10,18 @@
 
 namespace alabaster::hd::prims {
 
+/// The shapes of meshes that deform in the shutter, by prim.
+using DeformedMeshes = std::map<Path, std::shared_ptr<const MeshPrototype>>;
+
+/// The shutter of the scene, from the first camera's that opens to the last one's that closes; whichever camera a pass
+/// takes later. The times of a snapshot count from 0 to 1 through it.
+Shutter shutter_of(const Records& records);
+/// The camera with its poses in its own shutter, which lies in `scene`.
+CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene);
+
 struct Translation {
   SceneDescription scene;
+  Shutter shutter;
   std::vector<Path> material_paths;  // of all instances' materials, in order; empty path: default
   std::vector<Path> light_paths;     // parallel to scene.lights
 };
@@ -20,7 +30,7 @@ struct Translation {
 class SceneTranslator {
  public:
   explicit SceneTranslator(alabaster::DiagnosticSink sink);
-  Translation translate(const Records& records);
+  Translation translate(const Records& records, const Shutter& shutter, const DeformedMeshes& deformed);
 
  private:
   struct Run;

@@ -94,10 +94,11 @@ Path RenderCore::settings_camera() const {
   return prim ? prim->settings.camera : Path();
 }
 
-const CameraParameters* RenderCore::camera(const Path& path) const {
+std::optional<CameraParameters> RenderCore::camera(const Path& path) const {
   const auto found = records_.find(path);
   const auto* record = found == records_.end() ? nullptr : std::get_if<prims::CameraRecord>(&found->second);
-  return record ? &record->camera : nullptr;
+  if (!record) return std::nullopt;
+  return prims::posed_camera(*record, translation_.shutter);
 }
 
 std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
@@ -136,8 +137,10 @@ void RenderCore::publish() {
 void RenderCore::update_scene() {
   apply_edits();
   param->set_threads(render_settings().threads);
-  if (!stale_) return;
-  prims::Translation translation = translator_.translate(records_);
+  const Shutter shutter = prims::shutter_of(records_);
+  if (!stale_ && shutter == translation_.shutter) return;
+  prims::Translation translation =
+      translator_.translate(records_, shutter, deformations_.in(shutter, records_, param.get()));
   const bool same = snapshot() && translation.scene == translation_.scene;
   translation_ = std::move(translation);
   if (same)

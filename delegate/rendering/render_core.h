@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/session/tile_renderer.h"
+#include "delegate/prims/deformation.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/scene_translation.h"
@@ -33,7 +34,8 @@ class RenderCore {
   bool needs_commit() const { return param->has_edits() || !committed_; }
   std::string dump() const;
   std::string requirements() const;
-  const CameraParameters* camera(const Path& path) const;
+  /// In the shutter of the scene that was committed last. Empty: there is no such camera.
+  std::optional<CameraParameters> camera(const Path& path) const;
   /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
   std::shared_ptr<const Denoiser> denoiser(std::string* problem);
 
@@ -78,6 +80,7 @@ class RenderCore {
   std::list<prims::Edit> edits_;  // taken, but not applied yet. Host thread only, as is the rest of the scene
   prims::Records records_;
   prims::SceneTranslator translator_;
+  prims::Deformations deformations_;
   prims::Translation translation_;
   uint64_t scene_number_ = 0;
   bool committed_ = false;      // once

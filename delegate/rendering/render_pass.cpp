@@ -61,7 +61,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
     in.bindings.push_back({aov->aov, buffer->state(), buffer->state()->allocation(), clear});
   }
   const Path camera = state.camera.empty() ? core_->settings_camera() : state.camera;
-  const CameraParameters* parameters = core_->camera(camera);
+  const std::optional<CameraParameters> parameters = core_->camera(camera);
   if (!in.scene)
     in.error = core_->commit_error();
   else if (!parameters)

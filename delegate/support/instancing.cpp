@@ -13,10 +13,12 @@ struct InstancePrimvars {
   Array<Matrix4d> transforms;
 };
 
+// The value of an instance primvar.
+using PullPrimvar = std::function<Value(const char* name)>;
+
 template <class T>
-Array<T> pull_array(SceneDelegate& scene, const Path& id, const char* name, const InstancingReport& report) {
-  Array<int32_t> unused;
-  const Value value = scene.GetPrimvar(id, name, &unused);
+Array<T> pull_array(const PullPrimvar& pull, const Path& id, const char* name, const InstancingReport& report) {
+  const Value value = pull(name);
   if (const auto* array = value.get<Array<T>>()) return *array;
   if constexpr (std::is_same_v<T, Quatf>)  // real part first
     if (const auto* array = value.get<Array<Vec4f>>()) {
@@ -56,13 +58,14 @@ Matrix4d point_matrix(const InstancePrimvars& primvars, size_t i) {
   return m;
 }
 
-}  // namespace
+constexpr const char* kPrimvars[] = {"hydra:instanceTranslations", "hydra:instanceScales", "hydra:instanceRotations",
+                                     "hydra:instanceTransforms"};
 
-InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report) {
-  const InstancePrimvars primvars{pull_array<Vec3f>(scene, instancer, "hydra:instanceTranslations", report),
-                                  pull_array<Vec3f>(scene, instancer, "hydra:instanceScales", report),
-                                  pull_array<Quatf>(scene, instancer, "hydra:instanceRotations", report),
-                                  pull_array<Matrix4d>(scene, instancer, "hydra:instanceTransforms", report)};
+InstancePoints make_points(const PullPrimvar& pull, const Path& instancer, const InstancingReport& report) {
+  const InstancePrimvars primvars{pull_array<Vec3f>(pull, instancer, kPrimvars[0], report),
+                                  pull_array<Vec3f>(pull, instancer, kPrimvars[1], report),
+                                  pull_array<Quatf>(pull, instancer, kPrimvars[2], report),
+                                  pull_array<Matrix4d>(pull, instancer, kPrimvars[3], report)};
   const size_t sizes[] = {primvars.translations.size(), primvars.scales.size(), primvars.rotations.size(),
                           primvars.transforms.size()};
   const size_t count = *std::max_element(std::begin(sizes), std::end(sizes));
@@ -74,6 +77,47 @@ InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer,
   points->reserve(count);
   for (size_t i = 0; i < count; ++i) points->push_back(point_matrix(primvars, i));
   return points;
+}
+
+}  // namespace
+
+InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report) {
+  const auto pull = [&](const char* name) {
+    Array<int32_t> unused;
+    return scene.GetPrimvar(instancer, name, &unused);
+  };
+  return make_points(pull, instancer, report);
+}
+
+TimeSamples<InstancePoints> pull_moving_points(SceneDelegate& scene, const Path& instancer,
+                                               const InstancePoints& points, const InstancingReport& report) {
+  std::map<std::string, TimeSamples<Value>> sampled;
+  TimeSamples<InstancePoints> moving;
+  const auto fail = [&](const char* text) {
+    if (report)
+      report("motion.instances", instancer, std::string(text) + "; the instances are drawn without motion blur");
+    return TimeSamples<InstancePoints>();
+  };
+  for (const char* name : kPrimvars) {
+    TimeSamples<Value> samples = scene.SamplePrimvar(instancer, name);
+    if (samples.values.size() < 2) continue;
+    if (samples.values.size() != samples.times.size() || (!sampled.empty() && samples.times != moving.times))
+      return fail("the samples of instance primvars differ in their times");
+    moving.times = samples.times;
+    sampled[name] = std::move(samples);
+  }
+  for (size_t k = 0; k < moving.times.size(); ++k) {
+    const auto pull = [&](const char* name) -> Value {
+      Array<int32_t> unused;
+      const auto found = sampled.find(name);
+      return found == sampled.end() ? scene.GetPrimvar(instancer, name, &unused) : found->second.values[k];
+    };
+    moving.values.push_back(make_points(pull, instancer, {}));
+    const InstancePoints& now = moving.values.back();
+    if (!points || !now || now->size() != points->size())
+      return fail("the samples of instance primvars differ in their length");
+  }
+  return moving;
 }
 
 InstancerRecord pull_instancer(SceneDelegate& scene, const Path& instancer, const InstancingReport& report) {

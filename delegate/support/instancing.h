@@ -18,6 +18,8 @@ using InstancePoints = std::shared_ptr<const std::vector<Matrix4d>>;
 /// The values that an instancer has pulled.
 struct InstancerRecord {
   Matrix4d transform;
+  TimeSamples<Matrix4d> motion;               // of the transform; empty: stands still
+  TimeSamples<InstancePoints> moving_points;  // as many at each time as `points`; empty: they stand still
   InstancePoints points;
   Path parent;                       // empty: none
   Array<int32_t> indices_in_parent;  // this instancer's points in its parent
@@ -29,7 +31,12 @@ struct InstancerRecord {
 /// counts as identity beyond its end.
 InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report);
 
-/// Pulls everything about one instancer.
+/// The same at the times of the samples, which those of several primvars must share. Empty: no point moves, or the
+/// samples are faulty (reported).
+TimeSamples<InstancePoints> pull_moving_points(SceneDelegate& scene, const Path& instancer,
+                                               const InstancePoints& points, const InstancingReport& report);
+
+/// Pulls everything about one instancer but for its motion.
 InstancerRecord pull_instancer(SceneDelegate& scene, const Path& instancer, const InstancingReport& report);
 
 /// One instance: prototype point * matrix = world point.

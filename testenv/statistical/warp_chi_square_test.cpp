@@ -1,6 +1,7 @@
 // Every warp samples the pdf that it states, and the test rejects slightly wrong pdfs.
 #include <gtest/gtest.h>
 
+#include "core/camera/camera.h"
 #include "core/sampling/distribution.h"
 #include "core/sampling/warp.h"
 #include "testenv/support/chi_square.h"
@@ -8,7 +9,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 9;  // in this file
+constexpr int kTests = 11;  // in this file
 
 TEST(WarpChiSquare, UniformSphere) {
   const auto sample = [](Rng& rng) -> std::optional<Vec3f> { return sample_uniform_sphere(uniform2(rng)); };
@@ -47,6 +48,31 @@ TEST(WarpChiSquare, ConcentricDisk) {
   const auto pdf = [](const Vec2f& p) { return sqr(2 * p.x - 1) + sqr(2 * p.y - 1) <= 1 ? 4 * kInvPi : 0; };
   const auto r = chi_square_square(sample, pdf, {.seed = 4, .number_of_tests = kTests});
   EXPECT_TRUE(r.passed) << r.report;
+}
+
+// The aperture's polygon in the square [0,1)^2, which the polygon's corners reach at most.
+TEST(WarpChiSquare, ApertureBlades) {
+  for (const uint32_t blades : {3u, 6u}) {
+    CameraParameters p;
+    p.focal_length = 2, p.f_stop = 1, p.focus_distance = 10;  // a radius of one
+    p.aperture_blades = blades;
+    p.aperture_rotation = 15;
+    const Camera camera(p, 1, 1, {0, 0, 0});
+    const auto n = static_cast<float>(blades);
+    const float radius = std::sqrt(kTwoPi / (n * std::sin(kTwoPi / n)));
+    const auto sample = [&](Rng& rng) -> std::optional<Vec2f> {
+      const Vec3f q = camera.generate_ray({0.5f, 0.5f}, uniform2(rng)).org * (0.5f / radius) + Vec3f(0.5f);
+      return Vec2f(std::min(q.x, kOneMinusEpsilon), std::min(q.y, kOneMinusEpsilon));
+    };
+    const auto pdf = [&](const Vec2f& at) {
+      const Vec2f q = (at - Vec2f(0.5f)) * (2 * radius);
+      const float sector = kTwoPi / n, angle = std::atan2(q.y, q.x) - 15 * kPi / 180;
+      const float within = angle - sector * std::floor(angle / sector) - sector / 2;
+      return q.length() * std::cos(within) <= radius * std::cos(sector / 2) ? 4 * radius * radius * kInvPi : 0.0f;
+    };
+    const auto r = chi_square_square(sample, pdf, {.seed = 10 + blades, .number_of_tests = kTests});
+    EXPECT_TRUE(r.passed) << blades << '\n' << r.report;
+  }
 }
 
 TEST(WarpChiSquare, UniformTriangle) {

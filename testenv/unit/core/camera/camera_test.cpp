@@ -100,5 +100,71 @@ TEST(Camera, ScaleInTheTransformIsIgnored) {
               1e-6f);
 }
 
+// Where the rays of a lens leave, relative to the radius of the round aperture.
+std::vector<Vec2f> lens_points(uint32_t blades, float rotation) {
+  CameraParameters p = at({0, 0, 0});
+  p.f_stop = 2.5f;  // a radius of 10
+  p.focus_distance = 500;
+  p.aperture_blades = blades;
+  p.aperture_rotation = rotation;
+  const Camera camera(p, 300, 200, {0, 0, 0});
+  std::vector<Vec2f> points;
+  constexpr int kSide = 200;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vec2f u((static_cast<float>(i % kSide) + 0.5f) / kSide, (static_cast<float>(i / kSide) + 0.5f) / kSide);
+    const Ray ray = camera.generate_ray({200, 60}, u);
+    points.emplace_back(ray.org.x / 10, ray.org.y / 10);
+    // All rays meet in the plane of focus.
+    const Ray middle = Camera(at({0, 0, 0}), 300, 200, {0, 0, 0}).generate_ray({200, 60}, {0, 0});
+    expect_near(ray.org + ray.dir * (-500 / ray.dir.z), middle.dir * (-500 / middle.dir.z), 0.01f);
+  }
+  return points;
+}
+
+// The second moment of a regular polygon of n sides and unit circumradius is (2 + cos(2 pi / n)) / 6 about both axes
+// together (of a disk: 1/2).
+TEST(Camera, ApertureBladesMakeAPolygonAsLargeAsTheDisk) {
+  for (const uint32_t blades : {0u, 2u, 3u, 5u, 8u}) {
+    const std::vector<Vec2f> points = lens_points(blades, 0);
+    double farthest = 0, moment = 0, x = 0, y = 0;
+    for (const Vec2f& p : points) {
+      farthest = std::max(farthest, double(p.length()));
+      moment += double(p.length2()) / static_cast<double>(points.size());
+      x += double(p.x) / static_cast<double>(points.size()), y += double(p.y) / static_cast<double>(points.size());
+    }
+    const double angle = 2 * kPiDouble / blades;
+    const double radius = blades < 3 ? 1 : std::sqrt(2 * kPiDouble / (blades * std::sin(angle)));
+    EXPECT_NEAR(farthest, radius, 0.01 * radius) << blades;
+    EXPECT_NEAR(moment, blades < 3 ? 0.5 : radius * radius * (2 + std::cos(angle)) / 6, 2e-3) << blades;
+    EXPECT_NEAR(x, 0, 2e-3);
+    EXPECT_NEAR(y, 0, 2e-3);
+  }
+}
+
+TEST(Camera, ApertureRotationTurnsTheCorners) {
+  for (const float rotation : {0.0f, 40.0f, -90.0f}) {
+    Vec2f corner(0, 0);
+    float farthest = 0;
+    const float a = rotation * kPi / 180;
+    for (const Vec2f& p : lens_points(5, rotation))
+      if (const float along = p.x * std::cos(a) + p.y * std::sin(a); along > farthest) farthest = along, corner = p;
+    EXPECT_NEAR(std::atan2(corner.y, corner.x), a, 0.02) << rotation;
+    EXPECT_GT(corner.length(), 1.1f);
+  }
+}
+
+TEST(Camera, MovesThroughItsShutter) {
+  CameraParameters p = at({1, 0, 0});
+  EXPECT_FALSE(MovingCamera(p, 300, 200, {0, 0, 0}).moves());
+  p.opens = 0.5f, p.closes = 0.75f;
+  p.poses = {at({1, 0, 0}).camera_to_world, at({3, 0, 0}).camera_to_world, at({3, 8, 0}).camera_to_world};
+  const MovingCamera camera(p, 300, 200, {0, 0, 0});
+  EXPECT_TRUE(camera.moves());
+  expect_near(camera.at(0.25f).generate_ray({150, 100}, {0, 0}).org, {2, 0, 0}, 1e-6f);
+  expect_near(camera.at(0.75f).generate_ray({150, 100}, {0, 0}).org, {3, 4, 0}, 1e-6f);
+  EXPECT_EQ(camera.time(0), 0.5f);
+  EXPECT_EQ(camera.time(1), 0.75f);
+}
+
 }  // namespace
 }  // namespace alabaster

@@ -277,5 +277,50 @@ TEST_F(EmbreeScene, ScenesOutliveTheirMakers) {
   EXPECT_TRUE(scene->intersect({{0, 0, 5}, {0, 0, -1}}, &hit));
 }
 
+// At each time a moving instance, and a mesh that deforms, are hit as still ones of that shape and place.
+TEST_F(EmbreeScene, WhatMovesIsHitWhereItIsAtTheRaysTime) {
+  const Mesh still = build_mesh(test::cube_cage(), {}, {});
+  const auto larger_by = [&](float factor) {
+    std::vector<Vec3f> points = still.points;
+    for (Vec3f& p : points) p = p * factor;
+    return points;
+  };
+  Mesh grown = still;
+  for (const float factor : {3.0f, 2.0f}) grown.later_poses.push_back({larger_by(factor), {}});
+  const std::vector<Affine> poses = {
+      {}, {{1, 0, 0}, {0, 2, 0}, {0, 0, 1}, {4, 0, 0}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {8, 8, 0}}};
+  const auto moving = build_instanced_scene(device_, {{build(grown), {}, poses}});
+  ASSERT_TRUE(moving);
+  int hits = 0;
+  for (const float time : {0.0f, 0.1f, 0.25f, 0.5f, 0.8f, 1.0f}) {
+    Mesh then = still;
+    for (uint32_t i = 0; i < then.points.size(); ++i) then.points[i] = grown.point_at(i, time);
+    const auto posed_scene = build_instanced_scene(device_, {{build(then), posed(poses, time)}});
+    for (int x = -20; x < 60; ++x) {
+      const Ray ray{{static_cast<float>(x) * 0.25f + 0.01f, 0.3f, 20}, {0.02f, 0.1f, -1}, kInf, time};
+      TriangleHit moved, expected;
+      const bool found = moving->intersect(ray, &moved);
+      ASSERT_EQ(found, posed_scene->intersect(ray, &expected)) << x << " at " << time;
+      EXPECT_EQ(moving->occluded(ray), found);
+      if (!found) continue;
+      ++hits;
+      EXPECT_EQ(moved.triangle, expected.triangle);
+      EXPECT_NEAR(moved.t, expected.t, 1e-4);
+      EXPECT_EQ(moved.time, time);
+      std::pmr::vector<TriangleHit> all;
+      build(grown)->intersect_all({{0.1f, 0.2f, 9}, {0, 0, -1}, kInf, time}, &all);
+      ASSERT_EQ(all.size(), 2u);
+      EXPECT_EQ(all[0].time, time);
+    }
+  }
+  EXPECT_GT(hits, 50);
+}
+
+TEST_F(EmbreeScene, WhatTurnsInsideOutInTheShutterIsNotTraceable) {
+  const Affine there{}, mirrored{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
+  EXPECT_TRUE(is_traceable(std::vector<Affine>{there, there}, 10));
+  EXPECT_FALSE(is_traceable(std::vector<Affine>{there, mirrored}, 10));
+}
+
 }  // namespace
 }  // namespace alabaster

@@ -161,5 +161,28 @@ TEST(Mesh, ClosedMeansEveryEdgeIsPairedAfterWelding) {
   EXPECT_FALSE(build_mesh(flap, {}, {}).closed);
 }
 
+// The pose of a mesh is the mesh of the posed cage.
+TEST(PoseMesh, IsTheMeshOfThePosedCage) {
+  for (const auto scheme : {SubdivisionScheme::none, SubdivisionScheme::catmull_clark})
+    for (const int level : {0, 2})
+      for (const bool authored : {false, true}) {
+        Cage cage = test::cube_cage();
+        cage.scheme = scheme;
+        cage.normals = {};
+        if (authored) cage.normals.values = cage.points;
+        Cage posed = cage;
+        for (Vec3f& p : posed.points) p = {p.x * 2 + p.y, p.y, p.z - p.x * p.y};
+        if (authored) posed.normals.values = posed.points;
+        RefinementOptions options;
+        options.level = level;
+        const Mesh rest = build_mesh(cage, options, {}), expected = build_mesh(posed, options, {});
+        const MeshPose pose = pose_mesh(cage, options, {posed.points, posed.normals.values});
+        EXPECT_EQ(pose.points, expected.points);
+        EXPECT_EQ(pose.normals, expected.normals);
+        EXPECT_EQ(pose.points.size(), rest.points.size());
+        EXPECT_EQ(pose.normals.size(), rest.normals.size());
+      }
+}
+
 }  // namespace
 }  // namespace alabaster

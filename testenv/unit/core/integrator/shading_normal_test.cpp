@@ -32,8 +32,8 @@ class MappedPlane {
     const Instance& instance = snapshot_->instances[0];
     TriangleHit hit;
     hit.u = hit.v = 0.25f;
-    const SurfaceHit at = surface_on_side(instance, hit, side);
-    return mapped_normal(instance, hit, at, *instance.material(0).normal_map);
+    const SurfaceHit at = surface_on_side(instance, instance, hit, side);
+    return mapped_normal(instance, instance, hit, at, *instance.material(0).normal_map);
   }
 
  private:

@@ -80,8 +80,8 @@ TEST(SubsurfaceBody, LeavesALoneObjectOutwardsHoweverItIsWoundOrMirrored) {
       ASSERT_FALSE(body.is_union());
       for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         const Vec3f outward = entry_of(b.snapshot(), 0, t).hit.p - b.rendered({7, 0, 0});
-        EXPECT_TRUE(body.leaves(0, t, outward));
-        EXPECT_FALSE(body.leaves(0, t, -outward));
+        EXPECT_TRUE(body.leaves(0, {.triangle = t}, outward));
+        EXPECT_FALSE(body.leaves(0, {.triangle = t}, -outward));
       }
     }
 }
@@ -96,7 +96,7 @@ TEST(SubsurfaceBody, BelowALoneObjectIsJustInsideItsMesh) {
     EXPECT_LT(depth, 1e-4f);
   }
   const Vec3f p(0.25f, -0.5f, 0.125f);
-  EXPECT_NEAR(length(body.to_walk_space(0, body.members[0].to_body.point(p)) - p), 0, 1e-5);
+  EXPECT_NEAR(length(body.to_walk_space(0, body.members[0].to_body.point(p), 0) - p), 0, 1e-5);
 }
 
 TEST(SubsurfaceBody, BelowAUnionIsJustInsideTheMemberThatIsEntered) {
@@ -108,10 +108,10 @@ TEST(SubsurfaceBody, BelowAUnionIsJustInsideTheMemberThatIsEntered) {
     for (uint32_t t = 0; t < sphere->mesh.triangles.size(); ++t) {
       const SubsurfaceEntry entry = entry_of(b.snapshot(), instance, t);
       const Vec3f below = body.below(entry);
-      const float depth = dot(body.to_walk_space(entry.member, entry.hit.p) - below, entry.hit.ng);
+      const float depth = dot(body.to_walk_space(entry.member, entry.hit.p, 0) - below, entry.hit.ng);
       EXPECT_GT(depth, 0);
       EXPECT_LT(depth, 1e-4f);
-      EXPECT_TRUE(body.contains_in_body_space(below, kAside, nullptr));
+      EXPECT_TRUE(body.contains_in_body_space({below, kAside}, nullptr));
     }
 }
 
@@ -121,7 +121,7 @@ TEST(SubsurfaceBody, AUnionContainsWhatAnyClosedShellDoes) {
   const Mesh sphere = sphere_mesh(1, 16, false);
   b.add(sphere).add(turned_inside_out(sphere), placed(1.5)).add(testing::plane_mesh(9));
   const SubsurfaceBody& body = b.body();
-  const auto contained = [&](double x, double y) { return body.contains(b.rendered({x, y, 0.1}), kAside); };
+  const auto contained = [&](double x, double y) { return body.contains({b.rendered({x, y, 0.1}), kAside}); };
   EXPECT_TRUE(contained(-0.5, 0));
   EXPECT_TRUE(contained(0.75, 0)) << "in both";
   EXPECT_TRUE(contained(2, 0));
@@ -129,7 +129,7 @@ TEST(SubsurfaceBody, AUnionContainsWhatAnyClosedShellDoes) {
   EXPECT_FALSE(contained(4, -0.1)) << "behind the plane";
   // Just left of the first sphere, all that counts is the second.
   const Vec3f inside = b.rendered({-0.5, 0, 0.1}) - body.origin;
-  EXPECT_FALSE(body.contains_in_body_space(inside, kAside, &body.members[0]));
+  EXPECT_FALSE(body.contains_in_body_space({inside, kAside}, &body.members[0]));
 }
 
 TEST(SubsurfaceBody, AUnionCrossesTheSurfaceThatWasHit) {
@@ -142,11 +142,11 @@ TEST(SubsurfaceBody, AUnionCrossesTheSurfaceThatWasHit) {
     ASSERT_TRUE(body.scene->intersect({from, direction}, &hit));
     const Crossed in = body.cross(hit, direction);
     EXPECT_FALSE(in.leaves);
-    EXPECT_TRUE(body.contains_in_body_space(in.beyond, direction, nullptr));
+    EXPECT_TRUE(body.contains_in_body_space({in.beyond, direction}, nullptr));
     ASSERT_TRUE(body.scene->intersect({in.beyond, direction}, &hit));
     const Crossed out = body.cross(hit, direction);
     EXPECT_TRUE(out.leaves);
-    EXPECT_FALSE(body.contains_in_body_space(out.beyond, direction, nullptr));
+    EXPECT_FALSE(body.contains_in_body_space({out.beyond, direction}, nullptr));
   }
 }
 

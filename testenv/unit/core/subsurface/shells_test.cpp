@@ -35,7 +35,7 @@ struct Found {
     return n;
   }
   int winding(const Vec3f& p, const Vec3f& direction = {0.3f, 0.2f, 0.9f}) const {
-    return winding_number(mesh, shells, *object, p, direction);
+    return winding_number(mesh, shells, *object, {p, direction});
   }
 };
 

@@ -108,6 +108,30 @@ TEST_F(FramesTest, DescriptionsHaveATimeForEachModel) {
   EXPECT_NE(said.find("There are several models"), std::string::npos) << said;
 }
 
+// The patch moves two units a second, and half of it has left the picture at half a second.
+TEST_F(FramesTest, AnOpenShutterBlursWhatMovesInIt) {
+  const auto covered = [&](const std::string& time, const std::string& shutter) {
+    std::vector<std::string> more{"--time", time, "--spp", "64", "-o", "a.exr"};
+    if (!shutter.empty()) more.insert(more.end(), {"--shutter", shutter, "--fps", "10"});
+    EXPECT_EQ(render("moving.gltf", more), 0);
+    return coverage("a.exr");
+  };
+  const double before = covered("0.5", ""), after = covered("0.7", "");
+  EXPECT_GT(before, after + 0.05);
+  EXPECT_NEAR(covered("0.5", "0:2"), 0.5 * (before + after), 0.02);
+  EXPECT_NEAR(covered("0.6", "-1:1"), 0.5 * (before + after), 0.02);
+  ASSERT_EQ(render("moving.gltf", {"--time", "0.5", "-o", "still.exr"}), 0);
+  ASSERT_EQ(render("moving.gltf", {"--time", "0.5", "--shutter", "0:0", "-o", "closed.exr"}), 0);
+  EXPECT_EQ(pixels("still.exr"), pixels("closed.exr"));
+  ASSERT_EQ(render("lit.gltf", {"-o", "still.exr"}), 0);
+  ASSERT_EQ(render("lit.gltf", {"--shutter", "-1:1", "-o", "open.exr"}), 0);
+  EXPECT_EQ(pixels("still.exr"), pixels("open.exr")) << "nothing moves";
+  std::string said;
+  for (const char* bad : {"1:0", "1", "0:nan", "a:b"})
+    EXPECT_EQ(render("moving.gltf", {"--shutter", bad, "-o", "a.exr"}, &said), 2) << bad;
+  EXPECT_NE(said.find("is not a shutter"), std::string::npos) << said;
+}
+
 TEST_F(FramesTest, AFileWithoutAnimationIsWarnedOf) {
   std::string said;
   EXPECT_EQ(render("lit.gltf", {"--time", "1", "-o", "a.exr"}, &said), 0);

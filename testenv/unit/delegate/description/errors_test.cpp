@@ -39,6 +39,24 @@ TEST_F(DescriptionErrors, RangeTypeAndMissingKey) {
   EXPECT_SAYS("one of box, triangle, gaussian, blackmanHarris");
 }
 
+TEST_F(DescriptionErrors, MotionAndShutter) {
+  const auto model = [](const std::string& rest) { return R"({"gltf": [{"file": "patch.gltf", )" + rest + "}]}"; };
+  const std::string still = R"({"time": 0, "transform": {}})",
+                    flat = R"({"time": 1, "transform": {"scale": [1, 0, 1]}})";
+  EXPECT_FALSE(describe(model("\"motion\": [" + still + "]")).ok);
+  EXPECT_SAYS("/gltf/0/motion");
+  EXPECT_FALSE(describe(model("\"motion\": [" + still + ", " + still + "]")).ok);
+  EXPECT_SAYS("/gltf/0/motion/1/time: Times must increase from one sample to the next.");
+  EXPECT_FALSE(describe(model("\"motion\": [" + still + ", " + flat + "]")).ok);
+  EXPECT_SAYS("/gltf/0/motion/1/transform: The transform cannot be inverted");
+  EXPECT_FALSE(
+      describe(model(R"("transform": {}, "motion": [{"time": 0, "transform": {}}, {"time": 1, "transform": {}}])")).ok);
+  EXPECT_SAYS("Give either a transform or a motion");
+  EXPECT_FALSE(
+      describe(R"({"gltf": [{"file": "patch.gltf"}], "camera": {"shutterOpen": 0.5, "shutterClose": 0.25}})").ok);
+  EXPECT_SAYS("The shutter closes before it opens");
+}
+
 TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
   EXPECT_FALSE(describe("{\n  \"settings\": {\n    \"samples\": 4,,\n  }\n}").ok);
   EXPECT_SAYS("line 3: not valid JSON");

@@ -150,6 +150,30 @@ TEST_F(LoadSceneTest, TransformsComposeAsWritten) {
   expect_near(Vec3d(0) * only_mesh().transform, Vec3d(3, 4, 5), 1e-12);
 }
 
+// The motion of the model comes after its nodes' placement, that of a mesh after the model's.
+TEST_F(LoadSceneTest, MotionOfModelsMeshesAndCamera) {
+  const auto file = describe(R"({
+    "gltf": [{"file": "lit.gltf", "motion": [{"time": -1, "transform": {"translate": [1, 0, 0]}},
+                                              {"time": 1, "transform": {"translate": [3, 0, 0]}}]}],
+    "meshes": [{"match": "*patch*", "motion": [{"time": 0, "transform": {}},
+                                               {"time": 1, "transform": {"translate": [0, 5, 0]}}]}],
+    "camera": {"motion": [{"time": 0, "transform": {"translate": [0, 0, 9]}},
+                          {"time": 2, "transform": {"translate": [0, 4, 9]}}],
+               "shutterOpen": -0.5, "shutterClose": 0.5, "apertureBlades": 7}})");
+  ASSERT_TRUE(file.ok) << errors();
+  const host::MeshDescription& mesh = scene_.GetMeshes().begin()->second;
+  EXPECT_EQ(mesh.transform.translation(), Vec3d(2, 0, 0)) << "at time 0";
+  EXPECT_EQ(mesh.transformSamples.times, (std::vector<double>{-1, 0, 1}));
+  const Vec3d expected[] = {{1, 0, 0}, {2, 0, 0}, {3, 5, 0}};
+  ASSERT_EQ(mesh.transformSamples.values.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(mesh.transformSamples.values[i].translation(), expected[i]) << i;
+  const host::CameraDescription& camera = scene_.GetCameras().at("/camera");
+  EXPECT_EQ(camera.transform.translation(), Vec3d(0, 0, 9));
+  EXPECT_EQ(camera.transformSamples.times, (std::vector<double>{0, 2}));
+  EXPECT_EQ(camera.parameters.at("shutterOpen").number_or(0), -0.5);
+  EXPECT_EQ(camera.parameters.at("apertureBlades").number_or(0), 7);
+}
+
 TEST_F(LoadSceneTest, TheSameModelTwice) {
   ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"},
     {"file": "patch.gltf", "transform": {"translate": [5, 0, 0]}}], "settings": {"studio": "off"}})")

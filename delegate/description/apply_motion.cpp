@@ -1,0 +1,75 @@
+#include "delegate/description/apply_motion.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/math/motion.h"
+#include "delegate/description/placement.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+// own(t) * inverse(motion(0)) * motion(t), at the times of both.
+template <class T>
+void move(const TimeSamples<Matrix4d>& motion, T* prim) {
+  const TimeSamples<Matrix4d> own =
+      prim->transformSamples.values.empty() ? TimeSamples<Matrix4d>{{0}, {prim->transform}} : prim->transformSamples;
+  const Matrix4d back = transform_at(motion, 0).inverse();
+  std::set<double> times(motion.times.begin(), motion.times.end());
+  times.insert(own.times.begin(), own.times.end());
+  prim->transformSamples = {};
+  for (const double time : times) {
+    prim->transformSamples.times.push_back(time);
+    prim->transformSamples.values.push_back(transform_at(own, time) * back * transform_at(motion, time));
+  }
+}
+
+}  // namespace
+
+Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time) {
+  return interpolate(alabaster::TimeSamples<Matrix4d>{samples.times, samples.values}, time);
+}
+
+std::optional<TimeSamples<Matrix4d>> to_motion(const Reader& reader, const std::string& pointer,
+                                               const nlohmann::json& motion) {
+  TimeSamples<Matrix4d> samples;
+  for (size_t i = 0; i < motion.size(); ++i) {
+    const std::string place = pointer + "/" + std::to_string(i);
+    const double time = motion[i]["time"];
+    const auto transform = to_transform(motion[i]["transform"]);
+    if (!transform)
+      return reader.fail(place + "/transform", "The transform cannot be inverted or is not affine."), std::nullopt;
+    if (!samples.times.empty() && !(time > samples.times.back()))
+      return reader.fail(place + "/time", "Times must increase from one sample to the next."), std::nullopt;
+    samples.times.push_back(time);
+    samples.values.push_back(*transform);
+  }
+  return samples;
+}
+
+void move_prims(const std::vector<Path>& prims, const TimeSamples<Matrix4d>& motion,
+                host::RetainedSceneDelegate* scene) {
+  std::set<Path> instancers;
+  for (const Path& path : prims) {
+    if (scene->GetCameras().contains(path)) {
+      host::CameraDescription camera = scene->GetCameras().at(path);
+      move(motion, &camera);
+      scene->SetCamera(path, std::move(camera));
+      continue;
+    }
+    host::MeshDescription mesh = scene->GetMeshes().at(path);
+    if (!mesh.instancer.empty()) {
+      instancers.insert(mesh.instancer);
+      continue;
+    }
+    move(motion, &mesh);
+    scene->SetMesh(path, std::move(mesh));
+  }
+  for (const Path& path : instancers) {
+    host::InstancerDescription instancer = scene->GetInstancers().at(path);
+    move(motion, &instancer);
+    scene->SetInstancer(path, std::move(instancer));
+  }
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,21 @@
+// The motion of a description's models, meshes and camera.
+#pragma once
+
+#include "delegate/description/description_reader.h"
+
+namespace alabaster::hd::description {
+
+/// The samples of a "motion", which the schema has accepted. Empty after an error: a transform that cannot be inverted,
+/// or times that do not increase.
+std::optional<TimeSamples<Matrix4d>> to_motion(const Reader& reader, const std::string& pointer,
+                                               const nlohmann::json& motion);
+
+/// The transform at a time; of at least one sample.
+Matrix4d transform_at(const TimeSamples<Matrix4d>& samples, double time);
+
+/// Lets meshes and cameras move through the world by what `motion` does from time 0 on, after what they do themselves.
+/// The instancers of meshes move, with all that they place.
+void move_prims(const std::vector<Path>& prims, const TimeSamples<Matrix4d>& motion,
+                host::RetainedSceneDelegate* scene);
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,254 @@
+// A blurred picture is the mean of still ones over the shutter: by z-tests of blocks of pixels against pictures of
+// still scenes, each posed at a random time of its stratum of the shutter.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "testenv/support/scene_builder.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster::testing {
+namespace {
+
+constexpr int kSize = 24, kBlock = 6, kBlocks = kSize / kBlock;
+constexpr int kScenes = 10;  // in this file
+
+Matrix4d turned(const Vec3d& axis, double degrees) {
+  return Matrix4d().setAxisAngle(axis, degrees * kPiDouble / 180);
+}
+Matrix4d shifted(double x, double y, double z) {
+  return Matrix4d().setTranslation(Vec3d(x, y, z));
+}
+
+/// What moves, at a time 0..1 of the shutter.
+using Motion = std::function<Matrix4d(double)>;
+
+std::vector<Matrix4d> poses_of(const Motion& motion) {
+  TimeSamples<Matrix4d> samples;
+  constexpr int kSamples = 32;  // translations along a circle
+  for (int i = 0; i <= kSamples; ++i) {
+    samples.times.push_back(double(i) / kSamples);
+    samples.values.push_back(motion(samples.times.back()));
+  }
+  return even_poses(samples, {0, 1});
+}
+
+// The sphere as a mesh that bulges to one side.
+std::vector<Vec3f> bulged(const std::vector<Vec3f>& points, double time) {
+  std::vector<Vec3f> out = points;
+  const auto t = static_cast<float>(time);
+  for (Vec3f& p : out) p = {p.x * (1 + 0.8f * t), p.y * (1 - 0.4f * t) + 0.4f * t * p.x, p.z};
+  return out;
+}
+std::vector<Vec3f> bulged_normals(const std::vector<Vec3f>& points, double time) {
+  // Transposed inverse of the linear map of bulged().
+  const auto t = static_cast<float>(time);
+  const float a = 1 + 0.8f * t, b = 0.4f * t, c = 1 - 0.4f * t;
+  std::vector<Vec3f> out;
+  for (const Vec3f& p : points) out.push_back(normalize(Vec3f(p.x / a - p.y * b / (a * c), p.y / c, p.z)));
+  return out;
+}
+
+class MotionBlur : public ::testing::Test {
+ protected:
+  MotionBlur() {
+    DisneyParameters grey;
+    grey.base_color = Rgb(0.6f);
+    grey.roughness = 0.4f;
+    grey_ = builder_.material(grey);
+    DisneyParameters wax;
+    wax.base_color = {0.9f, 0.7f, 0.5f};
+    wax.scatter_distance = {0.2f, 0.1f, 0.05f};
+    wax_ = builder_.material(wax);
+    DisneyParameters glass;
+    glass.spec_trans = 1;
+    glass.roughness = 0.2f;
+    glass_ = builder_.material(glass);
+    DisneyParameters glow;
+    glow.emission = Rgb(4.0f);
+    glow_ = builder_.material(glow);
+    box_ = builder_.prototype(sphere_mesh(0.5f, 2, false));  // an octahedron
+    sphere_ = builder_.prototype(sphere_mesh(0.5f, 10, true));
+    builder_.add(builder_.prototype(plane_mesh(6)), grey_, shifted(0, -0.6, 0));
+    LightDescription key;
+    key.type = LightType::sphere;
+    key.radius = 0.4f;
+    key.intensity = 10;
+    key.light_to_world = shifted(1.5, 2.5, 1.5);
+    builder_.add(key).add(constant_dome(0.4f, true));
+    request_.camera = look_at({0, 1, 4}, {0, 0, 0}, 40);
+    request_.width = request_.height = kSize;
+    request_.data_window = {0, 0, kSize, kSize};
+  }
+
+  void add(const std::shared_ptr<const MeshPrototype>& shape, const std::shared_ptr<const DisneyMaterial>& material,
+           const Motion& motion) {
+    builder_.add(shape, material);
+    motions_.emplace_back(builder_.description.instances.size() - 1, motion);
+  }
+  /// Of the last object.
+  void scatter_in(const char* set) { builder_.description.instances.back().subsurface_set = set; }
+
+  using BlockMeans = std::array<double, size_t(kBlocks* kBlocks * 3)>;
+  static BlockMeans block_means(const Film& film) {
+    BlockMeans means{};
+    const auto color = film.resolve_float(Aov::color);
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x)
+        for (int c = 0; c < 3; ++c)
+          means[static_cast<size_t>(((y / kBlock) * kBlocks + x / kBlock) * 3 + c)] +=
+              double(color[static_cast<size_t>((y * kSize + x) * 4 + c)]) / (kBlock * kBlock);
+    return means;
+  }
+
+  BlockMeans still_picture(double time, uint32_t seed) {
+    SceneBuilder still = builder_;
+    for (const auto& [index, motion] : motions_) still.description.instances[index].object_to_world = motion(time);
+    if (deform_) still.description.instances[deforming_].prototype = deform_(time);
+    RenderRequest request = request_;
+    request.scene = still.snapshot();
+    request.settings.seed = seed;
+    request.settings.samples = 1;
+    if (camera_) request.camera.camera_to_world = camera_(time);
+    return block_means(*render(request));
+  }
+
+  void expect_mean_of_stills() {
+    constexpr int kReplicas = 24, kStrata = 24;
+    RenderRequest blurred = request_;
+    {
+      SceneBuilder moving = builder_;
+      for (const auto& [index, motion] : motions_) {
+        moving.description.instances[index].poses = poses_of(motion);
+        moving.description.instances[index].object_to_world = motion(0);
+      }
+      if (moving_shape_) moving.description.instances[deforming_].prototype = moving_shape_;
+      if (camera_) blurred.camera.poses = poses_of(camera_);
+      blurred.camera.opens = 0, blurred.camera.closes = 1;
+      blurred.scene = moving.snapshot();
+    }
+    std::vector<RunningStatistics> with(BlockMeans().size()), without(BlockMeans().size());
+    Rng rng(1, 2);
+    for (uint32_t replica = 0; replica < kReplicas; ++replica) {
+      blurred.settings.seed = 1000 + replica;
+      blurred.settings.samples = kStrata;
+      const BlockMeans means = block_means(*render(blurred));
+      BlockMeans stills{};
+      for (uint32_t i = 0; i < kStrata; ++i) {
+        const double time = (i + double(rng.uniform())) / kStrata;
+        const BlockMeans one = still_picture(time, replica * kStrata + i);
+        for (size_t b = 0; b < one.size(); ++b) stills[b] += one[b] / kStrata;
+      }
+      for (size_t b = 0; b < means.size(); ++b) with[b].add(means[b]), without[b].add(stills[b]);
+    }
+    const double level = sidak_level(0.01, kScenes * static_cast<int>(with.size()));
+    for (size_t b = 0; b < with.size(); ++b) {
+      const double difference = with[b].mean() - without[b].mean();
+      const double error = std::hypot(with[b].standard_error(), without[b].standard_error());
+      const double z = error > 0 ? std::abs(difference) / error : (difference == 0 ? 0 : 1e9);
+      // Student's t of 2 x 23 degrees of freedom has heavier tails than a normal distribution.
+      EXPECT_LT(z, 1.15 * normal_quantile(level)) << "block " << b / 3 << " channel " << b % 3 << ": blurred "
+                                                  << with[b].mean() << ", stills " << without[b].mean();
+    }
+  }
+  // Two-sided; by bisection.
+  static double normal_quantile(double level) {
+    double low = 0, high = 10;
+    for (int i = 0; i < 60; ++i) (std::erfc((low + high) / 2 / std::sqrt(2.0)) > level ? low : high) = (low + high) / 2;
+    return low;
+  }
+
+  SceneBuilder builder_;
+  std::shared_ptr<const DisneyMaterial> grey_, wax_, glass_, glow_;
+  std::shared_ptr<const MeshPrototype> box_, sphere_;
+  std::vector<std::pair<size_t, Motion>> motions_;
+  Motion camera_;
+  size_t deforming_ = 0;
+  std::function<std::shared_ptr<const MeshPrototype>(double)> deform_;
+  std::shared_ptr<const MeshPrototype> moving_shape_;
+  RenderRequest request_;
+
+  void add_bulging(const std::shared_ptr<const DisneyMaterial>& material) {
+    const Mesh rest = sphere_mesh(0.6f, 10, true);
+    const auto mesh_at = [this, rest](double time) {
+      Mesh mesh = rest;
+      mesh.points = bulged(rest.points, time);
+      mesh.normals = bulged_normals(rest.points, time);
+      mesh.bounds = {};
+      for (const Vec3f& p : mesh.points) mesh.bounds.extend(p);
+      return mesh;
+    };
+    Mesh moving = mesh_at(0);
+    constexpr int kPoses = 9;  // for the normals, which do not go along straight lines
+    for (int i = 1; i < kPoses; ++i) {
+      const Mesh later = mesh_at(double(i) / (kPoses - 1));
+      moving.later_poses.push_back({later.points, later.normals});
+      moving.bounds.extend(later.bounds);
+    }
+    moving_shape_ = builder_.prototype(std::move(moving));
+    builder_.add(builder_.prototype(rest), material);
+    deforming_ = builder_.description.instances.size() - 1;
+    deform_ = [this, mesh_at](double time) { return builder_.prototype(mesh_at(time)); };
+  }
+};
+
+TEST_F(MotionBlur, OfATranslation) {
+  add(sphere_, grey_, [](double t) { return shifted(-0.8 + 1.6 * t, 0.3 * t, 0); });
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfARotationAboutAnAxisAtASide) {
+  add(box_, grey_, [](double t) { return shifted(0.7, 0, 0) * turned({0, 0, 1}, 150 * t - 40); });
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfADeformation) {
+  add_bulging(grey_);
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfTheCamera) {
+  add(box_, grey_, [](double) { return Matrix4d(); });
+  motions_.clear();
+  camera_ = [](double t) { return look_at({1.5 * t - 0.5, 1 + t, 4 - t}, {0.3 * t, 0, 0}, 40).camera_to_world; };
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfABodyThatLightWalksIn) {
+  add(sphere_, wax_, [](double t) { return turned({0, 0, 1}, 60 * t) * shifted(-0.6 + 1.2 * t, 0, 0); });
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfABodyThatDeforms) {
+  add_bulging(wax_);
+  expect_mean_of_stills();
+}
+
+// A ball moves out of another one, and both scatter as one body.
+TEST_F(MotionBlur, OfAUnionOfBodies) {
+  add(sphere_, wax_, [](double t) { return shifted(-0.3 + 0.1 * t, 0, 0); });
+  scatter_in("both");
+  add(sphere_, wax_, [](double t) { return shifted(0.8 * t, 0.2 * t, 0); });
+  scatter_in("both");
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfABodyInModeDiffusion) {
+  request_.settings.subsurface = SubsurfaceMode::diffusion;
+  add(sphere_, wax_, [](double t) { return turned({0, 0, 1}, 60 * t) * shifted(-0.6 + 1.2 * t, 0, 0); });
+  expect_mean_of_stills();
+}
+
+TEST_F(MotionBlur, OfGlass) {
+  add(sphere_, glass_, [](double t) { return shifted(-0.6 + 1.2 * t, 0, 0); });
+  expect_mean_of_stills();
+}
+
+// In the still pictures its triangles are sampled, in the blurred one lobes find them.
+TEST_F(MotionBlur, OfALightThatIsAMesh) {
+  add(box_, glow_, [](double t) { return shifted(-0.6 + 1.2 * t, 0.2, 0); });
+  expect_mean_of_stills();
+}
+
+}  // namespace
+}  // namespace alabaster::testing
