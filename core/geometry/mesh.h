@@ -60,8 +60,8 @@ struct Mesh {
   MeshAttribute<float> opacities;
   std::vector<int32_t> triangle_face;      // face of the cage, which elementId reports
   std::vector<int32_t> triangle_material;  // slot; empty: all 0
-  /// Of a mesh that deforms: points and normals are those at the shutter's opening, these follow at even times up to
-  /// its close. Everything else that is said of the mesh's shape holds at the opening.
+  /// Empty unless the mesh deforms. Points and normals are then those at the shutter's opening, and these follow at
+  /// even times up to its close. Everything else that is said of the mesh's shape holds at the opening.
   std::vector<MeshPose> later_poses;
   Bounds bounds;         // at all times
   bool closed = false;   // every edge is shared by an even number (>= 2) of triangles, after welding points by position

@@ -141,7 +141,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
     if (record) record->end("no direction was sampled");
     return std::nullopt;
   }
-  const bool discrete = !leaves || sample->lobe == Lobe::straight;
+  const bool leaves_straight = sample->lobe == Lobe::straight, discrete = !leaves || leaves_straight;
   path->throughput *= sample->f * ((discrete ? 1 : std::abs(sample->wi.z)) / sample->pdf);
   if (!leaves) return sample->lobe;
   if (splits) {
@@ -149,11 +149,9 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
     split->went_on = true;
   }
   path->scatter_pdf = discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
-  if (side == Side::far) path->interiors = interiors_beyond;
-  if (side == Side::far)
-    path->go_on(beyond(v), sample->lobe == Lobe::straight ? path->ray.dir : wi);
-  else
-    path->go_on(origin_of(context, v.departure, wi), wi);
+  const bool far = side == Side::far;
+  if (far) path->interiors = interiors_beyond;
+  path->go_on(far ? beyond(v) : origin_of(context, v.departure, wi), leaves_straight ? path->ray.dir : wi);
   return sample->lobe;
 }
 

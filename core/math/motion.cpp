@@ -155,7 +155,7 @@ std::vector<Matrix4d> even_poses(const TimeSamples<Matrix4d>& samples, const Shu
 }
 
 // A map between two differs from the nearer one by at most half their difference, and singular values differ by no more
-// than the maps do (Weyl). Where that says nothing, halves say more.
+// than the maps do (Weyl). Where that bound is too low, those of the halves are better.
 float least_stretch_between(const Affine& a, const Affine& b) {
   constexpr int kHalvings = 12;
   const auto bound = [](const auto& self, const Affine& from, const Affine& to, int halvings) -> float {

@@ -47,14 +47,14 @@ struct PoseTime {
 
 /// The map of even poses at `time`; at least two.
 Affine posed(const std::vector<Affine>& poses, float time);
-/// The inverse, by way of double. Of a map that is_invertible_between() vouches for.
+/// The inverse of an invertible map, by way of double.
 Affine inverse(const Affine& map);
 
-/// The matrix at a time: translation and stretch are interpolated linearly, rotation on the sphere (Shoemake and Duff
-/// 1992, "Matrix Animation and Polar Decomposition"), so that a body which turns keeps its size, and one which is
-/// sheared needs no case of its own. Of two rotations the shorter way is taken: half a turn or more between samples is
-/// not seen. Matrices that cannot be decomposed (singular, mirrored by one of the two alone) are interpolated entry by
-/// entry. Of at least one sample.
+/// The matrix at a time; there must be a sample. Translation and stretch are interpolated linearly, rotation on the
+/// sphere (Shoemake and Duff 1992, "Matrix Animation and Polar Decomposition"): a body which turns keeps its size, and
+/// one which is sheared needs no case of its own. Rotations take the shorter way, so half a turn or more between
+/// samples is not seen. Matrices that cannot be decomposed (singular, or one of the two mirrored) are interpolated
+/// entry by entry.
 Matrix4d interpolate(const TimeSamples<Matrix4d>& samples, double time);
 
 /// How many even poses over the shutter show all samples: each sample lies on a pose, up to `most` poses, beyond which

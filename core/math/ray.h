@@ -6,8 +6,8 @@
 
 namespace alabaster {
 
-/// Points org + t * dir for t in [0, tmax]. dir need not be unit: t is in units of |dir|. `time`: of the shutter, 0..1;
-/// what does not move does not ask.
+/// Points org + t * dir for t in [0, tmax]. dir need not be unit: t is in units of |dir|. `time` is that of
+/// the shutter, 0..1; things that stand still do not ask for it.
 struct Ray {
   Vec3f org{0, 0, 0};
   Vec3f dir{0, 0, 1};

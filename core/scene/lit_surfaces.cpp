@@ -26,7 +26,7 @@ std::array<float, 4> spread(int i, const Vec3f& shift) {
   return {at(shift.x, 0.8191725134), at(shift.y, 0.6710436067), at(shift.z, 0.5497004779), 0};
 }
 
-// Of the shutter, for what moves: only noise depends on it.
+// The time of the shutter at which moving things are looked at: only noise depends on it.
 constexpr float kTime = 0.5f;
 
 float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& rng) {

@@ -26,8 +26,8 @@ struct MeshShells {
   uint8_t flags(uint32_t triangle) const { return triangle_flags.empty() ? uint8_t(0) : triangle_flags[triangle]; }
 };
 
-/// `object` traces `mesh`. Of a mesh that deforms the shells are those at the opening of the shutter, and where it has
-/// several they count as overlapping, for they may do so later. A function of the mesh alone, for any number of
+/// `object` traces `mesh`. A mesh that deforms has the shells of the shutter's opening, and several of them count as
+/// overlapping, for they may overlap later. A function of the mesh alone, for any number of
 /// threads; scaling it by 2^k changes nothing.
 MeshShells find_shells(const Mesh& mesh, const ObjectScene& object);
 

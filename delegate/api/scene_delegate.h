@@ -28,7 +28,7 @@ class ALABASTER_API SceneDelegate {
   virtual Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) = 0;
 
   // Motion: asked together with the values themselves, which are those of time 0. The defaults say that nothing moves.
-  /// Of a mesh or a camera.
+  /// For meshes and cameras.
   virtual TimeSamples<Matrix4d> SampleTransform(const Path& id);
   /// "points" and "normals" of a mesh, "hydra:instanceTransforms" and the like of an instancer: as many at each time as
   /// at time 0.

@@ -78,19 +78,15 @@ class RenderCommand {
     if (!a_.time.empty() && !parse_nonnegative(a_.time))
       return console_.usage_error("--time", "'" + a_.time + "' is not a time: write a number of seconds from 0 up.");
     if (!a_.shutter.empty() && !parse_interval(a_.shutter))
-      return console_.usage_error("--shutter", "'" + a_.shutter +
-                                                   "' is not a shutter: write when it opens and when it closes, in "
-                                                   "frames, such as 0:0.5; it must not close before it opens.");
+      return console_.usage_error("--shutter", "'" + a_.shutter + "' is not a shutter: write open:close in frames.");
     if (!a_.fps.empty() && parse_nonnegative(a_.fps).value_or(0) == 0)
       return console_.usage_error("--fps", "'" + a_.fps + "' is not a number of frames per second above 0.");
-    if (a_.frames.empty())
-      return a_.fps.empty() || !a_.shutter.empty()
-                 ? kDone
-                 : console_.usage_error("--fps", "It needs --frames or --shutter, or give a --time in seconds.");
+    const bool uses_fps = !a_.frames.empty() || !a_.shutter.empty();
+    if (!a_.fps.empty() && !uses_fps) return console_.usage_error("--fps", "It needs --frames or --shutter.");
+    if (a_.frames.empty()) return kDone;
     if (parse_frames(a_.frames).empty())
-      return console_.usage_error("--frames", "'" + a_.frames +
-                                                  "' is not a range of frames: write first:last or first:last:step, in "
-                                                  "whole numbers, with at most 100000 frames.");
+      return console_.usage_error("--frames", "'" + a_.frames + "' is not a range of at most 100000 frames: write " +
+                                                  "first:last or first:last:step, in whole numbers.");
     if (!a_.time.empty() || !a_.pixel.empty())
       return console_.usage_error("--frames", "It cannot be given with --time or --pixel, which show one frame.");
     return check_frame_names(a_.outputs);
@@ -105,8 +101,7 @@ class RenderCommand {
     return kDone;
   }
 
-  double frames_per_second() const { return parse_nonnegative(a_.fps).value_or(24); }
-  double seconds_at(uint32_t frame) const { return frame / frames_per_second(); }
+  double seconds_at(uint32_t frame) const { return frame / parse_nonnegative(a_.fps).value_or(24); }
 
   // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
   // output.
@@ -132,7 +127,7 @@ class RenderCommand {
     };
     options.time = frames_.empty() ? parse_nonnegative(a_.time) : std::optional(seconds_at(frames_[0]));
     if (const auto shutter = parse_interval(a_.shutter)) options.shutter = {shutter->first, shutter->second};
-    options.frames_per_second = frames_per_second();
+    options.frames_per_second = 1 / seconds_at(1);
     options.scene = a_.model_scene;
     options.animation = a_.animation;
     options.variant = a_.variant;

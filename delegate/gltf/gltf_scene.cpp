@@ -177,7 +177,7 @@ class MotionSampler {
     if (changes(samples)) mesh->primvarSamples[name] = std::move(samples);
   }
 
-  // Of a mesh that several nodes place, each may move by itself.
+  // A mesh may be placed by several nodes, each of which moves by itself.
   void sample_instances(const Path& id, host::InstancerDescription* instancer, Report& report) const {
     const Token name = "hydra:instanceTransforms";
     TimeSamples<Value> samples{frames_, {}};

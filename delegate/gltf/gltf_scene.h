@@ -27,7 +27,7 @@ struct GltfOptions {
   /// if one is named. After the last key it is held.
   std::optional<double> time;
   /// Seconds, relative to `time`. Over an interval with a length, what the animation moves or deforms gets time
-  /// samples, five of them, in frames. What stands still in it, and lights, get none.
+  /// samples, five of them, in frames. Things that stand still in it, and lights, get none.
   double shutter_open = 0, shutter_close = 0;
   double frames_per_second = 24;
 };

@@ -153,7 +153,7 @@ bool MeshPrim::build(SceneParam& param) {
   return true;
 }
 
-// The shape at each sample. What is faulty is drawn as it is at time 0.
+// The shape at each sample. Null if nothing deforms, or the samples are faulty (reported).
 std::shared_ptr<const Deformation> MeshPrim::deform(const Cage& cage, const RefinementOptions& options,
                                                     const alabaster::DiagnosticSink& sink) const {
   const auto& [times, values] = pulled_.point_samples;

@@ -7,7 +7,7 @@
 
 namespace alabaster::hd::prims {
 
-/// What is wrong with the times of samples; empty: nothing.
+/// The fault of the times of samples; empty if there is none.
 std::string times_fault(const std::vector<double>& times, size_t values);
 
 /// The samples of a transform; empty where it stands still, and where they are faulty (reported).

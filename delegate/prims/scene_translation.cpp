@@ -121,7 +121,7 @@ struct SceneTranslator::Run {
     }
   };
 
-  // Of the instancers that place it, from the innermost on. Empty: they stand still.
+  // The sample times of all instancers that place a prim, from the innermost on. Empty: they stand still.
   std::vector<double> instancer_times(Path path) const {
     std::vector<double> times;
     for (std::set<Path> seen; !path.empty() && seen.insert(path).second;) {

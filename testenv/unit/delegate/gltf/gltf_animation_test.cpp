@@ -279,7 +279,7 @@ TEST(GltfMorph, WeightsAreAnimatedByKeyAndBySpline) {
               Vec3f(float(1 + 4 * second), 0, float(2 * first)));
 }
 
-// Five samples, in frames; what stands still has none.
+// Five samples, in frames, and none for things that stand still.
 TEST(GltfAnimation, AnOpenShutterGivesSamples) {
   GltfBuilder b = morphed();
   b.json["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"weights", {1, 0}}, {"translation", {9, 0, 0}}}};

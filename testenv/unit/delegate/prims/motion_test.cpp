@@ -180,7 +180,7 @@ TEST(Motion, PicturesDoNotDependOnThreads) {
   }
 }
 
-// What is wrong is reported once as an error, and the rest is drawn.
+// A fault is reported once as an error, and the prim is drawn without blur.
 TEST(Motion, FaultySamplesAreErrors) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto with = [](const TimeSamples<Matrix4d>& samples) {
