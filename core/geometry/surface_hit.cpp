@@ -62,21 +62,34 @@ float render_offset(float m, const Vec3f& ng, const Affine& to_render, const Aff
   return kRoundings * (dot(s, absolute(ng)) + plane_error(m, along) + dot(q + r, along));
 }
 
-// The normals at a triangle's corners.
-std::array<Vec3f, 3> normals_at(const Mesh& mesh, const TriangleHit& hit) {
+// Vectors at a triangle's corners: where the mesh has them, or posed ones. A mesh that stands still is not copied.
+struct CornerVectors {
+  const Vec3f &a, &b, &c;
+};
+
+CornerVectors in_mesh(const std::vector<Vec3f>& vectors, const Corners& c) {
+  return {vectors[c[0]], vectors[c[1]], vectors[c[2]]};
+}
+
+// The normals at the corners, in a mesh that deforms.
+[[gnu::noinline]] std::array<Vec3f, 3> posed_normals(const Mesh& mesh, const TriangleHit& hit) {
   const Corners& c = normal_corners(mesh, hit.triangle);
-  if (mesh.deforms()) [[unlikely]]
-    return {mesh.normal_at(c[0], hit.time), mesh.normal_at(c[1], hit.time), mesh.normal_at(c[2], hit.time)};
-  return {mesh.normals[c[0]], mesh.normals[c[1]], mesh.normals[c[2]]};
+  return {mesh.normal_at(c[0], hit.time), mesh.normal_at(c[1], hit.time), mesh.normal_at(c[2], hit.time)};
 }
 
 // The interpolated normal in object space. Three corners that all point inward are taken as authored for the other
 // side; a single one that leans over the horizon is left to the caller, who bends the result.
-Vec3f interpolated_normal(const Mesh& mesh, const TriangleHit& hit, const Vec3f& ng_object) {
-  const auto [n0, n1, n2] = normals_at(mesh, hit);
-  const Vec3f n = n0 * (1 - hit.u - hit.v) + n1 * hit.u + n2 * hit.v;
-  const bool reversed = dot(n0, ng_object) < 0 && dot(n1, ng_object) < 0 && dot(n2, ng_object) < 0;
+inline Vec3f interpolated_normal(const CornerVectors& at, const TriangleHit& hit, const Vec3f& ng_object) {
+  const Vec3f n = at.a * (1 - hit.u - hit.v) + at.b * hit.u + at.c * hit.v;
+  const bool reversed = dot(at.a, ng_object) < 0 && dot(at.b, ng_object) < 0 && dot(at.c, ng_object) < 0;
   return reversed ? -n : n;
+}
+Vec3f interpolated_normal(const Mesh& mesh, const TriangleHit& hit, const Vec3f& ng_object) {
+  if (mesh.deforms()) [[unlikely]] {
+    const auto posed = posed_normals(mesh, hit);
+    return interpolated_normal({posed[0], posed[1], posed[2]}, hit, ng_object);
+  }
+  return interpolated_normal(in_mesh(mesh.normals, normal_corners(mesh, hit.triangle)), hit, ng_object);
 }
 
 Vec3f shading_normal(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& s, const Affine& render_to_object) {
@@ -134,6 +147,22 @@ inline void set_point(const Mesh& mesh, const TriangleHit& hit, const Facet& f, 
   // Between poses the corners and the placement are rounded once more each.
   if (hit.time > 0) [[unlikely]]
     s->offset *= 2, s->offset_object *= 2;
+}
+
+inline Vec3f shift_in_object(const CornerVectors& points, const CornerVectors& normals, const TriangleHit& hit,
+                             const SurfacePoint& side) {
+  const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+  const bool reversed = dot(normals.a + normals.b + normals.c, side.ng_object) < 0;
+  const Vec3f* const p[3] = {&points.a, &points.b, &points.c};
+  const Vec3f* const vertex_normals[3] = {&normals.a, &normals.b, &normals.c};
+  Vec3f shift(0, 0, 0);
+  for (size_t i = 0; i < 3; ++i) {
+    const Vec3f n = reversed ? -*vertex_normals[i] : *vertex_normals[i];
+    // Below the tangent plane of the vertex: up to it. A normal that leans over the facet's horizon is no guide.
+    const float depth = dot(*p[i] - side.p_object, n);
+    if (depth > 0 && dot(n, side.ng_object) > 0) shift += n * (weights[i] * depth / dot(n, n));
+  }
+  return shift;
 }
 
 }  // namespace
@@ -201,17 +230,12 @@ float HitPrimvars::opacity() const {
 Vec3f curvature_shift(const Mesh& mesh, const TriangleHit& hit, const SurfacePoint& side,
                       const Affine& object_to_render) {
   if (mesh.normals.empty()) return Vec3f(0, 0, 0);
-  const std::array<Vec3f, 3> points = mesh.corners_at(hit.triangle, hit.time), normals = normals_at(mesh, hit);
-  const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-  const bool reversed = dot(normals[0] + normals[1] + normals[2], side.ng_object) < 0;
-  Vec3f shift(0, 0, 0);
-  for (size_t i = 0; i < 3; ++i) {
-    const Vec3f n = reversed ? -normals[i] : normals[i];
-    // Below the tangent plane of the vertex: up to it. A normal that leans over the facet's horizon is no guide.
-    const float depth = dot(points[i] - side.p_object, n);
-    if (depth > 0 && dot(n, side.ng_object) > 0) shift += n * (weights[i] * depth / dot(n, n));
+  if (mesh.deforms()) [[unlikely]] {
+    const auto p = mesh.corners_at(hit.triangle, hit.time), n = posed_normals(mesh, hit);
+    return object_to_render.vector(shift_in_object({p[0], p[1], p[2]}, {n[0], n[1], n[2]}, hit, side));
   }
-  return object_to_render.vector(shift);
+  return object_to_render.vector(shift_in_object(in_mesh(mesh.points, mesh.triangles[hit.triangle]),
+                                                 in_mesh(mesh.normals, normal_corners(mesh, hit.triangle)), hit, side));
 }
 
 }  // namespace alabaster

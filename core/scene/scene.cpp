@@ -261,6 +261,12 @@ void find_missing_tiles(const InstanceDescription& d, const Instance& instance, 
 }  // namespace
 
 bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
+  if (instance.is_still()) [[likely]] {
+    const Mesh& mesh = instance.prototype->mesh;
+    const Corners& c = mesh.triangles[hit.triangle];
+    const Vec3f n = cross(mesh.points[c[1]] - mesh.points[c[0]], mesh.points[c[2]] - mesh.points[c[0]]);
+    return dot(n, instance.world_to_object.vector(dir)) > 0;
+  }
   const auto [p0, p1, p2] = instance.prototype->mesh.corners_at(hit.triangle, hit.time);
   std::optional<Placement> moved;
   return dot(cross(p1 - p0, p2 - p0), instance.at(hit.time, &moved).world_to_object.vector(dir)) > 0;

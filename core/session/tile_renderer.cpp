@@ -54,18 +54,25 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* c
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                                       LightLayers* layers, PathRecord* record) const {
-  // Find when it is taken, and trace its path.
+  // Find when it is taken, place it in the pixel's filter and on the lens, and trace its path.
+  std::optional<Camera> moved;
+  float time = 0;
+  if (has_motion_) [[unlikely]] {
+    const float share = sampler.draw(Dimension::time, 0)[0];
+    moved = camera_.at(share);
+    time = camera_.time(share);
+  }
+  const Camera& camera = moved ? *moved : camera_.first();
+  const auto u = sampler.draw(Dimension::film_lens, 0);
+  const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
+  const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
+  const PathContext context{*request_.scene, camera, integrator_settings_, *counters, layers, request_.aovs,
+                            record,          time};
+  Ray ray = camera.generate_ray(film_position, {u[2], u[3]});
+  ray.time = time;
   FilmSample result;
-  const auto context = [&](const Camera& camera, float time) {
-    return PathContext{*request_.scene, camera, integrator_settings_, *counters, layers, request_.aovs, record, time};
-  };
   try {
-    if (has_motion_) [[unlikely]] {
-      const float share = sampler.draw(Dimension::time, 0)[0];
-      result = trace_ray(sampler, at, context(camera_.at(share), camera_.time(share)));
-    } else {
-      result = trace_ray(sampler, at, context(camera_.first(), 0));
-    }
+    result = trace_path_(context, ray, sampler);
   } catch (const CheckFailure& failure) {
     throw SampleFailure(failure.what(), at);
   }
@@ -79,17 +86,6 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     *layers = {};
   }
   return result;
-}
-
-// Places the sample in the pixel's filter and on the lens.
-FilmSample TileRenderer::trace_ray(const PixelSampler& sampler, const SampleAddress& at,
-                                   const PathContext& context) const {
-  const auto u = sampler.draw(Dimension::film_lens, 0);
-  const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
-  const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
-  Ray ray = context.camera.generate_ray(film_position, {u[2], u[3]});
-  ray.time = context.time;
-  return trace_path_(context, ray, sampler);
 }
 
 }  // namespace alabaster

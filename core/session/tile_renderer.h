@@ -68,7 +68,6 @@ class TileRenderer {
   uint32_t seed_of(int x, int y) const { return pixel_seed(x, y, request_.settings.frame, request_.settings.seed); }
   FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                           LightLayers* layers, PathRecord* record) const;
-  FilmSample trace_ray(const PixelSampler& sampler, const SampleAddress& at, const PathContext& context) const;
 
   const RenderRequest& request_;
   MovingCamera camera_;

@@ -85,7 +85,7 @@ class RenderCommand {
     if (!a_.fps.empty() && !uses_fps) return console_.usage_error("--fps", "It needs --frames or --shutter.");
     if (a_.frames.empty()) return kDone;
     if (parse_frames(a_.frames).empty())
-      return console_.usage_error("--frames", "'" + a_.frames + "' is not a range of at most 100000 frames: write " +
+      return console_.usage_error("--frames", "'" + a_.frames + "' is not a range of frames, at most 100000: write " +
                                                   "first:last or first:last:step, in whole numbers.");
     if (!a_.time.empty() || !a_.pixel.empty())
       return console_.usage_error("--frames", "It cannot be given with --time or --pixel, which show one frame.");

@@ -111,7 +111,7 @@ TEST_F(FramesTest, DescriptionsHaveATimeForEachModel) {
 // The patch moves two units a second, and half of it has left the picture at half a second.
 TEST_F(FramesTest, AnOpenShutterBlursWhatMovesInIt) {
   const auto covered = [&](const std::string& time, const std::string& shutter) {
-    std::vector<std::string> more{"--time", time, "--spp", "64", "-o", "a.exr"};
+    std::vector<std::string> more{"--time", time, "--set", "samples=64", "-o", "a.exr"};
     if (!shutter.empty()) more.insert(more.end(), {"--shutter", shutter, "--fps", "10"});
     EXPECT_EQ(render("moving.gltf", more), 0);
     return coverage("a.exr");

@@ -161,13 +161,13 @@ TEST_F(LoadSceneTest, MotionOfModelsMeshesAndCamera) {
                           {"time": 2, "transform": {"translate": [0, 4, 9]}}],
                "shutterOpen": -0.5, "shutterClose": 0.5, "apertureBlades": 7}})");
   ASSERT_TRUE(file.ok) << errors();
-  const host::MeshDescription& mesh = scene_.GetMeshes().begin()->second;
+  const host::MeshDescription& mesh = scene.GetMeshes().begin()->second;
   EXPECT_EQ(mesh.transform.translation(), Vec3d(2, 0, 0)) << "at time 0";
   EXPECT_EQ(mesh.transformSamples.times, (std::vector<double>{-1, 0, 1}));
   const Vec3d expected[] = {{1, 0, 0}, {2, 0, 0}, {3, 5, 0}};
   ASSERT_EQ(mesh.transformSamples.values.size(), 3u);
   for (size_t i = 0; i < 3; ++i) EXPECT_EQ(mesh.transformSamples.values[i].translation(), expected[i]) << i;
-  const host::CameraDescription& camera = scene_.GetCameras().at("/camera");
+  const host::CameraDescription& camera = scene.GetCameras().at("/camera");
   EXPECT_EQ(camera.transform.translation(), Vec3d(0, 0, 9));
   EXPECT_EQ(camera.transformSamples.times, (std::vector<double>{0, 2}));
   EXPECT_EQ(camera.parameters.at("shutterOpen").number_or(0), -0.5);
