@@ -205,6 +205,11 @@ const UvSet* Mesh::uv_set(const UvSetName& name) const {
   return found == uv_sets.end() ? nullptr : &*found;
 }
 
+std::array<Vec3f, 3> Mesh::posed_corners(uint32_t triangle, float time) const {
+  const Corners& c = triangles[triangle];
+  return {point_at(c[0], time), point_at(c[1], time), point_at(c[2], time)};
+}
+
 size_t Mesh::memory_bytes() const {
   size_t bytes = bytes_of(points) + bytes_of(triangles) + bytes_of(normals) + bytes_of(normal_triangles) +
                  bytes_of(tangents) + bytes_of(colors) + bytes_of(opacities) + bytes_of(triangle_face) +

@@ -85,14 +85,17 @@ struct Mesh {
   }
   /// The corners of a triangle at a time.
   std::array<Vec3f, 3> corners_at(uint32_t triangle, float time) const {
-    const Corners& c = triangles[triangle];
     if (deforms()) [[unlikely]]
-      return {point_at(c[0], time), point_at(c[1], time), point_at(c[2], time)};
+      return posed_corners(triangle, time);
+    const Corners& c = triangles[triangle];
     return {points[c[0]], points[c[1]], points[c[2]]};
   }
   /// Null if there is none of that name.
   const UvSet* uv_set(const UvSetName& name) const;
   size_t memory_bytes() const;
+
+ private:
+  std::array<Vec3f, 3> posed_corners(uint32_t triangle, float time) const;
 };
 
 struct RefinementOptions {

@@ -260,6 +260,11 @@ void find_missing_tiles(const InstanceDescription& d, const Instance& instance, 
 
 }  // namespace
 
+const Placement& Instance::move_to(float time, std::optional<Placement>* moved) const {
+  const Affine map = posed(poses, time);
+  return moved->emplace(Placement{map, inverse(map)});
+}
+
 bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
   if (instance.is_still()) [[likely]] {
     const Mesh& mesh = instance.prototype->mesh;

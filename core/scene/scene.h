@@ -84,11 +84,9 @@ struct Instance : Placement {
 
   /// Where it stands at a time. `moved` holds the answer if it moves.
   const Placement& at(float time, std::optional<Placement>* moved) const {
-    if (poses.empty()) [[likely]]
-      return *this;
-    const Affine map = posed(poses, time);
-    return moved->emplace(Placement{map, inverse(map)});
+    return poses.empty() ? *this : move_to(time, moved);
   }
+  const Placement& move_to(float time, std::optional<Placement>* moved) const;
   bool is_still() const { return poses.empty() && !prototype->mesh.deforms(); }
 
   /// The material slot of a triangle; slots beyond the list use the first.

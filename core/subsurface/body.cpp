@@ -30,6 +30,11 @@ bool has_room_for_spheres(const SubsurfaceBody::Member& member, float mfp) {
 
 }  // namespace
 
+const SubsurfaceBody::Maps& SubsurfaceBody::Member::move_to(float time, std::optional<Maps>* moved) const {
+  const Affine map = posed(poses, time);
+  return moved->emplace(Maps{map, inverse(map)});
+}
+
 bool SubsurfaceBody::bounds_distances() const {
   return members.front().distances != nullptr;
 }

@@ -38,11 +38,9 @@ struct SubsurfaceBody {
 
     /// At a time. `moved` holds the answer if the member moves.
     const Maps& at(float time, std::optional<Maps>* moved) const {
-      if (poses.empty()) [[likely]]
-        return *this;
-      const Affine map = posed(poses, time);
-      return moved->emplace(Maps{map, inverse(map)});
+      return poses.empty() ? *this : move_to(time, moved);
     }
+    const Maps& move_to(float time, std::optional<Maps>* moved) const;
   };
 
   std::vector<Member> members;
