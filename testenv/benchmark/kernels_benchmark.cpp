@@ -1,13 +1,18 @@
 // Kernels in isolation (Google Benchmark): tracing, one walk, one BSDF sample, random numbers, a look at a frame's
-// error.
+// error, a lookup in an image.
 #include <benchmark/benchmark.h>
 
 #include <tbb/task_arena.h>
+
+#include <filesystem>
+#include <fstream>
 
 #include "core/convergence/group_stopping.h"
 #include "core/material/disney_bsdf.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/random_walk.h"
+#include "core/texture/texel_store.h"
+#include "core/texture/texture.h"
 #include "testenv/support/lone_body.h"
 
 namespace alabaster {
@@ -93,6 +98,42 @@ void BM_ErrorLook(benchmark::State& state) {
   });
 }
 BENCHMARK(BM_ErrorLook)->ArgsProduct({{1, 4}, {1, 2}})->Unit(benchmark::kMillisecond);
+
+// A colour image of 2048 x 2048 bytes, 12 MiB, that comes second to a store of so many MiB.
+std::shared_ptr<const Texture> second_image(int64_t mib) {
+  const std::string file = (std::filesystem::temp_directory_path() / "alabaster_kernels.tga").string();
+  std::string bytes("\0\0\2\0\0\0\0\0\0\0\0\0\0\10\0\10\30\40", 18);
+  Rng rng(3, 4);
+  for (int i = 0; i < 3 * 2048 * 2048; ++i) bytes += static_cast<char>(rng.uniform() * 255);
+  std::ofstream(file, std::ios::binary) << bytes;
+  const auto store = std::make_shared<TexelStore>();
+  store->set_budget(static_cast<size_t>(mib) << 20);
+  const auto colors = ColorConfig::load("built-in", {});
+  const auto first = load_texture({file, nullptr, "auto"}, *colors, {}, store);
+  return load_texture({file, nullptr, "auto"}, *colors, {}, store);
+}
+
+// Bilinear (width 0) or filtered lookups within a part of an image: its memory in MiB (64: texels are in memory; 30: a
+// cache holds all tiles of a file; 1: it holds few), the part's share of each side in per cent, the footprint's width.
+void BM_TextureLookup(benchmark::State& state) {
+  const auto image = second_image(state.range(0));
+  const float part = static_cast<float>(state.range(1)) / 100, width = static_cast<float>(state.range(2));
+  if (width > 0) image->prepare_filtering();
+  Rng rng(1, 2);
+  for (auto _ : state) {
+    const Vec2f uv(rng.uniform() * part, rng.uniform() * part);
+    benchmark::DoNotOptimize(width > 0 ? image->filtered(uv, width) : image->rgb(uv));
+  }
+}
+BENCHMARK(BM_TextureLookup)
+    ->Args({64, 5, 0})
+    ->Args({30, 5, 0})
+    ->Args({1, 5, 0})
+    ->Args({64, 5, 5})
+    ->Args({64, 100, 0})
+    ->Args({30, 100, 0})
+    ->Args({1, 100, 0})
+    ->Args({64, 100, 5});
 
 }  // namespace
 }  // namespace alabaster
