@@ -35,8 +35,8 @@ TEST(Scene, InstancesThatCannotBeTracedAreLeftOutAndReported) {
        {scaled(1e-30, 1, 1), scaled(1e-15, 1e-15, 1e-15), scaled(1e-300, 1, 1), scaled(0, 1, 1), scaled(1e18, 1, 1),
         scaled(1e300, 1, 1), scaled(std::numeric_limits<double>::quiet_NaN(), 1, 1), far, projective}) {
     SceneDescription description;
-    description.instances = {{prototype, Matrix4d(), {material}, 7, 0, "/good"},
-                             {prototype, spoilt, {material}, 8, 0, "/spoilt"}};
+    description.instances = {{prototype, Matrix4d(), {}, {material}, 7, 0, "/good"},
+                             {prototype, spoilt, {}, {material}, 8, 0, "/spoilt"}};
     test::RecordingSink sink;
     const auto snapshot = compile_snapshot(description, 1, device, sink.sink());
     ASSERT_TRUE(snapshot);
@@ -59,7 +59,7 @@ TEST(Scene, WholeScenesMayBeTinyOrHuge) {
   prototype->object = build_object_scene(device, prototype->mesh, {});
   for (const double s : {1e-12, 1e-6, 1.0, 1e6, 1e12}) {
     SceneDescription description;
-    description.instances = {{prototype, scaled(s, s, s), {std::make_shared<DisneyMaterial>()}, 0, 0, "/sphere"}};
+    description.instances = {{prototype, scaled(s, s, s), {}, {std::make_shared<DisneyMaterial>()}, 0, 0, "/sphere"}};
     test::RecordingSink sink;
     const auto snapshot = compile_snapshot(description, 1, device, sink.sink());
     EXPECT_TRUE(sink.all().empty()) << s;
