@@ -52,6 +52,22 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
   return "";
 }
 
+// The files of a set of images, if the path names one by "<UDIM>"; else itself.
+void add_files(const std::string& image, std::set<std::string>* inputs) {
+  inputs->insert(image);
+  const std::filesystem::path path(image);
+  const std::string name = path.filename().string(), mark = "<UDIM>";
+  const size_t at = name.find(mark);
+  if (at == std::string::npos) return;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(path.parent_path(), error), end; !error && it != end;
+       it.increment(error)) {
+    const std::string file = it->path().filename().string();
+    if (file.starts_with(name.substr(0, at)) && file.ends_with(name.substr(at + mark.size())))
+      inputs->insert(it->path().string());
+  }
+}
+
 }  // namespace
 
 std::vector<hd::RenderProduct> make_products(const RenderArguments& a, const std::vector<hd::RenderProduct>& existing,
@@ -164,7 +180,7 @@ std::string input_overwritten(const std::vector<std::string>& outputs, const Sce
   std::set<std::string> inputs{scene, session.colors().ocio};
   const auto add_images = [&](const std::map<hd::Token, hd::Value>& parameters) {
     for (const auto& [name, value] : parameters)
-      if (const auto* image = value.get<hd::AssetPath>()) inputs.insert(image->resolved);
+      if (const auto* image = value.get<hd::AssetPath>()) add_files(image->resolved, &inputs);
   };
   for (const auto& summary : session.file.gltf) inputs.insert(summary.files.begin(), summary.files.end());
   for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);

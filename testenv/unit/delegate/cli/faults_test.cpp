@@ -197,6 +197,11 @@ TEST_F(FaultsTest, AnInputIsNeverOverwritten) {
                          "lights": [{"name": "d", "type": "domeLight", "texture:file": "sky.png"}]})");
   EXPECT_EQ(run({"render", "self.json", "--size", "16x12", "--spp", "1"}).code, 3);
   EXPECT_HAS(read("sky.png"), "RADIANCE");
+  write_image("skin.1001.png");
+  write("set.json", R"({"gltf": [{"file": "patch.gltf"}], "materials": [{"match": "skin",
+                        "set": {"baseColor": {"file": "skin.<UDIM>.png"}}}]})");
+  EXPECT_EQ(render("set.json", {"-o", "skin.1001.png"}).code, 2) << "one of a set";
+  EXPECT_HAS(read("skin.1001.png"), "RADIANCE");
 }
 
 TEST_F(FaultsTest, WhatIsLeftOutOfAFileIsAWarningThatQuietKeeps) {
