@@ -60,8 +60,8 @@ void add_files(const std::string& image, std::set<std::string>* inputs) {
   const size_t at = name.find(mark);
   if (at == std::string::npos) return;
   std::error_code error;
-  for (std::filesystem::directory_iterator it(path.parent_path(), error), end; !error && it != end;
-       it.increment(error)) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string file = it->path().filename().string();
     if (file.starts_with(name.substr(0, at)) && file.ends_with(name.substr(at + mark.size())))
       inputs->insert(it->path().string());
