@@ -43,7 +43,7 @@ namespace {
 
 bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
   if (!context.scene.features.see_through) return context.scene.top->intersect(path.ray, hit);
-  const StochasticStop filter(context.scene, path.ray.dir, sampler.number(Dimension::opacity, path.depth));
+  const StochasticStop filter(context.scene, path.ray.dir, sampler, path.depth);
   return context.scene.top->intersect(path.ray, hit, &filter);
 }
 

@@ -24,7 +24,8 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
 bool StochasticStop::stops(const TriangleHit& hit) const noexcept {
   const float coverage = coverage_at(scene_, dir_, hit);
   if (coverage <= 0 || coverage >= 1) return coverage >= 1;
-  return to_unit_float(hash_combine(hash_combine(number_, hit.instance), hit.triangle)) < coverage;
+  const uint32_t number = sampler_.number(Dimension::opacity, depth_);
+  return to_unit_float(hash_combine(hash_combine(number, hit.instance), hit.triangle)) < coverage;
 }
 
 bool Transmittance::stops(const TriangleHit& hit) const noexcept {

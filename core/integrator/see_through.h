@@ -14,14 +14,15 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
 /// alone, so that it does not depend on the order in which hits are found.
 class StochasticStop final : public HitFilter {
  public:
-  StochasticStop(const SceneSnapshot& scene, const Vec3f& dir, uint32_t number)
-      : scene_(scene), dir_(dir), number_(number) {}
+  StochasticStop(const SceneSnapshot& scene, const Vec3f& dir, const PixelSampler& sampler, uint32_t depth)
+      : scene_(scene), dir_(dir), sampler_(sampler), depth_(depth) {}
   bool stops(const TriangleHit& hit) const noexcept override;
 
  private:
   const SceneSnapshot& scene_;
   const Vec3f& dir_;
-  uint32_t number_;
+  const PixelSampler& sampler_;
+  uint32_t depth_;
 };
 
 /// The share of light that arrives through the surfaces that a shadow ray passes. The same bits in whatever order they

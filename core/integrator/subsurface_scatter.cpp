@@ -54,12 +54,10 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
       body, entry, numbers, context.counters);
 }
 
-Vec3f exit_normal(const Instance& instance, const Placement& placement, const SubsurfaceExit& exit,
-                  const SurfacePoint& point) {
-  const DisneyMaterial& material = instance.material(exit.hit.triangle);
-  if (!material.normal_map) return point.ns;
-  return mapped_normal(instance, placement, exit.hit, surface_on_side(instance, placement, exit.hit, exit.direction),
-                       *material.normal_map);
+/// Null: the normal is the mesh's own.
+const TextureLookup* exit_normal_map(const Instance& instance, const SubsurfaceExit& exit) {
+  const auto& map = instance.material(exit.hit.triangle).normal_map;
+  return map ? &*map : nullptr;
 }
 
 /// The exit lobe: light sampling, and the direction in which the path goes on.
@@ -76,11 +74,16 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const Placement& placement = instance.at(exit.hit.time, &moved);
   const SurfacePoint hit =
       on_side(surface_point(mesh, exit.hit, placement.object_to_world, placement.world_to_object), exit.direction);
-  const Frame frame = frame_from_normal(exit_normal(instance, placement, exit, hit));
+  const TextureLookup* const normal_map = exit_normal_map(instance, exit);
+  const Vec3f n = normal_map
+                      ? mapped_normal(instance, placement, exit.hit,
+                                      surface_on_side(instance, placement, exit.hit, exit.direction), *normal_map)
+                      : hit.ns;
+  const Frame frame = frame_from_normal(n);
   const Departure departure = depart(mesh, placement.object_to_world, exit.hit, hit, hit.ns);
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
-    if (!(cosine > 0 && dot(wi, hit.ns) > 0)) return {};
+    if (!(cosine > 0) || (normal_map && !(dot(wi, hit.ns) > 0))) return {};
     return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
   };
   PathRecord* const record = context.record;

@@ -41,23 +41,27 @@ PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_
   if (!std::isfinite(finite) || !(area_ > 0)) return;
   radiance_ = finite_or_black(emission(description), description.normalize ? 1 / area_ : 1);
   shaping_ = LightShaping::make(description);
+  plain_ = !disk_ && skew_ == 0 && !shaping_;
   const auto& texture = description.texture;
   if (disk_ || is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
   image_ = std::make_shared<LightImage>(texture, radiance_, LightImage::Shape::flat);
+  plain_ = false;
   radiance_ = image_->mean();
 }
 
-std::optional<SphericalRectangle> PlaneLight::view_from(const Vec3d& to_center, double height) const {
-  if (skew_ != 0 || image_) return std::nullopt;
-  if (disk_) {
-    const double radius = std::max(half_width_, half_height_), distance = kNearDistance * radius;
-    if (height > kNearHeight * radius || dot(to_center, to_center) > distance * distance) return std::nullopt;
-  }
+bool PlaneLight::is_sampled_by_area(const Vec3d& to_center, double height) const {
+  if (!disk_) return skew_ != 0 || image_;
+  const double radius = std::max(half_width_, half_height_), distance = kNearDistance * radius;
+  return skew_ != 0 || height > kNearHeight * radius || dot(to_center, to_center) > distance * distance;
+}
+
+inline SphericalRectangle PlaneLight::view_from(const Vec3d& to_center, double height) const {
   const double unit = 1 / height, x = dot(to_center, x_), y = dot(to_center, y_);
-  const SphericalRectangle seen((x - half_width_) * unit, (x + half_width_) * unit, (y - half_height_) * unit,
-                                (y + half_height_) * unit);
-  if (seen.solid_angle() == 0) return std::nullopt;
-  return seen;
+  return {(x - half_width_) * unit, (x + half_width_) * unit, (y - half_height_) * unit, (y + half_height_) * unit};
+}
+
+double PlaneLight::solid_angle(const Vec3d& to_center, double height) const {
+  return !plain_ && is_sampled_by_area(to_center, height) ? 0 : view_from(to_center, height).solid_angle();
 }
 
 std::optional<PlaneLight::Place> PlaneLight::place_of(const Vec3d& from_center) const {
@@ -75,31 +79,42 @@ std::optional<LightSample> PlaneLight::sample(const Vec3f& p, const Vec2f& u) co
   const Vec3d to_center = center_ - Vec3d(p);
   const double height = -dot(to_center, n_);
   if (!(height > 0)) return std::nullopt;
+  return plain_ ? sample_as<true>(to_center, height, u) : sample_as<false>(to_center, height, u);
+}
+
+template <bool kPlain>
+std::optional<LightSample> PlaneLight::sample_as(const Vec3d& to_center, double height, const Vec2f& u) const {
+  const bool shows = !kPlain && image_;
+  const bool disk = !kPlain && disk_;
   Vec3d to_light;
+  double solid_angle = 0;
+  if (kPlain || !is_sampled_by_area(to_center, height)) {
+    const SphericalRectangle seen = view_from(to_center, height);
+    solid_angle = seen.solid_angle();
+    const Vec3d point = seen.sample(u);
+    to_light = (x_ * point.x + y_ * point.y - n_) * height;
+    if (disk && solid_angle > 0 && !place_of(to_light - to_center)) return std::nullopt;
+  }
   float density = 1;
   Vec2f place;
-  const auto seen = view_from(to_center, height);
-  if (seen) {
-    const Vec3d point = seen->sample(u);
-    to_light = (x_ * point.x + y_ * point.y - n_) * height;
-    if (disk_ && !place_of(to_light - to_center)) return std::nullopt;
-  } else {
-    if (image_) place = image_->sample(u, &density);
-    const Vec2f at = disk_    ? sample_concentric_disk(u)
-                     : image_ ? Vec2f(1 - 2 * place.x, 1 - 2 * place.y)
-                              : Vec2f(2 * u.x - 1, 2 * u.y - 1);
+  if (!(solid_angle > 0)) {
+    if (shows) place = image_->sample(u, &density);
+    const Vec2f at = disk    ? sample_concentric_disk(u)
+                     : shows ? Vec2f(1 - 2 * place.x, 1 - 2 * place.y)
+                             : Vec2f(2 * u.x - 1, 2 * u.y - 1);
     to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
   }
   const double distance = length(to_light);
-  const double pdf = seen ? 1 / seen->solid_angle() : pdf_by_area(density, distance, height);
+  const double pdf = solid_angle > 0 ? 1 / solid_angle : pdf_by_area(density, distance, height);
   const Vec3d wi = to_light * (1 / distance);
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
-  s.radiance = shaped(image_ ? image_->lookup(place.x, place.y) : radiance_, shaping_, -wi);
+  s.radiance = kPlain ? radiance_ : shaped(shows ? image_->lookup(place.x, place.y) : radiance_, shaping_, -wi);
   s.pdf = static_cast<float>(pdf);
-  if (!(s.pdf > 0) || !std::isfinite(s.pdf) || is_black(s.radiance)) return std::nullopt;
+  if (!(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
   if (!(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
+  if (!kPlain && is_black(s.radiance)) return std::nullopt;
   return s;
 }
 
@@ -111,14 +126,14 @@ std::optional<LightHit> PlaneLight::intersect(const Ray& ray) const {
   const double t = height / towards;
   const auto place = place_of(origin - center_ + direction * t);
   if (!place) return std::nullopt;
-  const auto seen = view_from(center_ - origin, height);
+  const double angle = solid_angle(center_ - origin, height);
   const double speed = length(direction), distance = t * speed;
   LightHit hit;
   hit.t = static_cast<float>(t);
   const Vec2f at = place->image_place();
   hit.radiance = shaped(image_ ? image_->lookup(at.x, at.y) : radiance_, shaping_, direction * (-1 / speed));
   const double density = image_ ? static_cast<double>(image_->pdf(at)) : 1;
-  hit.pdf = static_cast<float>(seen ? 1 / seen->solid_angle() : pdf_by_area(density, distance, height));
+  hit.pdf = static_cast<float>(angle > 0 ? 1 / angle : pdf_by_area(density, distance, height));
   if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;
   if (is_black(hit.radiance)) return std::nullopt;
   return hit;

@@ -37,20 +37,26 @@ class PlaneLight {
   const LightImage* image() const { return image_.get(); }
 
  private:
-  /// The rectangle as seen from a point in front; empty: sample by area.
-  std::optional<SphericalRectangle> view_from(const Vec3d& to_center, double height) const;
+  bool is_sampled_by_area(const Vec3d& to_center, double height) const;
+  /// The rectangle as seen from a point in front.
+  SphericalRectangle view_from(const Vec3d& to_center, double height) const;
+  /// 0 where it is sampled by area.
+  double solid_angle(const Vec3d& to_center, double height) const;
   /// Where on the light a point of its plane lies, given from the centre: in half edges along x and y, each in [-1, 1].
   struct Place {
     double x, y;
     Vec2f image_place() const { return {static_cast<float>(0.5 - 0.5 * x), static_cast<float>(0.5 - 0.5 * y)}; }
   };
   std::optional<Place> place_of(const Vec3d& from_center) const;
+  template <bool kPlain>
+  std::optional<LightSample> sample_as(const Vec3d& to_center, double height, const Vec2f& u) const;
   /// Per solid angle. `density`: of places in the unit square, 1 where they are uniform.
   double pdf_by_area(double density, double distance, double height) const {
     return density * distance * distance * distance / (area_ * height);
   }
 
   bool disk_ = false;
+  bool plain_ = false;  // a rectangle with right angles, without image and shaping
   Vec3d center_{0, 0, 0};
   Vec3d x_{1, 0, 0}, y_{0, 1, 0}, n_{0, 0, 1};  // unit: along width, along height, normal of the emitting side
   double half_width_ = 0, half_height_ = 0;     // half edge lengths, of the rectangle around a disk

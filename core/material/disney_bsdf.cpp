@@ -13,6 +13,10 @@ Rgb scattering_channels(const Rgb& scatter_distance) {
           scatter_distance.b > 0 ? 1.0f : 0.0f};
 }
 
+Rgb sheen_hue(const DisneyParameters& p) {
+  return lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * p.sheen_color;
+}
+
 }  // namespace
 
 const char* lobe_name(Lobe lobe) {
@@ -30,32 +34,35 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
-  if (p.sheen > 0) {
-    const Rgb hue = lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * p.sheen_color;
-    if (p.sheen_roughness > 0)
-      fibres_ = CharlieSheen::from(clamp01(hue * p.sheen), p.sheen_roughness);
-    else
-      sheen_.color = hue * (p.sheen * dielectric_);
-  }
+  layers_ = layers_of(p);
+  if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
-  if (p.coat > 0) coat_ = DisneyCoat::from(p.coat, p.coat_roughness, p.coat_normal);
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
   // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
   set_probabilities(subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f)));
 }
 
+std::optional<DisneyBsdf::Layers> DisneyBsdf::layers_of(const DisneyParameters& p) {
+  const bool fibrous = p.sheen > 0 && p.sheen_roughness > 0;
+  if (!fibrous && !(p.coat > 0)) return std::nullopt;
+  Layers layers;
+  if (fibrous) layers.fibres = CharlieSheen::from(clamp01(sheen_hue(p) * p.sheen), p.sheen_roughness);
+  if (p.coat > 0) layers.coat = DisneyCoat::from(p.coat, p.coat_roughness, p.coat_normal);
+  return layers;
+}
+
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
   float weight[kLobes];
   weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_));
-  weight[index(Lobe::sheen)] = choice_weight(fibrous() ? fibres_.albedo(wo_) : sheen_.albedo(wo_));
+  weight[index(Lobe::sheen)] = choice_weight(fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_));
   weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo_));
-  weight[index(Lobe::clearcoat)] = choice_weight(coated() ? coat_.albedo(wo_) : clearcoat_.albedo(wo_));
+  weight[index(Lobe::clearcoat)] = choice_weight(coated() ? layers_->coat.albedo(wo_) : clearcoat_.albedo(wo_));
   weight[index(Lobe::subsurface)] = choice_weight(walked);
-  if (fibrous() || coated()) {
+  if (layers_) {
     weight[index(Lobe::diffuse)] *= passed_layers(wo_);
     weight[index(Lobe::specular)] *= std::sqrt(passed_layers(wo_));
-    if (coated()) weight[index(Lobe::sheen)] *= coat_.passed(wo_);
+    if (coated()) weight[index(Lobe::sheen)] *= layers_->coat.passed(wo_);
   }
   float total = 0;
   for (float w : weight) total += w;
@@ -64,27 +71,33 @@ void DisneyBsdf::set_probabilities(const Rgb& walked) {
   for (int i = 0; i < kLobes; ++i) probability_[i] = weight[i] / total;
 }
 
-float DisneyBsdf::passed_layers(const Vec3f& w) const {
-  return (fibrous() ? fibres_.passed(w.z) : 1) * (coated() ? coat_.passed(w) : 1);
+float DisneyBsdf::Layers::passed(const Vec3f& w) const {
+  return (fibrous() ? fibres.passed(w.z) : 1) * (coated() ? coat.passed(w) : 1);
 }
 
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
+  return layers_ ? evaluate_as<true>(wi, specular) : evaluate_as<false>(wi, specular);
+}
+
+template <bool kLayered>
+BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
   if (specular) *specular = Rgb(0.0f);
   if (!(wo_.z > 0 && wi.z > 0)) return {};
   BsdfValue sum;
   // Diffuse and Burley's sheen are sampled alike.
   const float diffuse = probability_[index(Lobe::diffuse)], sheen = probability_[index(Lobe::sheen)];
-  const float below = fibrous() ? fibres_.over(wo_.z, wi.z) : 1;
-  sum.pdf = (fibrous() ? diffuse : diffuse + sheen) * pdf_cosine_hemisphere(wi);
+  const bool fibrous = kLayered && layers_->fibrous(), coated = kLayered && layers_->coated();
+  const float below = fibrous ? layers_->fibres.over(wo_.z, wi.z) : 1;
+  sum.pdf = (fibrous ? diffuse : diffuse + sheen) * pdf_cosine_hemisphere(wi);
   if (diffuse > 0) sum.f += diffuse_.evaluate(wo_, wi).f;
-  if (fibrous()) {
-    const BsdfValue fibres = fibres_.evaluate(wo_, wi);
+  if (fibrous) {
+    const BsdfValue fibres = layers_->fibres.evaluate(wo_, wi);
     sum.f = sum.f * below + fibres.f;
     sum.pdf += sheen * fibres.pdf;
   } else if (sheen > 0) {
     sum.f += sheen_.evaluate(wo_, wi).f;
   }
-  if (coated()) sum.f *= coat_.over_diffuse(wo_, wi);
+  if (coated) sum.f *= layers_->coat.over_diffuse(wo_, wi);
   // The specular part is never above f, which adds the same terms to a sum that is not negative: rounding is monotonic.
   const auto add = [&](Lobe lobe, const BsdfValue& value) {
     sum.f += value.f;
@@ -93,12 +106,12 @@ BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
   };
   if (probability_[index(Lobe::specular)] > 0) {
     BsdfValue value = specular_.evaluate(wo_, wi);
-    if (fibrous()) value.f *= below;
-    if (coated()) value.f *= coat_.over_specular(wo_, wi);
+    if (fibrous) value.f *= below;
+    if (coated) value.f *= layers_->coat.over_specular(wo_, wi);
     add(Lobe::specular, value);
   }
   if (probability_[index(Lobe::clearcoat)] > 0)
-    add(Lobe::clearcoat, coated() ? coat_.evaluate(wo_, wi) : clearcoat_.evaluate(wo_, wi));
+    add(Lobe::clearcoat, coated ? layers_->coat.evaluate(wo_, wi) : clearcoat_.evaluate(wo_, wi));
   return sum;
 }
 
@@ -118,11 +131,11 @@ std::optional<Vec3f> DisneyBsdf::sample_direction(Lobe lobe, const Vec2f& u) con
     case Lobe::diffuse:
       return diffuse_.sample(wo_, u);
     case Lobe::sheen:
-      return fibrous() ? fibres_.sample(wo_, u) : sheen_.sample(wo_, u);
+      return fibrous() ? layers_->fibres.sample(wo_, u) : sheen_.sample(wo_, u);
     case Lobe::specular:
       return specular_.sample(wo_, u);
     case Lobe::clearcoat:
-      return coated() ? coat_.sample(wo_, u) : clearcoat_.sample(wo_, u);
+      return coated() ? layers_->coat.sample(wo_, u) : clearcoat_.sample(wo_, u);
     default:
       break;
   }

@@ -66,7 +66,7 @@ class DisneyBsdf {
   float weight() const { return weight_; }
 
   /// The share of light that coat and fibres let in or out along `w`.
-  float passed_layers(const Vec3f& w) const;
+  float passed_layers(const Vec3f& w) const { return layers_ ? layers_->passed(w) : 1; }
 
   /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
   /// reflectance at wo.
@@ -75,8 +75,20 @@ class DisneyBsdf {
  private:
   static constexpr int kLobes = 5;  // the first of enum Lobe
 
-  bool fibrous() const { return fibres_.roughness > 0; }
-  bool coated() const { return coat_.weight > 0; }
+  /// What few materials have: the others do not pay for it.
+  struct Layers {
+    CharlieSheen fibres;  // with a roughness: in the place of sheen_, and over all but the coat
+    DisneyCoat coat;      // with a weight: in the place of clearcoat_, and over the rest
+    bool fibrous() const { return fibres.roughness > 0; }
+    bool coated() const { return coat.weight > 0; }
+    float passed(const Vec3f& w) const;
+  };
+
+  bool fibrous() const { return layers_ && layers_->fibrous(); }
+  bool coated() const { return layers_ && layers_->coated(); }
+  static std::optional<Layers> layers_of(const DisneyParameters& parameters);
+  template <bool kLayered>
+  BsdfValue evaluate_as(const Vec3f& wi, Rgb* specular) const;
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
   void set_probabilities(const Rgb& walked);
   Lobe choose(float u) const;
@@ -90,10 +102,9 @@ class DisneyBsdf {
   Rgb entry_channels_{0.0f};  // 1 in the channels that scatter
   DisneyDiffuse diffuse_;
   DisneySheen sheen_;
-  CharlieSheen fibres_;  // with a roughness: in the place of sheen_, and over all but the coat
   DisneySpecular specular_;
   DisneyClearcoat clearcoat_;
-  DisneyCoat coat_;  // with a weight: in the place of clearcoat_, and over the rest
+  std::optional<Layers> layers_;
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
   float probability_[kLobes] = {0, 0, 0, 0, 0};
   float weight_ = 0;
