@@ -99,7 +99,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   const bool splits = split && path->depth == 0;
   if (splits) split->emission = path->radiance;
   PathRecord* const record = context.record;
-  const DisneyTransmissiveBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), v.boundary);
+  const DisneyTransmissiveBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), v.boundary, context.settings.energy);
 
   Interiors interiors_beyond = path->interiors;
   cross_boundary(v, v.boundary.inside, &interiors_beyond);

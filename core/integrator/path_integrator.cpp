@@ -197,7 +197,7 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = path->radiance;
   PathRecord* const record = record_of<kLayers>(context);
-  const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir));
+  const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), context.settings.energy);
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};

@@ -5,6 +5,7 @@
 #include "core/camera/camera.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
+#include "core/material/energy_model.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/scene/scene.h"
 #include "core/subsurface/random_walk.h"
@@ -26,6 +27,7 @@ struct IntegratorSettings {
   SubsurfaceMode subsurface;
   AlbedoInversion inversion;
   WalkSettings walk;
+  EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // of colour textures, in widths of a path's footprint; 0: none
 };
 

@@ -25,8 +25,8 @@ const char* lobe_name(Lobe lobe) {
   return kNames[static_cast<size_t>(lobe)];
 }
 
-DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
-    : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)) {
+DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel energy)
+    : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)), energy_(energy) {
   if (!(wo.z > 0)) return;
   nonmetal_ = 1 - p.metallic;
   dielectric_ = nonmetal_ * (1 - p.spec_trans);
@@ -37,6 +37,8 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo)
   layers_ = layers_of(p);
   if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
+
+  if (is_bounded()) bound_energy(p);
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
   // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
@@ -54,7 +56,7 @@ std::optional<DisneyBsdf::Layers> DisneyBsdf::layers_of(const DisneyParameters& 
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
   float weight[kLobes];
-  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_));
+  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_) * kept_.base + several_ * (kPi * lost_));
   weight[index(Lobe::sheen)] = choice_weight(fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_));
   weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo_));
   weight[index(Lobe::clearcoat)] = choice_weight(coated() ? layers_->coat.albedo(wo_) : clearcoat_.albedo(wo_));
@@ -76,13 +78,15 @@ float DisneyBsdf::Layers::passed(const Vec3f& w) const {
 }
 
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
-  return layers_ ? evaluate_as<true>(wi, specular) : evaluate_as<false>(wi, specular);
+  if (is_bounded()) return layers_ ? evaluate_as<true, true>(wi, specular) : evaluate_as<false, true>(wi, specular);
+  return layers_ ? evaluate_as<true, false>(wi, specular) : evaluate_as<false, false>(wi, specular);
 }
 
-template <bool kLayered>
+template <bool kLayered, bool kBounded>
 BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
   if (specular) *specular = Rgb(0.0f);
   if (!(wo_.z > 0 && wi.z > 0)) return {};
+  const KeptShares kept = kBounded ? kept_towards(wi) : KeptShares();
   BsdfValue sum;
   // Diffuse and Burley's sheen are sampled alike.
   const float diffuse = probability_[index(Lobe::diffuse)], sheen = probability_[index(Lobe::sheen)];
@@ -90,15 +94,21 @@ BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
   const float below = fibrous ? layers_->fibres.over(wo_.z, wi.z) : 1;
   sum.pdf = (fibrous ? diffuse : diffuse + sheen) * pdf_cosine_hemisphere(wi);
   if (diffuse > 0) sum.f += diffuse_.evaluate(wo_, wi).f;
+  if (!fibrous && sheen > 0) sum.f += sheen_.evaluate(wo_, wi).f;
+  if (kBounded) sum.f *= kept.base;
   if (fibrous) {
     const BsdfValue fibres = layers_->fibres.evaluate(wo_, wi);
     sum.f = sum.f * below + fibres.f;
     sum.pdf += sheen * fibres.pdf;
-  } else if (sheen > 0) {
-    sum.f += sheen_.evaluate(wo_, wi).f;
   }
   if (coated) sum.f *= layers_->coat.over_diffuse(wo_, wi);
   // The specular part is never above f, which adds the same terms to a sum that is not negative: rounding is monotonic.
+  if (kBounded && lost_ > 0) {
+    const Rgb seen = several_facets(wi) * kept.specular *
+                     ((fibrous ? below : 1) * (coated ? layers_->coat.over_diffuse(wo_, wi) : 1));
+    sum.f += seen;
+    if (specular) *specular += seen;
+  }
   const auto add = [&](Lobe lobe, const BsdfValue& value) {
     sum.f += value.f;
     sum.pdf += probability_[index(lobe)] * value.pdf;
@@ -106,12 +116,16 @@ BsdfValue DisneyBsdf::evaluate_as(const Vec3f& wi, Rgb* specular) const {
   };
   if (probability_[index(Lobe::specular)] > 0) {
     BsdfValue value = specular_.evaluate(wo_, wi);
+    if (kBounded) value.f *= kept.specular;
     if (fibrous) value.f *= below;
     if (coated) value.f *= layers_->coat.over_specular(wo_, wi);
     add(Lobe::specular, value);
   }
-  if (probability_[index(Lobe::clearcoat)] > 0)
-    add(Lobe::clearcoat, coated ? layers_->coat.evaluate(wo_, wi) : clearcoat_.evaluate(wo_, wi));
+  if (probability_[index(Lobe::clearcoat)] > 0) {
+    BsdfValue value = coated ? layers_->coat.evaluate(wo_, wi) : clearcoat_.evaluate(wo_, wi);
+    if (kBounded && !coated) value.f *= kept.specular;
+    add(Lobe::clearcoat, value);
+  }
   return sum;
 }
 

@@ -19,6 +19,7 @@
 #include "core/material/disney_parameters.h"
 #include "core/material/disney_sheen.h"
 #include "core/material/disney_specular.h"
+#include "core/material/energy_model.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -48,7 +49,7 @@ struct BsdfSample {
 class DisneyBsdf {
  public:
   /// `parameters` must lie in the ranges of material_parameters(). wo.z <= 0 gives a BSDF that is zero everywhere.
-  DisneyBsdf(const DisneyParameters& parameters, const Vec3f& wo);
+  DisneyBsdf(const DisneyParameters& parameters, const Vec3f& wo, EnergyModel energy = EnergyModel::burley2015);
 
   /// All local lobes together. The pdf is the sum of probability times pdf over them: it integrates to 1 -
   /// P(subsurface) less the share that specular samples lose below the horizon. `specular`, unless null, receives the
@@ -68,6 +69,10 @@ class DisneyBsdf {
   /// The share of light that coat and fibres let in or out along `w`.
   float passed_layers(const Vec3f& w) const { return layers_ ? layers_->passed(w) : 1; }
 
+  /// The shares that are kept between wo and wi, on either side of the surface. Not for burley2015, which keeps all.
+  KeptShares kept_towards(const Vec3f& wi) const;
+  bool is_bounded() const { return energy_ != EnergyModel::burley2015; }
+
   /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
   /// reflectance at wo.
   Rgb albedo() const;
@@ -86,8 +91,22 @@ class DisneyBsdf {
 
   bool fibrous() const { return layers_ && layers_->fibrous(); }
   bool coated() const { return layers_ && layers_->coated(); }
+
+  // disney_energy.cpp
+  void bound_energy(const DisneyParameters& parameters);
+  void add_several_facets();
+  KeptShares kept_along(const Vec3f& w) const;
+  Rgb base_albedo(const Vec3f& w) const;
+  Rgb specular_albedo(const Vec3f& w) const;
+  /// What the others leave to the base and the specular lobes: the walk, a clear boundary, coat and fibres.
+  Rgb room(const Vec3f& w) const;
+  /// The share of white light along `w` that facets take from others.
+  float lost_among_facets(const Vec3f& w) const;
+  /// The lobe of light that several facets reflect one after the other.
+  Rgb several_facets(const Vec3f& wi) const;
+
   static std::optional<Layers> layers_of(const DisneyParameters& parameters);
-  template <bool kLayered>
+  template <bool kLayered, bool kBounded>
   BsdfValue evaluate_as(const Vec3f& wi, Rgb* specular) const;
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
   void set_probabilities(const Rgb& walked);
@@ -105,6 +124,13 @@ class DisneyBsdf {
   DisneySpecular specular_;
   DisneyClearcoat clearcoat_;
   std::optional<Layers> layers_;
+
+  EnergyModel energy_;
+  KeptShares kept_;    // along wo
+  float clear_ = 0;    // the share of a clear boundary, whose lobe is not here
+  Rgb beyond_{0.0f};   // the diffuse albedo of the other side, whose lobe is not here
+  Rgb several_{0.0f};  // f of several_facets() per lost_among_facets() of both directions; black: there is none
+  float lost_ = 0;     // along wo
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
   float probability_[kLobes] = {0, 0, 0, 0, 0};
   float weight_ = 0;

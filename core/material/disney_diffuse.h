@@ -9,6 +9,8 @@
 // view: a property of the published model, which is not altered here.
 #pragma once
 
+#include <optional>
+
 #include "core/material/bsdf_value.h"
 #include "core/material/fresnel.h"
 #include "core/sampling/warp.h"

@@ -20,11 +20,12 @@ float spread(float u, float share) {
 }  // namespace
 
 DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo,
-                                               const BoundarySide& side)
-    : DisneyTransmissiveBsdf(wo, seen_from(parameters, side.inside), side.eta) {}
+                                               const BoundarySide& side, EnergyModel energy)
+    : DisneyTransmissiveBsdf(wo, seen_from(parameters, side.inside), side.eta, energy) {}
 
-DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& p, float eta)
-    : wo_(wo), thin_(p.thin), near_(p, wo) {
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& p, float eta,
+                                               EnergyModel energy)
+    : wo_(wo), thin_(p.thin), near_(p, wo, energy) {
   if (!(wo.z > 0)) return;
   const float dielectric = (1 - p.metallic) * near_.passed_layers(wo);
   clear_ = dielectric * p.spec_trans;
@@ -59,6 +60,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   }
   if (wi.z < 0 && p_beyond_ > 0) {
     sum.f = diffuse_beyond_ * kInvPi;
+    if (near_.is_bounded()) sum.f *= near_.kept_towards(wi).base;
     sum.pdf = p_beyond_ * -wi.z * kInvPi;
   }
   if (p_clear_ > 0) {

@@ -8,8 +8,7 @@
 // Directions as in disney_bsdf.h, but wi may be on either side: |wi.z| is its cosine. Light that crosses into a medium
 // of index eta has its radiance over eta^2 (disney_dielectric.h).
 //
-// Nothing compensates for the light that rough facets lose between them, nor dims the base by what the coat reflects:
-// both would scale the lobes here by the directional albedo of what lies above.
+// The clear boundary does not get back the light that rough facets lose between them, whatever the energy model.
 #pragma once
 
 #include "core/material/disney_bsdf.h"
@@ -26,7 +25,8 @@ struct BoundarySide {
 
 class DisneyTransmissiveBsdf {
  public:
-  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const BoundarySide& side);
+  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const BoundarySide& side,
+                         EnergyModel energy = EnergyModel::burley2015);
 
   /// As DisneyBsdf's. `specular` includes the clear boundary.
   BsdfValue evaluate(const Vec3f& wi, Rgb* specular = nullptr) const;
@@ -36,7 +36,7 @@ class DisneyTransmissiveBsdf {
   bool scatters_beyond() const;
 
  private:
-  DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& parameters, float eta);
+  DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& parameters, float eta, EnergyModel energy);
 
   /// f(lobe) of the clear boundary: the solid one or the sheet.
   template <class F>

@@ -19,6 +19,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"walkWeights", &S::walk_weights, 0, 0, {"throughput", "throughputTimesAlbedo"}},
       {"walkGuiding", &S::walk_guiding},
       {"walkSphereSteps", &S::walk_sphere_steps},
+      {"energy", &S::energy, 0, 0, {"burley2015", "bounded", "conserving"}},
       {"textureMemory", &S::texture_memory, 1, 16777216},
       {"textureFilter", &S::texture_filter, 0, 8},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
@@ -29,7 +30,7 @@ std::span<const SettingParameter> setting_parameters() {
 
 IntegratorSettings integrator_settings(const RenderSettings& s) {
   const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
-  IntegratorSettings out{s.max_depth, s.roulette_depth, s.subsurface, s.inversion, {}, s.texture_filter};
+  IntegratorSettings out{s.max_depth, s.roulette_depth, s.subsurface, s.inversion, {}, s.energy, s.texture_filter};
   out.walk.weights = s.walk_weights;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;

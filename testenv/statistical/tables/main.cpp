@@ -22,6 +22,7 @@ constexpr Table kTables[] = {
     {"rendered_bodies", print_rendered_bodies},
     {"extremes", print_extremes},
     {"anisotropy", print_anisotropy},
+    {"energy", print_energy},
 };
 
 // Standard errors of quantities between 0 and 1.
@@ -61,7 +62,7 @@ int run(int argc, char** argv) {
   if (wanted.empty())
     for (const Table& table : kTables) wanted.push_back(&table);
 
-  std::printf("# Subsurface scattering: measured against theory\n\nMade by `%s`.\n", command.c_str());
+  std::printf("# Measured against theory\n\nMade by `%s`.\n", command.c_str());
   Report report(sigma);
   for (const Table* table : wanted) table->print(report);
   return report.verdict() ? 0 : 1;

@@ -72,5 +72,6 @@ void print_mesh_bodies(Report& report);
 void print_rendered_bodies(Report& report);
 void print_extremes(Report& report);
 void print_anisotropy(Report& report);
+void print_energy(Report& report);
 
 }  // namespace alabaster::testing

@@ -336,7 +336,8 @@ TEST(DisneyBsdf, Reciprocity) {
     expect_equal(specular.evaluate(wo, wi).f, specular.evaluate(wi, wo).f, i);
     const DisneyClearcoat coat = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
     expect_equal(coat.evaluate(wo, wi).f, coat.evaluate(wi, wo).f, i);
-    expect_equal(DisneyBsdf(p, wo).evaluate(wi).f, DisneyBsdf(p, wi).evaluate(wo).f, i);
+    for (const EnergyModel energy : {EnergyModel::burley2015, EnergyModel::bounded, EnergyModel::conserving})
+      expect_equal(DisneyBsdf(p, wo, energy).evaluate(wi).f, DisneyBsdf(p, wi, energy).evaluate(wo).f, i);
   }
 }
 

@@ -1,0 +1,26 @@
+// Directional albedos of the lobes, the share of light from one direction that a lobe reflects in all: Int f wi.z dwi.
+// Tables made at the first call, in a tenth of a second or less. Their errors are stated and tested.
+#pragma once
+
+#include "core/material/microfacet.h"
+
+namespace alabaster {
+
+/// A white GGX lobe, and what is left of it where Schlick's (1 - cos_d)^5 weighs the facets: the lobe of f0 and f90
+/// reflects f0 (white - schlick) + f90 schlick.
+struct GgxAlbedo {
+  float white, schlick;
+};
+/// wo.z > 0. Within 1e-3 where cosine and alpha are above 0.01, of anisotropic facets 0.03.
+GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx);
+/// The cosine-weighted mean of the white albedo of isotropic facets over the hemisphere.
+float mean_ggx_albedo(float alpha);
+
+/// Burley's clearcoat of strength 1, within 1e-3.
+float clearcoat_albedo(float cosine, float gtr1_alpha);
+/// Burley's sheen of colour 1, within 1e-4.
+float sheen_albedo(float cosine);
+/// DisneyDiffuse::flat() of white, within 5e-3.
+float flat_albedo(float cosine, float roughness);
+
+}  // namespace alabaster

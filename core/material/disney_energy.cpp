@@ -1,0 +1,110 @@
+// How DisneyBsdf keeps energy: the albedos of its lobes along one direction, and the shares that they keep.
+#include "core/material/directional_albedo.h"
+#include "core/material/disney_bsdf.h"
+
+namespace alabaster {
+namespace {
+
+Rgb greater(const Rgb& a, const Rgb& b) {
+  return {std::max(a.r, b.r), std::max(a.g, b.g), std::max(a.b, b.b)};
+}
+
+Rgb albedo_of(const DisneySpecular& lobe, const Vec3f& w) {
+  const GgxAlbedo facets = ggx_albedo(w, lobe.ggx);
+  const Rgb bare = lobe.f0 * (facets.white - facets.schlick) + lobe.f90 * facets.schlick;
+  if (!(lobe.film.share > 0)) return bare;
+  // Rough facets lean towards the viewer. A film's colours have no mean in closed form: the brighter of two cosines.
+  const Rgb flat = lobe.film.reflectance(w.z, lobe.f0), leaning = lobe.film.reflectance(0.5f * (1 + w.z), lobe.f0);
+  const Rgb film = lobe.ggx.alpha_x > 0.01f ? greater(flat, leaning) : flat;
+  return lerp(bare, film * (max_component(lobe.f90) * facets.white), lobe.film.share);
+}
+
+// Several facets forget the direction of anisotropy.
+float isotropic_alpha(const Ggx& ggx) {
+  return std::min(1.0f, std::sqrt(ggx.alpha_x * ggx.alpha_y));
+}
+
+float over(float room, float share) {
+  return share > 0 ? std::max(0.0f, room) / share : 0;
+}
+
+}  // namespace
+
+void DisneyBsdf::bound_energy(const DisneyParameters& p) {
+  clear_ = nonmetal_ * p.spec_trans;
+  beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);
+  if (energy_ == EnergyModel::conserving) add_several_facets();
+  kept_ = kept_along(wo_);
+}
+
+// Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks": a lobe of the light that single scattering
+// loses, both ways, coloured by the facets that it met on average, F^2 E / (1 - F (1 - E)). Schlick's mean is
+// f0 + (f90 - f0) / 21.
+void DisneyBsdf::add_several_facets() {
+  lost_ = lost_among_facets(wo_);
+  const float mean = mean_ggx_albedo(isotropic_alpha(specular_.ggx)), lost = 1 - mean;
+  if (!(lost_ > 0 && lost > 1e-4f)) {
+    lost_ = 0;
+    return;
+  }
+  for (int c = 0; c < 3; ++c) {
+    const float fresnel = lerp(specular_.f0[c], specular_.f90[c], 1.0f / 21);
+    several_[c] = sqr(fresnel) * mean / ((1 - fresnel * lost) * kPi * lost);
+  }
+}
+
+float DisneyBsdf::lost_among_facets(const Vec3f& w) const {
+  const float alpha = isotropic_alpha(specular_.ggx);
+  return std::max(0.0f, 1 - ggx_albedo(w, {alpha, alpha}).white);
+}
+
+Rgb DisneyBsdf::several_facets(const Vec3f& wi) const {
+  return several_ * (lost_ * lost_among_facets(wi));
+}
+
+Rgb DisneyBsdf::base_albedo(const Vec3f& w) const {
+  Rgb albedo = diffuse_.albedo(w) + beyond_;
+  if (diffuse_.flatness > 0)
+    albedo = lerp(diffuse_.albedo(w), diffuse_.retro_color * flat_albedo(w.z, diffuse_.roughness), diffuse_.flatness) +
+             beyond_;
+  return is_black(sheen_.color) ? albedo : albedo + sheen_.color * sheen_albedo(w.z);
+}
+
+Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
+  Rgb albedo = albedo_of(specular_, w);
+  if (lost_ > 0)
+    albedo += several_ * (lost_among_facets(w) * kPi * (1 - mean_ggx_albedo(isotropic_alpha(specular_.ggx))));
+  if (clearcoat_.strength > 0 && !coated())
+    albedo += Rgb(clearcoat_.strength * clearcoat_albedo(w.z, clearcoat_.gtr1.alpha));
+  if (!coated()) return albedo;
+  // DisneyCoat::over_specular() is at most this much above what coat.passed(w) leaves.
+  return albedo * std::sqrt(layers_->coat.passed(1.0f) / std::max(1e-6f, layers_->coat.passed(w)));
+}
+
+// The walk of a thick body returns at most its base colour; thin bodies let light through besides, which is not theirs.
+Rgb DisneyBsdf::room(const Vec3f& w) const {
+  float room = 1;
+  if (coated())
+    room = over(room - max_component(albedo_of(layers_->coat.layer, layers_->coat.frame.to_local(w))),
+                layers_->coat.passed(w));
+  if (fibrous()) room = over(room - max_component(layers_->fibres.albedo(w)), layers_->fibres.passed(w.z));
+  const float entry = dielectric_ * stays_ * DisneyDiffuse::lambert_albedo(w.z);
+  return Rgb(room - clear_) - entry_channels_ * base_color_ * entry;
+}
+
+KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {
+  const Rgb base = base_albedo(w), specular = specular_albedo(w), left = room(w);
+  KeptShares kept;
+  for (int c = 0; c < 3; ++c) {
+    if (base[c] + specular[c] <= left[c]) continue;
+    if (base[c] > 0) kept.base[c] = std::clamp((left[c] - specular[c]) / base[c], 0.0f, 1.0f);
+    if (specular[c] > left[c]) kept.specular[c] = std::max(0.0f, left[c]) / specular[c];
+  }
+  return kept;
+}
+
+KeptShares DisneyBsdf::kept_towards(const Vec3f& wi) const {
+  return lesser(kept_, kept_along({wi.x, wi.y, std::abs(wi.z)}));
+}
+
+}  // namespace alabaster

@@ -1,0 +1,222 @@
+// The energy that the Disney BSDF reflects of a furnace, and the tables that bound it.
+#include <gtest/gtest.h>
+
+#include "core/material/directional_albedo.h"
+#include "core/material/disney_clearcoat.h"
+#include "core/material/disney_sheen.h"
+#include "core/material/disney_transmissive_bsdf.h"
+#include "core/sampling/warp.h"
+#include "testenv/support/chi_square.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::RunningStatistics;
+using testing::uniform2;
+
+Vec3f along(float cosine, float phi = 0) {
+  const float sine = safe_sqrt(1 - sqr(cosine));
+  return {sine * std::cos(phi), sine * std::sin(phi), cosine};
+}
+
+/// The brightest channel of what is reflected, by samples.
+template <class Bsdf>
+RunningStatistics reflected(const Bsdf& bsdf, int samples, Rng& rng) {
+  RunningStatistics channels[3];
+  for (int i = 0; i < samples; ++i) {
+    const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
+    const bool straight = sample && sample->lobe == Lobe::straight;
+    const Rgb share = !sample ? Rgb(0.0f) : sample->f * ((straight ? 1 : std::abs(sample->wi.z)) / sample->pdf);
+    for (int c = 0; c < 3; ++c) channels[c].add(static_cast<double>(share[c]));
+  }
+  return *std::max_element(std::begin(channels), std::end(channels),
+                           [](const auto& a, const auto& b) { return a.mean() < b.mean(); });
+}
+
+float either(Rng& rng, float low, float high) {
+  const uint32_t pick = rng.next() % 3;
+  return pick == 0 ? low : pick == 1 ? high : lerp(low, high, rng.uniform());
+}
+
+/// Published lobes alone: those of glTF have tables of their own.
+DisneyParameters published(Rng& rng) {
+  DisneyParameters p;
+  p.base_color = {either(rng, 0.3f, 1), either(rng, 0, 1), 0.8f};
+  p.metallic = rng.next() % 2 ? either(rng, 0, 1) : 0;
+  p.roughness = either(rng, 0, 1);
+  p.specular_tint = either(rng, 0, 1);
+  p.ior = either(rng, 1, 4);
+  p.sheen = either(rng, 0, 1);
+  p.clearcoat = either(rng, 0, 1);
+  p.clearcoat_gloss = either(rng, 0, 1);
+  return p;
+}
+
+constexpr int kSamples = 20000, kCases = 300;
+// Means of many cases at five standard errors: one false alarm in 6000 runs.
+double surely_above(const RunningStatistics& share) {
+  return share.mean() - 5 * share.standard_error();
+}
+
+TEST(DisneyEnergy, BoundedReflectsNoMoreThanItReceives) {
+  Rng rng(61, 1);
+  double published_most = 0;
+  for (int i = 0; i < kCases; ++i) {
+    const DisneyParameters p = published(rng);
+    const Vec3f wo = along(std::max(0.003f, rng.next() % 2 ? rng.uniform() : sqr(sqr(rng.uniform()))));
+    published_most = std::max(published_most, surely_above(reflected(DisneyBsdf(p, wo), kSamples / 10, rng)));
+    for (const EnergyModel energy : {EnergyModel::bounded, EnergyModel::conserving})
+      EXPECT_LE(surely_above(reflected(DisneyBsdf(p, wo, energy), kSamples, rng)), 1 + 1e-3)
+          << i << " at " << wo.z << " roughness " << p.roughness << " ior " << p.ior << " metallic " << p.metallic;
+  }
+  EXPECT_GT(published_most, 1.3);  // otherwise nothing was bounded
+}
+
+TEST(DisneyEnergy, LayersFilmsAndAnisotropyAreBoundedToTwoPercent) {
+  Rng rng(61, 2);
+  for (int i = 0; i < kCases; ++i) {
+    DisneyParameters p = published(rng);
+    const uint32_t kind = rng.next() % 4;
+    if (kind == 0) p.coat = either(rng, 0, 1), p.coat_roughness = either(rng, 0, 1);
+    if (kind == 1) p.sheen_roughness = either(rng, 0, 1);
+    if (kind == 2) p.iridescence = either(rng, 0, 1), p.iridescence_thickness = either(rng, 100, 1000);
+    if (kind == 3) p.anisotropic = either(rng, 0, 1.11f);
+    const Vec3f wo = along(std::max(0.003f, rng.uniform()), 1.5f * rng.uniform());
+    EXPECT_LE(surely_above(reflected(DisneyBsdf(p, wo, EnergyModel::bounded), kSamples, rng)), 1.02)
+        << kind << " at " << wo.z << " roughness " << p.roughness << " ior " << p.ior;
+  }
+}
+
+TEST(DisneyEnergy, SurfacesThatLightPassesAreBounded) {
+  Rng rng(61, 3);
+  for (int i = 0; i < kCases; ++i) {
+    DisneyParameters p = published(rng);
+    p.base_color = p.diff_trans_color = Rgb(1.0f);
+    p.spec_trans = either(rng, 0, 1);
+    p.diff_trans = either(rng, 0, 2);
+    p.thin = rng.next() % 2;
+    if (p.thin) p.flatness = either(rng, 0, 1);
+    const Vec3f wo = along(std::max(0.003f, rng.uniform()));
+    // Of equal indices on both sides: light that crosses into another medium has its radiance scaled.
+    const DisneyTransmissiveBsdf bsdf(p, wo, {1, false}, EnergyModel::bounded);
+    EXPECT_LE(surely_above(reflected(bsdf, kSamples, rng)), 1 + 2e-3)
+        << i << " at " << wo.z << " thin " << p.thin << " specTrans " << p.spec_trans << " diffTrans " << p.diff_trans
+        << " flatness " << p.flatness;
+  }
+}
+
+TEST(DisneyEnergy, TheWalksShareIsExactAndTheOthersYieldToIt) {
+  DisneyParameters p;
+  p.base_color = {1, 0.5f, 0};
+  p.scatter_distance = {1, 1, 0};
+  const Vec3f wo = along(0.7f);
+  const DisneyBsdf plain(p, wo), bounded(p, wo, EnergyModel::bounded);
+  EXPECT_EQ(plain.subsurface_entry(), bounded.subsurface_entry());
+  Rng rng(61, 4);
+  double red = 0, samples = 100000;
+  for (int i = 0; i < int(samples); ++i)
+    if (const auto s = bounded.sample(rng.uniform(), uniform2(rng)); s && s->lobe != Lobe::subsurface)
+      red += double(s->f.r * s->wi.z / s->pdf) / samples;
+  // An albedo of 1 leaves 1 - (1-.5F)(1-1/42) to all other lobes.
+  EXPECT_LE(red + double(DisneyDiffuse::lambert_albedo(wo.z)), 1.001);
+  EXPECT_GT(red + double(DisneyDiffuse::lambert_albedo(wo.z)), 0.99);
+}
+
+TEST(DisneyEnergy, WhereThePublishedModelKeepsEnergyItStands) {
+  DisneyParameters p;
+  p.base_color = Rgb(0.5f);
+  p.clearcoat = p.sheen = 0.5f;
+  for (const float o : {0.5f, 0.8f, 1.0f})
+    for (const float i : {0.5f, 0.7f, 1.0f})
+      for (const float phi : {0.0f, 2.0f, 3.1f}) {
+        const BsdfValue a = DisneyBsdf(p, along(o)).evaluate(along(i, phi));
+        const BsdfValue b = DisneyBsdf(p, along(o), EnergyModel::bounded).evaluate(along(i, phi));
+        EXPECT_EQ(a.f, b.f);
+        EXPECT_EQ(a.pdf, b.pdf);
+      }
+  p.base_color = Rgb(1.0f);
+  EXPECT_LT(DisneyBsdf(p, along(0.8f), EnergyModel::bounded).evaluate(along(0.7f)).f.g,
+            DisneyBsdf(p, along(0.8f)).evaluate(along(0.7f)).f.g);
+}
+
+TEST(DisneyEnergy, RoughWhiteMetalReflectsAllWhereEnergyIsConserved) {
+  Rng rng(61, 5);
+  DisneyParameters p;
+  p.base_color = Rgb(1.0f);
+  p.metallic = 1;
+  for (const float roughness : {0.2f, 0.5f, 0.8f, 1.0f})
+    for (const float cosine : {0.05f, 0.3f, 0.7f, 1.0f}) {
+      p.roughness = roughness;
+      const auto share = reflected(DisneyBsdf(p, along(cosine), EnergyModel::conserving), 200000, rng);
+      EXPECT_NEAR(share.mean(), 1, 5e-3 + 5 * share.standard_error()) << roughness << " at " << cosine;
+    }
+  EXPECT_LT(reflected(DisneyBsdf(p, along(1), EnergyModel::bounded), kSamples, rng).mean(), 0.5);
+}
+
+// Sampling has the pdf that evaluate() says, with the lobe of several facets too: Int f cos by samples of the BSDF and
+// by samples of the hemisphere.
+TEST(DisneyEnergy, SamplesAgreeWithQuadrature) {
+  Rng rng(61, 6);
+  for (int i = 0; i < 20; ++i) {
+    DisneyParameters p = published(rng);
+    p.roughness = lerp(0.4f, 1.0f, rng.uniform());
+    p.clearcoat = 0;
+    const DisneyBsdf bsdf(p, along(lerp(0.1f, 1.0f, rng.uniform())), EnergyModel::conserving);
+    RunningStatistics by_samples, by_hemisphere;
+    for (int s = 0; s < 100000; ++s) {
+      const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
+      by_samples.add(sample ? double(sample->f.g * sample->wi.z / sample->pdf) : 0);
+      by_hemisphere.add(double(bsdf.evaluate(sample_cosine_hemisphere(uniform2(rng))).f.g * kPi));
+    }
+    const double sigma = std::hypot(by_samples.standard_error(), by_hemisphere.standard_error());
+    EXPECT_LE(std::abs(by_samples.mean() - by_hemisphere.mean()), 4.5 * sigma) << i;
+  }
+}
+
+/// Int f wi.z dwi of a lobe by its own samples.
+template <class L>
+RunningStatistics albedo_of(const L& lobe, const Vec3f& wo, Rng& rng) {
+  RunningStatistics statistics;
+  for (int i = 0; i < 200000; ++i) {
+    const auto wi = lobe.sample(wo, uniform2(rng));
+    const BsdfValue value = wi ? lobe.evaluate(wo, *wi) : BsdfValue();
+    statistics.add(value.pdf > 0 ? double(value.f.r * wi->z / value.pdf) : 0);
+  }
+  return statistics;
+}
+
+struct FlatLobe {
+  float roughness;
+  BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {
+    return {Rgb(DisneyDiffuse::flat(wo, wi, roughness)), pdf_cosine_hemisphere(wi)};
+  }
+  std::optional<Vec3f> sample(const Vec3f&, const Vec2f& u) const { return sample_cosine_hemisphere(u); }
+};
+
+TEST(DirectionalAlbedo, TablesAgreeWithSamples) {
+  Rng rng(61, 7);
+  const auto expect = [](double table, const RunningStatistics& exact, double tolerance, const char* lobe, float c) {
+    EXPECT_NEAR(table, exact.mean(), tolerance + 5 * exact.standard_error()) << lobe << " at " << c;
+  };
+  for (const float cosine : {0.053f, 0.11f, 0.37f, 0.71f, 0.97f})
+    for (const float roughness : {0.13f, 0.33f, 0.77f, 0.98f}) {
+      const Vec3f wo = along(cosine);
+      const float alpha = sqr(roughness);
+      const GgxAlbedo facets = ggx_albedo(wo, {alpha, alpha});
+      const auto ggx = [&](float f0, const Ggx& shape) { return DisneySpecular{Rgb(f0), Rgb(1.0f), shape}; };
+      expect(double(facets.white), albedo_of(ggx(1, {alpha, alpha}), wo, rng), 1e-3, "white", cosine);
+      expect(double(facets.schlick), albedo_of(ggx(0, {alpha, alpha}), wo, rng), 1e-3, "schlick", cosine);
+      const Ggx stretched{alpha * 2, alpha * 0.5f};
+      const Vec3f aside = along(cosine, 0.6f);
+      expect(double(ggx_albedo(aside, stretched).white), albedo_of(ggx(1, stretched), aside, rng), 0.03, "stretched",
+             cosine);
+      const DisneyClearcoat coat = DisneyClearcoat::from(1, roughness);
+      expect(double(clearcoat_albedo(cosine, coat.gtr1.alpha)), albedo_of(coat, wo, rng), 1e-3, "clearcoat", cosine);
+      expect(double(sheen_albedo(cosine)), albedo_of(DisneySheen{Rgb(1.0f)}, wo, rng), 1e-4, "sheen", cosine);
+      expect(double(flat_albedo(cosine, roughness)), albedo_of(FlatLobe{roughness}, wo, rng), 5e-3, "flat", cosine);
+    }
+}
+
+}  // namespace
+}  // namespace alabaster
