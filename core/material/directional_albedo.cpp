@@ -43,7 +43,7 @@ float cosine_weighted(float cosine, const F& f) {
 
 // By visible normals: f cos / pdf is G1(wi). Facets tilt steeply where u.x is near 1, so points are dense there.
 Vec2f integrate_ggx(const Vec3f& wo, const Ggx& ggx) {
-  return mean_over_square<32, 12>([&](const Vec2f& u) {
+  return mean_over_square<24, 8>([&](const Vec2f& u) {
     const float rest = 1 - u.x;
     const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, u.y});
     const Vec3f wi = reflect_about(wo, wm);
@@ -68,7 +68,7 @@ Albedo raised(const Albedo& albedo, float cosine, float share) {
   return cosine < 0.05f ? albedo * (1 + share) : albedo;
 }
 
-using GgxTable = AlbedoTable<Vec2f, 64, 48>;
+using GgxTable = AlbedoTable<Vec2f, 48, 32>;
 const GgxTable& ggx_table() {
   static const GgxTable table([](const GgxTable::Place& at) {
     const float alpha = alpha_at(at[1]);
@@ -82,7 +82,7 @@ const GgxTable& ggx_table() {
 float integrate_clearcoat(float cosine, float alpha) {
   const DisneyClearcoat lobe{1, {alpha}};
   const Vec3f wo = direction(cosine);
-  return mean_over_square<48, 48>([&](const Vec2f& u) {
+  return mean_over_square<32, 16>([&](const Vec2f& u) {
     const auto wi = lobe.sample(wo, {u.x, 0.5f * u.y});
     if (!wi) return 0.0f;
     const BsdfValue value = lobe.evaluate(wo, *wi);
@@ -129,7 +129,7 @@ float mean_ggx_albedo(float alpha) {
 }
 
 float clearcoat_albedo(float cosine, float gtr1_alpha) {
-  static const AlbedoTable<float, 64, 8> table(
+  static const AlbedoTable<float, 48, 4> table(
       [](const std::array<float, 2>& at) { return integrate_clearcoat(cosine_at(at[0]), lerp(0.001f, 0.1f, at[1])); });
   return table.at({place_of(cosine), (gtr1_alpha - 0.001f) / 0.099f});
 }

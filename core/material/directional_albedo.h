@@ -11,6 +11,8 @@ namespace alabaster {
 struct GgxAlbedo {
   float white, schlick;
 };
+/// Bounds of GgxAlbedo::schlick, clearcoat_albedo() and sheen_albedo() for all facets where the cosine is at least 0.5.
+inline constexpr float kSteepSchlickAlbedo = 0.036f, kSteepClearcoatAlbedo = 0.016f, kSteepSheenAlbedo = 0.016f;
 /// wo.z > 0. Within 1e-3 where cosine and alpha are above 0.01, of anisotropic facets 0.03.
 GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx);
 /// The cosine-weighted mean of the white albedo of isotropic facets over the hemisphere.

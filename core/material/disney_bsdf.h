@@ -70,7 +70,9 @@ class DisneyBsdf {
   float passed_layers(const Vec3f& w) const { return layers_ ? layers_->passed(w) : 1; }
 
   /// The shares that are kept between wo and wi, on either side of the surface. Not for burley2015, which keeps all.
-  KeptShares kept_towards(const Vec3f& wi) const;
+  KeptShares kept_towards(const Vec3f& wi) const {
+    return std::abs(wi.z) >= safe_cosine_ ? kept_ : lesser(kept_, kept_along({wi.x, wi.y, std::abs(wi.z)}));
+  }
   bool is_bounded() const { return energy_ != EnergyModel::burley2015; }
 
   /// Directional albedo estimate for the denoising AOV: diffuse colour, which a clear base has too, plus specular
@@ -95,6 +97,9 @@ class DisneyBsdf {
   // disney_energy.cpp
   void bound_energy(const DisneyParameters& parameters);
   void add_several_facets();
+  /// Directions of at least this cosine keep all shares, by a bound that costs less than the albedos themselves; more
+  /// than 1: it does not tell.
+  float least_safe_cosine() const;
   KeptShares kept_along(const Vec3f& w) const;
   Rgb base_albedo(const Vec3f& w) const;
   Rgb specular_albedo(const Vec3f& w) const;
@@ -126,7 +131,8 @@ class DisneyBsdf {
   std::optional<Layers> layers_;
 
   EnergyModel energy_;
-  KeptShares kept_;    // along wo
+  KeptShares kept_;  // along wo
+  float safe_cosine_ = 2;
   float clear_ = 0;    // the share of a clear boundary, whose lobe is not here
   Rgb beyond_{0.0f};   // the diffuse albedo of the other side, whose lobe is not here
   Rgb several_{0.0f};  // f of several_facets() per lost_among_facets() of both directions; black: there is none

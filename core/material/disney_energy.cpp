@@ -34,19 +34,31 @@ void DisneyBsdf::bound_energy(const DisneyParameters& p) {
   clear_ = nonmetal_ * p.spec_trans;
   beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);
   if (energy_ == EnergyModel::conserving) add_several_facets();
-  kept_ = kept_along(wo_);
+  safe_cosine_ = least_safe_cosine();
+  if (wo_.z < safe_cosine_) kept_ = kept_along(wo_);
+}
+
+float DisneyBsdf::least_safe_cosine() const {
+  constexpr float kSteep = 0.5f, kNone = 2;
+  if (layers_ || specular_.film.share > 0 || diffuse_.flatness > 0) return kNone;
+  const bool has_base = !is_black(diffuse_.retro_color) || !is_black(sheen_.color) || !is_black(beyond_);
+  if (!has_base && clear_ == 0 && clearcoat_.strength == 0) return 0;  // facets alone give back what they receive
+  if (!is_black(several_)) return kNone;
+  // The walk takes the place of the Lambert term.
+  const Rgb lambert = diffuse_.retro_color * DisneyDiffuse::lambert_albedo(1);
+  const Rgb retro = diffuse_.retro_color * DisneyDiffuse::retro_albedo(kSteep, diffuse_.roughness);
+  const Rgb most = lambert + retro + sheen_.color * kSteepSheenAlbedo + beyond_ + specular_.f0 +
+                   specular_.f90 * kSteepSchlickAlbedo + Rgb(clear_ + clearcoat_.strength * kSteepClearcoatAlbedo);
+  return max_component(most) <= 1 ? kSteep : kNone;
 }
 
 // Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks": a lobe of the light that single scattering
 // loses, both ways, coloured by the facets that it met on average, F^2 E / (1 - F (1 - E)). Schlick's mean is
 // f0 + (f90 - f0) / 21.
 void DisneyBsdf::add_several_facets() {
-  lost_ = lost_among_facets(wo_);
   const float mean = mean_ggx_albedo(isotropic_alpha(specular_.ggx)), lost = 1 - mean;
-  if (!(lost_ > 0 && lost > 1e-4f)) {
-    lost_ = 0;
-    return;
-  }
+  if (!(lost > 1e-4f)) return;
+  lost_ = lost_among_facets(wo_);
   for (int c = 0; c < 3; ++c) {
     const float fresnel = lerp(specular_.f0[c], specular_.f90[c], 1.0f / 21);
     several_[c] = sqr(fresnel) * mean / ((1 - fresnel * lost) * kPi * lost);
@@ -72,7 +84,7 @@ Rgb DisneyBsdf::base_albedo(const Vec3f& w) const {
 
 Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
   Rgb albedo = albedo_of(specular_, w);
-  if (lost_ > 0)
+  if (!is_black(several_))
     albedo += several_ * (lost_among_facets(w) * kPi * (1 - mean_ggx_albedo(isotropic_alpha(specular_.ggx))));
   if (clearcoat_.strength > 0 && !coated())
     albedo += Rgb(clearcoat_.strength * clearcoat_albedo(w.z, clearcoat_.gtr1.alpha));
@@ -101,10 +113,6 @@ KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {
     if (specular[c] > left[c]) kept.specular[c] = std::max(0.0f, left[c]) / specular[c];
   }
   return kept;
-}
-
-KeptShares DisneyBsdf::kept_towards(const Vec3f& wi) const {
-  return lesser(kept_, kept_along({wi.x, wi.y, std::abs(wi.z)}));
 }
 
 }  // namespace alabaster
