@@ -29,7 +29,7 @@ struct RenderSettings {
   bool walk_sphere_steps = WalkSettings().sphere_steps;
   uint32_t texture_memory = 4096;  // MiB of texels in memory (core/texture/texel_store.h); read by who loads textures
   EnergyModel energy = EnergyModel::bounded;
-  float texture_filter = 0;        // see IntegratorSettings; above 0 it blurs
+  float texture_filter = 0;  // see IntegratorSettings; above 0 it blurs
   PixelFilter filter = PixelFilter::blackman_harris;
   bool denoise = false;  // read by who binds AOVs: paths and films never depend on it
   bool operator==(const RenderSettings&) const = default;

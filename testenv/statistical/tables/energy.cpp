@@ -1,4 +1,4 @@
-// What the three energy models reflect of a furnace, and how far the bounded ones depart from the published model.
+// The energy models in a furnace: the light that each reflects, and how far it is from the published model.
 #include <array>
 
 #include "core/material/disney_bsdf.h"

@@ -98,7 +98,7 @@ TEST(DisneyEnergy, SurfacesThatLightPassesAreBounded) {
     p.thin = rng.next() % 2;
     if (p.thin) p.flatness = either(rng, 0, 1);
     const Vec3f wo = along(std::max(0.003f, rng.uniform()));
-    // Of equal indices on both sides: light that crosses into another medium has its radiance scaled.
+    // The index is equal on both sides: light that crosses into another medium has its radiance scaled.
     const DisneyTransmissiveBsdf bsdf(p, wo, {1, false}, EnergyModel::bounded);
     EXPECT_LE(surely_above(reflected(bsdf, kSamples, rng)), 1 + 2e-3)
         << i << " at " << wo.z << " thin " << p.thin << " specTrans " << p.spec_trans << " diffTrans " << p.diff_trans
