@@ -181,6 +181,20 @@ FaceSize tessellated_face(const Cage& cage, size_t corners, int level) {
   return {corners * segments * segments / 2, corners * segments * segments / 4 + 1};
 }
 
+size_t face_varying_uvs(const Cage& cage) {
+  const auto is_face_varying = [](const UvPrimvar& uv) { return uv.interpolation == Interpolation::face_varying; };
+  return static_cast<size_t>(std::count_if(cage.uvs.begin(), cage.uvs.end(), is_face_varying));
+}
+// Of a point.
+size_t color_bytes(const Cage& cage) {
+  return (cage.colors.empty() ? 0 : sizeof(Rgb)) + (cage.opacities.empty() ? 0 : sizeof(float));
+}
+// Of a triangle: its points, normals, uvs, face, slot, and the three edges that the test for closedness sorts. At worst
+// every face has its own normals along its boundary.
+size_t index_bytes(const Cage& cage) {
+  return (2 + face_varying_uvs(cage)) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
+}
+
 int affordable_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   const int wanted = options.level;
   int level = std::clamp(wanted, 0, kMaxLevel);
@@ -245,21 +259,24 @@ size_t estimate_mesh_bytes(const Cage& cage, int level) {
     corners += static_cast<size_t>(count);
   }
   const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
-  const auto is_face_varying = [](const UvPrimvar& uv) { return uv.interpolation == Interpolation::face_varying; };
-  const auto seams = static_cast<size_t>(std::count_if(cage.uvs.begin(), cage.uvs.end(), is_face_varying));
+  const size_t seams = face_varying_uvs(cage);
   const size_t uvs = cage.uvs.size() * points + seams * boundary;
-  const size_t colors = (cage.colors.empty() ? 0 : sizeof(Rgb)) + (cage.opacities.empty() ? 0 : sizeof(float));
-  // Points, normals (at worst every face has its own along its boundary), uvs; per triangle its points, normals, uvs,
-  // face, slot, and the three edges that the test for closedness sorts.
-  const size_t per_triangle = (2 + seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
-  return (2 * points + boundary) * sizeof(Vec3f) + uvs * sizeof(Vec2f) + points * colors + triangles * per_triangle;
+  return (2 * points + boundary) * sizeof(Vec3f) + uvs * sizeof(Vec2f) + points * color_bytes(cage) +
+         triangles * index_bytes(cage);
+}
+
+size_t bytes_per_triangle(const Cage& cage) {
+  return 2 * sizeof(Vec3f) + cage.uvs.size() * sizeof(Vec2f) + color_bytes(cage) + index_bytes(cage);
 }
 
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
-  const int level = affordable_level(cage, options, sink);
+  RefinementOptions fitting = options;
+  if (!options.segments || cage.scheme == SubdivisionScheme::none)
+    fitting.level = affordable_level(cage, options, sink);
   std::optional<Mesh> refined;
-  if (level > 0) refined = tessellate_limit_surface(cage, level, options.where, sink);
+  if (fitting.level > 0) refined = tessellate_limit_surface(cage, fitting, sink);
   Mesh mesh = refined ? std::move(*refined) : FlatBuilder(cage).build();
+  if (options.displace) options.displace(&mesh);
   for (const auto& t : mesh.triangles)
     for (uint32_t i : t) mesh.bounds.extend(mesh.points[i]);
   mesh.closed = is_closed(mesh);
@@ -270,10 +287,17 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
 MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose posed) {
   Cage moved = cage;
   moved.points = posed.points;
-  if (const int level = affordable_level(cage, options, {}); level > 0) {
+  if (options.displace) {
+    moved.normals.values = posed.normals;
+    Mesh displaced = build_mesh(moved, options, {});
+    return {std::move(displaced.points), std::move(displaced.normals)};
+  }
+  RefinementOptions fitting = options;
+  fitting.level = affordable_level(cage, options, {});
+  if (fitting.level > 0) {
     moved.uvs.clear();
     moved.colors = {}, moved.opacities = {};
-    if (auto refined = tessellate_limit_surface(moved, level, options.where, {}))
+    if (auto refined = tessellate_limit_surface(moved, fitting, {}))
       return {std::move(refined->points), std::move(refined->normals)};
   }
   if (cage.has_smooth_normals()) posed.normals = FlatBuilder(moved).smooth_normals();

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -102,17 +103,23 @@ struct RefinementOptions {
   int level = 0;                          // 0..8; 0 draws the cage itself
   size_t memory_limit = size_t(2) << 30;  // bytes; the level is lowered (and reported) until the estimate fits
   std::string where;                      // for reports
+  /// Adaptive refinement: how many segments a straight piece of the limit surface from a to b asks for. An edge of the
+  /// cage gets the sum over its limit curve, rounded up, 256 at most; where memory runs short all edges get fewer
+  /// (reported). Asked on any thread. Empty: 2^level for each.
+  std::function<float(const Vec3f& a, const Vec3f& b)> segments;
+  std::function<void(Mesh*)> displace;  // moves the points of the finished surface; empty: none
 };
 
 /// Turns a sanitized cage into triangles. level > 0 with a scheme other than `none`: points and normals of the limit
 /// surface, evaluated with OpenSubdiv Bfr on a uniform tessellation of 2^level segments per (regular) edge; points on
-/// shared edges are evaluated once, so the result is watertight; face-varying uvs by the cage's rule. Otherwise the
-/// faces are triangulated as they are: polygons without folding over for concave planar ones, smooth normals computed
-/// for catmull_clark and loop without authored ones (area weighted), authored normals used, else flat.
+/// shared edges are evaluated once, so the result is watertight, also where edges are refined adaptively; face-varying
+/// uvs by the cage's rule. Otherwise the faces are triangulated as they are: polygons without folding over for concave
+/// planar ones, smooth normals computed for catmull_clark and loop without authored ones (area weighted), authored
+/// normals used, else flat.
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink);
 
 /// The shape of a mesh, which build_mesh() made of `cage` with these options, when the cage's points (and normals, if
-/// it has authored ones) are these. As many of them as the cage has.
+/// it has authored ones) are these. As many of them as the cage has. Not for adaptive refinement.
 MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose posed);
 
 /// Bytes that build_mesh would need at this level (an upper estimate), without building it.

@@ -1,17 +1,16 @@
 #include "core/geometry/subdivision.h"
 
-#include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surface.h>
 #include <opensubdiv/bfr/tessellation.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
-#include <mutex>
-#include <shared_mutex>
 #include <string>
 
+#include "core/geometry/edge_rates.h"
 #include "core/geometry/subdivision_topology.h"
 
 namespace alabaster {
@@ -20,25 +19,12 @@ namespace {
 namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 
-using SurfaceFactory =
-    Bfr::RefinerSurfaceFactory<Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
-                                                                std::unique_lock<std::shared_mutex>>>;
 using Surface = Bfr::Surface<float>;
 
 constexpr uint32_t kNone = ~0u;
 
 size_t at(int i) {
   return static_cast<size_t>(i);
-}
-
-// Bfr isolates extraordinary points by so many levels of subdivision and approximates what is left. Where samples lie
-// closer to them than that, its default of 2 is off by a percent of a face at level 3.
-Bfr::SurfaceFactory::Options surface_options(int level) {
-  constexpr int kLeastIsolation = 4;  // for the tangents at low levels
-  Bfr::SurfaceFactory::Options options;
-  options.SetApproxLevelSmooth(std::max(level, kLeastIsolation));
-  options.SetApproxLevelSharp(std::max(level, options.GetApproxLevelSharp()));
-  return options;
 }
 
 // The tessellation of faces of one size: samples on the boundary first (corner 0, edge 0, corner 1, ...), then the
@@ -51,8 +37,9 @@ struct Pattern {
   uint32_t triangles() const { return static_cast<uint32_t>(facets.size() / 3); }
 };
 
-Pattern make_pattern(const Bfr::Parameterization& face, int segments) {
-  const Bfr::Tessellation tessellation(face, segments);
+// One rate for all edges, or one for each.
+Pattern make_pattern(const Bfr::Parameterization& face, const std::vector<int>& rates) {
+  const Bfr::Tessellation tessellation(face, static_cast<int>(rates.size()), rates.data());
   Pattern pattern;
   pattern.boundary = static_cast<uint32_t>(tessellation.GetNumBoundaryCoords());
   pattern.samples = static_cast<uint32_t>(tessellation.GetNumCoords());
@@ -65,10 +52,11 @@ Pattern make_pattern(const Bfr::Parameterization& face, int segments) {
 
 // Where in the mesh the samples of a face lie.
 struct FaceLayout {
-  const Pattern* pattern = nullptr;  // null: the face has no limit surface
-  uint32_t interior = 0;             // first interior point
-  uint32_t normals = 0;              // first normal of its own (samples along sharp features)
-  uint32_t uvs = 0;                  // first uv, if uvs are face-varying
+  bool drawn = false;                              // else it has no limit surface
+  uint32_t boundary = 0, samples = 0, facets = 0;  // of its pattern
+  uint32_t interior = 0;                           // first interior point
+  uint32_t normals = 0;                            // first normal of its own (samples along sharp features)
+  uint32_t uvs = 0;                                // first uv, if uvs are face-varying
   uint32_t triangles = 0;
 };
 
@@ -82,14 +70,15 @@ struct SharedSamples {
 // Arrays that a task reuses from face to face.
 struct Workspace {
   Surface points, uvs;
+  Pattern pattern;
   std::vector<float> point_controls, uv_controls;
   std::vector<float> value, du, dv;  // of one sample
 };
 
 class LimitTessellator {
  public:
-  LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, int level)
-      : cage_(cage), base_(refiner.GetLevel(0)), factory_(refiner, surface_options(level)), segments_(1u << level) {
+  LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, const EdgeRates& rates)
+      : cage_(cage), base_(refiner.GetLevel(0)), factory_(refiner, surface_options(rates.level())), rates_(rates) {
     for (const UvPrimvar& uv : cage.uvs)
       (uv.interpolation == Interpolation::vertex ? vertex_uvs_ : face_uvs_).push_back(&uv);
     find_faces();
@@ -106,12 +95,12 @@ class LimitTessellator {
       tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
         Workspace workspace;
         for (size_t face = range.begin(); face < range.end(); ++face)
-          if (faces_[face].pattern && !tessellate(static_cast<int>(face), &workspace)) failed[face] = 1;
+          if (faces_[face].drawn && !tessellate(static_cast<int>(face), &workspace)) failed[face] = 1;
       });
       again_ = false;
       for (size_t face = 0; face < faces_.size(); ++face)
         if (failed[face]) {
-          faces_[face].pattern = nullptr;
+          faces_[face].drawn = false;
           again_ = true;
         }
     } while (again_);
@@ -125,14 +114,25 @@ class LimitTessellator {
     faces_.resize(at(base_.GetNumFaces()));
     for (int face = 0; face < base_.GetNumFaces(); ++face) {
       if (!factory_.FaceHasLimitSurface(face)) continue;
-      const int size = base_.GetFaceVertices(face).size();
-      auto found = patterns_.find(size);
-      if (found == patterns_.end())
-        found =
-            patterns_.emplace(size, make_pattern(factory_.GetFaceParameterization(face), static_cast<int>(segments_)))
-                .first;
-      faces_[at(face)].pattern = &found->second;
+      Pattern own;
+      const Pattern& pattern = pattern_of(face, &own);
+      faces_[at(face)] = {
+          .drawn = true, .boundary = pattern.boundary, .samples = pattern.samples, .facets = pattern.triangles()};
     }
+  }
+
+  // With one rate for all edges, faces of one size share a pattern; any other is made where it is needed.
+  const Pattern& pattern_of(int face, Pattern* own) {
+    const auto parameterization = [&] { return factory_.GetFaceParameterization(face); };
+    if (!rates_.uniform) {
+      std::vector<int> rates;
+      for (const int edge : base_.GetFaceEdges(face)) rates.push_back(static_cast<int>(rates_.of(edge)));
+      return *own = make_pattern(parameterization(), rates);
+    }
+    const int size = base_.GetFaceVertices(face).size();
+    const auto found = patterns_.find(size);
+    return found != patterns_.end() ? found->second
+                                    : patterns_[size] = make_pattern(parameterization(), {int(rates_.uniform)});
   }
 
   // Across these the tangent plane jumps: each face keeps its own normals there.
@@ -191,21 +191,21 @@ class LimitTessellator {
     uint32_t points = 0, own_normals = 0, uvs = 0, triangles = 0;
     for (int f = 0; f < base_.GetNumFaces(); ++f) {
       FaceLayout& face = faces_[at(f)];
-      if (!face.pattern) continue;
+      if (!face.drawn) continue;
       const auto vertices = base_.GetFaceVertices(f), edges = base_.GetFaceEdges(f);
       face.normals = own_normals;
       for (int i = 0; i < vertices.size(); ++i) {
         claim(&vertices_[at(vertices[i])], f, 1, &points);
-        claim(&edges_[at(edges[i])], f, segments_ - 1, &points);
+        claim(&edges_[at(edges[i])], f, rates_.of(edges[i]) - 1, &points);
         if (sharp_vertex_[at(vertices[i])]) ++own_normals;
-        if (sharp_edge_[at(edges[i])]) own_normals += segments_ - 1;
+        if (sharp_edge_[at(edges[i])]) own_normals += rates_.of(edges[i]) - 1;
       }
       face.interior = points;
       face.uvs = uvs;
       face.triangles = triangles;
-      points += face.pattern->interior();
-      uvs += face.pattern->samples;
-      triangles += face.pattern->triangles();
+      points += face.samples - face.boundary;
+      uvs += face.samples;
+      triangles += face.facets;
     }
     for (FaceLayout& face : faces_) face.normals += points;  // own normals follow the shared ones
     mesh_ = Mesh();
@@ -233,20 +233,21 @@ class LimitTessellator {
   std::vector<Sample> place_samples(int f) const {
     const FaceLayout& face = faces_[at(f)];
     const auto vertices = base_.GetFaceVertices(f), edges = base_.GetFaceEdges(f);
-    std::vector<Sample> samples(face.pattern->samples);
+    std::vector<Sample> samples(face.samples);
     uint32_t own_normal = face.normals;
-    for (uint32_t i = 0; i < samples.size(); ++i) {
+    int corner = 0;
+    uint32_t along = 0;
+    for (uint32_t i = 0; i < samples.size(); ++i, ++along) {
       Sample& sample = samples[i];
-      if (i >= face.pattern->boundary) {
-        sample.point = sample.normal = face.interior + (i - face.pattern->boundary);
+      if (i >= face.boundary) {
+        sample.point = sample.normal = face.interior + (i - face.boundary);
         continue;
       }
-      const int corner = static_cast<int>(i / segments_);
-      const uint32_t along = i % segments_;
+      if (along == rates_.of(edges[corner])) along = 0, ++corner;
       const SharedSamples& shared = along ? edges_[at(edges[corner])] : vertices_[at(vertices[corner])];
       const bool sharp = along ? sharp_edge_[at(edges[corner])] : sharp_vertex_[at(vertices[corner])];
       const bool forward = !along || base_.GetEdgeVertices(edges[corner])[0] == vertices[corner];
-      sample.point = shared.first + (along ? (forward ? along - 1 : segments_ - 1 - along) : 0);
+      sample.point = shared.first + (along ? (forward ? along - 1 : rates_.of(edges[corner]) - 1 - along) : 0);
       sample.owns_point = shared.owner == f;
       sample.owns_normal = sharp || sample.owns_point;
       sample.normal = sharp ? own_normal++ : sample.point;
@@ -257,19 +258,20 @@ class LimitTessellator {
   bool tessellate(int face, Workspace* w) {
     if (!factory_.InitVertexSurface(face, &w->points)) return false;
     const std::vector<Sample> samples = place_samples(face);
-    evaluate_points(face, samples, w);
+    const Pattern& pattern = pattern_of(face, &w->pattern);
+    evaluate_points(pattern, samples, w);
     for (size_t i = 0; i < face_uvs_.size(); ++i)
-      if (!evaluate_uvs(face, i, w)) return false;
-    write_triangles(face, samples);
+      if (!evaluate_uvs(face, pattern, i, w)) return false;
+    write_triangles(face, pattern, samples);
     return true;
   }
 
-  void evaluate_points(int face, const std::vector<Sample>& samples, Workspace* w) {
+  void evaluate_points(const Pattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
     const Surface::PointDescriptor layout(width_);
     w->point_controls.resize(at(w->points.GetNumPatchPoints()) * at(width_));
     w->points.PreparePatchPoints(controls_.data(), layout, w->point_controls.data(), layout);
     for (std::vector<float>* values : {&w->value, &w->du, &w->dv}) values->resize(at(width_));
-    const std::vector<float>& coordinates = faces_[at(face)].pattern->coordinates;
+    const std::vector<float>& coordinates = pattern.coordinates;
     for (size_t i = 0; i < samples.size(); ++i) {
       const Sample& sample = samples[i];
       if (!sample.owns_point && !sample.owns_normal) continue;
@@ -300,24 +302,24 @@ class LimitTessellator {
     mesh_.normals[index] = usable ? Vec3f(normalize(n)) : Vec3f(0, 0, 0);
   }
 
-  bool evaluate_uvs(int f, size_t set, Workspace* w) {
+  bool evaluate_uvs(int f, const Pattern& pattern, size_t set, Workspace* w) {
     if (!factory_.InitFaceVaryingSurface(f, &w->uvs, static_cast<std::intptr_t>(set))) return false;
     const FaceLayout& face = faces_[at(f)];
     const Surface::PointDescriptor layout(2);
     w->uv_controls.resize(at(w->uvs.GetNumPatchPoints()) * 2);
     w->uvs.PreparePatchPoints(&face_uvs_[set]->values[0].x, layout, w->uv_controls.data(), layout);
-    for (uint32_t i = 0; i < face.pattern->samples; ++i)
-      w->uvs.Evaluate(&face.pattern->coordinates[2 * size_t(i)], w->uv_controls.data(), layout,
+    for (uint32_t i = 0; i < pattern.samples; ++i)
+      w->uvs.Evaluate(&pattern.coordinates[2 * size_t(i)], w->uv_controls.data(), layout,
                       &face_set(set).values[face.uvs + i].x);
     return true;
   }
 
-  void write_triangles(int f, const std::vector<Sample>& samples) {
+  void write_triangles(int f, const Pattern& pattern, const std::vector<Sample>& samples) {
     const FaceLayout& face = faces_[at(f)];
-    for (uint32_t t = 0; t < face.pattern->triangles(); ++t) {
+    for (uint32_t t = 0; t < face.facets; ++t) {
       const size_t triangle = face.triangles + t;
       for (size_t i = 0; i < 3; ++i) {
-        const auto corner = static_cast<uint32_t>(face.pattern->facets[3 * size_t(t) + i]);
+        const auto corner = static_cast<uint32_t>(pattern.facets[3 * size_t(t) + i]);
         mesh_.triangles[triangle][i] = samples[corner].point;
         if (!mesh_.normal_triangles.empty()) mesh_.normal_triangles[triangle][i] = samples[corner].normal;
         if (!face_uvs_.empty()) face_set(0).triangles[triangle][i] = face.uvs + corner;
@@ -348,7 +350,7 @@ class LimitTessellator {
   const Cage& cage_;
   const Far::TopologyLevel& base_;
   SurfaceFactory factory_;
-  const uint32_t segments_;
+  const EdgeRates& rates_;
   std::vector<const UvPrimvar*> vertex_uvs_, face_uvs_;
   bool refines_colors_ = false, refines_opacities_ = false;
   int width_ = 3;
@@ -364,8 +366,9 @@ class LimitTessellator {
 
 }  // namespace
 
-std::optional<Mesh> tessellate_limit_surface(const Cage& cage, int level, const std::string& where,
+std::optional<Mesh> tessellate_limit_surface(const Cage& cage, const RefinementOptions& options,
                                              const DiagnosticSink& sink) {
+  const std::string& where = options.where;
   std::string messages;
   const auto refiner = make_refiner(cage, &messages);
   if (!refiner) {
@@ -378,7 +381,9 @@ std::optional<Mesh> tessellate_limit_surface(const Cage& cage, int level, const 
       cage.opacities.interpolation == Interpolation::face_varying)
     report(sink, Severity::warning, "mesh.subdivision.color", where,
            "colours at face corners are not refined and are left out; give one per vertex");
-  return LimitTessellator(cage, *refiner, level).run();
+  const EdgeRates rates =
+      options.segments ? adaptive_rates(cage, *refiner, options, sink) : EdgeRates{1u << options.level, {}};
+  return LimitTessellator(cage, *refiner, rates).run();
 }
 
 }  // namespace alabaster

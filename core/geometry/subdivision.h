@@ -7,9 +7,14 @@
 
 namespace alabaster {
 
-/// Limit surface of a sanitized cage whose scheme is not `none`, tessellated with 2^level segments per regular edge;
-/// level >= 1. Fills all of Mesh but bounds and closed. Nothing if OpenSubdiv refuses the topology (reported).
-std::optional<Mesh> tessellate_limit_surface(const Cage& cage, int level, const std::string& where,
+/// Limit surface of a sanitized cage whose scheme is not `none`, tessellated with 2^level segments per regular edge,
+/// level >= 1, or as many as options.segments asks for. Fills all of Mesh but bounds and closed. Nothing if OpenSubdiv
+/// refuses the topology (reported).
+std::optional<Mesh> tessellate_limit_surface(const Cage& cage, const RefinementOptions& options,
                                              const DiagnosticSink& sink);
+
+/// Bytes of a refined mesh for each of its triangles, roughly and from above, with what it takes to test if it is
+/// closed.
+size_t bytes_per_triangle(const Cage& cage);
 
 }  // namespace alabaster

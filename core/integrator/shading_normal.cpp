@@ -17,10 +17,38 @@ Vec3f deformed(const Vec3f& tangent, const Mesh& mesh, const TriangleHit& hit) {
   return Vec3f(c * (dot(cross(t, b), n) / n2) + d * (dot(cross(a, t), n) / n2));
 }
 
+Vec3f bumped_normal(const Instance& instance, const Placement& placement, const TriangleHit& hit,
+                    const SurfaceHit& side, const NormalMap& map) {
+  const Mesh& mesh = instance.prototype->mesh;
+  const UvSet* const uvs = mesh.uv_set(map.uv_set);
+  if (!uvs || !map.image) return side.ns;
+  const auto [p0, p1, p2] = mesh.corners_at(hit.triangle, hit.time);
+  const Corners& c = corners_of(*uvs, mesh, hit.triangle);
+  const Vec3f e1 = p1 - p0, e2 = p2 - p0;
+  const auto place = [&](uint32_t corner) { return map.transform(uvs->values[corner]); };
+  const Vec2f st0 = place(c[0]), d1 = place(c[1]) - st0, d2 = place(c[2]) - st0;
+  const Vec2f st = map.transform(interpolated(*uvs, mesh, hit));
+  const Vec2f texel(1 / static_cast<float>(map.image->width()), 1 / static_cast<float>(map.image->height()));
+  const auto slope = [&](const Vec2f& half) {
+    return map.value(st + half, map.channel) - map.value(st - half, map.channel);
+  };
+  const Vec2f gradient(slope({texel.x / 2, 0}) / texel.x, slope({0, texel.y / 2}) / texel.y);
+  const float behind = is_behind(instance, hit, -side.ng) ? -1.0f : 1.0f;
+  const Vec3f n = normalize(placement.object_to_world.transpose_vector(side.ns * behind));
+  const Vec3f across = cross(e2, n);
+  const Vec3f rise = across * gradient.dot(d1) + cross(n, e1) * gradient.dot(d2);
+  const Vec3f bumped = placement.world_to_object.transpose_vector(n * dot(e1, across) - rise);
+  const float l2 = dot(bumped, bumped);
+  // dot(e1, across) is negative where the normal leans over the facet's horizon: there it says nothing.
+  if (!(dot(e1, across) > 0) || !(l2 > 0) || !std::isfinite(l2)) return side.ns;
+  return bumped * (behind / std::sqrt(l2));
+}
+
 }  // namespace
 
 Vec3f mapped_normal(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
-                    const SurfaceHit& side, const TextureLookup& map) {
+                    const SurfaceHit& side, const NormalMap& map) {
+  if (map.is_bump) return bumped_normal(instance, placement, triangle, side, map);
   const Mesh& mesh = instance.prototype->mesh;
   if (!instance.tangents) return side.ns;
   const Vec4f tangent = interpolated(*instance.tangents, mesh, triangle);

@@ -13,10 +13,12 @@ inline Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
   return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
 }
 
-/// The normal of a normal map at a hit, on the side of `side`, whose normals have been turned to the viewer (or to
-/// where light leaves); `ns` if the mesh has no tangents there.
+/// The normal of a normal or bump map at a hit, on the side of `side`, whose normals have been turned to the viewer (or
+/// to where light leaves); `ns` if the mesh has no tangents there, or a bump map's texture coordinates no gradient.
+/// Heights tilt the normal against their gradient over the surface (Mikkelsen 2010, "Bump Mapping Unparametrized
+/// Surfaces on the GPU"), by differences over one texel.
 Vec3f mapped_normal(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
-                    const SurfaceHit& side, const TextureLookup& map);
+                    const SurfaceHit& side, const NormalMap& map);
 
 /// The unit normal nearest to `n` about which the mirror image of `wo` lies above the plane of `surface`: else a facet
 /// of the map reflects only into its own surface, and shows black (Keller et al. 2017, "The Iray Light Transport

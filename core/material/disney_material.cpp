@@ -62,7 +62,7 @@ void clamp_member(const MaterialParameter& row, DisneyParameters* p) {
 }
 
 float channel_of(const Rgb& color, Channel channel) {
-  return color[channel == Channel::g ? 1 : channel == Channel::b ? 2 : 0];
+  return color[component_of(channel)];
 }
 
 void multiply(const MaterialTexture& texture, const HitPrimvars& at, DisneyParameters* p) {
@@ -131,6 +131,7 @@ std::vector<const Texture*> DisneyMaterial::images() const {
     if (texture.lookup.image) all.push_back(texture.lookup.image.get());
   for (const auto* map : {&normal_map, &coat_normal_map})
     if (*map && (*map)->image) all.push_back((*map)->image.get());
+  if (displacement) all.push_back(displacement->texture.image.get());
   return all;
 }
 

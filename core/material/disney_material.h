@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/material/disney_parameters.h"
+#include "core/material/displacement.h"
 #include "core/material/texture_lookup.h"
 #include "core/parameter/parameter.h"
 
@@ -42,8 +43,9 @@ struct DisneyMaterial {
   std::string name;
   DisneyParameters constants;  // within the ranges of material_parameters()
   std::vector<MaterialTexture> textures;
-  std::optional<TextureLookup> normal_map;       // value: the normal in tangent space, of any length
-  std::optional<TextureLookup> coat_normal_map;  // of the coat; without it the coat has the mesh's normal
+  std::optional<NormalMap> normal_map;       // value: the normal in tangent space, of any length; or a height
+  std::optional<NormalMap> coat_normal_map;  // of the coat; without it the coat has the mesh's normal
+  std::optional<Displacement> displacement;  // meshes are displaced before a snapshot is compiled of them
 
   /// Reads each texture once. Products are clamped to the parameter's range; where one is not finite it becomes the
   /// parameter's default.

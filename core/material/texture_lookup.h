@@ -13,6 +13,11 @@ namespace alabaster {
 /// One of the values at a texel. Grey images have three equal colours; images without alpha have 1 there.
 enum class Channel { rgb, r, g, b, a };
 
+/// Of a colour; red stands for all.
+inline int component_of(Channel channel) {
+  return channel == Channel::g ? 1 : channel == Channel::b ? 2 : 0;
+}
+
 struct TextureLookup {
   std::shared_ptr<const Texture> image;  // null: the mesh's displayed colour and opacity
   UvSetName uv_set = "st";
@@ -21,8 +26,14 @@ struct TextureLookup {
   float alpha_scale = 1, alpha_bias = 0;
   /// Light is linear in the colour, so its mean over a footprint may stand for it.
   bool is_linear = false;
+  bool operator==(const TextureLookup&) const = default;
 
   Rgb color(const HitPrimvars& at) const { return (image ? texel(at) : at.color()) * scale + bias; }
+  /// One number of an image, where it has been placed.
+  float value(const Vec2f& st, Channel channel) const {
+    if (channel == Channel::a) return image->alpha(st) * alpha_scale + alpha_bias;
+    return (image->rgb(st) * scale + bias)[component_of(channel)];
+  }
   float alpha(const HitPrimvars& at) const {
     return (image ? image->alpha(transform(at.uv(uv_set))) : at.opacity()) * alpha_scale + alpha_bias;
   }
@@ -35,6 +46,12 @@ struct TextureLookup {
     const Vec2f size(static_cast<float>(image->width()), static_cast<float>(image->height()));
     return image->filtered(uv, transform.texels_across(at.footprint(), at.uv_metric(uv_set), size));
   }
+};
+
+/// A texture that says how the normal lies on the surface.
+struct NormalMap : TextureLookup {
+  bool is_bump = false;          // heights, in object space units, instead of normals in tangent space
+  Channel channel = Channel::r;  // of a height
 };
 
 }  // namespace alabaster

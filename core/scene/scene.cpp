@@ -74,7 +74,8 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
     instance.materials.push_back(material.get());
     instance.see_through |= material->is_partly_opaque();
     for (const auto* map : {&material->normal_map, &material->coat_normal_map})
-      if (*map && !instance.tangents) instance.tangents = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set);
+      if (*map && !(*map)->is_bump && !instance.tangents)
+        instance.tangents = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set);
   }
   instance.single_sided = !d.double_sided && !d.prototype->mesh.outward;
   instance.see_through |= instance.single_sided;

@@ -31,6 +31,8 @@ struct RenderSettings {
   EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // see IntegratorSettings; above 0 it blurs
   PixelFilter filter = PixelFilter::blackman_harris;
+  float refine_edge_length =
+      0;                 // pixels: refined meshes get edges as long as this in the picture; 0: by their refineLevel
   bool denoise = false;  // read by who binds AOVs: paths and films never depend on it
   bool operator==(const RenderSettings&) const = default;
 };

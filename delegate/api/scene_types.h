@@ -96,16 +96,22 @@ struct MaterialConnection {
   bool operator==(const MaterialConnection&) const = default;
 };
 struct MaterialNode {
-  Token nodeTypeId;  // "AlabasterDisney", "AlabasterTexture"
+  Token nodeTypeId;  // see MaterialNetwork
   std::map<Token, Value> parameters;
   std::map<Token, std::vector<MaterialConnection>> inputConnections;
   bool operator==(const MaterialNode&) const = default;
 };
-/// HdMaterialNetwork2's shape. Terminal "surface" names the surface node.
+/// HdMaterialNetwork2's shape. Terminal "surface" names the surface node, terminal "displacement" (if any) the one that
+/// displaces the meshes that the material is bound to.
 /// Node types:
 /// - AlabasterDisney: parameters of schemas/disney_material.json. Every number and colour can be connected. An input's
 ///   value is its constant (1 if it is not given) times all that is connected to it, clamped to its range. `normal` and
-///   `coatNormal` take a texture of normals in tangent space.
+///   `coatNormal` take a texture of normals in tangent space; `bump`, in place of `normal`, one of heights in the
+///   mesh's object space units.
+/// - AlabasterDisplacement: input `displacement`, connected to a texture; scale float, midlevel float, space Token
+///   normal|tangent|object. Points move by (value - midlevel) * scale in the mesh's object space: along the normal by
+///   one channel; or by the vector rgb, of which tangent space takes r along growing u, g along growing v, b along the
+///   normal.
 /// - AlabasterTexture: file AssetPath, sourceColorSpace Token, wrapS / wrapT Token repeat|mirror|clamp|black, filter
 ///   Token linear|nearest; st Token, the primvar that it is looked up by; stOffset Vec2f, stRotation float (radians),
 ///   stScale Vec2f place it as KHR_texture_transform does; scale, bias Vec4f: value = texel * scale + bias. Outputs

@@ -10,48 +10,11 @@
 namespace alabaster::hd::prims {
 namespace {
 
-/// A node of type AlabasterTexture.
-struct TextureNodeReader {
+/// The parameters of a node; what is wrong with one is reported, and its default used.
+struct NodeReader {
   const Path& id;
   const MaterialNode& node;
   SceneParam& param;
-  std::optional<SceneFault>* fault;  // receives an image that cannot be read
-
-  /// Empty without an image.
-  std::optional<TextureLookup> read(Texels texels) const {
-    TextureSource source;
-    const Value file = parameter("file");
-    source.path = file.text_or("");
-    source.may_be_set = true;
-    if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
-    if (source.path.empty() && !source.bytes) {
-      warn("material.texture.file", "a texture has no file; it is ignored");
-      return std::nullopt;
-    }
-    source.color_space = parameter("sourceColorSpace").text_or("auto");
-    if (source.color_space.empty()) source.color_space = "auto";
-    if (source.color_space == "auto" && texels == Texels::numbers) source.color_space = "raw";
-    source.wrap_s = word("wrapS", "wrap mode", kWraps);
-    source.wrap_t = word("wrapT", "wrap mode", kWraps);
-    source.filter = word("filter", "filter", kFilters);
-    TextureLookup lookup;
-    lookup.image = param.texture(source, fault);
-    if (!lookup.image) return std::nullopt;
-    if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
-    lookup.transform = UvTransform(finite_or("stOffset", Vec2f(0, 0)), float(finite_or("stRotation")),
-                                   finite_or("stScale", Vec2f(1, 1)));
-    const Vec4f scale = finite_or("scale", Vec4f(1, 1, 1, 1)), bias = finite_or("bias", Vec4f(0, 0, 0, 0));
-    lookup.scale = {scale.x, scale.y, scale.z}, lookup.alpha_scale = scale.w;
-    lookup.bias = {bias.x, bias.y, bias.z}, lookup.alpha_bias = bias.w;
-    lookup.is_linear = texels == Texels::colors;
-    return lookup;
-  }
-
- private:
-  static constexpr std::pair<const char*, Wrap> kWraps[] = {
-      {"repeat", Wrap::repeat}, {"mirror", Wrap::mirror}, {"clamp", Wrap::clamp}, {"black", Wrap::black}};
-  static constexpr std::pair<const char*, TextureFilter> kFilters[] = {{"linear", TextureFilter::linear},
-                                                                       {"nearest", TextureFilter::nearest}};
 
   Value parameter(const char* name) const {
     const auto found = node.parameters.find(name);
@@ -82,13 +45,56 @@ struct TextureNodeReader {
       if (!std::isfinite(value[int(i)])) return not_finite(name), otherwise;
     return value;
   }
-  double finite_or(const char* name) const {
-    const double value = parameter(name).number_or(0);
-    return std::isfinite(value) ? value : (not_finite(name), 0.0);
+  float finite_or(const char* name, float otherwise) const {
+    const auto value = static_cast<float>(parameter(name).number_or(double(otherwise)));
+    return std::isfinite(value) ? value : (not_finite(name), otherwise);
   }
+
+ private:
   void not_finite(const char* name) const {
     warn("material.texture.number", std::string(name) + " is not finite; the default is used");
   }
+};
+
+/// A node of type AlabasterTexture.
+struct TextureNodeReader : NodeReader {
+  std::optional<SceneFault>* fault;  // receives an image that cannot be read
+
+  /// Empty without an image.
+  std::optional<TextureLookup> read(Texels texels) const {
+    TextureSource source;
+    const Value file = parameter("file");
+    source.path = file.text_or("");
+    source.may_be_set = true;
+    if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
+    if (source.path.empty() && !source.bytes) {
+      warn("material.texture.file", "a texture has no file; it is ignored");
+      return std::nullopt;
+    }
+    source.color_space = parameter("sourceColorSpace").text_or("auto");
+    if (source.color_space.empty()) source.color_space = "auto";
+    if (source.color_space == "auto" && texels == Texels::numbers) source.color_space = "raw";
+    source.wrap_s = word("wrapS", "wrap mode", kWraps);
+    source.wrap_t = word("wrapT", "wrap mode", kWraps);
+    source.filter = word("filter", "filter", kFilters);
+    TextureLookup lookup;
+    lookup.image = param.texture(source, fault);
+    if (!lookup.image) return std::nullopt;
+    if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
+    lookup.transform = UvTransform(finite_or("stOffset", Vec2f(0, 0)), finite_or("stRotation", 0.0f),
+                                   finite_or("stScale", Vec2f(1, 1)));
+    const Vec4f scale = finite_or("scale", Vec4f(1, 1, 1, 1)), bias = finite_or("bias", Vec4f(0, 0, 0, 0));
+    lookup.scale = {scale.x, scale.y, scale.z}, lookup.alpha_scale = scale.w;
+    lookup.bias = {bias.x, bias.y, bias.z}, lookup.alpha_bias = bias.w;
+    lookup.is_linear = texels == Texels::colors;
+    return lookup;
+  }
+
+ private:
+  static constexpr std::pair<const char*, Wrap> kWraps[] = {
+      {"repeat", Wrap::repeat}, {"mirror", Wrap::mirror}, {"clamp", Wrap::clamp}, {"black", Wrap::black}};
+  static constexpr std::pair<const char*, TextureFilter> kFilters[] = {{"linear", TextureFilter::linear},
+                                                                       {"nearest", TextureFilter::nearest}};
 };
 
 /// Reads one network; everything it cannot draw is reported once, with what is drawn instead.
@@ -108,6 +114,7 @@ class MaterialReader {
       for (const auto& [input, connections] : surface->inputConnections)
         read_connections(*surface, input, connections, material.get());
     }
+    read_displacement(material.get());
     if (!material->scatters()) drop_scatter_distance(material.get());
     return material;
   }
@@ -137,6 +144,32 @@ class MaterialReader {
     return &node->second;
   }
 
+  /// The node at terminal "displacement", if there is one.
+  void read_displacement(DisneyMaterial* material) {
+    const auto terminal = network_.terminals.find("displacement");
+    if (terminal == network_.terminals.end()) return;
+    const auto node = network_.nodes.find(terminal->second.upstreamNode);
+    if (node == network_.nodes.end() || !(node->second.nodeTypeId == Token("AlabasterDisplacement")))
+      return warn("material.displacement",
+                  "terminal 'displacement' must name a node of type AlabasterDisplacement; "
+                  "meshes are not displaced");
+    const auto connections = node->second.inputConnections.find("displacement");
+    if (connections == node->second.inputConnections.end() || connections->second.empty())
+      return warn("material.displacement", "nothing is connected to the input 'displacement' of " + node->first.str() +
+                                               "; meshes are not displaced");
+    const MaterialConnection& connection = connections->second.front();
+    std::optional<TextureLookup> lookup = read_lookup(connection.upstreamNode, "displacement", Texels::numbers);
+    if (!lookup || !lookup->image) return;
+    const NodeReader reader{node->first, node->second, param_};
+    const auto space = reader.word("space", "displacement space", kSpaces);
+    const bool is_vector = space != DisplacementSpace::normal;
+    material->displacement = Displacement{std::move(*lookup), space, channel_of(connection, is_vector),
+                                          reader.finite_or("scale", 1.0f), reader.finite_or("midlevel", 0.0f)};
+  }
+  static constexpr std::pair<const char*, DisplacementSpace> kSpaces[] = {{"normal", DisplacementSpace::normal},
+                                                                          {"tangent", DisplacementSpace::tangent},
+                                                                          {"object", DisplacementSpace::object}};
+
   void read_parameter(const Token& name, const Value& value, DisneyParameters* constants) const {
     if (const MaterialParameter* row = find_material_parameter(name.str()))
       return report_fault(param_.sink(), id_.str(), name.str(), set_parameter(*row, value, constants), value);
@@ -150,12 +183,7 @@ class MaterialReader {
   void read_connections(const MaterialNode& surface, const Token& input,
                         const std::vector<MaterialConnection>& connections, DisneyMaterial* material) {
     if (connections.empty()) return;
-    const bool coat = input == Token("coatNormal");
-    if (coat || input == Token("normal")) {
-      (coat ? material->coat_normal_map : material->normal_map) =
-          read_lookup(connections.front().upstreamNode, input, Texels::numbers);
-      return;
-    }
+    if (read_normal_map(input, connections.front(), material)) return;
     const MaterialParameter* row = find_material_parameter(input.str());
     if (!row || !row->is_textured())
       return warn("material.connection", input.str() + " cannot be textured; the connection is ignored" +
@@ -172,6 +200,17 @@ class MaterialReader {
     }
     // A constant that nobody gave must not scale the texture.
     if (connected && !surface.parameters.count(input)) set_parameter(*row, 1.0f, &material->constants);
+  }
+
+  // False if the input is none of normals.
+  bool read_normal_map(const Token& input, const MaterialConnection& connection, DisneyMaterial* material) const {
+    const bool bump = input == Token("bump"), coat = input == Token("coatNormal");
+    if (!bump && !coat && !(input == Token("normal"))) return false;
+    std::optional<NormalMap>& map = coat ? material->coat_normal_map : material->normal_map;
+    if (map) warn("material.bump", "a material has either a normal map or a bump map; the bump map is ignored");
+    if (auto lookup = read_lookup(connection.upstreamNode, input, Texels::numbers))
+      map = NormalMap{std::move(*lookup), bump, bump ? channel_of(connection, false) : Channel::rgb};
+    return true;
   }
 
   Channel channel_of(const MaterialConnection& connection, bool color) const {
@@ -200,7 +239,7 @@ class MaterialReader {
   std::optional<TextureLookup> read_lookup(const Path& node_id, const Token& input, Texels texels) const {
     const auto node = network_.nodes.find(node_id);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterTexture"))
-      return TextureNodeReader{node_id, node->second, param_, fault_}.read(texels);
+      return TextureNodeReader{{node_id, node->second, param_}, fault_}.read(texels);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterPrimvar")) return TextureLookup();
     const std::string what = node == network_.nodes.end()
                                  ? node_id.str() + ", which does not exist"
@@ -231,7 +270,9 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   MaterialNetwork network = scene.GetMaterialResource(GetId());
   if (network_ && *network_ == network) return dirty::kClean;
   std::optional<SceneFault> fault;
-  param.post(GetId(), MaterialRecord{MaterialReader(GetId(), network, param).read(&fault)});
+  auto material = MaterialReader(GetId(), network, param).read(&fault);
+  param.set_displaces(GetId(), material->displacement.has_value());
+  param.post(GetId(), MaterialRecord{std::move(material)});
   param.set_fault(GetId(), std::move(fault));
   network_ = std::move(network);  // last: a network counts as known once it is posted
   return dirty::kClean;

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "delegate/prims/mesh_build.h"
 #include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
 
@@ -38,15 +39,6 @@ void update(T* held, T now, bool* changed) {
   if (*held == now) return;
   *held = std::move(now);
   *changed = true;
-}
-
-std::vector<Vec3f> read_points(const Value& value) {
-  const auto* array = value.get<Array<Vec3f>>();
-  return array ? std::vector<Vec3f>(array->begin(), array->end()) : std::vector<Vec3f>();
-}
-
-bool is_usable_point(const Vec3f& p) {
-  return is_finite(p) && max_abs_component(p) <= kTraceLimit;
 }
 
 // Purposes other than the final picture's are never drawn.
@@ -108,78 +100,26 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
         record_.instancer.empty() ? Array<int32_t>() : scene.GetInstanceIndices(record_.instancer, GetId());
 }
 
-// Cage -> triangles -> BVH. False: cancelled, nothing changed.
+// False: cancelled, nothing changed. A mesh that waits for its materials or for the camera is left to the commit.
 bool MeshPrim::build(SceneParam& param) {
-  const std::string& where = GetId().str();
-  Cage cage = make_cage(pulled_, where, param.sink());
-  std::shared_ptr<MeshPrototype> prototype;
-  std::shared_ptr<const Deformation> deformation;
-  bool finished = true;
-  std::optional<SceneFault> fault;
-  const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
-    if (d.severity == alabaster::Severity::error) fault = SceneFault{true, d.text};
-    if (param.sink()) param.sink()(d);
-  };
-  param.run([&] {
-    if (param.cancelled()) {
-      finished = false;
-      return;
-    }
-    if (!sanitize_cage(cage, where, sink)) return;
-    prototype = std::make_shared<MeshPrototype>();
-    RefinementOptions options;
-    options.level = std::clamp(pulled_.style.refineLevel, 0, 8);
-    options.where = where;
-    {
-      const SyncClock::Running running(&param.clock, SyncPhase::refine);
-      prototype->mesh = build_mesh(cage, options, sink);
-      deformation = deform(cage, options, sink);
-    }
-    const SyncClock::Running running(&param.clock, SyncPhase::bvh);
-    if (!prototype->mesh.triangles.empty())
-      prototype->object = build_object_scene(param.device(), prototype->mesh, [&param] { return param.cancelled(); });
-    finished = !param.cancelled() || prototype->object;
-    if (finished && !prototype->mesh.triangles.empty() && !prototype->object) {
-      fault = SceneFault{
-          false, "not enough memory to trace " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
-      alabaster::report(param.sink(), alabaster::Severity::error, "mesh.memory", where,
-                        fault->text + "; lower its refineLevel, or render on a machine with more memory");
-    }
-  });
-  if (!finished) return false;
-  param.set_fault(GetId(), std::move(fault));
-  record_.prototype = prototype && prototype->object ? std::move(prototype) : nullptr;
-  record_.deformation = record_.prototype ? std::move(deformation) : nullptr;
+  auto source = std::make_shared<const PulledMesh>(pulled_);
+  MeshBuild built;
+  const std::vector<Path> materials = slot_materials(pulled_.topology, material_);
+  const bool deferred =
+      (param.dices() && pulled_.style.refineLevel > 0) ||
+      std::any_of(materials.begin(), materials.end(), [&](const Path& id) { return param.displaces(id); });
+  if (!deferred)
+    param.run([&] {
+      const auto cancelled = [&param] { return param.cancelled(); };
+      built.cancelled = cancelled();
+      if (!built.cancelled) built = build_prototype(*source, GetId(), {}, param, cancelled);
+    });
+  if (built.cancelled) return false;
+  param.set_fault(GetId(), std::move(built.fault));
+  record_.prototype = std::move(built.prototype);
+  record_.deformation = std::move(built.deformation);
+  record_.source = deferred || record_.prototype ? std::move(source) : nullptr;
   return true;
-}
-
-// The shape at each sample. Null if nothing deforms, or the samples are faulty (reported).
-std::shared_ptr<const Deformation> MeshPrim::deform(const Cage& cage, const RefinementOptions& options,
-                                                    const alabaster::DiagnosticSink& sink) const {
-  const auto& [times, values] = pulled_.point_samples;
-  if (times.size() < 2 && values.size() < 2) return nullptr;
-  std::string fault = times_fault(times, values.size());
-  const bool has_normals = !cage.normals.empty() && pulled_.normal_samples.times == times &&
-                           pulled_.normal_samples.values.size() == values.size();
-  auto deformation = std::make_shared<Deformation>();
-  deformation->times = times;
-  for (size_t i = 0; i < values.size() && fault.empty(); ++i) {
-    MeshPose posed{read_points(values[i]), cage.normals.values};
-    if (has_normals) posed.normals = read_points(pulled_.normal_samples.values[i]);
-    if (posed.points.size() != cage.points.size())
-      fault = "sample " + std::to_string(i) + " has " + std::to_string(posed.points.size()) + " points, the mesh has " +
-              std::to_string(cage.points.size());
-    else if (posed.normals.size() != cage.normals.values.size())
-      fault = "sample " + std::to_string(i) + " has another number of normals than the mesh";
-    else if (!std::all_of(posed.points.begin(), posed.points.end(), is_usable_point))
-      fault = "a point of sample " + std::to_string(i) + " is not finite, or beyond 1e17";
-    else
-      deformation->poses.push_back(pose_mesh(cage, options, std::move(posed)));
-  }
-  if (fault.empty()) return deformation;
-  alabaster::report(sink, alabaster::Severity::error, "motion.points", GetId().str(),
-                    "the samples of the points cannot be used: " + fault + "; the mesh is drawn without deformation");
-  return nullptr;
 }
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {

@@ -45,8 +45,6 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   void pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   bool build(SceneParam& param);
-  std::shared_ptr<const Deformation> deform(const Cage& cage, const RefinementOptions& options,
-                                            const alabaster::DiagnosticSink& sink) const;
 
   PulledMesh pulled_;
   bool shape_changed_ = false;

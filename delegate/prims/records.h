@@ -6,6 +6,7 @@
 
 #include "core/camera/camera.h"
 #include "core/scene/scene.h"
+#include "delegate/prims/mesh_cage.h"
 #include "delegate/support/instancing.h"
 
 namespace alabaster::hd::prims {
@@ -17,7 +18,8 @@ struct Deformation {
 };
 
 struct MeshRecord {
-  std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
+  std::shared_ptr<const PulledMesh> source;        // null: nothing to draw
+  std::shared_ptr<const MeshPrototype> prototype;  // without displacement; null: not built
   Matrix4d transform;
   alabaster::TimeSamples<Matrix4d> motion;         // of the transform; empty: stands still
   std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include <tbb/task_arena.h>
 
@@ -43,6 +44,12 @@ class SceneParam final : public RenderParam {
   const ColorConfig& colors() const { return *colors_; }
   /// Shared by all materials and lights that name the same image; null (reported, and in *fault) if it cannot be had.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault);
+  /// Materials say in Sync if they displace meshes. It decides only when a mesh is built: at commit materials count.
+  void set_displaces(const Path& material, bool displaces);
+  bool displaces(const Path& material) const;
+  /// The same of adaptive refinement.
+  void set_dices(bool dices) { dices_ = dices; }
+  bool dices() const { return dices_; }
   /// Runs heavy Sync work in the delegate's own arena: never in the host's, never on more than `threads` threads.
   template <class F>
   void run(F&& work) {
@@ -96,12 +103,14 @@ class SceneParam final : public RenderParam {
   std::atomic<bool> host_set_texels_{false};
   std::atomic<uint32_t> threads_{0};
   std::atomic<bool> cancelled_{false};
+  std::atomic<bool> dices_{false};
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
   std::map<Path, SceneFault> faults_;
   mutable std::mutex mutex_;  // guards faults_ and what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
+  std::set<Path> displacing_;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;
   std::vector<std::shared_ptr<const void>> kept_;

@@ -8,12 +8,12 @@ DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& para
   if (!(bits & (dirty::kParams | dirty::kDescription))) return dirty::kClean;
   const RenderSettingsDescription description = scene.GetRenderSettings(GetId());
   // Images are read before the settings' record is: Sprims are synced after Bprims, records at CommitResources.
-  if (const auto memory = description.settings.find("textureMemory"); memory != description.settings.end()) {
-    RenderSettings settings;
-    for (const SettingParameter& row : setting_parameters())
-      if (memory->first == Token(row.name)) set_parameter(row, memory->second, &settings);
-    param.set_texture_memory(settings.texture_memory, false);
-  }
+  RenderSettings settings;
+  for (const SettingParameter& row : setting_parameters())
+    if (const auto given = description.settings.find(row.name); given != description.settings.end())
+      set_parameter(row, given->second, &settings);
+  if (description.settings.count("textureMemory")) param.set_texture_memory(settings.texture_memory, false);
+  if (settings.refine_edge_length > 0) param.set_dices(true);
   param.post(GetId(), SettingsRecord{description});
   return dirty::kClean;
 }

@@ -38,6 +38,10 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
     prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
                         value);
   if (key == Token("textureMemory")) param->set_texture_memory(render_settings().texture_memory, true);
+  if (key == Token("refineEdgeLength")) {
+    param->set_dices(render_settings().refine_edge_length > 0);
+    dicing_changed_ = true;
+  }
   if (key == Token("threads")) param->set_threads(render_settings().threads);
 }
 
@@ -134,13 +138,35 @@ void RenderCore::publish() {
   for (const auto& pass : passes()) pass->cancel_stale(compiled.get());
 }
 
+// Measured from the camera of the RenderSettings prim, in its picture.
+prims::Dicing RenderCore::dicing() const {
+  prims::Dicing out;
+  out.edge_length = render_settings().refine_edge_length;
+  if (out.edge_length == 0) return {};
+  const prims::SettingsRecord* const prim = settings_prim();
+  const std::optional<CameraParameters> seen_by = camera(settings_camera());
+  if (!prim || !seen_by) {
+    alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
+                      "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
+    return {};
+  }
+  out.camera = *seen_by;
+  out.width = prim->settings.width, out.height = prim->settings.height;
+  return out;
+}
+
 void RenderCore::update_scene() {
   apply_edits();
   param->set_threads(render_settings().threads);
+  dicing_changed_ = false;
+  if (const prims::Dicing now = dicing(); now != dicing_) {
+    dicing_ = now;
+    stale_ = true;
+  }
   const Shutter shutter = prims::shutter_of(records_);
   if (!stale_ && shutter == translation_.shutter) return;
-  prims::Translation translation =
-      translator_.translate(records_, shutter, deformations_.in(shutter, records_, param.get()));
+  const prims::Records& built = deferred_.build(records_, dicing_, *param);
+  prims::Translation translation = translator_.translate(built, shutter, deformations_.in(shutter, built, param.get()));
   const bool same = snapshot() && translation.scene == translation_.scene;
   translation_ = std::move(translation);
   if (same)

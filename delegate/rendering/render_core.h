@@ -3,6 +3,7 @@
 
 #include "core/session/tile_renderer.h"
 #include "delegate/prims/deformation.h"
+#include "delegate/prims/mesh_build.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/scene_translation.h"
@@ -31,7 +32,7 @@ class RenderCore {
   void commit();
   /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
   /// CommitResources tries again, for a pass would compile the scene again with every Execute.
-  bool needs_commit() const { return param->has_edits() || !committed_; }
+  bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_; }
   std::string dump() const;
   std::string requirements() const;
   /// In the shutter of the scene that was committed last. Empty: there is no such camera.
@@ -67,6 +68,7 @@ class RenderCore {
  private:
   void apply_stops();
   const prims::SettingsRecord* settings_prim() const;
+  prims::Dicing dicing() const;
   void apply_edits();
   void update_scene();
   void publish();
@@ -79,13 +81,16 @@ class RenderCore {
 
   std::list<prims::Edit> edits_;  // taken, but not applied yet. Host thread only, as is the rest of the scene
   prims::Records records_;
+  prims::Dicing dicing_;
+  prims::DeferredMeshes deferred_;
   prims::SceneTranslator translator_;
   prims::Deformations deformations_;
   prims::Translation translation_;
   uint64_t scene_number_ = 0;
-  bool committed_ = false;      // once
-  bool commit_failed_ = false;  // the last one threw
-  bool stale_ = true;           // the snapshot does not show the records
+  std::atomic<bool> dicing_changed_{false};  // by a setting
+  bool committed_ = false;                   // once
+  bool commit_failed_ = false;               // the last one threw
+  bool stale_ = true;                        // the snapshot does not show the records
 
   std::shared_ptr<const RenderRequest> last_request_;
   std::shared_ptr<const Denoiser> denoiser_;

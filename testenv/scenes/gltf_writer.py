@@ -85,7 +85,8 @@ class Document:
         self.json.setdefault("textures", []).append({"source": len(self.json["images"]) - 1, "sampler": 0})
         return len(self.json["textures"]) - 1
 
-    def add_material(self, name, disney, texture=None):
+    def add_material(self, name, disney, texture=None, normal=None):
+        """`texture` of baseColor and `normal` map: of add_texture."""
         self.use("ALAB_materials_disney")
         base = {"metallicFactor": 0.0, "roughnessFactor": disney.get("roughness", 0.5)}
         color = disney.get("baseColor", [0.8, 0.8, 0.8])
@@ -94,6 +95,8 @@ class Document:
             base["baseColorTexture"] = {"index": texture}
         self.json["materials"].append({"name": name, "pbrMetallicRoughness": base,
                                        "extensions": {"ALAB_materials_disney": disney}})
+        if normal is not None:
+            self.json["materials"][-1]["normalTexture"] = {"index": normal}
         return len(self.json["materials"]) - 1
 
     def add_mesh(self, name, mesh, material):

@@ -11,6 +11,7 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from gltf_writer import Document, Mesh  # noqa: E402
+from images import write_hdr  # noqa: E402
 from shapes import cube_sphere, lathe, placed  # noqa: E402
 
 WIDTH, HEIGHT = 256, 128
@@ -37,21 +38,6 @@ def radiance(row, column):
         level = SUN_RATIO * sum(base) / 3
         return (1.25 * level, 1.0 * level, 0.75 * level)
     return base
-
-
-def rgbe(rgb):
-    """Four bytes of Radiance's shared-exponent format (Ward 1991)."""
-    largest = max(rgb)
-    if largest < 1e-32:
-        return bytes(4)
-    mantissa, exponent = math.frexp(largest)
-    return bytes([int(c * mantissa * 256 / largest) for c in rgb] + [exponent + 128])
-
-
-def write_sky(path):
-    """Flat scanlines: no run lengths. The width in the first two bytes of a run-length line never occurs as a colour here."""
-    rows = b"".join(rgbe(radiance(row, column)) for row in range(HEIGHT) for column in range(WIDTH))
-    path.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (HEIGHT, WIDTH) + rows)
 
 
 def gourd():
@@ -87,7 +73,7 @@ def sand():
 
 
 def build(path):
-    write_sky(path.parent / "sky.hdr")
+    write_hdr(path.parent / "sky.hdr", WIDTH, HEIGHT, radiance)
     document = Document("Alabaster make_dome_high_contrast.py")
     jade = document.add_material("jade", {
         "baseColor": [0.42, 0.78, 0.50], "roughness": 0.16, "scatterDistance": [0.0050, 0.0095, 0.0055]})

@@ -22,7 +22,7 @@ class MappedPlane {
     mesh.uv_sets.push_back({{}, "st"});
     for (const Vec3f& p : mesh.points) mesh.uv_sets[0].values.emplace_back(mirrored_uv ? -p.x : p.x, -p.z);
     auto material = std::make_shared<DisneyMaterial>();
-    material->normal_map = TextureLookup();
+    material->normal_map.emplace();
     material->normal_map->image = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{normal});
     b.add(b.prototype(std::move(mesh)), material, transform);
     snapshot_ = b.snapshot();
@@ -67,6 +67,58 @@ TEST(MappedNormal, FollowsMirroredCoordinatesAndTransforms) {
 TEST(MappedNormal, IsTheSurfacesWhereTheMapSaysNothing) {
   expect_near(MappedPlane(Rgb(0.0f)).from({0, 1, 0}), {0, 1, 0});
   expect_near(MappedPlane(Rgb(std::numeric_limits<float>::quiet_NaN())).from({0, 1, 0}), {0, 1, 0});
+}
+
+// z = a sin(k u) cos(k v) as texels: the tilt of a bump map is that of the normal map derived from the same heights.
+TEST(BumpMap, TiltsAsTheNormalMapOfItsHeights) {
+  constexpr int kSize = 128;
+  constexpr float kPeriods = kTwoPi * 3, kHeight = 0.02f, kWidth = 2;  // of the plane, which has the square once
+  std::vector<Rgb> heights, normals;
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const float u = (static_cast<float>(x) + 0.5f) / kSize, v = 1 - (static_cast<float>(y) + 0.5f) / kSize;
+      const auto s = kPeriods * u, t = kPeriods * v;
+      heights.emplace_back(0.5f, 0.5f + 0.5f * std::sin(s) * std::cos(t), 0.0f);
+      const float slope = kHeight * 0.5f * kPeriods / kWidth;
+      normals.emplace_back(-slope * std::cos(s) * std::cos(t), slope * std::sin(s) * std::sin(t), 1.0f);
+    }
+  const auto plane = [&](std::vector<Rgb> texels, bool bump, const Matrix4d& transform) {
+    testing::SceneBuilder b;
+    Mesh mesh = testing::plane_mesh(kWidth);
+    mesh.uv_sets.push_back({{}, "st"});
+    for (const Vec3f& p : mesh.points) mesh.uv_sets[0].values.emplace_back(p.x / kWidth, -p.z / kWidth);
+    auto material = std::make_shared<DisneyMaterial>();
+    material->normal_map.emplace();
+    material->normal_map->image = std::make_shared<testing::MemoryTexture>(kSize, std::move(texels));
+    material->normal_map->is_bump = bump;
+    material->normal_map->channel = Channel::g;
+    if (bump) material->normal_map->scale = Rgb(kHeight);
+    b.add(b.prototype(std::move(mesh)), material, transform);
+    return b.snapshot();
+  };
+  const auto normal_at = [](const SceneSnapshot& scene, uint32_t triangle, const Vec2f& at, const Vec3f& side) {
+    TriangleHit hit;
+    hit.triangle = triangle, hit.u = at.x, hit.v = at.y;
+    const Instance& instance = scene.instances[0];
+    return mapped_normal(instance, instance, hit, surface_on_side(instance, instance, hit, side),
+                         *instance.material(0).normal_map);
+  };
+  Rng rng(4, 5);
+  // Relief grows with its object, so that turning and scaling alike change nothing; mirrors mirror.
+  for (const Matrix4d& m : {Matrix4d(), Matrix4d().setScale(3.0), Matrix4d().setScale(Vec3d(1, 1, -1))}) {
+    const auto bump = plane(heights, true, m), map = plane(normals, false, m);
+    float steepest = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const float u = rng.uniform(), v = (1 - u) * rng.uniform();
+      const Vec3f side(0, i % 2 ? 1.0f : -1.0f, 0);
+      const Vec3f a = normal_at(*bump, uint32_t(i % 4 / 2), {u, v}, side),
+                  b = normal_at(*map, uint32_t(i % 4 / 2), {u, v}, side);
+      EXPECT_LT(length(a - b), 2e-3f);
+      EXPECT_GT(dot(a, side), 0);
+      steepest = std::max(steepest, std::abs(a.x));
+    }
+    EXPECT_GT(steepest, 0.08f);
+  }
 }
 
 TEST(ReflectingNormal, KeepsTheMirrorImageAboveTheSurface) {

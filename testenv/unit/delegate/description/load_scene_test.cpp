@@ -86,6 +86,42 @@ TEST_F(LoadSceneTest, MaterialsAreSetReplacedAndMade) {
   EXPECT_EQ(surface("_skin").parameters.size(), 1u) << "replace forgets what the model said";
 }
 
+TEST_F(LoadSceneTest, MaterialsCanHaveReliefBesideTheirParameters) {
+  write_image("heights.hdr");
+  ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf"}], "materials": [
+    {"match": "skin", "bump": {"file": "heights.hdr", "scale": 0.5, "channel": "g", "wrap": "clamp"}},
+    {"name": "wax", "set": {"roughness": 0.25},
+     "displacement": {"file": "heights.hdr", "scale": 0.125, "midlevel": 0.5}},
+    {"name": "bent", "displacement": {"file": "heights.hdr", "space": "tangent"}}]})")
+                  .ok)
+      << errors();
+  const auto input = [](const MaterialNode& node, const char* name) { return node.inputConnections.at(name).at(0); };
+  const auto network = [this](const std::string& name) {
+    for (const auto& [path, found] : scene.GetMaterials())
+      if (path.str().ends_with(name)) return found;
+    return MaterialNetwork();
+  };
+  const MaterialNetwork skin = network("skin"), wax = network("wax"), bent = network("bent");
+  EXPECT_EQ(input(surface("_skin"), "bump").upstreamOutput, Token("g"));
+  const MaterialNode& bump = skin.nodes.at(input(surface("_skin"), "bump").upstreamNode);
+  EXPECT_EQ(bump.parameters.at("scale"), Value(Vec4f(0.5f)));
+  EXPECT_EQ(bump.parameters.at("wrapS").text_or(""), "clamp");
+  EXPECT_TRUE(surface("_skin").parameters.count("metallic")) << "keeps what the model said";
+  const MaterialNode& by_height = wax.nodes.at(wax.terminals.at("displacement").upstreamNode);
+  EXPECT_EQ(by_height.nodeTypeId, Token("AlabasterDisplacement"));
+  EXPECT_EQ(by_height.parameters.at("scale"), Value(0.125f));
+  EXPECT_EQ(by_height.parameters.at("midlevel"), Value(0.5f));
+  EXPECT_EQ(input(by_height, "displacement").upstreamOutput, Token("r"));
+  const MaterialNode& by_vector = bent.nodes.at(bent.terminals.at("displacement").upstreamNode);
+  EXPECT_EQ(by_vector.parameters.at("space").text_or(""), "tangent");
+  EXPECT_EQ(input(by_vector, "displacement").upstreamOutput, Token("rgb"));
+
+  EXPECT_FALSE(describe(R"({"gltf": [{"file": "patch.gltf"}], "materials": [{"match": "skin",
+    "displacement": {"file": "heights.hdr", "space": "object", "channel": "g"}}]})")
+                   .ok);
+  EXPECT_NE(errors().find("A vector takes all three channels"), std::string::npos) << errors();
+}
+
 TEST_F(LoadSceneTest, ScatterDistanceCanBeATexture) {
   write_image("image.png");
   const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}], "materials": [

@@ -1,0 +1,114 @@
+#include "core/geometry/edge_rates.h"
+
+#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/far/topologyRefiner.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "core/geometry/subdivision.h"
+
+namespace alabaster {
+namespace {
+
+namespace Bfr = OpenSubdiv::Bfr;
+namespace Far = OpenSubdiv::Far;
+
+using Surface = Bfr::Surface<float>;
+
+size_t at(int i) {
+  return static_cast<size_t>(i);
+}
+
+// Along the limit curve of an edge of the surface's face.
+uint32_t segments_of(const Surface& surface, const std::vector<float>& controls, int edge,
+                     const RefinementOptions& options) {
+  constexpr int kPieces = 4;        // that stand for the curve
+  constexpr double kMost = 1 << 8;  // as at level 8
+  double segments = 0;
+  Vec3f last(0, 0, 0);
+  for (int k = 0; k <= kPieces; ++k) {
+    float uv[2];
+    Vec3f p;
+    surface.GetParameterization().GetEdgeCoord(edge, static_cast<float>(k) / kPieces, uv);
+    surface.Evaluate(uv, controls.data(), 3, &p.x);
+    if (k) segments += double(options.segments(last, p));
+    last = p;
+  }
+  return segments > 1 ? static_cast<uint32_t>(std::ceil(std::min(segments, kMost))) : 1;
+}
+
+// The first face of an edge that has a limit surface measures it.
+std::vector<int> owners_of_edges(const Far::TopologyLevel& base, const SurfaceFactory& factory) {
+  std::vector<int> owners(at(base.GetNumEdges()), -1);
+  for (int face = base.GetNumFaces() - 1; face >= 0; --face)
+    if (factory.FaceHasLimitSurface(face))
+      for (const int edge : base.GetFaceEdges(face)) owners[at(edge)] = face;
+  return owners;
+}
+
+EdgeRates wanted_rates(const Cage& cage, const Far::TopologyRefiner& refiner, const RefinementOptions& options) {
+  const Far::TopologyLevel& base = refiner.GetLevel(0);
+  const SurfaceFactory factory(refiner, surface_options(0));
+  const std::vector<int> owners = owners_of_edges(base, factory);
+  EdgeRates rates;
+  rates.edges.assign(owners.size(), 1);
+  const tbb::blocked_range<int> all(0, base.GetNumFaces(), 64);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<int>& range) {
+    Surface surface;
+    std::vector<float> controls;
+    for (int face = range.begin(); face < range.end(); ++face) {
+      const auto edges = base.GetFaceEdges(face);
+      const auto is_own = [&](int edge) { return owners[at(edge)] == face; };
+      if (std::none_of(edges.begin(), edges.end(), is_own) || !factory.InitVertexSurface(face, &surface)) continue;
+      controls.resize(3 * at(surface.GetNumPatchPoints()));
+      surface.PreparePatchPoints(&cage.points[0].x, 3, controls.data(), 3);
+      for (int i = 0; i < edges.size(); ++i)
+        if (is_own(edges[i])) rates.edges[at(edges[i])] = segments_of(surface, controls, i, options);
+    }
+  });
+  return rates;
+}
+
+// An upper estimate.
+size_t bytes_of(const Cage& cage, const Far::TopologyLevel& base, const EdgeRates& rates) {
+  double triangles = 0;
+  for (int face = 0; face < base.GetNumFaces(); ++face) {
+    const auto edges = base.GetFaceEdges(face);
+    double sum = 0;
+    for (const int edge : edges) sum += rates.of(edge);
+    triangles += sum * sum / (2 * edges.size()) + sum;
+  }
+  return static_cast<size_t>(triangles * double(bytes_per_triangle(cage)));
+}
+
+}  // namespace
+
+// Bfr isolates extraordinary points by so many levels of subdivision and approximates what is left. Where samples lie
+// closer to them than that, its default of 2 is off by a percent of a face at level 3.
+SurfaceFactory::Options surface_options(int level) {
+  constexpr int kLeastIsolation = 4;  // for the tangents at low levels
+  SurfaceFactory::Options options;
+  options.SetApproxLevelSmooth(std::max(level, kLeastIsolation));
+  options.SetApproxLevelSharp(std::max(level, options.GetApproxLevelSharp()));
+  return options;
+}
+
+EdgeRates adaptive_rates(const Cage& cage, const Far::TopologyRefiner& refiner, const RefinementOptions& options,
+                         const DiagnosticSink& sink) {
+  EdgeRates rates = wanted_rates(cage, refiner, options);
+  const Far::TopologyLevel& base = refiner.GetLevel(0);
+  const size_t wanted = bytes_of(cage, base, rates);
+  size_t bytes = wanted;
+  for (; bytes > options.memory_limit && rates.level() > 0; bytes = bytes_of(cage, base, rates))
+    for (uint32_t& rate : rates.edges) rate = std::max(1u, rate / 2);
+  if (bytes != wanted)
+    report(sink, Severity::warning, "mesh.subdivision.memory", options.where,
+           "the edge length asked for would need " + std::to_string(wanted >> 20) + " MiB, more than " +
+               std::to_string(options.memory_limit >> 20) +
+               " MiB; longer edges are used: ask for longer ones, or split the mesh");
+  return rates;
+}
+
+}  // namespace alabaster

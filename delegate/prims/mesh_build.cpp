@@ -1,0 +1,222 @@
+#include "delegate/prims/mesh_build.h"
+
+#include <tbb/parallel_for_each.h>
+
+#include <algorithm>
+
+#include "delegate/prims/motion.h"
+
+namespace alabaster::hd::prims {
+namespace {
+
+// By the mesh's slots; empty if no material of it displaces.
+Displacements displacements_of(const MeshRecord& mesh, const Records& records) {
+  Displacements all;
+  bool any = false;
+  for (const Path& path : mesh.materials) {
+    const auto found = records.find(path);
+    const auto* record = found == records.end() ? nullptr : std::get_if<MaterialRecord>(&found->second);
+    all.push_back(record ? record->material->displacement : std::nullopt);
+    any |= all.back().has_value();
+  }
+  return any ? all : Displacements();
+}
+
+// How many edges of the length asked for a piece of the surface is long in the picture, where it appears largest, if it
+// were seen face-on: so silhouettes are as fine as what faces the camera.
+class EdgeMeasure {
+ public:
+  EdgeMeasure(const MeshRequest& request, const std::vector<Vec3f>& points) {
+    const Dicing& d = request.dicing;
+    const Matrix4d& view = d.camera.camera_to_world;
+    eye_ = Vec3d(view[3][0], view[3][1], view[3][2]);
+    const Camera camera(d.camera, d.width, d.height, eye_);
+    const Vec2f middle(static_cast<float>(d.width) / 2, static_cast<float>(d.height) / 2);
+    cone_ = camera.pixel_cone(camera.generate_ray(middle, {0.5f, 0.5f}).dir);
+    cone_ = {cone_.width * d.edge_length, cone_.spread * d.edge_length};
+    Bounds bounds;
+    for (const Vec3f& p : points) bounds.extend(p);
+    const auto distance = [&](const Matrix4d& m) {
+      double nearest = kUnbounded;
+      for (const Vec3f& corner : bounds.corners())
+        nearest = std::min(nearest, length(transform_point(Vec3d(corner), m) - eye_));
+      return nearest;
+    };
+    std::vector<std::pair<double, size_t>> order;
+    for (size_t i = 0; i < request.placements.size(); ++i) order.emplace_back(distance(request.placements[i]), i);
+    std::sort(order.begin(), order.end());
+    constexpr size_t kMeasured = 8;  // the nearest instances of many
+    order.resize(std::min(order.size(), kMeasured));
+    for (const auto& [unused, i] : order) placements_.push_back(request.placements[i]);
+  }
+
+  float operator()(const Vec3f& a, const Vec3f& b) const {
+    double most = 0;
+    for (const Matrix4d& m : placements_) {
+      const Vec3d p = transform_point(Vec3d(a), m), q = transform_point(Vec3d(b), m);
+      const double l = length(q - p), distance = std::max(length((p + q) * 0.5 - eye_), l / 2);
+      most = std::max(most, l / (double(cone_.width) + double(cone_.spread) * distance));
+    }
+    return static_cast<float>(most);
+  }
+
+ private:
+  Vec3d eye_;
+  PixelCone cone_;  // of an edge length
+  std::vector<Matrix4d> placements_;
+};
+
+bool is_refined(const PulledMesh& mesh) {
+  // One that deforms is the same mesh at all times.
+  return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && !mesh.topology.scheme.empty() &&
+         !(mesh.topology.scheme == Token("none"));
+}
+
+// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report.
+std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, support::Placements& placements) {
+  if (mesh.instancer.empty()) return {mesh.transform};
+  std::vector<Matrix4d> all;
+  for (const support::Placement& placed : placements.place(path, mesh.instancer, mesh.instance_indices))
+    if (placed.used) all.push_back(mesh.transform * placed.matrix);
+  return all;
+}
+
+// Beside the fault of the mesh's own Sync.
+Path fault_key(const Path& mesh) {
+  return mesh.append("displacement");
+}
+
+std::vector<Vec3f> read_points(const Value& value) {
+  const auto* array = value.get<Array<Vec3f>>();
+  return array ? std::vector<Vec3f>(array->begin(), array->end()) : std::vector<Vec3f>();
+}
+
+bool is_usable_point(const Vec3f& p) {
+  return is_finite(p) && max_abs_component(p) <= kTraceLimit;
+}
+
+// The shape at each sample. Null if nothing deforms, or the samples are faulty (reported).
+std::shared_ptr<const Deformation> deform(const PulledMesh& pulled, const Cage& cage, const RefinementOptions& options,
+                                          const Mesh& mesh, const alabaster::DiagnosticSink& sink) {
+  const auto& [times, values] = pulled.point_samples;
+  if (times.size() < 2 && values.size() < 2) return nullptr;
+  std::string fault = times_fault(times, values.size());
+  const bool has_normals = !cage.normals.empty() && pulled.normal_samples.times == times &&
+                           pulled.normal_samples.values.size() == values.size();
+  auto deformation = std::make_shared<Deformation>();
+  deformation->times = times;
+  for (size_t i = 0; i < values.size() && fault.empty(); ++i) {
+    MeshPose posed{read_points(values[i]), cage.normals.values};
+    if (has_normals) posed.normals = read_points(pulled.normal_samples.values[i]);
+    if (posed.points.size() != cage.points.size())
+      fault = "sample " + std::to_string(i) + " has " + std::to_string(posed.points.size()) + " points, the mesh has " +
+              std::to_string(cage.points.size());
+    else if (posed.normals.size() != cage.normals.values.size())
+      fault = "sample " + std::to_string(i) + " has another number of normals than the mesh";
+    else if (!std::all_of(posed.points.begin(), posed.points.end(), is_usable_point))
+      fault = "a point of sample " + std::to_string(i) + " is not finite, or beyond 1e17";
+    else
+      deformation->poses.push_back(pose_mesh(cage, options, std::move(posed)));
+    // Displaced normals are told apart by their values, which may coincide in one pose alone.
+    if (fault.empty() && deformation->poses.back().normals.size() != mesh.normals.size())
+      fault = "sample " + std::to_string(i) + " has other hard edges than the mesh";
+  }
+  if (fault.empty()) return deformation;
+  alabaster::report(sink, alabaster::Severity::error, "motion.points", options.where,
+                    "the samples of the points cannot be used: " + fault + "; the mesh is drawn without deformation");
+  return nullptr;
+}
+
+}  // namespace
+
+MeshBuild build_prototype(const PulledMesh& mesh, const Path& id, const MeshRequest& request, SceneParam& param,
+                          const std::function<bool()>& cancelled) {
+  const std::string& where = id.str();
+  MeshBuild out;
+  const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
+    if (d.severity == alabaster::Severity::error) out.fault = SceneFault{true, d.text};
+    if (param.sink()) param.sink()(d);
+  };
+  Cage cage = make_cage(mesh, where, param.sink());
+  if (!sanitize_cage(cage, where, sink)) return out;
+  auto prototype = std::make_shared<MeshPrototype>();
+  RefinementOptions options;
+  options.level = std::clamp(mesh.style.refineLevel, 0, 8);
+  options.where = where;
+  if (!request.displacements.empty())
+    options.displace = [&](Mesh* refined) { displace(request.displacements, where, sink, refined); };
+  if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
+  {
+    const SyncClock::Running running(&param.clock, SyncPhase::refine);
+    prototype->mesh = build_mesh(cage, options, sink);
+    out.deformation = deform(mesh, cage, options, prototype->mesh, sink);
+  }
+  if (prototype->mesh.triangles.empty()) return out;
+  const SyncClock::Running running(&param.clock, SyncPhase::bvh);
+  prototype->object = build_object_scene(param.device(), prototype->mesh, cancelled);
+  if (prototype->object) {
+    out.prototype = std::move(prototype);
+    return out;
+  }
+  out.deformation = nullptr;
+  if (cancelled && cancelled()) {
+    out.cancelled = true;
+  } else {
+    out.fault = SceneFault{
+        false, "not enough memory to trace " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
+    alabaster::report(param.sink(), alabaster::Severity::error, "mesh.memory", where,
+                      out.fault->text + "; lower its refineLevel, or render on a machine with more memory");
+  }
+  return out;
+}
+
+const Records& DeferredMeshes::build(const Records& records, const Dicing& dicing, SceneParam& param) {
+  update(records, dicing, param);
+  complete_.clear();
+  if (held_.empty()) return records;
+  complete_ = records;
+  for (const auto& [path, held] : held_) {
+    auto& mesh = std::get<MeshRecord>(complete_.at(path));
+    mesh.prototype = held.built.prototype;
+    mesh.deformation = held.built.deformation;
+  }
+  return complete_;
+}
+
+void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneParam& param) {
+  support::Placements placements(
+      [&](const Path& path) -> const InstancerRecord* {
+        const auto found = records.find(path);
+        return found == records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
+      },
+      [](const char*, const Path&, const std::string&) {});
+  std::map<Path, Held> needed;
+  std::vector<std::pair<const Path, Held>*> to_build;
+  for (const auto& [path, record] : records) {
+    const auto* mesh = std::get_if<MeshRecord>(&record);
+    if (!mesh || !mesh->visible || !mesh->source) continue;
+    MeshRequest request{displacements_of(*mesh, records), {}, {}};
+    if (dicing.edge_length > 0 && is_refined(*mesh->source)) {
+      request.dicing = dicing;
+      request.placements = placements_of(path, *mesh, placements);
+    }
+    if (request == MeshRequest() && mesh->prototype) continue;
+    const auto held = held_.find(path);
+    if (held != held_.end() && held->second.source == mesh->source && held->second.request == request)
+      needed.insert(held_.extract(held));
+    else
+      to_build.push_back(&*needed.emplace(path, Held{mesh->source, std::move(request), {}}).first);
+  }
+  for (const auto& [path, held] : held_) param.set_fault(fault_key(path), std::nullopt);
+  held_ = std::move(needed);
+  if (to_build.empty()) return;
+  param.run([&] {
+    tbb::parallel_for_each(to_build, [&](std::pair<const Path, Held>* entry) {
+      Held& held = entry->second;
+      held.built = build_prototype(*held.source, entry->first, held.request, param, {});
+      param.set_fault(fault_key(entry->first), held.built.fault);
+    });
+  });
+}
+
+}  // namespace alabaster::hd::prims
