@@ -25,7 +25,7 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   v.departure = depart(mesh, placement.object_to_world, triangle, v.hit, surface);
   const DisneyMaterial& material = v.instance->material(triangle.triangle);
   v.mapped = material.normal_map.has_value();
-  const auto mapped = [&](const TextureLookup& map) {
+  const auto mapped = [&](const NormalMap& map) {
     return reflecting_normal(mapped_normal(*v.instance, placement, triangle, v.hit, map), surface, wo);
   };
   const Vec3f n = v.mapped ? mapped(*material.normal_map) : surface;
