@@ -185,11 +185,11 @@ size_t face_varying_uvs(const Cage& cage) {
   const auto is_face_varying = [](const UvPrimvar& uv) { return uv.interpolation == Interpolation::face_varying; };
   return static_cast<size_t>(std::count_if(cage.uvs.begin(), cage.uvs.end(), is_face_varying));
 }
-// Of a point.
+// A point has as much of this.
 size_t color_bytes(const Cage& cage) {
   return (cage.colors.empty() ? 0 : sizeof(Rgb)) + (cage.opacities.empty() ? 0 : sizeof(float));
 }
-// Of a triangle: its points, normals, uvs, face, slot, and the three edges that the test for closedness sorts. At worst
+// A triangle has its points, normals, uvs, face, slot, and the three edges that the test for closedness sorts. At worst
 // every face has its own normals along its boundary.
 size_t index_bytes(const Cage& cage) {
   return (2 + face_varying_uvs(cage)) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);

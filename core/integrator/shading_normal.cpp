@@ -39,7 +39,7 @@ Vec3f bumped_normal(const Instance& instance, const Placement& placement, const 
   const Vec3f rise = across * gradient.dot(d1) + cross(n, e1) * gradient.dot(d2);
   const Vec3f bumped = placement.world_to_object.transpose_vector(n * dot(e1, across) - rise);
   const float l2 = dot(bumped, bumped);
-  // dot(e1, across) is negative where the normal leans over the facet's horizon: there it says nothing.
+  // dot(e1, across) is negative where the normal leans over the facet's horizon: there the normal stays.
   if (!(dot(e1, across) > 0) || !(l2 > 0) || !std::isfinite(l2)) return side.ns;
   return bumped * (behind / std::sqrt(l2));
 }

@@ -13,7 +13,7 @@ namespace alabaster {
 /// One of the values at a texel. Grey images have three equal colours; images without alpha have 1 there.
 enum class Channel { rgb, r, g, b, a };
 
-/// Of a colour; red stands for all.
+/// The component of a colour; red stands for all.
 inline int component_of(Channel channel) {
   return channel == Channel::g ? 1 : channel == Channel::b ? 2 : 0;
 }
