@@ -55,7 +55,7 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
 }
 
 /// Null: the normal is the mesh's own.
-const TextureLookup* exit_normal_map(const Instance& instance, const SubsurfaceExit& exit) {
+const NormalMap* exit_normal_map(const Instance& instance, const SubsurfaceExit& exit) {
   const auto& map = instance.material(exit.hit.triangle).normal_map;
   return map ? &*map : nullptr;
 }
@@ -74,7 +74,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const Placement& placement = instance.at(exit.hit.time, &moved);
   const SurfacePoint hit =
       on_side(surface_point(mesh, exit.hit, placement.object_to_world, placement.world_to_object), exit.direction);
-  const TextureLookup* const normal_map = exit_normal_map(instance, exit);
+  const NormalMap* const normal_map = exit_normal_map(instance, exit);
   const Vec3f n = normal_map
                       ? mapped_normal(instance, placement, exit.hit,
                                       surface_on_side(instance, placement, exit.hit, exit.direction), *normal_map)

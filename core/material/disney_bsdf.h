@@ -82,7 +82,7 @@ class DisneyBsdf {
  private:
   static constexpr int kLobes = 5;  // the first of enum Lobe
 
-  /// What few materials have: the others do not pay for it.
+  /// Few materials have them, and the others do not pay for them.
   struct Layers {
     CharlieSheen fibres;  // with a roughness: in the place of sheen_, and over all but the coat
     DisneyCoat coat;      // with a weight: in the place of clearcoat_, and over the rest
@@ -103,7 +103,8 @@ class DisneyBsdf {
   KeptShares kept_along(const Vec3f& w) const;
   Rgb base_albedo(const Vec3f& w) const;
   Rgb specular_albedo(const Vec3f& w) const;
-  /// What the others leave to the base and the specular lobes: the walk, a clear boundary, coat and fibres.
+  /// The share that is left to the base and the specular lobes by the others: the walk, a clear boundary, coat and
+  /// fibres.
   Rgb room(const Vec3f& w) const;
   /// The share of white light along `w` that facets take from others.
   float lost_among_facets(const Vec3f& w) const;

@@ -233,31 +233,50 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
   return bytes;
 }
 
-// Reports the first uv of an instance for which a set of images has none.
-void find_missing_tiles(const InstanceDescription& d, const Instance& instance, const DiagnosticSink& sink,
-                        std::vector<std::string>* faults) {
+// The first middle of a triangle for which the lookup's set of images has none.
+std::optional<Vec2f> find_missing_tile(const Instance& instance, const DisneyMaterial* material,
+                                       const TextureLookup& lookup) {
+  if (!lookup.image || !lookup.image->is_set()) return std::nullopt;
   const Mesh& mesh = instance.prototype->mesh;
-  const auto missing = [&](const DisneyMaterial* material, const TextureLookup& lookup) -> std::optional<Vec2f> {
-    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (&instance.material(i) != material) continue;
-      TriangleHit middle;
-      middle.triangle = i, middle.u = middle.v = 1.0f / 3;
-      const UvSet* const set = mesh.uv_set(lookup.uv_set);
-      const Vec2f uv = lookup.transform(set ? interpolated<Vec2f>(*set, mesh, middle) : Vec2f(0, 0));
-      if (!lookup.image->covers(uv)) return uv;
-    }
-    return std::nullopt;
-  };
-  for (const auto& material : d.materials)
-    for (const MaterialTexture& texture : material->textures) {
-      if (!texture.lookup.image || !texture.lookup.image->is_set()) continue;
-      if (const auto uv = missing(material.get(), texture.lookup)) {
-        faults->push_back(d.name + ": a set of images has none at (" + std::to_string(uv->x) + ", " +
-                          std::to_string(uv->y) + ")");
-        report(sink, Severity::error, "texture.tile", d.name, faults->back());
-      }
-    }
+  const UvSet* const set = mesh.uv_set(lookup.uv_set);
+  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (&instance.material(i) != material) continue;
+    TriangleHit middle;
+    middle.triangle = i, middle.u = middle.v = 1.0f / 3;
+    const Vec2f uv = lookup.transform(set ? interpolated<Vec2f>(*set, mesh, middle) : Vec2f(0, 0));
+    if (!lookup.image->covers(uv)) return uv;
+  }
+  return std::nullopt;
 }
+
+// Reports, once for all instances of a mesh with a material, the texture coordinates for which a set has no image.
+class MissingTiles {
+ public:
+  MissingTiles(const DiagnosticSink& sink, std::vector<std::string>* faults) : sink_(sink), faults_(faults) {}
+
+  void find(const InstanceDescription& d, const Instance& instance) {
+    for (const auto& material : d.materials) {
+      if (!seen_.insert({instance.prototype, material.get()}).second) continue;
+      for (const MaterialTexture& texture : material->textures) find(d, instance, material.get(), texture.lookup);
+      for (const auto* map : {&material->normal_map, &material->coat_normal_map})
+        if (*map) find(d, instance, material.get(), **map);
+    }
+  }
+
+ private:
+  void find(const InstanceDescription& d, const Instance& instance, const DisneyMaterial* material,
+            const TextureLookup& lookup) {
+    const auto uv = find_missing_tile(instance, material, lookup);
+    if (!uv) return;
+    faults_->push_back(d.name + ": a set of images has none at (" + std::to_string(uv->x) + ", " +
+                       std::to_string(uv->y) + ")");
+    report(sink_, Severity::error, "texture.tile", d.name, faults_->back());
+  }
+
+  const DiagnosticSink& sink_;
+  std::vector<std::string>* faults_;
+  std::set<std::pair<const MeshPrototype*, const DisneyMaterial*>> seen_;  // instances share both
+};
 
 }  // namespace
 
@@ -324,9 +343,10 @@ std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& de
   });
 
   std::vector<InstancePlacement> placements;
+  MissingTiles missing_tiles(sink, &snapshot->faults);
   for (const InstanceDescription* d : drawn) {
     snapshot->instances.push_back(place(*d, snapshot->origin));
-    find_missing_tiles(*d, snapshot->instances.back(), sink, &snapshot->faults);
+    missing_tiles.find(*d, snapshot->instances.back());
     snapshot->features.see_through |= snapshot->instances.back().see_through;
     const Instance& instance = snapshot->instances.back();
     snapshot->features.motion |= !instance.is_still();

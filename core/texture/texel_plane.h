@@ -20,7 +20,7 @@ template <class Element>
 struct PackedTexels {
   Vec2i size{0, 0};
   std::vector<Element> elements;  // 1 or 3 per texel, rows from the top
-  /// Of bytes: 256 values for each element, three times 256 where one element is a colour. Empty for halves.
+  /// The values of bytes: 256 values for each element, three times 256 where one element is a colour. Empty for halves.
   std::vector<float> palette;
 };
 
@@ -55,7 +55,7 @@ class TexelPlane {
 
  private:
   static constexpr bool kBytes = sizeof(Element) == 1;
-  // Of a tile that fits one of the store's.
+  // The size of a tile that fits one of the store's.
   static constexpr uint32_t kTileWidth = kBytes && kCount == 1 ? 128 : 64;
   static constexpr uint32_t kTileHeight = TexelStore::kTileBytes / (kTileWidth * kCount * sizeof(Element));
 

@@ -31,7 +31,7 @@ struct BoxShares {
   int first = 0, count = 0;
   std::array<float, 3> shares{};
 };
-/// Of all boxes over an axis of `texels`.
+/// The shares of all boxes over an axis of `texels`.
 std::vector<BoxShares> box_shares(int boxes, int texels);
 
 template <class At>

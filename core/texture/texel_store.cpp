@@ -42,7 +42,7 @@ bool TexelStore::reserve(size_t bytes) {
   return true;
 }
 
-// Before the first tile is written, so that whoever has a tile to read sees the cache.
+// Before the first tile is written, so that a thread that has a tile to read sees the cache.
 bool TexelStore::open_file() {
   if (file_ < 0 && (file_ = open_unnamed()) < 0) return false;
   if (slots_) return true;
@@ -69,8 +69,11 @@ bool TexelStore::write(uint64_t first, std::span<const std::byte> tiles) {
 
 // Numbers of tiles are not used again, so that no slot holds an older tile of the same number.
 void TexelStore::discard(uint64_t first, uint64_t count) {
+  if (file_ < 0) return;
+  const int reason = errno;  // of a write that failed, which its caller reports
   static_cast<void>(fallocate(file_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, off_t(first * kTileBytes),
                               off_t(count * kTileBytes)));
+  errno = reason;
 }
 
 void TexelStore::read_file(uint64_t tile, std::byte* buffer) {

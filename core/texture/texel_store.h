@@ -14,8 +14,7 @@ namespace alabaster {
 
 /// Half of the budget is lent to images that stay in memory. Those that come when it is spent are written to an unnamed
 /// file in the folder for temporary files ($TMPDIR), and the other half is a cache of their tiles: as long as all
-/// images together fit the budget, each tile is read once at most. What a lookup gives does not depend on what the
-/// cache holds.
+/// images together fit the budget, each tile is read once at most. A lookup gives the same whatever the cache holds.
 ///
 /// Any thread. Images keep the store alive.
 class TexelStore {
@@ -88,7 +87,7 @@ class TexelStore {
   std::atomic<uint64_t> tiles_{0};  // in the file
   std::atomic<bool> failed_{false};
   DiagnosticSink sink_;
-  std::mutex mutex_;  // guards what follows; what slots hold is changed by who has it
+  std::mutex mutex_;  // guards all that follows; its owner changes the slots
   int file_ = -1;
   uint32_t size_ = 0, hand_ = 0;
   std::unique_ptr<Slot[]> slots_;

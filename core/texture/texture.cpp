@@ -192,14 +192,15 @@ bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
   return ImageReader().open(source, std::numeric_limits<size_t>::max(), sink);
 }
 
-std::shared_ptr<const Texture> load_set(const TextureSource& source, const ColorConfig& colors,
-                                        const DiagnosticSink& sink, const std::shared_ptr<TexelStore>& store,
-                                        size_t max_pixels) {
+// `load`: of one image. Null if one cannot be loaded.
+template <class Load>
+static std::shared_ptr<const Texture> load_set(const TextureSource& source, const std::vector<UdimTile>& tiles,
+                                               const Load& load) {
   std::map<std::pair<int, int>, std::shared_ptr<const Texture>> images;
-  for (const UdimTile& tile : udim_tiles(source.path)) {
+  for (const UdimTile& tile : tiles) {
     TextureSource one = source;
     one.path = tile.path, one.wrap_s = one.wrap_t = Wrap::clamp, one.may_be_set = false;
-    auto image = load_texture(one, colors, sink, store, max_pixels);
+    auto image = load(one);
     if (!image) return nullptr;
     images[{tile.place.x, tile.place.y}] = std::move(image);
   }
@@ -210,7 +211,10 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
                                             const DiagnosticSink& sink, const std::shared_ptr<TexelStore>& store,
                                             size_t max_pixels) {
   try {
-    if (source.may_be_set && !udim_tiles(source.path).empty()) return load_set(source, colors, sink, store, max_pixels);
+    if (source.may_be_set)
+      if (const std::vector<UdimTile> tiles = udim_tiles(source.path); !tiles.empty())
+        return load_set(source, tiles,
+                        [&](const TextureSource& one) { return load_texture(one, colors, sink, store, max_pixels); });
     ImageReader reader;
     if (!reader.open(source, max_pixels, sink)) return nullptr;
     const std::string space =

@@ -38,7 +38,7 @@ class UdimTexture final : public Texture {
       if (!tile->prepare_filtering()) return false;
     return true;
   }
-  // Of the largest tile.
+  // The size of the largest tile.
   int width() const override { return width_; }
   int height() const override { return height_; }
   size_t memory_bytes() const override {

@@ -102,8 +102,7 @@ struct MaterialNode {
   bool operator==(const MaterialNode&) const = default;
 };
 /// HdMaterialNetwork2's shape. Terminal "surface" names the surface node, terminal "displacement" (if any) the one that
-/// displaces the meshes that the material is bound to.
-/// Node types:
+/// displaces the meshes that the material is bound to. Node types:
 /// - AlabasterDisney: parameters of schemas/disney_material.json. Every number and colour can be connected. An input's
 ///   value is its constant (1 if it is not given) times all that is connected to it, clamped to its range. `normal` and
 ///   `coatNormal` take a texture of normals in tangent space; `bump`, in place of `normal`, one of heights in the

@@ -36,7 +36,7 @@ LoadOptions described_shutter(const Reader& reader) {
   LoadOptions options = reader.state().options;
   if (options.shutter || !reader.value().contains("camera")) return options;
   const nlohmann::json& camera = reader.value()["camera"];
-  const double open = camera.value("shutterOpen", 0.0), close = camera.value("shutterClose", open);
+  const double open = camera.value("shutterOpen", 0.0), close = camera.value("shutterClose", 0.0);
   options.shutter = {open, close};
   return options;
 }

@@ -160,7 +160,7 @@ class MotionSampler {
     TimeSamples<Matrix4d> samples{frames_, {}};
     for (const Prims& pose : poses_) {
       const auto found = (pose.*all).find(id);
-      if (found == (pose.*all).end()) return warn(id, report);
+      if (found == (pose.*all).end() || !is_placed_alike(found->second, *prim)) return warn(id, report);
       samples.values.push_back(found->second.transform);
     }
     if (changes(samples)) prim->transformSamples = std::move(samples);
@@ -171,7 +171,8 @@ class MotionSampler {
     TimeSamples<Value> samples{frames_, {}};
     for (const Prims& pose : poses_) {
       const auto found = pose.meshes.find(id);
-      if (found == pose.meshes.end() || !(found->second.topology == mesh->topology)) return;
+      if (found == pose.meshes.end() || !is_placed_alike(found->second, *mesh)) return;
+      if (!(found->second.topology == mesh->topology)) return;
       samples.values.push_back(found->second.primvars.at(name).value);
     }
     if (changes(samples)) mesh->primvarSamples[name] = std::move(samples);
@@ -189,8 +190,15 @@ class MotionSampler {
     if (changes(samples)) instancer->primvarSamples[name] = std::move(samples);
   }
 
+  // Nodes whose morph weights are equal at one time share a mesh there, which an instancer places.
+  static bool is_placed_alike(const host::MeshDescription& a, const host::MeshDescription& b) {
+    return a.instancer == b.instancer;
+  }
+  static bool is_placed_alike(const host::CameraDescription&, const host::CameraDescription&) { return true; }
+
   static void warn(const Path& id, Report& report) {
-    report.warning("motion", id.str(), "is not there at all times of the shutter; it is drawn without motion blur");
+    report.warning("motion", id.str(),
+                   "is not there, or not by itself, at all times of the shutter; it is drawn without motion blur");
   }
 
   template <class T>

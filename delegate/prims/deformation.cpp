@@ -57,7 +57,7 @@ DeformedMeshes Deformations::in(const Shutter& shutter, const Records& records, 
       built = {mesh->deformation, shutter, nullptr};
       param->run([&] {
         auto prototype = deformed(mesh->prototype->mesh, *mesh->deformation, shutter);
-        prototype->object = build_object_scene(param->device(), prototype->mesh, [&] { return param->cancelled(); });
+        prototype->object = build_object_scene(param->device(), prototype->mesh, {});
         if (prototype->object) built.prototype = std::move(prototype);
       });
     }

@@ -10,7 +10,7 @@
 namespace alabaster::hd::prims {
 namespace {
 
-/// The parameters of a node; what is wrong with one is reported, and its default used.
+/// The parameters of a node: a fault of one is reported, and its default used.
 struct NodeReader {
   const Path& id;
   const MaterialNode& node;

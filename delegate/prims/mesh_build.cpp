@@ -202,10 +202,11 @@ void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneP
     }
     if (request == MeshRequest() && mesh->prototype) continue;
     const auto held = held_.find(path);
-    if (held != held_.end() && held->second.source == mesh->source && held->second.request == request)
+    if (held != held_.end() && held->second.done && held->second.source == mesh->source &&
+        held->second.request == request)
       needed.insert(held_.extract(held));
     else
-      to_build.push_back(&*needed.emplace(path, Held{mesh->source, std::move(request), {}}).first);
+      to_build.push_back(&*needed.emplace(path, Held{mesh->source, std::move(request), {}, false}).first);
   }
   for (const auto& [path, held] : held_) param.set_fault(fault_key(path), std::nullopt);
   held_ = std::move(needed);
@@ -214,6 +215,7 @@ void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneP
     tbb::parallel_for_each(to_build, [&](std::pair<const Path, Held>* entry) {
       Held& held = entry->second;
       held.built = build_prototype(*held.source, entry->first, held.request, param, {});
+      held.done = true;
       param.set_fault(fault_key(entry->first), held.built.fault);
     });
   });

@@ -47,6 +47,7 @@ class DeferredMeshes {
     std::shared_ptr<const PulledMesh> source;
     MeshRequest request;
     MeshBuild built;
+    bool done = false;  // an exception may have come before it was built
   };
   void update(const Records& records, const Dicing& dicing, SceneParam& param);
 

@@ -56,7 +56,7 @@ class SceneParam final : public RenderParam {
     arena()->execute(work);
   }
   void set_threads(uint32_t threads) { threads_ = threads; }
-  /// MiB, for images that are read from then on. What the host sets counts before what a settings prim does.
+  /// MiB, for images that are read from then on. A value of the host counts before that of a settings prim.
   void set_texture_memory(uint32_t mib, bool by_host);
   /// Stop sets it: Sync gives up what it is building, and the prim stays dirty.
   void set_cancelled(bool cancelled) { cancelled_ = cancelled; }

@@ -211,7 +211,7 @@ TEST_F(TextureFile, TexelsAreKeptAsSmallAsTheyGo) {
 TEST_F(TextureFile, BytesInAPaletteAreTheValuesOfHalves) {
   std::vector<float> values = noise(64 * 64 * 4), rounded;
   for (const float v : values) rounded.push_back(std::round(v * 255) / 255);
-  // Grey first, then not: what was kept as bytes becomes halves on the way.
+  // Grey first, then not: texels that were kept as bytes become halves on the way.
   std::fill_n(values.begin(), 8, 0.5f), std::fill_n(rounded.begin(), 8, 128 / 255.0f);
   for (const char* space : {"raw", "sRGB", "ACEScg"}) {
     const auto bytes = load(write("a.png", 64, 64, 4, OIIO::TypeUInt8, values), space);
