@@ -56,7 +56,7 @@ std::optional<DisneyBsdf::Layers> DisneyBsdf::layers_of(const DisneyParameters& 
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
   float weight[kLobes];
-  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_) * kept_.base + several_ * (kPi * lost_));
+  weight[index(Lobe::diffuse)] = choice_weight(diffuse_.albedo(wo_) * kept_.base + several_albedo_ * lost_);
   weight[index(Lobe::sheen)] = choice_weight(fibrous() ? layers_->fibres.albedo(wo_) : sheen_.albedo(wo_));
   weight[index(Lobe::specular)] = choice_weight(specular_.albedo(wo_));
   weight[index(Lobe::clearcoat)] = choice_weight(coated() ? layers_->coat.albedo(wo_) : clearcoat_.albedo(wo_));

@@ -134,10 +134,11 @@ class DisneyBsdf {
   EnergyModel energy_;
   KeptShares kept_;  // along wo
   float safe_cosine_ = 2;
-  float clear_ = 0;    // the share of a clear boundary, whose lobe is not here
-  Rgb beyond_{0.0f};   // the diffuse albedo of the other side, whose lobe is not here
-  Rgb several_{0.0f};  // f of several_facets() per lost_among_facets() of both directions; black: there is none
-  float lost_ = 0;     // along wo
+  float clear_ = 0;           // the share of a clear boundary, whose lobe is not here
+  Rgb beyond_{0.0f};          // the diffuse albedo of the other side, whose lobe is not here
+  Rgb several_{0.0f};         // f of several_facets() per lost_among_facets() of both directions; black: there is none
+  Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()
+  float lost_ = 0;            // along wo
   // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
   float probability_[kLobes] = {0, 0, 0, 0, 0};
   float weight_ = 0;

@@ -61,8 +61,9 @@ void DisneyBsdf::add_several_facets() {
   lost_ = lost_among_facets(wo_);
   for (int c = 0; c < 3; ++c) {
     const float fresnel = lerp(specular_.f0[c], specular_.f90[c], 1.0f / 21);
-    several_[c] = sqr(fresnel) * mean / ((1 - fresnel * lost) * kPi * lost);
+    several_albedo_[c] = sqr(fresnel) * mean / (1 - fresnel * lost);
   }
+  several_ = several_albedo_ * (1 / (kPi * lost));
 }
 
 float DisneyBsdf::lost_among_facets(const Vec3f& w) const {
@@ -75,17 +76,16 @@ Rgb DisneyBsdf::several_facets(const Vec3f& wi) const {
 }
 
 Rgb DisneyBsdf::base_albedo(const Vec3f& w) const {
-  Rgb albedo = diffuse_.albedo(w) + beyond_;
+  Rgb albedo = diffuse_.albedo(w);
   if (diffuse_.flatness > 0)
-    albedo = lerp(diffuse_.albedo(w), diffuse_.retro_color * flat_albedo(w.z, diffuse_.roughness), diffuse_.flatness) +
-             beyond_;
-  return is_black(sheen_.color) ? albedo : albedo + sheen_.color * sheen_albedo(w.z);
+    albedo = lerp(albedo, diffuse_.retro_color * flat_albedo(w.z, diffuse_.roughness), diffuse_.flatness);
+  if (!is_black(sheen_.color)) albedo += sheen_.color * sheen_albedo(w.z);
+  return albedo + beyond_;
 }
 
 Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
   Rgb albedo = albedo_of(specular_, w);
-  if (!is_black(several_))
-    albedo += several_ * (lost_among_facets(w) * kPi * (1 - mean_ggx_albedo(isotropic_alpha(specular_.ggx))));
+  if (!is_black(several_)) albedo += several_albedo_ * lost_among_facets(w);
   if (clearcoat_.strength > 0 && !coated())
     albedo += Rgb(clearcoat_.strength * clearcoat_albedo(w.z, clearcoat_.gtr1.alpha));
   if (!coated()) return albedo;

@@ -154,6 +154,23 @@ TEST(DisneyEnergy, RoughWhiteMetalReflectsAllWhereEnergyIsConserved) {
   EXPECT_LT(reflected(DisneyBsdf(p, along(1), EnergyModel::bounded), kSamples, rng).mean(), 0.5);
 }
 
+// Little light meets several facets of a fairly smooth metal, so few samples go to that lobe.
+TEST(DisneyEnergy, TheLobeOfSeveralFacetsIsChosenByItsAlbedo) {
+  DisneyParameters p;
+  p.base_color = Rgb(1.0f);
+  p.metallic = 1;
+  p.roughness = 0.3f;
+  Rng rng(61, 8);
+  int spread = 0;
+  constexpr int kTries = 20000;
+  const DisneyBsdf bsdf(p, along(0.7f), EnergyModel::conserving);
+  for (int i = 0; i < kTries; ++i)
+    if (const auto sample = bsdf.sample(rng.uniform(), uniform2(rng)); sample && sample->lobe == Lobe::diffuse)
+      ++spread;
+  const double lost = 1 - double(ggx_albedo(along(0.7f), disney_ggx(p.roughness, 0)).white);
+  EXPECT_NEAR(double(spread) / kTries, lost, 0.5 * lost + 3e-3);
+}
+
 // Sampling has the pdf that evaluate() says, with the lobe of several facets too: Int f cos by samples of the BSDF and
 // by samples of the hemisphere.
 TEST(DisneyEnergy, SamplesAgreeWithQuadrature) {
