@@ -52,7 +52,7 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
   return "";
 }
 
-// The files of a set of images, if the path names one by "<UDIM>"; else itself.
+// The files of a set of images, with a number of four digits, if the path names one by "<UDIM>"; else itself.
 void add_files(const std::string& image, std::set<std::string>* inputs) {
   inputs->insert(image);
   const std::filesystem::path path(image);
@@ -63,7 +63,9 @@ void add_files(const std::string& image, std::set<std::string>* inputs) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string file = it->path().filename().string();
-    if (file.starts_with(name.substr(0, at)) && file.ends_with(name.substr(at + mark.size())))
+    const bool is_named_so = file.size() == name.size() - mark.size() + 4 && file.starts_with(name.substr(0, at)) &&
+                             file.ends_with(name.substr(at + mark.size()));
+    if (is_named_so && std::all_of(&file[at], &file[at] + 4, [](char c) { return c >= '0' && c <= '9'; }))
       inputs->insert(it->path().string());
   }
 }
