@@ -11,9 +11,6 @@
 namespace alabaster {
 namespace {
 
-constexpr int kRowsAtOnce = 64;
-constexpr size_t kStripBytes = size_t(64) << 20;  // fewer rows at once where they are very long
-
 struct Magic {
   std::string_view bytes;
   const char* format;  // OpenImageIO's name of the reader
@@ -43,37 +40,15 @@ std::string format_of(std::span<const uint8_t> head, const std::string& path) {
   return ending == ".tga" ? "targa" : "";  // TGA is the one without a signature
 }
 
-ImageLayout layout_of(const OIIO::ImageSpec& spec) {
-  ImageLayout layout;
-  layout.width = spec.width;
-  layout.height = spec.height;
-  layout.channels = size_t(spec.nchannels);
-  // Renderers' EXRs hold many layers: the plain R, G, B, A are the picture. Without names, one or two channels are grey
-  // and grey with alpha.
-  const int r = spec.channelindex("R"), g = spec.channelindex("G"), b = spec.channelindex("B");
-  if (r >= 0 && g >= 0 && b >= 0)
-    layout.rgb = {size_t(r), size_t(g), size_t(b)};
-  else if (spec.nchannels >= 3)
-    layout.rgb = {0, 1, 2};
-  if (const int a = spec.channelindex("A"); a >= 0)
-    layout.alpha = size_t(a);
-  else if (spec.alpha_channel >= 0)
-    layout.alpha = size_t(spec.alpha_channel);
-  const OIIO::TypeDesc format = spec.format;
-  layout.bytes = format == OIIO::TypeUInt8;
-  layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
-  return layout;
-}
-
 /// Empty, or why the image will not be read.
-std::string refusal(const OIIO::ImageSpec& spec, size_t max_pixels) {
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0) return "the image has no pixels";
-  if (spec.depth > 1 || spec.deep) return "the image is a volume or has deep samples; use a flat one";
-  const uint64_t pixels = uint64_t(spec.width) * uint64_t(spec.height);
+std::string refusal(const ImageLayout& image, size_t max_pixels) {
+  if (image.width <= 0 || image.height <= 0 || image.channels == 0) return "the image has no pixels";
+  if (!image.flat) return "the image is a volume or has deep samples; use a flat one";
+  const uint64_t pixels = uint64_t(image.width) * uint64_t(image.height);
   // The channels are bounded with the pixels: a header may claim thousands of them.
-  if (pixels > max_pixels || pixels * uint64_t(spec.nchannels) > uint64_t(max_pixels) * 64)
-    return "the image claims " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " pixels of " +
-           std::to_string(spec.nchannels) + " channels and the limit is " + std::to_string(max_pixels) +
+  if (pixels > max_pixels || pixels * image.channels > uint64_t(max_pixels) * 64)
+    return "the image claims " + std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels of " +
+           std::to_string(image.channels) + " channels and the limit is " + std::to_string(max_pixels) +
            " pixels; make it smaller";
   return {};
 }
@@ -125,53 +100,27 @@ bool ImageReader::load_bytes(const TextureSource& source, const DiagnosticSink& 
 }
 
 bool ImageReader::open_input(const DiagnosticSink& sink) {
-  input_ = OIIO::ImageInput::create(format_);
-  if (!input_) {
-    static_cast<void>(OIIO::geterror());
-    return fail(sink, "texture.format",
-                "OpenImageIO was built without a reader for " + format_ + "; convert the image");
-  }
-  OIIO::ImageSpec request;
-  request["oiio:UnassociatedAlpha"] = 1;
-  if (bytes_) {
-    if (!input_->supports("ioproxy"))
-      return fail(sink, "texture.format", format_ + " images cannot be embedded; use PNG or JPEG, or a file");
-    proxy_ = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<uint8_t*>(bytes_->data()), bytes_->size());
-    input_->set_ioproxy(proxy_.get());
-  }
-  OIIO::ImageSpec spec;
-  if (!input_->open(path_, spec, request))
-    return fail(sink, "texture.damaged", input_->geterror() + "; export or copy the image again");
-  return true;
+  std::string missing;
+  const ImageFunctions* images = image_functions(&missing);
+  if (!images) return fail(sink, "images.library", missing);
+  ImageFault fault;
+  const ImageSource source = {path_, format_, bytes_ ? std::span(*bytes_) : std::span<const uint8_t>()};
+  input_ = images->open(source, fault);
+  return input_ || fail(sink, fault.code.c_str(), fault.text);
 }
 
 bool ImageReader::open(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
   path_ = source.path;
   if (!load_bytes(source, sink) || !open_input(sink)) return false;
-  const OIIO::ImageSpec& spec = input_->spec();
-  if (const std::string reason = refusal(spec, max_pixels); !reason.empty()) return fail(sink, "texture.size", reason);
-  layout_ = layout_of(spec);
-  return true;
+  const std::string reason = refusal(layout(), max_pixels);
+  return reason.empty() || fail(sink, "texture.size", reason);
 }
 
 int ImageReader::read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) {
-  const OIIO::ImageSpec& spec = input_->spec();
-  const bool tiled = spec.tile_width > 0;
-  const size_t row_bytes = size_t(spec.width) * layout_.channels * sizeof(float);
-  const int strip = int(std::clamp(kStripBytes / std::max(row_bytes, size_t(1)), size_t(1), size_t(kRowsAtOnce)));
-  const int rows = std::min(tiled ? spec.tile_height : strip, spec.height - y);
-  pixels.resize(size_t(rows) * size_t(spec.width) * layout_.channels);
-  const int begin = spec.y + y, end = begin + rows;
-  const bool good =
-      tiled ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
-                                 OIIO::TypeFloat, pixels.data())
-            : input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
-  // Some readers fill up a file that is cut off and mention it only in the error text.
-  if (good && !input_->has_error()) return rows;
-  const std::string reason = input_->geterror();
-  fail(sink, "texture.damaged",
-       (reason.empty() ? "the pixels cannot be decoded" : reason) + "; export or copy the image again");
-  return 0;
+  std::string fault;
+  const int rows = input_->read_rows(y, pixels, fault);
+  if (rows == 0) fail(sink, "texture.damaged", fault + "; export or copy the image again");
+  return rows;
 }
 
 }  // namespace alabaster

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/texture/image_reader.h"
+#include "core/images/image_file.h"
 #include "core/texture/texel_plane.h"
 
 namespace alabaster {

@@ -19,13 +19,12 @@ inline constexpr float kFarAway = 1e10f;
 
 /// Converts rows of the image to rows of the file: channels interleaved, in their file types. `plan`, `image` and
 /// `transform` must outlive it and fit each other.
-class RowEncoder {
+class RowEncoder final : public RowSource {
  public:
   RowEncoder(const ProductPlan& plan, const ProductImage& image, const ColorTransform& transform);
-  /// Writes rows [begin, end), counted from the top, to `out`, row_bytes() each. Runs on all threads of the caller's
-  /// arena.
-  void encode(int begin, int end, uint8_t* out) const;
-  size_t row_bytes() const { return pixel_bytes_ * width_; }
+  /// Runs on all threads of the caller's arena.
+  void encode(int begin, int end, uint8_t* out) const override;
+  size_t row_bytes() const override { return pixel_bytes_ * width_; }
 
  private:
   struct Column {

@@ -1,12 +1,10 @@
 // Decides what a render product's file will hold, once for the check before rendering and for the writing.
 #pragma once
 
+#include "core/images/image_file.h"
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::hd::host {
-
-enum class FileKind { exr, png, tiff, jpeg };
-enum class ChannelStore { half, float32, uint32, uint8, uint16 };
 
 /// One channel of the file. The usual names are those of kAovs (core/film/aov.h) and delegate/README.md.
 /// A RenderVar whose name is not its AOV's gives a layer: name.R, name.Z, ...; for ids and counts the name alone.

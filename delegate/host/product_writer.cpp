@@ -1,7 +1,5 @@
 #include "delegate/host/product_writer.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -11,16 +9,13 @@
 #include <mutex>
 
 #include "core/color/color_config.h"
+#include "core/images/image_file.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/host/product_plan.h"
 #include "delegate/support/output_file.h"
 
 namespace alabaster::hd::host {
 namespace {
-
-/// Bytes of the rows that are encoded together: enough for every thread, and little beside the frame. OpenImageIO hands
-/// no more than this to OpenEXR's threads at once.
-constexpr size_t kStripBytes = size_t(16) << 20;
 
 bool fail(const DiagnosticSink& sink, const char* code, const std::string& where, std::string text) {
   if (sink) sink({Severity::error, code, where, std::move(text)});
@@ -62,154 +57,72 @@ bool make_output_transform(const RenderProduct& product, const ProductPlan& plan
 
 // ---- attributes -----------------------------------------------------------------------------------------------------
 
-/// Sets one attribute in EXR's own type, or as text if EXR has no such type.
-struct AttributeSetter {
-  OIIO::ImageSpec& spec;
-  const std::string& name;
+/// The value in the type that EXR has for it, or as text if it has none.
+struct AttributeValue {
   const Value& value;
+  using Result = decltype(ImageAttribute::value);
 
-  void vector(OIIO::TypeDesc::BASETYPE base, OIIO::TypeDesc::AGGREGATE aggregate, const void* data) const {
-    spec.attribute(name, OIIO::TypeDesc(base, aggregate), data);
+  template <size_t kSize, class T, class V>
+  static std::array<T, kSize> array(const V& v) {
+    std::array<T, kSize> result;
+    std::copy_n(v.getValue(), kSize, result.begin());
+    return result;
   }
-  void integer(int64_t v) const {
-    if (v >= INT_MIN && v <= INT_MAX)
-      spec.attribute(name, int(v));
-    else
-      spec.attribute(name, std::to_string(v));
+  static Result integer(int64_t v) {
+    if (v >= INT_MIN && v <= INT_MAX) return int(v);
+    return std::to_string(v);
   }
-  void operator()(std::monostate) const {}
-  void operator()(bool v) const { spec.attribute(name, int(v)); }
-  void operator()(int32_t v) const { integer(v); }
-  void operator()(int64_t v) const { integer(v); }
-  void operator()(uint32_t v) const { integer(v); }
-  void operator()(float v) const { spec.attribute(name, v); }
-  void operator()(double v) const { spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE), &v); }
-  void operator()(const Vec2f& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC2, &v); }
-  void operator()(const Vec3f& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC3, &v); }
-  void operator()(const Vec2i& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC2, &v); }
-  void operator()(const Vec3i& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC3, &v); }
-  void operator()(const Matrix4d& v) const { vector(OIIO::TypeDesc::DOUBLE, OIIO::TypeDesc::MATRIX44, &v); }
-  void operator()(const Token& v) const { spec.attribute(name, v.str()); }
-  void operator()(const std::string& v) const { spec.attribute(name, v); }
-  void operator()(const Path& v) const { spec.attribute(name, v.str()); }
+  Result operator()(bool v) const { return int(v); }
+  Result operator()(int32_t v) const { return integer(v); }
+  Result operator()(int64_t v) const { return integer(v); }
+  Result operator()(uint32_t v) const { return integer(v); }
+  Result operator()(float v) const { return v; }
+  Result operator()(double v) const { return v; }
+  Result operator()(const Vec2f& v) const { return array<2, float>(v); }
+  Result operator()(const Vec3f& v) const { return array<3, float>(v); }
+  Result operator()(const Vec2i& v) const { return array<2, int>(v); }
+  Result operator()(const Vec3i& v) const { return array<3, int>(v); }
+  Result operator()(const Matrix4d& v) const { return array<16, double>(v); }
+  Result operator()(const Token& v) const { return v.str(); }
+  Result operator()(const std::string& v) const { return v; }
+  Result operator()(const Path& v) const { return v.str(); }
   template <class T>
-  void operator()(const T&) const {
-    spec.attribute(name, value.to_string());
+  Result operator()(const T&) const {
+    return value.to_string();
   }
 };
 
-void set_attributes(const ProductImage& image, const OutputTransform& out, FileKind kind, OIIO::ImageSpec& spec) {
+std::vector<ImageAttribute> attributes_of(const ProductImage& image, const OutputTransform& out) {
+  std::vector<ImageAttribute> attributes;
   for (const auto& [key, value] : image.metadata) {
-    if (key.starts_with("oiio:")) continue;                        // directions to OpenImageIO, which are given below
+    if (key.starts_with("oiio:") || value.empty()) continue;       // directions to OpenImageIO are not the host's
     const std::string name = key == "capDate" ? "DateTime" : key;  // OpenImageIO's name for EXR's attribute
-    std::visit(AttributeSetter{spec, name, value}, value.storage());
+    attributes.push_back({name, std::visit(AttributeValue{value}, value.storage())});
   }
-  spec.attribute("colorSpace", out.description);
-  if (image.incomplete) spec.attribute("alabaster/incomplete", 1);
+  attributes.push_back({"colorSpace", out.description});
+  if (image.incomplete) attributes.push_back({"alabaster/incomplete", 1});
   if (!image.metadata.contains("Software")) {
     const std::string versions = AlabasterVersions();
-    spec.attribute("Software", "Alabaster " + versions.substr(0, versions.find('\n')));
+    attributes.push_back({"Software", "Alabaster " + versions.substr(0, versions.find('\n'))});
   }
-  if (kind == FileKind::exr) return;
-
-  // The other formats have no free attributes (PNG has only texts), so one description holds them all.
-  std::string description;
-  for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
-    if (attribute.name() == "Software" || attribute.name() == "DateTime") continue;
-    description += attribute.name().string() + ": " + attribute.get_string() + "\n";
-  }
-  std::erase_if(spec.extra_attribs, [](const OIIO::ParamValue& attribute) {
-    return attribute.name() != "Software" && attribute.name() != "DateTime";
-  });
-  spec.attribute("ImageDescription", description);
+  return attributes;
 }
 
-// ---- layout of the file ---------------------------------------------------------------------------------------------
-
-OIIO::TypeDesc type_of(ChannelStore store) {
-  switch (store) {
-    case ChannelStore::half:
-      return OIIO::TypeHalf;
-    case ChannelStore::float32:
-      return OIIO::TypeFloat;
-    case ChannelStore::uint32:
-      return OIIO::TypeUInt32;
-    case ChannelStore::uint8:
-      return OIIO::TypeUInt8;
-    case ChannelStore::uint16:
-      break;
-  }
-  return OIIO::TypeUInt16;
-}
-
-void set_windows(const Framing& framing, OIIO::ImageSpec& spec) {
-  spec.x = framing.dataWindow.minX;
-  spec.y = framing.dataWindow.minY;
-  spec.full_x = int(std::lround(framing.displayMin.x));
-  spec.full_y = int(std::lround(framing.displayMin.y));
-  spec.full_width = std::max(1, int(std::lround(framing.displayMax.x)) - spec.full_x);
-  spec.full_height = std::max(1, int(std::lround(framing.displayMax.y)) - spec.full_y);
-}
-
-constexpr int kPngNoFilter = 8;  // libpng's PNG_FILTER_NONE
-
-/// PNG, TIFF and JPEG hold the data window alone, because viewers disagree about offsets. Somebody waits for an
-/// incomplete image, so it is not compressed.
-OIIO::ImageSpec make_spec(const ProductPlan& plan, const ProductImage& image, const OutputTransform& out) {
-  const Rect2i& window = image.framing.dataWindow;
-  OIIO::ImageSpec spec(window.width(), window.height(), int(plan.channels.size()), type_of(plan.channels[0].store));
-  spec.channelnames.clear();
-  for (size_t i = 0; i < plan.channels.size(); ++i) {
-    const PlannedChannel& channel = plan.channels[i];
-    spec.channelnames.push_back(channel.name);
-    spec.channelformats.push_back(type_of(channel.store));
-    if (channel.name == "A" && plan.channels.size() > 1) spec.alpha_channel = int(i);
-  }
-  set_attributes(image, out, plan.kind, spec);
-  spec.attribute("PixelAspectRatio", image.framing.pixelAspectRatio);
-  spec.attribute("oiio:UnassociatedAlpha", 1);  // PNG and TIFF get straight alpha; EXR ignores this
-  switch (plan.kind) {
-    case FileKind::exr:
-      set_windows(image.framing, spec);
-      spec.attribute("compression", image.incomplete ? "none" : "zip");
-      break;
-    case FileKind::jpeg:
-      spec.attribute("compression", "jpeg:95");
-      spec.attribute("jpeg:subsampling", "4:4:4");
-      break;
-    case FileKind::tiff:
-      spec.attribute("compression", image.incomplete ? "none" : "zip");
-      break;
-    case FileKind::png:
-      if (!image.incomplete) break;
-      spec.attribute("png:compressionLevel", 0);
-      spec.attribute("png:filter", kPngNoFilter);
-      break;
-  }
-  return spec;
-}
-
-/// Encodes the file in memory. OpenImageIO's own PNG writer does not notice a full disk, and its JPEG writer ends the
-/// process on one. Returns an empty text on success, else the reason.
-std::string encode(const OIIO::ImageSpec& spec, const ProductPlan& plan, const RowEncoder& rows,
-                   std::vector<unsigned char>& file) {
-  constexpr const char* kNames[] = {"x.exr", "x.png", "x.tif", "x.jpg"};
-  const char* name = kNames[int(plan.kind)];
-  OIIO::Filesystem::IOVecOutput memory(file);
-  const auto output = OIIO::ImageOutput::create(name);
-  if (!output) return "OpenImageIO cannot write this format: " + OIIO::geterror();
-  output->set_ioproxy(&memory);
-  if (!output->open(name, spec)) return output->geterror();
-  const int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
-  std::vector<uint8_t> strip(rows.row_bytes() * size_t(rows_at_once));
-  for (int y = 0; y < spec.height; y += rows_at_once) {
-    const int end = std::min(y + rows_at_once, spec.height);
-    rows.encode(y, end, strip.data());
-    const bool good = output->write_scanlines(
-        spec.y + y, spec.y + end, 0, plan.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format, strip.data());
-    if (!good) return output->geterror();
-  }
-  return output->close() ? std::string() : output->geterror();
+/// Somebody waits for an incomplete image, so it is not compressed.
+ImageDescription describe(const ProductPlan& plan, const ProductImage& image, const OutputTransform& out) {
+  const Framing& framing = image.framing;
+  ImageDescription file;
+  file.kind = plan.kind;
+  file.width = framing.dataWindow.width(), file.height = framing.dataWindow.height();
+  for (const PlannedChannel& channel : plan.channels) file.channels.push_back({channel.name, channel.store});
+  file.pixel_aspect = framing.pixelAspectRatio;
+  file.origin = {framing.dataWindow.minX, framing.dataWindow.minY};
+  const int x = int(std::lround(framing.displayMin.x)), y = int(std::lround(framing.displayMin.y));
+  file.display = {x, y, std::max(1, int(std::lround(framing.displayMax.x)) - x),
+                  std::max(1, int(std::lround(framing.displayMax.y)) - y)};
+  file.attributes = attributes_of(image, out);
+  file.fast = image.incomplete;
+  return file;
 }
 
 /// Takes alpha out of the plan if the image has none. Returns false after a report if it lacks anything else.
@@ -258,8 +171,10 @@ bool CheckProduct(const RenderProduct& product, const OutputColors& colors, cons
     ProductPlan plan;
     std::string error;
     if (!PlanProduct(product, plan, error)) return fail(sink, "product.invalid", product.file, error);
+    if (!check_output(product.file, sink)) return false;
+    if (!image_functions(&error)) return fail(sink, "images.library", product.file, error);
     OutputTransform out;
-    return check_output(product.file, sink) && make_output_transform(product, plan, colors, sink, out);
+    return make_output_transform(product, plan, colors, sink, out);
   } catch (const std::exception& e) {
     return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
   }
@@ -276,16 +191,14 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
     OutputTransform out;
     if (!check_image(product, image, plan, sink) || !make_output_transform(product, plan, colors, sink, out))
       return false;
-    OIIO::ImageSpec spec = make_spec(plan, image, out);
-    if (plan.kind == FileKind::exr && !plan.display_referred) {
-      const auto xy = out.config->chromaticities(product.colorSpace);
-      spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), xy.data());
-    }
+    const ImageFunctions* images = image_functions(&error);
+    if (!images) return fail(sink, "images.library", product.file, error);
+    ImageDescription description = describe(plan, image, out);
+    if (plan.kind == FileKind::exr && !plan.display_referred)
+      description.attributes.push_back({"chromaticities", out.config->chromaticities(product.colorSpace)});
     const RowEncoder rows(plan, image, *out.transform);
     std::vector<unsigned char> file;
-    // Room that is not used costs nothing; growing would copy the file.
-    file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);
-    error = encode(spec, plan, rows, file);
+    error = images->encode(description, rows, file);
     if (!error.empty())
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
     error =

@@ -10,7 +10,7 @@ import pathlib
 import re
 import sys
 
-CORE_ROOMS = ["diagnostics", "math", "color", "parameter", "sampling", "texture", "geometry", "camera", "film",
+CORE_ROOMS = ["diagnostics", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
               "denoise", "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
 CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
@@ -27,7 +27,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
 CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
-    "host": ["color", "film", "math"],
+    "host": ["color", "film", "images", "math"],
     "gltf": ["material", "subsurface"],
     "description": ["math", "texture"],
 }
@@ -35,11 +35,11 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"embree3/": ["core/geometry/"],
     r"opensubdiv/": ["core/geometry/"],
     r"OpenColorIO/": ["core/color/"],
-    r"OpenImageIO/": ["core/texture/", "delegate/host/product_writer"],
+    r"OpenImageIO/": ["core/images/open_image_io/"],
     r"tiny_gltf": ["delegate/gltf/"],
     r"valijson/": ["delegate/description/"],
     r"CLI/": ["delegate/cli/"],
-    r"dlfcn\.h": ["core/denoise/"],
+    r"dlfcn\.h": ["core/denoise/", "core/images/"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTERNAL = re.compile(r"^//.*\bInternal to this room\b")

@@ -1,0 +1,104 @@
+// Encoded images. OpenImageIO reads and writes them, from behind a library of our own, libalabaster_images, which is
+// loaded with the first image: Debian's OpenImageIO brings more than 200 libraries (OpenCV, GDAL, ffmpeg), and a host
+// that renders without textures into its own memory does not need them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace alabaster {
+
+// Reading ------------------------------------------------------------------------------------------
+struct ImageSource {
+  std::string path;
+  std::string format;              // OpenImageIO's name: "png", "openexr", ...
+  std::span<const uint8_t> bytes;  // the encoded image, if it is in memory; else it is read from `path`
+};
+
+struct ImageLayout {
+  int width = 0, height = 0;
+  size_t channels = 0;          // floats per pixel that read_rows gives
+  std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
+                                // wherever the format lets us choose
+  std::optional<size_t> alpha;  // which of them, if any, is alpha
+  bool bytes = false;           // a channel is a multiple of 1/255
+  bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
+  bool flat = true;             // neither a volume nor deep samples
+};
+
+class ImageInput {
+ public:
+  virtual ~ImageInput() = default;
+  const ImageLayout& layout() const { return layout_; }
+  /// Decodes the rows from `y` on, as many as it likes, into `pixels`; returns how many, or 0 with the fault. To be
+  /// called with y = 0, then with y plus the number returned.
+  virtual int read_rows(int y, std::vector<float>& pixels, std::string& fault) = 0;
+
+ protected:
+  ImageLayout layout_;
+};
+
+struct ImageFault {
+  std::string code;  // "texture.format", "texture.damaged"
+  std::string text;  // with the remedy
+};
+
+// Writing ------------------------------------------------------------------------------------------
+enum class FileKind { exr, png, tiff, jpeg };
+enum class ChannelStore { half, float32, uint32, uint8, uint16 };
+
+struct ImageAttribute {
+  std::string name;
+  std::variant<int, float, double, std::string, std::array<float, 2>, std::array<float, 3>, std::array<float, 8>,
+               std::array<int, 2>, std::array<int, 3>, std::array<double, 16>>
+      value;
+};
+
+struct ImageChannel {
+  std::string name;
+  ChannelStore store = ChannelStore::half;
+};
+
+struct ImageDescription {
+  FileKind kind = FileKind::exr;
+  int width = 0, height = 0;
+  std::vector<ImageChannel> channels;  // interleaved, each in its own type
+  float pixel_aspect = 1;
+  std::array<int, 2> origin{};   // exr: of the data window
+  std::array<int, 4> display{};  // exr: x, y, width, height of the display window
+  /// Attributes of an EXR. Other formats have no free ones (PNG has only texts), so one description holds them all,
+  /// but for "Software" and "DateTime".
+  std::vector<ImageAttribute> attributes;
+  bool fast = false;  // not compressed, where the format lets us choose
+};
+
+/// Gives rows to an encoder. May throw; the exception passes through.
+class RowSource {
+ public:
+  virtual ~RowSource() = default;
+  virtual size_t row_bytes() const = 0;
+  /// Writes rows [begin, end), counted from the top, to `out`.
+  virtual void encode(int begin, int end, uint8_t* out) const = 0;
+};
+
+// The library --------------------------------------------------------------------------------------
+struct ImageFunctions {
+  /// Null with the fault if the image cannot be opened. `source.bytes` must outlive the result.
+  std::unique_ptr<ImageInput> (*open)(const ImageSource& source, ImageFault& fault);
+  /// Encodes a file in memory: OpenImageIO's own PNG writer does not notice a full disk, and its JPEG writer ends the
+  /// process on one. Empty on success, else the reason.
+  std::string (*encode)(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file);
+};
+
+/// Loads libalabaster_images if it is not loaded yet (0.2 to 0.6 s): from the folder of this library or program, from
+/// `lib` beside that folder, or where the system finds libraries. Null, with the reason and the remedy in *fault, if it
+/// cannot be loaded or is of another build. It stays loaded as long as this library. Any thread.
+const ImageFunctions* image_functions(std::string* fault);
+
+}  // namespace alabaster

@@ -1,0 +1,73 @@
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <mutex>
+
+#include "core/images/image_file.h"
+#include "core/images/library_entry.h"
+
+namespace alabaster {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLibrary = "libalabaster_images.so." ALABASTER_SOVERSION;
+
+/// The names to try in order, for dlopen: files that exist, and the bare name, which the system looks up.
+std::vector<std::string> candidates() {
+  std::vector<std::string> files;
+  Dl_info info{};
+  std::error_code error;
+  if (dladdr(reinterpret_cast<const void*>(&image_functions), &info) && info.dli_fname) {
+    const fs::path own = fs::canonical(info.dli_fname, error).parent_path();
+    for (const fs::path& place : {own / kLibrary, own.parent_path() / "lib" / kLibrary})
+      if (fs::exists(place, error)) files.push_back(place.string());
+  }
+  files.emplace_back(kLibrary);
+  return files;
+}
+
+class ImageLibrary {
+ public:
+  // OpenImageIO itself stays (open_image_io/entry.cpp).
+  ~ImageLibrary() {
+    if (handle_) dlclose(handle_);
+  }
+
+  const ImageFunctions* load(std::string* fault) {
+    const std::lock_guard lock(mutex_);
+    if (functions_) return functions_;
+    const std::string file = candidates().front();
+    // RTLD_LOCAL: a host may bring another OpenImageIO.
+    void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (!handle) return refuse(dlerror(), fault);
+    const auto entry = reinterpret_cast<ImageLibraryEntry*>(dlsym(handle, kImageLibraryEntry));
+    functions_ = entry ? entry(kImageInterface) : nullptr;
+    if (!functions_) {
+      dlclose(handle);
+      return refuse(file + " belongs to another version", fault);
+    }
+    handle_ = handle;
+    return functions_;
+  }
+
+ private:
+  static const ImageFunctions* refuse(const std::string& reason, std::string* fault) {
+    *fault = "images cannot be read or written: " + reason + "; install " + kLibrary +
+             " of this version beside the renderer's library, and OpenImageIO";
+    return nullptr;
+  }
+
+  std::mutex mutex_;
+  void* handle_ = nullptr;
+  const ImageFunctions* functions_ = nullptr;
+};
+
+}  // namespace
+
+const ImageFunctions* image_functions(std::string* fault) {
+  static ImageLibrary library;
+  return library.load(fault);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,129 @@
+#include <algorithm>
+
+#include "core/images/open_image_io/functions.h"
+
+namespace alabaster {
+namespace {
+
+/// Bytes of the rows that are encoded together: enough for every thread, and little beside the frame. OpenImageIO hands
+/// no more than this to OpenEXR's threads at once.
+constexpr size_t kStripBytes = size_t(16) << 20;
+constexpr int kPngNoFilter = 8;  // libpng's PNG_FILTER_NONE
+
+/// Sets an attribute in EXR's own type.
+struct AttributeSetter {
+  OIIO::ImageSpec& spec;
+  const std::string& name;
+
+  void operator()(int v) const { spec.attribute(name, v); }
+  void operator()(float v) const { spec.attribute(name, v); }
+  void operator()(double v) const { spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE), &v); }
+  void operator()(const std::string& v) const { spec.attribute(name, v); }
+  void operator()(const std::array<float, 2>& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC2, &v); }
+  void operator()(const std::array<float, 3>& v) const { vector(OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::VEC3, &v); }
+  void operator()(const std::array<int, 2>& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC2, &v); }
+  void operator()(const std::array<int, 3>& v) const { vector(OIIO::TypeDesc::INT, OIIO::TypeDesc::VEC3, &v); }
+  void operator()(const std::array<double, 16>& v) const {
+    vector(OIIO::TypeDesc::DOUBLE, OIIO::TypeDesc::MATRIX44, &v);
+  }
+  void operator()(const std::array<float, 8>& v) const {
+    spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), v.data());
+  }
+  void vector(OIIO::TypeDesc::BASETYPE base, OIIO::TypeDesc::AGGREGATE aggregate, const void* data) const {
+    spec.attribute(name, OIIO::TypeDesc(base, aggregate), data);
+  }
+};
+
+void describe_in_words(OIIO::ImageSpec& spec) {
+  const auto is_free = [](const OIIO::ParamValue& a) { return a.name() != "Software" && a.name() != "DateTime"; };
+  std::string description;
+  for (const OIIO::ParamValue& attribute : spec.extra_attribs)
+    if (is_free(attribute)) description += attribute.name().string() + ": " + attribute.get_string() + "\n";
+  std::erase_if(spec.extra_attribs, is_free);
+  spec.attribute("ImageDescription", description);
+}
+
+OIIO::TypeDesc type_of(ChannelStore store) {
+  switch (store) {
+    case ChannelStore::half:
+      return OIIO::TypeHalf;
+    case ChannelStore::float32:
+      return OIIO::TypeFloat;
+    case ChannelStore::uint32:
+      return OIIO::TypeUInt32;
+    case ChannelStore::uint8:
+      return OIIO::TypeUInt8;
+    case ChannelStore::uint16:
+      break;
+  }
+  return OIIO::TypeUInt16;
+}
+
+void set_compression(const ImageDescription& image, OIIO::ImageSpec& spec) {
+  switch (image.kind) {
+    case FileKind::exr:
+    case FileKind::tiff:
+      spec.attribute("compression", image.fast ? "none" : "zip");
+      break;
+    case FileKind::jpeg:
+      spec.attribute("compression", "jpeg:95");
+      spec.attribute("jpeg:subsampling", "4:4:4");
+      break;
+    case FileKind::png:
+      if (!image.fast) break;
+      spec.attribute("png:compressionLevel", 0);
+      spec.attribute("png:filter", kPngNoFilter);
+      break;
+  }
+}
+
+/// PNG, TIFF and JPEG hold the data window alone, because viewers disagree about offsets.
+OIIO::ImageSpec make_spec(const ImageDescription& image) {
+  OIIO::ImageSpec spec(image.width, image.height, int(image.channels.size()), type_of(image.channels[0].store));
+  spec.channelnames.clear();
+  for (size_t i = 0; i < image.channels.size(); ++i) {
+    const ImageChannel& channel = image.channels[i];
+    spec.channelnames.push_back(channel.name);
+    spec.channelformats.push_back(type_of(channel.store));
+    if (channel.name == "A" && image.channels.size() > 1) spec.alpha_channel = int(i);
+  }
+  for (const ImageAttribute& attribute : image.attributes)
+    std::visit(AttributeSetter{spec, attribute.name}, attribute.value);
+  if (image.kind != FileKind::exr) describe_in_words(spec);
+  spec.attribute("PixelAspectRatio", image.pixel_aspect);
+  spec.attribute("oiio:UnassociatedAlpha", 1);  // PNG and TIFF get straight alpha; EXR ignores this
+  if (image.kind == FileKind::exr) {
+    spec.x = image.origin[0], spec.y = image.origin[1];
+    spec.full_x = image.display[0], spec.full_y = image.display[1];
+    spec.full_width = image.display[2], spec.full_height = image.display[3];
+  }
+  set_compression(image, spec);
+  return spec;
+}
+
+}  // namespace
+
+std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file) {
+  constexpr const char* kNames[] = {"x.exr", "x.png", "x.tif", "x.jpg"};
+  const char* name = kNames[int(image.kind)];
+  const OIIO::ImageSpec spec = make_spec(image);
+  // Room that is not used costs nothing; growing would copy the file.
+  file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);
+  OIIO::Filesystem::IOVecOutput memory(file);
+  const auto output = OIIO::ImageOutput::create(name);
+  if (!output) return "OpenImageIO cannot write this format: " + OIIO::geterror();
+  output->set_ioproxy(&memory);
+  if (!output->open(name, spec)) return output->geterror();
+  const int rows_at_once = int(std::clamp(kStripBytes / rows.row_bytes(), size_t(1), size_t(spec.height)));
+  std::vector<uint8_t> strip(rows.row_bytes() * size_t(rows_at_once));
+  for (int y = 0; y < spec.height; y += rows_at_once) {
+    const int end = std::min(y + rows_at_once, spec.height);
+    rows.encode(y, end, strip.data());
+    const bool good = output->write_scanlines(
+        spec.y + y, spec.y + end, 0, image.kind == FileKind::exr ? OIIO::TypeUnknown : spec.format, strip.data());
+    if (!good) return output->geterror();
+  }
+  return output->close() ? std::string() : output->geterror();
+}
+
+}  // namespace alabaster

@@ -1,0 +1,96 @@
+#include <algorithm>
+
+#include "core/images/open_image_io/functions.h"
+
+namespace alabaster {
+namespace {
+
+constexpr int kRowsAtOnce = 64;
+constexpr size_t kStripBytes = size_t(64) << 20;  // fewer rows at once where they are very long
+
+ImageLayout layout_of(const OIIO::ImageSpec& spec) {
+  ImageLayout layout;
+  layout.width = spec.width;
+  layout.height = spec.height;
+  layout.channels = size_t(std::max(spec.nchannels, 0));
+  layout.flat = spec.depth <= 1 && !spec.deep;
+  // Renderers' EXRs hold many layers: the plain R, G, B, A are the picture. Without names, one or two channels are grey
+  // and grey with alpha.
+  const int r = spec.channelindex("R"), g = spec.channelindex("G"), b = spec.channelindex("B");
+  if (r >= 0 && g >= 0 && b >= 0)
+    layout.rgb = {size_t(r), size_t(g), size_t(b)};
+  else if (spec.nchannels >= 3)
+    layout.rgb = {0, 1, 2};
+  if (const int a = spec.channelindex("A"); a >= 0)
+    layout.alpha = size_t(a);
+  else if (spec.alpha_channel >= 0)
+    layout.alpha = size_t(spec.alpha_channel);
+  const OIIO::TypeDesc format = spec.format;
+  layout.bytes = format == OIIO::TypeUInt8;
+  layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
+  return layout;
+}
+
+class Input final : public ImageInput {
+ public:
+  bool open(const ImageSource& source, ImageFault& fault) {
+    input_ = OIIO::ImageInput::create(source.format);
+    if (!input_) {
+      static_cast<void>(OIIO::geterror());
+      fault = {"texture.format", "OpenImageIO was built without a reader for " + source.format + "; convert the image"};
+      return false;
+    }
+    OIIO::ImageSpec request;
+    request["oiio:UnassociatedAlpha"] = 1;
+    if (!source.bytes.empty()) {
+      if (!input_->supports("ioproxy")) {
+        fault = {"texture.format", source.format + " images cannot be embedded; use PNG or JPEG, or a file"};
+        return false;
+      }
+      proxy_ = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<uint8_t*>(source.bytes.data()),
+                                                               source.bytes.size());
+      input_->set_ioproxy(proxy_.get());
+    }
+    OIIO::ImageSpec spec;
+    if (!input_->open(source.path, spec, request)) {
+      fault = {"texture.damaged", input_->geterror() + "; export or copy the image again"};
+      return false;
+    }
+    layout_ = layout_of(input_->spec());
+    return true;
+  }
+
+  int read_rows(int y, std::vector<float>& pixels, std::string& fault) override {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const bool tiled = spec.tile_width > 0;
+    const size_t row_bytes = size_t(spec.width) * layout_.channels * sizeof(float);
+    const int strip = int(std::clamp(kStripBytes / std::max(row_bytes, size_t(1)), size_t(1), size_t(kRowsAtOnce)));
+    const int rows = std::min(tiled ? spec.tile_height : strip, spec.height - y);
+    pixels.resize(size_t(rows) * size_t(spec.width) * layout_.channels);
+    const int begin = spec.y + y, end = begin + rows;
+    const bool good =
+        tiled ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
+                                   OIIO::TypeFloat, pixels.data())
+              : input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
+    // Some readers fill up a file that is cut off and mention it only in the error text.
+    if (good && !input_->has_error()) return rows;
+    fault = input_->geterror();
+    if (fault.empty()) fault = "the pixels cannot be decoded";
+    return 0;
+  }
+
+ private:
+  // The input reads through the proxy and must be closed before it goes.
+  std::unique_ptr<OIIO::Filesystem::IOMemReader> proxy_;
+  std::unique_ptr<OIIO::ImageInput> input_;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault) {
+  auto input = std::make_unique<Input>();
+  if (!input->open(source, fault)) return nullptr;
+  return input;
+}
+
+}  // namespace alabaster
