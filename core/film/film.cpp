@@ -29,64 +29,138 @@ Rgb layer_of(const LightLayers& layers, Aov aov) {
   }
 }
 
-void accumulate(const Rgb& value, std::array<double, 3>* sum) {
-  (*sum)[0] += value.r;
-  (*sum)[1] += value.g;
-  (*sum)[2] += value.b;
+void accumulate(const std::array<float, 3>& value, std::array<UnitSum, 3>* sum) {
+  for (size_t i = 0; i < 3; ++i) (*sum)[i].add(value[i]);
+}
+
+template <class Plane>
+void append_plane(const Plane& from, Plane* to) {
+  for (size_t i = 0; i < to->size(); ++i) {
+    if constexpr (requires { (*to)[i].add(from[i]); })
+      (*to)[i].add(from[i]);
+    else
+      for (size_t c = 0; c < 3; ++c) (*to)[i][c].add(from[i][c]);
+  }
 }
 
 }  // namespace
 
-FilmTile::FilmTile(size_t pixels, uint32_t aovs) : samples_(pixels, 0), color_(pixels), halves_(pixels) {
+FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
+    : reached(extras.range.begin),
+      begin_(extras.range.begin),
+      marks_per_pixel_(count_marks(extras.range)),
+      samples_(pixels, 0),
+      color_(pixels),
+      alpha_(pixels),
+      halves_(pixels),
+      marks_(pixels * marks_per_pixel_) {
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
   if (aovs & kClosestAovs) closest_.resize(pixels);
   for (const AovInfo& info : kAovs)
-    if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, Sums(pixels)});
+    if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
+  if (extras.rays) rays_.resize(pixels);
 }
 
-size_t FilmTile::bytes_per_pixel(uint32_t aovs) {
-  size_t bytes = sizeof(decltype(samples_)::value_type) + sizeof(decltype(color_)::value_type) + sizeof(Halves);
-  if (aovs & aov_bit(Aov::normal)) bytes += sizeof(decltype(normal_)::value_type);
-  if (aovs & aov_bit(Aov::albedo)) bytes += sizeof(decltype(albedo_)::value_type);
-  if (aovs & kClosestAovs) bytes += sizeof(Closest);
-  bytes += static_cast<size_t>(std::popcount(aovs & kLayerAovs)) * sizeof(Sums::value_type);
+size_t FilmTile::count_marks(const SampleRange& range) {
+  if (range.begin == 0 || range.end <= range.begin) return 0;
+  return std::min(kMostMarks, static_cast<size_t>(std::bit_width(range.end) - std::bit_width(range.begin)));
+}
+
+std::vector<std::span<std::byte>> FilmTile::planes() {
+  std::vector<std::span<std::byte>> all;
+  const auto add = [&all](auto& plane) {
+    if (!plane.empty()) all.push_back(std::as_writable_bytes(std::span(plane)));
+  };
+  add(samples_);
+  add(color_);
+  add(alpha_);
+  add(halves_);
+  add(normal_);
+  add(albedo_);
+  add(closest_);
+  for (LayerPlane& layer : layers_) add(layer.sums);
+  add(rays_);
+  add(marks_);
+  return all;
+}
+
+bool FilmTile::is_valid() const {
+  const auto valid = [](const std::vector<RgbSum>& sums) {
+    return std::all_of(sums.begin(), sums.end(), [](const RgbSum& sum) { return sum.is_valid(); });
+  };
+  return valid(color_) && valid(marks_) &&
+         std::all_of(layers_.begin(), layers_.end(), [&](const LayerPlane& layer) { return valid(layer.sums); }) &&
+         std::all_of(samples_.begin(), samples_.end(), [](uint32_t n) { return n <= kMostSummedSamples; });
+}
+
+size_t FilmTile::bytes_per_pixel(uint32_t aovs, const FilmExtras& extras) {
+  FilmTile one(1, aovs, extras);
+  size_t bytes = 0;
+  for (const auto& plane : one.planes()) bytes += plane.size();
   return bytes;
 }
 
-size_t film_bytes(const PixelRect& data_window, uint32_t aovs) {
+size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras) {
   if (data_window.empty()) return 0;
   const size_t denoised = aovs & aov_bit(Aov::denoised) ? 3 * sizeof(float) : 0;
   return static_cast<size_t>(data_window.width()) * static_cast<size_t>(data_window.height()) *
-         (FilmTile::bytes_per_pixel(aovs) + denoised);
+         (FilmTile::bytes_per_pixel(aovs, extras) + denoised);
 }
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
-  ++samples_[pixel];
-  auto& c = color_[pixel];
-  c[0] += s.color.r;
-  c[1] += s.color.g;
-  c[2] += s.color.b;
-  c[3] += s.alpha;
-  if (std::has_single_bit(samples_[pixel])) compare_halves(pixel);
-  if (!normal_.empty()) {
-    auto& n = normal_[pixel];
-    n[0] += s.normal.x;
-    n[1] += s.normal.y;
-    n[2] += s.normal.z;
-  }
-  if (!albedo_.empty()) accumulate(s.albedo, &albedo_[pixel]);
+  const uint32_t samples = ++samples_[pixel];
+  color_[pixel].add(s.color);
+  alpha_[pixel].add(s.alpha);
+  if (std::has_single_bit(samples)) compare_halves(pixel);
+  if (marks_per_pixel_ > 0 && std::has_single_bit(begin_ + samples))
+    marks_[mark(pixel, begin_ + samples)] = color_[pixel];
+  if (!normal_.empty()) accumulate({s.normal.x, s.normal.y, s.normal.z}, &normal_[pixel]);
+  if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
   if (layers)
-    for (LayerPlane& plane : layers_) accumulate(layer_of(*layers, plane.aov), &plane.sums[pixel]);
+    for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
   if (!closest_.empty() && s.distance < closest_[pixel].distance)
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
+}
+
+void FilmTile::append(const FilmTile& next) {
+  for (size_t pixel = 0; pixel < samples_.size(); ++pixel) {
+    append_halves(pixel, next);
+    samples_[pixel] += next.samples_[pixel];
+    if (!closest_.empty() && next.closest_[pixel].distance < closest_[pixel].distance)
+      closest_[pixel] = next.closest_[pixel];
+    if (!rays_.empty()) rays_[pixel] += next.rays_[pixel];
+  }
+  append_plane(next.color_, &color_);
+  append_plane(next.alpha_, &alpha_);
+  append_plane(next.normal_, &normal_);
+  append_plane(next.albedo_, &albedo_);
+  for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
+  reached = next.reached;
+}
+
+// Compares the halves at each power of two that the part reaches, as if its samples came one by one.
+void FilmTile::append_halves(size_t pixel, const FilmTile& next) {
+  if (next.marks_per_pixel_ == 0) return;
+  const uint32_t samples = samples_[pixel];
+  const RgbSum color = color_[pixel];
+  const uint32_t last = std::bit_floor(samples + next.samples_[pixel]);
+  const auto known =
+      std::min(next.marks_per_pixel_, static_cast<size_t>(std::bit_width(last) - std::bit_width(samples)));
+  for (size_t before = known; before-- > 0;) {
+    samples_[pixel] = last >> before;
+    color_[pixel].add(next.marks_[next.mark(pixel, last >> before)]);
+    compare_halves(pixel);
+    color_[pixel] = color;
+  }
+  samples_[pixel] = samples;
 }
 
 namespace {
 
 // Difference between the means of the `first` samples and of the `rest`: the root of its mean square over red, green
 // and blue.
-float mean_difference(const std::array<double, 4>& all, const std::array<float, 3>& some, double first, double rest) {
+float mean_difference(const std::array<double, 3>& all, const std::array<float, 3>& some, double first, double rest) {
   double squares = 0;
   for (size_t c = 0; c < 3; ++c) {
     const double difference = some[c] / first - (all[c] - some[c]) / rest;
@@ -100,7 +174,7 @@ float mean_difference(const std::array<double, 4>& all, const std::array<float, 
 // The pixel has just reached a power of two.
 void FilmTile::compare_halves(size_t pixel) {
   Halves& h = halves_[pixel];
-  const auto& sums = color_[pixel];
+  const auto sums = color_[pixel].value();
   const uint32_t n = samples_[pixel];
   if (n > 1) {
     h.earlier = h.previous;
@@ -113,7 +187,7 @@ void FilmTile::compare_halves(size_t pixel) {
 PixelNoise FilmTile::noise(size_t pixel) const {
   const uint32_t n = samples_[pixel];
   if (n == 0) return {};
-  const auto& sums = color_[pixel];
+  const auto sums = color_[pixel].value();
   const Halves& h = halves_[pixel];
   const uint32_t m = std::bit_floor(n);
   return {n,         static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)), h.latest, h.previous,
@@ -123,6 +197,7 @@ PixelNoise FilmTile::noise(size_t pixel) const {
 void FilmTile::take(size_t pixel, const FilmTile& from) {
   samples_[pixel] = from.samples_[pixel];
   color_[pixel] = from.color_[pixel];
+  alpha_[pixel] = from.alpha_[pixel];
   halves_[pixel] = from.halves_[pixel];
   if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
@@ -132,25 +207,30 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
 
 void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
   const double scale = samples_[pixel] > 0 ? 1.0 / samples_[pixel] : 0;
-  const auto average = [&](const auto& sums, size_t first, size_t count) {
-    for (size_t i = 0; i < count; ++i)
-      out[i] = sums.empty() ? 0.0f : static_cast<float>(sums[pixel][first + i] * scale);
+  const auto average = [&](const RgbSum& sum) {
+    const auto sums = sum.value();
+    for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i] * scale);
   };
+  const auto average_units = [&](const UnitSums& sums) {
+    for (size_t i = 0; i < 3; ++i) out[i] = sums.empty() ? 0.0f : static_cast<float>(sums[pixel][i].value() * scale);
+  };
+  const float alpha = static_cast<float>(alpha_[pixel].value() * scale);
   switch (aov) {
     case Aov::color:
-      average(color_, 0, 4);
+      average(color_[pixel]);
+      out[3] = alpha;
       break;
     case Aov::alpha:
-      average(color_, 3, 1);
+      *out = alpha;
       break;
     case Aov::error:
       *out = noise(pixel).deviation();
       break;
     case Aov::normal:
-      average(normal_, 0, 3);
+      average_units(normal_);
       break;
     case Aov::albedo:
-      average(albedo_, 0, 3);
+      average_units(albedo_);
       break;
     case Aov::depth:
       *out = closest_.empty() ? aov_info(aov).background : closest_[pixel].depth;
@@ -161,7 +241,7 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
     default:
       std::fill_n(out, aov_info(aov).components(), 0.0f);
       for (const LayerPlane& plane : layers_)
-        if (plane.aov == aov) average(plane.sums, 0, 3);
+        if (plane.aov == aov) average(plane.sums[pixel]);
   }
 }
 
@@ -172,16 +252,17 @@ int32_t FilmTile::resolve_int(size_t pixel, Aov aov) const {
   return aov == Aov::prim_id ? c.prim_id : aov == Aov::instance_id ? c.instance_id : c.element_id;
 }
 
-Film::Film(const PixelRect& data_window, uint32_t aovs)
+Film::Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras)
     : window_(data_window),
       aovs_(aovs),
+      extras_(extras),
       tiles_x_((std::max(0, data_window.width()) + kTileSize - 1) / kTileSize),
       tiles_y_((std::max(0, data_window.height()) + kTileSize - 1) / kTileSize),
       locks_(static_cast<size_t>(tiles_x_) * static_cast<size_t>(tiles_y_)) {
   tiles_.reserve(static_cast<size_t>(tile_count()));
   for (int t = 0; t < tile_count(); ++t) {
     const PixelRect r = tile_rect(t);
-    tiles_.emplace_back(static_cast<size_t>(r.width()) * static_cast<size_t>(r.height()), aovs);
+    tiles_.emplace_back(static_cast<size_t>(r.width()) * static_cast<size_t>(r.height()), aovs, extras);
   }
 }
 
@@ -280,20 +361,29 @@ std::vector<int32_t> Film::resolve_int(Aov aov) const {
   return frame;
 }
 
-std::vector<PixelNoise> Film::noise() const {
+template <class T, class Read>
+std::vector<T> Film::read_pixels(const Read& read) const {
   if (window_.empty()) return {};
   const auto width = static_cast<size_t>(window_.width());
-  std::vector<PixelNoise> frame(width * static_cast<size_t>(window_.height()));
+  std::vector<T> frame(width * static_cast<size_t>(window_.height()));
   tbb::parallel_for(0, tile_count(), [&](int t) {
     const PixelRect r = tile_rect(t);
     const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
     size_t pixel = 0;
     for (int y = r.y0; y < r.y1; ++y) {
-      PixelNoise* row = frame.data() + static_cast<size_t>(y - window_.y0) * width + (r.x0 - window_.x0);
-      for (int x = r.x0; x < r.x1; ++x) *row++ = tiles_[static_cast<size_t>(t)].noise(pixel++);
+      T* row = frame.data() + static_cast<size_t>(y - window_.y0) * width + (r.x0 - window_.x0);
+      for (int x = r.x0; x < r.x1; ++x) *row++ = read(tiles_[static_cast<size_t>(t)], pixel++);
     }
   });
   return frame;
+}
+
+std::vector<PixelNoise> Film::noise() const {
+  return read_pixels<PixelNoise>([](const FilmTile& tile, size_t pixel) { return tile.noise(pixel); });
+}
+
+std::vector<uint32_t> Film::rays() const {
+  return read_pixels<uint32_t>([](const FilmTile& tile, size_t pixel) { return tile.rays(pixel); });
 }
 
 }  // namespace alabaster

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <atomic>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -15,6 +17,7 @@
 #include "core/color/rgb.h"
 #include "core/film/aov.h"
 #include "core/film/pixel_noise.h"
+#include "core/film/sample_sum.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -26,6 +29,20 @@ struct PixelRect {
   int height() const { return y1 - y0; }
   bool empty() const { return x1 <= x0 || y1 <= y0; }
   bool operator==(const PixelRect&) const = default;
+};
+
+/// Samples of a pixel, by their numbers, half open.
+struct SampleRange {
+  uint32_t begin = 0, end = 0;
+  bool operator==(const SampleRange&) const = default;
+};
+
+/// What a film keeps besides its AOVs.
+struct FilmExtras {
+  bool rays = false;  // the rays that each pixel has cost
+  /// The samples that it is to get. Where they do not begin at 0 the film is a part of another one, and keeps what that
+  /// needs to append() it. `end` counts for such a film only.
+  SampleRange range;
 };
 
 /// The result of one camera sample. Values of the first hit keep their defaults where no bound AOV shows them.
@@ -54,11 +71,20 @@ struct LightLayers {
 class FilmTile {
  public:
   FilmTile() = default;
-  FilmTile(size_t pixels, uint32_t aovs);
+  FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras = {});
 
-  /// `pixel`: row-major within the tile. A pixel's samples must come in sample order, from index 0 of one sampler on:
-  /// sums depend on the order in the last bit. `layers`: null where none of kLayerAovs is requested.
+  /// `pixel`: row-major within the tile. A pixel's samples must come in sample order, because its noise is that of the
+  /// first half against the second. `layers`: null where none of kLayerAovs is requested.
   void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
+  /// Counts rays of a pixel, if the film does.
+  void add_rays(size_t pixel, uint32_t rays) {
+    if (!rays_.empty()) rays_[pixel] += rays;
+  }
+  uint32_t rays(size_t pixel) const { return rays_[pixel]; }
+  /// Adds the samples of a part that follow this tile's, which begin at 0. Both have the same shape and AOVs, and this
+  /// tile has a sample. Every pixel has all samples of its range in both. The tile becomes, to the bit, what it were if
+  /// it had got all samples itself.
+  void append(const FilmTile& next);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
   /// Writes a pixel's components: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out) const;
@@ -66,14 +92,22 @@ class FilmTile {
   PixelNoise noise(size_t pixel) const;
   /// Replaces a pixel by that of another tile of the same shape and AOVs.
   void take(size_t pixel, const FilmTile& from);
-  /// Size of the accumulators that these AOVs need.
-  static size_t bytes_per_pixel(uint32_t aovs);
+  /// Size of the accumulators that these AOVs and extras need.
+  static size_t bytes_per_pixel(uint32_t aovs, const FilmExtras& extras = {});
+
+  /// Samples per pixel, of an even frame, that all pixels have had: where a render goes on. Whoever adds the samples
+  /// sets it.
+  uint32_t reached = 0;
+  /// The memory of all planes, for a checkpoint: it depends on the number of pixels, the AOVs and the extras alone.
+  std::vector<std::span<std::byte>> planes();
+  /// False if the planes, read from a file, hold what no samples give.
+  bool is_valid() const;
 
  private:
-  using Sums = std::vector<std::array<double, 3>>;
+  using UnitSums = std::vector<std::array<UnitSum, 3>>;
   struct LayerPlane {
     Aov aov;
-    Sums sums;
+    std::vector<RgbSum> sums;
   };
   struct Closest {
     float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
@@ -83,18 +117,31 @@ class FilmTile {
     std::array<float, 3> first{};  // sum of color over the first m samples
     float latest = 0, previous = 0, earlier = 0;
   };
+  // The sums of color at the powers of two that the number of a part's last sample reaches. The halves of a film need
+  // the last four.
+  static constexpr size_t kMostMarks = 4;
+  static size_t count_marks(const SampleRange& range);
+  size_t mark(size_t pixel, uint32_t power) const {
+    return pixel * marks_per_pixel_ + static_cast<size_t>(std::countr_zero(power)) % marks_per_pixel_;
+  }
   void compare_halves(size_t pixel);
+  void append_halves(size_t pixel, const FilmTile& next);
 
+  uint32_t begin_ = 0;  // the first sample
+  size_t marks_per_pixel_ = 0;
   std::vector<uint32_t> samples_;
-  std::vector<std::array<double, 4>> color_;  // sums, premultiplied
-  Sums normal_, albedo_;
+  std::vector<RgbSum> color_;  // premultiplied
+  std::vector<UnitSum> alpha_;
+  UnitSums normal_, albedo_;
   std::vector<Halves> halves_;
   std::vector<LayerPlane> layers_;  // those that are requested
   std::vector<Closest> closest_;
+  std::vector<uint32_t> rays_;
+  std::vector<RgbSum> marks_;
 };
 
 /// Bytes that a Film of this window will take, but for a few per tile.
-size_t film_bytes(const PixelRect& data_window, uint32_t aovs);
+size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
 
 /// Accumulators of a data window, in tiles. Workers add samples to a private copy of a tile and store it; readers copy
 /// a tile at a time. Each holds the lock of that tile only, so neither waits for a whole pass. All const functions, and
@@ -103,10 +150,11 @@ class Film {
  public:
   static constexpr int kTileSize = 32;
   /// `aovs`: bits of Aov. Color and alpha are always there.
-  Film(const PixelRect& data_window, uint32_t aovs);
+  Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
 
   const PixelRect& data_window() const { return window_; }
   uint32_t aovs() const { return aovs_; }
+  const FilmExtras& extras() const { return extras_; }
   int tile_count() const { return tiles_x_ * tiles_y_; }
   PixelRect tile_rect(int tile) const;
   FilmTile load_tile(int tile) const;
@@ -126,18 +174,23 @@ class Film {
   /// The same values as one frame, row-major, y-down.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
-  /// Runs on all threads of the caller's TBB arena.
+  // These run on all threads of the caller's TBB arena.
   std::vector<PixelNoise> noise() const;
+  /// The rays that each pixel has cost, for a film that counts them.
+  std::vector<uint32_t> rays() const;
 
  private:
   template <class T, class Resolve>
   void resolve_rows(int components, const Resolve& resolve, const TakeRow<T>& take) const;
   void resolve_denoised(const TakeRow<float>& take) const;
+  template <class T, class Read>
+  std::vector<T> read_pixels(const Read& read) const;
   template <class T>
   TakeRow<T> copy_to(std::vector<T>* frame, int components) const;
 
   PixelRect window_;
   uint32_t aovs_ = 0;
+  FilmExtras extras_;
   int tiles_x_ = 0, tiles_y_ = 0;
   std::atomic<uint64_t> revision_{0};
   std::vector<FilmTile> tiles_;

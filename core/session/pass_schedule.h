@@ -7,11 +7,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/film/film.h"
+
 namespace alabaster {
 
-struct SampleRange {
-  uint32_t begin = 0, end = 0;
-};
 using PassSchedule = std::vector<SampleRange>;
 
 /// Ranges that cover `all` in order: from 0 on 1, 1, 2, 4, 8, then 16 at a time.

@@ -1,0 +1,123 @@
+// The film of a part of the samples, appended to the film of those before, is the film of all.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "core/film/film.h"
+
+namespace alabaster {
+namespace {
+
+constexpr size_t kPixels = 3;
+
+// A sample by its number. Distances tie now and then.
+FilmSample sample(size_t pixel, uint32_t number, LightLayers* layers) {
+  std::mt19937 random(static_cast<unsigned>(pixel * 10007 + number));
+  std::lognormal_distribution<float> light(static_cast<float>(pixel) * 20 - 20, 2);
+  FilmSample s;
+  s.color = {light(random), light(random), random() % 4 ? 0 : light(random)};
+  s.alpha = random() % 3 ? 1.0f : 0.0f;
+  s.distance = static_cast<float>(random() % 4 + 1);
+  s.depth = s.camera_depth = static_cast<float>(number);
+  s.normal = {0.3f, -0.2f, static_cast<float>(random() % 1000) / 1000};
+  s.albedo = {0.1f, static_cast<float>(random() % 1000) / 999, 0.5f};
+  s.prim_id = s.instance_id = s.element_id = static_cast<int32_t>(number);
+  for (Rgb* layer : {&layers->diffuse, &layers->specular, &layers->unscattered, &layers->single, &layers->multiple,
+                     &layers->emission})
+    *layer = {light(random), light(random), light(random)};
+  return s;
+}
+
+FilmTile tile_of(const SampleRange& range) {
+  FilmTile tile(kPixels, ~0u, {false, range});
+  for (size_t pixel = 0; pixel < kPixels; ++pixel)
+    for (uint32_t i = range.begin; i < range.end; ++i) {
+      LightLayers layers;
+      const FilmSample s = sample(pixel, i, &layers);
+      tile.add(pixel, s, &layers);
+    }
+  tile.reached = range.end;
+  return tile;
+}
+
+// All that the tile holds, and all that it shows.
+std::vector<std::byte> contents(FilmTile tile) {
+  std::vector<std::byte> bytes;
+  for (const auto& plane : tile.planes()) bytes.insert(bytes.end(), plane.begin(), plane.end());
+  for (size_t pixel = 0; pixel < kPixels; ++pixel)
+    for (const AovInfo& info : kAovs) {
+      float values[4] = {};
+      if (info.is_integer())
+        values[0] = static_cast<float>(tile.resolve_int(pixel, info.aov));
+      else
+        tile.resolve(pixel, info.aov, values);
+      const auto* const raw = reinterpret_cast<const std::byte*>(values);
+      bytes.insert(bytes.end(), raw, raw + sizeof values);
+    }
+  return bytes;
+}
+
+TEST(FilmAppend, OfTwoPartsIsTheWholeForAllSplits) {
+  for (const uint32_t end : {1u, 2u, 3u, 7u, 8u, 9u, 33u, 64u, 100u}) {
+    const std::vector<std::byte> whole = contents(tile_of({0, end}));
+    for (uint32_t at = 1; at <= end; ++at) {
+      FilmTile tile = tile_of({0, at});
+      tile.append(tile_of({at, end}));
+      ASSERT_TRUE(contents(tile) == whole) << at << " of " << end;
+      ASSERT_EQ(tile.reached, end);
+    }
+  }
+}
+
+TEST(FilmAppend, OfManyPartsIsTheWhole) {
+  std::mt19937 random(2);
+  for (int run = 0; run < 60; ++run) {
+    const auto end = static_cast<uint32_t>(1 + random() % 300);
+    std::vector<uint32_t> cuts{end};
+    for (size_t i = random() % 7; i > 0; --i) cuts.push_back(static_cast<uint32_t>(1 + random() % end));
+    std::sort(cuts.begin(), cuts.end());
+    FilmTile tile = tile_of({0, cuts[0]});
+    for (size_t i = 1; i < cuts.size(); ++i) tile.append(tile_of({cuts[i - 1], cuts[i]}));
+    ASSERT_TRUE(contents(tile) == contents(tile_of({0, end}))) << run;
+  }
+}
+
+TEST(FilmAppend, KeepsTheEarliestOfTheClosestSamples) {
+  const FilmTile whole = tile_of({0, 40});
+  for (size_t pixel = 0; pixel < kPixels; ++pixel) {
+    uint32_t closest = 0;
+    LightLayers unused;
+    for (uint32_t i = 1; i < 40; ++i)
+      if (sample(pixel, i, &unused).distance < sample(pixel, closest, &unused).distance) closest = i;
+    EXPECT_EQ(whole.resolve_int(pixel, Aov::prim_id), static_cast<int32_t>(closest));
+  }
+}
+
+TEST(FilmTile, IsRestoredFromItsPlanes) {
+  FilmTile from = tile_of({5, 40}), to(kPixels, ~0u, {false, {5, 40}});
+  const auto source = from.planes(), target = to.planes();
+  ASSERT_EQ(source.size(), target.size());
+  for (size_t i = 0; i < source.size(); ++i) {
+    ASSERT_EQ(source[i].size(), target[i].size());
+    std::memcpy(target[i].data(), source[i].data(), source[i].size());
+  }
+  EXPECT_TRUE(to.is_valid());
+  EXPECT_EQ(contents(to), contents(from));
+  for (const auto& plane : to.planes()) std::memset(plane.data(), 0x7f, plane.size());
+  EXPECT_FALSE(to.is_valid());
+}
+
+TEST(FilmTile, CountsRaysWhereItIsAskedTo) {
+  FilmTile counting(kPixels, 0, {true, {}}), other(kPixels, 0);
+  counting.add_rays(1, 5);
+  counting.add_rays(1, 6);
+  other.add_rays(1, 5);
+  EXPECT_EQ(counting.rays(0), 0u);
+  EXPECT_EQ(counting.rays(1), 11u);
+  EXPECT_EQ(FilmTile::bytes_per_pixel(0, {true, {}}), FilmTile::bytes_per_pixel(0) + 4);
+}
+
+}  // namespace
+}  // namespace alabaster
