@@ -18,14 +18,14 @@ namespace alabaster {
 /// Directions are drawn from the image's density (light_image.h), which is constant per texel and solid angle.
 class DomeLight {
  public:
-  DomeLight(const LightDescription& description, const Vec3d& render_origin);
+  DomeLight(const LightDescription& description, const Vec3d& render_origin, LightImages known = {});
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// Always hits, at infinity, unless the dome is black or an image is asked for the direction zero.
   std::optional<LightHit> intersect(const Ray& ray) const;
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
   /// Null: a constant dome.
-  const LightImage* image() const { return image_.get(); }
+  const std::shared_ptr<const LightImage>& image() const { return image_; }
 
  private:
   float pdf_of_cell(double pdf_uv, int row) const;

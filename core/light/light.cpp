@@ -2,11 +2,11 @@
 
 namespace alabaster {
 
-Light make_light(const LightDescription& d, const Vec3d& render_origin) {
+Light make_light(const LightDescription& d, const Vec3d& render_origin, LightImages known) {
   switch (d.type) {
     case LightType::rect:
     case LightType::disk:
-      return PlaneLight(d, render_origin);
+      return PlaneLight(d, render_origin, known);
     case LightType::cylinder:
       return CylinderLight(d, render_origin);
     case LightType::sphere:
@@ -16,12 +16,12 @@ Light make_light(const LightDescription& d, const Vec3d& render_origin) {
     case LightType::dome:
       break;
   }
-  return DomeLight(d, render_origin);
+  return DomeLight(d, render_origin, known);
 }
 
-const LightImage* image_of(const Light& light) {
+std::shared_ptr<const LightImage> image_of(const Light& light) {
   return std::visit(
-      [](const auto& l) -> const LightImage* {
+      [](const auto& l) -> std::shared_ptr<const LightImage> {
         if constexpr (requires { l.image(); }) return l.image();
         return nullptr;
       },

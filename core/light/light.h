@@ -26,10 +26,11 @@ namespace alabaster {
 
 using Light = std::variant<PlaneLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight>;
 
-/// The light of a description, placed in the render space whose origin this is in the world.
-Light make_light(const LightDescription& description, const Vec3d& render_origin);
+/// The light of a description, placed in the render space whose origin this is in the world. It shares images with
+/// `known`.
+Light make_light(const LightDescription& description, const Vec3d& render_origin, LightImages known = {});
 
 /// The image that it is made of, or null.
-const LightImage* image_of(const Light& light);
+std::shared_ptr<const LightImage> image_of(const Light& light);
 
 }  // namespace alabaster

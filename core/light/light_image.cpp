@@ -58,6 +58,13 @@ LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale,
   distribution_ = Distribution2D(weights, w, h);
 }
 
+std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
+                                                    LightImage::Shape shape, LightImages known) {
+  for (const auto& image : known)
+    if (image->is_of(texture.get(), scale, shape)) return image;
+  return std::make_shared<const LightImage>(texture, scale, shape);
+}
+
 Rgb LightImage::lookup(double u, double v) const {
   const int width = texture_->width(), height = texture_->height();
   const double x = u * width - 0.5, y = v * height - 0.5;

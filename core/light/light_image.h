@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "core/color/rgb.h"
 #include "core/sampling/distribution.h"
@@ -31,6 +32,9 @@ class LightImage {
   const Rgb& mean() const { return mean_; }
   int height() const { return texture_->height(); }
   const Texture* texture() const { return texture_.get(); }
+  bool is_of(const Texture* texture, const Rgb& scale, Shape shape) const {
+    return texture_.get() == texture && scale_ == scale && shape_ == shape;
+  }
   /// On the heap, without the texture, which others may share.
   size_t memory_bytes() const { return sizeof(*this) + distribution_.memory_bytes(); }
 
@@ -43,6 +47,13 @@ class LightImage {
   Rgb mean_{0.0f};
   Distribution2D distribution_;
 };
+
+/// Images that exist already.
+using LightImages = std::span<const std::shared_ptr<const LightImage>>;
+
+/// The one of `known` that is made of the same, or a new one: its density takes 0.2 s for 4096 x 2048 texels.
+std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
+                                                    LightImage::Shape shape, LightImages known);
 
 /// cos(a) - cos(b) of the colatitudes over one row of texels of a lat-long image, without cancellation:
 /// 2 sin(middle) sin(half the height).

@@ -68,7 +68,7 @@ std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray) const {
 size_t LightSet::memory_bytes() const {
   size_t bytes = lights_.capacity() * sizeof(Light) + tree_.memory_bytes();
   for (const Light& light : lights_) {
-    if (const LightImage* image = image_of(light)) bytes += image->memory_bytes();
+    if (const auto image = image_of(light)) bytes += image->memory_bytes();
     if (const auto* mesh = std::get_if<MeshLight>(&light)) bytes += mesh->memory_bytes();
   }
   return bytes;

@@ -32,6 +32,12 @@ class MeshLight {
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
   uint32_t instance() const { return instance_; }
+  /// The same light as that of another instance.
+  MeshLight of_instance(uint32_t instance) const {
+    MeshLight other = *this;
+    other.instance_ = instance;
+    return other;
+  }
   /// On the heap.
   size_t memory_bytes() const;
 

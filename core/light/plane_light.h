@@ -24,7 +24,7 @@ namespace alabaster {
 /// "Solid Angle Sampling of Disk and Cylinder Lights"): directions that miss it, a fifth, give no light.
 class PlaneLight {
  public:
-  PlaneLight(const LightDescription& description, const Vec3d& render_origin);
+  PlaneLight(const LightDescription& description, const Vec3d& render_origin, LightImages known = {});
   /// Empty for points behind or in the plane of the light.
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   std::optional<LightHit> intersect(const Ray& ray) const;
@@ -34,7 +34,7 @@ class PlaneLight {
   /// True only if every direction from p to the light lies below the plane through p with unit normal n.
   bool is_below(const Vec3f& p, const Vec3f& n) const;
   /// Null: the same radiance everywhere.
-  const LightImage* image() const { return image_.get(); }
+  const std::shared_ptr<const LightImage>& image() const { return image_; }
 
  private:
   bool is_sampled_by_area(const Vec3d& to_center, double height) const;

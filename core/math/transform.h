@@ -9,6 +9,7 @@ namespace alabaster {
 struct Affine {
   Vec3f x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, t{0, 0, 0};
 
+  bool operator==(const Affine&) const = default;
   Vec3f point(const Vec3f& p) const { return x * p.x + y * p.y + z * p.z + t; }
   Vec3f vector(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
   /// Applies the transpose of the linear part: with the inverse map this carries normals (unnormalised).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 #include "core/subsurface/body.h"
 
@@ -30,11 +31,40 @@ struct MemberMotion {
   }
 };
 
+// The BVHs of a snapshot's unions, which do not depend on where a union stands in the scene.
+class KnownUnions {
+ public:
+  explicit KnownUnions(const SceneSnapshot* snapshot) {
+    if (!snapshot) return;
+    for (const auto& body : snapshot->bodies)
+      if (body->is_union()) unions_.emplace(key(*body), body.get());
+  }
+  std::shared_ptr<const InstancedScene> find(const SubsurfaceBody& body) const {
+    const auto same = [](const Member& a, const Member& b) {
+      return a.object == b.object && a.to_body == b.to_body && a.poses == b.poses;
+    };
+    const auto [first, last] = unions_.equal_range(key(body));
+    for (auto it = first; it != last; ++it)
+      if (std::equal(body.members.begin(), body.members.end(), it->second->members.begin(), it->second->members.end(),
+                     same))
+        return it->second->scene;
+    return nullptr;
+  }
+
+ private:
+  using Key = std::tuple<const ObjectScene*, size_t, float>;
+  static Key key(const SubsurfaceBody& body) {
+    const Member& first = body.members.front();
+    return {first.object, body.members.size(), first.to_body.x.x};
+  }
+  std::multimap<Key, const SubsurfaceBody*> unions_;
+};
+
 class BodyPlanner {
  public:
   BodyPlanner(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-              SceneSnapshot* snapshot)
-      : drawn_(drawn), device_(device), snapshot_(*snapshot) {}
+              const SceneSnapshot* last, SceneSnapshot* snapshot)
+      : drawn_(drawn), device_(device), known_(last), snapshot_(*snapshot) {}
 
   bool plan() {
     std::map<std::string, std::vector<uint32_t>> sets;
@@ -88,7 +118,8 @@ class BodyPlanner {
       open |= member.shells->any_open;
     }
     if (open) body->bounds = widened(body->bounds);
-    body->scene = build_instanced_scene(device_, placements);
+    body->scene = known_.find(*body);
+    if (!body->scene) body->scene = build_instanced_scene(device_, placements);
     if (!body->scene) return false;
     snapshot_.memory_bytes += body->scene->memory_bytes();
     return true;
@@ -152,6 +183,7 @@ class BodyPlanner {
 
   const std::vector<const InstanceDescription*>& drawn_;
   const std::shared_ptr<TraceDevice>& device_;
+  const KnownUnions known_;
   SceneSnapshot& snapshot_;
   std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
 };
@@ -159,8 +191,8 @@ class BodyPlanner {
 }  // namespace
 
 bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-                 SceneSnapshot* snapshot) {
-  return BodyPlanner(drawn, device, snapshot).plan();
+                 const SceneSnapshot* last, SceneSnapshot* snapshot) {
+  return BodyPlanner(drawn, device, last, snapshot).plan();
 }
 
 }  // namespace alabaster

@@ -74,17 +74,31 @@ std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const Subsurface
   return points;
 }
 
+// The body of a snapshot with the same members, or null.
+const SubsurfaceBody* find_same(const SceneSnapshot* snapshot, const SubsurfaceBody& body) {
+  if (!snapshot) return nullptr;
+  const SubsurfaceBody* const other = snapshot->instances[body.members.front().instance].body;
+  const auto same = [](const auto& a, const auto& b) { return a.instance == b.instance; };
+  const bool found =
+      other && std::equal(body.members.begin(), body.members.end(), other->members.begin(), other->members.end(), same);
+  return found ? other : nullptr;
+}
+
 }  // namespace
 
-void find_lit_surfaces(SceneSnapshot* snapshot) {
+void find_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot) {
   if (snapshot->bodies.empty()) return;
+  // The number of points depends on that of the bodies.
+  if (alike && alike->bodies.size() != snapshot->bodies.size()) alike = nullptr;
   const size_t points = std::min(kMostPoints, kAllPoints / snapshot->bodies.size());
   if (points < kFewestPoints) return;
   for (auto& body : snapshot->bodies) {
-    const auto lit = LitSurface::choose(lit_points(*snapshot, *body, points));
-    if (!lit) continue;
-    snapshot->memory_bytes += sizeof(LitSurface);
-    body->lit = std::make_unique<const LitSurface>(*lit);
+    if (const SubsurfaceBody* same = find_same(alike, *body)) {
+      body->lit = same->lit;
+    } else if (const auto lit = LitSurface::choose(lit_points(*snapshot, *body, points))) {
+      body->lit = std::make_shared<const LitSurface>(*lit);
+    }
+    if (body->lit) snapshot->memory_bytes += sizeof(LitSurface);
   }
 }
 

@@ -121,6 +121,7 @@ struct SceneSnapshot {
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
 };
 
+/// One that shares nothing with others (SnapshotCompiler). Null when memory runs out or Embree refuses (reported).
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,
                                                       const DiagnosticSink& sink);

@@ -17,7 +17,7 @@ const SettingParameter* find_setting(const Token& key) {
 }  // namespace
 
 RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
-    : param(std::move(scene_param)), translator_(param->sink()) {
+    : param(std::move(scene_param)), translator_(param->sink()), compiler_(param->device(), param->sink()) {
   for (const auto& [key, value] : initial_settings) set_setting(key, value);
 }
 
@@ -125,10 +125,9 @@ void RenderCore::apply_edits() {
 
 void RenderCore::publish() {
   std::shared_ptr<const SceneSnapshot> compiled;
-  prims::guarded(param->sink(), "CommitResources", [&] {
-    param->run(
-        [&] { compiled = compile_snapshot(translation_.scene, ++scene_number_, param->device(), param->sink()); });
-  });
+  prims::guarded(param->sink(), "CommitResources",
+                 [&] { param->run([&] { compiled = compiler_.compile(translation_.scene, ++scene_number_); }); });
+  if (!compiled) compiler_.forget();
   stale_ = !compiled;
   last_request_.reset();  // it holds the old snapshot
   {

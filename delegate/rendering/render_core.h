@@ -1,6 +1,7 @@
 // The state that a delegate shares with its passes: settings, the committed scene and its snapshot, background control.
 #pragma once
 
+#include "core/scene/snapshot_compiler.h"
 #include "core/session/tile_renderer.h"
 #include "delegate/prims/deformation.h"
 #include "delegate/prims/mesh_build.h"
@@ -84,6 +85,7 @@ class RenderCore {
   prims::Dicing dicing_;
   prims::DeferredMeshes deferred_;
   prims::SceneTranslator translator_;
+  SnapshotCompiler compiler_;
   prims::Deformations deformations_;
   prims::Translation translation_;
   uint64_t scene_number_ = 0;

@@ -1,0 +1,77 @@
+#include "core/scene/mesh_lights.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/sampling/warp.h"
+
+namespace alabaster {
+namespace {
+
+// Emission at a point of a triangle, of which only a share may be there.
+Rgb emission_at(const Instance& instance, uint32_t triangle, const Vec2f& b) {
+  const Mesh& mesh = instance.prototype->mesh;
+  TriangleHit hit;
+  hit.triangle = triangle, hit.u = b.x, hit.v = b.y;
+  const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
+  const HitPrimvars at(mesh, hit, uv);
+  const DisneyMaterial& material = instance.material(triangle);
+  return material.evaluate(at).emission * material.coverage(at);
+}
+
+bool has_varying_emission(const DisneyMaterial& material) {
+  return material.varies(&DisneyParameters::emission) || material.is_partly_opaque();
+}
+
+// The mean over a triangle by points spread over it. Where it misses all bright texels the triangle is never chosen,
+// and paths that meet it count in full.
+Rgb mean_emission(const Instance& instance, uint32_t triangle) {
+  const DisneyMaterial& material = instance.material(triangle);
+  if (!has_varying_emission(material)) return material.constants.emission;
+  const int side = instance.prototype->mesh.triangles.size() > 65536 ? 2 : 8;
+  const float step = 1 / static_cast<float>(side);
+  Rgb sum(0.0f);
+  for (int i = 0; i < side * side; ++i) {
+    const Vec2f u((static_cast<float>(i % side) + 0.5f) * step, (static_cast<float>(i / side) + 0.5f) * step);
+    const Vec2f b = sample_uniform_triangle(u);
+    sum += emission_at(instance, triangle, {b.y, 1 - b.x - b.y});
+  }
+  return sum * (step * step);
+}
+
+}  // namespace
+
+bool emits(const Instance& instance) {
+  if (std::none_of(instance.materials.begin(), instance.materials.end(), [](const auto* m) { return m->emits(); }))
+    return false;
+  for (uint32_t i = 0; i < instance.prototype->mesh.triangles.size(); ++i)
+    if (instance.material(i).emits()) return true;
+  return false;
+}
+
+MeshLight make_mesh_light(const Instance& instance, uint32_t index) {
+  const Mesh& mesh = instance.prototype->mesh;
+  std::vector<MeshLight::Triangle> triangles;
+  std::vector<uint32_t> ids;
+  bool varies = false;
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const DisneyMaterial& material = instance.material(static_cast<uint32_t>(i));
+    if (!material.emits()) continue;
+    const auto corner = [&](size_t c) { return instance.object_to_world.point(mesh.points[mesh.triangles[i][c]]); };
+    triangles.push_back({corner(0), corner(1), corner(2), mean_emission(instance, static_cast<uint32_t>(i)),
+                         instance.single_sided && !material.is_translucent()});
+    ids.push_back(static_cast<uint32_t>(i));
+    varies |= has_varying_emission(material);
+  }
+  if (!varies) return MeshLight(index, std::move(triangles), ids);
+  // A copy, since later snapshots may share the light. They keep what it points to.
+  return MeshLight(index, std::move(triangles), ids,
+                   [instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); });
+}
+
+bool emit_alike(const Instance& a, const Instance& b) {
+  return a.prototype == b.prototype && a.object_to_world == b.object_to_world && a.materials == b.materials &&
+         a.single_sided == b.single_sided;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,362 @@
+#include "core/scene/snapshot_compiler.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/scene/bodies.h"
+#include "core/scene/lit_surfaces.h"
+#include "core/scene/mesh_lights.h"
+
+namespace alabaster {
+namespace {
+
+BoundsDouble world_bounds(const InstanceDescription& d) {
+  BoundsDouble world;
+  const Bounds& object = d.prototype->mesh.bounds;
+  if (object.empty()) return world;
+  for (const Vec3f& corner : object.corners()) {
+    world.extend(transform_point(Vec3d(corner), d.object_to_world));
+    for (const Matrix4d& pose : d.poses) world.extend(transform_point(Vec3d(corner), pose));
+  }
+  return world;
+}
+
+// False for a transform that is not finite or reaches beyond what can be traced. A singular one within reach hides an
+// instance or a light by a scale of zero, as animations do.
+bool is_within_reach(const Matrix4d& m) {
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      if (!(std::abs(m[i][j]) < double(kTraceLimit))) return false;
+  return true;
+}
+
+// The rest of the scene is drawn without an instance that cannot be placed or traced. It is an error unless the
+// instance has no extent.
+void leave_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink,
+               std::vector<std::string>* left_out) {
+  const bool near = is_within_reach(d.object_to_world) && std::all_of(d.poses.begin(), d.poses.end(), is_within_reach);
+  report(sink, near ? Severity::warning : Severity::error, "instance.transform", d.name,
+         std::string(reason) + ": the instance is left out; check its " + (near ? "scale" : "transform"));
+  if (!near) left_out->push_back(d.name);
+}
+
+bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
+  if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
+  if (!is_valid_affine(d.object_to_world) || !std::all_of(d.poses.begin(), d.poses.end(), is_valid_affine)) {
+    leave_out(d, "the transform is not finite, not affine or not invertible in single precision", sink, left_out);
+    return false;
+  }
+  const BoundsDouble bounds = world_bounds(d);
+  const double limit = kTraceLimit;
+  if (bounds.lower.x > -limit && bounds.lower.y > -limit && bounds.lower.z > -limit && bounds.upper.x < limit &&
+      bounds.upper.y < limit && bounds.upper.z < limit)
+    return true;
+  leave_out(d, "the transform takes it beyond 1e17", sink, left_out);
+  return false;
+}
+
+Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin) {
+  for (int i = 0; i < 3; ++i) m[3][i] -= origin[i];
+  return m;
+}
+
+Instance place(const InstanceDescription& d, const Vec3d& origin) {
+  const Matrix4d m = moved_to_render_space(d.object_to_world, origin);
+  Instance instance;
+  instance.prototype = d.prototype.get();
+  instance.object_to_world = to_affine(m);
+  instance.world_to_object = to_affine(m.inverse());
+  for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to_render_space(pose, origin)));
+  instance.prim_id = d.prim_id;
+  instance.instance_id = d.instance_id;
+  for (const auto& material : d.materials) {
+    instance.materials.push_back(material.get());
+    instance.see_through |= material->is_partly_opaque();
+    for (const auto* map : {&material->normal_map, &material->coat_normal_map})
+      if (*map && !(*map)->is_bump && !instance.tangents)
+        instance.tangents = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set);
+  }
+  instance.single_sided = !d.double_sided && !d.prototype->mesh.outward;
+  instance.see_through |= instance.single_sided;
+  return instance;
+}
+
+Bounds bounds_in_render_space(const Instance& instance) {
+  Bounds bounds;
+  for (const Vec3f& corner : instance.prototype->mesh.bounds.corners()) {
+    bounds.extend(instance.object_to_world.point(corner));
+    for (const Affine& pose : instance.poses) bounds.extend(pose.point(corner));
+  }
+  return bounds;
+}
+
+bool has_clear_interior(const InstanceDescription& d) {
+  return std::any_of(d.materials.begin(), d.materials.end(),
+                     [](const auto& m) { return m->transmits() && !m->constants.thin; });
+}
+
+bool has_no_size(const LightDescription& d) {
+  if (d.type == LightType::rect) return d.width == 0 || d.height == 0;
+  return (d.type == LightType::disk && d.radius == 0) ||
+         (d.type == LightType::cylinder && (d.radius == 0 || d.length == 0));
+}
+
+// True if the light can be placed. Says why one gives no light.
+bool is_usable(const LightDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
+  if (is_valid_affine(d.light_to_world) && is_within_reach(d.light_to_world)) {
+    if (d.intensity != 0 && has_no_size(d))
+      report(sink, Severity::warning, "light.size", d.name, "a light of size zero gives no light; give it a size");
+    return true;
+  }
+  const bool near = is_within_reach(d.light_to_world);
+  report(sink, near ? Severity::warning : Severity::error, "light.transform", d.name,
+         near ? "the transform is not invertible: the light is left out; check its scale"
+              : "the transform is not finite, or goes beyond 1e17: the light is left out; move it nearer");
+  if (!near) left_out->push_back(d.name);
+  return false;
+}
+
+template <class T>
+void sort_unique(std::vector<std::shared_ptr<const T>>* held) {
+  std::sort(held->begin(), held->end());
+  held->erase(std::unique(held->begin(), held->end()), held->end());
+}
+
+void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnapshot* snapshot) {
+  for (const InstanceDescription* d : drawn) {
+    snapshot->prototypes.push_back(d->prototype);
+    snapshot->materials.insert(snapshot->materials.end(), d->materials.begin(), d->materials.end());
+  }
+  sort_unique(&snapshot->prototypes);
+  sort_unique(&snapshot->materials);
+  for (const auto& p : snapshot->prototypes) {
+    snapshot->memory_bytes +=
+        p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes() + p->tangents.memory_bytes();
+    snapshot->features.smooth_normals |= !p->mesh.normals.empty();
+  }
+  for (const auto& m : snapshot->materials) snapshot->features.textures |= !m->textures.empty();
+}
+
+// Materials and lights may share textures: each counts once.
+size_t texture_bytes(const SceneSnapshot& snapshot) {
+  std::set<const Texture*> textures;
+  for (const auto& m : snapshot.materials)
+    for (const Texture* texture : m->images()) textures.insert(texture);
+  for (const Light& light : snapshot.lights.lights())
+    if (const auto image = image_of(light)) textures.insert(image->texture());
+  textures.erase(nullptr);
+  size_t bytes = 0;
+  for (const Texture* texture : textures) bytes += texture->memory_bytes();
+  return bytes;
+}
+
+// The first middle of a triangle for which the lookup's set of images has none.
+std::optional<Vec2f> find_missing_tile(const Instance& instance, const DisneyMaterial* material,
+                                       const TextureLookup& lookup) {
+  if (!lookup.image || !lookup.image->is_set()) return std::nullopt;
+  const Mesh& mesh = instance.prototype->mesh;
+  const UvSet* const set = mesh.uv_set(lookup.uv_set);
+  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (&instance.material(i) != material) continue;
+    TriangleHit middle;
+    middle.triangle = i, middle.u = middle.v = 1.0f / 3;
+    const Vec2f uv = lookup.transform(set ? interpolated<Vec2f>(*set, mesh, middle) : Vec2f(0, 0));
+    if (!lookup.image->covers(uv)) return uv;
+  }
+  return std::nullopt;
+}
+
+// Reports, once for all instances of a mesh with a material, the texture coordinates for which a set has no image.
+class MissingTiles {
+ public:
+  MissingTiles(const DiagnosticSink& sink, std::vector<std::string>* faults) : sink_(sink), faults_(faults) {}
+
+  void find(const InstanceDescription& d, const Instance& instance) {
+    for (const auto& material : d.materials) {
+      if (!seen_.insert({instance.prototype, material.get()}).second) continue;
+      for (const MaterialTexture& texture : material->textures) find(d, instance, material.get(), texture.lookup);
+      for (const auto* map : {&material->normal_map, &material->coat_normal_map})
+        if (*map) find(d, instance, material.get(), **map);
+    }
+  }
+
+ private:
+  void find(const InstanceDescription& d, const Instance& instance, const DisneyMaterial* material,
+            const TextureLookup& lookup) {
+    const auto uv = find_missing_tile(instance, material, lookup);
+    if (!uv) return;
+    faults_->push_back(d.name + ": a set of images has none at (" + std::to_string(uv->x) + ", " +
+                       std::to_string(uv->y) + ")");
+    report(sink_, Severity::error, "texture.tile", d.name, faults_->back());
+  }
+
+  const DiagnosticSink& sink_;
+  std::vector<std::string>* faults_;
+  std::set<std::pair<const MeshPrototype*, const DisneyMaterial*>> seen_;  // instances share both
+};
+
+// The emissive meshes of a snapshot.
+class KnownMeshLights {
+ public:
+  explicit KnownMeshLights(const SceneSnapshot* snapshot) : snapshot_(snapshot) {
+    if (!snapshot) return;
+    for (const Light& light : snapshot->lights.lights())
+      if (const auto* mesh = std::get_if<MeshLight>(&light))
+        lights_.emplace(key(snapshot->instances[mesh->instance()]), mesh);
+  }
+  /// The one that emits as this instance does, or null.
+  const MeshLight* find(const Instance& instance) const {
+    const auto [first, last] = lights_.equal_range(key(instance));
+    for (auto it = first; it != last; ++it)
+      if (emit_alike(snapshot_->instances[it->second->instance()], instance)) return it->second;
+    return nullptr;
+  }
+
+ private:
+  const SceneSnapshot* snapshot_;
+  using Key = std::pair<const MeshPrototype*, float>;
+  static Key key(const Instance& instance) { return {instance.prototype, instance.object_to_world.t.x}; }
+  std::multimap<Key, const MeshLight*> lights_;
+};
+
+bool stands_alike(const Instance& a, const Instance& b) {
+  return a.prototype->object == b.prototype->object && a.object_to_world == b.object_to_world && a.poses == b.poses;
+}
+
+}  // namespace
+
+struct SnapshotCompiler::Compilation {
+  SnapshotCompiler& compiler;
+  const SceneDescription& description;
+  const SceneSnapshot* const last = compiler.last_.get();
+  std::shared_ptr<SceneSnapshot> snapshot = std::make_shared<SceneSnapshot>();
+  std::vector<const InstanceDescription*> drawn = {};
+  bool same_lights = false;  // as those of `last`
+
+  // In world space, then beside the scene's size.
+  void choose_drawn() {
+    BoundsDouble bounds;
+    for (const auto& d : description.instances)
+      if (is_drawable(d, compiler.sink_, &snapshot->left_out)) {
+        drawn.push_back(&d);
+        bounds.extend(world_bounds(d));
+      }
+    if (!bounds.empty()) {
+      snapshot->origin = bounds.center();
+      snapshot->radius = static_cast<float>(0.5 * length(bounds.extent()));
+    }
+    std::erase_if(drawn, [&](const InstanceDescription* d) {
+      if (is_seen_traceably(*d)) return false;
+      leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",
+                compiler.sink_, &snapshot->left_out);
+      return true;
+    });
+  }
+
+  // Rays come from the scene itself, and from a camera that sees it from some radii away.
+  bool is_seen_traceably(const InstanceDescription& d) const {
+    constexpr float kFarthestCamera = 1000;
+    const float farthest = kFarthestCamera * snapshot->radius;
+    const auto placed = [&](const Matrix4d& m) { return to_affine(moved_to_render_space(m, snapshot->origin)); };
+    std::vector<Affine> poses;
+    for (const Matrix4d& pose : d.poses) poses.push_back(placed(pose));
+    return is_traceable(placed(d.object_to_world), farthest) && (poses.empty() || is_traceable(poses, farthest));
+  }
+
+  void place_all() {
+    MissingTiles missing_tiles(compiler.sink_, &snapshot->faults);
+    snapshot->instances.reserve(drawn.size());
+    for (const InstanceDescription* d : drawn) {
+      snapshot->instances.push_back(place(*d, snapshot->origin));
+      const Instance& instance = snapshot->instances.back();
+      missing_tiles.find(*d, instance);
+      snapshot->features.see_through |= instance.see_through;
+      snapshot->features.motion |= !instance.is_still();
+      if (has_clear_interior(*d)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
+    }
+  }
+
+  bool build_top() {
+    const auto& instances = snapshot->instances;
+    if (last &&
+        std::equal(instances.begin(), instances.end(), last->instances.begin(), last->instances.end(), stands_alike)) {
+      snapshot->top = last->top;
+    } else {
+      std::vector<InstancePlacement> placements;
+      placements.reserve(drawn.size());
+      for (size_t i = 0; i < drawn.size(); ++i)
+        placements.push_back({drawn[i]->prototype->object, instances[i].object_to_world, instances[i].poses});
+      snapshot->top = build_instanced_scene(compiler.device_, placements);
+    }
+    if (snapshot->top) snapshot->memory_bytes += snapshot->top->memory_bytes();
+    return snapshot->top != nullptr;
+  }
+
+  void add_lights() {
+    std::vector<std::shared_ptr<const LightImage>> images;
+    if (last)
+      for (const Light& light : last->lights.lights())
+        if (auto image = image_of(light)) images.push_back(std::move(image));
+    std::vector<Light> lights;
+    std::vector<bool> visible;
+    for (const auto& d : description.lights) {
+      if (!is_usable(d, compiler.sink_, &snapshot->left_out)) continue;
+      lights.push_back(make_light(d, snapshot->origin, images));
+      visible.push_back(d.visible_to_camera);
+      snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
+    }
+    same_lights = last && snapshot->origin == last->origin && description.lights == compiler.last_lights_;
+    add_mesh_lights(&lights);
+    visible.resize(lights.size(), true);
+    same_lights = same_lights && lights.size() == last->lights.size();
+    constexpr size_t kSampleAllUpTo = 4;
+    snapshot->lights = LightSet(std::move(lights), std::move(visible), kSampleAllUpTo);
+  }
+
+  void add_mesh_lights(std::vector<Light>* lights) {
+    const KnownMeshLights known(last);
+    for (uint32_t i = 0; i < snapshot->instances.size(); ++i) {
+      const Instance& instance = snapshot->instances[i];
+      if (!emits(instance)) continue;
+      snapshot->features.emissive_meshes = true;
+      // The triangles of what moves are nowhere long enough to be sampled: paths find them by their lobes.
+      if (!instance.is_still()) continue;
+      const MeshLight* const same = known.find(instance);
+      same_lights = same_lights && same && same->instance() == i;
+      lights->emplace_back(same ? same->of_instance(i) : make_mesh_light(instance, i));
+    }
+  }
+
+  bool run(uint64_t number) {
+    snapshot->number = number;
+    choose_drawn();
+    place_all();
+    if (!build_top() || !plan_bodies(drawn, compiler.device_, last, snapshot.get())) return false;
+    keep_alive(drawn, snapshot.get());
+    add_lights();
+    find_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get());
+    snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
+    return true;
+  }
+};
+
+std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescription& description, uint64_t number) {
+  Compilation compilation{*this, description};
+  std::vector<LightDescription> lights = description.lights;
+  if (!compilation.run(number)) {
+    forget();
+    return nullptr;
+  }
+  last_lights_ = std::move(lights);
+  return last_ = std::move(compilation.snapshot);
+}
+
+std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
+                                                      const std::shared_ptr<TraceDevice>& device,
+                                                      const DiagnosticSink& sink) {
+  return SnapshotCompiler(device, sink).compile(description, number);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,32 @@
+// Compiles snapshots of one scene as it is edited, one after the other. Parts that two of them have in common are built
+// once.
+#pragma once
+
+#include "core/scene/scene.h"
+
+namespace alabaster {
+
+/// One thread at a time. A snapshot is a function of its description alone: it does not depend on those before it.
+class SnapshotCompiler {
+ public:
+  SnapshotCompiler(std::shared_ptr<TraceDevice> device, DiagnosticSink sink)
+      : device_(std::move(device)), sink_(std::move(sink)) {}
+
+  /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
+  /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
+  /// bodies, if shapes, places and lights are all equal. Null when memory runs out or Embree refuses (reported).
+  std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number);
+
+  /// Frees what the next snapshot would have shared.
+  void forget() { last_ = nullptr; }
+
+ private:
+  struct Compilation;
+
+  std::shared_ptr<TraceDevice> device_;
+  DiagnosticSink sink_;
+  std::shared_ptr<const SceneSnapshot> last_;
+  std::vector<LightDescription> last_lights_;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,300 @@
+// Measures for how long each edit holds the host's thread, and how long it takes until its snapshot is rendered.
+//   edit_latency [--edits N] [--instances N] [--only PART OF A NAME]
+// A scene of about 1e6 triangles, all of bodies that scatter below their surface, a thousand more prims, a dome of
+// 4096 x 2048 texels, and an instancer of 1e6 points. A render at 1280 x 720 goes on throughout. Uses the public door
+// only. Prints Markdown.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <thread>
+
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hd {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+constexpr int kBodies = 64, kPrims = 1000, kWidth = 1280, kHeight = 720;
+
+host::MeshDescription cube(float size, int refine_level) {
+  host::MeshDescription mesh;
+  mesh.topology.scheme = refine_level > 0 ? "catmullClark" : "none";
+  mesh.topology.faceVertexCounts = {4, 4, 4, 4, 4, 4};
+  mesh.topology.faceVertexIndices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1 ? size : -size, i & 2 ? size : -size, i & 4 ? size : -size);
+  mesh.primvars["points"].value = Array<Vec3f>(std::move(points));
+  mesh.displayStyle.refineLevel = refine_level;
+  return mesh;
+}
+
+MaterialNetwork material(const Vec3f& color, float scatter_distance) {
+  MaterialNetwork network;
+  MaterialNode& node = network.nodes["surface"];
+  node.nodeTypeId = "AlabasterDisney";
+  node.parameters["baseColor"] = color;
+  if (scatter_distance > 0) node.parameters["scatterDistance"] = Vec3f(scatter_distance);
+  network.terminals["surface"] = {"surface", "surface"};
+  return network;
+}
+
+// A sky with a sun, as a Radiance file.
+AssetPath sky(int width, int height) {
+  auto bytes = std::make_shared<std::vector<uint8_t>>();
+  const std::string head =
+      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
+  bytes->assign(head.begin(), head.end());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const bool sun = std::hypot(x - width / 3, y - height / 4) < height / 100.0;
+      const auto level = static_cast<uint8_t>(64 + 128 * y / height);
+      bytes->insert(bytes->end(), {level, level, uint8_t(200), uint8_t(sun ? 140 : 128)});
+    }
+  return {"sky.hdr", "", bytes};
+}
+
+Path body_path(int i) {
+  return Path("/body" + std::to_string(i));
+}
+
+class Host {
+ public:
+  explicit Host(int instances) : instances_(instances) {
+    DelegateOptions options;
+    options.diagnostics = [](const Diagnostic& d) {
+      std::fprintf(stderr, "%s %s: %s\n", d.code.c_str(), d.where.c_str(), d.text.c_str());
+    };
+    options.settings = {{"samples", int64_t(1) << 20}};
+    delegate_ = CreateAlabasterRenderDelegate(kAbiVersion, &options);
+    if (!delegate_) std::exit(1);
+    index_ = std::make_unique<host::RenderIndex>(delegate_);
+    fill();
+    scene.Populate(index_.get());
+    buffer_ = static_cast<RenderBuffer*>(index_->GetBprim("/color"));
+    pass_ = delegate_->CreateRenderPass();
+    state_.camera = "/camera";
+    state_.framing.displayMax = {kWidth, kHeight};
+    state_.framing.dataWindow = {0, 0, kWidth, kHeight};
+    state_.aovBindings.push_back({"color", buffer_, {}});
+  }
+  ~Host() {
+    pass_.reset();
+    scene.Depopulate();
+    index_.reset();
+    DestroyAlabasterRenderDelegate(delegate_);
+  }
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  struct Cost {
+    double host = 0;      // the longest that the host's thread was held by one turn of its loop
+    double snapshot = 0;  // until the edit is rendered
+  };
+  // One turn of a host's loop after the other, until the edit is rendered.
+  template <class Edit>
+  Cost measure(const Edit& edit, bool scene_changes) {
+    const double before = number();
+    const Clock::time_point start = Clock::now();
+    edit();
+    index_->SyncAll();
+    pass_->Execute(state_);
+    Cost cost{milliseconds_since(start), 0};
+    while ((scene_changes && number() == before) || pass_->GetState() != PassState::rendering) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const Clock::time_point turn = Clock::now();
+      index_->SyncAll();
+      pass_->Execute(state_);
+      cost.host = std::max(cost.host, milliseconds_since(turn));
+    }
+    cost.snapshot = milliseconds_since(start);
+    return cost;
+  }
+
+  void move_instance(int i) {
+    std::vector<Vec3f> moved(*places_);
+    moved[static_cast<size_t>(i)].y += 0.01f;
+    places_ = std::make_shared<const std::vector<Vec3f>>(std::move(moved));
+    place_instances();
+  }
+
+  host::RetainedSceneDelegate scene;
+
+ private:
+  double number() const { return delegate_->GetRenderStats()["sceneNumber"].number_or(0); }
+
+  void fill() {
+    host::CameraDescription camera;
+    camera.transform[3][1] = 2, camera.transform[3][2] = 24;
+    camera.parameters = {{"focalLength", 1.0f}, {"horizontalAperture", 1.6f}, {"verticalAperture", 0.9f}};
+    scene.SetCamera("/camera", camera);
+    scene.SetRenderBuffer("/color", {.dimensions = {kWidth, kHeight, 1}, .format = Format::float32vec4});
+    scene.SetMaterial("/wax", material({0.8f, 0.6f, 0.4f}, 0.05f));
+    scene.SetMaterial("/matte", material({0.5f, 0.5f, 0.5f}, 0));
+    scene.SetLight("/dome", {.type = "domeLight", .transform = {}, .parameters = {{"texture:file", sky(4096, 2048)}}});
+    for (int i = 0; i < 2; ++i) scene.SetLight(i ? "/key" : "/rim", quad_light(i ? 8.0 : -8.0));
+    host::MeshDescription hero = cube(2, 7);
+    hero.material = "/wax";
+    scene.SetMesh("/hero", hero);
+    for (int i = 0; i < kBodies; ++i) {
+      host::MeshDescription body = cube(0.5f, 5);
+      body.material = "/wax";
+      body.transform[3][0] = 1.5 * (i % 8) - 5, body.transform[3][2] = 1.5 * (i / 8) - 5;
+      scene.SetMesh(body_path(i), body);
+    }
+    for (int i = 0; i < kPrims; ++i) {
+      host::MeshDescription prim = cube(0.05f, 0);
+      prim.material = "/matte";
+      prim.transform[3][0] = 0.5 * (i % 40) - 10, prim.transform[3][1] = -1, prim.transform[3][2] = 0.5 * (i / 40) - 6;
+      scene.SetMesh(Path("/prim" + std::to_string(i)), prim);
+    }
+    host::MeshDescription ground = cube(20, 0);  // holds all else, so edits leave the bounds of the scene
+    ground.transform[1][1] = 0.5;
+    ground.material = "/matte";
+    scene.SetMesh("/room", ground);
+    if (instances_ > 0) fill_instances();
+  }
+
+  void fill_instances() {
+    std::vector<Vec3f> places;
+    std::vector<int32_t> indices;
+    for (int i = 0; i < instances_; ++i) {
+      const auto spread = [i](double step) { return static_cast<float>(std::fmod(0.5 + i * step, 1.0)); };
+      places.emplace_back(18 * spread(0.8191725134) - 9, 3 + 4 * spread(0.6710436067), 18 * spread(0.5497004779) - 9);
+      indices.push_back(i);
+    }
+    places_ = std::make_shared<const std::vector<Vec3f>>(std::move(places));
+    indices_ = Array<int32_t>(std::move(indices));
+    place_instances();
+    host::MeshDescription leaf = cube(0.01f, 0);
+    leaf.material = "/matte";
+    leaf.instancer = "/leaves";
+    scene.SetMesh("/leaf", leaf);
+  }
+
+  void place_instances() {
+    host::InstancerDescription leaves;
+    leaves.primvars["hydra:instanceTranslations"] = Array<Vec3f>(places_, places_->data(), places_->size());
+    leaves.indices["/leaf"] = indices_;
+    scene.SetInstancer("/leaves", leaves);
+  }
+
+ public:
+  static host::LightDescription quad_light(double x) {
+    host::LightDescription light{.type = "rectLight", .transform = {}, .parameters = {{"intensity", 5.0f}}};
+    light.transform[3][0] = x, light.transform[3][2] = 8;
+    return light;
+  }
+
+ private:
+  int instances_;
+  RenderDelegate* delegate_ = nullptr;
+  std::unique_ptr<host::RenderIndex> index_;
+  RenderBuffer* buffer_ = nullptr;
+  std::unique_ptr<RenderPass> pass_;
+  RenderPassState state_;
+  std::shared_ptr<const std::vector<Vec3f>> places_;
+  Array<int32_t> indices_;
+};
+
+double percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
+}
+
+// `edit(i)` is the i-th of them.
+template <class Edit>
+void row(Host& host, const char* name, int edits, const Edit& edit, bool scene_changes = true) {
+  std::vector<double> held, shown;
+  for (int i = 0; i < edits; ++i) {
+    const Host::Cost cost = host.measure([&] { edit(i); }, scene_changes);
+    held.push_back(cost.host), shown.push_back(cost.snapshot);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the render gets under way
+  }
+  std::printf("| %s | %.1f | %.1f | %.1f | %.1f |\n", name, percentile(held, 0.5), percentile(held, 0.99),
+              percentile(shown, 0.5), percentile(shown, 0.99));
+  std::fflush(stdout);
+}
+
+void run(int edits, int instances, const std::string& only) {
+  Host host(instances);
+  const Host::Cost first = host.measure([] {}, true);
+  std::printf("The first snapshot: host %.0f ms, rendered after %.0f ms.\n\n", first.host, first.snapshot);
+  std::printf("| edit | host p50, ms | host p99, ms | rendered p50, ms | rendered p99, ms |\n|---|---|---|---|---|\n");
+  const auto wanted = [&](const char* name) { return std::string(name).find(only) != std::string::npos; };
+  const auto moved = [&](const Path& id) {
+    return [&host, id](int i) {
+      host::MeshDescription mesh = host.scene.GetMeshes().at(id);
+      mesh.transform[3][1] += i % 2 ? 0.01 : -0.01;
+      host.scene.SetMesh(id, mesh);
+    };
+  };
+  const auto reshaped = [&](const Path& id) {
+    return [&host, id](int i) {
+      host::MeshDescription mesh = host.scene.GetMeshes().at(id);
+      const auto& points = *mesh.primvars["points"].value.get<Array<Vec3f>>();
+      std::vector<Vec3f> other(points.begin(), points.end());
+      other[0] *= i % 2 ? 1.02f : 1 / 1.02f;
+      mesh.primvars["points"].value = Array<Vec3f>(std::move(other));
+      host.scene.SetMesh(id, mesh);
+    };
+  };
+  const auto shifted = [](int i) { return i % 2 ? 0.1f : 0.2f; };
+  if (wanted("nothing"))
+    row(
+        host, "nothing", edits, [](int) {}, false);
+  if (wanted("camera"))
+    row(
+        host, "camera moved", edits,
+        [&](int i) {
+          host::CameraDescription camera = host.scene.GetCameras().at("/camera");
+          camera.transform[3][0] = shifted(i);
+          host.scene.SetCamera("/camera", camera);
+        },
+        false);
+  if (wanted("prim")) row(host, "transform of a prim", edits, moved("/prim500"));
+  if (wanted("body")) row(host, "transform of a body", edits, moved(body_path(20)));
+  if (wanted("constant"))
+    row(host, "constant of the bodies' material", edits, [&](int i) {
+      host.scene.SetMaterial("/wax", material({0.8f, 0.6f, 0.4f + shifted(i)}, 0.05f));
+    });
+  if (wanted("light"))
+    row(host, "light moved", edits,
+        [&](int i) { host.scene.SetLight("/key", Host::quad_light(8.0 + double(shifted(i)))); });
+  if (wanted("dome"))
+    row(host, "dome turned", edits, [&](int i) {
+      host::LightDescription dome = host.scene.GetLights().at("/dome");
+      dome.transform.rotate(Imath::V3d(0, 0.01 + double(shifted(i)), 0));
+      host.scene.SetLight("/dome", dome);
+    });
+  if (wanted("points")) {
+    row(host, "points of a body, 12,288 triangles", edits, reshaped(body_path(20)));
+    row(host, "points of the hero, 196,608 triangles", edits, reshaped("/hero"));
+  }
+  if (wanted("instance") && instances > 0)
+    row(host, ("one of " + std::to_string(instances) + " instances").c_str(), edits,
+        [&](int i) { host.move_instance(i * 7919 % instances); });
+}
+
+}  // namespace
+}  // namespace alabaster::hd
+
+int main(int argc, char** argv) {
+  int edits = 20, instances = 1000000;
+  std::string only;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    if (!std::strcmp(argv[i], "--edits")) edits = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--instances")) instances = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--only")) only = argv[i + 1];
+  }
+  alabaster::hd::run(std::max(edits, 1), instances, only);
+  return 0;
+}
