@@ -1,9 +1,27 @@
 // The C entry points.
+#include <dlfcn.h>
+#include <tbb/global_control.h>
+#include <tbb/version.h>
+
+#include <atomic>
+
 #include "delegate/rendering/render_delegate_impl.h"
 
 namespace {
 
 using namespace alabaster;
+
+std::atomic<int> g_delegates{0};
+
+/// Ends TBB's workers, which would run on in a library that a host unloads. They stay where another thread has used
+/// TBB, and TBB then stays with them.
+void end_workers() {
+  tbb::task_scheduler_handle handle{tbb::attach()};
+  Dl_info info{};
+  if (tbb::finalize(handle, std::nothrow) || !dladdr(reinterpret_cast<const void*>(&TBB_runtime_version), &info))
+    return;
+  if (void* held = dlopen(info.dli_fname, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE)) dlclose(held);
+}
 
 hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticSink& sink) {
   hd::Dictionary settings = options.settings;
@@ -19,6 +37,7 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   delegate->GetSupportedRprimTypes();
   delegate->GetSupportedSprimTypes();
   delegate->GetSupportedBprimTypes();
+  ++g_delegates;
   return delegate.release();
 }
 
@@ -38,7 +57,9 @@ hd::RenderDelegate* CreateAlabasterRenderDelegate(uint32_t abi_version, const hd
 }
 
 void DestroyAlabasterRenderDelegate(hd::RenderDelegate* delegate) {
+  if (!delegate) return;
   delete delegate;
+  if (--g_delegates == 0) end_workers();
 }
 
 const char* AlabasterVersions() {

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures what it costs a host to load the library, as a table; fails above what the project promises.
 
-  library_load.py PROBE LIBRARY [--runs 20]
+  library_load.py PROBE LIBRARY SCENE [--runs 20]
 
-PROBE is load_probe.c as a program. Each run is a fresh process. Needs readelf and c++filt (binutils).
+PROBE is load_probe.c as a program. Each run is a fresh process, and the last one renders SCENE, a file without images. Needs readelf and c++filt (binutils).
 """
 import argparse
 import re
@@ -17,10 +17,10 @@ OURS = re.compile(r"^(alabaster_|AlabasterVersions$|CreateAlabasterRenderDelegat
                   r"(vtable for |typeinfo for |typeinfo name for )?alabaster::hd::)")
 
 
-def probe(program, library):
+def probe(*command):
     """One run: a number by key, and the libraries that were mapped or kept."""
     numbers, lists = {}, {"maps": [], "keeps": []}
-    for line in subprocess.run([program, library], check=True, capture_output=True, text=True).stdout.splitlines():
+    for line in subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines():
         key, value = line.split(" ", 1)
         if key in lists:
             lists[key].append(value)
@@ -43,11 +43,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("probe")
     parser.add_argument("library")
+    parser.add_argument("scene")
     parser.add_argument("--runs", type=int, default=20)
     arguments = parser.parse_args()
-    runs = [probe(arguments.probe, arguments.library) for _ in range(arguments.runs)]
-    times = [numbers["milliseconds"] for numbers, _ in runs]
-    numbers, lists = runs[-1]
+    times = [probe(arguments.probe, arguments.library)[0]["milliseconds"] for _ in range(arguments.runs)]
+    numbers, lists = probe(arguments.probe, arguments.library, arguments.scene)
     symbols = exported(arguments.library)
     foreign = [name for _, name in symbols if not OURS.match(name)]
     unique = [name for binding, name in symbols if binding == "UNIQUE"]
@@ -55,12 +55,12 @@ def main():
     others = [name for name in lists["maps"] if "labaster" not in name]
 
     print("| dlopen | |\n| --- | --- |")
-    print(f"| milliseconds, p50 of {len(runs)} fresh processes (fastest) | {statistics.median(times):.1f} ({min(times):.1f}) |")
+    print(f"| milliseconds, p50 of {len(times)} fresh processes (fastest) | {statistics.median(times):.1f} ({min(times):.1f}) |")
     print(f"| libraries mapped besides ours and glibc's | {len(others)} |")
     print(f"| MB mapped, ours and theirs | {numbers['bytes'] / 1e6:.0f} |")
     print(f"| threads started | {numbers['threads']:.0f} |")
     print(f"| symbols exported; not ours; GNU_UNIQUE | {len(symbols)}; {len(foreign)}; {len(unique)} |")
-    print(f"| after dlclose: libraries of ours; of others; threads | {len(kept)}; {len(lists['keeps']) - len(kept)}; "
+    print(f"| after a render and dlclose: libraries of ours; of others; threads | {len(kept)}; {len(lists['keeps']) - len(kept)}; "
           f"{numbers['threads_left']:.0f} |")
 
     faults = []

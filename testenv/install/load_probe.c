@@ -1,7 +1,8 @@
-/* Measures what it costs a host to load a library: prints "key value" lines for one dlopen and dlclose in a fresh process.
-     load_probe LIBRARY
-   "libraries" and "bytes" are those that dlopen mapped beyond glibc's own; "kept" are those that dlclose left mapped. */
+/* Measures what it costs a host to load a library: prints "key value" lines for one dlopen and dlclose in a fresh
+   process. load_probe LIBRARY [SCENE] With SCENE it also renders a small picture of it before dlclose. "libraries" and
+   "bytes" are those that dlopen mapped beyond glibc's own; "kept" are those that dlclose left mapped. */
 #define _GNU_SOURCE
+#include <alabaster/alabaster.h>
 #include <dirent.h>
 #include <dlfcn.h>
 #include <link.h>
@@ -66,12 +67,41 @@ static double milliseconds(void) {
   return 1e3 * (double)now.tv_sec + 1e-6 * (double)now.tv_nsec;
 }
 
+/* 0 if everything went well. */
+static int render(const AlabasterApi* api, const char* file) {
+  AlabasterScene* scene = NULL;
+  AlabasterDelegate* delegate = NULL;
+  AlabasterPass* pass = NULL;
+  AlabasterBuffer* color = NULL;
+  AlabasterBinding binding = {"color", NULL};
+  AlabasterFrame frame = {sizeof frame};
+  int failed = api->scene_create(NULL, NULL, &scene) || api->scene_load(scene, file, NULL, NULL) ||
+               api->delegate_create(NULL, scene, &delegate) ||
+               api->buffer_create(delegate, 48, 32, ALABASTER_FLOAT32_4, &color) || api->pass_create(delegate, &pass);
+  if (!failed) {
+    binding.buffer = color;
+    frame.bindings = &binding;
+    frame.binding_count = 1;
+    frame.width = 48;
+    frame.height = 32;
+    failed = api->pass_start(pass, &frame) || api->pass_wait(pass, -1, NULL);
+  }
+  if (failed) fprintf(stderr, "%s\n", api->last_error());
+  printf("threads_rendering %d\n", threads() - 1);
+  api->pass_destroy(pass);
+  api->buffer_destroy(color);
+  api->delegate_destroy(delegate);
+  api->scene_destroy(scene);
+  printf("threads_destroyed %d\n", threads() - 1);
+  return failed;
+}
+
 int main(int argc, char** argv) {
   double start;
   void* library;
   size_t bytes = 0;
   int i, libraries = 0, kept = 0;
-  if (argc != 2) return 2;
+  if (argc < 2) return 2;
   dl_iterate_phdr(add_object, &before);
   start = milliseconds();
   library = dlopen(argv[1], RTLD_NOW | RTLD_LOCAL);
@@ -89,6 +119,11 @@ int main(int argc, char** argv) {
     bytes += object->bytes;
   }
   printf("libraries %d\nbytes %zu\nthreads %d\n", libraries, bytes, threads() - 1);
+  if (argc > 2) {
+    const AlabasterApi* (*entry)(uint32_t);
+    *(void**)&entry = dlsym(library, "alabaster_api");
+    if (!entry || !entry(ALABASTER_API_VERSION) || render(entry(ALABASTER_API_VERSION), argv[2])) return 1;
+  }
   dlclose(library);
   dl_iterate_phdr(add_object, &after);
   for (i = 0; i < after.count; ++i) {

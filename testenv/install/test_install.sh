@@ -11,33 +11,52 @@ cmake --build "$scratch/build"
 "$scratch/build/stranger"
 "$scratch/prefix/bin/alabaster" --version | head -n 1
 library=$(find "$scratch/prefix" -name libhdAlabaster.so)
+libraries=$(dirname "$library")
+
+# A scene that hosts and the program render alike.
+python3 - "$here/../scenes/thick_thin" "$scratch" <<'PYTHON'
+import json, sys
+folder, scratch = sys.argv[1:]
+scene = json.load(open(folder + "/thick_thin.json"))
+scene["gltf"][0]["file"] = folder + "/thick_thin.glb"
+scene["settings"] = {"samples": 4, "resolution": [48, 32]}
+scene["products"] = [{"file": scratch + "/program.exr", "dataType": "float"}]
+json.dump(scene, open(scratch + "/scene.json", "w"))
+PYTHON
+"$scratch/prefix/bin/alabaster" render "$scratch/scene.json" --quiet
+
+# The C door: a host in C99 without any other header.
+c99="cc -std=c99 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror -O2 -I $scratch/prefix/include"
+$c99 "$here/host.c" -o "$scratch/host_c" -L "$libraries" -lhdAlabaster "-Wl,-rpath,$libraries"
+"$scratch/host_c" "$scratch/scene.json" "$scratch/host_c.pfm"
+oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn 0 --diff
 
 # The cost of loading.
-cc -std=c99 -pedantic -Wall -Wextra -Werror -O2 "$here/load_probe.c" -o "$scratch/load_probe" -ldl
 if readelf -d "$library" | grep -q 'NEEDED.*lib[at]san'; then
   echo "skipped: a library with sanitizers in it is not what hosts load"
 else
-  python3 "$here/library_load.py" "$scratch/load_probe" "$library"
+  $c99 "$here/load_probe.c" -o "$scratch/load_probe" -ldl
+  python3 "$here/library_load.py" "$scratch/load_probe" "$library" "$scratch/scene.json"
 fi
 
 # Without the image library (libalabaster_images), a scene without images renders, and files say what is missing.
 images=$(find "$scratch/prefix" -name 'libalabaster_images.so.0')
 mv "$images" "$images.away"
 "$scratch/build/stranger"
-if "$scratch/prefix/bin/alabaster" render "$here/../scenes/thick_thin/thick_thin.json" --size 8x8 --spp 1 -o "$scratch/a.exr" 2>"$scratch/error"; then
+if "$scratch/prefix/bin/alabaster" render "$scratch/scene.json" -o "$scratch/a.exr" 2>"$scratch/error"; then
   echo "error: an image was written without the image library" >&2
   exit 1
 fi
 grep -q "images cannot be read or written" "$scratch/error" || { cat "$scratch/error" >&2; exit 1; }
 mv "$images.away" "$images"
-"$scratch/prefix/bin/alabaster" render "$here/../scenes/thick_thin/thick_thin.json" --size 8x8 --spp 1 -o "$scratch/a.exr" --quiet
+"$scratch/prefix/bin/alabaster" render "$scratch/scene.json" -o "$scratch/a.exr" --quiet
 
 for schema in disney_material lights camera render_settings render_description quality_presets; do
   test -s "$scratch/prefix/share/alabaster/schemas/$schema.json"
 done
 # The headers installed are those of the contract, and each compiles on its own.
 headers=$(cd "$scratch/prefix/include/alabaster" && find . -name '*.h' | sort)
-test "$(echo "$headers" | wc -l)" -ge 13
+test "$(echo "$headers" | wc -l)" -ge 14
 for header in $headers; do
   echo "#include \"$header\"" | c++ -std=c++20 -fsyntax-only -x c++ -I "$scratch/prefix/include/alabaster" \
     $(pkg-config --cflags Imath 2>/dev/null || echo -I/usr/include/Imath) -

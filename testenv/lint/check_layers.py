@@ -21,6 +21,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "host": ["api", "support"],
     "gltf": ["api", "support", "host"],
     "description": ["api", "support", "host", "gltf"],
+    "c_api": CONTRACT + ["support"],
     "tradeoff": CONTRACT + ["support"],
     "cli": CONTRACT + ["support", "tradeoff"],
 }
@@ -39,7 +40,7 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"tiny_gltf": ["delegate/gltf/"],
     r"valijson/": ["delegate/description/"],
     r"CLI/": ["delegate/cli/"],
-    r"dlfcn\.h": ["core/denoise/", "core/images/"],
+    r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTERNAL = re.compile(r"^//.*\bInternal to this room\b")

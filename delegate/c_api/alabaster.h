@@ -1,0 +1,450 @@
+/* The stable door of libhdAlabaster: C99, and no type of C++, of its standard library or of Imath. A program that was
+   built against one version of this header runs with every later library of the same ALABASTER_API_VERSION or above.
+
+   All functions are members of a table that alabaster_api returns:
+
+     const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION);
+     if (!api) ...;   // the library is older than this header
+
+   Handles are opaque. Whoever makes one destroys it, in any order: what others still need stays until they are gone.
+   Null may be destroyed.
+
+   Structs that begin with `size` grow at their end: set it to sizeof the struct and everything unused to zero, as
+   `AlabasterMesh mesh = {sizeof mesh};` does. Zero and null mean the default. Structs without it stand in arrays and
+   never change. Strings are UTF-8, end with a zero byte and are copied during the call.
+
+   Every function that can fail returns a status. api->last_error() then says why, for the calling thread, until its
+   next call that fails. Faults of a scene go to the diagnostics callback.
+
+   Threads: one thread at a time calls into a delegate and its scene, passes and buffers; a second one waits. These may
+   be called by any thread at any time and do not wait: pass_wait, pass_state, progress, stats, stop, restart, pause,
+   resume, buffer_map, pixels_unmap, buffer_read. Callbacks must not call back into the library unless they say that
+   they may.
+
+   Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
+#ifndef ALABASTER_H
+#define ALABASTER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define ALABASTER_API_VERSION 1
+
+typedef struct AlabasterScene AlabasterScene;       /* meshes, materials, lights, cameras, render settings */
+typedef struct AlabasterDelegate AlabasterDelegate; /* the renderer; draws one scene */
+typedef struct AlabasterPass AlabasterPass;         /* a render: runs in the background, restarted by what changes */
+typedef struct AlabasterBuffer AlabasterBuffer;     /* pixels of one AOV */
+
+typedef int32_t AlabasterStatus;
+enum {
+  ALABASTER_OK = 0,
+  ALABASTER_INVALID_ARGUMENT = 1,
+  ALABASTER_NOT_FOUND = 2,
+  ALABASTER_INPUT_FAILED = 3, /* a scene or what it names cannot be read, built or lit */
+  ALABASTER_RENDER_FAILED = 4,
+  ALABASTER_OUTPUT_FAILED = 5,
+  ALABASTER_INTERRUPTED = 6, /* cancelled or stopped: the picture so far is there */
+  ALABASTER_DEGRADED = 7,    /* rendered and written without what the scene's faults leave out */
+  ALABASTER_OUT_OF_MEMORY = 8,
+  ALABASTER_INTERNAL = 9,
+};
+
+/* Values --------------------------------------------------------------------------------------- */
+/* AlabasterValue.type: the type of `data`, or of its elements */
+enum {
+  ALABASTER_NONE = 0,
+  ALABASTER_BOOL = 1, /* one byte, 0 or 1; no arrays */
+  ALABASTER_INT = 2,  /* int32_t */
+  ALABASTER_INT64 = 3,
+  ALABASTER_UINT = 4,
+  ALABASTER_FLOAT = 5,
+  ALABASTER_DOUBLE = 6,
+  ALABASTER_FLOAT2 = 7,
+  ALABASTER_FLOAT3 = 8,
+  ALABASTER_FLOAT4 = 9,
+  ALABASTER_INT2 = 10,
+  ALABASTER_INT3 = 11,
+  ALABASTER_DOUBLE3 = 12,
+  ALABASTER_QUATERNION = 13, /* 4 floats: the real part first */
+  ALABASTER_MATRIX = 14,     /* 16 doubles */
+  ALABASTER_TOKEN = 15,      /* text: `data` is a const char*; of an array const char* const* */
+  ALABASTER_STRING = 16,
+  ALABASTER_PATH = 17,       /* of a prim */
+  ALABASTER_ASSET = 18,      /* the name of a file */
+  ALABASTER_DICTIONARY = 19, /* only in answers; `data` is const AlabasterParameter*, `count` their number */
+};
+
+/* Arrays of int, float, double, float2, float3, float4, quaternion and matrix may be lent: with `release` the memory is
+   not copied, must not change, and must be aligned as its elements are. release(owner) is called once, by any thread
+   and whether or not the call succeeded, when the library no longer reads it. Without `release` it is copied in the
+   call. */
+typedef struct AlabasterValue {
+  int32_t type;
+  int32_t is_array;
+  const void* data;
+  size_t count; /* elements of an array; 1 else */
+  void (*release)(void* owner);
+  void* owner;
+} AlabasterValue;
+
+typedef struct AlabasterParameter {
+  const char* name;
+  AlabasterValue value;
+} AlabasterParameter;
+
+typedef void (*AlabasterVisit)(void* user, const char* name, const AlabasterValue* value); /* valid during the call */
+
+/* Values at increasing times, in frames, relative to the frame that is drawn. Fewer than two: nothing moves. */
+typedef struct AlabasterMotion {
+  const double* times;
+  const AlabasterValue* values;
+  size_t count;
+} AlabasterMotion;
+
+/* Diagnostics ---------------------------------------------------------------------------------- */
+enum { ALABASTER_INFO = 0, ALABASTER_WARNING = 1, ALABASTER_ERROR = 2 };
+
+typedef struct AlabasterDiagnostic {
+  int32_t severity;
+  const char* code;  /* stable: "mesh.points.short" */
+  const char* where; /* prim path, file, element */
+  const char* text;  /* what is wrong, and the remedy */
+} AlabasterDiagnostic;
+
+/* Called by a thread of the host's or of ours, never under a lock of the renderer's. */
+typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnostic);
+
+/* Scenes: prims by path, '/'-separated by custom ------------------------------------------------ */
+/* AlabasterPrimvar.interpolation */
+enum {
+  ALABASTER_CONSTANT = 0,
+  ALABASTER_UNIFORM = 1,
+  ALABASTER_VARYING = 2,
+  ALABASTER_VERTEX = 3,
+  ALABASTER_FACE_VARYING = 4,
+  ALABASTER_INSTANCE = 5,
+};
+
+typedef struct AlabasterPrimvar {
+  const char* name; /* "points" (float3), "normals" (float3), "st" (float2, v up), ...: delegate/README.md */
+  const char* role; /* null | color | vector | normal | point | textureCoordinate */
+  int32_t interpolation;
+  AlabasterValue value;
+  AlabasterValue indices; /* int array; none: not indexed */
+  AlabasterMotion motion; /* of points and normals */
+} AlabasterPrimvar;
+
+typedef struct AlabasterSubset {
+  const char* id;
+  const char* material;
+  AlabasterValue faces; /* int array */
+} AlabasterSubset;
+
+typedef struct AlabasterSubdivTags {
+  size_t size;
+  const char* interpolate_boundary;              /* none | edgeOnly | edgeAndCorner (default) */
+  const char* face_varying_linear_interpolation; /* all | none | boundaries | cornersOnly | cornersPlus1 (default) |
+                                                    cornersPlus2 */
+  const char* crease_method;                     /* uniform | chaikin */
+  const char* triangle_subdivision;              /* catmullClark | smooth */
+  AlabasterValue crease_indices, crease_lengths, crease_weights; /* weights: floats, per crease or per edge */
+  AlabasterValue corner_indices, corner_weights;
+} AlabasterSubdivTags;
+
+typedef struct AlabasterMesh {
+  size_t size;
+  const char* scheme;      /* none (default) | catmullClark | loop | bilinear */
+  const char* orientation; /* rightHanded (default) | leftHanded */
+  AlabasterValue face_vertex_counts, face_vertex_indices, hole_indices; /* int arrays */
+  const AlabasterPrimvar* primvars;
+  size_t primvar_count;
+  const AlabasterSubset* subsets; /* faces with a material of their own */
+  size_t subset_count;
+  const AlabasterSubdivTags* subdiv_tags;
+  int32_t refine_level;    /* 0..8; 0 draws the cage */
+  int32_t invisible;       /* not zero: it is not drawn */
+  int32_t single_sided;    /* not zero: faces are not there for what sees them from behind */
+  const double* transform; /* null: identity */
+  const char* material;    /* null: the default material */
+  const char* instancer;   /* null: not instanced */
+  AlabasterMotion motion;  /* matrices */
+} AlabasterMesh;
+
+typedef struct AlabasterPrototype {
+  const char* id;         /* of a mesh or an inner instancer */
+  AlabasterValue indices; /* int array: its instances, as indices into the primvars */
+} AlabasterPrototype;
+
+/* Point p of instance i: p * prototype * M * S * R * T * transform * parent...; the primvars are
+   hydra:instanceTransforms (matrices), ...Translations (float3), ...Rotations (quaternions), ...Scales (float3). */
+typedef struct AlabasterInstancer {
+  size_t size;
+  const double* transform;
+  const char* parent; /* outer instancer */
+  const AlabasterPrimvar* primvars;
+  size_t primvar_count;
+  const AlabasterPrototype* prototypes;
+  size_t prototype_count;
+  AlabasterMotion motion;
+} AlabasterInstancer;
+
+typedef struct AlabasterConnection {
+  const char* input;
+  const char* node; /* upstream */
+  const char* output;
+} AlabasterConnection;
+
+typedef struct AlabasterNode {
+  const char* name;
+  const char* type; /* AlabasterDisney, AlabasterTexture, AlabasterPrimvar, AlabasterDisplacement: delegate/README.md */
+  const AlabasterParameter* parameters; /* schemas/disney_material.json */
+  size_t parameter_count;
+  const AlabasterConnection* connections;
+  size_t connection_count;
+} AlabasterNode;
+
+typedef struct AlabasterMaterial {
+  size_t size;
+  const AlabasterNode* nodes;
+  size_t node_count;
+  const char* surface;      /* the node that is the surface; null: the first one */
+  const char* displacement; /* the node that displaces; null: none */
+} AlabasterMaterial;
+
+typedef struct AlabasterLight {
+  size_t size;
+  const char* type; /* rectLight, diskLight, cylinderLight, sphereLight, distantLight, domeLight */
+  const double* transform;
+  const AlabasterParameter* parameters; /* schemas/lights.json */
+  size_t parameter_count;
+  int32_t invisible; /* not zero: it gives no light */
+} AlabasterLight;
+
+typedef struct AlabasterCamera {
+  size_t size;
+  const double* transform;
+  const AlabasterParameter* parameters; /* schemas/camera.json */
+  size_t parameter_count;
+  AlabasterMotion motion;
+} AlabasterCamera;
+
+typedef struct AlabasterRect {
+  int32_t min_x, min_y, max_x, max_y; /* pixels, y-down, half open; empty: none */
+} AlabasterRect;
+
+typedef struct AlabasterRenderSettings {
+  size_t size;
+  const char* camera;
+  int32_t width, height; /* 0: 1280 x 720 */
+  double pixel_aspect;   /* 0: 1 */
+  AlabasterRect crop;
+  double frame;
+  const AlabasterParameter* settings; /* schemas/render_settings.json */
+  size_t setting_count;
+} AlabasterRenderSettings;
+
+typedef struct AlabasterLoadOptions { /* as the program's options of these names */
+  size_t size;
+  const char* const* overrides; /* "materials/skin.roughness=0.3" */
+  size_t override_count;
+  const char* camera;
+  const char* dome;
+  const char* scene;
+  const char* animation;
+  const char* variant;
+  const double* time;    /* seconds; null: the pose in which models are authored */
+  const double* shutter; /* two numbers: open and close, in frames */
+  int32_t keep_going;    /* leaves images that are missing to the renderer */
+} AlabasterLoadOptions;
+
+typedef struct AlabasterLoaded { /* strings live until the next load, or until the scene is destroyed */
+  size_t size;
+  const char* settings;     /* path of the render settings */
+  const char* color_config; /* OpenColorIO config that the file names, for setting "ocio"; "" if none */
+  const char* notes;        /* "no light: added a studio", a line each */
+} AlabasterLoaded;
+
+/* Rendering ------------------------------------------------------------------------------------ */
+typedef struct AlabasterDelegateOptions {
+  size_t size;
+  AlabasterReport report; /* null: faults are not reported */
+  void* user;
+  const AlabasterParameter* settings; /* as set_setting; and "ocio", the path of an OpenColorIO config */
+  size_t setting_count;
+} AlabasterDelegateOptions;
+
+typedef struct AlabasterSetting {
+  size_t size;
+  const char* key;
+  const char* name; /* shown to people */
+  const char* documentation;
+  AlabasterValue default_value, minimum, maximum; /* none: unbounded */
+  const char* const* choices;                     /* of a string */
+  size_t choice_count;
+} AlabasterSetting;
+typedef void (*AlabasterVisitSetting)(void* user, const AlabasterSetting* setting);
+
+enum {
+  ALABASTER_FORMAT_NONE = 0,
+  ALABASTER_UNORM8 = 1,
+  ALABASTER_UNORM8_3 = 2,
+  ALABASTER_UNORM8_4 = 3,
+  ALABASTER_HALF = 4,
+  ALABASTER_HALF_3 = 5,
+  ALABASTER_HALF_4 = 6,
+  ALABASTER_FLOAT32 = 7,
+  ALABASTER_FLOAT32_2 = 8,
+  ALABASTER_FLOAT32_3 = 9,
+  ALABASTER_FLOAT32_4 = 10,
+  ALABASTER_INT32 = 11,
+};
+
+typedef struct AlabasterBinding {
+  const char* aov; /* "color", "depth", "normal", ...: delegate/README.md */
+  AlabasterBuffer* buffer;
+} AlabasterBinding;
+
+/* AlabasterFrame.window_policy: what gives way where camera and picture differ in shape */
+enum {
+  ALABASTER_MATCH_VERTICALLY = 0,
+  ALABASTER_MATCH_HORIZONTALLY = 1,
+  ALABASTER_FIT = 2,
+  ALABASTER_CROP = 3,
+  ALABASTER_DONT_CONFORM = 4,
+};
+
+typedef struct AlabasterFrame {
+  size_t size;
+  const AlabasterBinding* bindings;
+  size_t binding_count;
+  const char* settings; /* path of render settings, which then say what is null or 0 below; null: the first ones */
+  const char* camera;
+  int32_t width, height; /* the whole picture */
+  AlabasterRect window;  /* the pixels to render: smaller is a crop, larger is overscan. Buffers are as large as it */
+  double pixel_aspect;
+  int32_t window_policy;
+} AlabasterFrame;
+
+enum {
+  ALABASTER_IDLE = 0,
+  ALABASTER_PREPARING = 1,
+  ALABASTER_RENDERING = 2,
+  ALABASTER_PAUSED = 3,
+  ALABASTER_STOPPED = 4,
+  ALABASTER_CONVERGED = 5,
+  ALABASTER_FAILED = 6,
+};
+
+typedef struct AlabasterProgress {
+  size_t size;
+  double fraction;                      /* 0..1 */
+  double seconds;                       /* of rendering */
+  uint64_t samples_done, samples_total; /* per pixel */
+} AlabasterProgress;
+
+typedef struct AlabasterPixels {
+  size_t size;
+  const void* data; /* rows bottom-up, without gaps */
+  int32_t width, height, format;
+  uint64_t generation; /* rises when pixels change */
+  void* mapping;       /* the library's */
+} AlabasterPixels;
+
+typedef struct AlabasterRecordOptions {
+  size_t size;
+  const char* settings;     /* path of render settings; null: the first ones */
+  const char* const* files; /* to write (.exr .png .tif .jpg), in the place of those that the settings name */
+  size_t file_count;
+  const char* const* aovs; /* layers of the .exr files besides color */
+  size_t aov_count;
+  int32_t keep_going; /* renders a scene that has faults without what they leave out */
+  /* About ten times a second, by the calling thread; 0 cancels, and what is there is written. May call the library. */
+  int32_t (*progress)(void* user, const AlabasterProgress* progress);
+  void* user;
+} AlabasterRecordOptions;
+
+/* The table: further functions are added at its end -------------------------------------------- */
+typedef struct AlabasterApi {
+  size_t size;
+  uint32_t version;     /* of the library: the ALABASTER_API_VERSION it was built with */
+  const char* versions; /* "0.1.0", then a line per library that it stands on */
+  const char* (*last_error)(void);
+
+  /* Scenes. A set replaces the prim of that path, and finds out what differs; arrays that are the same memory count as
+     unchanged. A scene may be filled before or while a delegate draws it. `report` may be null. */
+  AlabasterStatus (*scene_create)(AlabasterReport report, void* user, AlabasterScene** scene);
+  void (*scene_destroy)(AlabasterScene* scene);
+  AlabasterStatus (*scene_load)(AlabasterScene*, const char* file, const AlabasterLoadOptions*, AlabasterLoaded*);
+  AlabasterStatus (*scene_clear)(AlabasterScene*);
+  AlabasterStatus (*remove)(AlabasterScene*, const char* path);
+  AlabasterStatus (*set_mesh)(AlabasterScene*, const char* path, const AlabasterMesh*);
+  AlabasterStatus (*set_primvar)(AlabasterScene*, const char* mesh,
+                                 const AlabasterPrimvar*); /* value none: removes it */
+  AlabasterStatus (*set_transform)(AlabasterScene*, const char* path,
+                                   const double* matrix);                             /* of any prim that has one */
+  AlabasterStatus (*set_visible)(AlabasterScene*, const char* path, int32_t visible); /* mesh or light */
+  AlabasterStatus (*bind_material)(AlabasterScene*, const char* mesh, const char* material);
+  AlabasterStatus (*set_instancer)(AlabasterScene*, const char* path, const AlabasterInstancer*);
+  AlabasterStatus (*set_material)(AlabasterScene*, const char* path, const AlabasterMaterial*);
+  AlabasterStatus (*set_light)(AlabasterScene*, const char* path, const AlabasterLight*);
+  AlabasterStatus (*set_camera)(AlabasterScene*, const char* path, const AlabasterCamera*);
+  AlabasterStatus (*set_render_settings)(AlabasterScene*, const char* path, const AlabasterRenderSettings*);
+  /* One parameter of a light, a camera or render settings, or "node.parameter" of a material. */
+  AlabasterStatus (*set_parameter)(AlabasterScene*, const char* path, const char* name, const AlabasterValue*);
+  AlabasterStatus (*get_prims)(AlabasterScene*, AlabasterVisit visit,
+                               void* user); /* name: path; value: token, its type */
+
+  /* Delegates. One delegate draws a scene; `scene` may be null and come later, by show. */
+  AlabasterStatus (*delegate_create)(const AlabasterDelegateOptions*, AlabasterScene*, AlabasterDelegate**);
+  void (*delegate_destroy)(AlabasterDelegate*);
+  AlabasterStatus (*show)(AlabasterDelegate*, AlabasterScene*);
+  AlabasterStatus (*set_setting)(AlabasterDelegate*, const char* key, const AlabasterValue*); /* none: takes it back */
+  AlabasterStatus (*get_setting)(AlabasterDelegate*, const char* key, AlabasterVisit visit, void* user);
+  AlabasterStatus (*get_settings)(AlabasterDelegate*, AlabasterVisitSetting visit, void* user);
+  AlabasterStatus (*aov_format)(AlabasterDelegate*, const char* aov, int32_t* format); /* FORMAT_NONE: not supported */
+  AlabasterStatus (*stats)(AlabasterDelegate*, AlabasterVisit visit, void* user);
+  AlabasterStatus (*command)(AlabasterDelegate*, const char* name, const AlabasterParameter* arguments, size_t count,
+                             AlabasterVisit visit, void* user); /* "dumpScene", "requirements", "tracePixel" */
+  AlabasterStatus (*stop)(AlabasterDelegate*); /* blocks until nothing runs; nothing renders until restart */
+  AlabasterStatus (*restart)(AlabasterDelegate*);
+  AlabasterStatus (*pause)(AlabasterDelegate*);
+  AlabasterStatus (*resume)(AlabasterDelegate*);
+  /* Renders to files and waits: OK, DEGRADED, INTERRUPTED or a failure. `visit`, if any, gets each file written. */
+  AlabasterStatus (*record)(AlabasterDelegate*, const AlabasterRecordOptions*, AlabasterVisit visit, void* user);
+
+  /* Passes. start syncs what has changed in the scene, begins to render if anything differs from what is running, and
+     returns. wait: *over is 1 when the render is over (converged, stopped or failed), 0 when `seconds` have passed. */
+  AlabasterStatus (*pass_create)(AlabasterDelegate*, AlabasterPass**);
+  void (*pass_destroy)(AlabasterPass*);
+  AlabasterStatus (*pass_start)(AlabasterPass*, const AlabasterFrame*);
+  AlabasterStatus (*pass_wait)(AlabasterPass*, double seconds, int32_t* over); /* < 0: without limit */
+  AlabasterStatus (*pass_state)(AlabasterPass*, int32_t* state);
+  AlabasterStatus (*progress)(AlabasterDelegate*, AlabasterProgress*);
+
+  /* Buffers. A new size takes effect at the next start. map shows what has been rendered so far; its memory is valid
+     until pixels_unmap, whatever happens to the buffer or the delegate. read copies it, top row first if y_down,
+     into memory of `bytes` bytes: INVALID_ARGUMENT if that is too little. */
+  AlabasterStatus (*buffer_create)(AlabasterDelegate*, int32_t width, int32_t height, int32_t format,
+                                   AlabasterBuffer**);
+  void (*buffer_destroy)(AlabasterBuffer*);
+  AlabasterStatus (*buffer_resize)(AlabasterBuffer*, int32_t width, int32_t height, int32_t format);
+  AlabasterStatus (*buffer_map)(AlabasterBuffer*, AlabasterPixels*);
+  AlabasterStatus (*pixels_unmap)(AlabasterPixels*);
+  AlabasterStatus (*buffer_read)(AlabasterBuffer*, void* memory, size_t bytes, int32_t y_down);
+} AlabasterApi;
+
+/* Null if the library is older than `version`. The table lives as long as the library is loaded. */
+#if defined(ALABASTER_BUILDING_LIBRARY)
+__attribute__((visibility("default")))
+#endif
+const AlabasterApi*
+alabaster_api(uint32_t version);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

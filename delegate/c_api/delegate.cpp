@@ -1,0 +1,225 @@
+#include "delegate/c_api/functions.h"
+#include "delegate/c_api/values.h"
+
+namespace alabaster::hd::c_api {
+namespace {
+
+/// Runs `call` under the delegate's lock and that of its scene.
+template <class Call>
+AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
+  return guarded([&] {
+    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    const std::lock_guard lock(data->mutex);
+    call(*data);
+  });
+}
+
+/// For what any thread may do at any time.
+template <class Call>
+AlabasterStatus at_any_time(AlabasterDelegate* handle, const Call& call) {
+  return guarded([&] { call(*required(handle, "delegate").data->delegate); });
+}
+
+void visit_value(const char* name, const Value& value, AlabasterVisit visit, void* user) {
+  if (!visit) throw bad_argument("visit is null");
+  const ValueView view(value);
+  visit(user, name, &view.get());
+}
+
+AlabasterProgress progress_of(const host::RecordProgress& from) {
+  return {sizeof(AlabasterProgress), from.fraction, from.seconds, from.samples_done, from.samples_total};
+}
+
+std::vector<RenderProduct> products_of(const AlabasterRecordOptions& in) {
+  std::vector<RenderProduct> products;
+  for (size_t i = 0; i < in.file_count; ++i) {
+    RenderProduct product;
+    product.file = text_or(in.files[i], "");
+    if (product.file.ends_with(".exr") && in.aov_count > 0) {
+      product.vars.push_back(host::UsualRenderVar("color"));
+      for (size_t k = 0; k < in.aov_count; ++k) product.vars.push_back(host::UsualRenderVar(text_or(in.aovs[k], "")));
+    }
+    products.push_back(std::move(product));
+  }
+  return products;
+}
+
+/// Render settings with other products, for as long as this lives.
+class OtherProducts {
+ public:
+  OtherProducts(host::RetainedSceneDelegate& scene, const Path& settings, std::vector<RenderProduct> products)
+      : scene_(scene), settings_(settings), before_(scene.GetAllRenderSettings().at(settings)) {
+    RenderSettingsDescription other = before_;
+    if (!products.empty()) other.products = std::move(products);
+    scene_.SetRenderSettings(settings_, std::move(other));
+  }
+  ~OtherProducts() { scene_.SetRenderSettings(settings_, before_); }
+  OtherProducts(const OtherProducts&) = delete;
+  OtherProducts& operator=(const OtherProducts&) = delete;
+
+ private:
+  host::RetainedSceneDelegate& scene_;
+  Path settings_;
+  RenderSettingsDescription before_;
+};
+
+void check(host::RecordStatus status, Reports& reports) {
+  switch (status) {
+    case host::RecordStatus::done:
+      return;
+    case host::RecordStatus::input_failed:
+      throw Failure(ALABASTER_INPUT_FAILED, reports.take_error("the scene cannot be rendered"));
+    case host::RecordStatus::render_failed:
+      throw Failure(ALABASTER_RENDER_FAILED, reports.take_error("the render failed"));
+    case host::RecordStatus::output_failed:
+      throw Failure(ALABASTER_OUTPUT_FAILED, reports.take_error("a file could not be written"));
+    case host::RecordStatus::interrupted:
+      throw Failure(ALABASTER_INTERRUPTED, "the render was cancelled or stopped");
+    case host::RecordStatus::degraded:
+      throw Failure(ALABASTER_DEGRADED, "the picture lacks whatever the faults of the scene leave out");
+  }
+}
+
+}  // namespace
+
+AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, AlabasterScene* scene, AlabasterDelegate** out) {
+  return guarded([&] {
+    auto& handle = required(out, "delegate");
+    const auto in = given ? sized(given, "options") : AlabasterDelegateOptions{};
+    auto data = std::make_shared<DelegateData>();
+    data->reports = std::make_shared<Reports>(in.report, in.user);
+    ValueReader reader;
+    DelegateOptions options;
+    options.settings = reader.dictionary(in.settings, in.setting_count);
+    options.diagnostics = sink_of(data->reports);
+    reader.finish();
+    if (const auto ocio = options.settings.find("ocio"); ocio != options.settings.end())
+      data->colors.ocio = ocio->second.text_or("");
+    data->delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
+    if (!data->delegate) throw Failure(ALABASTER_INPUT_FAILED, data->reports->take_error("the renderer cannot start"));
+    data->index = std::make_unique<host::RenderIndex>(data->delegate);
+    if (scene) data->show(scene->data);
+    handle = new AlabasterDelegate{std::move(data)};
+  });
+}
+
+void delegate_destroy(AlabasterDelegate* handle) {
+  delete handle;
+}
+
+AlabasterStatus show(AlabasterDelegate* handle, AlabasterScene* scene) {
+  return on_delegate(handle, [&](DelegateData& data) { data.show(scene ? scene->data : nullptr); });
+}
+
+AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const AlabasterValue* value) {
+  return on_delegate(handle, [&](DelegateData& data) {
+    ValueReader reader;
+    const Value read = reader.value(required(value, "value"));
+    reader.finish();
+    data.delegate->SetRenderSetting(&required(key, "key"), read);
+  });
+}
+
+AlabasterStatus get_setting(AlabasterDelegate* handle, const char* key, AlabasterVisit visit, void* user) {
+  return on_delegate(handle, [&](DelegateData& data) {
+    visit_value(key, data.delegate->GetRenderSetting(&required(key, "key")), visit, user);
+  });
+}
+
+AlabasterStatus get_settings(AlabasterDelegate* handle, AlabasterVisitSetting visit, void* user) {
+  return on_delegate(handle, [&](DelegateData& data) {
+    if (!visit) throw bad_argument("visit is null");
+    for (const RenderSettingDescriptor& setting : data.delegate->GetRenderSettingDescriptors()) {
+      const ValueView value(setting.defaultValue), minimum(setting.minimum), maximum(setting.maximum);
+      std::vector<const char*> choices;
+      for (const std::string& choice : setting.choices) choices.push_back(choice.c_str());
+      const AlabasterSetting told = {sizeof(AlabasterSetting),
+                                     setting.key.str().c_str(),
+                                     setting.name.c_str(),
+                                     setting.documentation.c_str(),
+                                     value.get(),
+                                     minimum.get(),
+                                     maximum.get(),
+                                     choices.data(),
+                                     choices.size()};
+      visit(user, &told);
+    }
+  });
+}
+
+AlabasterStatus aov_format(AlabasterDelegate* handle, const char* aov, int32_t* format) {
+  return on_delegate(handle, [&](DelegateData& data) {
+    required(format, "format") = int32_t(data.delegate->GetDefaultAovDescriptor(&required(aov, "aov")).format);
+  });
+}
+
+AlabasterStatus stats(AlabasterDelegate* handle, AlabasterVisit visit, void* user) {
+  return at_any_time(handle,
+                     [&](RenderDelegate& delegate) { visit_dictionary(delegate.GetRenderStats(), visit, user); });
+}
+
+AlabasterStatus progress(AlabasterDelegate* handle, AlabasterProgress* out) {
+  return at_any_time(handle, [&](RenderDelegate& delegate) {
+    const Dictionary stats = delegate.GetRenderStats();
+    const auto stat = [&](const char* key) {
+      const auto found = stats.find(key);
+      return found == stats.end() ? 0 : found->second.number_or(0);
+    };
+    answer(out,
+           AlabasterProgress{0, stat("fractionDone"), stat("totalClockTime"), uint64_t(stat("numCompletedSamples")),
+                             uint64_t(stat("samplesTotal"))},
+           "progress");
+  });
+}
+
+AlabasterStatus command(AlabasterDelegate* handle, const char* name, const AlabasterParameter* arguments, size_t count,
+                        AlabasterVisit visit, void* user) {
+  return on_delegate(handle, [&](DelegateData& data) {
+    ValueReader reader;
+    const Dictionary read = reader.dictionary(arguments, count);
+    reader.finish();
+    visit_value(name, data.delegate->InvokeCommand(&required(name, "name"), read), visit, user);
+  });
+}
+
+AlabasterStatus stop(AlabasterDelegate* handle) {
+  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Stop(); });
+}
+AlabasterStatus restart(AlabasterDelegate* handle) {
+  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Restart(); });
+}
+AlabasterStatus pause(AlabasterDelegate* handle) {
+  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Pause(); });
+}
+AlabasterStatus resume(AlabasterDelegate* handle) {
+  return at_any_time(handle, [](RenderDelegate& delegate) { delegate.Resume(); });
+}
+
+AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* given, AlabasterVisit visit,
+                       void* user) {
+  return on_delegate(handle, [&](DelegateData& data) {
+    const auto in = given ? sized(given, "options") : AlabasterRecordOptions{};
+    if (!data.scene) throw bad_argument("the delegate draws no scene");
+    const std::lock_guard lock(data.scene->mutex);
+    const Path settings = settings_path(data.scene->scene, in.settings);
+    const OtherProducts products(data.scene->scene, settings, products_of(in));
+    std::atomic<bool> cancel{false};
+    host::RecordOptions options;
+    options.colors = data.colors;
+    options.keep_going = in.keep_going != 0;
+    options.cancel = &cancel;
+    options.diagnostics = sink_of(data.reports);
+    if (in.progress)
+      options.progress = [&](const host::RecordProgress& now) {
+        const AlabasterProgress told = progress_of(now);
+        if (in.progress(in.user, &told) == 0) cancel = true;
+      };
+    data.reports->take_error({});
+    const host::RecordResult result = host::RecordFrame(data.index.get(), &data.scene->scene, settings, options);
+    if (visit)
+      for (const std::string& file : result.written) visit_value("file", file, visit, user);
+    check(result.status, *data.reports);
+  });
+}
+
+}  // namespace alabaster::hd::c_api

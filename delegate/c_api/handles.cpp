@@ -1,0 +1,77 @@
+#include "delegate/c_api/handles.h"
+
+namespace alabaster::hd::c_api {
+
+// An array: a thread_local string would keep the library loaded until the thread ends.
+static thread_local char g_last_error[2048];
+
+AlabasterStatus fail(AlabasterStatus status, const char* text) noexcept {
+  std::strncpy(g_last_error, text, sizeof g_last_error - 1);
+  return status;
+}
+const char* last_error() noexcept {
+  return g_last_error;
+}
+
+void Reports::operator()(const Diagnostic& diagnostic) {
+  if (diagnostic.severity == Severity::error) {
+    const std::lock_guard lock(mutex_);
+    error_ = diagnostic.where.empty() ? diagnostic.text : diagnostic.where + ": " + diagnostic.text;
+  }
+  if (!report_) return;
+  const AlabasterDiagnostic told = {int32_t(diagnostic.severity), diagnostic.code.c_str(), diagnostic.where.c_str(),
+                                    diagnostic.text.c_str()};
+  report_(user_, &told);
+}
+
+std::string Reports::take_error(const std::string& fallback) {
+  const std::lock_guard lock(mutex_);
+  return error_.empty() ? fallback : std::exchange(error_, {});
+}
+
+DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports) {
+  return [reports](const Diagnostic& diagnostic) { (*reports)(diagnostic); };
+}
+
+DelegateData::~DelegateData() {
+  show(nullptr);
+  index.reset();
+  DestroyAlabasterRenderDelegate(delegate);
+}
+
+void DelegateData::show(std::shared_ptr<SceneData> shown) {
+  if (shown == scene) return;
+  if (shown && shown->is_shown.exchange(true)) throw bad_argument("another delegate draws this scene");
+  if (scene) {
+    const std::lock_guard lock(scene->mutex);
+    scene->scene.Depopulate();
+    scene->is_shown = false;
+  }
+  scene = std::move(shown);
+  if (!scene) return;
+  const std::lock_guard lock(scene->mutex);
+  scene->scene.Populate(index.get());
+}
+
+BufferData::~BufferData() {
+  if (!buffer) return;
+  const std::lock_guard lock(owner->mutex);
+  buffer->Finalize(owner->delegate->GetRenderParam());
+  owner->delegate->DestroyBprim(buffer);
+}
+
+PassData::~PassData() {
+  const std::lock_guard lock(owner->mutex);
+  pass.reset();
+  bound.clear();
+}
+
+Path settings_path(const host::RetainedSceneDelegate& scene, const char* path) {
+  const auto& all = scene.GetAllRenderSettings();
+  if (all.empty()) throw Failure(ALABASTER_NOT_FOUND, "the scene has no render settings");
+  if (!path) return all.begin()->first;
+  if (!all.contains(path)) throw Failure(ALABASTER_NOT_FOUND, std::string("there are no render settings ") + path);
+  return path;
+}
+
+}  // namespace alabaster::hd::c_api

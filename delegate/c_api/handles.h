@@ -1,0 +1,141 @@
+// The C door's handles and how its calls end. Internal to this room.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <mutex>
+#include <stdexcept>
+
+#include "delegate/c_api/alabaster.h"
+#include "delegate/description/render_description.h"
+#include "delegate/host/frame_recorder.h"
+
+namespace alabaster::hd::c_api {
+
+/// Ends a call with a status and a text for last_error.
+struct Failure : std::runtime_error {
+  Failure(AlabasterStatus failed_with, const std::string& text) : std::runtime_error(text), status(failed_with) {}
+  AlabasterStatus status;
+};
+inline Failure bad_argument(const std::string& text) {
+  return {ALABASTER_INVALID_ARGUMENT, text};
+}
+
+/// Keeps the text for last_error of this thread; returns `status`.
+AlabasterStatus fail(AlabasterStatus status, const char* text) noexcept;
+const char* last_error() noexcept;
+
+/// Runs a call; no exception leaves it.
+template <class Call>
+AlabasterStatus guarded(const Call& call) noexcept {
+  try {
+    call();
+    return ALABASTER_OK;
+  } catch (const Failure& failure) {
+    return fail(failure.status, failure.what());
+  } catch (const std::bad_alloc&) {
+    return fail(ALABASTER_OUT_OF_MEMORY, "memory ran out");
+  } catch (const std::exception& e) {
+    return fail(ALABASTER_INTERNAL, e.what());
+  } catch (...) {
+    return fail(ALABASTER_INTERNAL, "unknown reason");
+  }
+}
+
+template <class T>
+T& required(T* pointer, const char* name) {
+  if (!pointer) throw bad_argument(std::string(name) + " is null");
+  return *pointer;
+}
+
+inline std::string text_or(const char* text, const char* fallback) {
+  return text ? text : fallback;
+}
+
+/// A struct that the host may know shorter or longer: members that it does not have are zero.
+template <class T>
+T sized(const T* in, const char* name) {
+  T out{};
+  const size_t size = required(in, name).size;
+  if (size < sizeof size) throw bad_argument(std::string(name) + ": `size` is not set");
+  std::memcpy(static_cast<void*>(&out), in, std::min(size, sizeof out));
+  return out;
+}
+template <class T>
+void answer(T* out, T value, const char* name) {
+  const size_t size = required(out, name).size;
+  if (size < sizeof size) throw bad_argument(std::string(name) + ": `size` is not set");
+  value.size = size;
+  std::memcpy(static_cast<void*>(out), &value, std::min(size, sizeof value));
+}
+
+/// Hands diagnostics to the host, and keeps the last error for the text of the call that fails by it.
+class Reports {
+ public:
+  Reports(AlabasterReport report, void* user) : report_(report), user_(user) {}
+  void operator()(const Diagnostic& diagnostic);
+  /// "where: text" of the last error since the last call; `fallback` if there is none.
+  std::string take_error(const std::string& fallback);
+
+ private:
+  AlabasterReport report_;
+  void* user_;
+  std::mutex mutex_;
+  std::string error_;
+};
+DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports);
+
+// Locks are taken in this order: the delegate's, the scene's, a buffer's. The first two are recursive: the progress
+// callback of record may call the library.
+struct SceneData {
+  std::recursive_mutex mutex;
+  host::RetainedSceneDelegate scene;
+  std::shared_ptr<Reports> reports;
+  description::SceneFile loaded;
+  std::string loaded_notes;
+  std::atomic<bool> is_shown{false};
+};
+
+struct DelegateData {
+  ~DelegateData();
+  void show(std::shared_ptr<SceneData> shown);
+
+  std::recursive_mutex mutex;
+  std::shared_ptr<Reports> reports;
+  host::OutputColors colors;
+  RenderDelegate* delegate = nullptr;
+  std::unique_ptr<host::RenderIndex> index;
+  std::shared_ptr<SceneData> scene;
+};
+
+struct BufferData {
+  ~BufferData();
+  std::shared_ptr<DelegateData> owner;
+  RenderBuffer* buffer = nullptr;
+  std::mutex mutex;  // between Resolve and the reading of its size
+};
+
+struct PassData {
+  ~PassData();
+  std::shared_ptr<DelegateData> owner;
+  std::unique_ptr<RenderPass> pass;
+  std::vector<std::shared_ptr<BufferData>> bound;
+};
+
+/// The render settings of that path; of null, the first. Fails if there are none.
+Path settings_path(const host::RetainedSceneDelegate& scene, const char* path);
+
+}  // namespace alabaster::hd::c_api
+
+struct AlabasterScene {
+  std::shared_ptr<alabaster::hd::c_api::SceneData> data;
+};
+struct AlabasterDelegate {
+  std::shared_ptr<alabaster::hd::c_api::DelegateData> data;
+};
+struct AlabasterBuffer {
+  std::shared_ptr<alabaster::hd::c_api::BufferData> data;
+};
+struct AlabasterPass {
+  std::shared_ptr<alabaster::hd::c_api::PassData> data;
+};

@@ -1,0 +1,179 @@
+#include "delegate/c_api/functions.h"
+#include "delegate/c_api/values.h"
+
+namespace alabaster::hd::c_api {
+namespace {
+
+struct Mapping {
+  std::shared_ptr<BufferData> buffer;
+};
+
+/// Resolves and maps, with the size that belongs to the pixels. The data is null if nothing is allocated.
+AlabasterPixels map_pixels(BufferData& data) {
+  const std::lock_guard lock(data.mutex);
+  data.buffer->Resolve();
+  AlabasterPixels pixels{};
+  pixels.data = data.buffer->Map();
+  pixels.width = data.buffer->GetWidth();
+  pixels.height = data.buffer->GetHeight();
+  pixels.format = int32_t(data.buffer->GetFormat());
+  pixels.generation = data.buffer->GetGeneration();
+  return pixels;
+}
+
+void allocate(RenderBuffer& buffer, int32_t width, int32_t height, int32_t format) {
+  if (format <= ALABASTER_FORMAT_NONE || format > ALABASTER_INT32) throw bad_argument("there is no such format");
+  if (width < 1 || height < 1 || !buffer.Allocate({{width, height, 1}, Format(format)}))
+    throw bad_argument("a buffer of " + std::to_string(width) + " x " + std::to_string(height) +
+                       " pixels cannot be allocated");
+}
+
+/// The framing of `in`. Members that are null or 0 are those of the scene's render settings.
+void frame_pass(const AlabasterFrame& in, const RenderSettingsDescription& settings, RenderPassState& state) {
+  const int width = in.width > 0 ? in.width : settings.width, height = in.height > 0 ? in.height : settings.height;
+  Rect2i window = {in.window.min_x, in.window.min_y, in.window.max_x, in.window.max_y};
+  if (window.empty()) window = in.width > 0 || in.height > 0 ? Rect2i{0, 0, width, height} : settings.window();
+  // Buffers are as large as the window; the display window is moved so that it starts at their corner.
+  const Vec2f corner(float(window.minX), float(window.minY));
+  state.camera = in.camera ? Path(in.camera) : settings.camera;
+  state.framing.displayMin = -corner;
+  state.framing.displayMax = Vec2f(float(width), float(height)) - corner;
+  state.framing.dataWindow = {0, 0, window.width(), window.height()};
+  state.framing.pixelAspectRatio = in.pixel_aspect > 0 ? float(in.pixel_aspect) : settings.pixelAspectRatio;
+  state.windowPolicy = in.window_policy != 0 ? WindowPolicy(in.window_policy) : settings.windowPolicy;
+}
+
+void start(PassData& pass, const AlabasterFrame& in) {
+  DelegateData& owner = *pass.owner;
+  if (!owner.scene) throw bad_argument("the delegate draws no scene");
+  RenderPassState state;
+  std::vector<std::shared_ptr<BufferData>> bound;
+  for (size_t i = 0; i < in.binding_count; ++i) {
+    const AlabasterBinding& binding = in.bindings[i];
+    bound.push_back(required(binding.buffer, "buffer of a binding").data);
+    if (bound.back()->owner != pass.owner) throw bad_argument("a buffer belongs to another delegate");
+    state.aovBindings.push_back({text_or(binding.aov, ""), bound.back()->buffer, {}});
+  }
+  const std::lock_guard lock(owner.scene->mutex);
+  const auto& scene = owner.scene->scene;
+  RenderSettingsDescription settings;
+  if (in.settings || !scene.GetAllRenderSettings().empty()) {
+    const Path path = settings_path(scene, in.settings);
+    settings = scene.GetAllRenderSettings().at(path);
+    owner.delegate->SetRenderSetting("renderSettingsPrimPath", path);
+  }
+  frame_pass(in, settings, state);
+  if (!owner.index->SyncAll())
+    throw Failure(ALABASTER_OUT_OF_MEMORY, "the scene could not be synced: memory or threads ran out");
+  pass.pass->Execute(state);
+  pass.bound = std::move(bound);
+}
+
+}  // namespace
+
+AlabasterStatus pass_create(AlabasterDelegate* handle, AlabasterPass** out) {
+  return guarded([&] {
+    auto& made = required(out, "pass");
+    auto data = std::make_shared<PassData>();
+    data->owner = required(handle, "delegate").data;
+    const std::lock_guard lock(data->owner->mutex);
+    data->pass = data->owner->delegate->CreateRenderPass();
+    if (!data->pass) throw Failure(ALABASTER_OUT_OF_MEMORY, data->owner->reports->take_error("no pass can be made"));
+    made = new AlabasterPass{std::move(data)};
+  });
+}
+
+void pass_destroy(AlabasterPass* pass) {
+  delete pass;
+}
+
+AlabasterStatus pass_start(AlabasterPass* handle, const AlabasterFrame* frame) {
+  return guarded([&] {
+    PassData& data = *required(handle, "pass").data;
+    const auto in = sized(frame, "frame");
+    const std::lock_guard lock(data.owner->mutex);
+    start(data, in);
+  });
+}
+
+AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) {
+  return guarded([&] {
+    const std::shared_ptr<PassData> data = required(handle, "pass").data;
+    const bool ended = data->pass->WaitForConvergence(seconds < 0 ? std::numeric_limits<double>::infinity() : seconds);
+    if (over) *over = ended;
+    if (!ended || data->pass->GetState() != PassState::failed) return;
+    const Dictionary stats = data->owner->delegate->GetRenderStats();
+    const auto error = stats.find("error");
+    throw Failure(ALABASTER_RENDER_FAILED, error == stats.end() ? "the render failed" : error->second.text_or(""));
+  });
+}
+
+AlabasterStatus pass_state(AlabasterPass* handle, int32_t* state) {
+  return guarded([&] { required(state, "state") = int32_t(required(handle, "pass").data->pass->GetState()); });
+}
+
+AlabasterStatus buffer_create(AlabasterDelegate* handle, int32_t width, int32_t height, int32_t format,
+                              AlabasterBuffer** out) {
+  return guarded([&] {
+    static std::atomic<int> made_so_far{0};
+    auto& made = required(out, "buffer");
+    auto data = std::make_shared<BufferData>();
+    data->owner = required(handle, "delegate").data;
+    const std::lock_guard lock(data->owner->mutex);
+    data->buffer = dynamic_cast<RenderBuffer*>(
+        data->owner->delegate->CreateBprim("renderBuffer", "/buffer/" + std::to_string(++made_so_far)));
+    if (!data->buffer) throw std::bad_alloc();
+    allocate(*data->buffer, width, height, format);
+    made = new AlabasterBuffer{std::move(data)};
+  });
+}
+
+void buffer_destroy(AlabasterBuffer* buffer) {
+  delete buffer;
+}
+
+AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t height, int32_t format) {
+  return guarded([&] {
+    BufferData& data = *required(handle, "buffer").data;
+    const std::lock_guard lock(data.owner->mutex);
+    allocate(*data.buffer, width, height, format);
+  });
+}
+
+AlabasterStatus buffer_map(AlabasterBuffer* handle, AlabasterPixels* out) {
+  return guarded([&] {
+    const std::shared_ptr<BufferData>& data = required(handle, "buffer").data;
+    auto mapping = std::make_unique<Mapping>(Mapping{data});
+    sized(out, "pixels");
+    AlabasterPixels pixels = map_pixels(*data);
+    if (!pixels.data) throw Failure(ALABASTER_NOT_FOUND, "the buffer has no pixels yet");
+    pixels.mapping = mapping.release();
+    answer(out, pixels, "pixels");
+  });
+}
+
+AlabasterStatus pixels_unmap(AlabasterPixels* pixels) {
+  return guarded([&] {
+    const std::unique_ptr<Mapping> mapping(static_cast<Mapping*>(sized(pixels, "pixels").mapping));
+    if (!mapping) throw bad_argument("these pixels are not mapped");
+    pixels->data = nullptr, pixels->mapping = nullptr;
+    mapping->buffer->buffer->Unmap();
+  });
+}
+
+AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes, int32_t y_down) {
+  return guarded([&] {
+    BufferData& data = *required(handle, "buffer").data;
+    const AlabasterPixels pixels = map_pixels(data);
+    if (!pixels.data) throw Failure(ALABASTER_NOT_FOUND, "the buffer has no pixels yet");
+    const size_t rows = size_t(pixels.height), row = size_t(pixels.width) * FormatSize(Format(pixels.format));
+    const bool fits = memory && bytes >= rows * row;
+    for (size_t y = 0; fits && y < rows; ++y)
+      std::memcpy(static_cast<uint8_t*>(memory) + y * row,
+                  static_cast<const uint8_t*>(pixels.data) + (y_down ? rows - 1 - y : y) * row, row);
+    data.buffer->Unmap();
+    if (!fits) throw bad_argument("the pixels need " + std::to_string(rows * row) + " bytes");
+  });
+}
+
+}  // namespace alabaster::hd::c_api

@@ -1,0 +1,254 @@
+#include "delegate/c_api/functions.h"
+#include "delegate/c_api/scene_prims.h"
+
+namespace alabaster::hd::c_api {
+namespace {
+
+using host::RetainedSceneDelegate;
+
+/// Runs `call` on the scene and the path, under the scene's lock.
+template <class Call>
+AlabasterStatus on_prim(AlabasterScene* handle, const char* path, const Call& call) {
+  return guarded([&] {
+    SceneData& data = *required(handle, "scene").data;
+    if (required(path, "path") == '\0') throw bad_argument("the path is empty");
+    const std::lock_guard lock(data.mutex);
+    call(data.scene, Path(path));
+  });
+}
+
+/// A copy of the description, to be changed and set again; its arrays are shared.
+template <class Map>
+auto copy_of(const Map& map, const Path& path, const char* kind) {
+  const auto found = map.find(path);
+  if (found == map.end()) throw Failure(ALABASTER_NOT_FOUND, std::string("there is no ") + kind + " " + path.str());
+  return found->second;
+}
+
+description::LoadOptions read_options(const AlabasterLoadOptions* given) {
+  description::LoadOptions options;
+  if (!given) return options;
+  const auto in = sized(given, "options");
+  for (size_t i = 0; i < in.override_count; ++i)
+    options.overrides.push_back(text_or((&required(in.overrides, "overrides"))[i], ""));
+  options.camera = text_or(in.camera, "");
+  options.dome = text_or(in.dome, "");
+  options.scene = text_or(in.scene, "");
+  options.animation = text_or(in.animation, "");
+  options.variant = text_or(in.variant, "");
+  if (in.time) options.time = *in.time;
+  if (in.shutter) options.shutter = description::LoadOptions::Shutter{in.shutter[0], in.shutter[1]};
+  options.keep_going = in.keep_going != 0;
+  return options;
+}
+
+/// Calls visit(path, type) for every prim.
+template <class Visit>
+void for_each_prim(const RetainedSceneDelegate& scene, const Visit& visit) {
+  for (const auto& entry : scene.GetMeshes()) visit(entry.first, Token("mesh"));
+  for (const auto& entry : scene.GetInstancers()) visit(entry.first, Token("instancer"));
+  for (const auto& entry : scene.GetMaterials()) visit(entry.first, Token("material"));
+  for (const auto& entry : scene.GetLights()) visit(entry.first, entry.second.type);
+  for (const auto& entry : scene.GetCameras()) visit(entry.first, Token("camera"));
+  for (const auto& entry : scene.GetAllRenderSettings()) visit(entry.first, Token("renderSettings"));
+}
+
+std::vector<std::pair<Path, Token>> all_prims(const RetainedSceneDelegate& scene) {
+  std::vector<std::pair<Path, Token>> prims;
+  for_each_prim(scene, [&](const Path& path, const Token& type) { prims.emplace_back(path, type); });
+  return prims;
+}
+
+}  // namespace
+
+AlabasterStatus scene_create(AlabasterReport report, void* user, AlabasterScene** scene) {
+  return guarded([&] {
+    auto& out = required(scene, "scene");
+    auto data = std::make_shared<SceneData>();
+    data->reports = std::make_shared<Reports>(report, user);
+    out = new AlabasterScene{std::move(data)};
+  });
+}
+
+void scene_destroy(AlabasterScene* scene) {
+  delete scene;
+}
+
+AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const AlabasterLoadOptions* options,
+                           AlabasterLoaded* loaded) {
+  return guarded([&] {
+    SceneData& data = *required(handle, "scene").data;
+    const std::lock_guard lock(data.mutex);
+    data.reports->take_error({});
+    const auto read = read_options(options);
+    data.loaded = description::LoadScene(&required(file, "file"), &data.scene, sink_of(data.reports), read);
+    if (!data.loaded.ok) throw Failure(ALABASTER_INPUT_FAILED, data.reports->take_error("the scene cannot be loaded"));
+    data.loaded_notes.clear();
+    for (const std::string& note : data.loaded.notes) data.loaded_notes += note + "\n";
+    if (!loaded) return;
+    AlabasterLoaded told{};
+    told.settings = data.loaded.settings.str().c_str();
+    told.color_config = data.loaded.color_config.c_str();
+    told.notes = data.loaded_notes.c_str();
+    answer(loaded, told, "loaded");
+  });
+}
+
+AlabasterStatus scene_clear(AlabasterScene* handle) {
+  return guarded([&] {
+    SceneData& data = *required(handle, "scene").data;
+    const std::lock_guard lock(data.mutex);
+    for (const auto& prim : all_prims(data.scene)) data.scene.Remove(prim.first);
+  });
+}
+
+AlabasterStatus remove_prim(AlabasterScene* handle, const char* path) {
+  return on_prim(handle, path, [](RetainedSceneDelegate& scene, const Path& id) {
+    const auto prims = all_prims(scene);
+    if (std::none_of(prims.begin(), prims.end(), [&](const auto& prim) { return prim.first == id; }))
+      throw Failure(ALABASTER_NOT_FOUND, "there is no prim " + id.str());
+    scene.Remove(id);
+  });
+}
+
+AlabasterStatus set_mesh(AlabasterScene* handle, const char* path, const AlabasterMesh* mesh) {
+  return on_prim(handle, path,
+                 [&](RetainedSceneDelegate& scene, const Path& id) { scene.SetMesh(id, read_mesh(mesh)); });
+}
+
+AlabasterStatus set_primvar(AlabasterScene* handle, const char* path, const AlabasterPrimvar* primvar) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    ValueReader reader;
+    host::MeshDescription one;
+    read_primvar(required(primvar, "primvar"), reader, &one);
+    reader.finish();
+    host::MeshDescription mesh = copy_of(scene.GetMeshes(), id, "mesh");
+    const Token name = one.primvars.begin()->first;
+    mesh.primvars.erase(name);
+    mesh.primvarSamples.erase(name);
+    if (!one.primvars.begin()->second.value.empty()) mesh.primvars.merge(one.primvars);
+    mesh.primvarSamples.merge(one.primvarSamples);
+    scene.SetMesh(id, std::move(mesh));
+  });
+}
+
+AlabasterStatus set_transform(AlabasterScene* handle, const char* path, const double* matrix) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    const auto moved = [&](auto description) {
+      description.transform = matrix_of(matrix);
+      return description;
+    };
+    if (scene.GetMeshes().contains(id)) return scene.SetMesh(id, moved(scene.GetMeshes().at(id)));
+    if (scene.GetLights().contains(id)) return scene.SetLight(id, moved(scene.GetLights().at(id)));
+    if (scene.GetInstancers().contains(id)) return scene.SetInstancer(id, moved(scene.GetInstancers().at(id)));
+    scene.SetCamera(id, moved(copy_of(scene.GetCameras(), id, "mesh, light, instancer or camera")));
+  });
+}
+
+AlabasterStatus set_visible(AlabasterScene* handle, const char* path, int32_t visible) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    const auto shown = [&](auto description) {
+      description.visible = visible != 0;
+      return description;
+    };
+    if (scene.GetMeshes().contains(id)) return scene.SetMesh(id, shown(scene.GetMeshes().at(id)));
+    scene.SetLight(id, shown(copy_of(scene.GetLights(), id, "mesh or light")));
+  });
+}
+
+AlabasterStatus bind_material(AlabasterScene* handle, const char* path, const char* material) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    host::MeshDescription mesh = copy_of(scene.GetMeshes(), id, "mesh");
+    mesh.material = Path(text_or(material, ""));
+    scene.SetMesh(id, std::move(mesh));
+  });
+}
+
+AlabasterStatus set_instancer(AlabasterScene* handle, const char* path, const AlabasterInstancer* instancer) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    scene.SetInstancer(id, read_instancer(instancer));
+  });
+}
+
+AlabasterStatus set_material(AlabasterScene* handle, const char* path, const AlabasterMaterial* material) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    scene.SetMaterial(id, read_material(id, material));
+  });
+}
+
+AlabasterStatus set_light(AlabasterScene* handle, const char* path, const AlabasterLight* light) {
+  return on_prim(handle, path,
+                 [&](RetainedSceneDelegate& scene, const Path& id) { scene.SetLight(id, read_light(light)); });
+}
+
+AlabasterStatus set_camera(AlabasterScene* handle, const char* path, const AlabasterCamera* camera) {
+  return on_prim(handle, path,
+                 [&](RetainedSceneDelegate& scene, const Path& id) { scene.SetCamera(id, read_camera(camera)); });
+}
+
+AlabasterStatus set_render_settings(AlabasterScene* handle, const char* path, const AlabasterRenderSettings* settings) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    scene.SetRenderSettings(id, read_render_settings(settings));
+  });
+}
+
+namespace {
+
+template <class Map>
+void put(Map& map, const std::string& key, const Value& value) {
+  if (value.empty())
+    map.erase(key);
+  else
+    map[key] = value;
+}
+
+void put_in_network(MaterialNetwork& network, const Path& id, const std::string& key, const Value& value) {
+  const size_t dot = key.find('.');
+  const auto node = dot == std::string::npos ? network.nodes.end() : network.nodes.find(id.append(key.substr(0, dot)));
+  if (node == network.nodes.end())
+    throw Failure(ALABASTER_NOT_FOUND, "material " + id.str() + " has no node for '" + key + "': name node.parameter");
+  put(node->second.parameters, key.substr(dot + 1), value);
+}
+
+}  // namespace
+
+AlabasterStatus set_parameter(AlabasterScene* handle, const char* path, const char* name, const AlabasterValue* in) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    ValueReader reader;
+    const Value value = reader.value(required(in, "value"));
+    reader.finish();
+    const std::string key = &required(name, "name");
+    if (scene.GetLights().contains(id)) {
+      auto light = scene.GetLights().at(id);
+      put(light.parameters, key, value);
+      scene.SetLight(id, std::move(light));
+    } else if (scene.GetCameras().contains(id)) {
+      auto camera = scene.GetCameras().at(id);
+      put(camera.parameters, key, value);
+      scene.SetCamera(id, std::move(camera));
+    } else if (scene.GetAllRenderSettings().contains(id)) {
+      auto settings = scene.GetAllRenderSettings().at(id);
+      put(settings.settings, key, value);
+      scene.SetRenderSettings(id, std::move(settings));
+    } else {
+      auto network = copy_of(scene.GetMaterials(), id, "light, camera, material or render settings");
+      put_in_network(network, id, key, value);
+      scene.SetMaterial(id, std::move(network));
+    }
+  });
+}
+
+AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* user) {
+  return guarded([&] {
+    SceneData& data = *required(handle, "scene").data;
+    if (!visit) throw bad_argument("visit is null");
+    const std::lock_guard lock(data.mutex);
+    for (const auto& [path, type] : all_prims(data.scene)) {
+      const Value value(type);
+      const ValueView view(value);
+      visit(user, path.str().c_str(), &view.get());
+    }
+  });
+}
+
+}  // namespace alabaster::hd::c_api

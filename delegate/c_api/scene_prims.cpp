@@ -1,0 +1,152 @@
+#include "delegate/c_api/scene_prims.h"
+
+namespace alabaster::hd::c_api {
+namespace {
+
+MeshTopology read_topology(const AlabasterMesh& in, ValueReader& reader) {
+  MeshTopology topology;
+  topology.scheme = text_or(in.scheme, "none");
+  topology.orientation = text_or(in.orientation, "rightHanded");
+  topology.faceVertexCounts = reader.ints(in.face_vertex_counts, "face_vertex_counts");
+  topology.faceVertexIndices = reader.ints(in.face_vertex_indices, "face_vertex_indices");
+  topology.holeIndices = reader.ints(in.hole_indices, "hole_indices");
+  for (size_t i = 0; i < in.subset_count; ++i) {
+    const AlabasterSubset& subset = in.subsets[i];
+    topology.geomSubsets.push_back(
+        {text_or(subset.id, ""), text_or(subset.material, ""), reader.ints(subset.faces, "faces of a subset")});
+  }
+  return topology;
+}
+
+SubdivTags read_tags(const AlabasterSubdivTags* given, ValueReader& reader) {
+  SubdivTags tags;
+  if (!given) return tags;
+  const auto in = sized(given, "subdiv_tags");
+  tags.interpolateBoundary = text_or(in.interpolate_boundary, "");
+  tags.faceVaryingLinearInterpolation = text_or(in.face_varying_linear_interpolation, "");
+  tags.creaseMethod = text_or(in.crease_method, "");
+  tags.triangleSubdivision = text_or(in.triangle_subdivision, "");
+  tags.creaseIndices = reader.ints(in.crease_indices, "crease_indices");
+  tags.creaseLengths = reader.ints(in.crease_lengths, "crease_lengths");
+  tags.creaseWeights = reader.floats(in.crease_weights, "crease_weights");
+  tags.cornerIndices = reader.ints(in.corner_indices, "corner_indices");
+  tags.cornerWeights = reader.floats(in.corner_weights, "corner_weights");
+  return tags;
+}
+
+}  // namespace
+
+void read_primvar(const AlabasterPrimvar& in, ValueReader& reader, host::MeshDescription* mesh) {
+  const Token name(text_or(in.name, ""));
+  if (name.empty()) reader.fault("a primvar has no name");
+  if (in.interpolation < ALABASTER_CONSTANT || in.interpolation > ALABASTER_INSTANCE)
+    reader.fault("primvar " + name.str() + " has no such interpolation");
+  host::PrimvarValue& primvar = mesh->primvars[name];
+  primvar.interpolation = Interpolation(in.interpolation);
+  primvar.role = text_or(in.role, "");
+  primvar.value = reader.value(in.value);
+  primvar.indices = reader.ints(in.indices, "indices of a primvar");
+  auto samples = reader.samples(in.motion);
+  if (!samples.times.empty()) mesh->primvarSamples[name] = std::move(samples);
+}
+
+host::MeshDescription read_mesh(const AlabasterMesh* given) {
+  const auto in = sized(given, "mesh");
+  ValueReader reader;
+  host::MeshDescription mesh;
+  mesh.topology = read_topology(in, reader);
+  for (size_t i = 0; i < in.primvar_count; ++i) read_primvar(in.primvars[i], reader, &mesh);
+  mesh.subdivTags = read_tags(in.subdiv_tags, reader);
+  mesh.transformSamples = reader.transforms(in.motion);
+  mesh.displayStyle.refineLevel = in.refine_level;
+  mesh.transform = matrix_of(in.transform);
+  mesh.visible = in.invisible == 0;
+  mesh.doubleSided = in.single_sided == 0;
+  mesh.material = Path(text_or(in.material, ""));
+  mesh.instancer = Path(text_or(in.instancer, ""));
+  reader.finish();
+  return mesh;
+}
+
+host::InstancerDescription read_instancer(const AlabasterInstancer* given) {
+  const auto in = sized(given, "instancer");
+  ValueReader reader;
+  host::MeshDescription primvars;
+  for (size_t i = 0; i < in.primvar_count; ++i) read_primvar(in.primvars[i], reader, &primvars);
+  host::InstancerDescription instancer;
+  instancer.transform = matrix_of(in.transform);
+  instancer.parent = Path(text_or(in.parent, ""));
+  for (const auto& [name, primvar] : primvars.primvars) instancer.primvars[name] = primvar.value;
+  instancer.primvarSamples = std::move(primvars.primvarSamples);
+  for (size_t i = 0; i < in.prototype_count; ++i)
+    instancer.indices[Path(text_or(in.prototypes[i].id, ""))] =
+        reader.ints(in.prototypes[i].indices, "indices of a prototype");
+  instancer.transformSamples = reader.transforms(in.motion);
+  reader.finish();
+  return instancer;
+}
+
+MaterialNetwork read_material(const Path& id, const AlabasterMaterial* given) {
+  const auto in = sized(given, "material");
+  ValueReader reader;
+  MaterialNetwork network;
+  const auto node_path = [&](const char* name) { return id.append(text_or(name, "")); };
+  for (size_t i = 0; i < in.node_count; ++i) {
+    const AlabasterNode& given_node = in.nodes[i];
+    MaterialNode& node = network.nodes[node_path(given_node.name)];
+    node.nodeTypeId = text_or(given_node.type, "");
+    node.parameters = reader.parameters(given_node.parameters, given_node.parameter_count);
+    for (size_t c = 0; c < given_node.connection_count; ++c) {
+      const AlabasterConnection& connection = given_node.connections[c];
+      node.inputConnections[text_or(connection.input, "")].push_back(
+          {node_path(connection.node), text_or(connection.output, "")});
+    }
+  }
+  const auto terminal = [&](const char* kind, const char* name) {
+    if (!name) return;
+    if (!network.nodes.contains(node_path(name))) reader.fault("there is no node '" + std::string(name) + "'");
+    network.terminals[kind] = {node_path(name), "out"};
+  };
+  terminal("surface", in.surface ? in.surface : in.node_count > 0 ? in.nodes[0].name : nullptr);
+  terminal("displacement", in.displacement);
+  reader.finish();
+  return network;
+}
+
+host::LightDescription read_light(const AlabasterLight* given) {
+  const auto in = sized(given, "light");
+  ValueReader reader;
+  host::LightDescription light{text_or(in.type, ""), matrix_of(in.transform),
+                               reader.parameters(in.parameters, in.parameter_count)};
+  light.visible = in.invisible == 0;
+  if (light.type.empty()) reader.fault("a light needs a type");
+  reader.finish();
+  return light;
+}
+
+host::CameraDescription read_camera(const AlabasterCamera* given) {
+  const auto in = sized(given, "camera");
+  ValueReader reader;
+  host::CameraDescription camera{matrix_of(in.transform), reader.parameters(in.parameters, in.parameter_count)};
+  camera.transformSamples = reader.transforms(in.motion);
+  reader.finish();
+  return camera;
+}
+
+RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* given) {
+  const auto in = sized(given, "render settings");
+  ValueReader reader;
+  RenderSettingsDescription settings;
+  settings.camera = Path(text_or(in.camera, ""));
+  if (in.width != 0) settings.width = in.width;
+  if (in.height != 0) settings.height = in.height;
+  if (in.pixel_aspect != 0) settings.pixelAspectRatio = float(in.pixel_aspect);
+  const Rect2i crop = {in.crop.min_x, in.crop.min_y, in.crop.max_x, in.crop.max_y};
+  if (!crop.empty()) settings.crop = crop;
+  settings.frame = in.frame;
+  settings.settings = reader.dictionary(in.settings, in.setting_count);
+  reader.finish();
+  return settings;
+}
+
+}  // namespace alabaster::hd::c_api

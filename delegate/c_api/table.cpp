@@ -1,0 +1,67 @@
+#include "delegate/c_api/functions.h"
+#include "delegate/c_api/handles.h"
+
+using namespace alabaster::hd;
+
+// The numbers that cross the door are those of the contract.
+static_assert(int(Format::unorm8) == ALABASTER_UNORM8 && int(Format::float16) == ALABASTER_HALF &&
+              int(Format::float32) == ALABASTER_FLOAT32 && int(Format::float32vec4) == ALABASTER_FLOAT32_4 &&
+              int(Format::int32) == ALABASTER_INT32);
+static_assert(int(PassState::idle) == ALABASTER_IDLE && int(PassState::stopped) == ALABASTER_STOPPED &&
+              int(PassState::failed) == ALABASTER_FAILED);
+static_assert(int(Interpolation::constant) == ALABASTER_CONSTANT && int(Interpolation::vertex) == ALABASTER_VERTEX &&
+              int(Interpolation::instance) == ALABASTER_INSTANCE);
+static_assert(int(WindowPolicy::matchVertically) == ALABASTER_MATCH_VERTICALLY &&
+              int(WindowPolicy::dontConform) == ALABASTER_DONT_CONFORM);
+static_assert(int(Severity::info) == ALABASTER_INFO && int(Severity::error) == ALABASTER_ERROR);
+
+extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
+  static const AlabasterApi api = {sizeof(AlabasterApi),
+                                   ALABASTER_API_VERSION,
+                                   AlabasterVersions(),
+                                   c_api::last_error,
+                                   c_api::scene_create,
+                                   c_api::scene_destroy,
+                                   c_api::scene_load,
+                                   c_api::scene_clear,
+                                   c_api::remove_prim,
+                                   c_api::set_mesh,
+                                   c_api::set_primvar,
+                                   c_api::set_transform,
+                                   c_api::set_visible,
+                                   c_api::bind_material,
+                                   c_api::set_instancer,
+                                   c_api::set_material,
+                                   c_api::set_light,
+                                   c_api::set_camera,
+                                   c_api::set_render_settings,
+                                   c_api::set_parameter,
+                                   c_api::get_prims,
+                                   c_api::delegate_create,
+                                   c_api::delegate_destroy,
+                                   c_api::show,
+                                   c_api::set_setting,
+                                   c_api::get_setting,
+                                   c_api::get_settings,
+                                   c_api::aov_format,
+                                   c_api::stats,
+                                   c_api::command,
+                                   c_api::stop,
+                                   c_api::restart,
+                                   c_api::pause,
+                                   c_api::resume,
+                                   c_api::record,
+                                   c_api::pass_create,
+                                   c_api::pass_destroy,
+                                   c_api::pass_start,
+                                   c_api::pass_wait,
+                                   c_api::pass_state,
+                                   c_api::progress,
+                                   c_api::buffer_create,
+                                   c_api::buffer_destroy,
+                                   c_api::buffer_resize,
+                                   c_api::buffer_map,
+                                   c_api::pixels_unmap,
+                                   c_api::buffer_read};
+  return version >= 1 && version <= ALABASTER_API_VERSION ? &api : nullptr;
+}

@@ -1,0 +1,253 @@
+#include "delegate/c_api/values.h"
+
+namespace alabaster::hd::c_api {
+namespace {
+
+template <class T>
+inline constexpr int32_t kType = ALABASTER_NONE;
+template <>
+inline constexpr int32_t kType<int32_t> = ALABASTER_INT;
+template <>
+inline constexpr int32_t kType<int64_t> = ALABASTER_INT64;
+template <>
+inline constexpr int32_t kType<uint32_t> = ALABASTER_UINT;
+template <>
+inline constexpr int32_t kType<float> = ALABASTER_FLOAT;
+template <>
+inline constexpr int32_t kType<double> = ALABASTER_DOUBLE;
+template <>
+inline constexpr int32_t kType<Vec2f> = ALABASTER_FLOAT2;
+template <>
+inline constexpr int32_t kType<Vec3f> = ALABASTER_FLOAT3;
+template <>
+inline constexpr int32_t kType<Vec4f> = ALABASTER_FLOAT4;
+template <>
+inline constexpr int32_t kType<Vec2i> = ALABASTER_INT2;
+template <>
+inline constexpr int32_t kType<Vec3i> = ALABASTER_INT3;
+template <>
+inline constexpr int32_t kType<Vec3d> = ALABASTER_DOUBLE3;
+template <>
+inline constexpr int32_t kType<Quatf> = ALABASTER_QUATERNION;
+template <>
+inline constexpr int32_t kType<Matrix4d> = ALABASTER_MATRIX;
+template <>
+inline constexpr int32_t kType<Token> = ALABASTER_TOKEN;
+template <>
+inline constexpr int32_t kType<std::string> = ALABASTER_STRING;
+template <>
+inline constexpr int32_t kType<Path> = ALABASTER_PATH;
+
+// Hosts' numbers are read as Imath's types where they lie.
+static_assert(sizeof(Vec2f) == 8 && sizeof(Vec3f) == 12 && sizeof(Vec4f) == 16 && sizeof(Vec3d) == 24);
+static_assert(sizeof(Quatf) == 16 && offsetof(Quatf, r) == 0 && sizeof(Matrix4d) == 128);
+
+template <class T>
+Value scalar(const AlabasterValue& in) {
+  T value;
+  std::memcpy(static_cast<void*>(&value), in.data, sizeof value);
+  return value;
+}
+
+template <class T>
+Value lent_or_copied(const AlabasterValue& in, std::shared_ptr<void> owner) {
+  const auto* data = static_cast<const T*>(in.data);
+  if (!owner) return Array<T>(std::vector<T>(data, data + in.count));
+  if (reinterpret_cast<uintptr_t>(data) % alignof(T) != 0) throw bad_argument("a lent array is not aligned");
+  return Array<T>(std::move(owner), data, in.count);
+}
+
+template <class T>
+Value texts(const AlabasterValue& in) {
+  const auto* data = static_cast<const char* const*>(in.data);
+  std::vector<T> held;
+  for (size_t i = 0; i < in.count; ++i) held.emplace_back(std::string(text_or(data[i], "")));
+  return Array<T>(std::move(held));
+}
+
+Value array_of(const AlabasterValue& in, std::shared_ptr<void> owner) {
+  switch (in.type) {
+    case ALABASTER_INT:
+      return lent_or_copied<int32_t>(in, std::move(owner));
+    case ALABASTER_FLOAT:
+      return lent_or_copied<float>(in, std::move(owner));
+    case ALABASTER_DOUBLE:
+      return lent_or_copied<double>(in, std::move(owner));
+    case ALABASTER_FLOAT2:
+      return lent_or_copied<Vec2f>(in, std::move(owner));
+    case ALABASTER_FLOAT3:
+      return lent_or_copied<Vec3f>(in, std::move(owner));
+    case ALABASTER_FLOAT4:
+      return lent_or_copied<Vec4f>(in, std::move(owner));
+    case ALABASTER_QUATERNION:
+      return lent_or_copied<Quatf>(in, std::move(owner));
+    case ALABASTER_MATRIX:
+      return lent_or_copied<Matrix4d>(in, std::move(owner));
+    case ALABASTER_TOKEN:
+      return texts<Token>(in);
+    case ALABASTER_STRING:
+      return texts<std::string>(in);
+  }
+  throw bad_argument("there are no arrays of type " + std::to_string(in.type));
+}
+
+Value scalar_of(const AlabasterValue& in) {
+  const auto* text = static_cast<const char*>(in.data);
+  switch (in.type) {
+    case ALABASTER_BOOL:
+      return *static_cast<const uint8_t*>(in.data) != 0;
+    case ALABASTER_INT:
+      return scalar<int32_t>(in);
+    case ALABASTER_INT64:
+      return scalar<int64_t>(in);
+    case ALABASTER_UINT:
+      return scalar<uint32_t>(in);
+    case ALABASTER_FLOAT:
+      return scalar<float>(in);
+    case ALABASTER_DOUBLE:
+      return scalar<double>(in);
+    case ALABASTER_FLOAT2:
+      return scalar<Vec2f>(in);
+    case ALABASTER_FLOAT3:
+      return scalar<Vec3f>(in);
+    case ALABASTER_FLOAT4:
+      return scalar<Vec4f>(in);
+    case ALABASTER_INT2:
+      return scalar<Vec2i>(in);
+    case ALABASTER_INT3:
+      return scalar<Vec3i>(in);
+    case ALABASTER_DOUBLE3:
+      return scalar<Vec3d>(in);
+    case ALABASTER_QUATERNION:
+      return scalar<Quatf>(in);
+    case ALABASTER_MATRIX:
+      return scalar<Matrix4d>(in);
+    case ALABASTER_TOKEN:
+      return Token(text);
+    case ALABASTER_STRING:
+      return std::string(text);
+    case ALABASTER_PATH:
+      return Path(text);
+    case ALABASTER_ASSET:
+      return AssetPath{text, text, nullptr};
+  }
+  throw bad_argument("there are no values of type " + std::to_string(in.type));
+}
+
+}  // namespace
+
+Value ValueReader::value(const AlabasterValue& in) {
+  try {
+    const std::shared_ptr<void> owner = in.release ? std::shared_ptr<void>(in.owner, in.release) : nullptr;
+    if (in.type == ALABASTER_NONE) return {};
+    if (in.is_array && in.count == 0) {
+      static constexpr double kNothing = 0;
+      AlabasterValue empty = in;
+      empty.data = &kNothing;
+      return array_of(empty, nullptr);
+    }
+    if (!in.data) throw bad_argument("the data of a value is null");
+    return in.is_array ? array_of(in, owner) : scalar_of(in);
+  } catch (const std::bad_alloc&) {
+    fault("memory ran out");
+  } catch (const std::exception& e) {
+    fault(e.what());
+  }
+  return {};
+}
+
+std::map<Token, Value> ValueReader::parameters(const AlabasterParameter* parameters, size_t count) {
+  std::map<Token, Value> read;
+  for (size_t i = 0; i < count; ++i) read[Token(text_or(parameters[i].name, ""))] = value(parameters[i].value);
+  return read;
+}
+
+Dictionary ValueReader::dictionary(const AlabasterParameter* parameters, size_t count) {
+  Dictionary read;
+  for (size_t i = 0; i < count; ++i) read[text_or(parameters[i].name, "")] = value(parameters[i].value);
+  return read;
+}
+
+TimeSamples<Value> ValueReader::samples(const AlabasterMotion& motion) {
+  TimeSamples<Value> read;
+  if (motion.count > 0 && (!motion.times || !motion.values)) {
+    fault("a motion has no times or no values");
+    return read;
+  }
+  for (size_t i = 0; i < motion.count; ++i) {
+    read.times.push_back(motion.times[i]);
+    read.values.push_back(value(motion.values[i]));
+  }
+  return read;
+}
+
+TimeSamples<Matrix4d> ValueReader::transforms(const AlabasterMotion& motion) {
+  TimeSamples<Matrix4d> read;
+  const TimeSamples<Value> values = samples(motion);
+  read.times = values.times;
+  for (const Value& value : values.values) {
+    if (!value.get<Matrix4d>()) fault("the motion of a transform must be matrices");
+    read.values.push_back(value.get_or(Matrix4d()));
+  }
+  return read;
+}
+
+Matrix4d matrix_of(const double* matrix) {
+  Matrix4d held;
+  if (matrix) std::memcpy(held.getValue(), matrix, sizeof held);
+  return held;
+}
+
+ValueView::ValueView(const Value& value) {
+  view_.count = 1;
+  std::visit(
+      [this]<class T>(const T& v) {
+        view_.type = kType<T>;
+        view_.data = &v;
+        if constexpr (std::is_same_v<T, bool>) {
+          view_.type = ALABASTER_BOOL;
+          bool_ = v ? 1 : 0;
+          view_.data = &bool_;
+        } else if constexpr (std::is_same_v<T, std::string>) {
+          view_.data = v.c_str();
+        } else if constexpr (std::is_same_v<T, Token> || std::is_same_v<T, Path>) {
+          view_.data = v.str().c_str();
+        } else if constexpr (std::is_same_v<T, AssetPath>) {
+          view_.type = ALABASTER_ASSET;
+          view_.data = v.authored.c_str();
+        } else if constexpr (std::is_same_v<T, std::shared_ptr<const Dictionary>>) {
+          view_.type = ALABASTER_DICTIONARY;
+          if (v)
+            for (const auto& [name, held] : *v) entries_.push_back({name.c_str(), inner_.emplace_back(held).get()});
+          view_.data = entries_.data(), view_.count = entries_.size();
+        } else if constexpr (requires {
+                               v.begin();
+                               v.size();
+                             }) {
+          using Element = std::decay_t<decltype(v[0])>;
+          view_.type = kType<Element>;
+          view_.is_array = 1;
+          view_.data = v.data(), view_.count = v.size();
+          if constexpr (std::is_same_v<Element, Token> || std::is_same_v<Element, std::string>) {
+            for (const Element& text : v) {
+              if constexpr (std::is_same_v<Element, Token>)
+                texts_.push_back(text.str().c_str());
+              else
+                texts_.push_back(text.c_str());
+            }
+            view_.data = texts_.data();
+          }
+        }
+      },
+      value.storage());
+}
+
+void visit_dictionary(const Dictionary& values, AlabasterVisit visit, void* user) {
+  if (!visit) throw bad_argument("visit is null");
+  for (const auto& [name, value] : values) {
+    const ValueView view(value);
+    visit(user, name.c_str(), &view.get());
+  }
+}
+
+}  // namespace alabaster::hd::c_api

@@ -1,0 +1,275 @@
+// The C door beyond what the hosts of testenv/install do: wrong calls, struct sizes, lent memory, edits, cancelling.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "delegate/c_api/alabaster.h"
+
+namespace {
+
+const AlabasterApi& api() {
+  return *alabaster_api(ALABASTER_API_VERSION);
+}
+
+AlabasterValue array(int32_t type, const void* data, size_t count) {
+  return {type, 1, data, count, nullptr, nullptr};
+}
+AlabasterValue number(const float& value) {
+  return {ALABASTER_FLOAT, 0, &value, 1, nullptr, nullptr};
+}
+AlabasterValue whole(const int32_t& value) {
+  return {ALABASTER_INT, 0, &value, 1, nullptr, nullptr};
+}
+
+void count_release(void* owner) {
+  ++*static_cast<int*>(owner);
+}
+
+/// A quad under a dome, seen from the front, and a delegate that draws it.
+class Door : public ::testing::Test {
+ protected:
+  static constexpr int kSide = 16;
+
+  Door() {
+    const AlabasterDelegateOptions options = {sizeof options, &Door::hear, this, nullptr, 0};
+    EXPECT_EQ(api().scene_create(&Door::hear, this, &scene_), ALABASTER_OK);
+    set_quad({});
+    const AlabasterLight dome = {sizeof dome, "domeLight", nullptr, nullptr, 0, 0};
+    EXPECT_EQ(api().set_light(scene_, "/dome", &dome), ALABASTER_OK);
+    const float focal = 0.05f, aperture = 0.036f;
+    const AlabasterParameter lens[] = {{"focalLength", number(focal)},
+                                       {"horizontalAperture", number(aperture)},
+                                       {"verticalAperture", number(aperture)}};
+    const double away[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 6, 1};
+    const AlabasterCamera camera = {sizeof camera, away, lens, 3, {}};
+    EXPECT_EQ(api().set_camera(scene_, "/camera", &camera), ALABASTER_OK);
+    EXPECT_EQ(api().delegate_create(&options, scene_, &delegate_), ALABASTER_OK) << api().last_error();
+    set_samples(4);
+    EXPECT_EQ(api().buffer_create(delegate_, kSide, kSide, ALABASTER_FLOAT32_4, &color_), ALABASTER_OK);
+    EXPECT_EQ(api().pass_create(delegate_, &pass_), ALABASTER_OK);
+  }
+  ~Door() override {
+    api().pass_destroy(pass_);
+    api().buffer_destroy(color_);
+    api().delegate_destroy(delegate_);
+    api().scene_destroy(scene_);
+  }
+
+  static void hear(void* user, const AlabasterDiagnostic* diagnostic) {
+    static_cast<Door*>(user)->heard_.push_back(diagnostic->code);
+  }
+
+  AlabasterStatus set_quad(AlabasterValue points) {
+    static constexpr int32_t kCounts[] = {4}, kIndices[] = {0, 1, 2, 3};
+    static constexpr float kCorners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+    if (points.type == ALABASTER_NONE) points = array(ALABASTER_FLOAT3, kCorners, 4);
+    const AlabasterPrimvar primvar = {"points", nullptr, ALABASTER_VERTEX, points, {}, {}};
+    AlabasterMesh mesh = {};
+    mesh.size = sizeof mesh;
+    mesh.face_vertex_counts = array(ALABASTER_INT, kCounts, 1);
+    mesh.face_vertex_indices = array(ALABASTER_INT, kIndices, 4);
+    mesh.primvars = &primvar, mesh.primvar_count = 1;
+    mesh.material = "/wax";
+    return api().set_mesh(scene_, "/quad", &mesh);
+  }
+
+  void set_samples(int32_t samples) {
+    const AlabasterValue value = whole(samples);
+    EXPECT_EQ(api().set_setting(delegate_, "samples", &value), ALABASTER_OK);
+  }
+
+  AlabasterStatus start() {
+    const AlabasterBinding binding = {"color", color_};
+    AlabasterFrame frame = {};
+    frame.size = sizeof frame;
+    frame.bindings = &binding, frame.binding_count = 1;
+    frame.camera = "/camera";
+    frame.width = frame.height = kSide;
+    return api().pass_start(pass_, &frame);
+  }
+
+  std::vector<float> render() {
+    std::vector<float> pixels(4 * kSide * kSide);
+    EXPECT_EQ(start(), ALABASTER_OK) << api().last_error();
+    int32_t over = 0;
+    EXPECT_EQ(api().pass_wait(pass_, -1, &over), ALABASTER_OK) << api().last_error();
+    EXPECT_EQ(over, 1);
+    EXPECT_EQ(api().buffer_read(color_, pixels.data(), pixels.size() * sizeof(float), 0), ALABASTER_OK);
+    return pixels;
+  }
+  static std::array<float, 4> centre(const std::vector<float>& pixels) {
+    std::array<float, 4> rgba;
+    std::copy_n(&pixels[4 * (kSide / 2 * kSide + kSide / 2)], 4, rgba.begin());
+    return rgba;
+  }
+
+  AlabasterScene* scene_ = nullptr;
+  AlabasterDelegate* delegate_ = nullptr;
+  AlabasterBuffer* color_ = nullptr;
+  AlabasterPass* pass_ = nullptr;
+  std::vector<std::string> heard_;
+};
+
+TEST(DoorVersion, NeitherZeroNorALaterVersionIsPromised) {
+  EXPECT_EQ(alabaster_api(0), nullptr);
+  EXPECT_EQ(alabaster_api(ALABASTER_API_VERSION + 1), nullptr);
+  ASSERT_NE(alabaster_api(1), nullptr);
+  EXPECT_EQ(alabaster_api(1)->size, sizeof(AlabasterApi));
+}
+
+TEST_F(Door, WrongCallsSayWhatIsWrong) {
+  const auto says = [](const char* text) { return std::string(api().last_error()).find(text) != std::string::npos; };
+  EXPECT_EQ(api().set_mesh(nullptr, "/a", nullptr), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("scene is null"));
+  EXPECT_EQ(api().set_mesh(scene_, "/a", nullptr), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("mesh is null"));
+  const AlabasterMesh unsized = {};
+  EXPECT_EQ(api().set_mesh(scene_, "/a", &unsized), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("`size` is not set"));
+  EXPECT_EQ(api().remove(scene_, "/nobody"), ALABASTER_NOT_FOUND);
+  EXPECT_TRUE(says("/nobody"));
+  EXPECT_EQ(api().set_transform(scene_, "/nobody", nullptr), ALABASTER_NOT_FOUND);
+  const float half = 0.5f;
+  const AlabasterValue value = number(half);
+  EXPECT_EQ(api().set_parameter(scene_, "/nobody", "intensity", &value), ALABASTER_NOT_FOUND);
+  EXPECT_EQ(set_quad(array(77, &half, 1)), ALABASTER_INVALID_ARGUMENT);
+  AlabasterPixels pixels = {};
+  pixels.size = sizeof pixels;
+  EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_INVALID_ARGUMENT);
+  std::vector<float> little(3);
+  render();
+  EXPECT_EQ(api().buffer_read(color_, little.data(), sizeof(float) * little.size(), 0), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_TRUE(says("4096 bytes"));
+}
+
+TEST_F(Door, AHostThatKnowsLessOfAStructIsServed) {
+  AlabasterProgress progress = {};
+  progress.size = offsetof(AlabasterProgress, seconds);  // an older header ended here
+  progress.seconds = -7;
+  render();
+  ASSERT_EQ(api().progress(delegate_, &progress), ALABASTER_OK);
+  EXPECT_EQ(progress.fraction, 1);
+  EXPECT_EQ(progress.seconds, -7);
+}
+
+TEST_F(Door, LentArraysAreGivenBackOnce) {
+  int released = 0;
+  std::vector<float> points = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  AlabasterValue lent = array(ALABASTER_FLOAT3, points.data(), 4);
+  lent.release = &count_release, lent.owner = &released;
+  ASSERT_EQ(set_quad(lent), ALABASTER_OK);
+  EXPECT_EQ(released, 0);
+  ASSERT_EQ(set_quad({}), ALABASTER_OK);
+  render();  // the snapshot that used them is replaced
+  EXPECT_EQ(released, 1);
+
+  lent.data = reinterpret_cast<const char*>(points.data()) + 1;  // a fault: the call fails, the array comes back
+  EXPECT_EQ(set_quad(lent), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(released, 2);
+}
+
+TEST_F(Door, EditsShow) {
+  const std::vector<float> lit = render();
+  EXPECT_EQ(centre(lit)[3], 1);
+  EXPECT_EQ(render(), lit);
+
+  const float color[] = {0.1f, 0.8f, 0.1f};
+  const AlabasterParameter green[] = {{"baseColor", {ALABASTER_FLOAT3, 0, color, 1, nullptr, nullptr}}};
+  const AlabasterNode node = {"surface", "AlabasterDisney", green, 1, nullptr, 0};
+  const AlabasterMaterial wax = {sizeof wax, &node, 1, nullptr, nullptr};
+  ASSERT_EQ(api().set_material(scene_, "/wax", &wax), ALABASTER_OK);
+  const auto tinted = centre(render());
+  EXPECT_GT(tinted[1], 2 * tinted[0]);
+
+  const float red[] = {0.8f, 0.1f, 0.1f};
+  const AlabasterValue other = {ALABASTER_FLOAT3, 0, red, 1, nullptr, nullptr};
+  ASSERT_EQ(api().set_parameter(scene_, "/wax", "surface.baseColor", &other), ALABASTER_OK);
+  EXPECT_GT(centre(render())[0], 2 * centre(render())[1]);
+  EXPECT_EQ(api().set_parameter(scene_, "/wax", "nothing.baseColor", &other), ALABASTER_NOT_FOUND);
+
+  ASSERT_EQ(api().set_visible(scene_, "/quad", 0), ALABASTER_OK);
+  EXPECT_EQ(centre(render())[3], 0);
+  ASSERT_EQ(api().set_visible(scene_, "/quad", 1), ALABASTER_OK);
+  const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 50, 0, 0, 1};
+  ASSERT_EQ(api().set_transform(scene_, "/quad", aside), ALABASTER_OK);
+  EXPECT_EQ(centre(render())[3], 0);
+  EXPECT_EQ(heard_, std::vector<std::string>{"mesh.material"});  // of the first picture: there was no /wax
+}
+
+TEST_F(Door, StopsFromAnotherThread) {
+  set_samples(1 << 20);
+  ASSERT_EQ(start(), ALABASTER_OK);
+  std::thread other([&] { EXPECT_EQ(api().stop(delegate_), ALABASTER_OK); });
+  int32_t over = 0, state = 0;
+  EXPECT_EQ(api().pass_wait(pass_, -1, &over), ALABASTER_OK) << api().last_error();
+  other.join();
+  EXPECT_EQ(over, 1);
+  EXPECT_EQ(api().pass_state(pass_, &state), ALABASTER_OK);
+  EXPECT_EQ(state, ALABASTER_STOPPED);
+}
+
+TEST_F(Door, RecordCancelsAndReportsWhatItCannotWrite) {
+  const AlabasterRenderSettings settings = {sizeof settings, "/camera", kSide, kSide, 0, {}, 0, nullptr, 0};
+  ASSERT_EQ(api().set_render_settings(scene_, "/settings", &settings), ALABASTER_OK);
+  const std::string file = (std::filesystem::temp_directory_path() / "alabaster_door_test.exr").string();
+  const char* files[] = {file.c_str()};
+  AlabasterRecordOptions options = {};
+  options.size = sizeof options;
+  options.files = files, options.file_count = 1;
+  const auto count = [](void* user, const char*, const AlabasterValue*) { ++*static_cast<int*>(user); };
+  int written = 0;
+  EXPECT_EQ(api().record(delegate_, &options, count, &written), ALABASTER_OK) << api().last_error();
+  EXPECT_EQ(written, 1);
+
+  set_samples(1 << 20);
+  options.progress = [](void*, const AlabasterProgress*) -> int32_t { return 0; };
+  EXPECT_EQ(api().record(delegate_, &options, count, &written), ALABASTER_INTERRUPTED);
+  std::filesystem::remove(file);
+
+  files[0] = "/nowhere/at/all.exr";
+  EXPECT_EQ(api().record(delegate_, &options, nullptr, nullptr), ALABASTER_OUTPUT_FAILED);
+  EXPECT_NE(std::string(api().last_error()).find("/nowhere/at/all.exr"), std::string::npos);
+}
+
+TEST_F(Door, PixelsOutliveEverything) {
+  const std::vector<float> seen = render();
+  AlabasterPixels pixels = {};
+  pixels.size = sizeof pixels;
+  ASSERT_EQ(api().buffer_map(color_, &pixels), ALABASTER_OK);
+  api().pass_destroy(std::exchange(pass_, nullptr));
+  api().buffer_destroy(std::exchange(color_, nullptr));
+  api().delegate_destroy(std::exchange(delegate_, nullptr));
+  api().scene_destroy(std::exchange(scene_, nullptr));
+  EXPECT_EQ(std::memcmp(pixels.data, seen.data(), seen.size() * sizeof(float)), 0);
+  EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_OK);
+}
+
+TEST_F(Door, SettingsAndPrimsAreTold) {
+  std::map<std::string, std::string> prims;
+  const auto keep = [](void* user, const char* name, const AlabasterValue* value) {
+    (*static_cast<std::map<std::string, std::string>*>(user))[name] = static_cast<const char*>(value->data);
+  };
+  ASSERT_EQ(api().get_prims(scene_, keep, &prims), ALABASTER_OK);
+  EXPECT_EQ(prims,
+            (std::map<std::string, std::string>{{"/camera", "camera"}, {"/dome", "domeLight"}, {"/quad", "mesh"}}));
+  bool found = false;
+  const auto look = [](void* user, const AlabasterSetting* setting) {
+    if (std::string(setting->key) == "samples")
+      *static_cast<bool*>(user) = setting->default_value.type != ALABASTER_NONE && *setting->documentation != 0;
+  };
+  ASSERT_EQ(api().get_settings(delegate_, look, &found), ALABASTER_OK);
+  EXPECT_TRUE(found);
+  int32_t samples = 0;
+  const auto read = [](void* user, const char*, const AlabasterValue* value) {
+    std::memcpy(user, value->data, sizeof(int32_t));
+  };
+  ASSERT_EQ(api().get_setting(delegate_, "samples", read, &samples), ALABASTER_OK);
+  EXPECT_EQ(samples, 4);
+}
+
+}  // namespace
