@@ -1,10 +1,6 @@
 /* The stable door of libhdAlabaster: C99, and no type of C++, of its standard library or of Imath. A program that was
-   built against one version of this header runs with every later library of the same ALABASTER_API_VERSION or above.
-
-   All functions are members of a table that alabaster_api returns:
-
-     const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION);
-     if (!api) ...;   // the library is older than this header
+   built against this header runs with every library of the same ALABASTER_API_VERSION or above. All functions are
+   members of a table: const AlabasterApi* api = alabaster_api(ALABASTER_API_VERSION); null: the library is older.
 
    Handles are opaque. Whoever makes one destroys it, in any order: what others still need stays until they are gone.
    Null may be destroyed.
@@ -424,6 +420,8 @@ typedef struct AlabasterApi {
   AlabasterStatus (*pass_wait)(AlabasterPass*, double seconds, int32_t* over); /* < 0: without limit */
   AlabasterStatus (*pass_state)(AlabasterPass*, int32_t* state);
   AlabasterStatus (*progress)(AlabasterDelegate*, AlabasterProgress*);
+  /* The size of the buffers that `frame` needs: that of its window. */
+  AlabasterStatus (*frame_size)(AlabasterDelegate*, const AlabasterFrame* frame, int32_t* width, int32_t* height);
 
   /* Buffers. A new size takes effect at the next start. map shows what has been rendered so far; its memory is valid
      until pixels_unmap, whatever happens to the buffer or the delegate. read copies it, top row first if y_down,

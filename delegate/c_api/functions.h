@@ -51,6 +51,7 @@ AlabasterStatus pass_start(AlabasterPass* pass, const AlabasterFrame* frame);
 AlabasterStatus pass_wait(AlabasterPass* pass, double seconds, int32_t* over);
 AlabasterStatus pass_state(AlabasterPass* pass, int32_t* state);
 AlabasterStatus progress(AlabasterDelegate* delegate, AlabasterProgress* progress);
+AlabasterStatus frame_size(AlabasterDelegate* delegate, const AlabasterFrame* frame, int32_t* width, int32_t* height);
 AlabasterStatus buffer_create(AlabasterDelegate* delegate, int32_t width, int32_t height, int32_t format,
                               AlabasterBuffer** buffer);
 void buffer_destroy(AlabasterBuffer* buffer);

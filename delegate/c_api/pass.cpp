@@ -28,8 +28,11 @@ void allocate(RenderBuffer& buffer, int32_t width, int32_t height, int32_t forma
                        " pixels cannot be allocated");
 }
 
-/// The framing of `in`. Members that are null or 0 are those of the scene's render settings.
-void frame_pass(const AlabasterFrame& in, const RenderSettingsDescription& settings, RenderPassState& state) {
+/// The framing of `in`. Members that are null or 0 are those of the scene's render settings, whose path it returns.
+Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& scene, RenderPassState& state) {
+  Path path;
+  if (in.settings || !scene.GetAllRenderSettings().empty()) path = settings_path(scene, in.settings);
+  const auto settings = path.empty() ? RenderSettingsDescription() : scene.GetAllRenderSettings().at(path);
   const int width = in.width > 0 ? in.width : settings.width, height = in.height > 0 ? in.height : settings.height;
   Rect2i window = {in.window.min_x, in.window.min_y, in.window.max_x, in.window.max_y};
   if (window.empty()) window = in.width > 0 || in.height > 0 ? Rect2i{0, 0, width, height} : settings.window();
@@ -41,6 +44,7 @@ void frame_pass(const AlabasterFrame& in, const RenderSettingsDescription& setti
   state.framing.dataWindow = {0, 0, window.width(), window.height()};
   state.framing.pixelAspectRatio = in.pixel_aspect > 0 ? float(in.pixel_aspect) : settings.pixelAspectRatio;
   state.windowPolicy = in.window_policy != 0 ? WindowPolicy(in.window_policy) : settings.windowPolicy;
+  return path;
 }
 
 void start(PassData& pass, const AlabasterFrame& in) {
@@ -55,14 +59,8 @@ void start(PassData& pass, const AlabasterFrame& in) {
     state.aovBindings.push_back({text_or(binding.aov, ""), bound.back()->buffer, {}});
   }
   const std::lock_guard lock(owner.scene->mutex);
-  const auto& scene = owner.scene->scene;
-  RenderSettingsDescription settings;
-  if (in.settings || !scene.GetAllRenderSettings().empty()) {
-    const Path path = settings_path(scene, in.settings);
-    settings = scene.GetAllRenderSettings().at(path);
-    owner.delegate->SetRenderSetting("renderSettingsPrimPath", path);
-  }
-  frame_pass(in, settings, state);
+  const Path settings = frame_pass(in, owner.scene->scene, state);
+  if (!settings.empty()) owner.delegate->SetRenderSetting("renderSettingsPrimPath", settings);
   if (!owner.index->SyncAll())
     throw Failure(ALABASTER_OUT_OF_MEMORY, "the scene could not be synced: memory or threads ran out");
   pass.pass->Execute(state);
@@ -109,19 +107,37 @@ AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) 
 }
 
 AlabasterStatus pass_state(AlabasterPass* handle, int32_t* state) {
-  return guarded([&] { required(state, "state") = int32_t(required(handle, "pass").data->pass->GetState()); });
+  return guarded([&] {
+    RenderPass& pass = *required(handle, "pass").data->pass;
+    PassState now = pass.GetState();
+    // The contract latches convergence at Execute; here the end of the render is enough.
+    if (now == PassState::rendering && pass.WaitForConvergence(0) && pass.GetState() == now) now = PassState::converged;
+    required(state, "state") = int32_t(now);
+  });
+}
+
+AlabasterStatus frame_size(AlabasterDelegate* handle, const AlabasterFrame* frame, int32_t* width, int32_t* height) {
+  return guarded([&] {
+    DelegateData& data = *required(handle, "delegate").data;
+    const auto in = sized(frame, "frame");
+    const std::lock_guard lock(data.mutex);
+    if (!data.scene) throw bad_argument("the delegate draws no scene");
+    const std::lock_guard scene_lock(data.scene->mutex);
+    RenderPassState state;
+    frame_pass(in, data.scene->scene, state);
+    required(width, "width") = state.framing.dataWindow.width();
+    required(height, "height") = state.framing.dataWindow.height();
+  });
 }
 
 AlabasterStatus buffer_create(AlabasterDelegate* handle, int32_t width, int32_t height, int32_t format,
                               AlabasterBuffer** out) {
   return guarded([&] {
-    static std::atomic<int> made_so_far{0};
     auto& made = required(out, "buffer");
     auto data = std::make_shared<BufferData>();
     data->owner = required(handle, "delegate").data;
     const std::lock_guard lock(data->owner->mutex);
-    data->buffer = dynamic_cast<RenderBuffer*>(
-        data->owner->delegate->CreateBprim("renderBuffer", "/buffer/" + std::to_string(++made_so_far)));
+    data->buffer = dynamic_cast<RenderBuffer*>(data->owner->delegate->CreateBprim("renderBuffer", "/buffer"));
     if (!data->buffer) throw std::bad_alloc();
     allocate(*data->buffer, width, height, format);
     made = new AlabasterBuffer{std::move(data)};

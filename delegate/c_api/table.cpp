@@ -57,6 +57,7 @@ extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
                                    c_api::pass_wait,
                                    c_api::pass_state,
                                    c_api::progress,
+                                   c_api::frame_size,
                                    c_api::buffer_create,
                                    c_api::buffer_destroy,
                                    c_api::buffer_resize,

@@ -31,6 +31,20 @@ $c99 "$here/host.c" -o "$scratch/host_c" -L "$libraries" -lhdAlabaster "-Wl,-rpa
 "$scratch/host_c" "$scratch/scene.json" "$scratch/host_c.pfm"
 oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn 0 --diff
 
+# A host in C++17 on the same door, and one in Python.
+c++ -std=c++17 -pedantic -Wall -Wextra -Werror -O2 -I "$scratch/prefix/include" "$here/host.cpp" -o "$scratch/host_cpp" \
+  -L "$libraries" -lhdAlabaster "-Wl,-rpath,$libraries"
+"$scratch/host_cpp"
+module=$(find "$scratch/prefix" -name '_alabaster*.so')
+if [ -n "$module" ]; then
+  python=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' "$1/CMakeCache.txt")
+  PYTHONPATH=$(dirname "$(dirname "$module")") "${python:-python3}" "$here/../unit/python/alabaster_test.py" \
+    "$scratch/prefix/bin/alabaster" Renders Documentation >"$scratch/python" 2>&1 || { cat "$scratch/python"; exit 1; }
+  echo "Python host: $(tail -n 1 "$scratch/python")"
+else
+  echo "skipped: the Python module was not built (python3-dev, pybind11-dev)"
+fi
+
 # The cost of loading.
 if readelf -d "$library" | grep -q 'NEEDED.*lib[at]san'; then
   echo "skipped: a library with sanitizers in it is not what hosts load"

@@ -22,6 +22,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "gltf": ["api", "support", "host"],
     "description": ["api", "support", "host", "gltf"],
     "c_api": CONTRACT + ["support"],
+    "python": ["c_api"],
     "tradeoff": CONTRACT + ["support"],
     "cli": CONTRACT + ["support", "tradeoff"],
 }

@@ -99,6 +99,9 @@ class Door : public ::testing::Test {
     int32_t over = 0;
     EXPECT_EQ(api().pass_wait(pass_, -1, &over), ALABASTER_OK) << api().last_error();
     EXPECT_EQ(over, 1);
+    int32_t state = 0;
+    EXPECT_EQ(api().pass_state(pass_, &state), ALABASTER_OK);
+    EXPECT_EQ(state, ALABASTER_CONVERGED);
     EXPECT_EQ(api().buffer_read(color_, pixels.data(), pixels.size() * sizeof(float), 0), ALABASTER_OK);
     return pixels;
   }

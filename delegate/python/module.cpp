@@ -1,0 +1,164 @@
+// The module's names as Python sees them. delegate/python/alabaster/__init__.pyi has their types.
+#include <pybind11/stl.h>
+
+#include "delegate/python/objects.h"
+
+namespace alabaster::python {
+
+namespace {
+
+void add_primvar(py::module_& module) {
+  py::class_<Primvar>(module, "Primvar", "Values of a mesh with how they are spread over it.")
+      .def(py::init<py::object, std::string, py::object, std::string>(), py::arg("values"),
+           py::arg("interpolation") = "vertex", py::arg("indices") = py::none(), py::arg("role") = "",
+           "interpolation: constant, uniform, varying, vertex, faceVarying or instance. role of texture coordinates: "
+           "textureCoordinate.");
+}
+
+py::class_<Scene> add_files(py::module_& module) {
+  py::class_<Scene> scene(module, "Scene",
+                          "Meshes, materials, lights, cameras and render settings by path. A set_ call replaces the "
+                          "prim of that path and finds out what differs; it may come before or while a renderer draws "
+                          "the scene. Arrays of float32 and int32 (float64 for matrices) that are contiguous are not "
+                          "copied: leave them unchanged. Matrices have the translation in their last row.");
+  scene
+      .def(
+          py::init<py::object>(), py::kw_only(), py::arg("report") = py::none(),
+          "report(severity, code, where, text) hears of faults in files; by default they are logged under 'alabaster'.")
+      .def(
+          "load", [](Scene& s, const py::object& file, const py::kwargs& options) { return s.load(file, options); },
+          py::arg("file"),
+          "Adds a scene file (.gltf, .glb, .json) and completes it with a camera and lights where it has none. Options "
+          "are the program's: overrides=['materials/skin.roughness=0.3'], camera, dome, scene, animation, variant, "
+          "time, keep_going. Returns settings (the path of the render settings), color_config and notes.")
+      .def(
+          "clear",
+          [](Scene& s) { s.run([](const AlabasterApi& api, AlabasterScene* h) { return api.scene_clear(h); }); },
+          "Removes every prim.")
+      .def(
+          "remove",
+          [](Scene& s, const std::string& path) {
+            s.run([&](const AlabasterApi& api, AlabasterScene* h) { return api.remove(h, path.c_str()); });
+          },
+          py::arg("path"), "Removes a prim.")
+      .def_property_readonly("prims", &Scene::prims, "The type of every prim, by its path.");
+  return scene;
+}
+
+void add_meshes(py::class_<Scene>& scene) {
+  scene
+      .def(
+          "set_mesh",
+          [](Scene& s, const std::string& path, const py::object& points, const py::object& indices,
+             const py::object& counts,
+             const py::kwargs& options) { s.set_mesh(path, points, indices, counts, options); },
+          py::arg("path"), py::arg("points"), py::arg("indices"), py::arg("counts") = py::none(),
+          "points: (n, 3). indices: the corners of all faces, one after the other, with the size of each face in "
+          "counts; without counts a row is a face, or three numbers are. Options: primvars={'st': array or Primvar}, "
+          "material, transform, scheme (none, catmullClark, loop, bilinear), refine_level, instancer, visible, "
+          "double_sided, left_handed, holes, subsets={material: faces}, subdiv_tags={'crease_indices': ..., ...}.")
+      .def("set_primvar", &Scene::set_primvar, py::arg("mesh"), py::arg("name"), py::arg("values"),
+           py::arg("interpolation") = "vertex", "Replaces one primvar, points among them. None removes it.")
+      .def(
+          "set_transform",
+          [](Scene& s, const std::string& path, const py::object& transform) {
+            const std::array<double, 16> placed = matrix(transform);
+            s.run([&](const AlabasterApi& api, AlabasterScene* h) {
+              return api.set_transform(h, path.c_str(), placed.data());
+            });
+          },
+          py::arg("path"), py::arg("transform"), "Moves a mesh, light, camera or instancer.")
+      .def(
+          "set_visible",
+          [](Scene& s, const std::string& path, bool visible) {
+            s.run(
+                [&](const AlabasterApi& api, AlabasterScene* h) { return api.set_visible(h, path.c_str(), visible); });
+          },
+          py::arg("path"), py::arg("visible"), "Shows or hides a mesh or light.")
+      .def(
+          "bind_material",
+          [](Scene& s, const std::string& mesh, const std::string& material) {
+            s.run([&](const AlabasterApi& api, AlabasterScene* h) {
+              return api.bind_material(h, mesh.c_str(), material.c_str());
+            });
+          },
+          py::arg("mesh"), py::arg("material"), "Gives a mesh a material.");
+}
+
+void add_looks(py::class_<Scene>& scene) {
+  scene
+      .def(
+          "set_instancer",
+          [](Scene& s, const std::string& path, const py::dict& prototypes, const py::kwargs& options) {
+            s.set_instancer(path, prototypes, options);
+          },
+          py::arg("path"), py::arg("prototypes"),
+          "prototypes={mesh: indices of its instances}. Options: transforms (n, 4, 4), translations (n, 3), rotations "
+          "(n, 4; the real part first), scales (n, 3), transform, parent. The meshes name the instancer, too.")
+      .def(
+          "set_material",
+          [](Scene& s, const std::string& path, const py::object& nodes, const std::string& displacement,
+             const py::kwargs& parameters) { s.set_material(path, nodes, displacement, parameters); },
+          py::arg("path"), py::arg("nodes") = py::none(), py::arg("displacement") = "",
+          "Parameters of schemas/disney_material.json: set_material('/wax', baseColor=(.9, .6, .3)). Or "
+          "nodes={'surface': {'baseColor': ('image', 'rgb')}, 'image': {'type': 'AlabasterTexture', 'file': 'a.png'}}: "
+          "a pair of texts connects an input with a node's output.")
+      .def(
+          "set_light",
+          [](Scene& s, const std::string& path, const std::string& type, const py::object& transform, bool visible,
+             const py::kwargs& parameters) { s.set_light(path, type, transform, visible, parameters); },
+          py::arg("path"), py::arg("type"), py::arg("transform") = py::none(), py::arg("visible") = true,
+          "type: rectLight, diskLight, cylinderLight, sphereLight, distantLight or domeLight. Parameters of "
+          "schemas/lights.json: intensity=2, color=(1, .9, .8).")
+      .def(
+          "set_camera",
+          [](Scene& s, const std::string& path, const py::object& transform, const py::kwargs& parameters) {
+            s.set_camera(path, transform, parameters);
+          },
+          py::arg("path"), py::arg("transform") = py::none(),
+          "Looks along -z of its transform. Parameters of schemas/camera.json.");
+}
+
+void add_settings(py::class_<Scene>& scene) {
+  scene
+      .def(
+          "set_render_settings",
+          [](Scene& s, const std::string& path, const py::kwargs& options) { s.set_render_settings(path, options); },
+          py::arg("path"),
+          "camera, width, height, pixel_aspect, crop=(min_x, min_y, max_x, max_y), frame, and settings by name.")
+      .def(
+          "set_parameter",
+          [](Scene& s, const std::string& path, const std::string& name, const py::object& value) {
+            const Value held = parameter(value);
+            const AlabasterValue raw = held.pass();
+            s.run([&](const AlabasterApi& api, AlabasterScene* h) {
+              return api.set_parameter(h, path.c_str(), name.c_str(), &raw);
+            });
+          },
+          py::arg("path"), py::arg("name"), py::arg("value"),
+          "Changes one parameter of a light, a camera or render settings, or 'node.parameter' of a material "
+          "('surface.roughness').");
+}
+
+}  // namespace
+
+void add_scene(py::module_& module) {
+  add_primvar(module);
+  py::class_<Scene> scene = add_files(module);
+  add_meshes(scene);
+  add_looks(scene);
+  add_settings(scene);
+}
+
+}  // namespace alabaster::python
+
+PYBIND11_MODULE(_alabaster, module) {
+  using namespace alabaster::python;
+  module.doc() = "Path-traced subsurface scattering: scenes, renders, pixels.";
+  add_exceptions(module);
+  add_scene(module);
+  add_renderer(module);
+  const std::string versions = alabaster::door::api().versions;
+  module.attr("__version__") = versions.substr(0, versions.find('\n'));
+  module.attr("versions") = versions;
+}

@@ -1,0 +1,356 @@
+#include "delegate/python/objects.h"
+
+namespace alabaster::python {
+namespace {
+
+int32_t interpolation_of(const std::string& name) {
+  constexpr const char* kNames[] = {"constant", "uniform", "varying", "vertex", "faceVarying", "instance"};
+  for (int32_t i = 0; i < 6; ++i)
+    if (name == kNames[i]) return i;
+  throw py::value_error("interpolation is constant, uniform, varying, vertex, faceVarying or instance");
+}
+
+std::string text(const py::dict& options, const char* name) {
+  return options.contains(name) && !options[name].is_none() ? py::str(options[name]).cast<std::string>()
+                                                            : std::string();
+}
+py::object option(const py::dict& options, const char* name) {
+  return options.contains(name) ? py::object(options[name]) : py::none();
+}
+
+/// Options that a call knows, so that a misspelt one is an error and not ignored.
+void check_options(const py::dict& options, std::initializer_list<const char*> known) {
+  for (const auto& entry : options) {
+    const auto name = entry.first.cast<std::string>();
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw py::type_error("unexpected keyword argument '" + name + "'");
+  }
+}
+
+/// Primvars with what their structs point at. Nothing is lent before pass().
+class Primvars {
+ public:
+  void add(const std::string& name, const Primvar& primvar) {
+    const bool rotations = name == "hydra:instanceRotations";
+    Value values;
+    if (rotations || name == "points" || name == "normals")
+      values = array(rotations ? ALABASTER_QUATERNION : ALABASTER_FLOAT3, primvar.values, name.c_str());
+    else if (!primvar.values.is_none())
+      values = array_by_shape(primvar.values, name.c_str());
+    named_.push_back({name, primvar.role, std::move(values), array(ALABASTER_INT, primvar.indices, "indices"),
+                      interpolation_of(primvar.interpolation)});
+  }
+  std::vector<AlabasterPrimvar> pass() const {
+    std::vector<AlabasterPrimvar> raw;
+    for (const Named& p : named_)
+      raw.push_back({p.name.c_str(), door::or_null(p.role), p.interpolation, p.values.pass(), p.indices.pass(), {}});
+    return raw;
+  }
+
+ private:
+  struct Named {
+    std::string name, role;
+    Value values, indices;
+    int32_t interpolation;
+  };
+  std::vector<Named> named_;
+};
+
+/// (faces' sizes, corners) of indices with or without counts: without, rows are faces, or three numbers each.
+std::pair<Value, Value> topology(const py::object& indices, const py::object& counts) {
+  Value corners = array(ALABASTER_INT, indices, "indices");
+  if (!counts.is_none()) return {array(ALABASTER_INT, counts, "counts"), std::move(corners)};
+  const std::vector<size_t> shape = shape_of(indices);
+  const size_t corners_each = shape.size() == 2 ? shape[1] : 3;
+  const size_t faces = shape.empty() || corners_each == 0 ? 0 : shape.size() == 2 ? shape[0] : shape[0] / 3;
+  return {Value::of(ALABASTER_INT, std::vector<int32_t>(faces, int32_t(corners_each))), std::move(corners)};
+}
+
+/// Creases, corners and rules. Nothing is lent before pass().
+class SubdivTags {
+ public:
+  explicit SubdivTags(const py::dict& in) {
+    check_options(in,
+                  {"interpolate_boundary", "face_varying_linear_interpolation", "crease_method", "triangle_subdivision",
+                   "crease_indices", "crease_lengths", "crease_weights", "corner_indices", "corner_weights"});
+    rules_ = {text(in, "interpolate_boundary"), text(in, "face_varying_linear_interpolation"),
+              text(in, "crease_method"), text(in, "triangle_subdivision")};
+    for (const auto& [type, name] :
+         {std::pair(ALABASTER_INT, "crease_indices"), std::pair(ALABASTER_INT, "crease_lengths"),
+          std::pair(ALABASTER_FLOAT, "crease_weights"), std::pair(ALABASTER_INT, "corner_indices"),
+          std::pair(ALABASTER_FLOAT, "corner_weights")})
+      values_.push_back(array(type, option(in, name), name));
+  }
+  AlabasterSubdivTags pass() const {
+    return {sizeof(AlabasterSubdivTags), door::or_null(rules_[0]), door::or_null(rules_[1]), door::or_null(rules_[2]),
+            door::or_null(rules_[3]),    values_[0].pass(),        values_[1].pass(),        values_[2].pass(),
+            values_[3].pass(),           values_[4].pass()};
+  }
+
+ private:
+  std::array<std::string, 4> rules_;
+  std::vector<Value> values_;
+};
+
+/// Nodes of a material, with what their structs point at.
+struct Network {
+  struct Node {
+    std::string name, type;
+    door::Parameters parameters;
+    std::vector<std::array<std::string, 3>> connections;  // input, node, output
+    std::vector<AlabasterParameter> raw_parameters;
+    std::vector<AlabasterConnection> raw_connections;
+  };
+  std::vector<Node> nodes;
+
+  /// A pair of texts is a connection: the node and its output.
+  void add(const std::string& name, const py::dict& values, const std::string& type) {
+    Node node{name, type, {}, {}, {}, {}};
+    for (const auto& [key, value] : values) {
+      const auto input = key.cast<std::string>();
+      const bool pair = py::isinstance<py::tuple>(value) && py::len(value) == 2;
+      const py::tuple parts = pair ? py::reinterpret_borrow<py::tuple>(value) : py::tuple();
+      if (input == "type")
+        node.type = value.cast<std::string>();
+      else if (pair && py::isinstance<py::str>(parts[0]) && py::isinstance<py::str>(parts[1]))
+        node.connections.push_back({input, parts[0].cast<std::string>(), parts[1].cast<std::string>()});
+      else
+        node.parameters.emplace_back(input, parameter(value));
+    }
+    nodes.push_back(std::move(node));
+  }
+
+  std::vector<AlabasterNode> pass() {
+    std::vector<AlabasterNode> raw;
+    for (Node& node : nodes) {
+      node.raw_parameters = door::pass(node.parameters);
+      for (const auto& [input, upstream, output] : node.connections)
+        node.raw_connections.push_back({input.c_str(), upstream.c_str(), output.c_str()});
+      raw.push_back({node.name.c_str(), node.type.c_str(), node.raw_parameters.data(), node.raw_parameters.size(),
+                     node.raw_connections.data(), node.raw_connections.size()});
+    }
+    return raw;
+  }
+};
+
+}  // namespace
+
+Scene::Scene(py::object report)
+    : messages_(std::move(report)), handle_(door::make_scene(&Messages::hear, &messages_)) {}
+Scene::~Scene() {
+  drop(handle_);
+}
+
+py::dict Scene::load(const py::object& file, const py::dict& options) {
+  check_options(options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "keep_going"});
+  std::vector<std::string> overrides;
+  if (options.contains("overrides"))
+    for (const py::handle one : options["overrides"]) overrides.push_back(one.cast<std::string>());
+  std::vector<const char*> raw;
+  for (const std::string& one : overrides) raw.push_back(one.c_str());
+  const std::string camera = text(options, "camera"), dome = text(options, "dome"), scene = text(options, "scene");
+  const std::string animation = text(options, "animation"), variant = text(options, "variant");
+  auto in = door::sized<AlabasterLoadOptions>();
+  in.overrides = raw.data(), in.override_count = raw.size();
+  in.camera = camera.c_str(), in.dome = dome.c_str(), in.scene = scene.c_str();
+  in.animation = animation.c_str(), in.variant = variant.c_str();
+  double time = 0;
+  if (const py::object given = option(options, "time"); !given.is_none()) time = given.cast<double>(), in.time = &time;
+  in.keep_going = option(options, "keep_going").is_none() ? 0 : options["keep_going"].cast<bool>();
+  const auto name = py::str(file).cast<std::string>();
+  auto loaded = door::sized<AlabasterLoaded>();
+  run([&](const AlabasterApi& api, AlabasterScene* held) { return api.scene_load(held, name.c_str(), &in, &loaded); });
+  py::dict told;
+  told["settings"] = loaded.settings;
+  told["color_config"] = loaded.color_config;
+  told["notes"] = py::str(loaded.notes).attr("splitlines")();
+  return told;
+}
+
+py::dict Scene::prims() {
+  py::dict all;
+  ask(
+      messages_,
+      [&](const AlabasterApi& api, AlabasterVisit visit, void* user) {
+        return api.get_prims(handle_.get(), visit, user);
+      },
+      [&](const char* path, const AlabasterValue& type) { all[path] = to_python(type); });
+  return all;
+}
+
+namespace {
+
+/// Faces that have a material of their own, by its path.
+class Subsets {
+ public:
+  Subsets(const std::string& mesh, const py::object& by_material) {
+    if (by_material.is_none()) return;
+    for (const auto& [material, faces] : by_material.cast<py::dict>())
+      held_.push_back({mesh + "/" + std::to_string(held_.size()), material.cast<std::string>(),
+                       array(ALABASTER_INT, faces, "subsets")});
+  }
+  std::vector<AlabasterSubset> pass() const {
+    std::vector<AlabasterSubset> raw;
+    for (const Subset& one : held_) raw.push_back({one.id.c_str(), one.material.c_str(), one.faces.pass()});
+    return raw;
+  }
+
+ private:
+  struct Subset {
+    std::string id, material;
+    Value faces;
+  };
+  std::vector<Subset> held_;
+};
+
+Primvars primvars_of(const py::object& points, const py::object& others) {
+  Primvars primvars;
+  primvars.add("points", {points, "vertex", py::none(), "point"});
+  if (others.is_none()) return primvars;
+  for (const auto& [name, value] : others.cast<py::dict>())
+    primvars.add(name.cast<std::string>(),
+                 py::isinstance<Primvar>(value)
+                     ? value.cast<Primvar>()
+                     : Primvar{py::reinterpret_borrow<py::object>(value), "vertex", py::none(), ""});
+  return primvars;
+}
+
+}  // namespace
+
+void Scene::set_mesh(const std::string& path, const py::object& points, const py::object& indices,
+                     const py::object& counts, const py::dict& options) {
+  check_options(options, {"primvars", "material", "transform", "scheme", "refine_level", "instancer", "visible",
+                          "double_sided", "left_handed", "holes", "subsets", "subdiv_tags"});
+  const auto flag = [&](const char* name, bool otherwise) {
+    return options.contains(name) ? options[name].cast<bool>() : otherwise;
+  };
+  const std::string material = text(options, "material"), instancer = text(options, "instancer");
+  const std::string scheme = text(options, "scheme");
+  const std::array<double, 16> transform = matrix(option(options, "transform"));
+  auto mesh = door::sized<AlabasterMesh>();
+  mesh.transform = transform.data();
+  mesh.material = door::or_null(material), mesh.instancer = door::or_null(instancer);
+  mesh.scheme = door::or_null(scheme);
+  mesh.orientation = flag("left_handed", false) ? "leftHanded" : nullptr;
+  mesh.invisible = !flag("visible", true), mesh.single_sided = !flag("double_sided", true);
+  mesh.refine_level = options.contains("refine_level") ? options["refine_level"].cast<int32_t>() : 0;
+  const Primvars primvars = primvars_of(points, option(options, "primvars"));
+  const auto [faces, corners] = topology(indices, counts);
+  const Value holes = array(ALABASTER_INT, option(options, "holes"), "holes");
+  const Subsets subsets(path, option(options, "subsets"));
+  const SubdivTags tags(options.contains("subdiv_tags") ? options["subdiv_tags"].cast<py::dict>() : py::dict());
+
+  const AlabasterSubdivTags raw_tags = tags.pass();
+  const std::vector<AlabasterPrimvar> raw_primvars = primvars.pass();
+  const std::vector<AlabasterSubset> raw_subsets = subsets.pass();
+  mesh.face_vertex_counts = faces.pass(), mesh.face_vertex_indices = corners.pass(), mesh.hole_indices = holes.pass();
+  mesh.subdiv_tags = &raw_tags;
+  mesh.primvars = raw_primvars.data(), mesh.primvar_count = raw_primvars.size();
+  mesh.subsets = raw_subsets.data(), mesh.subset_count = raw_subsets.size();
+  run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_mesh(scene, path.c_str(), &mesh); });
+}
+
+void Scene::set_primvar(const std::string& mesh, const std::string& name, const py::object& values,
+                        const std::string& interpolation) {
+  Primvars primvars;
+  primvars.add(
+      name, py::isinstance<Primvar>(values) ? values.cast<Primvar>() : Primvar{values, interpolation, py::none(), ""});
+  const AlabasterPrimvar raw = primvars.pass()[0];
+  run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_primvar(scene, mesh.c_str(), &raw); });
+}
+
+void Scene::set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options) {
+  check_options(options, {"transforms", "translations", "rotations", "scales", "transform", "parent"});
+  Primvars primvars;
+  for (const auto& [option_name, name] :
+       {std::pair("transforms", "hydra:instanceTransforms"), std::pair("translations", "hydra:instanceTranslations"),
+        std::pair("rotations", "hydra:instanceRotations"), std::pair("scales", "hydra:instanceScales")})
+    if (const py::object values = option(options, option_name); !values.is_none())
+      primvars.add(name, {values, "instance", py::none(), ""});
+  const std::array<double, 16> transform = matrix(option(options, "transform"));
+  const std::string parent = text(options, "parent");
+  std::vector<std::pair<std::string, Value>> instances;
+  for (const auto& [name, indices] : prototypes)
+    instances.emplace_back(name.cast<std::string>(), array(ALABASTER_INT, indices, "indices of a prototype"));
+  const std::vector<AlabasterPrimvar> raw = primvars.pass();
+  std::vector<AlabasterPrototype> held;
+  for (const auto& [name, indices] : instances) held.push_back({name.c_str(), indices.pass()});
+  auto instancer = door::sized<AlabasterInstancer>();
+  instancer.transform = transform.data();
+  instancer.parent = door::or_null(parent);
+  instancer.primvars = raw.data(), instancer.primvar_count = raw.size();
+  instancer.prototypes = held.data(), instancer.prototype_count = held.size();
+  run([&](const AlabasterApi& api, AlabasterScene* scene) {
+    return api.set_instancer(scene, path.c_str(), &instancer);
+  });
+}
+
+void Scene::set_material(const std::string& path, const py::object& nodes, const std::string& displacement,
+                         const py::dict& parameters) {
+  Network network;
+  if (!nodes.is_none())
+    for (const auto& [name, values] : nodes.cast<py::dict>())
+      network.add(name.cast<std::string>(), values.cast<py::dict>(), "AlabasterDisney");
+  else
+    network.add("surface", parameters, "AlabasterDisney");
+  const bool named = !nodes.is_none() && nodes.cast<py::dict>().contains("surface");
+  const std::vector<AlabasterNode> raw = network.pass();
+  auto material = door::sized<AlabasterMaterial>();
+  material.nodes = raw.data(), material.node_count = raw.size();
+  material.surface = named ? "surface" : nullptr;
+  material.displacement = door::or_null(displacement);
+  run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_material(scene, path.c_str(), &material); });
+}
+
+void Scene::set_light(const std::string& path, const std::string& type, const py::object& transform, bool visible,
+                      const py::dict& parameters) {
+  const std::array<double, 16> placed = matrix(transform);
+  const door::Parameters held = python::parameters(parameters);
+  const std::vector<AlabasterParameter> raw = door::pass(held);
+  auto light = door::sized<AlabasterLight>();
+  light.type = type.c_str();
+  light.transform = placed.data();
+  light.invisible = !visible;
+  light.parameters = raw.data(), light.parameter_count = raw.size();
+  run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_light(scene, path.c_str(), &light); });
+}
+
+void Scene::set_camera(const std::string& path, const py::object& transform, const py::dict& parameters) {
+  const std::array<double, 16> placed = matrix(transform);
+  const door::Parameters held = python::parameters(parameters);
+  const std::vector<AlabasterParameter> raw = door::pass(held);
+  auto camera = door::sized<AlabasterCamera>();
+  camera.transform = placed.data();
+  camera.parameters = raw.data(), camera.parameter_count = raw.size();
+  run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_camera(scene, path.c_str(), &camera); });
+}
+
+void Scene::set_render_settings(const std::string& path, const py::dict& options) {
+  py::dict rest;
+  for (const auto& [name, value] : options) rest[name] = value;
+  const auto take = [&](const char* name) {
+    return rest.contains(name) ? py::object(rest.attr("pop")(name)) : py::object(py::none());
+  };
+  const auto number = [&](const char* name) {
+    const py::object value = take(name);
+    return value.is_none() ? 0.0 : value.cast<double>();
+  };
+  auto settings = door::sized<AlabasterRenderSettings>();
+  const py::object camera_name = take("camera"), crop = take("crop");
+  const std::string camera = camera_name.is_none() ? "" : camera_name.cast<std::string>();
+  settings.camera = door::or_null(camera);
+  settings.width = int32_t(number("width")), settings.height = int32_t(number("height"));
+  settings.pixel_aspect = number("pixel_aspect"), settings.frame = number("frame");
+  if (!crop.is_none()) {
+    const auto [x0, y0, x1, y1] = crop.cast<std::array<int32_t, 4>>();
+    settings.crop = {x0, y0, x1, y1};
+  }
+  const door::Parameters held = python::parameters(rest);
+  const std::vector<AlabasterParameter> raw = door::pass(held);
+  settings.settings = raw.data(), settings.setting_count = raw.size();
+  run([&](const AlabasterApi& api, AlabasterScene* scene) {
+    return api.set_render_settings(scene, path.c_str(), &settings);
+  });
+}
+
+}  // namespace alabaster::python

@@ -1,0 +1,77 @@
+// A host in C++17 that sees nothing but the C door: a mesh whose points it lends, a material, a light, a camera; two
+// AOVs; an edit.
+#include <alabaster/alabaster.hpp>
+#include <cstdio>
+
+using namespace alabaster::door;
+
+namespace {
+
+constexpr int kSide = 16;
+
+void add_mesh(const Scene& scene, const std::shared_ptr<const std::vector<float>>& points) {
+  const Value counts = Value::of<int32_t>(ALABASTER_INT, {4}),
+              indices = Value::of<int32_t>(ALABASTER_INT, {0, 1, 2, 3});
+  const Value lent = Value::lend(ALABASTER_FLOAT3, points, points->data(), points->size() / 3);
+  const AlabasterPrimvar primvar = {"points", "point", ALABASTER_VERTEX, lent.pass(), {}, {}};
+  auto mesh = sized<AlabasterMesh>();
+  mesh.face_vertex_counts = counts.pass();
+  mesh.face_vertex_indices = indices.pass();
+  mesh.primvars = &primvar, mesh.primvar_count = 1;
+  mesh.material = "/wax";
+  check(api().set_mesh(scene.get(), "/square", &mesh));
+}
+
+void add_rest(const Scene& scene) {
+  const Parameters wax = {{"baseColor", std::array<float, 3>{0.9f, 0.6f, 0.3f}}};
+  const auto parameters = pass(wax);
+  const AlabasterNode node = {"surface", "AlabasterDisney", parameters.data(), parameters.size(), nullptr, 0};
+  auto material = sized<AlabasterMaterial>();
+  material.nodes = &node, material.node_count = 1;
+  check(api().set_material(scene.get(), "/wax", &material));
+
+  auto dome = sized<AlabasterLight>();
+  dome.type = "domeLight";
+  check(api().set_light(scene.get(), "/dome", &dome));
+
+  const Parameters lens = {{"focalLength", 0.05f}, {"horizontalAperture", 0.036f}, {"verticalAperture", 0.036f}};
+  const auto raw = pass(lens);
+  const double away[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 6, 1};
+  auto camera = sized<AlabasterCamera>();
+  camera.transform = away;
+  camera.parameters = raw.data(), camera.parameter_count = raw.size();
+  check(api().set_camera(scene.get(), "/camera", &camera));
+}
+
+}  // namespace
+
+int main() try {
+  auto points = std::make_shared<const std::vector<float>>(std::vector<float>{-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0});
+  float centre[4] = {}, depth = 0;
+  {
+    const Scene scene = make_scene();
+    add_mesh(scene, points);
+    add_rest(scene);
+    const Delegate delegate = make_delegate(scene, {{"samples", 4}});
+    const Buffer color = make_buffer(delegate, "color", kSide, kSide);
+    const Buffer depths = make_buffer(delegate, "cameraDepth", kSide, kSide);
+    const Pass pass = make_pass(delegate);
+    const AlabasterBinding bindings[] = {{"color", color.get()}, {"cameraDepth", depths.get()}};
+    auto frame = sized<AlabasterFrame>();
+    frame.bindings = bindings, frame.binding_count = 2;
+    frame.camera = "/camera";
+    frame.width = frame.height = kSide;
+    check(api().pass_start(pass.get(), &frame));
+    check(api().pass_wait(pass.get(), -1, nullptr));
+    const Pixels pixels(color), distances(depths);
+    const size_t middle = kSide / 2 * kSide + kSide / 2;
+    for (int i = 0; i < 4; ++i) centre[i] = static_cast<const float*>(pixels.get().data)[4 * middle + size_t(i)];
+    depth = static_cast<const float*>(distances.get().data)[middle];
+  }
+  std::printf("C++17 host: %g %g %g %g, depth %g\n", centre[0], centre[1], centre[2], centre[3], depth);
+  const bool seen = centre[3] == 1 && centre[0] > centre[2] && centre[2] > 0 && depth > 5.9f && depth < 6.1f;
+  return seen && points.use_count() == 1 ? 0 : 1;
+} catch (const Error& error) {
+  std::fprintf(stderr, "error %d: %s\n", error.status, error.what());
+  return 1;
+}

@@ -1,0 +1,371 @@
+#!/usr/bin/env python3
+"""Tests of the Python module, with whatever alabaster is first in PYTHONPATH.
+
+  alabaster_test.py PROGRAM [unittest's arguments]
+"""
+import array
+import ast
+import ctypes
+import gc
+import inspect
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import alabaster
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+TOP = pathlib.Path(__file__).resolve().parents[3]
+PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else None
+SCENE = str(TOP / "testenv/scenes/thick_thin/thick_thin.json")
+CORNERS = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+BACK = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 6, 1]]
+
+
+def moved(x, y=0, z=0):
+    return [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [x, y, z, 1]]
+
+
+def square():
+    """A square under a dome, seen from the front."""
+    scene = alabaster.Scene()
+    scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], material="/wax")
+    scene.set_material("/wax", baseColor=(0.9, 0.6, 0.3))
+    scene.set_light("/dome", "domeLight", intensity=1)
+    scene.set_camera("/camera", BACK, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.036)
+    return scene
+
+
+def draw(renderer, **frame):
+    return renderer.render(width=16, height=16, camera="/camera", **frame)
+
+
+def pixel(render, x, y, aov="color"):
+    view = memoryview(render.pixels(aov))
+    return [view[y, x, c] for c in range(view.shape[2])] if view.ndim == 3 else view[y, x]
+
+
+class MallocInfo(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_size_t) for name in ["arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks",
+                                                     "uordblks", "fordblks", "keepcost"]]
+
+
+def allocated():
+    """Bytes that are in use; those that malloc keeps for later do not count."""
+    gc.collect()
+    mallinfo2 = ctypes.CDLL(None).mallinfo2
+    mallinfo2.restype = MallocInfo
+    info = mallinfo2()
+    return info.uordblks + info.hblkhd
+
+
+class Renders(unittest.TestCase):
+    def test_square(self):
+        red, green, blue, alpha = pixel(draw(alabaster.Renderer(square(), samples=4)), 8, 8)
+        self.assertEqual(alpha, 1)
+        self.assertTrue(red > green > blue > 0)
+
+    @unittest.skipUnless(PROGRAM, "no program to compare with")
+    def test_pixels_are_those_of_the_program(self):
+        scene = alabaster.Scene()
+        loaded = scene.load(SCENE, overrides=["samples=4", "resolution=[48,32]"])
+        render = alabaster.Renderer(scene).render(settings=loaded["settings"])
+        pixels = render["color"]
+        self.assertEqual((pixels.width, pixels.height), (48, 32))
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            text = pathlib.Path(SCENE).read_text().rstrip()[:-1].replace("thick_thin.glb", str(TOP / "testenv/scenes/thick_thin/thick_thin.glb"))
+            (folder / "scene.json").write_text(text + ', "products": [{"file": "%s/program.exr", "dataType": "float"}]}' % name)
+            subprocess.run([PROGRAM, "render", folder / "scene.json", "--set", "samples=4", "--size", "48x32", "--quiet"], check=True)
+            view = memoryview(pixels)
+            rows = [array.array("f", [view[y, x, c] for x in range(48) for c in range(3)]) for y in range(32)]
+            with open(folder / "python.pfm", "wb") as file:
+                file.write(b"PF\n48 32\n-1.0\n" + b"".join(row.tobytes() for row in reversed(rows)))
+            done = subprocess.run(["oiiotool", folder / "program.exr", "--ch", "R,G,B", folder / "python.pfm", "--fail", "0",
+                                   "--warn", "0", "--diff"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stdout)
+
+    def test_edits(self):
+        scene = square()
+        renderer = alabaster.Renderer(scene, samples=4)
+        render = draw(renderer)
+        before = bytes(memoryview(render.pixels()))
+        scene.set_transform("/square", moved(50))
+        render.update()
+        self.assertTrue(render.wait())
+        self.assertEqual(pixel(render, 8, 8)[3], 0)
+        scene.set_transform("/square", None)
+        render.update()
+        render.wait()
+        self.assertEqual(bytes(memoryview(render.pixels())), before)
+        scene.set_parameter("/wax", "surface.baseColor", (0.1, 0.8, 0.1))
+        render.update()
+        render.wait()
+        self.assertGreater(pixel(render, 8, 8)[1], 2 * pixel(render, 8, 8)[0])
+        scene.set_visible("/square", False)
+        render.update()
+        render.wait()
+        self.assertEqual(pixel(render, 8, 8)[3], 0)
+
+    def test_layers_and_windows(self):
+        render = draw(alabaster.Renderer(square(), samples=4), aovs=["color", "cameraDepth", "primId"], window=(4, 4, 12, 10))
+        self.assertEqual(memoryview(render["color"]).shape, (6, 8, 4))
+        self.assertAlmostEqual(pixel(render, 4, 3, "cameraDepth"), 6, places=4)
+        self.assertEqual(memoryview(render["primId"]).format, "i")
+        with self.assertRaises(KeyError):
+            render["normal"]
+
+    def test_instances(self):
+        scene = square()
+        scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], instancer="/many", transform=None)
+        scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-9, 0, 0), (0, 0, 0)])
+        render = draw(alabaster.Renderer(scene, samples=4), aovs=["instanceId"])
+        self.assertEqual(pixel(render, 8, 8, "instanceId"), 1)
+
+    def test_refined_cage_with_primvars_and_creases(self):
+        scene = square()
+        scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], scheme="catmullClark", refine_level=2, material="/wax",
+                       subdiv_tags={"corner_indices": [0], "corner_weights": [2.0]},
+                       primvars={"st": alabaster.Primvar([(0, 0), (1, 0), (1, 1), (0, 1)], "faceVarying", role="textureCoordinate")})
+        scene.set_material("/wax", nodes={"surface": {"baseColor": ("colors", "rgb"), "roughness": 0.4},
+                                          "colors": {"type": "AlabasterPrimvar"}})
+        scene.set_primvar("/square", "displayColor", [(0.1, 0.1, 0.9)] * 4)
+        red, _, blue, alpha = pixel(draw(alabaster.Renderer(scene, samples=4)), 8, 8)
+        self.assertEqual(alpha, 1)
+        self.assertGreater(blue, 2 * red)
+
+    def test_records_files(self):
+        scene = square()
+        scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=2)
+        renderer = alabaster.Renderer(scene)
+        seen = []
+        with tempfile.TemporaryDirectory() as name:
+            file = pathlib.Path(name) / "a.exr"
+            self.assertEqual(renderer.record(file, aovs=["normal"], progress=lambda p: seen.append(p["fraction"])), [str(file)])
+            self.assertGreater(file.stat().st_size, 500)
+            with self.assertRaisesRegex(alabaster.OutputError, "nowhere"):
+                renderer.record("/nowhere/a.exr")
+            renderer.set(samples=1 << 20)
+            with self.assertRaises(alabaster.Cancelled):
+                renderer.record(file, progress=lambda p: False)
+            with self.assertRaises(ZeroDivisionError):
+                renderer.record(file, progress=lambda p: 1 / 0)
+        self.assertEqual(seen[-1], 1)
+
+
+class Control(unittest.TestCase):
+    def test_progress_and_cancel(self):
+        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        seen = []
+
+        def progress(now):
+            seen.append(now["samples_total"])
+            return len(seen) < 2
+
+        with self.assertRaises(alabaster.Cancelled):
+            draw(renderer, progress=progress)
+        self.assertEqual(seen, [1 << 20] * 2)
+        renderer.set(samples=1)
+        self.assertEqual(draw(renderer).state, "converged")
+
+    def test_wait_lets_other_threads_run(self):
+        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        render = renderer.start(width=16, height=16, camera="/camera")
+        counted = [0]
+
+        def count():
+            end = time.monotonic() + 0.3
+            while time.monotonic() < end:
+                counted[0] += 1
+                time.sleep(0.001)
+            render.cancel()
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        self.assertTrue(render.wait())
+        thread.join()
+        self.assertGreater(counted[0], 20)
+        self.assertEqual(render.state, "stopped")
+
+    def test_calls_from_two_threads_during_a_recording(self):
+        scene = square()
+        scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=1 << 20)
+        renderer = alabaster.Renderer(scene)
+        started = threading.Event()
+        end = time.monotonic() + 1
+
+        def progress(_):
+            started.set()
+            return time.monotonic() < end
+
+        def others():
+            started.wait()
+            renderer.get("samples")  # waits for the recording, without Python's lock
+            del scene.prims["/square"]
+
+        thread = threading.Thread(target=others)
+        thread.start()
+        with tempfile.TemporaryDirectory() as name, self.assertRaises(alabaster.Cancelled):
+            renderer.record(name + "/a.exr", progress=progress)
+        thread.join()
+
+    def test_pause(self):
+        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        render = renderer.start(width=16, height=16, camera="/camera")
+        renderer.pause()
+        self.assertFalse(render.wait(0.05))
+        self.assertEqual(render.state, "paused")
+        renderer.resume()
+        renderer.stop()
+        self.assertEqual(render.state, "stopped")
+
+    def test_settings(self):
+        renderer = alabaster.Renderer(samples=7)
+        self.assertEqual(renderer.get("samples"), 7)
+        renderer.set(samples=9, subsurface="lambert")
+        self.assertEqual((renderer.get("samples"), renderer.get("subsurface")), (9, "lambert"))
+        described = renderer.describe_settings()
+        self.assertIn("lambert", described["subsurface"]["choices"])
+        self.assertTrue(described["samples"]["documentation"])
+        self.assertEqual(renderer.progress()["fraction"], 0)
+        self.assertIn("state", renderer.stats())
+        scene = square()
+        renderer.show(scene)
+        draw(renderer)
+        self.assertIn("/wax", renderer.command("dumpScene"))
+
+
+class Errors(unittest.TestCase):
+    def test_messages_are_the_library_s(self):
+        with self.assertRaisesRegex(alabaster.SceneError, "missing.json.*no such file"):
+            alabaster.Scene().load("missing.json")
+        with self.assertRaisesRegex(alabaster.NotFoundError, "/nobody"):
+            alabaster.Scene().remove("/nobody")
+        with self.assertRaisesRegex(alabaster.SceneError, "nothing.ocio"):
+            alabaster.Renderer(ocio="/nothing.ocio")
+        with self.assertRaisesRegex(alabaster.Error, "camera"):
+            alabaster.Renderer(square()).render(width=8, height=8, camera="/nobody")
+        self.assertTrue(issubclass(alabaster.SceneError, alabaster.Error))
+
+    def test_arguments(self):
+        scene = square()
+        for wrong in [lambda: scene.set_mesh("/a", [(1, 2)], [0, 1, 2]),
+                      lambda: scene.set_mesh("/a", CORNERS, [0, 1, 2], transform=[1, 2]),
+                      lambda: scene.set_primvar("/square", "st", [[[1]]]),
+                      lambda: scene.set_primvar("/square", "st", [(0, 0)] * 4, "everywhere"),
+                      lambda: alabaster.Renderer(square()).render(width=-1, height=8, aovs=["nothing"])]:
+            with self.assertRaises((ValueError, LookupError)):
+                wrong()
+        with self.assertRaisesRegex(TypeError, "sise"):
+            scene.set_mesh("/a", CORNERS, [0, 1, 2], sise=3)
+        with self.assertRaisesRegex(alabaster.ArgumentError, "another delegate"):
+            first, second = alabaster.Renderer(scene), alabaster.Renderer(scene)
+            self.fail((first, second))
+
+    def test_reports(self):
+        heard = []
+        scene = square()
+        scene.remove("/wax")
+        draw(alabaster.Renderer(scene, report=lambda *message: heard.append(message), samples=1))
+        self.assertEqual([message[:3] for message in heard], [("warning", "mesh.material", "/square")])
+        with self.assertLogs("alabaster", "WARNING") as logged:
+            scene = square()
+            scene.remove("/wax")
+            draw(alabaster.Renderer(scene, samples=1))
+        self.assertIn("/square", logged.output[0])
+
+
+class Memory(unittest.TestCase):
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_arrays_are_not_copied(self):
+        render = draw(alabaster.Renderer(square(), samples=4))
+        first, second = render.pixels().numpy(), numpy.asarray(render.pixels())
+        self.assertEqual((first.shape, first.dtype), ((16, 16, 4), numpy.float32))
+        self.assertEqual(first.ctypes.data, second.ctypes.data)
+        self.assertEqual(first.strides, (-256, 16, 4))
+        into = numpy.empty((16, 16, 4), numpy.float32)
+        render.read("color", into)
+        self.assertTrue((into == first).all())
+        with self.assertRaises(alabaster.ArgumentError):
+            render.read("color", into[:8].copy())
+        with self.assertRaises(ValueError):
+            render.read("color", into[:, ::-1])
+
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_arrays_outlive_everything(self):
+        render = draw(alabaster.Renderer(square(), samples=4))
+        pixels = render.pixels().numpy()
+        before = pixels.copy()
+        del render
+        gc.collect()
+        draw(alabaster.Renderer(square(), samples=1))
+        self.assertTrue((pixels == before).all())
+
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_lent_arrays_live_as_long_as_the_scene_and_no_longer(self):
+        points = numpy.array(CORNERS, numpy.float32)
+        scene = square()
+        scene.set_mesh("/square", points, numpy.array([[0, 1, 2, 3]], numpy.int32), material="/wax")
+        with self.assertRaises(ValueError):
+            points.resize((5, 3))  # it is exported
+        renderer = alabaster.Renderer(scene, samples=4)
+        picture = draw(renderer).pixels().numpy().copy()
+        strided = numpy.asfortranarray(numpy.array(CORNERS, numpy.float64))
+        scene.set_mesh("/square", strided, [[0, 1, 2, 3]], material="/wax")  # converted
+        self.assertTrue((draw(renderer).pixels().numpy() == picture).all())
+        scene.prims  # a call gives back what the library has returned
+        points.resize((5, 3), refcheck=False)
+
+    def test_a_thousand_renders(self):
+        scene = square()
+        renderer = alabaster.Renderer(scene, samples=1)
+
+        def render_thousand():
+            for i in range(1000):
+                scene.set_transform("/square", moved(i / 1000))
+                draw(renderer)
+            return allocated()
+
+        settled = render_thousand()
+        self.assertLess(render_thousand() - settled, 1 << 15)
+
+    def test_a_hundred_renderers(self):
+        for i in range(100):
+            draw(alabaster.Renderer(square(), samples=1))
+            if i == 19:
+                settled = allocated()
+        self.assertLess(allocated() - settled, 1 << 15)
+
+
+class Documentation(unittest.TestCase):
+    def test_everything_is_documented_and_typed(self):
+        stub = ast.parse(pathlib.Path(alabaster.__file__).with_name("__init__.pyi").read_text())
+        typed = {node.name: {f.name for f in node.body if isinstance(f, ast.FunctionDef)}
+                 for node in stub.body if isinstance(node, ast.ClassDef)}
+        self.assertEqual(set(alabaster.__all__) - {"versions"}, set(typed) - {"Progress", "Loaded", "Setting", "_Buffer"})
+        for name in ["Pixels", "Render", "Renderer", "Scene"]:
+            kind = getattr(alabaster, name)
+            members = {m for m in vars(kind) if not m.startswith("_")}
+            self.assertEqual(members, {m for m in typed[name] if not m.startswith("_")}, name)
+            self.assertTrue(inspect.getdoc(kind))
+
+    def test_example_of_the_readme(self):
+        text = (TOP / "README.md").read_text()
+        example = re.search(r"```python\n(import alabaster.*?)```", text, re.S).group(1)
+        self.assertLessEqual(len(example.splitlines()), 20)
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, "-c", example], check=True, cwd=folder)
+            self.assertTrue((pathlib.Path(folder) / "pebble.exr").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
