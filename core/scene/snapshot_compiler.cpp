@@ -230,6 +230,7 @@ bool stands_alike(const Instance& a, const Instance& b) {
 struct SnapshotCompiler::Compilation {
   SnapshotCompiler& compiler;
   const SceneDescription& description;
+  const CancelToken& cancel;
   const SceneSnapshot* const last = compiler.last_.get();
   std::shared_ptr<SceneSnapshot> snapshot = std::make_shared<SceneSnapshot>();
   std::vector<const InstanceDescription*> drawn = {};
@@ -332,18 +333,25 @@ struct SnapshotCompiler::Compilation {
   bool run(uint64_t number) {
     snapshot->number = number;
     choose_drawn();
+    cancel.check();
     place_all();
-    if (!build_top() || !plan_bodies(drawn, compiler.device_, last, snapshot.get())) return false;
+    cancel.check();
+    if (!build_top()) return false;
+    cancel.check();
+    if (!plan_bodies(drawn, compiler.device_, last, snapshot.get())) return false;
+    cancel.check();
     keep_alive(drawn, snapshot.get());
     add_lights();
+    cancel.check();
     find_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
     return true;
   }
 };
 
-std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescription& description, uint64_t number) {
-  Compilation compilation{*this, description};
+std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescription& description, uint64_t number,
+                                                               const CancelToken& cancel) {
+  Compilation compilation{*this, description, cancel};
   std::vector<LightDescription> lights = description.lights;
   if (!compilation.run(number)) {
     forget();

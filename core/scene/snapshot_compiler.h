@@ -2,6 +2,7 @@
 // once.
 #pragma once
 
+#include "core/diagnostics/cancel.h"
 #include "core/scene/scene.h"
 
 namespace alabaster {
@@ -15,7 +16,9 @@ class SnapshotCompiler {
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
   /// bodies, if shapes, places and lights are all equal. Null when memory runs out or Embree refuses (reported).
-  std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number);
+  /// Throws BuildCancelled; the next snapshot then shares as this one would have.
+  std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
+                                               const CancelToken& cancel = {});
 
   /// Frees what the next snapshot would have shared.
   void forget() { last_ = nullptr; }

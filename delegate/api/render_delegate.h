@@ -1,8 +1,10 @@
 // The factory a host holds. Made by CreateAlabasterRenderDelegate; several may live in one process.
 //
 // A frame: Sync of Bprims, then Sprims (in the order of GetSupportedSprimTypes), then instancers and Rprims (parallel)
-// -> CommitResources (resolves paths, publishes an immutable numbered snapshot by pointer swap) -> RenderPass::Execute.
-// Threads: one host thread at a time, except Stop, HoldStopped, Pause, Resume, GetRenderStats, RenderPass::GetState and
+// -> CommitResources -> RenderPass::Execute. None of them builds: a thread of the delegate refines meshes, resolves
+// paths and compiles an immutable numbered snapshot, which the next Execute takes up. Until then the old one goes on
+// being rendered, and no pass reports convergence. Newer edits cancel the build of older ones. Threads: one host thread
+// at a time, except Stop, HoldStopped, Pause, Resume, GetRenderStats, RenderPass::GetState and
 // RenderBuffer::Map/Resolve/Unmap, which any thread may call at any time. No call throws.
 #pragma once
 
@@ -42,6 +44,7 @@ class ALABASTER_API RenderDelegate {
 
   virtual std::unique_ptr<RenderPass> CreateRenderPass() = 0;  // dies before the delegate; null: failed (reported)
   virtual RenderParam* GetRenderParam() = 0;
+  /// Hands the edits to the builder, and returns at once.
   virtual void CommitResources() = 0;
 
   // Settings: names of schemas/render_settings.json; unknown keys are kept and ignored. The version rises only when a
@@ -69,7 +72,8 @@ class ALABASTER_API RenderDelegate {
   ///   BVH built (not a sum over meshes: those that are synced in parallel count once);
   /// - sync.refineSeconds, sync.bvhSeconds: CPU time of the whole process during those times, shared between the two in
   ///   proportion to the meshes in each while both go on. A render that continues meanwhile is in it;
-  /// - sync.commitSeconds: wall time of CommitResources.
+  /// - sync.commitSeconds: wall time of CommitResources, and of resolving paths and compiling snapshots after it.
+  /// Numbers of meshes, and faults of the scene, are those of the last snapshot: command "waitForScene" waits for it.
   /// Where the scene could not be read, built or lit as asked (each fault has been reported as an error, and the frame
   /// is drawn without): scene.faultCount, scene.faults (text, a line for each, at most a hundred) and
   /// scene.outOfMemory. All three are absent where the scene is whole. A fault that an edit mends is gone.
@@ -88,9 +92,11 @@ class ALABASTER_API RenderDelegate {
 
   virtual AovDescriptor GetDefaultAovDescriptor(const Token& aov) const = 0;  // format invalid: unsupported
 
-  /// Commands; an unknown one gives an empty value.
+  /// Commands; an unknown one gives an empty value. The first three wait until the scene that was committed last has
+  /// been built, unless the delegate is stopped.
   /// - "dumpScene" -> string: stable text of the translated scene.
   /// - "requirements" -> string: the features that the committed snapshot requires, and why.
+  /// - "waitForScene" {optionally seconds, the longest to wait} -> bool: the snapshot is there.
   /// - "tracePixel" {x, y, and optionally sample} -> string: the path of a sample of the frame that Execute drew last,
   ///   vertex by vertex, traced with that frame's random numbers. Without a sample: the colour of each of the pixel's
   ///   samples, and the path of the first that fails a check, else of the first that is not finite, else of the

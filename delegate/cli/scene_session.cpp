@@ -73,6 +73,7 @@ bool SceneSession::start(const hd::DiagnosticSink& sink) {
 }
 
 int SceneSession::scene_faults() const {
+  delegate_->InvokeCommand("waitForScene", {});
   const hd::Dictionary stats = delegate_->GetRenderStats();
   if (!stats.contains("scene.faults")) return kDone;
   return stats.at("scene.outOfMemory").number_or(0) != 0 ? kRender : kInput;

@@ -219,8 +219,11 @@ class Recording {
   bool sync() {
     const Phase phase(&phases_, "sync");
     const CancelWatch watch(options_.cancel, delegate_);
-    return index_->SyncAll() || refuse(RecordStatus::render_failed, "record.sync",
-                                       "the scene could not be synced: memory or threads ran out");
+    if (!index_->SyncAll())
+      return refuse(RecordStatus::render_failed, "record.sync",
+                    "the scene could not be synced: memory or threads ran out");
+    delegate_->InvokeCommand("waitForScene", {});  // its faults are known then; the watch ends it
+    return true;
   }
 
   // A delegate refuses buffers that are too large and reports it. Nothing is rendered without them.

@@ -45,26 +45,29 @@ std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& def
 
 }  // namespace
 
-DeformedMeshes Deformations::in(const Shutter& shutter, const Records& records, SceneParam* param) {
-  DeformedMeshes meshes;
+DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshes, SceneParam* param,
+                                const CancelToken& cancel) {
+  DeformedMeshes drawn;
   std::map<Path, Built> kept;
-  for (const auto& [path, record] : records) {
-    const auto* mesh = std::get_if<MeshRecord>(&record);
-    if (!mesh || !mesh->deformation || !mesh->prototype || !mesh->visible) continue;
+  meshes.for_each([&](const Path& path, const MeshBuild& mesh) {
+    if (!mesh.deformation || !mesh.prototype) return;
     Built& built = kept[path];
     if (const auto held = built_.find(path); held != built_.end()) built = held->second;
-    if (built.from != mesh->deformation || !(built.shutter == shutter) || !built.prototype) {
-      built = {mesh->deformation, shutter, nullptr};
+    if (built.from != mesh.deformation || !(built.shutter == shutter) || !built.prototype) {
+      cancel.check();
+      built = {mesh.deformation, shutter, nullptr};
       param->run([&] {
-        auto prototype = deformed(mesh->prototype->mesh, *mesh->deformation, shutter);
-        prototype->object = build_object_scene(param->device(), prototype->mesh, {});
+        auto prototype = deformed(mesh.prototype->mesh, *mesh.deformation, shutter);
+        prototype->object =
+            build_object_scene(param->device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
         if (prototype->object) built.prototype = std::move(prototype);
       });
+      cancel.check();
     }
-    if (built.prototype) meshes[path] = built.prototype;
-  }
+    if (built.prototype) drawn[path] = built.prototype;
+  });
   built_ = std::move(kept);
-  return meshes;
+  return drawn;
 }
 
 }  // namespace alabaster::hd::prims

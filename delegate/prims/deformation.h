@@ -1,7 +1,7 @@
 // Meshes that deform, as the renderer traces them: at even times over the shutter.
 #pragma once
 
-#include "delegate/prims/render_param.h"
+#include "delegate/prims/mesh_build.h"
 #include "delegate/prims/scene_translation.h"
 
 namespace alabaster::hd::prims {
@@ -9,9 +9,9 @@ namespace alabaster::hd::prims {
 /// Keeps what it has built for as long as the mesh and the shutter are the same.
 class Deformations {
  public:
-  /// The deforming meshes of `records` in the shutter, with their BVHs, built in the delegate's arena. A mesh whose
-  /// build was cancelled or failed (reported) is missing: it is drawn as it is at time 0.
-  DeformedMeshes in(const Shutter& shutter, const Records& records, SceneParam* param);
+  /// Those of `meshes` that deform, in the shutter, with their BVHs, built in the delegate's arena. A mesh whose build
+  /// failed (reported) is missing: it is drawn as it is at time 0. Throws BuildCancelled.
+  DeformedMeshes in(const Shutter& shutter, const BuiltMeshes& meshes, SceneParam* param, const CancelToken& cancel);
 
  private:
   struct Built {

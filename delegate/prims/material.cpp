@@ -271,7 +271,6 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   if (network_ && *network_ == network) return dirty::kClean;
   std::optional<SceneFault> fault;
   auto material = MaterialReader(GetId(), network, param).read(&fault);
-  param.set_displaces(GetId(), material->displacement.has_value());
   param.post(GetId(), MaterialRecord{std::move(material)});
   param.set_fault(GetId(), std::move(fault));
   network_ = std::move(network);  // last: a network counts as known once it is posted

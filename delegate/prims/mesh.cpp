@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "delegate/prims/mesh_build.h"
 #include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
 
@@ -100,42 +99,15 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
         record_.instancer.empty() ? Array<int32_t>() : scene.GetInstanceIndices(record_.instancer, GetId());
 }
 
-// False: cancelled, nothing changed. A mesh that waits for its materials or for the camera is left to the commit.
-bool MeshPrim::build(SceneParam& param) {
-  auto source = std::make_shared<const PulledMesh>(pulled_);
-  MeshBuild built;
-  const std::vector<Path> materials = slot_materials(pulled_.topology, material_);
-  const bool deferred =
-      (param.dices() && pulled_.style.refineLevel > 0) ||
-      std::any_of(materials.begin(), materials.end(), [&](const Path& id) { return param.displaces(id); });
-  if (!deferred)
-    param.run([&] {
-      const auto cancelled = [&param] { return param.cancelled(); };
-      built.cancelled = cancelled();
-      if (!built.cancelled) built = build_prototype(*source, GetId(), {}, param, cancelled);
-    });
-  if (built.cancelled) return false;
-  param.set_fault(GetId(), std::move(built.fault));
-  record_.prototype = std::move(built.prototype);
-  record_.deformation = std::move(built.deformation);
-  record_.source = deferred || record_.prototype ? std::move(source) : nullptr;
-  return true;
-}
-
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
-  DirtyBits left = dirty::kClean;
   pull(scene, bits, param.sink());
-  if (shape_changed_) {
-    if (build(param))
-      shape_changed_ = false;
-    else
-      left = dirty::kPrimId;  // any bit: the index asks again, and what was pulled is held
-  }
+  if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
+  shape_changed_ = false;
   record_.visible = visible_ && tag_visible_;
   record_.prim_id = GetPrimId();
   record_.materials = slot_materials(pulled_.topology, material_);
   param.post(GetId(), record_);
-  return left;
+  return dirty::kClean;
 }
 
 }  // namespace alabaster::hd::prims

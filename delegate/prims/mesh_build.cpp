@@ -81,11 +81,6 @@ std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, su
   return all;
 }
 
-// Beside the fault of the mesh's own Sync.
-Path fault_key(const Path& mesh) {
-  return mesh.append("displacement");
-}
-
 std::vector<Vec3f> read_points(const Value& value) {
   const auto* array = value.get<Array<Vec3f>>();
   return array ? std::vector<Vec3f>(array->begin(), array->end()) : std::vector<Vec3f>();
@@ -127,63 +122,99 @@ std::shared_ptr<const Deformation> deform(const PulledMesh& pulled, const Cage& 
   return nullptr;
 }
 
-}  // namespace
+// Reports, kept back until it is known that the mesh is built: a cancelled one reports again next time.
+class KeptReports {
+ public:
+  explicit KeptReports(std::vector<alabaster::Diagnostic>* kept) : kept_(kept) {}
+  void operator()(const alabaster::Diagnostic& d) const { kept_->push_back(d); }
 
-MeshBuild build_prototype(const PulledMesh& mesh, const Path& id, const MeshRequest& request, SceneParam& param,
-                          const std::function<bool()>& cancelled) {
-  const std::string& where = id.str();
-  MeshBuild out;
-  const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
-    if (d.severity == alabaster::Severity::error) out.fault = SceneFault{true, d.text};
-    if (param.sink()) param.sink()(d);
-  };
-  Cage cage = make_cage(mesh, where, param.sink());
-  if (!sanitize_cage(cage, where, sink)) return out;
-  auto prototype = std::make_shared<MeshPrototype>();
-  RefinementOptions options;
-  options.level = std::clamp(mesh.style.refineLevel, 0, 8);
-  options.where = where;
-  if (!request.displacements.empty())
-    options.displace = [&](Mesh* refined) { displace(request.displacements, where, sink, refined); };
-  if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
-  {
-    const SyncClock::Running running(&param.clock, SyncPhase::refine);
-    prototype->mesh = build_mesh(cage, options, sink);
-    out.deformation = deform(mesh, cage, options, prototype->mesh, sink);
-  }
-  if (prototype->mesh.triangles.empty()) return out;
-  const SyncClock::Running running(&param.clock, SyncPhase::bvh);
-  prototype->object = build_object_scene(param.device(), prototype->mesh, cancelled);
-  if (prototype->object) {
-    out.prototype = std::move(prototype);
+ private:
+  std::vector<alabaster::Diagnostic>* kept_;
+};
+
+// Cage, refinement, displacement, BVH.
+class MeshBuilder {
+ public:
+  MeshBuilder(const PulledMesh& mesh, const Path& id, SceneParam& param, const CancelToken& cancel)
+      : mesh_(mesh), where_(id.str()), param_(param), cancel_(cancel) {}
+
+  MeshBuild build(const MeshRequest& request) {
+    MeshBuild out = build_silently(request);
+    for (const alabaster::Diagnostic& d : reports_) {
+      if (d.severity == alabaster::Severity::error && !out.fault) out.fault = SceneFault{true, d.text};
+      if (param_.sink()) param_.sink()(d);
+    }
     return out;
   }
-  out.deformation = nullptr;
-  if (cancelled && cancelled()) {
-    out.cancelled = true;
-  } else {
-    out.fault = SceneFault{
+
+ private:
+  MeshBuild build_silently(const MeshRequest& request) {
+    MeshBuild out;
+    Cage cage = make_cage(mesh_, where_, sink_);
+    if (!sanitize_cage(cage, where_, sink_)) return out;
+    cancel_.check();
+    auto prototype = std::make_shared<MeshPrototype>();
+    RefinementOptions options;
+    options.level = std::clamp(mesh_.style.refineLevel, 0, 8);
+    options.where = where_;
+    if (!request.displacements.empty())
+      options.displace = [&](Mesh* refined) { displace(request.displacements, where_, sink_, refined); };
+    if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
+    {
+      const SyncClock::Running running(&param_.clock, SyncPhase::refine);
+      prototype->mesh = build_mesh(cage, options, sink_);
+      out.deformation = deform(mesh_, cage, options, prototype->mesh, sink_);
+    }
+    cancel_.check();
+    if (!prototype->mesh.triangles.empty()) add_bvh(std::move(prototype), &out);
+    return out;
+  }
+
+  void add_bvh(std::shared_ptr<MeshPrototype> prototype, MeshBuild* out) {
+    const SyncClock::Running running(&param_.clock, SyncPhase::bvh);
+    const CancelToken cancel = cancel_;
+    prototype->object =
+        build_object_scene(param_.device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
+    if (prototype->object) {
+      out->prototype = std::move(prototype);
+      return;
+    }
+    cancel_.check();
+    out->deformation = nullptr;
+    out->fault = SceneFault{
         false, "not enough memory to trace " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
-    alabaster::report(param.sink(), alabaster::Severity::error, "mesh.memory", where,
-                      out.fault->text + "; lower its refineLevel, or render on a machine with more memory");
+    sink_({alabaster::Severity::error, "mesh.memory", where_,
+           out->fault->text + "; lower its refineLevel, or render on a machine with more memory"});
   }
-  return out;
+
+  const PulledMesh& mesh_;
+  const std::string& where_;
+  SceneParam& param_;
+  const CancelToken cancel_;
+  std::vector<alabaster::Diagnostic> reports_;
+  const alabaster::DiagnosticSink sink_{KeptReports(&reports_)};
+};
+
+}  // namespace
+
+const MeshBuild* BuiltMeshes::find(const Path& mesh) const {
+  const auto held = held_.find(mesh);
+  return held == held_.end() || !held->second.done ? nullptr : &held->second.built;
 }
 
-const Records& DeferredMeshes::build(const Records& records, const Dicing& dicing, SceneParam& param) {
-  update(records, dicing, param);
-  complete_.clear();
-  if (held_.empty()) return records;
-  complete_ = records;
-  for (const auto& [path, held] : held_) {
-    auto& mesh = std::get<MeshRecord>(complete_.at(path));
-    mesh.prototype = held.built.prototype;
-    mesh.deformation = held.built.deformation;
-  }
-  return complete_;
+bool BuiltMeshes::incomplete() const {
+  return std::any_of(held_.begin(), held_.end(), [](const Entry& entry) { return !entry.second.done; });
 }
 
-void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneParam& param) {
+SceneFaults BuiltMeshes::faults() const {
+  SceneFaults faults;
+  for (const auto& [path, held] : held_)
+    if (held.built.fault) faults.emplace(path, *held.built.fault);
+  return faults;
+}
+
+// Drops the meshes that are drawn no more, and answers with those to build.
+std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, const Dicing& dicing) {
   support::Placements placements(
       [&](const Path& path) -> const InstancerRecord* {
         const auto found = records.find(path);
@@ -191,7 +222,7 @@ void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneP
       },
       [](const char*, const Path&, const std::string&) {});
   std::map<Path, Held> needed;
-  std::vector<std::pair<const Path, Held>*> to_build;
+  std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {
     const auto* mesh = std::get_if<MeshRecord>(&record);
     if (!mesh || !mesh->visible || !mesh->source) continue;
@@ -200,7 +231,6 @@ void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneP
       request.dicing = dicing;
       request.placements = placements_of(path, *mesh, placements);
     }
-    if (request == MeshRequest() && mesh->prototype) continue;
     const auto held = held_.find(path);
     if (held != held_.end() && held->second.done && held->second.source == mesh->source &&
         held->second.request == request)
@@ -208,17 +238,30 @@ void DeferredMeshes::update(const Records& records, const Dicing& dicing, SceneP
     else
       to_build.push_back(&*needed.emplace(path, Held{mesh->source, std::move(request), {}, false}).first);
   }
-  for (const auto& [path, held] : held_) param.set_fault(fault_key(path), std::nullopt);
   held_ = std::move(needed);
+  dicing_ = dicing;
+  return to_build;
+}
+
+void BuiltMeshes::build(const Records& records, const Dicing& dicing, SceneParam& param, const CancelToken& cancel) {
+  const std::vector<Entry*> to_build = collect(records, dicing);
   if (to_build.empty()) return;
-  param.run([&] {
-    tbb::parallel_for_each(to_build, [&](std::pair<const Path, Held>* entry) {
-      Held& held = entry->second;
-      held.built = build_prototype(*held.source, entry->first, held.request, param, {});
-      held.done = true;
-      param.set_fault(fault_key(entry->first), held.built.fault);
+  const auto build_one = [&](Entry* entry) {
+    if (cancel.is_cancelled()) return;
+    Held& held = entry->second;
+    bool cancelled = false;
+    const bool built = guarded(param.sink(), entry->first.str(), [&] {
+      try {
+        held.built = MeshBuilder(*held.source, entry->first, param, cancel).build(held.request);
+      } catch (const BuildCancelled&) {
+        cancelled = true;
+      }
     });
-  });
+    held.done = built && !cancelled;
+    if (!built) held.built.fault = SceneFault{false, "the mesh could not be built"};
+  };
+  param.run([&] { tbb::parallel_for_each(to_build, build_one); });
+  cancel.check();
 }
 
 }  // namespace alabaster::hd::prims

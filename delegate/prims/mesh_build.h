@@ -1,16 +1,22 @@
-// From a mesh as its prim has pulled it to what is traced, in Sync or at commit.
+// From a mesh as its prim has pulled it to the BVH that is traced.
 #pragma once
 
 #include "core/camera/camera.h"
+#include "core/diagnostics/cancel.h"
 #include "delegate/prims/render_param.h"
 
 namespace alabaster::hd::prims {
 
+/// The refined shape of a mesh that deforms, at the times of its samples.
+struct Deformation {
+  std::vector<double> times;
+  std::vector<MeshPose> poses;
+};
+
 struct MeshBuild {
   std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
-  std::shared_ptr<const Deformation> deformation;  // as MeshRecord's
+  std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times
   std::optional<SceneFault> fault;
-  bool cancelled = false;
 };
 
 /// The picture by which adaptive refinement measures.
@@ -29,30 +35,37 @@ struct MeshRequest {
   bool operator==(const MeshRequest&) const = default;
 };
 
-/// Cage, refinement, displacement, BVH. Runs in the caller's task arena; an empty `cancelled` is never asked.
-MeshBuild build_prototype(const PulledMesh& mesh, const Path& id, const MeshRequest& request, SceneParam& param,
-                          const std::function<bool()>& cancelled);
-
-/// The meshes that wait for more than their own prim: their materials displace them, or the camera decides how finely
-/// they are refined. They are built at commit, where all prims are known, and kept until one of these changes. One
-/// thread at a time.
-class DeferredMeshes {
+/// The built meshes of a scene. A mesh is built where it is first drawn, again when its shape, its displacement or its
+/// dicing changes, and kept meanwhile. One thread at a time.
+class BuiltMeshes {
  public:
-  /// The records, with the meshes that waited; valid until the next call. A mesh that cannot be built is reported and
-  /// not drawn.
-  const Records& build(const Records& records, const Dicing& dicing, SceneParam& param);
+  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn.
+  /// Meshes that are done when the build is cancelled (BuildCancelled) are kept.
+  void build(const Records& records, const Dicing& dicing, SceneParam& param, const CancelToken& cancel);
+  /// Null: not drawn.
+  const MeshBuild* find(const Path& mesh) const;
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (const auto& [path, held] : held_)
+      if (held.done) visit(path, held.built);
+  }
+  bool is_diced_by(const Dicing& dicing) const { return dicing == dicing_; }
+  /// Memory or threads did not suffice for some mesh: the next build() tries again.
+  bool incomplete() const;
+  SceneFaults faults() const;
 
  private:
   struct Held {
     std::shared_ptr<const PulledMesh> source;
     MeshRequest request;
     MeshBuild built;
-    bool done = false;  // an exception may have come before it was built
+    bool done = false;
   };
-  void update(const Records& records, const Dicing& dicing, SceneParam& param);
+  using Entry = std::pair<const Path, Held>;
+  std::vector<Entry*> collect(const Records& records, const Dicing& dicing);
 
   std::map<Path, Held> held_;
-  Records complete_;
+  Dicing dicing_;
 };
 
 }  // namespace alabaster::hd::prims

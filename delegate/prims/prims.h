@@ -34,8 +34,7 @@ class RecordedPrim : public Base {
   bool failed_ = false;
 };
 
-/// A mesh is refined and its BVH built only when its shape changed; transform, visibility, material and instancing cost
-/// a record.
+/// Pulls only: the shape is built where it is first drawn (mesh_build.h), once for each edit of it.
 class MeshPrim final : public RecordedPrim<Rprim> {
  public:
   using RecordedPrim::RecordedPrim;
@@ -44,7 +43,6 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   void pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
-  bool build(SceneParam& param);
 
   PulledMesh pulled_;
   bool shape_changed_ = false;

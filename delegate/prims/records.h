@@ -11,18 +11,10 @@
 
 namespace alabaster::hd::prims {
 
-/// The refined shape of a mesh that deforms, at the times of its samples.
-struct Deformation {
-  std::vector<double> times;
-  std::vector<MeshPose> poses;
-};
-
 struct MeshRecord {
-  std::shared_ptr<const PulledMesh> source;        // null: nothing to draw
-  std::shared_ptr<const MeshPrototype> prototype;  // without displacement; null: not built
+  std::shared_ptr<const PulledMesh> source;  // the shape; another one after each edit of it
   Matrix4d transform;
-  alabaster::TimeSamples<Matrix4d> motion;         // of the transform; empty: stands still
-  std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times
+  alabaster::TimeSamples<Matrix4d> motion;  // of the transform; empty: stands still
   bool visible = true;
   int32_t prim_id = 0;
   std::vector<Path> materials{Path()};  // by slot: the prim's, then those of its subsets; empty path: default

@@ -48,19 +48,6 @@ void SceneParam::set_texture_memory(uint32_t mib, bool by_host) {
   if (by_host || !host_set_texels_) texels_->set_budget(size_t(mib) << 20);
 }
 
-void SceneParam::set_displaces(const Path& material, bool displaces) {
-  const std::lock_guard lock(mutex_);
-  if (displaces)
-    displacing_.insert(material);
-  else
-    displacing_.erase(material);
-}
-
-bool SceneParam::displaces(const Path& material) const {
-  const std::lock_guard lock(mutex_);
-  return displacing_.count(material) != 0;
-}
-
 std::shared_ptr<tbb::task_arena> SceneParam::arena() {
   const std::lock_guard lock(mutex_);
   const uint32_t threads = threads_;
@@ -103,7 +90,7 @@ void SceneParam::set_fault(const Path& id, std::optional<SceneFault> fault) {
     faults_.erase(id);
 }
 
-std::map<Path, SceneFault> SceneParam::faults() const {
+SceneFaults SceneParam::faults() const {
   const std::lock_guard lock(mutex_);
   return faults_;
 }

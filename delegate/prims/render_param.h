@@ -31,6 +31,8 @@ struct SceneFault {
   bool input = true;  // false: memory or threads ran out
   std::string text;
 };
+using SceneFaults = std::map<Path, SceneFault>;
+
 class SceneParam final : public RenderParam {
  public:
   SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
@@ -44,13 +46,7 @@ class SceneParam final : public RenderParam {
   const ColorConfig& colors() const { return *colors_; }
   /// Shared by all materials and lights that name the same image; null (reported, and in *fault) if it cannot be had.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault);
-  /// Materials say in Sync if they displace meshes. It decides only when a mesh is built: at commit materials count.
-  void set_displaces(const Path& material, bool displaces);
-  bool displaces(const Path& material) const;
-  /// The same of adaptive refinement.
-  void set_dices(bool dices) { dices_ = dices; }
-  bool dices() const { return dices_; }
-  /// Runs heavy Sync work in the delegate's own arena: never in the host's, never on more than `threads` threads.
+  /// Runs heavy work in the delegate's own arena: never in the host's, never on more than `threads` threads.
   template <class F>
   void run(F&& work) {
     arena()->execute(work);
@@ -58,9 +54,6 @@ class SceneParam final : public RenderParam {
   void set_threads(uint32_t threads) { threads_ = threads; }
   /// MiB, for images that are read from then on. A value of the host counts before that of a settings prim.
   void set_texture_memory(uint32_t mib, bool by_host);
-  /// Stop sets it: Sync gives up what it is building, and the prim stays dirty.
-  void set_cancelled(bool cancelled) { cancelled_ = cancelled; }
-  bool cancelled() const { return cancelled_; }
 
   // The edit transaction.
   void post(const Path& id, Record record);
@@ -70,9 +63,9 @@ class SceneParam final : public RenderParam {
   /// All edits since the last call; those of one prim in the order in which it posted them. Takes no memory.
   std::list<Edit> take_edits() noexcept;
 
-  /// The fault that a prim's last Sync found; none: it went well.
+  /// The fault that a prim's last Sync found; none: it went well. Those of meshes are found when they are built.
   void set_fault(const Path& id, std::optional<SceneFault> fault);
-  std::map<Path, SceneFault> faults() const;
+  SceneFaults faults() const;
   /// Counts the prims whose last Sync threw. `held` is the prim's own note of it. Takes no memory.
   void set_failed(bool* held, bool failed) noexcept {
     if (*held != failed) failed_ += failed ? 1 : -1;
@@ -102,15 +95,12 @@ class SceneParam final : public RenderParam {
   std::shared_ptr<TexelStore> texels_;
   std::atomic<bool> host_set_texels_{false};
   std::atomic<uint32_t> threads_{0};
-  std::atomic<bool> cancelled_{false};
-  std::atomic<bool> dices_{false};
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
-  std::map<Path, SceneFault> faults_;
+  SceneFaults faults_;
   mutable std::mutex mutex_;  // guards faults_ and what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
-  std::set<Path> displacing_;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;
   std::vector<std::shared_ptr<const void>> kept_;

@@ -13,7 +13,6 @@ DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& para
     if (const auto given = description.settings.find(row.name); given != description.settings.end())
       set_parameter(row, given->second, &settings);
   if (description.settings.count("textureMemory")) param.set_texture_memory(settings.texture_memory, false);
-  if (settings.refine_edge_length > 0) param.set_dices(true);
   param.post(GetId(), SettingsRecord{description});
   return dirty::kClean;
 }

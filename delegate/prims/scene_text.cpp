@@ -83,7 +83,7 @@ std::string first_material(const Translation& translation, bool (*is)(const Disn
 
 }  // namespace
 
-std::string dump_scene(const Translation& translation, const Records& records) {
+std::string dump_scene(const Translation& translation, const Records& cameras) {
   std::string text;
   const Path* materials = translation.material_paths.data();
   std::map<std::string, const DisneyMaterial*> used;
@@ -103,7 +103,7 @@ std::string dump_scene(const Translation& translation, const Records& records) {
     if (light.enable_color_temperature)
       text += "  color of temperature " + Value(Vec3f(glow.r, glow.g, glow.b)).to_string() + "\n";
   }
-  for (const auto& [path, record] : records)
+  for (const auto& [path, record] : cameras)
     if (const auto* camera = std::get_if<CameraRecord>(&record)) text += camera_text(path, camera->camera);
   return text;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "delegate/prims/mesh_build.h"
+
 namespace alabaster::hd::prims {
 namespace {
 
@@ -72,6 +74,7 @@ struct SceneTranslator::Run {
   SceneTranslator& translator;
   const Records& records;
   const Shutter& shutter;
+  const BuiltMeshes& meshes;
   const DeformedMeshes& deformed;
   support::Placements placements{[this](const Path& path) { return find_instancer(path); },
                                  [this](const char* code, const Path& where, const std::string& text) {
@@ -80,10 +83,11 @@ struct SceneTranslator::Run {
   Translation out;
 
   void add_mesh(const Path& path, const MeshRecord& mesh) {
-    if (!mesh.visible || !mesh.prototype) return;
+    const MeshBuild* const built = meshes.find(path);
+    if (!mesh.visible || !built || !built->prototype) return;
     InstanceDescription instance;
     const auto moved = deformed.find(path);
-    instance.prototype = moved == deformed.end() ? mesh.prototype : moved->second;
+    instance.prototype = moved == deformed.end() ? built->prototype : moved->second;
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     instance.double_sided = mesh.double_sided;
@@ -195,8 +199,10 @@ struct SceneTranslator::Run {
   }
 };
 
-Translation SceneTranslator::translate(const Records& records, const Shutter& shutter, const DeformedMeshes& deformed) {
-  Run run{.translator = *this, .records = records, .shutter = shutter, .deformed = deformed, .out = {}};
+Translation SceneTranslator::translate(const Records& records, const Shutter& shutter, const BuiltMeshes& meshes,
+                                       const DeformedMeshes& deformed) {
+  Run run{
+      .translator = *this, .records = records, .shutter = shutter, .meshes = meshes, .deformed = deformed, .out = {}};
   run.out.shutter = shutter;
   for (const auto& [path, record] : records) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);

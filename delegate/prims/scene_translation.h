@@ -26,11 +26,15 @@ struct Translation {
   std::vector<Path> light_paths;     // parallel to scene.lights
 };
 
+class BuiltMeshes;
+
 /// Remembers its reports, so that a fault is reported once instead of at every commit.
 class SceneTranslator {
  public:
   explicit SceneTranslator(alabaster::DiagnosticSink sink);
-  Translation translate(const Records& records, const Shutter& shutter, const DeformedMeshes& deformed);
+  /// `deformed` replaces those of `meshes` that deform in the shutter.
+  Translation translate(const Records& records, const Shutter& shutter, const BuiltMeshes& meshes,
+                        const DeformedMeshes& deformed);
 
  private:
   struct Run;
@@ -42,7 +46,7 @@ class SceneTranslator {
 };
 
 /// Stable text of a translated scene and its cameras: the answer to command "dumpScene".
-std::string dump_scene(const Translation& translation, const Records& records);
+std::string dump_scene(const Translation& translation, const Records& cameras);
 /// The features that a snapshot requires, each with a prim that is the reason: the answer to command "requirements".
 std::string describe_requirements(const SceneSnapshot& snapshot, const Translation& translation);
 

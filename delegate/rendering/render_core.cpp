@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "delegate/rendering/render_pass.h"
 
@@ -14,10 +15,15 @@ const SettingParameter* find_setting(const Token& key) {
   return found == table.end() ? nullptr : &*found;
 }
 
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
 }  // namespace
 
 RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
-    : param(std::move(scene_param)), translator_(param->sink()), compiler_(param->device(), param->sink()) {
+    : param(std::move(scene_param)), builder_(param, [this] {
+        const std::lock_guard lock(mutex_);
+        last_request_.reset();  // it holds the old snapshot
+      }) {
   for (const auto& [key, value] : initial_settings) set_setting(key, value);
 }
 
@@ -39,7 +45,6 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
                         value);
   if (key == Token("textureMemory")) param->set_texture_memory(render_settings().texture_memory, true);
   if (key == Token("refineEdgeLength")) {
-    param->set_dices(render_settings().refine_edge_length > 0);
     dicing_changed_ = true;
   }
   if (key == Token("threads")) param->set_threads(render_settings().threads);
@@ -62,25 +67,20 @@ uint32_t RenderCore::settings_version() const {
 
 // The prim that setting "renderSettingsPrimPath" names, else the first by path.
 const prims::SettingsRecord* RenderCore::settings_prim() const {
-  Path named;
-  {
-    const std::lock_guard lock(mutex_);
-    const auto held = settings_.find("renderSettingsPrimPath");
-    if (held != settings_.end()) named = Path(held->second.text_or(""));
-  }
-  if (!named.empty()) {
-    const auto found = records_.find(named);
-    return found == records_.end() ? nullptr : std::get_if<prims::SettingsRecord>(&found->second);
-  }
-  for (const auto& [path, record] : records_)
+  if (const auto held = settings_.find("renderSettingsPrimPath"); held != settings_.end())
+    if (const Path named(held->second.text_or("")); !named.empty()) {
+      const auto found = views_.find(named);
+      return found == views_.end() ? nullptr : std::get_if<prims::SettingsRecord>(&found->second);
+    }
+  for (const auto& [path, record] : views_)
     if (const auto* settings = std::get_if<prims::SettingsRecord>(&record)) return settings;
   return nullptr;
 }
 
 RenderSettings RenderCore::render_settings() const {
   RenderSettings out;
-  const prims::SettingsRecord* prim = settings_prim();
   const std::lock_guard lock(mutex_);
+  const prims::SettingsRecord* prim = settings_prim();
   for (const SettingParameter& parameter : setting_parameters()) {
     if (prim) {
       if (Token("frame") == Token(parameter.name)) prims::set_parameter(parameter, prim->settings.frame, &out);
@@ -94,15 +94,29 @@ RenderSettings RenderCore::render_settings() const {
 }
 
 Path RenderCore::settings_camera() const {
+  const std::lock_guard lock(mutex_);
   const prims::SettingsRecord* prim = settings_prim();
   return prim ? prim->settings.camera : Path();
 }
 
-std::optional<CameraParameters> RenderCore::camera(const Path& path) const {
-  const auto found = records_.find(path);
-  const auto* record = found == records_.end() ? nullptr : std::get_if<prims::CameraRecord>(&found->second);
+std::optional<CameraParameters> RenderCore::camera(const Path& path, const Shutter& scene) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = views_.find(path);
+  const auto* record = found == views_.end() ? nullptr : std::get_if<prims::CameraRecord>(&found->second);
   if (!record) return std::nullopt;
-  return prims::posed_camera(*record, translation_.shutter);
+  return prims::posed_camera(*record, scene);
+}
+
+void RenderCore::set_last_request(const RenderRequest& request) {
+  auto last = std::make_shared<const RenderRequest>(request);
+  const std::lock_guard lock(mutex_);
+  last_request_.swap(last);
+}
+
+std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
+  const auto now = snapshot();
+  const std::lock_guard lock(mutex_);
+  return last_request_ && last_request_->scene == now ? last_request_ : nullptr;
 }
 
 std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
@@ -111,106 +125,109 @@ std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
   return denoiser_;
 }
 
-// Memory may run out at any step: an edit leaves the list once it is applied whole.
+// Memory may run out at any step: an edit leaves the list once it is applied whole. A prim that is gone may have been
+// of either kind.
 void RenderCore::apply_edits() {
   edits_.splice(edits_.end(), param->take_edits());
-  for (; !edits_.empty(); edits_.pop_front()) {
+  while (!edits_.empty()) {
     prims::Edit& edit = edits_.front();
-    prims::Record& held = records_[edit.id];
-    stale_ |= (prims::is_drawn(held) || prims::is_drawn(edit.record)) && held != edit.record;
-    held = std::move(edit.record);
-    if (std::holds_alternative<std::monostate>(held)) records_.erase(edit.id);
+    bool is_view = false;
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::holds_alternative<std::monostate>(edit.record)) {
+        is_view = views_.erase(edit.id) != 0;
+      } else if (!prims::is_drawn(edit.record)) {
+        views_[edit.id] = std::move(edit.record);
+        is_view = true;
+      }
+    }
+    if (is_view)
+      edits_.pop_front();
+    else
+      drawn_.splice(drawn_.end(), edits_, edits_.begin());
   }
-}
-
-void RenderCore::publish() {
-  std::shared_ptr<const SceneSnapshot> compiled;
-  prims::guarded(param->sink(), "CommitResources",
-                 [&] { param->run([&] { compiled = compiler_.compile(translation_.scene, ++scene_number_); }); });
-  if (!compiled) compiler_.forget();
-  stale_ = !compiled;
-  last_request_.reset();  // it holds the old snapshot
-  {
-    const std::lock_guard lock(mutex_);
-    snapshot_ = compiled;
-  }
-  for (const auto& pass : passes()) pass->cancel_stale(compiled.get());
 }
 
 // Measured from the camera of the RenderSettings prim, in its picture.
-prims::Dicing RenderCore::dicing() const {
+prims::Dicing RenderCore::dicing(const Shutter& shutter) const {
   prims::Dicing out;
   out.edge_length = render_settings().refine_edge_length;
   if (out.edge_length == 0) return {};
+  const std::optional<CameraParameters> seen_by = camera(settings_camera(), shutter);
+  const std::lock_guard lock(mutex_);
   const prims::SettingsRecord* const prim = settings_prim();
-  const std::optional<CameraParameters> seen_by = camera(settings_camera());
-  if (!prim || !seen_by) {
-    alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
-                      "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
-    return {};
-  }
+  if (!prim || !seen_by) return {};
   out.camera = *seen_by;
   out.width = prim->settings.width, out.height = prim->settings.height;
   return out;
 }
 
-void RenderCore::update_scene() {
+void RenderCore::hand_over() {
   apply_edits();
-  param->set_threads(render_settings().threads);
+  const RenderSettings settings = render_settings();
+  param->set_threads(settings.threads);
   dicing_changed_ = false;
-  if (const prims::Dicing now = dicing(); now != dicing_) {
-    dicing_ = now;
-    stale_ = true;
+  SnapshotBuilder::View view;
+  {
+    const std::lock_guard lock(mutex_);
+    view.shutter = prims::shutter_of(views_);
   }
-  const Shutter shutter = prims::shutter_of(records_);
-  if (!stale_ && shutter == translation_.shutter) return;
-  const prims::Records& built = deferred_.build(records_, dicing_, *param);
-  prims::Translation translation = translator_.translate(built, shutter, deformations_.in(shutter, built, param.get()));
-  const bool same = snapshot() && translation.scene == translation_.scene;
-  translation_ = std::move(translation);
-  if (same)
-    stale_ = false;
-  else
-    publish();
+  view.dicing = dicing(view.shutter);
+  if (settings.refine_edge_length > 0 && view.dicing == prims::Dicing())
+    alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
+                      "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
+  if (drawn_.empty() && view_ == view && !builder_.has_failed()) return;
+  builder_.post(&drawn_, view);
+  view_ = view;
+  for (const auto& pass : passes()) pass->expect_new_scene();
 }
 
 void RenderCore::commit() {
   const auto start = std::chrono::steady_clock::now();
-  if (!needs_commit() && edits_.empty() && !stale_) return;
+  if (!needs_commit() && edits_.empty() && drawn_.empty() && !builder_.has_failed() && !commit_failed_) return;
   committed_ = true;
-  const bool updated = prims::guarded(param->sink(), "CommitResources", [&] { update_scene(); });
-  param->set_failed(&commit_failed_, !updated);
-  failed_ = !snapshot();
+  const bool handed_over = prims::guarded(param->sink(), "CommitResources", [&] { hand_over(); });
+  param->set_failed(&commit_failed_, !handed_over);
+  failed_ = !handed_over;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
   commit_seconds_ = commit_seconds_ + spent.count();
 }
 
-std::string RenderCore::dump() const {
-  return prims::dump_scene(translation_, records_);
+std::string RenderCore::dump() {
+  builder_.wait(kUnlimited);
+  const auto built = scene();
+  const prims::Translation nothing;
+  const std::lock_guard lock(mutex_);
+  return prims::dump_scene(built ? built->translation : nothing, views_);
 }
 
-std::string RenderCore::requirements() const {
-  const auto held = snapshot();
-  return held ? prims::describe_requirements(*held, translation_) : std::string();
+std::string RenderCore::requirements() {
+  builder_.wait(kUnlimited);
+  const auto built = scene();
+  return built && built->snapshot ? prims::describe_requirements(*built->snapshot, built->translation) : std::string();
 }
 
 std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
-  const std::lock_guard lock(mutex_);
-  return snapshot_;
+  const auto built = scene();
+  return built ? built->snapshot : nullptr;
 }
 
 std::vector<std::string> RenderCore::scene_faults(bool* input) const {
   std::vector<std::string> texts;
   *input = true;
-  for (const auto& [prim, fault] : param->faults()) {
+  prims::SceneFaults faults = param->faults();
+  const auto built = scene();
+  if (built) faults.insert(built->faults.begin(), built->faults.end());
+  for (const auto& [prim, fault] : faults) {
     texts.push_back(prim.str() + ": " + fault.text);
     *input = *input && fault.input;
   }
-  if (const int failed = param->failed(); failed > 0) {
+  if (const int failed = param->failed() + builder_.has_failed(); failed > 0) {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
   }
-  if (const auto held = snapshot()) {
+  if (built && built->snapshot) {
+    const SceneSnapshot* const held = built->snapshot.get();
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");
     texts.insert(texts.end(), held->faults.begin(), held->faults.end());
   }
@@ -218,7 +235,8 @@ std::vector<std::string> RenderCore::scene_faults(bool* input) const {
 }
 
 std::string RenderCore::commit_error() const {
-  return failed_ ? "the scene could not be compiled" : "";
+  const bool failed = builder_.has_failed() || failed_;
+  return failed && !is_building() && !snapshot() ? "the scene could not be compiled" : "";
 }
 
 void RenderCore::add_pass(const std::shared_ptr<PassControl>& pass) {
@@ -238,7 +256,7 @@ std::vector<std::shared_ptr<PassControl>> RenderCore::passes() const {
 // Halts the passes, or has them start again once nothing stops them.
 void RenderCore::apply_stops() {
   stopped_ = stop_latched_ || stop_holds_ > 0;
-  param->set_cancelled(stopped_);
+  builder_.set_stopped(stopped_);
   if (!stopped_) ++restarts_;
   for (const auto& pass : passes()) stopped_ ? pass->halt() : pass->forget();
 }

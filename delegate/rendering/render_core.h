@@ -1,13 +1,10 @@
-// The state that a delegate shares with its passes: settings, the committed scene and its snapshot, background control.
+// The state that a delegate shares with its passes: settings, cameras, the scene that the builder makes, background
+// control.
 #pragma once
 
-#include "core/scene/snapshot_compiler.h"
 #include "core/session/tile_renderer.h"
-#include "delegate/prims/deformation.h"
-#include "delegate/prims/mesh_build.h"
 #include "delegate/prims/parameters.h"
-#include "delegate/prims/render_param.h"
-#include "delegate/prims/scene_translation.h"
+#include "delegate/rendering/snapshot_builder.h"
 
 namespace alabaster::hd::rendering {
 
@@ -27,31 +24,39 @@ class RenderCore {
   Path settings_camera() const;
 
   // The scene (host thread).
-  /// Applies the edit transaction; if what is drawn changed, compiles and publishes a new snapshot and cancels the
-  /// renders of the old one. A scene that could not be compiled leaves no snapshot and a commit_error(). Whatever an
-  /// earlier commit could not do, for want of memory or threads, the next one does. Never throws.
+  /// Takes cameras and settings from the edit transaction, and hands the rest to the builder. A scene that cannot be
+  /// compiled leaves no snapshot and a commit_error(). Whatever an earlier commit could not do, for want of memory or
+  /// threads, the next one does. Never throws.
   void commit();
   /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
   /// CommitResources tries again, for a pass would compile the scene again with every Execute.
   bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_; }
-  std::string dump() const;
-  std::string requirements() const;
-  /// In the shutter of the scene that was committed last. Empty: there is no such camera.
-  std::optional<CameraParameters> camera(const Path& path) const;
+  /// These wait for the builder.
+  std::string dump();
+  std::string requirements();
   /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
   std::shared_ptr<const Denoiser> denoiser(std::string* problem);
 
   // Any thread.
+  /// Null: none has been built yet.
+  std::shared_ptr<const BuiltScene> scene() const { return builder_.built(); }
   std::shared_ptr<const SceneSnapshot> snapshot() const;
+  /// The scene as it was committed last is still being built.
+  bool is_building() const { return builder_.is_pending(); }
+  bool wait_for_build(double seconds) { return builder_.wait(seconds); }
+  /// A pass has let go of a snapshot.
+  void release_retired() { builder_.release_retired(); }
+  /// In the shutter of `scene`. Empty: there is no such camera.
+  std::optional<CameraParameters> camera(const Path& path, const Shutter& scene) const;
   std::string commit_error() const;
   /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of
   /// memory.
   std::vector<std::string> scene_faults(bool* input) const;
-  double commit_seconds() const { return commit_seconds_; }
+  double commit_seconds() const { return commit_seconds_ + builder_.compile_seconds(); }
 
-  // The frame that was started last (host thread); null: none since the scene was edited.
-  void set_last_request(const RenderRequest& request) { last_request_ = std::make_shared<RenderRequest>(request); }
-  std::shared_ptr<const RenderRequest> last_request() const { return last_request_; }
+  /// The frame that was started last; null: none of the last snapshot.
+  void set_last_request(const RenderRequest& request);
+  std::shared_ptr<const RenderRequest> last_request() const;
 
   // Passes and background control (any thread).
   void add_pass(const std::shared_ptr<PassControl>& pass);
@@ -68,43 +73,37 @@ class RenderCore {
 
  private:
   void apply_stops();
-  const prims::SettingsRecord* settings_prim() const;
-  prims::Dicing dicing() const;
+  const prims::SettingsRecord* settings_prim() const;  // under mutex_
+  prims::Dicing dicing(const Shutter& shutter) const;
   void apply_edits();
-  void update_scene();
-  void publish();
+  void hand_over();
 
-  mutable std::mutex mutex_;  // guards settings_, snapshot_ and passes_, for look-ups only
+  mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::map<Token, Value> settings_;
   uint32_t settings_version_ = 0;
-  std::shared_ptr<const SceneSnapshot> snapshot_;
+  prims::Records views_;  // cameras and settings prims
+  std::shared_ptr<const RenderRequest> last_request_;
   std::vector<std::weak_ptr<PassControl>> passes_;
 
-  std::list<prims::Edit> edits_;  // taken, but not applied yet. Host thread only, as is the rest of the scene
-  prims::Records records_;
-  prims::Dicing dicing_;
-  prims::DeferredMeshes deferred_;
-  prims::SceneTranslator translator_;
-  SnapshotCompiler compiler_;
-  prims::Deformations deformations_;
-  prims::Translation translation_;
-  uint64_t scene_number_ = 0;
-  std::atomic<bool> dicing_changed_{false};  // by a setting
-  bool committed_ = false;                   // once
-  bool commit_failed_ = false;               // the last one threw
-  bool stale_ = true;                        // the snapshot does not show the records
-
-  std::shared_ptr<const RenderRequest> last_request_;
+  // Host thread only.
+  std::list<prims::Edit> edits_;               // taken, but not applied yet
+  std::list<prims::Edit> drawn_;               // not handed over yet
+  std::optional<SnapshotBuilder::View> view_;  // handed over last
+  bool committed_ = false;                     // once
   std::shared_ptr<const Denoiser> denoiser_;
   std::string denoiser_problem_;
 
+  std::atomic<bool> dicing_changed_{false};  // by a setting
+  bool commit_failed_ = false;               // the last one threw
+  std::atomic<bool> failed_{false};          // the same, for any thread
   std::atomic<double> commit_seconds_{0};
-  std::atomic<bool> failed_{false};  // the last commit left no snapshot
-  std::mutex stop_mutex_;            // one at a time stops or restarts
-  bool stop_latched_ = false;        // by Stop, until Restart
+  std::mutex stop_mutex_;      // one at a time stops or restarts
+  bool stop_latched_ = false;  // by Stop, until Restart
   int stop_holds_ = 0;
   std::atomic<bool> stopped_{false}, paused_{false};
   std::atomic<uint64_t> restarts_{0};
+
+  SnapshotBuilder builder_;  // last: its thread ends first
 };
 
 }  // namespace alabaster::hd::rendering

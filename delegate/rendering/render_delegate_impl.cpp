@@ -142,6 +142,13 @@ AovDescriptor RenderDelegateImpl::GetDefaultAovDescriptor(const Token& aov) cons
   return answer<AovDescriptor>("GetDefaultAovDescriptor", [&](auto& d) { d = default_aov_descriptor(aov); });
 }
 
+// Waits for as many seconds as it is told, else without limit.
+bool RenderDelegateImpl::wait_for_scene(const Dictionary& arguments) const {
+  const auto found = arguments.find("seconds");
+  return core_->wait_for_build(found == arguments.end() ? std::numeric_limits<double>::infinity()
+                                                        : found->second.number_or(0));
+}
+
 std::string RenderDelegateImpl::trace_pixel(const Dictionary& arguments) const {
   const auto request = core_->last_request();
   if (!request) return {};
@@ -164,6 +171,7 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
   return answer<Value>("InvokeCommand", [&](Value& value) {
     if (command == Token("dumpScene")) value = core_->dump();
     if (command == Token("requirements")) value = core_->requirements();
+    if (command == Token("waitForScene")) value = wait_for_scene(arguments);
     if (command == Token("tracePixel")) value = trace_pixel(arguments);
   });
 }

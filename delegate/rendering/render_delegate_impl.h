@@ -47,6 +47,7 @@ class RenderDelegateImpl final : public RenderDelegate {
   Value InvokeCommand(const Token& command, const Dictionary& arguments) override;
 
  private:
+  bool wait_for_scene(const Dictionary& arguments) const;
   std::string trace_pixel(const Dictionary& arguments) const;
   /// Runs an entry point; an exception becomes a report. Returns the result as far as `body` has made it.
   template <class Result, class Body>

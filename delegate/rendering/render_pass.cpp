@@ -1,6 +1,7 @@
 #include "delegate/rendering/render_pass.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "core/denoise/denoise_film.h"
@@ -44,7 +45,8 @@ std::string memory_fault(const PassInputs& in) {
 
 PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults) {
   PassInputs in;
-  in.scene = core_->snapshot();
+  const std::shared_ptr<const BuiltScene> scene = core_->scene();
+  if (scene) in.scene = scene->snapshot;
   in.settings = core_->render_settings();
   in.restarts = core_->restarts();
   for (const AovBinding& binding : state.aovBindings) {
@@ -61,7 +63,8 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
     in.bindings.push_back({aov->aov, buffer->state(), buffer->state()->allocation(), clear});
   }
   const Path camera = state.camera.empty() ? core_->settings_camera() : state.camera;
-  const std::optional<CameraParameters> parameters = core_->camera(camera);
+  const std::optional<CameraParameters> parameters =
+      core_->camera(camera, scene ? scene->translation.shutter : Shutter());
   if (!in.scene)
     in.error = core_->commit_error();
   else if (!parameters)
@@ -154,12 +157,17 @@ void PassControl::start(PassInputs next) {
     core_->end_pause();
 }
 
-void PassControl::update(PassInputs next, std::vector<alabaster::Diagnostic>* faults) {
+void PassControl::update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults) {
   const std::lock_guard lock(control_);
   if (core_->is_stopped()) return;
-  if (!active_ || cancelled_ || running_ != next) return start(std::move(next));
+  stale_ = building;
+  if (!active_ || cancelled_ || running_ != next) {
+    start(std::move(next));
+    return core_->release_retired();
+  }
   const RenderProgress progress = session_->progress();
-  if (failed_ || converged_) return;
+  if (building) return;
+  if (failed_ || converged_) return set_converged(converged_);
   if (progress.state == SessionState::failed) {
     faults->push_back({alabaster::Severity::error, "pass.failed", "render", progress.error});
     return fail(progress.error);
@@ -173,9 +181,21 @@ void PassControl::update(PassInputs next, std::vector<alabaster::Diagnostic>* fa
 
 void PassControl::execute(const RenderPassState& state) {
   if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
+  const std::lock_guard lock(executing_);
+  draw(state);
+}
+
+void PassControl::draw(const RenderPassState& state) {
+  executed_ = true;
+  awaiting_.reset();
+  const bool building = core_->is_building();  // asked before the scene is taken
+  if (building) {
+    awaiting_ = state;
+    if (!core_->snapshot()) return expect_new_scene();
+  }
   std::vector<alabaster::Diagnostic> faults;
   PassInputs next = inputs(state, &faults);
-  update(std::move(next), &faults);
+  update(std::move(next), building, &faults);
   std::vector<std::pair<std::string, std::string>> now;
   for (const auto& fault : faults) {
     now.emplace_back(fault.where, fault.text);
@@ -214,21 +234,27 @@ void PassControl::resume() {
   session_->resume();
 }
 
-void PassControl::cancel_stale(const SceneSnapshot* current) {
+void PassControl::expect_new_scene() {
   const std::lock_guard lock(control_);
-  if (!active_ || running_.scene.get() == current) return;
-  session_->stop();
-  cancelled_ = true;
-  set_converged(false);
+  stale_ = true;
+  for (const auto& binding : running_.bindings) binding.buffer->set_converged(false);
 }
 
 bool PassControl::wait(double seconds) {
-  if (!active_ || failed_ || converged_) return true;
-  return session_->wait(seconds);
+  const auto start = std::chrono::steady_clock::now();
+  if (core_->is_building() && !core_->wait_for_build(seconds) && !core_->is_stopped()) return false;
+  {
+    const std::lock_guard lock(executing_);
+    if (awaiting_ && !core_->is_building()) draw(RenderPassState(*awaiting_));
+  }
+  if (!active_ || failed_ || is_converged()) return true;
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+  return session_->wait(seconds - spent.count());
 }
 
 PassState PassControl::state() const {
   if (core_->is_stopped()) return PassState::stopped;
+  if (executed_ && stale_) return PassState::preparing;
   if (failed_) return PassState::failed;
   if (converged_) return PassState::converged;
   if (!active_) return PassState::idle;

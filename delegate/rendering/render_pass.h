@@ -35,17 +35,18 @@ class PassControl {
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
-  void abandon();                              // Execute could not even prepare: fails and converges
-  void halt();                                 // Stop: blocks until no worker runs
-  void forget();                               // Restart: the next Execute starts again
+  /// The scene is being built: no picture of the old one is the last, though it goes on.
+  void expect_new_scene();
+  void abandon();  // Execute could not even prepare: fails and converges
+  void halt();     // Stop: blocks until no worker runs
+  void forget();   // Restart: the next Execute starts again
   void pause();
   void resume();
-  /// Cancels a render of another scene; the next Execute starts the new one.
-  void cancel_stale(const SceneSnapshot* current);
+  /// Waits for the scene, too, and then takes it up as Execute would.
   bool wait(double seconds);
 
   PassState state() const;
-  bool is_converged() const { return converged_; }
+  bool is_converged() const { return converged_ && !stale_; }
   /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the machine has.
   bool is_refused() const { return refused_; }
   RenderProgress progress() const { return session_->progress(); }
@@ -54,9 +55,10 @@ class PassControl {
   size_t film_memory() const;
 
  private:
+  void draw(const RenderPassState& state);
   PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);
   void choose_denoiser(PassInputs* in);
-  void update(PassInputs next, std::vector<alabaster::Diagnostic>* faults);
+  void update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);
   void fail(std::string error);
   void set_converged(bool converged);
@@ -72,7 +74,11 @@ class PassControl {
   std::atomic<bool> converged_{false}, failed_{false}, refused_{false};
   mutable std::mutex error_mutex_;
   std::string error_;
-  std::vector<std::pair<std::string, std::string>> reported_;  // host thread: faults of the last Execute
+  std::mutex executing_;  // one at a time executes: the host, or who waits for the scene
+  std::vector<std::pair<std::string, std::string>> reported_;  // faults of the last Execute
+  std::optional<RenderPassState> awaiting_;                    // what Execute was to draw when the scene was not there
+  std::atomic<bool> executed_{false};
+  std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it
 };
 
 class RenderPassImpl final : public RenderPass {

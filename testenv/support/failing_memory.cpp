@@ -1,6 +1,7 @@
 #include "testenv/support/failing_memory.h"
 
 #include <atomic>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -10,6 +11,7 @@ constexpr size_t kUnlimited = ~size_t(0);
 thread_local size_t allowed_allocations = kUnlimited;
 thread_local bool refused = false;
 std::atomic<int> refusals_elsewhere{0};
+std::atomic<int64_t> granted_elsewhere{0};
 thread_local bool is_elsewhere = true;
 
 }  // namespace
@@ -27,19 +29,24 @@ bool FailingMemory::failed() const {
   return refused;
 }
 
-FailingMemoryElsewhere::FailingMemoryElsewhere(int refusals) {
+FailingMemoryElsewhere::FailingMemoryElsewhere(int refusals, size_t allowed) : refusals_(refusals) {
   is_elsewhere = false;
+  granted_elsewhere = static_cast<int64_t>(allowed);
   refusals_elsewhere = refusals;
 }
 FailingMemoryElsewhere::~FailingMemoryElsewhere() {
   refusals_elsewhere = 0;
   is_elsewhere = true;
 }
+bool FailingMemoryElsewhere::failed() const {
+  return refusals_elsewhere < refusals_;
+}
 
 }  // namespace alabaster::testing
 
 void* operator new(size_t size) {
-  if (is_elsewhere && refusals_elsewhere > 0 && refusals_elsewhere-- > 0) throw std::bad_alloc();
+  if (is_elsewhere && refusals_elsewhere > 0 && granted_elsewhere-- <= 0 && refusals_elsewhere-- > 0)
+    throw std::bad_alloc();
   if (allowed_allocations != kUnlimited) {
     if (allowed_allocations == 0) {
       refused = true;

@@ -17,13 +17,19 @@ class FailingMemory {
   bool failed() const;
 };
 
-/// While it lives, operator new refuses the next `refusals` allocations of all other threads together.
+/// While it lives, operator new grants all other threads together `allowed` allocations, and refuses the next
+/// `refusals`.
 class FailingMemoryElsewhere {
  public:
-  explicit FailingMemoryElsewhere(int refusals);
+  explicit FailingMemoryElsewhere(int refusals, size_t allowed = 0);
   ~FailingMemoryElsewhere();
   FailingMemoryElsewhere(const FailingMemoryElsewhere&) = delete;
   FailingMemoryElsewhere& operator=(const FailingMemoryElsewhere&) = delete;
+  /// True once an allocation was refused.
+  bool failed() const;
+
+ private:
+  int refusals_;
 };
 
 }  // namespace alabaster::testing

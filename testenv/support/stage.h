@@ -91,22 +91,28 @@ class Stage {
     index->SyncAll();
     return delegate->InvokeCommand("dumpScene", {}).text_or("");
   }
+  /// The builder has made the scene that was committed last.
+  void wait_for_scene() const { delegate->InvokeCommand("waitForScene", {}); }
   double stat(const char* key) const {
+    wait_for_scene();
     const Dictionary stats = delegate->GetRenderStats();
     const auto found = stats.find(key);
     return found == stats.end() ? -1 : found->second.number_or(-1);
   }
   std::string text_stat(const char* key) const {
+    wait_for_scene();
     const Dictionary stats = delegate->GetRenderStats();
     const auto found = stats.find(key);
     return found == stats.end() ? "" : found->second.text_or("");
   }
 
   std::vector<Diagnostic> take_diagnostics() {
+    wait_for_scene();
     const std::lock_guard lock(mutex_);
     return std::move(diagnostics_);
   }
   size_t count(const std::string& code) {
+    wait_for_scene();
     const std::lock_guard lock(mutex_);
     return static_cast<size_t>(
         std::count_if(diagnostics_.begin(), diagnostics_.end(), [&](const Diagnostic& d) { return d.code == code; }));

@@ -32,7 +32,9 @@ struct MovingMesh {
   }
 };
 
-TEST(RenderCore, ACommitThatMemoryDoesNotSufficeForIsMadeGoodByTheNext) {
+// `Memory` fails in the host's thread, or in the builder's.
+template <class Memory, class... Refusals>
+void fail_at_every_allocation(size_t at_least, Refusals... refusals) {
   MovingMesh moving;
   Stage& stage = moving.stage;
   size_t allowed = 0;
@@ -40,8 +42,9 @@ TEST(RenderCore, ACommitThatMemoryDoesNotSufficeForIsMadeGoodByTheNext) {
     ASSERT_NO_FATAL_FAILURE(moving.move_to(static_cast<double>(allowed) + 0.25));
     const double before = stage.stat("sceneNumber");
     {
-      const testing::FailingMemory memory(allowed);
+      const Memory memory(refusals..., allowed);
       stage.delegate->CommitResources();
+      if constexpr (sizeof...(Refusals) > 0) stage.wait_for_scene();  // it fails there
       failed = memory.failed();
     }
     stage.delegate->CommitResources();
@@ -50,11 +53,20 @@ TEST(RenderCore, ACommitThatMemoryDoesNotSufficeForIsMadeGoodByTheNext) {
     const std::string expected = std::to_string(allowed) + ".25, 0, 0, 1";
     const std::string dump = stage.delegate->InvokeCommand("dumpScene", {}).text_or("");
     ASSERT_NE(dump.find(expected), std::string::npos) << "after " << allowed << " allocations: " << dump;
+    ASSERT_EQ(stage.text_stat("scene.faults"), "") << "after " << allowed << " allocations";
     const double now = stage.stat("sceneNumber");
     stage.delegate->CommitResources();
     ASSERT_EQ(stage.stat("sceneNumber"), now) << "nothing is left to be done";
   }
-  EXPECT_GT(allowed, 20u) << "a commit allocates that often";
+  EXPECT_GT(allowed, at_least) << "a commit allocates that often";
+}
+
+TEST(RenderCore, ACommitThatMemoryDoesNotSufficeForIsMadeGoodByTheNext) {
+  fail_at_every_allocation<testing::FailingMemory>(2);
+}
+
+TEST(RenderCore, ABuildThatMemoryDoesNotSufficeForIsMadeGoodByTheNextCommit) {
+  fail_at_every_allocation<testing::FailingMemoryElsewhere>(20, 1);
 }
 
 // Between the two commits a pass must neither draw the old scene as if it were the new one nor wait without end.
@@ -70,8 +82,9 @@ TEST(RenderCore, APassFailsWhileTheSceneCouldNotBeCompiled) {
   for (size_t allowed = 0; !seen && allowed < 1000; ++allowed) {
     ASSERT_NO_FATAL_FAILURE(moving.move_to(static_cast<double>(allowed) + 0.25));
     {
-      const testing::FailingMemory memory(allowed);
+      const testing::FailingMemoryElsewhere memory(1, allowed);
       stage.delegate->CommitResources();
+      stage.wait_for_scene();
     }
     seen = !stage.text_stat("error").empty();
     if (!seen) stage.delegate->CommitResources();

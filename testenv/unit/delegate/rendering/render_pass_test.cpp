@@ -22,6 +22,7 @@ struct Shot {
     stage.add_basic_scene();
     buffer = stage.add_buffer("/b", size, size, Format::float32vec4);
     stage.index->SyncAll();
+    stage.wait_for_scene();
     pass = stage.delegate->CreateRenderPass();
     state = Stage::state_for(size, size, "color", buffer);
   }
@@ -282,6 +283,7 @@ TEST(BackgroundControl, APauseFromBeforeHoldsTheFirstRenderAndAnEditEndsIt) {
   mesh.transform[3][0] = 1;
   s.stage.scene.SetMesh("/quad", mesh);
   s.stage.index->SyncAll();
+  s.stage.wait_for_scene();
   EXPECT_TRUE(s.stage.delegate->IsPaused()) << "an edit ends a pause only through Execute";
   s.pass->Execute(s.state);
   EXPECT_FALSE(s.stage.delegate->IsPaused());

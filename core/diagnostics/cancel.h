@@ -1,0 +1,27 @@
+// Cancellation of long builds.
+#pragma once
+
+#include <atomic>
+
+namespace alabaster {
+
+/// Thrown by CancelToken::check(); no fault, so it is no std::exception.
+struct BuildCancelled {};
+
+/// Handed down into every long stretch of a build, which asks it each millisecond or so, from any of its threads. What
+/// has been built by then is dropped, or kept whole for the next build.
+class CancelToken {
+ public:
+  CancelToken() = default;  // never cancelled
+  /// `flag` outlives the build.
+  explicit CancelToken(const std::atomic<bool>* flag) : flag_(flag) {}
+  bool is_cancelled() const { return flag_ && flag_->load(std::memory_order_relaxed); }
+  void check() const {
+    if (is_cancelled()) throw BuildCancelled();
+  }
+
+ private:
+  const std::atomic<bool>* flag_ = nullptr;
+};
+
+}  // namespace alabaster

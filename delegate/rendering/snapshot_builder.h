@@ -1,0 +1,97 @@
+// The thread that makes snapshots of the scene: it refines meshes, builds their BVHs, resolves paths and compiles,
+// while the host goes on and the last snapshot is rendered.
+#pragma once
+
+#include <condition_variable>
+#include <thread>
+
+#include "core/scene/snapshot_compiler.h"
+#include "delegate/prims/deformation.h"
+#include "delegate/prims/mesh_build.h"
+#include "delegate/prims/render_param.h"
+#include "delegate/prims/scene_translation.h"
+
+namespace alabaster::hd::rendering {
+
+/// Immutable.
+struct BuiltScene {
+  prims::Translation translation;
+  std::shared_ptr<const SceneSnapshot> snapshot;  // of the translation; null: it could not be compiled
+  prims::SceneFaults faults;                      // of meshes
+};
+
+/// The newest records win: an edit cancels the build that goes on, unless the one before was cancelled, too. So a host
+/// that edits without end still sees snapshots.
+class SnapshotBuilder {
+ public:
+  /// `published` is called on the builder's thread after each new scene, under no lock.
+  SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, std::function<void()> published);
+  ~SnapshotBuilder();  // cancels
+  SnapshotBuilder(const SnapshotBuilder&) = delete;
+  SnapshotBuilder& operator=(const SnapshotBuilder&) = delete;
+
+  /// Beside the records, all that decides what is built.
+  struct View {
+    Shutter shutter;
+    prims::Dicing dicing;
+    bool operator==(const View&) const = default;
+  };
+  /// Asks for the scene after these edits. One thread at a time. The first call starts the thread, and may throw before
+  /// anything is taken.
+  void post(std::list<prims::Edit>* edits, const View& view);
+  /// Cancels the build and starts no other until it is called with false. Returns when no build is running.
+  void set_stopped(bool stopped);
+
+  // Any thread.
+  /// The scene as it was posted last has not been built.
+  bool is_pending() const { return pending_; }
+  /// Blocks until nothing is pending (true), the builder is stopped, or `seconds` have passed.
+  bool wait(double seconds);
+  /// Null: none yet, or the last build ended in an exception.
+  std::shared_ptr<const BuiltScene> built() const;
+  /// The last build failed, for want of memory or threads. Reported; the next post() tries again.
+  bool has_failed() const { return failed_; }
+  /// Wall time of translating and compiling.
+  double compile_seconds() const { return compile_seconds_; }
+  /// Passes have let go of scenes: those that nobody uses are destroyed on the builder's thread.
+  void release_retired();
+
+ private:
+  void run();
+  bool take_work();
+  void build();
+  void apply_edits();
+  void update(const CancelToken& cancel);
+  void compile(prims::Translation translation, const CancelToken& cancel);
+  void publish(std::shared_ptr<const BuiltScene> scene);
+  void destroy_retired();
+
+  const std::shared_ptr<prims::SceneParam> param_;
+  const std::function<void()> published_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_, rested_;
+  std::list<prims::Edit> posted_;
+  View posted_view_;
+  bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
+  std::shared_ptr<const BuiltScene> built_;
+  std::vector<std::shared_ptr<const BuiltScene>> retired_;
+  std::atomic<bool> pending_{false}, failed_{false}, lost_{false}, cancel_{false};
+  bool cancelled_before_ = false;  // the last build was cancelled by an edit
+  std::atomic<double> compile_seconds_{0};
+
+  // The builder's thread only.
+  std::list<prims::Edit> edits_;  // taken, but not applied yet
+  View view_;
+  prims::Records records_;
+  prims::BuiltMeshes meshes_;
+  prims::Deformations deformations_;
+  prims::SceneTranslator translator_;
+  SnapshotCompiler compiler_;
+  uint64_t scene_number_ = 0;
+  bool stale_ = true;  // the scene does not show the records
+
+  std::thread thread_;
+};
+
+}  // namespace alabaster::hd::rendering

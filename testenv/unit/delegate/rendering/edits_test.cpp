@@ -1,0 +1,206 @@
+// Edits while a thread of the delegate builds the scene, and while it is rendered.
+#include <gtest/gtest.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+using std::chrono::milliseconds;
+
+host::MeshDescription cube(int refine_level, float size = 1) {
+  host::MeshDescription mesh;
+  mesh.topology.scheme = "catmullClark";
+  mesh.topology.faceVertexCounts = {4, 4, 4, 4, 4, 4};
+  mesh.topology.faceVertexIndices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1 ? size : -size, i & 2 ? size : -size, i & 4 ? size : -size);
+  mesh.primvars["points"].value = Array<Vec3f>(std::move(points));
+  mesh.displayStyle.refineLevel = refine_level;
+  return mesh;
+}
+
+MaterialNetwork wax(float green) {
+  MaterialNetwork network;
+  MaterialNode& node = network.nodes["surface"];
+  node.nodeTypeId = "AlabasterDisney";
+  node.parameters["baseColor"] = Vec3f(0.8f, green, 0.5f);
+  node.parameters["scatterDistance"] = Vec3f(0.1f);
+  network.terminals["surface"] = {"surface", "surface"};
+  return network;
+}
+
+// Leaves the scene as `step` says, whatever the steps before were.
+void edit(host::RetainedSceneDelegate* scene, int step) {
+  host::MeshDescription body = cube(3, 0.5f + 0.01f * static_cast<float>(step % 7));
+  body.material = "/wax";
+  body.transform[3][0] = 0.1 * (step % 5);
+  scene->SetMesh("/body", body);
+  scene->SetMaterial("/wax", wax(0.3f + 0.05f * static_cast<float>(step % 9)));
+  host::LightDescription quad{.type = "rectLight", .transform = {}, .parameters = {{"intensity", 4.0f}}};
+  quad.transform[3][0] = 0.2 * (step % 11), quad.transform[3][2] = 3;
+  scene->SetLight("/quad_light", quad);
+  if (step % 3 == 0) {
+    scene->Remove("/extra");
+  } else {
+    host::MeshDescription extra = cube(step % 3, 0.3f);
+    extra.transform[3][1] = 1;
+    scene->SetMesh("/extra", extra);
+  }
+}
+
+struct Drawn {
+  explicit Drawn(int samples) : stage({{"samples", int64_t(samples)}, {"threads", 2}}) {
+    stage.add_basic_scene();
+    buffer = stage.add_buffer("/b", 24, 24, Format::float32vec4);
+    stage.index->SyncAll();
+    pass = stage.delegate->CreateRenderPass();
+    state = Stage::state_for(24, 24, "color", buffer);
+  }
+  ~Drawn() { pass.reset(); }
+  // Without waiting for the builder.
+  double number() { return stage.delegate->GetRenderStats()["sceneNumber"].number_or(-1); }
+
+  Stage stage;
+  RenderBuffer* buffer = nullptr;
+  std::unique_ptr<RenderPass> pass;
+  RenderPassState state;
+};
+
+TEST(Edits, AStormLeavesTheBytesOfAFreshDelegate) {
+  Drawn stormed(4), fresh(4);
+  constexpr int kSteps = 60;
+  for (int step = 0; step <= kSteps; ++step) {
+    edit(&stormed.stage.scene, step);
+    stormed.stage.index->SyncAll();
+    stormed.pass->Execute(stormed.state);
+    if (step % 8 == 0) std::this_thread::sleep_for(milliseconds(step));
+  }
+  edit(&fresh.stage.scene, kSteps);
+  fresh.stage.index->SyncAll();
+  ASSERT_TRUE(Stage::finish(*stormed.pass, stormed.state));
+  ASSERT_TRUE(Stage::finish(*fresh.pass, fresh.state));
+  EXPECT_EQ(Stage::pixels<float>(stormed.buffer), Stage::pixels<float>(fresh.buffer));
+  EXPECT_EQ(stormed.stage.dump(), fresh.stage.dump());
+}
+
+TEST(Edits, CommitAndExecuteDoNotWaitForTheBuild) {
+  Drawn drawn(1);
+  ASSERT_TRUE(Stage::finish(*drawn.pass, drawn.state));
+  const double before = drawn.number();
+  drawn.stage.scene.SetMesh("/heavy", cube(8));
+  const auto start = std::chrono::steady_clock::now();
+  drawn.stage.index->SyncAll();
+  drawn.pass->Execute(drawn.state);
+  const auto held = std::chrono::steady_clock::now() - start;
+  EXPECT_EQ(drawn.number(), before) << "the scene of before";
+  EXPECT_EQ(drawn.pass->GetState(), PassState::preparing);
+  EXPECT_FALSE(drawn.pass->IsConverged()) << "of the scene of before";
+  EXPECT_FALSE(drawn.buffer->IsConverged());
+  drawn.stage.wait_for_scene();
+  EXPECT_LT(held, (std::chrono::steady_clock::now() - start) / 3);
+  EXPECT_GT(drawn.number(), before);
+  EXPECT_TRUE(Stage::finish(*drawn.pass, drawn.state));
+}
+
+TEST(Edits, TheOldSceneGoesOnMeanwhile) {
+  Drawn drawn(1 << 20);
+  drawn.pass->Execute(drawn.state);
+  drawn.stage.wait_for_scene();
+  drawn.pass->Execute(drawn.state);
+  const double before = drawn.number();
+  drawn.stage.scene.SetMesh("/heavy", cube(8));
+  drawn.stage.index->SyncAll();
+  drawn.pass->Execute(drawn.state);
+  const auto samples = [&] { return drawn.stage.delegate->GetRenderStats()["numCompletedSamples"].number_or(0); };
+  const double then = samples();
+  for (int i = 0; i < 1000 && samples() <= then; ++i) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_GT(samples(), then);
+  EXPECT_EQ(drawn.number(), before) << "the mesh is refined still";
+}
+
+TEST(Edits, WaitForConvergenceTakesUpTheNewScene) {
+  Drawn drawn(2);
+  ASSERT_TRUE(Stage::finish(*drawn.pass, drawn.state));
+  const auto before = Stage::pixels<float>(drawn.buffer);
+  drawn.stage.scene.SetMesh("/quad", cube(6));
+  drawn.stage.index->SyncAll();
+  drawn.pass->Execute(drawn.state);
+  EXPECT_TRUE(drawn.pass->WaitForConvergence(60));
+  EXPECT_NE(Stage::pixels<float>(drawn.buffer), before);
+}
+
+// The first build is cancelled, the second one is not: of three edits two snapshots at most are seen.
+TEST(Edits, ABuildThatIsCancelledIsNotPublished) {
+  Drawn drawn(1);
+  drawn.stage.wait_for_scene();
+  const double before = drawn.number();
+  drawn.stage.scene.SetMesh("/heavy", cube(8));
+  drawn.stage.index->SyncAll();
+  std::this_thread::sleep_for(milliseconds(20));
+  drawn.stage.scene.Remove("/heavy");
+  drawn.stage.scene.SetMesh("/quad", cube(1));
+  drawn.stage.index->SyncAll();
+  EXPECT_EQ(drawn.stage.stat("sceneNumber"), before + 1);
+  EXPECT_EQ(drawn.stage.dump().find("/heavy"), std::string::npos);
+}
+
+TEST(Edits, AHostThatEditsWithoutEndSeesSnapshots) {
+  Drawn drawn(1);
+  drawn.stage.wait_for_scene();
+  const double before = drawn.number();
+  for (int step = 0; step < 20000 && drawn.number() < before + 3; ++step) {
+    drawn.stage.scene.SetMesh("/body", cube(6, 1 + 0.001f * static_cast<float>(step)));
+    drawn.stage.index->SyncAll();
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  EXPECT_GE(drawn.number(), before + 3);
+}
+
+TEST(Edits, StopCancelsTheBuildAndRestartTakesItUp) {
+  Drawn drawn(1);
+  drawn.stage.wait_for_scene();
+  const double before = drawn.number();
+  drawn.stage.scene.SetMesh("/heavy", cube(8));
+  drawn.stage.index->SyncAll();
+  drawn.stage.delegate->Stop();
+  std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_FALSE(drawn.stage.delegate->InvokeCommand("waitForScene", {}).get_or<bool>(true)) << "does not wait";
+  EXPECT_EQ(drawn.number(), before);
+  drawn.stage.delegate->Restart();
+  EXPECT_TRUE(drawn.stage.delegate->InvokeCommand("waitForScene", {}).get_or<bool>(false));
+  EXPECT_EQ(drawn.number(), before + 1);
+  EXPECT_TRUE(Stage::finish(*drawn.pass, drawn.state));
+}
+
+size_t resident_bytes() {
+  malloc_trim(0);
+  size_t total = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> total >> resident;
+  return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(Edits, MemoryAfterAThousandIsThatAfterTen) {
+  Drawn drawn(1 << 20);
+  const auto run = [&](int from, int to) {
+    for (int step = from; step < to; ++step) {
+      edit(&drawn.stage.scene, step);
+      drawn.stage.index->SyncAll();
+      drawn.stage.wait_for_scene();
+      drawn.pass->Execute(drawn.state);
+    }
+    return resident_bytes();
+  };
+  run(0, 100);  // Embree's and TBB's own pools fill
+  const size_t ten = run(100, 110), thousand = run(110, 1100);
+  EXPECT_LT(thousand, ten + (size_t(4) << 20)) << ten;
+}
+
+}  // namespace
+}  // namespace alabaster::hd
