@@ -8,8 +8,8 @@ namespace alabaster {
 /// Thrown by CancelToken::check(); no fault, so it is no std::exception.
 struct BuildCancelled {};
 
-/// Handed down into every long stretch of a build, which asks it each millisecond or so, from any of its threads. What
-/// has been built by then is dropped, or kept whole for the next build.
+/// Handed down into every long stretch of a build, which asks it each millisecond or so, from any of its threads. Parts
+/// that are not done are dropped; those that are may be kept for the next build.
 class CancelToken {
  public:
   CancelToken() = default;  // never cancelled
