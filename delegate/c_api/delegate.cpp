@@ -4,12 +4,11 @@
 namespace alabaster::hd::c_api {
 namespace {
 
-/// Runs `call` under the delegate's lock and that of its scene.
 template <class Call>
 AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
   return guarded([&] {
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
-    const std::lock_guard lock(data->mutex);
+    const HostLock lock(*data);
     call(*data);
   });
 }
@@ -200,7 +199,6 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
   return on_delegate(handle, [&](DelegateData& data) {
     const auto in = given ? sized(given, "options") : AlabasterRecordOptions{};
     if (!data.scene) throw bad_argument("the delegate draws no scene");
-    const std::lock_guard lock(data.scene->mutex);
     const Path settings = settings_path(data.scene->scene, in.settings);
     const OtherProducts products(data.scene->scene, settings, products_of(in));
     std::atomic<bool> cancel{false};

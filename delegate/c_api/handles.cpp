@@ -55,13 +55,13 @@ void DelegateData::show(std::shared_ptr<SceneData> shown) {
 
 BufferData::~BufferData() {
   if (!buffer) return;
-  const std::lock_guard lock(owner->mutex);
+  const HostLock lock(*owner);
   buffer->Finalize(owner->delegate->GetRenderParam());
   owner->delegate->DestroyBprim(buffer);
 }
 
 PassData::~PassData() {
-  const std::lock_guard lock(owner->mutex);
+  const HostLock lock(*owner);
   pass.reset();
   bound.clear();
 }

@@ -86,7 +86,8 @@ class Reports {
 DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports);
 
 // Locks are taken in this order: the delegate's, the scene's, a buffer's. The first two are recursive: the progress
-// callback of record may call the library.
+// callback of record may call the library. An edit of a shown scene calls into its delegate, and so needs the scene's
+// lock to keep others out of both.
 struct SceneData {
   std::recursive_mutex mutex;
   host::RetainedSceneDelegate scene;
@@ -106,6 +107,19 @@ struct DelegateData {
   RenderDelegate* delegate = nullptr;
   std::unique_ptr<host::RenderIndex> index;
   std::shared_ptr<SceneData> scene;
+};
+
+/// Held by the one thread that calls into a delegate and its scene.
+class HostLock {
+ public:
+  explicit HostLock(DelegateData& data) : delegate_(data.mutex), scene_(data.scene) {
+    if (scene_) scene_lock_ = std::unique_lock(scene_->mutex);
+  }
+
+ private:
+  std::unique_lock<std::recursive_mutex> delegate_;
+  std::shared_ptr<SceneData> scene_;  // outlives its lock
+  std::unique_lock<std::recursive_mutex> scene_lock_;
 };
 
 struct BufferData {

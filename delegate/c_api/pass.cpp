@@ -58,7 +58,6 @@ void start(PassData& pass, const AlabasterFrame& in) {
     if (bound.back()->owner != pass.owner) throw bad_argument("a buffer belongs to another delegate");
     state.aovBindings.push_back({text_or(binding.aov, ""), bound.back()->buffer, {}});
   }
-  const std::lock_guard lock(owner.scene->mutex);
   const Path settings = frame_pass(in, owner.scene->scene, state);
   if (!settings.empty()) owner.delegate->SetRenderSetting("renderSettingsPrimPath", settings);
   if (!owner.index->SyncAll())
@@ -74,7 +73,7 @@ AlabasterStatus pass_create(AlabasterDelegate* handle, AlabasterPass** out) {
     auto& made = required(out, "pass");
     auto data = std::make_shared<PassData>();
     data->owner = required(handle, "delegate").data;
-    const std::lock_guard lock(data->owner->mutex);
+    const HostLock lock(*data->owner);
     data->pass = data->owner->delegate->CreateRenderPass();
     if (!data->pass) throw Failure(ALABASTER_OUT_OF_MEMORY, data->owner->reports->take_error("no pass can be made"));
     made = new AlabasterPass{std::move(data)};
@@ -89,7 +88,7 @@ AlabasterStatus pass_start(AlabasterPass* handle, const AlabasterFrame* frame) {
   return guarded([&] {
     PassData& data = *required(handle, "pass").data;
     const auto in = sized(frame, "frame");
-    const std::lock_guard lock(data.owner->mutex);
+    const HostLock lock(*data.owner);
     start(data, in);
   });
 }
@@ -120,9 +119,8 @@ AlabasterStatus frame_size(AlabasterDelegate* handle, const AlabasterFrame* fram
   return guarded([&] {
     DelegateData& data = *required(handle, "delegate").data;
     const auto in = sized(frame, "frame");
-    const std::lock_guard lock(data.mutex);
+    const HostLock lock(data);
     if (!data.scene) throw bad_argument("the delegate draws no scene");
-    const std::lock_guard scene_lock(data.scene->mutex);
     RenderPassState state;
     frame_pass(in, data.scene->scene, state);
     required(width, "width") = state.framing.dataWindow.width();
@@ -136,7 +134,7 @@ AlabasterStatus buffer_create(AlabasterDelegate* handle, int32_t width, int32_t 
     auto& made = required(out, "buffer");
     auto data = std::make_shared<BufferData>();
     data->owner = required(handle, "delegate").data;
-    const std::lock_guard lock(data->owner->mutex);
+    const HostLock lock(*data->owner);
     data->buffer = dynamic_cast<RenderBuffer*>(data->owner->delegate->CreateBprim("renderBuffer", "/buffer"));
     if (!data->buffer) throw std::bad_alloc();
     allocate(*data->buffer, width, height, format);
@@ -151,7 +149,7 @@ void buffer_destroy(AlabasterBuffer* buffer) {
 AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t height, int32_t format) {
   return guarded([&] {
     BufferData& data = *required(handle, "buffer").data;
-    const std::lock_guard lock(data.owner->mutex);
+    const HostLock lock(*data.owner);
     allocate(*data.buffer, width, height, format);
   });
 }

@@ -1,6 +1,7 @@
 // The C door beyond what the hosts of testenv/install do: wrong calls, struct sizes, lent memory, edits, cancelling.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -250,6 +251,39 @@ TEST_F(Door, PixelsOutliveEverything) {
   api().scene_destroy(std::exchange(scene_, nullptr));
   EXPECT_EQ(std::memcmp(pixels.data, seen.data(), seen.size() * sizeof(float)), 0);
   EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_OK);
+}
+
+TEST_F(Door, ThreadsTakeTurns) {
+  std::atomic<bool> over{false};
+  std::thread editor([&] {
+    for (int i = 0; !over; ++i) {
+      const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, double(i % 3), 0, 0, 1};
+      EXPECT_EQ(api().set_transform(scene_, "/quad", aside), ALABASTER_OK);
+      const AlabasterLight light = {sizeof light, "sphereLight", aside, nullptr, 0, 0};
+      EXPECT_EQ(api().set_light(scene_, "/lamp", &light), ALABASTER_OK);
+      EXPECT_EQ(api().remove(scene_, "/lamp"), ALABASTER_OK);
+    }
+  });
+  std::thread watcher([&] {
+    std::vector<float> pixels(4 * kSide * kSide);
+    while (!over) {
+      api().buffer_read(color_, pixels.data(), pixels.size() * sizeof(float), 1);
+      AlabasterProgress progress = {};
+      progress.size = sizeof progress;
+      EXPECT_EQ(api().progress(delegate_, &progress), ALABASTER_OK);
+    }
+  });
+  for (int i = 0; i < 50; ++i) {
+    set_samples(1 + i % 2);
+    EXPECT_EQ(start(), ALABASTER_OK);
+    EXPECT_EQ(api().pass_wait(pass_, 0.01, nullptr), ALABASTER_OK);
+    AlabasterBuffer* other = nullptr;
+    EXPECT_EQ(api().buffer_create(delegate_, 8, 8, ALABASTER_FLOAT32, &other), ALABASTER_OK);
+    api().buffer_destroy(other);
+  }
+  over = true;
+  editor.join();
+  watcher.join();
 }
 
 TEST_F(Door, SettingsAndPrimsAreTold) {
