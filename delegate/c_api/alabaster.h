@@ -413,7 +413,8 @@ typedef struct AlabasterApi {
   AlabasterStatus (*record)(AlabasterDelegate*, const AlabasterRecordOptions*, AlabasterVisit visit, void* user);
 
   /* Passes. start syncs what has changed in the scene, begins to render if anything differs from what is running, and
-     returns. wait: *over is 1 when the render is over (converged, stopped or failed), 0 when `seconds` have passed. */
+     returns. What changed is built in the background, while the old scene goes on; wait, or the next start, takes it
+     up. wait: *over is 1 when the render is over (converged, stopped or failed), 0 when `seconds` have passed. */
   AlabasterStatus (*pass_create)(AlabasterDelegate*, AlabasterPass**);
   void (*pass_destroy)(AlabasterPass*);
   AlabasterStatus (*pass_start)(AlabasterPass*, const AlabasterFrame*);

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Measures what it costs a host to load the library, as a table; fails above what the project promises.
 
-  library_load.py PROBE LIBRARY SCENE [--runs 20]
+  library_load.py PROBE LIBRARY SCENE SCENE_WITH_IMAGES [--runs 20]
 
-PROBE is load_probe.c as a program. Each run is a fresh process, and the last one renders SCENE, a file without images. Needs readelf and c++filt (binutils).
+PROBE is load_probe.c as a program. Each run is a fresh process; the last two render a scene without images and one with
+images. Needs readelf and c++filt (binutils).
 """
 import argparse
 import re
@@ -19,7 +20,7 @@ OURS = re.compile(r"^(alabaster_|AlabasterVersions$|CreateAlabasterRenderDelegat
 
 def probe(*command):
     """One run: a number by key, and the libraries that were mapped or kept."""
-    numbers, lists = {}, {"maps": [], "keeps": []}
+    numbers, lists = {}, {"maps": [], "opens": [], "keeps": []}
     for line in subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines():
         key, value = line.split(" ", 1)
         if key in lists:
@@ -44,15 +45,20 @@ def main():
     parser.add_argument("probe")
     parser.add_argument("library")
     parser.add_argument("scene")
+    parser.add_argument("scene_with_images")
     parser.add_argument("--runs", type=int, default=20)
     arguments = parser.parse_args()
     times = [probe(arguments.probe, arguments.library)[0]["milliseconds"] for _ in range(arguments.runs)]
     numbers, lists = probe(arguments.probe, arguments.library, arguments.scene)
+    with_images = probe(arguments.probe, arguments.library, arguments.scene_with_images)[1]
     symbols = exported(arguments.library)
     foreign = [name for _, name in symbols if not OURS.match(name)]
     unique = [name for binding, name in symbols if binding == "UNIQUE"]
     kept = [name for name in lists["keeps"] if "labaster" in name]
+    kept_with_images = [name for name in with_images["keeps"] if "labaster" in name]
     others = [name for name in lists["maps"] if "labaster" not in name]
+
+    opened, opened_with_images = (any("OpenImageIO" in name for name in run["opens"]) for run in (lists, with_images))
 
     print("| dlopen | |\n| --- | --- |")
     print(f"| milliseconds, p50 of {len(times)} fresh processes (fastest) | {statistics.median(times):.1f} ({min(times):.1f}) |")
@@ -69,7 +75,9 @@ def main():
     if min(times) > MILLISECONDS:
         faults.append(f"more than {MILLISECONDS} ms")
     faults += [f"exports {name}" for name in foreign + unique]
-    faults += [f"dlclose leaves {name} mapped" for name in kept]
+    faults += [f"dlclose leaves {name} mapped" for name in kept + kept_with_images]
+    if opened or not opened_with_images:
+        faults.append("OpenImageIO must be loaded with the first image, and not before")
     if numbers["threads"] or numbers["threads_left"]:
         faults.append("starts threads")
     for fault in faults:

@@ -19,7 +19,7 @@ struct objects {
   struct object list[MAX_OBJECTS];
   int count;
 };
-static struct objects before, loaded, after;
+static struct objects before, loaded, rendering, after;
 
 static int add_object(struct dl_phdr_info* info, size_t size, void* data) {
   struct objects* all = data;
@@ -69,6 +69,7 @@ static double milliseconds(void) {
 
 /* 0 if everything went well. */
 static int render(const AlabasterApi* api, const char* file) {
+  int i;
   AlabasterScene* scene = NULL;
   AlabasterDelegate* delegate = NULL;
   AlabasterPass* pass = NULL;
@@ -87,12 +88,13 @@ static int render(const AlabasterApi* api, const char* file) {
     failed = api->pass_start(pass, &frame) || api->pass_wait(pass, -1, NULL);
   }
   if (failed) fprintf(stderr, "%s\n", api->last_error());
-  printf("threads_rendering %d\n", threads() - 1);
+  dl_iterate_phdr(add_object, &rendering);
+  for (i = 0; i < rendering.count; ++i)
+    if (!has(&loaded, rendering.list[i].name)) printf("opens %s\n", rendering.list[i].name);
   api->pass_destroy(pass);
   api->buffer_destroy(color);
   api->delegate_destroy(delegate);
   api->scene_destroy(scene);
-  printf("threads_destroyed %d\n", threads() - 1);
   return failed;
 }
 

@@ -10,6 +10,7 @@ import gc
 import inspect
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
@@ -217,6 +218,21 @@ class Control(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name, self.assertRaises(alabaster.Cancelled):
             renderer.record(name + "/a.exr", progress=progress)
         thread.join()
+
+    def test_ctrl_c_and_an_exit_in_the_middle_of_a_render(self):
+        start = ("import alabaster_test\n"
+                 "r = alabaster_test.alabaster.Renderer(alabaster_test.square(), samples=1 << 20)\n"
+                 "held = r.start(width=64, height=64, camera='/camera')\n"
+                 "print('started', flush=True)\n")
+        for code, signal_sent, expected in [("try:\n  held.wait()\nexcept KeyboardInterrupt:\n  print(held.state)\n", signal.SIGINT, "stopped\n"),
+                                            ("held.wait(.1)\nkept = held.pixels()\n", None, "")]:
+            program = subprocess.Popen([sys.executable, "-c", start + code], stdout=subprocess.PIPE, text=True,
+                                       cwd=pathlib.Path(__file__).parent)
+            self.assertEqual(program.stdout.readline(), "started\n")
+            if signal_sent:
+                time.sleep(0.2)
+                program.send_signal(signal_sent)
+            self.assertEqual((program.communicate(timeout=60)[0], program.returncode), (expected, 0))
 
     def test_pause(self):
         renderer = alabaster.Renderer(square(), samples=1 << 20)
