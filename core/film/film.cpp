@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -27,6 +28,12 @@ Rgb layer_of(const LightLayers& layers, Aov aov) {
     default:
       return layers.emission;
   }
+}
+
+// Of all films.
+FilmRevision next_revision() {
+  static std::atomic<FilmRevision> latest{0};
+  return ++latest;
 }
 
 void accumulate(const std::array<float, 3>& value, std::array<UnitSum, 3>* sum) {
@@ -60,6 +67,25 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
   for (const AovInfo& info : kAovs)
     if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
   if (extras.rays) rays_.resize(pixels);
+}
+
+void FilmTile::clear() {
+  covered_ = 0;
+  reached = begin_;
+  const auto blank = [](auto& plane) {
+    std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
+  };
+  blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(closest_);
+  blank(rays_), blank(marks_);
+  for (LayerPlane& layer : layers_) blank(layer.sums);
+}
+
+uint32_t FilmTile::least_samples() const {
+  return empty() ? 0 : *std::min_element(samples_.begin(), samples_.end());
+}
+
+uint32_t FilmTile::most_samples() const {
+  return empty() ? 0 : *std::max_element(samples_.begin(), samples_.end());
 }
 
 size_t FilmTile::count_marks(const SampleRange& range) {
@@ -110,6 +136,7 @@ size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras&
 
 void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
   const uint32_t samples = ++samples_[pixel];
+  if (samples == 1) ++covered_;
   color_[pixel].add(s.color);
   alpha_[pixel].add(s.alpha);
   if (std::has_single_bit(samples)) compare_halves(pixel);
@@ -195,6 +222,7 @@ PixelNoise FilmTile::noise(size_t pixel) const {
 }
 
 void FilmTile::take(size_t pixel, const FilmTile& from) {
+  covered_ += size_t(from.samples_[pixel] > 0) - size_t(samples_[pixel] > 0);
   samples_[pixel] = from.samples_[pixel];
   color_[pixel] = from.color_[pixel];
   alpha_[pixel] = from.alpha_[pixel];
@@ -258,12 +286,21 @@ Film::Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras
       extras_(extras),
       tiles_x_((std::max(0, data_window.width()) + kTileSize - 1) / kTileSize),
       tiles_y_((std::max(0, data_window.height()) + kTileSize - 1) / kTileSize),
-      locks_(static_cast<size_t>(tiles_x_) * static_cast<size_t>(tiles_y_)) {
-  tiles_.reserve(static_cast<size_t>(tile_count()));
-  for (int t = 0; t < tile_count(); ++t) {
-    const PixelRect r = tile_rect(t);
-    tiles_.emplace_back(static_cast<size_t>(r.width()) * static_cast<size_t>(r.height()), aovs, extras);
-  }
+      empty_tiles_(tile_count()),
+      background_(1, aovs),
+      tiles_(static_cast<size_t>(tile_count())),
+      drawn_(tiles_.size()),
+      tile_revisions_(tiles_.size()),
+      locks_(tiles_.size()) {}
+
+// A tile's memory is taken, or blanked, by the worker that draws into it first.
+void Film::clear() {
+  std::fill(drawn_.begin(), drawn_.end(), uint8_t(0));
+  for (auto& revision : tile_revisions_) revision = 0;
+  empty_tiles_ = tile_count();
+  revision_ = denoised_revision_ = 0;
+  denoised_ = nullptr;
+  ended_ = false;
 }
 
 PixelRect Film::tile_rect(int tile) const {
@@ -271,36 +308,104 @@ PixelRect Film::tile_rect(int tile) const {
   return {x, y, std::min(x + kTileSize, window_.x1), std::min(y + kTileSize, window_.y1)};
 }
 
+FilmTile Film::new_tile(int tile) const {
+  const PixelRect r = tile_rect(tile);
+  return {static_cast<size_t>(r.width()) * static_cast<size_t>(r.height()), aovs_, extras_};
+}
+
+// Under the tile's lock.
+FilmTile& Film::drawn_tile(size_t tile) {
+  FilmTile& pixels = tiles_[tile];
+  if (drawn_[tile]) return pixels;
+  if (pixels.empty())
+    pixels = new_tile(static_cast<int>(tile));
+  else
+    pixels.clear();
+  drawn_[tile] = 1;
+  --empty_tiles_;
+  return pixels;
+}
+
+void Film::add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers) {
+  const auto i = static_cast<size_t>(tile);
+  const std::lock_guard lock(locks_[i]);
+  drawn_tile(i).add(pixel, sample, layers);
+}
+
+void Film::add_rays(int tile, size_t pixel, uint32_t rays) {
+  const auto i = static_cast<size_t>(tile);
+  const std::lock_guard lock(locks_[i]);
+  drawn_tile(i).add_rays(pixel, rays);
+}
+
+// Revisions rise after the change: a reader that sees the new one sees the change, too.
+void Film::mark_changed(int tile) {
+  const FilmRevision revision = next_revision();
+  tile_revisions_[static_cast<size_t>(tile)] = revision;
+  revision_ = revision;
+}
+
+uint32_t Film::samples(int tile, size_t pixel) const {
+  const FilmTile* const drawn = find_drawn(static_cast<size_t>(tile));
+  return drawn ? drawn->samples(pixel) : 0;
+}
+
+uint32_t Film::least_samples() const {
+  uint32_t least = tiles_.empty() ? 0 : std::numeric_limits<uint32_t>::max();
+  for (size_t i = 0; i < tiles_.size(); ++i) least = std::min(least, drawn_[i] ? tiles_[i].least_samples() : 0);
+  return least;
+}
+
+uint32_t Film::most_samples() const {
+  uint32_t most = 0;
+  for (size_t i = 0; i < tiles_.size(); ++i) most = std::max(most, drawn_[i] ? tiles_[i].most_samples() : 0);
+  return most;
+}
+
 FilmTile Film::load_tile(int tile) const {
   const auto i = static_cast<size_t>(tile);
   const std::lock_guard lock(locks_[i]);
-  return tiles_[i];
+  return drawn_[i] ? tiles_[i] : new_tile(tile);
 }
 
-// Copies, for the tile that it replaces lies in the heap of the thread that made the film, where no worker's next tile
-// would find the room again: the film would take its memory twice.
 void Film::store_tile(int tile, const FilmTile& pixels) {
-  const auto i = static_cast<size_t>(tile);
-  const std::lock_guard lock(locks_[i]);
-  tiles_[i] = pixels;
-  ++revision_;
+  change_tile(tile, [&](FilmTile& drawn) { drawn = pixels; });
+}
+
+FilmRevision Film::revision(int tile, Aov aov) const {
+  const FilmRevision own = tile_revisions_[static_cast<size_t>(tile)];
+  return aov == Aov::denoised && own ? std::max(own, denoised_revision_.load()) : own;
+}
+
+// Itself, or the corner of the smallest block with a sample.
+size_t Film::shown_pixel(const FilmTile& pixels, const PixelRect& rect, size_t x, size_t y) const {
+  const auto width = static_cast<size_t>(rect.width());
+  for (size_t block = 1; block <= kTileSize; block *= 2) {
+    const size_t corner = (y & ~(block - 1)) * width + (x & ~(block - 1));
+    if (pixels.samples(corner)) return corner;
+  }
+  return y * width + x;
 }
 
 template <class T, class Resolve>
-void Film::resolve_rows(int components, const Resolve& resolve, const TakeRow<T>& take) const {
+void Film::resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow<T>& take) const {
   constexpr size_t kMostComponents = 4;
   std::array<T, kTileSize * kMostComponents> values;
-  const auto n = static_cast<size_t>(components);
-  for (int t = 0; t < tile_count(); ++t) {
-    const PixelRect r = tile_rect(t);
-    const auto width = static_cast<size_t>(r.width());
-    const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
-    const FilmTile& tile = tiles_[static_cast<size_t>(t)];
-    size_t pixel = 0;
-    for (int y = r.y0; y < r.y1; ++y) {
-      for (size_t x = 0; x < width; ++x, ++pixel) resolve(tile, pixel, values.data() + x * n);
-      take(r.x0, y, {values.data(), width * n});
+  const auto n = static_cast<size_t>(aov_info(aov).components());
+  const PixelRect r = tile_rect(tile);
+  const auto width = static_cast<size_t>(r.width()), height = static_cast<size_t>(r.height());
+  const std::lock_guard lock(locks_[static_cast<size_t>(tile)]);
+  const FilmTile* const drawn = find_drawn(static_cast<size_t>(tile));
+  const bool fills = drawn && !drawn->is_covered() && aov != Aov::sample_count;
+  for (size_t y = 0; y < height; ++y) {
+    for (size_t x = 0; x < width; ++x) {
+      T* const out = values.data() + x * n;
+      if (drawn)
+        resolve(*drawn, fills ? shown_pixel(*drawn, r, x, y) : y * width + x, out);
+      else
+        resolve(background_, 0, out);
     }
+    take(r.x0, r.y0 + static_cast<int>(y), {values.data(), width * n});
   }
 }
 
@@ -315,20 +420,23 @@ Film::TakeRow<T> Film::copy_to(std::vector<T>* frame, int components) const {
 }
 
 void Film::store_denoised(std::vector<float> rgb) {
-  auto stored = std::make_shared<const std::vector<float>>(std::move(rgb));
-  const std::lock_guard lock(denoised_lock_);
-  denoised_.swap(stored);
-  ++revision_;
+  std::shared_ptr<const std::vector<float>> stored;
+  if (!rgb.empty()) stored = std::make_shared<const std::vector<float>>(std::move(rgb));
+  {
+    const std::lock_guard lock(denoised_lock_);
+    denoised_.swap(stored);
+  }
+  denoised_revision_ = revision_ = next_revision();
 }
 
-void Film::resolve_denoised(const TakeRow<float>& take) const {
+void Film::resolve_denoised(int tile, const TakeRow<float>& take) const {
   std::shared_ptr<const std::vector<float>> rgb;
   {
     const std::lock_guard lock(denoised_lock_);
     rgb = denoised_;
   }
-  if (!rgb) return resolve_float(Aov::color, take);
-  resolve_float(Aov::color, [&](int x, int y, std::span<const float> color) {
+  if (!rgb) return resolve_float(tile, Aov::color, take);
+  resolve_float(tile, Aov::color, [&](int x, int y, std::span<const float> color) {
     std::array<float, kTileSize * 4> row;
     const size_t first = static_cast<size_t>(y - window_.y0) * static_cast<size_t>(window_.width()) +
                          static_cast<size_t>(x - window_.x0);
@@ -337,27 +445,29 @@ void Film::resolve_denoised(const TakeRow<float>& take) const {
   });
 }
 
-void Film::resolve_float(Aov aov, const TakeRow<float>& take) const {
-  if (aov == Aov::denoised) return resolve_denoised(take);
+void Film::resolve_float(int tile, Aov aov, const TakeRow<float>& take) const {
+  if (aov == Aov::denoised) return resolve_denoised(tile, take);
   resolve_rows<float>(
-      aov_info(aov).components(),
-      [aov](const FilmTile& tile, size_t pixel, float* out) { tile.resolve(pixel, aov, out); }, take);
+      tile, aov, [aov](const FilmTile& pixels, size_t pixel, float* out) { pixels.resolve(pixel, aov, out); }, take);
 }
 
-void Film::resolve_int(Aov aov, const TakeRow<int32_t>& take) const {
+void Film::resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const {
   resolve_rows<int32_t>(
-      1, [aov](const FilmTile& tile, size_t pixel, int32_t* out) { *out = tile.resolve_int(pixel, aov); }, take);
+      tile, aov, [aov](const FilmTile& pixels, size_t pixel, int32_t* out) { *out = pixels.resolve_int(pixel, aov); },
+      take);
 }
 
 std::vector<float> Film::resolve_float(Aov aov) const {
   std::vector<float> frame;
-  resolve_float(aov, copy_to(&frame, aov_info(aov).components()));
+  const auto take = copy_to(&frame, aov_info(aov).components());
+  for (int t = 0; t < tile_count(); ++t) resolve_float(t, aov, take);
   return frame;
 }
 
 std::vector<int32_t> Film::resolve_int(Aov aov) const {
   std::vector<int32_t> frame;
-  resolve_int(aov, copy_to(&frame, 1));
+  const auto take = copy_to(&frame, 1);
+  for (int t = 0; t < tile_count(); ++t) resolve_int(t, aov, take);
   return frame;
 }
 
@@ -369,10 +479,12 @@ std::vector<T> Film::read_pixels(const Read& read) const {
   tbb::parallel_for(0, tile_count(), [&](int t) {
     const PixelRect r = tile_rect(t);
     const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
+    const FilmTile* const drawn = find_drawn(static_cast<size_t>(t));
+    if (!drawn) return;
     size_t pixel = 0;
     for (int y = r.y0; y < r.y1; ++y) {
       T* row = frame.data() + static_cast<size_t>(y - window_.y0) * width + (r.x0 - window_.x0);
-      for (int x = r.x0; x < r.x1; ++x) *row++ = read(tiles_[static_cast<size_t>(t)], pixel++);
+      for (int x = r.x0; x < r.x1; ++x) *row++ = read(*drawn, pixel++);
     }
   });
   return frame;

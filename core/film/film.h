@@ -70,8 +70,11 @@ struct LightLayers {
 /// Accumulators of one tile. Only the planes that the requested AOVs need exist.
 class FilmTile {
  public:
+  /// Without pixels.
   FilmTile() = default;
   FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras = {});
+  /// Takes all samples away, but keeps the memory.
+  void clear();
 
   /// `pixel`: row-major within the tile. A pixel's samples must come in sample order, because its noise is that of the
   /// first half against the second. `layers`: null where none of kLayerAovs is requested.
@@ -86,6 +89,12 @@ class FilmTile {
   /// it had got all samples itself.
   void append(const FilmTile& next);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
+  bool empty() const { return samples_.empty(); }
+  /// Of the pixels; 0 without pixels.
+  uint32_t least_samples() const;
+  uint32_t most_samples() const;
+  /// False: some pixel has no sample.
+  bool is_covered() const { return covered_ == samples_.size(); }
   /// Writes a pixel's components: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out) const;
   int32_t resolve_int(size_t pixel, Aov aov) const;
@@ -127,6 +136,7 @@ class FilmTile {
   void compare_halves(size_t pixel);
   void append_halves(size_t pixel, const FilmTile& next);
 
+  size_t covered_ = 0;  // pixels that have samples
   uint32_t begin_ = 0;  // the first sample
   size_t marks_per_pixel_ = 0;
   std::vector<uint32_t> samples_;
@@ -143,35 +153,63 @@ class FilmTile {
 /// Bytes that a Film of this window will take, but for a few per tile.
 size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
 
-/// Accumulators of a data window, in tiles. Workers add samples to a private copy of a tile and store it; readers copy
-/// a tile at a time. Each holds the lock of that tile only, so neither waits for a whole pass. All const functions, and
-/// store_tile(), may be called from any thread.
+/// Tells contents apart: each change makes a new one, and no two films give out the same.
+using FilmRevision = uint64_t;
+
+/// Accumulators of a data window, in tiles, each of which takes its memory when something is drawn into it. Workers add
+/// samples in place and readers resolve a tile at a time, both under the lock of that tile only. All const functions,
+/// change_tile() and add() may be called from any thread.
 class Film {
  public:
   static constexpr int kTileSize = 32;
   /// `aovs`: bits of Aov. Color and alpha are always there.
   Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
+  /// Takes all samples away, but keeps the memory. Nobody else may use the film meanwhile.
+  void clear();
 
   const PixelRect& data_window() const { return window_; }
   uint32_t aovs() const { return aovs_; }
   const FilmExtras& extras() const { return extras_; }
   int tile_count() const { return tiles_x_ * tiles_y_; }
   PixelRect tile_rect(int tile) const;
+
+  /// Adds a sample to a pixel (row-major within the tile). Readers may miss it until mark_changed(). See FilmWriter.
+  void add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers);
+  void add_rays(int tile, size_t pixel, uint32_t rays);
+  void mark_changed(int tile);
+  /// Not for the time while another thread changes the tile.
+  uint32_t samples(int tile, size_t pixel) const;
   FilmTile load_tile(int tile) const;
+  /// Calls change(FilmTile&) under the tile's lock.
+  template <class Change>
+  void change_tile(int tile, const Change& change);
   void store_tile(int tile, const FilmTile& pixels);
-  /// Sets the red, green and blue of AOV `denoised`, row-major, which until then is color.
+  /// Sets the red, green and blue of AOV `denoised`, row-major. Until then, and if it is empty, they are those of
+  /// color.
   void store_denoised(std::vector<float> rgb);
-  /// Rises with each store: as long as it stays the same, so do the pixels.
-  uint64_t revision() const { return revision_.load(); }
+
+  /// As long as it stays the same, so do the pixels. 0: nothing was drawn.
+  FilmRevision revision() const { return revision_.load(); }
+  /// The same for a tile and an AOV.
+  FilmRevision revision(int tile, Aov aov) const;
+  /// Of the pixels. Not for the time while a thread changes the film.
+  uint32_t least_samples() const;
+  uint32_t most_samples() const;
+  /// True if every tile shows something.
+  bool is_covered() const { return empty_tiles_.load() == 0; }
+  /// True if the render that fills it has ended.
+  bool has_ended() const { return ended_; }
+  void set_ended(bool ended) { ended_ = ended; }
 
   /// Takes a row of a tile: the resolved values of the pixels from (x, y) rightwards, component by component.
   template <class T>
   using TakeRow = std::function<void(int x, int y, std::span<const T> values)>;
-  /// Resolves the window tile by tile, without a copy of the frame. `take` is called under the tile's lock. An AOV that
+  /// Resolves a tile, without a copy of it. `take` is called under its lock. A pixel that has no sample yet shows the
+  /// corner of the smallest block of pixels (of 2, 4, ... on a side) that has one, but for AOV sampleCount. An AOV that
   /// is not requested resolves to its background value.
-  void resolve_float(Aov aov, const TakeRow<float>& take) const;
-  void resolve_int(Aov aov, const TakeRow<int32_t>& take) const;
-  /// The same values as one frame, row-major, y-down.
+  void resolve_float(int tile, Aov aov, const TakeRow<float>& take) const;
+  void resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const;
+  /// A frame, row-major, y-down.
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
   // These run on all threads of the caller's TBB arena.
@@ -181,22 +219,65 @@ class Film {
 
  private:
   template <class T, class Resolve>
-  void resolve_rows(int components, const Resolve& resolve, const TakeRow<T>& take) const;
-  void resolve_denoised(const TakeRow<float>& take) const;
+  void resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow<T>& take) const;
+  void resolve_denoised(int tile, const TakeRow<float>& take) const;
   template <class T, class Read>
   std::vector<T> read_pixels(const Read& read) const;
   template <class T>
   TakeRow<T> copy_to(std::vector<T>* frame, int components) const;
+  FilmTile new_tile(int tile) const;
+  FilmTile& drawn_tile(size_t tile);
+  const FilmTile* find_drawn(size_t tile) const { return drawn_[tile] ? &tiles_[tile] : nullptr; }
+  size_t shown_pixel(const FilmTile& pixels, const PixelRect& rect, size_t x, size_t y) const;
 
   PixelRect window_;
   uint32_t aovs_ = 0;
   FilmExtras extras_;
   int tiles_x_ = 0, tiles_y_ = 0;
-  std::atomic<uint64_t> revision_{0};
-  std::vector<FilmTile> tiles_;
+  std::atomic<int> empty_tiles_{0};
+  std::atomic<bool> ended_{false};
+  std::atomic<FilmRevision> revision_{0}, denoised_revision_{0};
+  FilmTile background_;          // one pixel without samples
+  std::vector<FilmTile> tiles_;  // those that are not drawn may hold what an earlier render left
+  std::vector<uint8_t> drawn_;   // guarded by the tile's lock
+  std::vector<std::atomic<FilmRevision>> tile_revisions_;
   mutable std::vector<std::mutex> locks_;
   mutable std::mutex denoised_lock_;
   std::shared_ptr<const std::vector<float>> denoised_;
 };
+
+/// A tile of a film, for the one thread that adds samples to it at a time.
+class FilmWriter {
+ public:
+  FilmWriter(Film* film, int tile) : film_(film), tile_(tile) {}
+  ~FilmWriter() {
+    if (changed_) film_->mark_changed(tile_);
+  }
+  FilmWriter(const FilmWriter&) = delete;
+  FilmWriter& operator=(const FilmWriter&) = delete;
+  uint32_t samples(size_t pixel) const { return film_->samples(tile_, pixel); }
+  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers) {
+    film_->add(tile_, pixel, sample, layers);
+    changed_ = true;
+  }
+  void add_rays(size_t pixel, uint32_t rays) {
+    if (film_->extras().rays) film_->add_rays(tile_, pixel, rays);
+  }
+
+ private:
+  Film* film_;
+  int tile_;
+  bool changed_ = false;
+};
+
+template <class Change>
+void Film::change_tile(int tile, const Change& change) {
+  {
+    const auto i = static_cast<size_t>(tile);
+    const std::lock_guard lock(locks_[i]);
+    change(drawn_tile(i));
+  }
+  mark_changed(tile);
+}
 
 }  // namespace alabaster

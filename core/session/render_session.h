@@ -30,6 +30,7 @@ struct RenderProgress {
   /// Passes that all tiles have finished. Every pixel has at least as many samples, unless target_error has ended its
   /// group of pixels before.
   uint32_t passes_done = 0;
+  bool covered = false;  // every part of the frame shows this render's samples, if in blocks
   double wall_seconds = 0;
   double cpu_seconds = 0;                      // of the render workers
   RenderCounters counters;                     // of the finished tiles

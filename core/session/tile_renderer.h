@@ -34,11 +34,9 @@ struct RenderRequest {
 /// Which samples to add to a tile.
 struct TileSamples {
   PixelRect rect;                      // of the tile
-  SampleRange range;                   // of the samples per pixel of an even frame
-  const SampleAllocation& allocation;  // how many samples each pixel takes for that range
+  SamplePass pass;                     // samples per pixel of an even frame
+  const SampleAllocation& allocation;  // how many samples each pixel takes for that many
   uint32_t groups = kAllPixelGroups;   // pixels of other groups stay as they are
-  /// Row-major in the data window: the rays of each pixel are added. Null: they are not counted.
-  std::vector<uint32_t>* rays = nullptr;
 };
 
 /// A failed check, and the sample that failed it.
@@ -59,10 +57,10 @@ class TileRenderer {
   FilmSample trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                           PathRecord* record = nullptr) const;
 
-  /// Adds the samples to `tile`, which must hold all earlier ones. `may_go_on()` is asked before each sample. False: it
-  /// returned false, and some pixels lack their samples.
-  template <class MayGoOn>
-  bool render(const TileSamples& samples, const MayGoOn& may_go_on, FilmTile* tile, RenderCounters* counters) const;
+  /// Adds to `tile`, a FilmTile or what looks like one, the samples that its pixels lack up to the end of the pass.
+  /// `may_go_on()` is asked before each sample. False: it returned false, and some pixels lack their samples.
+  template <class MayGoOn, class Tile>
+  bool render(const TileSamples& samples, const MayGoOn& may_go_on, Tile* tile, RenderCounters* counters) const;
 
  private:
   uint32_t seed_of(int x, int y) const { return pixel_seed(x, y, request_.settings.frame, request_.settings.seed); }
@@ -77,31 +75,33 @@ class TileRenderer {
   PathIntegrator trace_path_;
 };
 
-template <class MayGoOn>
-bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, FilmTile* tile,
+template <class MayGoOn, class Tile>
+bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, Tile* tile,
                           RenderCounters* counters) const {
   const PixelRect& window = request_.data_window;
   const PixelRect& rect = samples.rect;
+  const int step = samples.pass.block;
   LightLayers layers;
-  size_t pixel = 0;  // in the tile
-  for (int y = rect.y0; y < rect.y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x, ++pixel) {
+  for (int y = rect.y0; y < rect.y1; y += step)
+    for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.
       if (!(samples.groups >> pixel_group(x, y) & 1)) continue;
 
-      // Take the pixel's share of the range, in sample order.
+      // Take the samples that the pixel lacks, in their order.
+      const auto pixel =
+          static_cast<size_t>(y - rect.y0) * static_cast<size_t>(rect.width()) + static_cast<size_t>(x - rect.x0);
       const size_t in_window =
           static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
       const uint64_t rays_before = counters->rays();
-      const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.range.end);
-      for (uint32_t s = samples.allocation.samples(in_window, samples.range.begin); s < end; ++s) {
+      const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.pass.end);
+      for (uint32_t s = tile->samples(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
         tile->add(pixel, trace_sample({x, y, s}, {seed, s}, counters, &layers, nullptr),
                   has_layers_ ? &layers : nullptr);
       }
 
       // Count what the pixel cost.
-      if (samples.rays) (*samples.rays)[in_window] += static_cast<uint32_t>(counters->rays() - rays_before);
+      tile->add_rays(pixel, static_cast<uint32_t>(counters->rays() - rays_before));
     }
   return true;
 }

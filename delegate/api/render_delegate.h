@@ -12,11 +12,21 @@
 
 namespace alabaster::hd {
 
+/// What a new value of a setting does to a frame that is being rendered or is done. Values that are set again unchanged
+/// do nothing.
+enum class SettingEffect {
+  live,       // nothing: it counts for what is loaded from then on
+  continues,  // the render goes on with the samples that it has, if they are among those that are asked for
+  restarts,   // the frame is rendered anew
+  resyncs,    // meshes are built anew, and the frame is rendered anew
+};
+
 struct RenderSettingDescriptor {
   std::string name;  // shown to people
   Token key;
   Value defaultValue;
-  Value minimum, maximum;            // of the default's type; empty: unbounded
+  Value minimum, maximum;  // of the default's type; empty: unbounded
+  SettingEffect effect = SettingEffect::restarts;
   std::vector<std::string> choices;  // of a string setting
   std::string documentation;
 };
@@ -57,6 +67,7 @@ class ALABASTER_API RenderDelegate {
 
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
+  /// covered (true once samples of this render, if in blocks, are all over the frame),
   /// cpuSeconds, filmMemory (bytes of the accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count,
   /// walk.events, walk.exits, walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples,
   /// suspectSample ("x,y,sample" for tracePixel: the sample whose failed check ended the render, which may be another
@@ -106,7 +117,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 5;
+inline constexpr uint32_t kAbiVersion = 6;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

@@ -117,6 +117,8 @@ struct MaterialNode {
 ///   rgb, r, g, b, a. sourceColorSpace "auto" is sRGB or linear by the image's type for colours, raw for numbers
 ///   (scatterDistance among them).
 /// - AlabasterPrimvar: the mesh's displayColor (outputs rgb, r, g, b) and displayOpacity (output a); 1 if it has none.
+/// - UsdPreviewSurface with UsdUVTexture, UsdTransform2d and UsdPrimvarReader_*, as specified; delegate/README.md says
+///   what differs.
 struct MaterialNetwork {
   std::map<Path, MaterialNode> nodes;
   std::map<Token, MaterialConnection> terminals;

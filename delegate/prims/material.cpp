@@ -4,6 +4,7 @@
 #include <map>
 
 #include "delegate/prims/parameters.h"
+#include "delegate/prims/preview_surface.h"
 #include "delegate/prims/prims.h"
 #include "delegate/support/nearest_name.h"
 
@@ -138,7 +139,7 @@ class MaterialReader {
     }
     if (!(node->second.nodeTypeId == Token("AlabasterDisney"))) {
       warn("material.node", "node type '" + node->second.nodeTypeId.str() +
-                                "' is not known; the default material is used (known: AlabasterDisney)");
+                                "' is not known; the default material is used (known: AlabasterDisney, UsdPreviewSurface)");
       return nullptr;
     }
     return &node->second;
@@ -270,7 +271,10 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   MaterialNetwork network = scene.GetMaterialResource(GetId());
   if (network_ && *network_ == network) return dirty::kClean;
   std::optional<SceneFault> fault;
-  auto material = MaterialReader(GetId(), network, param).read(&fault);
+  const auto warn = [&](const char* code, const std::string& text) {
+    alabaster::report(param.sink(), alabaster::Severity::warning, code, GetId().str(), text);
+  };
+  auto material = MaterialReader(GetId(), translate_preview_surface(network, warn), param).read(&fault);
   param.post(GetId(), MaterialRecord{std::move(material)});
   param.set_fault(GetId(), std::move(fault));
   network_ = std::move(network);  // last: a network counts as known once it is posted

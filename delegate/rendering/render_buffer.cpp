@@ -21,42 +21,6 @@ const char* allocation_fault(const RenderBufferDescriptor& d) {
   return nullptr;
 }
 
-size_t pixel_offset(const RenderBufferDescriptor& d, int x, int y_down) {
-  const auto row = static_cast<size_t>(d.dimensions.y - 1 - y_down);  // rows of a buffer run bottom-up
-  return (row * static_cast<size_t>(d.dimensions.x) + static_cast<size_t>(x)) * FormatSize(d.format);
-}
-
-/// Converts a row of the film's pixels, which begins at (x, y), as far as it lies in the buffer.
-template <class T>
-void store_row(const RenderBufferDescriptor& d, const BufferSource& source, int x, int y, std::span<const T> values,
-               uint8_t* pixels) {
-  const auto components = static_cast<size_t>(aov_info(source.aov).components());
-  const int row = y + source.buffer_y, column = x + source.buffer_x;
-  const int first = std::max(column, 0);
-  const int last = std::min(column + static_cast<int>(values.size() / components), d.dimensions.x);
-  if (row < 0 || row >= d.dimensions.y || first >= last) return;
-  const auto inside =
-      values.subspan(static_cast<size_t>(first - column) * components, static_cast<size_t>(last - first) * components);
-  uint8_t* out = pixels + pixel_offset(d, first, row);
-  if constexpr (std::is_same_v<T, int32_t>)
-    write_pixels(inside, d.format, out);
-  else
-    write_pixels(inside, components, d.format, out);
-}
-
-bool covers_buffer(const RenderBufferDescriptor& d, const BufferSource& source) {
-  if (!source.film) return false;
-  const PixelRect& window = source.film->data_window();
-  return window.x0 + source.buffer_x <= 0 && window.y0 + source.buffer_y <= 0 &&
-         window.x1 + source.buffer_x >= d.dimensions.x && window.y1 + source.buffer_y >= d.dimensions.y;
-}
-
-void clear_pixels(const Value& clear, Format format, std::vector<uint8_t>* pixels) {
-  const size_t size = FormatSize(format);
-  write_clear(clear, format, pixels->data());
-  for (size_t at = size; at < pixels->size(); at += size) std::memcpy(pixels->data() + at, pixels->data(), size);
-}
-
 }  // namespace
 
 bool BufferState::allocate(const RenderBufferDescriptor& description, const Path& where,
@@ -70,7 +34,7 @@ bool BufferState::allocate(const RenderBufferDescriptor& description, const Path
   if (wanted_ == description) return true;
   wanted_ = description;
   ++allocation_;
-  if (!source_.film) {  // nothing was ever drawn into it: nothing is lost by resizing now
+  if (binding_ == 0) {  // nothing was ever drawn into it: nothing is lost by resizing now
     effective_ = description;
     store_ = nullptr;
   }
@@ -84,6 +48,11 @@ void BufferState::bind(BufferSource source) {
   ++binding_;
 }
 
+void BufferState::release_film() {
+  const std::lock_guard lock(mutex_);
+  source_.film = nullptr;
+}
+
 uint64_t BufferState::allocation() const {
   const std::lock_guard lock(mutex_);
   return allocation_;
@@ -94,40 +63,32 @@ RenderBufferDescriptor BufferState::wanted() const {
   return wanted_;
 }
 
-const std::shared_ptr<const BufferState::Store>& BufferState::current() const {
+const std::shared_ptr<BufferStore>& BufferState::current() const {
   return mapped_.empty() ? store_ : mapped_.back();
 }
 
 RenderBufferDescriptor BufferState::shown() const {
   const std::lock_guard lock(mutex_);
-  return current() ? current()->description : effective_;
+  return current() ? current()->description() : effective_;
 }
 
-std::shared_ptr<const BufferState::Store> BufferState::make_store(const RenderBufferDescriptor& description,
-                                                                  const BufferSource& source) {
-  auto store = std::make_shared<Store>();
-  store->description = description;
-  const size_t size = FormatSize(description.format);
-  store->pixels.resize(static_cast<size_t>(description.dimensions.x) * static_cast<size_t>(description.dimensions.y) *
-                       size);
-  if (store->pixels.empty()) return store;
-  if (!covers_buffer(description, source)) clear_pixels(source.clear, description.format, &store->pixels);
-  if (!source.film) return store;
-  const auto take = [&](int x, int y, const auto& values) {
-    store_row(description, source, x, y, values, store->pixels.data());
-  };
-  if (aov_info(source.aov).is_integer())
-    source.film->resolve_int(source.aov, take);
-  else
-    source.film->resolve_float(source.aov, take);
-  return store;
+namespace {
+
+// False: a Resolve has nothing to add to a store of this revision. One that shows another size or AOV stays until the
+// new picture is whole.
+bool has_news(const Film& film, bool fits, FilmRevision shown) {
+  if (film.revision() == 0 || !fits) return film.has_ended() || (film.revision() != 0 && film.is_covered());
+  return film.revision() != shown || (film.has_ended() && !film.is_covered());
 }
+
+}  // namespace
 
 // Converts outside the lock. Two Resolves may run at once: the one that saw the later film wins.
 void BufferState::resolve() {
   BufferSource source;
   RenderBufferDescriptor description;
   uint64_t binding = 0;
+  std::shared_ptr<BufferStore> shown, next;
   {
     const std::lock_guard lock(mutex_);
     if (!source_.film) return;
@@ -136,22 +97,23 @@ void BufferState::resolve() {
     binding = binding_;
   }
   if (source.complete) source.complete();
-  const uint64_t revision = source.film->revision();
   {
     const std::lock_guard lock(mutex_);
-    if (store_ && binding == store_binding_ && revision == store_revision_) return;
-    // A render that has nothing to show yet does not wipe what is shown.
-    if (store_ && revision == 0) return;
+    if (store_ && !store_->is_blank()) shown = store_;
+    const bool fits = shown && shown->fits(description, source);
+    if (shown && !has_news(*source.film, fits, shown->revision())) return;
+    if (fits && spare_ && spare_.use_count() == 1 && spare_->fits(description, source)) next = std::move(spare_);
+    spare_ = nullptr;
+    if (!fits) shown = nullptr;
   }
-  auto store = make_store(description, source);
+  if (!next) next = std::make_shared<BufferStore>(description, source);
+  const bool differs = next->update(source, shown.get());
   const std::lock_guard lock(mutex_);
-  if (binding < store_binding_ || (binding == store_binding_ && store_ && revision < store_revision_)) return;
+  if (binding < store_binding_ || (binding == store_binding_ && store_ && next->revision() < store_->revision()))
+    return;
   store_binding_ = binding;
-  store_revision_ = revision;
-  const bool same = store_ && store_->description == store->description && store_->pixels == store->pixels;
-  if (same) return;
-  store_ = std::move(store);
-  ++generation_;
+  spare_ = differs ? std::exchange(store_, std::move(next)) : std::move(next);
+  if (differs) ++generation_;
 }
 
 const void* BufferState::map() {
@@ -165,17 +127,17 @@ const void* BufferState::map() {
     source.clear = source_.clear;
   }
   if (missing && FormatComponents(description.format) == 0) return nullptr;
-  std::shared_ptr<const Store> blank = missing ? make_store(description, source) : nullptr;
+  std::shared_ptr<BufferStore> blank = missing ? std::make_shared<BufferStore>(description, source) : nullptr;
   const std::lock_guard lock(mutex_);
   if (!store_ && effective_ == description) store_ = blank;
   if (!store_) return nullptr;
   if (mapped_.empty() || mapped_.back() != store_) mapped_.push_back(store_);
   ++map_count_;
-  return store_->pixels.data();
+  return store_->pixels().data();
 }
 
 void BufferState::unmap() {
-  std::vector<std::shared_ptr<const Store>> released;  // freed outside the lock
+  std::vector<std::shared_ptr<BufferStore>> released;  // freed outside the lock
   const std::lock_guard lock(mutex_);
   if (map_count_ > 0 && --map_count_ == 0) released.swap(mapped_);
 }
@@ -191,21 +153,22 @@ uint64_t BufferState::generation() const {
 }
 
 Vec2i BufferState::copy(std::vector<uint8_t>* out, bool y_down) const {
-  std::shared_ptr<const Store> store;
+  std::shared_ptr<const BufferStore> store;
   {
     const std::lock_guard lock(mutex_);
     store = store_;
   }
   out->clear();
   if (!store) return {0, 0};
-  const Vec3i size = store->description.dimensions;
-  if (!y_down || store->pixels.empty()) {
-    *out = store->pixels;
+  const Vec3i size = store->description().dimensions;
+  const std::vector<uint8_t>& pixels = store->pixels();
+  if (!y_down || pixels.empty()) {
+    *out = pixels;
   } else {
-    const size_t row = store->pixels.size() / static_cast<size_t>(size.y);
-    out->reserve(store->pixels.size());
-    for (size_t at = store->pixels.size(); at > 0; at -= row)
-      out->insert(out->end(), store->pixels.data() + (at - row), store->pixels.data() + at);
+    const size_t row = pixels.size() / static_cast<size_t>(size.y);
+    out->reserve(pixels.size());
+    for (size_t at = pixels.size(); at > 0; at -= row)
+      out->insert(out->end(), pixels.data() + (at - row), pixels.data() + at);
   }
   return {size.x, size.y};
 }

@@ -2,26 +2,17 @@
 //
 //   Allocate   -> `wanted`; at once while nothing is shown or drawn, else at the next Execute
 //   Execute    -> binds a film: Resolve reads it from then on
-//   Resolve    -> a new store in `wanted`'s size replaces the old one, if there is something newer to show
+//   Resolve    -> a store with what is newer replaces the current one. The old picture stays until a film of another
+//                 size covers its window or its render ends
 //   Map        -> the store that is current; it lives until the last Unmap, whatever happens meanwhile
 #pragma once
 
-#include <functional>
 #include <mutex>
 
-#include "core/film/film.h"
 #include "delegate/prims/render_param.h"
+#include "delegate/rendering/buffer_store.h"
 
 namespace alabaster::hd::rendering {
-
-/// The AOV of a film that a buffer shows.
-struct BufferSource {
-  std::shared_ptr<const Film> film;
-  Aov aov = Aov::color;
-  int buffer_x = 0, buffer_y = 0;  // of the film's pixel (0, 0), y-down
-  Value clear;
-  std::function<void()> complete;  // called by each Resolve before it reads the film; may be empty
-};
 
 /// Shared by the prim and by passes that draw into it, so that neither outlives what it needs.
 class BufferState {
@@ -29,6 +20,8 @@ class BufferState {
   bool allocate(const RenderBufferDescriptor& description, const Path& where, const alabaster::DiagnosticSink& sink);
   /// Execute: the wanted description takes effect, and Resolve reads `source` from now on.
   void bind(BufferSource source);
+  /// Lets go of the film, so that the session may use it again. The picture stays.
+  void release_film();
   /// Rises with every allocation that is not a no-op.
   uint64_t allocation() const;
   RenderBufferDescriptor wanted() const;
@@ -46,21 +39,17 @@ class BufferState {
   std::vector<std::shared_ptr<const void>> mapped_stores() const;
 
  private:
-  struct Store {
-    RenderBufferDescriptor description;
-    std::vector<uint8_t> pixels;  // bottom-up
-  };
-  static std::shared_ptr<const Store> make_store(const RenderBufferDescriptor& description, const BufferSource& source);
-  const std::shared_ptr<const Store>& current() const;
+  const std::shared_ptr<BufferStore>& current() const;
 
   mutable std::mutex mutex_;          // held for pointers and numbers only, never while pixels are converted
   RenderBufferDescriptor wanted_;     // as last allocated
   RenderBufferDescriptor effective_;  // as of the last Execute
   uint64_t allocation_ = 0, generation_ = 0, binding_ = 0;
   BufferSource source_;
-  std::shared_ptr<const Store> store_;
-  uint64_t store_binding_ = 0, store_revision_ = 0;  // what the store shows
-  std::vector<std::shared_ptr<const Store>> mapped_;
+  std::shared_ptr<BufferStore> store_;  // never changed while it is here
+  uint64_t store_binding_ = 0;          // whose film it shows
+  std::shared_ptr<BufferStore> spare_;  // the one before
+  std::vector<std::shared_ptr<BufferStore>> mapped_;
   int map_count_ = 0;
   std::atomic<bool> converged_{false};
 };

@@ -79,6 +79,16 @@ Value RenderDelegateImpl::GetRenderSetting(const Token& key) const {
   return answer<Value>("GetRenderSetting", [&](Value& value) { value = core_->setting(key); });
 }
 
+namespace {
+SettingEffect effect_of(std::string_view setting) {
+  for (const char* name : {"samples", "timeLimit", "threads"})
+    if (setting == name) return SettingEffect::continues;
+  if (setting == "textureMemory") return SettingEffect::live;
+  if (setting == "refineEdgeLength") return SettingEffect::resyncs;
+  return SettingEffect::restarts;
+}
+}  // namespace
+
 std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescriptors() const {
   return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [&](auto& descriptors) {
     const nlohmann::json properties = nlohmann::json::parse(support::schema_text("render_settings")).at("properties");
@@ -87,6 +97,7 @@ std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescrip
       RenderSettingDescriptor d;
       d.name = parameter.name;
       d.key = parameter.name;
+      d.effect = effect_of(parameter.name);
       d.defaultValue = prims::get_parameter(parameter, defaults);
       if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
         const bool real = d.defaultValue.get<float>() != nullptr;

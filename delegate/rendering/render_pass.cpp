@@ -48,6 +48,9 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   const std::shared_ptr<const BuiltScene> scene = core_->scene();
   if (scene) in.scene = scene->snapshot;
   in.settings = core_->render_settings();
+  // A picture depends on these by its scene alone.
+  in.settings.texture_memory = {};
+  in.settings.refine_edge_length = {};
   in.restarts = core_->restarts();
   for (const AovBinding& binding : state.aovBindings) {
     const auto* buffer = dynamic_cast<const RenderBufferPrim*>(binding.renderBuffer);
@@ -142,6 +145,7 @@ void PassControl::start(PassInputs next) {
   for (const auto& binding : running_.bindings) request.aovs |= aov_bit(binding.aov);
   request.denoiser = running_.denoiser;
   core_->set_last_request(request);
+  for (const auto& binding : running_.bindings) binding.buffer->release_film();
   session_->start(request);
   for (const auto& binding : running_.bindings) {
     BufferSource source{session_->film(),         binding.aov,   running_.framed.buffer_x,

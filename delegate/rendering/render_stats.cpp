@@ -72,6 +72,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   if (!p.denoise_error.empty()) s["denoise.error"] = p.denoise_error;
   if (!p.denoiser.empty()) s["denoiser"] = p.denoiser;
   s["passesDone"] = count(p.passes_done);
+  s["covered"] = p.covered;
   s["samplesTotal"] = count(p.samples_total / pixels);
   s["numCompletedSamples"] = count(p.samples_done / pixels);
   if (p.noise.known) {

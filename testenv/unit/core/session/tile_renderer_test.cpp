@@ -20,9 +20,9 @@ bool always() {
   return true;
 }
 
-TileSamples samples_of(const SampleRange& range) {
+TileSamples samples_of(const SamplePass& pass) {
   static const SampleAllocation uniform;
-  return {kRect, range, uniform};
+  return {kRect, pass, uniform};
 }
 
 // All that a tile tells, as bytes.
@@ -43,11 +43,11 @@ std::vector<float> contents(const FilmTile& tile) {
   return all;
 }
 
-std::vector<float> render_ranges(const TileRenderer& renderer, const std::vector<SampleRange>& ranges) {
+std::vector<float> render_passes(const TileRenderer& renderer, const PassSchedule& passes) {
   FilmTile tile(kPixels, ~0u);
   RenderCounters counters;
-  for (const SampleRange& range : ranges) EXPECT_TRUE(renderer.render(samples_of(range), always, &tile, &counters));
-  EXPECT_EQ(counters.samples, ranges.back().end * kPixels);
+  for (const SamplePass& pass : passes) EXPECT_TRUE(renderer.render(samples_of(pass), always, &tile, &counters));
+  EXPECT_EQ(counters.samples, passes.back().end * kPixels);
   return contents(tile);
 }
 
@@ -55,20 +55,20 @@ bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-TEST(TileRenderer, SameTileAndRangeGiveTheSameBytes) {
+TEST(TileRenderer, SameTileAndPassGiveTheSameBytes) {
   const RenderRequest request = mixed_request(8);
   const TileRenderer renderer(request), another(request);
-  const auto first = render_ranges(renderer, {{0, 8}});
-  EXPECT_TRUE(same_bytes(first, render_ranges(renderer, {{0, 8}})));
-  EXPECT_TRUE(same_bytes(first, render_ranges(another, {{0, 8}})));
+  const auto first = render_passes(renderer, {{8}});
+  EXPECT_TRUE(same_bytes(first, render_passes(renderer, {{8}})));
+  EXPECT_TRUE(same_bytes(first, render_passes(another, {{8}})));
 }
 
-TEST(TileRenderer, ARangeInPiecesGivesTheSameBytes) {
+TEST(TileRenderer, PassesOfAnySizeGiveTheSameBytes) {
   const RenderRequest request = mixed_request(8);
   const TileRenderer renderer(request);
-  const auto whole = render_ranges(renderer, {{0, 8}});
-  EXPECT_TRUE(same_bytes(whole, render_ranges(renderer, {{0, 4}, {4, 8}})));
-  EXPECT_TRUE(same_bytes(whole, render_ranges(renderer, {{0, 1}, {1, 7}, {7, 8}})));
+  const auto whole = render_passes(renderer, {{8}});
+  EXPECT_TRUE(same_bytes(whole, render_passes(renderer, {{4}, {8}})));
+  EXPECT_TRUE(same_bytes(whole, render_passes(renderer, {{1, 8}, {1, 2}, {1}, {7, 2}, {7}, {8}})));
 }
 
 TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
@@ -77,7 +77,7 @@ TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
   FilmTile tile(kPixels, request.aovs);
   RenderCounters counters;
   LightLayers layers;
-  ASSERT_TRUE(renderer.render(samples_of({0, 1}), always, &tile, &counters));
+  ASSERT_TRUE(renderer.render(samples_of({1}), always, &tile, &counters));
   for (size_t pixel = 0; pixel < kPixels; pixel += 7) {
     const int x = kRect.x0 + static_cast<int>(pixel % 20), y = kRect.y0 + static_cast<int>(pixel / 20);
     const FilmSample sample = renderer.trace_sample({x, y, 0}, &counters, &layers);
@@ -92,24 +92,19 @@ TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
 
 TEST(TileRenderer, OnlyTheGroupsAskedForAreTracedAndTheirRaysCounted) {
   const RenderRequest request = mixed_request(2);
-  FilmTile tile(kPixels, request.aovs);
-  std::vector<uint32_t> rays(72 * 72);
+  FilmTile tile(kPixels, request.aovs, {.rays = true, .range = {}});
   RenderCounters counters;
-  TileSamples samples = samples_of({0, 2});
+  TileSamples samples = samples_of({2});
   samples.groups = 0b0110;
-  samples.rays = &rays;
   ASSERT_TRUE(TileRenderer(request).render(samples, always, &tile, &counters));
   uint64_t sum = 0;
-  for (int y = 0; y < 72; ++y)
-    for (int x = 0; x < 72; ++x) {
-      const uint32_t here = rays[static_cast<size_t>(72 * y + x)];
-      const bool inside = x >= kRect.x0 && x < kRect.x1 && y >= kRect.y0 && y < kRect.y1;
-      const bool traced = inside && (pixel_group(x, y) == 1 || pixel_group(x, y) == 2);
-      EXPECT_EQ(here > 0, traced) << x << " " << y;
-      if (inside) {
-        EXPECT_EQ(tile.samples(static_cast<size_t>(20 * (y - kRect.y0) + x - kRect.x0)), traced ? 2u : 0u);
-      }
-      sum += here;
+  for (int y = kRect.y0; y < kRect.y1; ++y)
+    for (int x = kRect.x0; x < kRect.x1; ++x) {
+      const auto pixel = static_cast<size_t>(20 * (y - kRect.y0) + x - kRect.x0);
+      const bool traced = pixel_group(x, y) == 1 || pixel_group(x, y) == 2;
+      EXPECT_EQ(tile.rays(pixel) > 0, traced) << x << " " << y;
+      EXPECT_EQ(tile.samples(pixel), traced ? 2u : 0u);
+      sum += tile.rays(pixel);
     }
   EXPECT_EQ(sum, counters.rays());
 }
@@ -120,7 +115,7 @@ TEST(TileRenderer, EndsBeforeTheSampleThatIsRefused) {
   RenderCounters counters;
   int left = 10;
   EXPECT_FALSE(TileRenderer(request).render(
-      samples_of({0, 4}), [&] { return left-- > 0; }, &tile, &counters));
+      samples_of({4}), [&] { return left-- > 0; }, &tile, &counters));
   EXPECT_EQ(counters.samples, 10u);
 }
 

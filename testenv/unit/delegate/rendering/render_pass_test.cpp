@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <set>
 #include <thread>
 
 #include "testenv/support/failing_memory.h"
@@ -95,6 +96,38 @@ TEST(RenderPass, WhatIsDrawnDifferentlyRestarts) {
   expect_restart("bindings");
   s.stage.scene.Remove("/dome");
   expect_restart("light");
+}
+
+// A valid value that is not the default.
+Value another_value(const RenderSettingDescriptor& setting) {
+  const Value& now = setting.defaultValue;
+  if (const bool* b = now.get<bool>()) return !*b;
+  if (!setting.choices.empty())
+    return setting.choices.front() == now.text_or("") ? setting.choices.back() : setting.choices.front();
+  if (setting.key == Token("samples")) return 5;
+  if (setting.key == Token("timeLimit")) return 1000.0f;
+  return now.get<float>() ? Value(0.5f) : Value(1);
+}
+
+TEST(RenderPass, SettingsHaveTheEffectThatTheySay) {
+  Shot s(4, 96);
+  ASSERT_TRUE(s.finish());
+  const double all = s.stage.stat("rays.camera");
+  std::set<SettingEffect> seen;
+  for (const RenderSettingDescriptor& setting : s.stage.delegate->GetRenderSettingDescriptors()) {
+    if (setting.key == Token("denoise")) continue;           // needs a library
+    if (setting.effect == SettingEffect::resyncs) continue;  // needs a mesh that is refined
+    seen.insert(setting.effect);
+    s.stage.delegate->SetRenderSetting(setting.key, another_value(setting));
+    const bool restarts = s.restarts();
+    const double kept = s.stage.stat("rays.camera");
+    EXPECT_EQ(restarts, setting.effect != SettingEffect::live) << setting.name;
+    EXPECT_EQ(kept >= all, setting.effect != SettingEffect::restarts) << setting.name;
+    EXPECT_TRUE(s.finish()) << setting.name;
+    s.stage.delegate->SetRenderSetting(setting.key, setting.key == Token("samples") ? Value(4) : Value());
+    EXPECT_TRUE(s.finish()) << setting.name;
+  }
+  EXPECT_EQ(seen.size(), 3u);
 }
 
 TEST(RenderPass, ACameraMoveRestartsWithoutANewScene) {

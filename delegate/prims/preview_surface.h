@@ -1,0 +1,18 @@
+// UsdPreviewSurface and its nodes, in the nodes that the renderer reads. Source: the UsdPreviewSurface specification,
+// version 2.6. What becomes what: the table in delegate/README.md.
+#pragma once
+
+#include <functional>
+
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::prims {
+
+/// Takes a diagnostic's code and text.
+using WarnNetwork = std::function<void(const char* code, const std::string& text)>;
+
+/// The network itself unless its terminal "surface" names a node of type UsdPreviewSurface. Warns once of each input
+/// that is left out.
+MaterialNetwork translate_preview_surface(const MaterialNetwork& network, const WarnNetwork& warn);
+
+}  // namespace alabaster::hd::prims

@@ -1,0 +1,52 @@
+// The pixels of a host's buffer, with a note of what each tile shows: a Resolve converts those that have changed.
+#pragma once
+
+#include "core/film/film.h"
+#include "delegate/api/scene_types.h"
+
+namespace alabaster::hd::rendering {
+
+/// The AOV of a film that a buffer shows.
+struct BufferSource {
+  std::shared_ptr<const Film> film;
+  Aov aov = Aov::color;
+  int buffer_x = 0, buffer_y = 0;  // of the film's pixel (0, 0), y-down
+  Value clear;
+  std::function<void()> complete;  // called by each Resolve before it reads the film; may be empty
+};
+
+class BufferStore {
+ public:
+  /// All pixels are `source.clear`; the source's film may be null.
+  BufferStore(const RenderBufferDescriptor& description, const BufferSource& source);
+
+  const RenderBufferDescriptor& description() const { return description_; }
+  const std::vector<uint8_t>& pixels() const { return pixels_; }  // bottom-up
+  /// True if it is of no film.
+  bool is_blank() const { return tiles_.empty(); }
+  /// The film's, when update() began.
+  FilmRevision revision() const { return revision_; }
+  /// True if update() of this store may take `source`: the same pixels of the buffer show the same AOV.
+  bool fits(const RenderBufferDescriptor& description, const BufferSource& source) const;
+  /// Shows the film as it is now, on all threads of the caller's TBB arena. Tiles in which nothing was drawn yet show
+  /// what `before`, a store that fits or null, does, unless the render has ended. True: it shows something else than
+  /// `before`.
+  bool update(const BufferSource& source, const BufferStore* before);
+
+ private:
+  bool update_tile(int tile, const BufferSource& source, const BufferStore* before);
+  void copy_tile(const PixelRect& rect, const BufferStore& from);
+  void convert_tile(int tile, const BufferSource& source);
+  uint8_t* pixel(int x, int y_down);
+
+  RenderBufferDescriptor description_;
+  Aov aov_;
+  PixelRect window_;  // of the film
+  int buffer_x_, buffer_y_;
+  Value clear_;
+  std::vector<uint8_t> pixels_;
+  std::vector<FilmRevision> tiles_;  // what each shows; 0: nothing yet
+  FilmRevision revision_ = 0;
+};
+
+}  // namespace alabaster::hd::rendering
