@@ -233,51 +233,73 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
 }
 
-void FilmTile::resolve(size_t pixel, Aov aov, float* out) const {
-  const double scale = samples_[pixel] > 0 ? 1.0 / samples_[pixel] : 0;
-  const auto average = [&](const RgbSum& sum) {
-    const auto sums = sum.value();
-    for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i] * scale);
+namespace {
+
+void average(const RgbSum& sum, double scale, float* out) {
+  const auto sums = sum.value();
+  for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i] * scale);
+}
+
+void average(const std::array<UnitSum, 3>& sums, double scale, float* out) {
+  for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i].value() * scale);
+}
+
+}  // namespace
+
+void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
+  const auto components = static_cast<size_t>(aov_info(aov).components());
+  const auto each = [&](const auto& write) {
+    for (size_t i = pixel; i < pixel + count; ++i, out += components)
+      write(i, samples_[i] > 0 ? 1.0 / samples_[i] : 0.0, out);
   };
-  const auto average_units = [&](const UnitSums& sums) {
-    for (size_t i = 0; i < 3; ++i) out[i] = sums.empty() ? 0.0f : static_cast<float>(sums[pixel][i].value() * scale);
+  const auto each_average = [&](const auto& sums) {
+    if (sums.empty())
+      std::fill_n(out, components * count, 0.0f);
+    else
+      each([&](size_t i, double scale, float* to) { average(sums[i], scale, to); });
   };
-  const float alpha = static_cast<float>(alpha_[pixel].value() * scale);
+  const auto each_closest = [&](float Closest::*member) {
+    if (closest_.empty())
+      std::fill_n(out, count, aov_info(aov).background);
+    else
+      each([&](size_t i, double, float* to) { *to = closest_[i].*member; });
+  };
   switch (aov) {
     case Aov::color:
-      average(color_[pixel]);
-      out[3] = alpha;
-      break;
+      return each([&](size_t i, double scale, float* to) {
+        average(color_[i], scale, to);
+        to[3] = static_cast<float>(alpha_[i].value() * scale);
+      });
     case Aov::alpha:
-      *out = alpha;
-      break;
+      return each([&](size_t i, double scale, float* to) { *to = static_cast<float>(alpha_[i].value() * scale); });
     case Aov::error:
-      *out = noise(pixel).deviation();
-      break;
+      return each([&](size_t i, double, float* to) { *to = noise(i).deviation(); });
     case Aov::normal:
-      average_units(normal_);
-      break;
+      return each_average(normal_);
     case Aov::albedo:
-      average_units(albedo_);
-      break;
+      return each_average(albedo_);
     case Aov::depth:
-      *out = closest_.empty() ? aov_info(aov).background : closest_[pixel].depth;
-      break;
+      return each_closest(&Closest::depth);
     case Aov::camera_depth:
-      *out = closest_.empty() ? aov_info(aov).background : closest_[pixel].camera_depth;
-      break;
+      return each_closest(&Closest::camera_depth);
     default:
-      std::fill_n(out, aov_info(aov).components(), 0.0f);
       for (const LayerPlane& plane : layers_)
-        if (plane.aov == aov) average(plane.sums[pixel]);
+        if (plane.aov == aov) return each_average(plane.sums);
+      std::fill_n(out, components * count, 0.0f);
   }
 }
 
-int32_t FilmTile::resolve_int(size_t pixel, Aov aov) const {
-  if (aov == Aov::sample_count) return static_cast<int32_t>(samples_[pixel]);
-  if (closest_.empty()) return static_cast<int32_t>(aov_info(aov).background);
-  const Closest& c = closest_[pixel];
-  return aov == Aov::prim_id ? c.prim_id : aov == Aov::instance_id ? c.instance_id : c.element_id;
+void FilmTile::resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count) const {
+  if (aov == Aov::sample_count) {
+    for (size_t i = 0; i < count; ++i) out[i] = static_cast<int32_t>(samples_[pixel + i]);
+  } else if (closest_.empty()) {
+    std::fill_n(out, count, static_cast<int32_t>(aov_info(aov).background));
+  } else {
+    const auto member = aov == Aov::prim_id       ? &Closest::prim_id
+                        : aov == Aov::instance_id ? &Closest::instance_id
+                                                  : &Closest::element_id;
+    for (size_t i = 0; i < count; ++i) out[i] = closest_[pixel + i].*member;
+  }
 }
 
 Film::Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras)
@@ -398,13 +420,11 @@ void Film::resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow
   const FilmTile* const drawn = find_drawn(static_cast<size_t>(tile));
   const bool fills = drawn && !drawn->is_covered() && aov != Aov::sample_count;
   for (size_t y = 0; y < height; ++y) {
-    for (size_t x = 0; x < width; ++x) {
-      T* const out = values.data() + x * n;
-      if (drawn)
-        resolve(*drawn, fills ? shown_pixel(*drawn, r, x, y) : y * width + x, out);
-      else
-        resolve(background_, 0, out);
-    }
+    if (drawn && !fills)
+      resolve(*drawn, y * width, values.data(), width);
+    else
+      for (size_t x = 0; x < width; ++x)
+        resolve(drawn ? *drawn : background_, drawn ? shown_pixel(*drawn, r, x, y) : 0, values.data() + x * n, 1);
     take(r.x0, r.y0 + static_cast<int>(y), {values.data(), width * n});
   }
 }
@@ -448,12 +468,17 @@ void Film::resolve_denoised(int tile, const TakeRow<float>& take) const {
 void Film::resolve_float(int tile, Aov aov, const TakeRow<float>& take) const {
   if (aov == Aov::denoised) return resolve_denoised(tile, take);
   resolve_rows<float>(
-      tile, aov, [aov](const FilmTile& pixels, size_t pixel, float* out) { pixels.resolve(pixel, aov, out); }, take);
+      tile, aov,
+      [aov](const FilmTile& from, size_t pixel, float* out, size_t count) { from.resolve(pixel, aov, out, count); },
+      take);
 }
 
 void Film::resolve_int(int tile, Aov aov, const TakeRow<int32_t>& take) const {
   resolve_rows<int32_t>(
-      tile, aov, [aov](const FilmTile& pixels, size_t pixel, int32_t* out) { *out = pixels.resolve_int(pixel, aov); },
+      tile, aov,
+      [aov](const FilmTile& from, size_t pixel, int32_t* out, size_t count) {
+        from.resolve_int(pixel, aov, out, count);
+      },
       take);
 }
 

@@ -95,9 +95,9 @@ class FilmTile {
   uint32_t most_samples() const;
   /// False: some pixel has no sample.
   bool is_covered() const { return covered_ == samples_.size(); }
-  /// Writes a pixel's components: averages, or the values of the closest sample.
-  void resolve(size_t pixel, Aov aov, float* out) const;
-  int32_t resolve_int(size_t pixel, Aov aov) const;
+  /// Writes the components of `count` pixels: averages, or the values of the closest sample.
+  void resolve(size_t pixel, Aov aov, float* out, size_t count = 1) const;
+  void resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count = 1) const;
   PixelNoise noise(size_t pixel) const;
   /// Replaces a pixel by that of another tile of the same shape and AOVs.
   void take(size_t pixel, const FilmTile& from);

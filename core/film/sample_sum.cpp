@@ -19,16 +19,6 @@ void RgbSum::add(const RgbSum& other) {
   }
 }
 
-double RgbSum::value(size_t channel) const {
-  const auto& bins = bins_[channel];
-  const double sum =
-      (static_cast<double>(bins[0]) * 0x1p32 + static_cast<double>(bins[1])) * 0x1p32 + static_cast<double>(bins[2]);
-  // 2^(32 (top - 2) - 149)
-  constexpr double kUnits[kHighestBin + 1] = {0x1p-213, 0x1p-181, 0x1p-149, 0x1p-117, 0x1p-85,
-                                              0x1p-53,  0x1p-21,  0x1p11,   0x1p43};
-  return sum * kUnits[top_[channel]];
-}
-
 bool RgbSum::is_valid() const {
   constexpr int64_t kMost = int64_t(kMostSummedSamples) << kBinBits;
   for (size_t c = 0; c < 3; ++c) {

@@ -69,6 +69,16 @@ inline void RgbSum::add(size_t channel, float value) {
   if (high && at <= kBins) bins[static_cast<size_t>(at - 1)] += high;
 }
 
+inline double RgbSum::value(size_t channel) const {
+  const auto& bins = bins_[channel];
+  const double sum =
+      (static_cast<double>(bins[0]) * 0x1p32 + static_cast<double>(bins[1])) * 0x1p32 + static_cast<double>(bins[2]);
+  // 2^(32 (top - 2) - 149)
+  constexpr double kUnits[kHighestBin + 1] = {0x1p-213, 0x1p-181, 0x1p-149, 0x1p-117, 0x1p-85,
+                                              0x1p-53,  0x1p-21,  0x1p11,   0x1p43};
+  return sum * kUnits[top_[channel]];
+}
+
 /// A sum of numbers from -2 to 2, in units of 2^-38. Values beyond are clamped; NaN counts as zero.
 class UnitSum {
  public:

@@ -133,6 +133,7 @@ void run(Viewport* v, int repeats) {
         host("camera: Sync and Execute");
     Times first("camera: Execute to a covered frame"), all("five AOVs resolved, while rendering");
     Times again("five AOVs resolved again, 1 ms later");
+    Times stopped("five AOVs resolved, stopped");
     const auto resolve = [&] {
       for (RenderBuffer* buffer : v->buffers) buffer->Resolve();
     };
@@ -140,6 +141,7 @@ void run(Viewport* v, int repeats) {
       sleep(30);
       unchanged.measure([&] { v->pass->Execute(v->state); });
       stop.measure([&] { v->delegate->Stop(); });
+      stopped.measure(resolve);
       restart.measure([&] {
         v->delegate->Restart();
         v->pass->Execute(v->state);

@@ -10,6 +10,12 @@
 namespace alabaster {
 namespace {
 
+int32_t int_of(const FilmTile& tile, size_t pixel, Aov aov) {
+  int32_t value = 0;
+  tile.resolve_int(pixel, aov, &value);
+  return value;
+}
+
 constexpr size_t kPixels = 3;
 
 // A sample by its number. Distances tie now and then.
@@ -50,7 +56,7 @@ std::vector<std::byte> contents(FilmTile tile) {
     for (const AovInfo& info : kAovs) {
       float values[4] = {};
       if (info.is_integer())
-        values[0] = static_cast<float>(tile.resolve_int(pixel, info.aov));
+        values[0] = static_cast<float>(int_of(tile, pixel, info.aov));
       else
         tile.resolve(pixel, info.aov, values);
       const auto* const raw = reinterpret_cast<const std::byte*>(values);
@@ -91,7 +97,7 @@ TEST(FilmAppend, KeepsTheEarliestOfTheClosestSamples) {
     LightLayers unused;
     for (uint32_t i = 1; i < 40; ++i)
       if (sample(pixel, i, &unused).distance < sample(pixel, closest, &unused).distance) closest = i;
-    EXPECT_EQ(whole.resolve_int(pixel, Aov::prim_id), static_cast<int32_t>(closest));
+    EXPECT_EQ(int_of(whole, pixel, Aov::prim_id), static_cast<int32_t>(closest));
   }
 }
 

@@ -10,6 +10,12 @@
 namespace alabaster {
 namespace {
 
+int32_t int_of(const FilmTile& tile, size_t pixel, Aov aov) {
+  int32_t value = 0;
+  tile.resolve_int(pixel, aov, &value);
+  return value;
+}
+
 using testing::mixed_request;
 
 // Off the origin, with the body's silhouette in it.
@@ -32,7 +38,7 @@ std::vector<float> contents(const FilmTile& tile) {
     for (const AovInfo& info : kAovs) {
       std::array<float, 4> value{};
       if (info.is_integer())
-        value[0] = static_cast<float>(tile.resolve_int(pixel, info.aov));
+        value[0] = static_cast<float>(int_of(tile, pixel, info.aov));
       else
         tile.resolve(pixel, info.aov, value.data());
       all.insert(all.end(), value.begin(), value.end());
@@ -86,7 +92,7 @@ TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
     tile.resolve(pixel, Aov::diffuse, diffuse.data());
     EXPECT_EQ(Rgb(color[0], color[1], color[2]), sample.color);
     EXPECT_EQ(Rgb(diffuse[0], diffuse[1], diffuse[2]), layers.diffuse);
-    EXPECT_EQ(tile.resolve_int(pixel, Aov::prim_id), sample.prim_id);
+    EXPECT_EQ(int_of(tile, pixel, Aov::prim_id), sample.prim_id);
   }
 }
 
