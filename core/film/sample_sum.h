@@ -17,7 +17,7 @@ namespace alabaster {
 inline constexpr uint64_t kMostSummedSamples = uint64_t(1) << 24;
 
 /// A sum of colours of any float brightness. The exponents of floats are cut into fixed bins of 32 bits, and each value
-/// into one part for each bin. Each bin sums its parts, exactly. Of the bins that the values reach, the highest three
+/// into one part for each bin. Each bin sums its parts, exactly. The highest three of the bins that the values reach
 /// are kept, which is 65 bits or more below the largest value's first (Demmel and Nguyen 2013, "Fast Reproducible
 /// Floating-Point Summation", section 5, with integers). Values that are not finite count as zero.
 class RgbSum {

@@ -12,13 +12,13 @@
 
 namespace alabaster::hd {
 
-/// What a new value of a setting does to a frame that is being rendered or is done. Values that are set again unchanged
-/// do nothing.
+/// The effect of a new value of a setting on a frame that is being rendered or is done. A value that is set again
+/// unchanged has none.
 enum class SettingEffect {
-  live,       // nothing: it counts for what is loaded from then on
-  continues,  // the render goes on with the samples that it has, if they are among those that are asked for
-  restarts,   // the frame is rendered anew
-  resyncs,    // meshes are built anew, and the frame is rendered anew
+  live,       // none: it counts for what is loaded from then on
+  continues,  // samples that the frame has, and that are asked for still, are kept
+  restarts,   // the frame is rendered again from its first sample
+  resyncs,    // meshes are built again, and then the frame is rendered again
 };
 
 struct RenderSettingDescriptor {

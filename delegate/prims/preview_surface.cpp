@@ -140,7 +140,7 @@ class PreviewTranslation {
     return true;
   }
 
-  // What `st` is connected to: a reader of a primvar, maybe through a transform.
+  // Input `st` is connected to a reader of a primvar, maybe through a transform.
   void read_coordinates(const MaterialNode& texture, MaterialNode* read) {
     const MaterialConnection* connection = upstream(texture, "st");
     const MaterialNode* node = connection ? find(connection->upstreamNode) : nullptr;

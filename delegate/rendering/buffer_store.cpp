@@ -12,7 +12,7 @@
 namespace alabaster::hd::rendering {
 namespace {
 
-// Of a tile in which an ended render has drawn nothing.
+// Stands for a tile in which an ended render has drawn nothing.
 constexpr FilmRevision kBackground = std::numeric_limits<FilmRevision>::max();
 
 bool covers_buffer(const RenderBufferDescriptor& d, const BufferSource& source) {

@@ -206,7 +206,7 @@ TEST(RenderPass, AFrameBeyondTheMachinesMemoryIsRefused) {
   s.pass->Execute(s.state);
   EXPECT_TRUE(s.pass->IsConverged());
   EXPECT_EQ(s.pass->GetState(), PassState::failed);
-  EXPECT_NE(s.stage.text_stat("error").find("1048576 x 1048576 pixels needs 109952 GB"), std::string::npos)
+  EXPECT_NE(s.stage.text_stat("error").find("1048576 x 1048576 pixels needs 171524 GB"), std::string::npos)
       << s.stage.text_stat("error");
   EXPECT_EQ(s.stage.count("pass.failed"), 1u);
   s.state.framing.dataWindow = {0, 0, 8, 8};  // a crop of it fits

@@ -1,0 +1,289 @@
+#include "core/film/film_tile.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+namespace alabaster {
+namespace {
+
+Rgb layer_of(const LightLayers& layers, Aov aov) {
+  switch (aov) {
+    case Aov::diffuse:
+      return layers.diffuse;
+    case Aov::subsurface:
+      return layers.unscattered + layers.single + layers.multiple;
+    case Aov::subsurface_single:
+      return layers.single;
+    case Aov::subsurface_multiple:
+      return layers.multiple;
+    case Aov::subsurface_unscattered:
+      return layers.unscattered;
+    case Aov::specular:
+      return layers.specular;
+    default:
+      return layers.emission;
+  }
+}
+
+void accumulate(const std::array<float, 3>& value, std::array<UnitSum, 3>* sum) {
+  for (size_t i = 0; i < 3; ++i) (*sum)[i].add(value[i]);
+}
+
+template <class Plane>
+void append_plane(const Plane& from, Plane* to) {
+  for (size_t i = 0; i < to->size(); ++i) {
+    if constexpr (requires { (*to)[i].add(from[i]); })
+      (*to)[i].add(from[i]);
+    else
+      for (size_t c = 0; c < 3; ++c) (*to)[i][c].add(from[i][c]);
+  }
+}
+
+}  // namespace
+
+FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
+    : reached(extras.range.begin),
+      begin_(extras.range.begin),
+      marks_per_pixel_(count_marks(extras.range)),
+      samples_(pixels, 0),
+      color_(pixels),
+      alpha_(pixels),
+      halves_(pixels),
+      marks_(pixels * marks_per_pixel_) {
+  if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
+  if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
+  if (aovs & kClosestAovs) closest_.resize(pixels);
+  for (const AovInfo& info : kAovs)
+    if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
+  if (extras.rays) rays_.resize(pixels);
+}
+
+void FilmTile::clear() {
+  covered_ = 0;
+  reached = begin_;
+  const auto blank = [](auto& plane) {
+    std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
+  };
+  blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(closest_);
+  blank(rays_), blank(marks_);
+  for (LayerPlane& layer : layers_) blank(layer.sums);
+}
+
+uint32_t FilmTile::least_samples() const {
+  return empty() ? 0 : *std::min_element(samples_.begin(), samples_.end());
+}
+
+uint32_t FilmTile::most_samples() const {
+  return empty() ? 0 : *std::max_element(samples_.begin(), samples_.end());
+}
+
+size_t FilmTile::count_marks(const SampleRange& range) {
+  if (range.begin == 0 || range.end <= range.begin) return 0;
+  return std::min(kMostMarks, static_cast<size_t>(std::bit_width(range.end) - std::bit_width(range.begin)));
+}
+
+std::vector<std::span<std::byte>> FilmTile::planes() {
+  std::vector<std::span<std::byte>> all;
+  const auto add = [&all](auto& plane) {
+    if (!plane.empty()) all.push_back(std::as_writable_bytes(std::span(plane)));
+  };
+  add(samples_);
+  add(color_);
+  add(alpha_);
+  add(halves_);
+  add(normal_);
+  add(albedo_);
+  add(closest_);
+  for (LayerPlane& layer : layers_) add(layer.sums);
+  add(rays_);
+  add(marks_);
+  return all;
+}
+
+bool FilmTile::is_valid() const {
+  const auto valid = [](const std::vector<RgbSum>& sums) {
+    return std::all_of(sums.begin(), sums.end(), [](const RgbSum& sum) { return sum.is_valid(); });
+  };
+  return valid(color_) && valid(marks_) &&
+         std::all_of(layers_.begin(), layers_.end(), [&](const LayerPlane& layer) { return valid(layer.sums); }) &&
+         std::all_of(samples_.begin(), samples_.end(), [](uint32_t n) { return n <= kMostSummedSamples; });
+}
+
+size_t FilmTile::bytes_per_pixel(uint32_t aovs, const FilmExtras& extras) {
+  FilmTile one(1, aovs, extras);
+  size_t bytes = 0;
+  for (const auto& plane : one.planes()) bytes += plane.size();
+  return bytes;
+}
+
+void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
+  const uint32_t samples = ++samples_[pixel];
+  if (samples == 1) ++covered_;
+  color_[pixel].add(s.color);
+  alpha_[pixel].add(s.alpha);
+  if (std::has_single_bit(samples)) compare_halves(pixel);
+  if (marks_per_pixel_ > 0 && std::has_single_bit(begin_ + samples))
+    marks_[mark(pixel, begin_ + samples)] = color_[pixel];
+  if (!normal_.empty()) accumulate({s.normal.x, s.normal.y, s.normal.z}, &normal_[pixel]);
+  if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
+  if (layers)
+    for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
+  if (!closest_.empty() && s.distance < closest_[pixel].distance)
+    closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
+}
+
+void FilmTile::append(const FilmTile& next) {
+  for (size_t pixel = 0; pixel < samples_.size(); ++pixel) {
+    append_halves(pixel, next);
+    samples_[pixel] += next.samples_[pixel];
+    if (!closest_.empty() && next.closest_[pixel].distance < closest_[pixel].distance)
+      closest_[pixel] = next.closest_[pixel];
+    if (!rays_.empty()) rays_[pixel] += next.rays_[pixel];
+  }
+  append_plane(next.color_, &color_);
+  append_plane(next.alpha_, &alpha_);
+  append_plane(next.normal_, &normal_);
+  append_plane(next.albedo_, &albedo_);
+  for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
+  reached = next.reached;
+}
+
+// Compares the halves at each power of two that the part reaches, as if its samples came one by one.
+void FilmTile::append_halves(size_t pixel, const FilmTile& next) {
+  if (next.marks_per_pixel_ == 0) return;
+  const uint32_t samples = samples_[pixel];
+  const RgbSum color = color_[pixel];
+  const uint32_t last = std::bit_floor(samples + next.samples_[pixel]);
+  const auto known =
+      std::min(next.marks_per_pixel_, static_cast<size_t>(std::bit_width(last) - std::bit_width(samples)));
+  for (size_t before = known; before-- > 0;) {
+    samples_[pixel] = last >> before;
+    color_[pixel].add(next.marks_[next.mark(pixel, last >> before)]);
+    compare_halves(pixel);
+    color_[pixel] = color;
+  }
+  samples_[pixel] = samples;
+}
+
+namespace {
+
+// Difference between the means of the `first` samples and of the `rest`: the root of its mean square over red, green
+// and blue.
+float mean_difference(const std::array<double, 3>& all, const std::array<float, 3>& some, double first, double rest) {
+  double squares = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    const double difference = some[c] / first - (all[c] - some[c]) / rest;
+    squares += difference * difference / 3;
+  }
+  return static_cast<float>(std::sqrt(squares));
+}
+
+}  // namespace
+
+// The pixel has just reached a power of two.
+void FilmTile::compare_halves(size_t pixel) {
+  Halves& h = halves_[pixel];
+  const auto sums = color_[pixel].value();
+  const uint32_t n = samples_[pixel];
+  if (n > 1) {
+    h.earlier = h.previous;
+    h.previous = h.latest;
+    h.latest = mean_difference(sums, h.first, n / 2, n / 2);
+  }
+  h.first = {static_cast<float>(sums[0]), static_cast<float>(sums[1]), static_cast<float>(sums[2])};
+}
+
+PixelNoise FilmTile::noise(size_t pixel) const {
+  const uint32_t n = samples_[pixel];
+  if (n == 0) return {};
+  const auto sums = color_[pixel].value();
+  const Halves& h = halves_[pixel];
+  const uint32_t m = std::bit_floor(n);
+  return {n,         static_cast<float>((sums[0] + sums[1] + sums[2]) / (3.0 * n)), h.latest, h.previous,
+          h.earlier, n > m ? mean_difference(sums, h.first, m, n - m) : 0.0f};
+}
+
+void FilmTile::take(size_t pixel, const FilmTile& from) {
+  covered_ += size_t(from.samples_[pixel] > 0) - size_t(samples_[pixel] > 0);
+  samples_[pixel] = from.samples_[pixel];
+  color_[pixel] = from.color_[pixel];
+  alpha_[pixel] = from.alpha_[pixel];
+  halves_[pixel] = from.halves_[pixel];
+  if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
+  if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
+  if (!closest_.empty()) closest_[pixel] = from.closest_[pixel];
+  for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
+}
+
+namespace {
+
+void average(const RgbSum& sum, double scale, float* out) {
+  const auto sums = sum.value();
+  for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i] * scale);
+}
+
+void average(const std::array<UnitSum, 3>& sums, double scale, float* out) {
+  for (size_t i = 0; i < 3; ++i) out[i] = static_cast<float>(sums[i].value() * scale);
+}
+
+}  // namespace
+
+void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
+  const auto components = static_cast<size_t>(aov_info(aov).components());
+  const auto each = [&](const auto& write) {
+    for (size_t i = pixel; i < pixel + count; ++i, out += components)
+      write(i, samples_[i] > 0 ? 1.0 / samples_[i] : 0.0, out);
+  };
+  const auto each_average = [&](const auto& sums) {
+    if (sums.empty())
+      std::fill_n(out, components * count, 0.0f);
+    else
+      each([&](size_t i, double scale, float* to) { average(sums[i], scale, to); });
+  };
+  const auto each_closest = [&](float Closest::*member) {
+    if (closest_.empty())
+      std::fill_n(out, count, aov_info(aov).background);
+    else
+      each([&](size_t i, double, float* to) { *to = closest_[i].*member; });
+  };
+  switch (aov) {
+    case Aov::color:
+      return each([&](size_t i, double scale, float* to) {
+        average(color_[i], scale, to);
+        to[3] = static_cast<float>(alpha_[i].value() * scale);
+      });
+    case Aov::alpha:
+      return each([&](size_t i, double scale, float* to) { *to = static_cast<float>(alpha_[i].value() * scale); });
+    case Aov::error:
+      return each([&](size_t i, double, float* to) { *to = noise(i).deviation(); });
+    case Aov::normal:
+      return each_average(normal_);
+    case Aov::albedo:
+      return each_average(albedo_);
+    case Aov::depth:
+      return each_closest(&Closest::depth);
+    case Aov::camera_depth:
+      return each_closest(&Closest::camera_depth);
+    default:
+      for (const LayerPlane& plane : layers_)
+        if (plane.aov == aov) return each_average(plane.sums);
+      std::fill_n(out, components * count, 0.0f);
+  }
+}
+
+void FilmTile::resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count) const {
+  if (aov == Aov::sample_count) {
+    for (size_t i = 0; i < count; ++i) out[i] = static_cast<int32_t>(samples_[pixel + i]);
+  } else if (closest_.empty()) {
+    std::fill_n(out, count, static_cast<int32_t>(aov_info(aov).background));
+  } else {
+    const auto member = aov == Aov::prim_id       ? &Closest::prim_id
+                        : aov == Aov::instance_id ? &Closest::instance_id
+                                                  : &Closest::element_id;
+    for (size_t i = 0; i < count; ++i) out[i] = closest_[pixel + i].*member;
+  }
+}
+
+}  // namespace alabaster

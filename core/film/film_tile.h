@@ -1,0 +1,140 @@
+// Where the samples of a tile's pixels are summed. A sample belongs to one pixel only, because the pixel filter is
+// importance-sampled. So tiles need no merging.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "core/color/rgb.h"
+#include "core/film/aov.h"
+#include "core/film/pixel_noise.h"
+#include "core/film/sample_sum.h"
+#include "core/math/vector.h"
+
+namespace alabaster {
+
+/// Samples of a pixel, by their numbers, half open.
+struct SampleRange {
+  uint32_t begin = 0, end = 0;
+  bool operator==(const SampleRange&) const = default;
+};
+
+/// What a film keeps besides its AOVs.
+struct FilmExtras {
+  bool rays = false;  // the rays that each pixel has cost
+  /// The samples that it is to get. Where they do not begin at 0 the film is a part of another one, and keeps what that
+  /// needs to append() it. `end` counts for such a film only.
+  SampleRange range;
+};
+
+/// The result of one camera sample. Values of the first hit keep their defaults where no bound AOV shows them.
+struct FilmSample {
+  Rgb color{0.0f};
+  float alpha = 0;
+  float distance = 0;      // to the first hit, infinity if none; the least decides which sample is closest
+  float depth = 1;         // Hydra's 0..1 clip depth (1 = far, background)
+  float camera_depth = 0;  // along -z, world units; 0 if no hit
+  Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
+  Rgb albedo{0.0f};
+  int32_t prim_id = -1, instance_id = -1, element_id = -1;
+};
+
+/// A sample's colour, split by how the light left the first surface. The layers add up to color but for float rounding.
+struct LightLayers {
+  Rgb diffuse{0.0f};      // scattered by the diffuse and sheen lobes
+  Rgb specular{0.0f};     // scattered by the specular and clearcoat lobes
+  Rgb unscattered{0.0f};  // through the body below, without a scattering event
+  Rgb single{0.0f};       // through the body, one scattering event
+  Rgb multiple{0.0f};     // through the body, two scattering events or more
+  Rgb emission{0.0f};     // seen directly: emissive surfaces, lights, the background
+};
+
+/// Accumulators of one tile. Only the planes that the requested AOVs need exist.
+class FilmTile {
+ public:
+  /// Without pixels.
+  FilmTile() = default;
+  FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras = {});
+  /// Takes all samples away, but keeps the memory.
+  void clear();
+
+  /// `pixel`: row-major within the tile. A pixel's samples must come in sample order, because its noise is that of the
+  /// first half against the second. `layers`: null where none of kLayerAovs is requested.
+  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
+  /// Counts rays of a pixel, if the film does.
+  void add_rays(size_t pixel, uint32_t rays) {
+    if (!rays_.empty()) rays_[pixel] += rays;
+  }
+  uint32_t rays(size_t pixel) const { return rays_[pixel]; }
+  /// Adds the samples of a part that follow this tile's, which begin at 0. Both have the same shape and AOVs, and this
+  /// tile has a sample. Every pixel has all samples of its range in both. The tile becomes, to the bit, what it were if
+  /// it had got all samples itself.
+  void append(const FilmTile& next);
+  uint32_t samples(size_t pixel) const { return samples_[pixel]; }
+  bool empty() const { return samples_.empty(); }
+  /// Of the pixels; 0 without pixels.
+  uint32_t least_samples() const;
+  uint32_t most_samples() const;
+  /// False: some pixel has no sample.
+  bool is_covered() const { return covered_ == samples_.size(); }
+  /// Writes the components of `count` pixels: averages, or the values of the closest sample.
+  void resolve(size_t pixel, Aov aov, float* out, size_t count = 1) const;
+  void resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count = 1) const;
+  PixelNoise noise(size_t pixel) const;
+  /// Replaces a pixel by that of another tile of the same shape and AOVs.
+  void take(size_t pixel, const FilmTile& from);
+  /// Size of the accumulators that these AOVs and extras need.
+  static size_t bytes_per_pixel(uint32_t aovs, const FilmExtras& extras = {});
+
+  /// Samples per pixel, of an even frame, that all pixels have had: where a render goes on. The code that adds the samples
+  /// sets it.
+  uint32_t reached = 0;
+  /// The memory of all planes, for a checkpoint: it depends on the number of pixels, the AOVs and the extras alone.
+  std::vector<std::span<std::byte>> planes();
+  /// False if the planes, read from a file, hold what no samples give.
+  bool is_valid() const;
+
+ private:
+  using UnitSums = std::vector<std::array<UnitSum, 3>>;
+  struct LayerPlane {
+    Aov aov;
+    std::vector<RgbSum> sums;
+  };
+  struct Closest {
+    float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
+    int32_t prim_id = -1, instance_id = -1, element_id = -1;
+  };
+  struct Halves {
+    std::array<float, 3> first{};  // sum of color over the first m samples
+    float latest = 0, previous = 0, earlier = 0;
+  };
+  // The sums of color at the powers of two that the number of a part's last sample reaches. The halves of a film need
+  // the last four.
+  static constexpr size_t kMostMarks = 4;
+  static size_t count_marks(const SampleRange& range);
+  size_t mark(size_t pixel, uint32_t power) const {
+    return pixel * marks_per_pixel_ + static_cast<size_t>(std::countr_zero(power)) % marks_per_pixel_;
+  }
+  void compare_halves(size_t pixel);
+  void append_halves(size_t pixel, const FilmTile& next);
+
+  size_t covered_ = 0;  // pixels that have samples
+  uint32_t begin_ = 0;  // the first sample
+  size_t marks_per_pixel_ = 0;
+  std::vector<uint32_t> samples_;
+  std::vector<RgbSum> color_;  // premultiplied
+  std::vector<UnitSum> alpha_;
+  UnitSums normal_, albedo_;
+  std::vector<Halves> halves_;
+  std::vector<LayerPlane> layers_;  // those that are requested
+  std::vector<Closest> closest_;
+  std::vector<uint32_t> rays_;
+  std::vector<RgbSum> marks_;
+};
+
+}  // namespace alabaster

@@ -1,0 +1,87 @@
+// The state of a RenderSession, for the two files that define it: render_session.cpp starts, stops and reports;
+// session_workers.cpp renders.
+#pragma once
+
+#include <time.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <tbb/task_group.h>
+
+#include "core/convergence/group_stopping.h"
+#include "core/convergence/sample_allocation.h"
+#include "core/session/pass_schedule.h"
+#include "core/session/render_session.h"
+
+namespace alabaster {
+
+using SessionClock = std::chrono::steady_clock;
+
+inline double seconds_since(const SessionClock::time_point& start) {
+  return std::chrono::duration<double>(SessionClock::now() - start).count();
+}
+
+inline double cpu_seconds(clockid_t clock) {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+inline bool is_adaptive(const RenderSettings& settings) {
+  return settings.adaptive && settings.samples >= 2 * kPilotSamples;
+}
+
+// One render from start to end. The session holds the current one; a stopped one is joined before it is replaced.
+struct RenderSession::State {
+  mutable std::mutex mutex;  // guards the members down to denoise_threads; never held while rendering
+  std::condition_variable changed;
+  RenderProgress progress;
+  std::shared_ptr<Film> film;
+  RenderRequest request;                         // of the current or last render
+  bool noise_is_known = false;                   // progress.noise is the film's
+  tbb::task_group_context* measuring = nullptr;  // stop() cancels it; null: the noise is not being measured
+  SessionClock::time_point started;
+  PassSchedule schedule;  // of the current round
+  FinishedPasses finished{0, 0};
+  uint32_t passes_before = 0;                // in earlier rounds
+  std::shared_ptr<const Denoiser> denoiser;  // null: none is asked for, or the film is denoised
+  uint32_t denoise_threads = 0;
+
+  std::atomic<bool> stop_requested{false};
+  std::atomic<bool> out_of_time{false};
+  double time_limit = 0;                     // seconds; 0: none
+  std::atomic<bool> pause_requested{false};  // changed under the mutex
+  std::mutex stopped_denoise;                // one caller denoises a stopped film, and the others wait for it
+  std::thread driver;
+
+  // Changed between rounds only.
+  std::vector<int> tile_order;  // from the centre outwards
+  SampleAllocation allocation;
+  GroupStopping stopping;
+
+  // Work of the current round.
+  std::atomic<size_t> next_item{0};
+  std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
+
+  void begin(const RenderRequest& next);
+  void render();
+  void run_rounds(int threads);
+  void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);
+  void render_items(const TileRenderer& renderer);
+  bool render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile, RenderCounters* counters);
+  void set_paused(bool pause);
+  bool wait_while_paused();
+  bool time_is_over();
+  void tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds);
+  void set_measuring(tbb::task_group_context* context);
+  NoiseImage measure_noise(uint32_t samples);
+  void denoise(const Film* stopped);
+  void measure_stopped();
+};
+
+}  // namespace alabaster

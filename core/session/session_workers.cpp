@@ -1,0 +1,163 @@
+#include <tbb/parallel_for.h>
+
+#include "core/session/session_state.h"
+#include "core/session/worker_threads.h"
+
+namespace alabaster {
+namespace {
+
+// Samples per pixel before which no time limit ends a render.
+constexpr uint32_t kLeastSamples = 2;
+
+struct TileRelease {
+  std::atomic<uint32_t>& passes;
+  uint32_t pass;
+  ~TileRelease() {
+    passes.store(pass + 1);
+    passes.notify_all();
+  }
+};
+
+}  // namespace
+
+bool RenderSession::State::time_is_over() {
+  if (!(time_limit > 0)) return false;
+  if (!out_of_time.load(std::memory_order_relaxed) && seconds_since(started) >= time_limit) out_of_time = true;
+  return out_of_time.load(std::memory_order_relaxed);
+}
+
+void RenderSession::State::tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds) {
+  const std::lock_guard lock(mutex);
+  progress.counters.add(counters);
+  progress.samples_done = progress.counters.samples;
+  progress.cpu_seconds += cpu_seconds;
+  if (!done) return;
+  finished.add_tile(pass);
+  progress.passes_done = passes_before + count_whole_passes(schedule, finished.count());
+}
+
+// Work items are (pass, tile) in order. Passes overlap, so that no worker idles at the end of one. The passes of one
+// tile do not: its sums are taken in sample order, by whichever worker.
+void RenderSession::State::render_items(const TileRenderer& renderer) {
+  const size_t tiles = tile_order.size();
+  const size_t items = tiles * schedule.size();
+  while (true) {
+    // Take the next item, and wait until the tile's pass before it is done.
+    const size_t item = next_item.fetch_add(1);
+    if (item >= items) return;
+    const int tile = tile_order[item % tiles];
+    const auto pass = static_cast<uint32_t>(item / tiles);
+    std::atomic<uint32_t>& passes = tile_passes[static_cast<size_t>(tile)];
+    for (uint32_t done; (done = passes.load()) != pass && !stop_requested;) passes.wait(done);
+
+    // Render it. The tile is released also when an exception passes: nobody may wait for a tile that nobody works on.
+    const double cpu = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
+    RenderCounters counters;
+    const TileRelease release{passes, pass};
+    bool done = false;
+    try {
+      done = !stop_requested && render_tile(renderer, schedule[pass], tile, &counters);
+    } catch (...) {
+      stop_requested = true;  // before the tile is released: the other workers end, too
+      throw;
+    }
+
+    // Report it.
+    tile_done(pass, done, counters, cpu_seconds(CLOCK_THREAD_CPUTIME_ID) - cpu);
+    if (!done) return;
+  }
+}
+
+bool RenderSession::State::render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile,
+                                       RenderCounters* counters) {
+  const auto may_go_on = [&] { return wait_while_paused() && (pass.end <= kLeastSamples || !time_is_over()); };
+  const TileSamples samples{film->tile_rect(tile), pass, allocation, stopping.groups_to_trace()};
+  FilmWriter pixels(film.get(), tile);
+  return renderer.render(samples, may_go_on, &pixels, counters);
+}
+
+// Renders one round.
+void RenderSession::State::run_workers(const TileRenderer& renderer, const SampleRange& round, int threads) {
+  next_item = 0;
+  tile_passes = std::vector<std::atomic<uint32_t>>(tile_order.size());
+  {
+    const std::lock_guard lock(mutex);
+    noise_is_known = false;
+    schedule = make_pass_schedule(round);
+    passes_before = progress.passes_done;
+    finished = FinishedPasses(tile_passes.size(), schedule.size());
+  }
+  run_on_threads(threads, [&] { render_items(renderer); });
+}
+
+// A frame is rendered in rounds. All decisions fall between rounds, when every tile stands at the same sample, so they
+// do not depend on threads. The caller is in an arena of `threads`.
+void RenderSession::State::run_rounds(int threads) {
+  const RenderSettings& settings = request.settings;
+  const bool has_target = settings.target_error > 0;
+  const bool adaptive = is_adaptive(settings);
+  const TileRenderer renderer(request);
+
+  // Where decisions follow, the first round is a pilot; else it is the rest of the frame.
+  SampleRange round{film->least_samples(),
+                    has_target || adaptive ? std::min(settings.samples, kPilotSamples) : settings.samples};
+  while (round.begin < round.end) {
+    // Trace the round's samples and measure the error that is left.
+    run_workers(renderer, round, threads);
+    if (stop_requested) break;
+    const NoiseImage noise = measure_noise(round.end);
+    if (stop_requested || out_of_time) break;
+
+    // After the pilot, send the samples to where they help most.
+    if (adaptive && round.begin == 0)
+      allocation = SampleAllocation(*film, film->rays(), has_target ? 0 : settings.samples);
+
+    // End the groups of pixels that have reached the target.
+    if (has_target) {
+      stopping.update(*film, noise, settings.target_error);
+      if (stopping.all_ended()) break;
+    }
+
+    // Go on to the next check of the error, or to the end.
+    round = {round.end, has_target ? std::min(settings.samples, next_error_check(round.end)) : settings.samples};
+  }
+
+  // Groups that ended before others show what they had then.
+  if (stopping.restore_ended(film.get()) && !stop_requested) measure_noise(round.end);
+}
+
+void RenderSession::State::set_measuring(tbb::task_group_context* context) {
+  const std::lock_guard lock(mutex);
+  measuring = context;
+}
+
+// Measures what the film has, and reports its error. Where a target decides, the error also predicts how many samples
+// the frame will take. A stop cancels it: then what it returns is not to be used.
+NoiseImage RenderSession::State::measure_noise(uint32_t samples) {
+  NoiseImage noise;
+  FrameError error;
+  const auto measure = [&](int) {
+    noise = film_noise(*film);
+    error = estimate_frame_error(noise);
+  };
+  tbb::task_group_context context;
+  set_measuring(&context);
+  try {
+    if (!stop_requested) tbb::parallel_for(0, 1, measure, tbb::simple_partitioner(), context);
+  } catch (...) {
+    set_measuring(nullptr);
+    throw;
+  }
+  set_measuring(nullptr);
+  const RenderSettings& settings = request.settings;
+  const std::lock_guard lock(mutex);
+  if (stop_requested) return noise;
+  progress.noise = error;
+  noise_is_known = true;
+  if (settings.target_error > 0 && error.known)
+    progress.samples_total =
+        progress.pixels * samples_for_error(samples, settings.samples, error.relative_rmse, settings.target_error);
+  return noise;
+}
+
+}  // namespace alabaster
