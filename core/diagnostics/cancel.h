@@ -24,4 +24,14 @@ class CancelToken {
   const std::atomic<bool>* flag_ = nullptr;
 };
 
+/// std::less for sorts that may be cancelled.
+struct CancellableLess {
+  const CancelToken& cancel;
+  template <class T>
+  bool operator()(const T& a, const T& b) const {
+    cancel.check();
+    return a < b;
+  }
+};
+
 }  // namespace alabaster

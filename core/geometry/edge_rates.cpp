@@ -58,6 +58,7 @@ EdgeRates wanted_rates(const Cage& cage, const Far::TopologyRefiner& refiner, co
   tbb::parallel_for(all, [&](const tbb::blocked_range<int>& range) {
     Surface surface;
     std::vector<float> controls;
+    options.cancel.check();
     for (int face = range.begin(); face < range.end(); ++face) {
       const auto edges = base.GetFaceEdges(face);
       const auto is_own = [&](int edge) { return owners[at(edge)] == face; };

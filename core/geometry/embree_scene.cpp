@@ -279,14 +279,29 @@ bool continue_build(void* data, double) {
   return !monitor.stopped;
 }
 
+// Waits in the caller's task arena; rtcJoinCommitScene would move the build to an arena of Embree's own. False: it was
+// cancelled.
+bool commit(RTCScene scene, const std::function<bool()>& cancelled) {
+  BuildMonitor monitor{cancelled};
+  if (cancelled) {
+    if (cancelled()) return false;  // small builds never ask
+    rtcSetSceneProgressMonitorFunction(scene, &continue_build, &monitor);
+  }
+  rtcCommitScene(scene);
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  return !monitor.stopped;
+}
+
 class EmbreeInstancedScene final : public InstancedScene {
  public:
-  EmbreeInstancedScene(std::shared_ptr<TraceDevice> device, const std::vector<InstancePlacement>& instances)
+  EmbreeInstancedScene(std::shared_ptr<TraceDevice> device, const std::vector<InstancePlacement>& instances,
+                       const std::function<bool()>& cancelled)
       : scene_(std::move(device)) {
     if (!scene_.get()) return;
     objects_.reserve(instances.size());
-    for (size_t i = 0; i < instances.size() && !failed_; ++i) failed_ = !add(instances[i], static_cast<unsigned>(i));
-    if (!failed_) rtcCommitScene(scene_.get());
+    for (size_t i = 0; i < instances.size() && !failed_; ++i)
+      failed_ = (i % 1024 == 0 && cancelled && cancelled()) || !add(instances[i], static_cast<unsigned>(i));
+    if (!failed_) failed_ = !commit(scene_.get(), cancelled);
   }
   bool take_error() const { return scene_.take_error() || failed_; }
 
@@ -359,21 +374,14 @@ std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<Trac
   auto object = std::make_shared<EmbreeObjectScene>(device, mesh);
   if (!object->get()) return nullptr;
   if (!mesh.triangles.empty() && !object->attach(mesh)) return nullptr;
-  BuildMonitor monitor{cancelled};
-  if (cancelled) {
-    if (cancelled()) return nullptr;  // small builds never ask
-    rtcSetSceneProgressMonitorFunction(object->get(), &continue_build, &monitor);
-  }
-  // Waits in the caller's task arena; rtcJoinCommitScene would move the build to an arena of Embree's own.
-  rtcCommitScene(object->get());
-  if (object->take_error() || monitor.stopped) return nullptr;
-  rtcSetSceneProgressMonitorFunction(object->get(), nullptr, nullptr);
+  if (!commit(object->get(), cancelled) || object->take_error()) return nullptr;
   return object;
 }
 
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
-                                                            const std::vector<InstancePlacement>& instances) {
-  auto scene = std::make_shared<EmbreeInstancedScene>(device, instances);
+                                                            const std::vector<InstancePlacement>& instances,
+                                                            const std::function<bool()>& cancelled) {
+  auto scene = std::make_shared<EmbreeInstancedScene>(device, instances, cancelled);
   return scene->take_error() ? nullptr : scene;
 }
 

@@ -70,9 +70,10 @@ class InstancedScene {
 };
 /// A placement without an object, and one that is not traceable, is never hit; the others keep their indices. Rays that
 /// a placement would carry beyond what Embree takes miss everything: leave out what is not traceable from afar.
-/// Null when memory runs out or Embree refuses (reported).
+/// Null when memory runs out or Embree refuses (reported), and when `cancelled` says so, as above.
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
-                                                            const std::vector<InstancePlacement>& instances);
+                                                            const std::vector<InstancePlacement>& instances,
+                                                            const std::function<bool()>& cancelled = {});
 
 /// Rays and transforms that Embree is given stay below this; it aborts from 1.8e18 on.
 inline constexpr float kTraceLimit = 1e17f;

@@ -29,7 +29,7 @@ std::array<uint32_t, 3> position_key(const Vec3f& p) {
 }
 
 // `weld` empty: points are their own.
-bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld) {
+bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
   std::vector<uint64_t> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
@@ -42,15 +42,16 @@ bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld) {
       edges.push_back(a < b ? a << 32 | b : b << 32 | a);
     }
   }
-  tbb::parallel_sort(edges.begin(), edges.end());
+  tbb::parallel_sort(edges.begin(), edges.end(), CancellableLess{cancel});
   for (size_t i = 0; i < edges.size(); i += 2)
     if (i + 1 == edges.size() || edges[i] != edges[i + 1]) return false;
   return !edges.empty();
 }
 
-bool is_closed(const Mesh& mesh) {
+bool is_closed(const Mesh& mesh, const CancelToken& cancel) {
   // Welding only adds up even numbers, so what is closed without it stays closed.
-  return every_edge_is_paired(mesh, {}) || every_edge_is_paired(mesh, weld_by_position(mesh.points));
+  return every_edge_is_paired(mesh, {}, cancel) ||
+         every_edge_is_paired(mesh, weld_by_position(mesh.points, cancel), cancel);
 }
 
 // By tetrahedra over the centre of the bounds, so that no digits cancel.
@@ -234,13 +235,13 @@ size_t Mesh::memory_bytes() const {
 }
 
 // By sorting: no choice of points makes it slow, as one does where they are hashed.
-std::vector<int> weld_by_position(const std::vector<Vec3f>& points) {
+std::vector<int> weld_by_position(const std::vector<Vec3f>& points, const CancelToken& cancel) {
   std::vector<std::array<uint32_t, 4>> keys(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const auto key = position_key(points[i]);
     keys[i] = {key[0], key[1], key[2], static_cast<uint32_t>(i)};
   }
-  tbb::parallel_sort(keys.begin(), keys.end());
+  tbb::parallel_sort(keys.begin(), keys.end(), CancellableLess{cancel});
   std::vector<int> first(points.size());
   for (size_t i = 0, run = 0; i < keys.size(); ++i) {
     if (!std::equal(keys[i].begin(), keys[i].begin() + 3, keys[run].begin())) run = i;
@@ -276,10 +277,11 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
   std::optional<Mesh> refined;
   if (fitting.level > 0) refined = tessellate_limit_surface(cage, fitting, sink);
   Mesh mesh = refined ? std::move(*refined) : FlatBuilder(cage).build();
+  options.cancel.check();
   if (options.displace) options.displace(&mesh);
   for (const auto& t : mesh.triangles)
     for (uint32_t i : t) mesh.bounds.extend(mesh.points[i]);
-  mesh.closed = is_closed(mesh);
+  mesh.closed = is_closed(mesh, options.cancel);
   mesh.outward = mesh.closed && encloses_positive_volume(mesh);
   return mesh;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/diagnostics/cancel.h"
 #include "core/geometry/cage.h"
 #include "core/math/bounds.h"
 #include "core/math/motion.h"
@@ -108,6 +109,7 @@ struct RefinementOptions {
   /// (reported). Asked on any thread. Empty: 2^level for each.
   std::function<float(const Vec3f& a, const Vec3f& b)> segments;
   std::function<void(Mesh*)> displace;  // moves the points of the finished surface; empty: none
+  CancelToken cancel = {};              // build_mesh() and pose_mesh() throw BuildCancelled
 };
 
 /// Turns a sanitized cage into triangles. level > 0 with a scheme other than `none`: points and normals of the limit
@@ -127,6 +129,6 @@ size_t estimate_mesh_bytes(const Cage& cage, int level);
 
 /// Vertices at the same position become one where a file had to split them (uv seams): returns for each point the index
 /// of the first point with the same bits (after -0 -> +0).
-std::vector<int> weld_by_position(const std::vector<Vec3f>& points);
+std::vector<int> weld_by_position(const std::vector<Vec3f>& points, const CancelToken& cancel = {});
 
 }  // namespace alabaster

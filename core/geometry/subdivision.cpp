@@ -77,8 +77,13 @@ struct Workspace {
 
 class LimitTessellator {
  public:
-  LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, const EdgeRates& rates)
-      : cage_(cage), base_(refiner.GetLevel(0)), factory_(refiner, surface_options(rates.level())), rates_(rates) {
+  LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, const EdgeRates& rates,
+                   const CancelToken& cancel)
+      : cancel_(cancel),
+        cage_(cage),
+        base_(refiner.GetLevel(0)),
+        factory_(refiner, surface_options(rates.level())),
+        rates_(rates) {
     for (const UvPrimvar& uv : cage.uvs)
       (uv.interpolation == Interpolation::vertex ? vertex_uvs_ : face_uvs_).push_back(&uv);
     find_faces();
@@ -113,6 +118,7 @@ class LimitTessellator {
   void find_faces() {
     faces_.resize(at(base_.GetNumFaces()));
     for (int face = 0; face < base_.GetNumFaces(); ++face) {
+      cancel_.check();
       if (!factory_.FaceHasLimitSurface(face)) continue;
       Pattern own;
       const Pattern& pattern = pattern_of(face, &own);
@@ -273,6 +279,7 @@ class LimitTessellator {
     for (std::vector<float>* values : {&w->value, &w->du, &w->dv}) values->resize(at(width_));
     const std::vector<float>& coordinates = pattern.coordinates;
     for (size_t i = 0; i < samples.size(); ++i) {
+      if (i % 256 == 0) cancel_.check();  // a face may have 65,000
       const Sample& sample = samples[i];
       if (!sample.owns_point && !sample.owns_normal) continue;
       const std::vector<float>&du = w->du, &dv = w->dv;
@@ -347,6 +354,7 @@ class LimitTessellator {
       if (dot(n, n) > 0) mesh_.normals[i] = Vec3f(normalize(n));
   }
 
+  const CancelToken cancel_;
   const Cage& cage_;
   const Far::TopologyLevel& base_;
   SurfaceFactory factory_;
@@ -383,7 +391,7 @@ std::optional<Mesh> tessellate_limit_surface(const Cage& cage, const RefinementO
            "colours at face corners are not refined and are left out; give one per vertex");
   const EdgeRates rates =
       options.segments ? adaptive_rates(cage, *refiner, options, sink) : EdgeRates{1u << options.level, {}};
-  return LimitTessellator(cage, *refiner, rates).run();
+  return LimitTessellator(cage, *refiner, rates, options.cancel).run();
 }
 
 }  // namespace alabaster

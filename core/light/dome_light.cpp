@@ -3,7 +3,7 @@
 #include "core/sampling/warp.h"
 
 namespace alabaster {
-DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_origin*/, LightImages known) {
+DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_origin*/, const LightImages& images) {
   const Matrix4d& m = description.light_to_world;
   if (!is_valid_affine(m)) return;
   const Vec3d y = transform_vector(Vec3d(0, 1, 0), m), z = transform_vector(Vec3d(0, 0, 1), m);
@@ -15,7 +15,7 @@ DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_
   radiance_ = emission(description);
   const auto& texture = description.texture;
   if (is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
-  image_ = share_light_image(texture, radiance_, LightImage::Shape::lat_long, known);
+  image_ = share_light_image(texture, radiance_, LightImage::Shape::lat_long, images);
   radiance_ = image_->mean();
 }
 

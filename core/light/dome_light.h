@@ -18,7 +18,7 @@ namespace alabaster {
 /// Directions are drawn from the image's density (light_image.h), which is constant per texel and solid angle.
 class DomeLight {
  public:
-  DomeLight(const LightDescription& description, const Vec3d& render_origin, LightImages known = {});
+  DomeLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// Always hits, at infinity, unless the dome is black or an image is asked for the direction zero.
   std::optional<LightHit> intersect(const Ray& ray) const;

@@ -2,11 +2,11 @@
 
 namespace alabaster {
 
-Light make_light(const LightDescription& d, const Vec3d& render_origin, LightImages known) {
+Light make_light(const LightDescription& d, const Vec3d& render_origin, const LightImages& images) {
   switch (d.type) {
     case LightType::rect:
     case LightType::disk:
-      return PlaneLight(d, render_origin, known);
+      return PlaneLight(d, render_origin, images);
     case LightType::cylinder:
       return CylinderLight(d, render_origin);
     case LightType::sphere:
@@ -16,7 +16,7 @@ Light make_light(const LightDescription& d, const Vec3d& render_origin, LightIma
     case LightType::dome:
       break;
   }
-  return DomeLight(d, render_origin, known);
+  return DomeLight(d, render_origin, images);
 }
 
 std::shared_ptr<const LightImage> image_of(const Light& light) {

@@ -26,9 +26,9 @@ namespace alabaster {
 
 using Light = std::variant<PlaneLight, CylinderLight, SphereLight, DistantLight, DomeLight, MeshLight>;
 
-/// The light of a description, placed in the render space whose origin this is in the world. It shares images with
-/// `known`.
-Light make_light(const LightDescription& description, const Vec3d& render_origin, LightImages known = {});
+/// The light of a description, placed in the render space whose origin this is in the world. It shares images
+/// where it can.
+Light make_light(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
 
 /// The image that it is made of, or null.
 std::shared_ptr<const LightImage> image_of(const Light& light);

@@ -26,7 +26,7 @@ Rgb LightImage::texel(int x, int y) const {
   return {clean(c.r), clean(c.g), clean(c.b)};
 }
 
-LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape)
+LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel)
     : texture_(std::move(texture)), scale_(scale), shape_(shape) {
   const int width = texture_->width(), height = texture_->height();
   const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
@@ -34,6 +34,7 @@ LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale,
   std::vector<float> along_rows(w * h), weights(w * h), row(w);
   double mean[3] = {0, 0, 0};
   for (int y = 0; y < height; ++y) {
+    cancel.check();
     const double solid_angle = 2 * kPiDouble / width * row_height(y, height);
     const double share = around ? solid_angle / (4 * kPiDouble) : 1 / (static_cast<double>(width) * height);
     for (int x = 0; x < width; ++x) {
@@ -48,6 +49,7 @@ LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale,
     }
   }
   for (size_t y = 0; y < h; ++y) {
+    cancel.check();
     const float *above = &along_rows[(y > 0 ? y - 1 : 0) * w], *here = &along_rows[y * w],
                 *below = &along_rows[std::min(y + 1, h - 1) * w];
     const double weight = around ? row_height(static_cast<int>(y), height) : 1;
@@ -55,14 +57,14 @@ LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale,
       weights[y * w + x] = static_cast<float>(filtered(above[x], here[x], below[x]) * weight);
   }
   for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]) * scale_[i];
-  distribution_ = Distribution2D(weights, w, h);
+  distribution_ = Distribution2D(weights, w, h, cancel);
 }
 
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
-                                                    LightImage::Shape shape, LightImages known) {
-  for (const auto& image : known)
+                                                    LightImage::Shape shape, const LightImages& images) {
+  for (const auto& image : images.known)
     if (image->is_of(texture.get(), scale, shape)) return image;
-  return std::make_shared<const LightImage>(texture, scale, shape);
+  return std::make_shared<const LightImage>(texture, scale, shape, images.cancel);
 }
 
 Rgb LightImage::lookup(double u, double v) const {

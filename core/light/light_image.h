@@ -21,8 +21,8 @@ class LightImage {
     flat,     // clamped at its edges, a texel counts by its area
     lat_long  // wraps around in u, is clamped at the poles, and a texel counts by its solid angle
   };
-  /// The image times `scale`. The texture has texels.
-  LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape);
+  /// The image times `scale`. The texture has texels. Throws BuildCancelled.
+  LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel = {});
 
   Rgb lookup(double u, double v) const;
   /// A place and its density per unit square.
@@ -48,12 +48,15 @@ class LightImage {
   Distribution2D distribution_;
 };
 
-/// Images that exist already.
-using LightImages = std::span<const std::shared_ptr<const LightImage>>;
+/// Images that exist already, and the token that those to be made ask.
+struct LightImages {
+  std::span<const std::shared_ptr<const LightImage>> known = {};
+  CancelToken cancel = {};
+};
 
-/// The one of `known` that is made of the same, or a new one: its density takes 0.2 s for 4096 x 2048 texels.
+/// The known one that is made of the same, or a new one: its density takes 0.2 s for 4096 x 2048 texels.
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
-                                                    LightImage::Shape shape, LightImages known);
+                                                    LightImage::Shape shape, const LightImages& images);
 
 /// cos(a) - cos(b) of the colatitudes over one row of texels of a lat-long image, without cancellation:
 /// 2 sin(middle) sin(half the height).

@@ -14,7 +14,7 @@ constexpr double kNearHeight = 0.75, kNearDistance = 2;
 
 }  // namespace
 
-PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_origin, LightImages known)
+PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images)
     : disk_(description.type == LightType::disk) {
   const Matrix4d& m = description.light_to_world;
   if (!is_valid_affine(m)) return;
@@ -44,7 +44,7 @@ PlaneLight::PlaneLight(const LightDescription& description, const Vec3d& render_
   plain_ = !disk_ && skew_ == 0 && !shaping_;
   const auto& texture = description.texture;
   if (disk_ || is_black(radiance_) || !texture || texture->width() <= 0 || texture->height() <= 0) return;
-  image_ = share_light_image(texture, radiance_, LightImage::Shape::flat, known);
+  image_ = share_light_image(texture, radiance_, LightImage::Shape::flat, images);
   plain_ = false;
   radiance_ = image_->mean();
 }

@@ -24,7 +24,7 @@ namespace alabaster {
 /// "Solid Angle Sampling of Disk and Cylinder Lights"): directions that miss it, a fifth, give no light.
 class PlaneLight {
  public:
-  PlaneLight(const LightDescription& description, const Vec3d& render_origin, LightImages known = {});
+  PlaneLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
   /// Empty for points behind or in the plane of the light.
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   std::optional<LightHit> intersect(const Ray& ray) const;

@@ -15,8 +15,8 @@ namespace {
 // Corners are numbered 3 * triangle + corner.
 class Displacer {
  public:
-  Displacer(const Displacements& displacements, Mesh* mesh)
-      : displacements_(displacements), mesh_(*mesh), first_(weld_by_position(mesh->points)) {
+  Displacer(const Displacements& displacements, Mesh* mesh, const CancelToken& cancel)
+      : cancel_(cancel), displacements_(displacements), mesh_(*mesh), first_(weld_by_position(mesh->points, cancel)) {
     gather_corners();
     compute_tangent_frames();
   }
@@ -61,6 +61,7 @@ class Displacer {
   template <class F>
   void for_each_place(const F& work) const {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, first_.size(), 256), [&](const tbb::blocked_range<size_t>& range) {
+      cancel_.check();
       for (size_t i = range.begin(); i < range.end(); ++i)
         if (at(first_[i]) == i && starts_[i] < starts_[i + 1]) work(i);
     });
@@ -214,6 +215,7 @@ class Displacer {
     for (uint32_t c = 0; c < corners_.size(); ++c) mesh_.normal_triangles[c / 3][c % 3] = index[leaders_[c]];
   }
 
+  const CancelToken cancel_;
   const Displacements& displacements_;
   Mesh& mesh_;
   std::vector<int> first_;  // the place of each point
@@ -234,9 +236,10 @@ void report_missing_uvs(const Displacements& displacements, const Mesh& mesh, co
 
 }  // namespace
 
-void displace(const Displacements& displacements, const std::string& where, const DiagnosticSink& sink, Mesh* mesh) {
+void displace(const Displacements& displacements, const std::string& where, const DiagnosticSink& sink, Mesh* mesh,
+              const CancelToken& cancel) {
   report_missing_uvs(displacements, *mesh, where, sink);
-  if (const size_t kept = Displacer(displacements, mesh).run())
+  if (const size_t kept = Displacer(displacements, mesh, cancel).run())
     report(sink, Severity::error, "mesh.displacement.nonfinite", where,
            std::to_string(kept) + " displaced points are not finite or beyond 1e17; they are not displaced");
 }

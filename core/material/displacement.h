@@ -40,6 +40,7 @@ using Displacements = std::vector<std::optional<Displacement>>;
 ///   edges hard. Errors shrink with the distance between points. Flat meshes stay flat.
 /// - Where a displaced point would not be finite, or beyond kTraceLimit, it keeps its place, and one error is reported.
 /// - A texture whose coordinates the mesh lacks is read at (0, 0), as everywhere, and a warning is reported.
-void displace(const Displacements& displacements, const std::string& where, const DiagnosticSink& sink, Mesh* mesh);
+void displace(const Displacements& displacements, const std::string& where, const DiagnosticSink& sink, Mesh* mesh,
+              const CancelToken& cancel = {});
 
 }  // namespace alabaster

@@ -64,10 +64,12 @@ float Distribution1D::pdf(float x) const {
   return probability(cell_of(x)) * static_cast<float>(size());
 }
 
-Distribution2D::Distribution2D(const std::vector<float>& weights, size_t width, size_t height) {
+Distribution2D::Distribution2D(const std::vector<float>& weights, size_t width, size_t height,
+                               const CancelToken& cancel) {
   std::vector<double> sums(height);
   rows_.reserve(height);
   for (size_t y = 0; y < height; ++y) {
+    cancel.check();
     const auto begin = weights.begin() + static_cast<std::ptrdiff_t>(y * width);
     rows_.emplace_back(std::vector<float>(begin, begin + static_cast<std::ptrdiff_t>(width)));
     sums[y] = rows_.back().sum();

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/diagnostics/cancel.h"
+
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -45,7 +47,7 @@ class Distribution1D {
 class Distribution2D {
  public:
   Distribution2D() = default;
-  Distribution2D(const std::vector<float>& weights, size_t width, size_t height);
+  Distribution2D(const std::vector<float>& weights, size_t width, size_t height, const CancelToken& cancel = {});
 
   Vec2f sample(const Vec2f& u, float* pdf) const;  // pdf per unit square
   float pdf(const Vec2f& p) const;

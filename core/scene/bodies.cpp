@@ -63,8 +63,8 @@ class KnownUnions {
 class BodyPlanner {
  public:
   BodyPlanner(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-              const SceneSnapshot* last, SceneSnapshot* snapshot)
-      : drawn_(drawn), device_(device), known_(last), snapshot_(*snapshot) {}
+              const SceneSnapshot* last, SceneSnapshot* snapshot, const CancelToken& cancel)
+      : drawn_(drawn), device_(device), known_(last), snapshot_(*snapshot), cancel_(cancel) {}
 
   bool plan() {
     std::map<std::string, std::vector<uint32_t>> sets;
@@ -82,8 +82,9 @@ class BodyPlanner {
 
  private:
   bool add_body(const std::vector<uint32_t>& indices) {
+    cancel_.check();
     auto body = std::make_shared<SubsurfaceBody>();
-    const MeshShells& first = drawn_[indices.front()]->prototype->shells();
+    const MeshShells& first = drawn_[indices.front()]->prototype->shells(cancel_);
     if (indices.size() == 1 && is_simple(first))
       add_alone(indices.front(), body.get());
     else if (!unite(indices, body.get()))
@@ -119,7 +120,9 @@ class BodyPlanner {
     }
     if (open) body->bounds = widened(body->bounds);
     body->scene = known_.find(*body);
-    if (!body->scene) body->scene = build_instanced_scene(device_, placements);
+    if (!body->scene)
+      body->scene = build_instanced_scene(device_, placements, [this] { return cancel_.is_cancelled(); });
+    if (!body->scene) cancel_.check();
     if (!body->scene) return false;
     snapshot_.memory_bytes += body->scene->memory_bytes();
     return true;
@@ -133,7 +136,7 @@ class BodyPlanner {
     body->members.push_back({{motion.to_body, motion.to_object},
                              index,
                              &prototype.mesh,
-                             &prototype.shells(),
+                             &prototype.shells(cancel_),
                              prototype.object.get(),
                              motion.poses,
                              motion.transformed(prototype.mesh.bounds)});
@@ -161,7 +164,7 @@ class BodyPlanner {
         body->members[i].media[slot] = media_of(*materials[slot]);
       }
     }
-    plan_shortcuts(paths, interiors, body);
+    plan_shortcuts(paths, interiors, body, cancel_);
   }
 
   // A texture may be white anywhere.
@@ -185,14 +188,15 @@ class BodyPlanner {
   const std::shared_ptr<TraceDevice>& device_;
   const KnownUnions known_;
   SceneSnapshot& snapshot_;
+  const CancelToken cancel_;
   std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
 };
 
 }  // namespace
 
 bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-                 const SceneSnapshot* last, SceneSnapshot* snapshot) {
-  return BodyPlanner(drawn, device, last, snapshot).plan();
+                 const SceneSnapshot* last, SceneSnapshot* snapshot, const CancelToken& cancel) {
+  return BodyPlanner(drawn, device, last, snapshot, cancel).plan();
 }
 
 }  // namespace alabaster

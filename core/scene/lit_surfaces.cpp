@@ -61,11 +61,13 @@ LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint3
 }
 
 // Points on every so many triangles, over the members as if they were one mesh.
-std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const SubsurfaceBody& body, size_t count) {
+std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const SubsurfaceBody& body, size_t count,
+                                 const CancelToken& cancel) {
   size_t triangles = 0;
   for (const auto& member : body.members) triangles += member.mesh->triangles.size();
   std::vector<LitPoint> points(count);
   tbb::parallel_for(size_t(0), count, [&](size_t i) {
+    cancel.check();
     size_t triangle = (2 * i + 1) * triangles / (2 * count);
     auto member = body.members.begin();
     for (; triangle >= member->mesh->triangles.size(); ++member) triangle -= member->mesh->triangles.size();
@@ -86,7 +88,7 @@ const SubsurfaceBody* find_same(const SceneSnapshot* snapshot, const SubsurfaceB
 
 }  // namespace
 
-void find_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot) {
+void find_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot, const CancelToken& cancel) {
   if (snapshot->bodies.empty()) return;
   // The number of points depends on that of the bodies.
   if (alike && alike->bodies.size() != snapshot->bodies.size()) alike = nullptr;
@@ -95,7 +97,7 @@ void find_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot) {
   for (auto& body : snapshot->bodies) {
     if (const SubsurfaceBody* same = find_same(alike, *body)) {
       body->lit = same->lit;
-    } else if (const auto lit = LitSurface::choose(lit_points(*snapshot, *body, points))) {
+    } else if (const auto lit = LitSurface::choose(lit_points(*snapshot, *body, points, cancel))) {
       body->lit = std::make_shared<const LitSurface>(*lit);
     }
     if (body->lit) snapshot->memory_bytes += sizeof(LitSurface);

@@ -49,12 +49,13 @@ bool emits(const Instance& instance) {
   return false;
 }
 
-MeshLight make_mesh_light(const Instance& instance, uint32_t index) {
+MeshLight make_mesh_light(const Instance& instance, uint32_t index, const CancelToken& cancel) {
   const Mesh& mesh = instance.prototype->mesh;
   std::vector<MeshLight::Triangle> triangles;
   std::vector<uint32_t> ids;
   bool varies = false;
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    cancel.check();
     const DisneyMaterial& material = instance.material(static_cast<uint32_t>(i));
     if (!material.emits()) continue;
     const auto corner = [&](size_t c) { return instance.object_to_world.point(mesh.points[mesh.triangles[i][c]]); };

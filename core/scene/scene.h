@@ -24,7 +24,7 @@ struct MeshPrototype {
   Mesh mesh;
   std::shared_ptr<const ObjectScene> object;
 
-  const MeshShells& shells() const { return interior.shells(mesh, *object); }
+  const MeshShells& shells(const CancelToken& cancel = {}) const { return interior.shells(mesh, *object, cancel); }
   MeshInterior interior = {};  // only light below the surface asks for it
   TangentCache tangents = {};  // only normal maps ask for them
 };

@@ -118,6 +118,11 @@ bool is_usable(const LightDescription& d, const DiagnosticSink& sink, std::vecto
   return false;
 }
 
+// Instances of one mesh come one after the other.
+bool is_made_as(const InstanceDescription& a, const InstanceDescription& b) {
+  return a.prototype == b.prototype && a.materials == b.materials;
+}
+
 template <class T>
 void sort_unique(std::vector<std::shared_ptr<const T>>* held) {
   std::sort(held->begin(), held->end());
@@ -125,7 +130,9 @@ void sort_unique(std::vector<std::shared_ptr<const T>>* held) {
 }
 
 void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnapshot* snapshot) {
-  for (const InstanceDescription* d : drawn) {
+  for (size_t i = 0; i < drawn.size(); ++i) {
+    const InstanceDescription* const d = drawn[i];
+    if (i > 0 && is_made_as(*drawn[i - 1], *d)) continue;
     snapshot->prototypes.push_back(d->prototype);
     snapshot->materials.insert(snapshot->materials.end(), d->materials.begin(), d->materials.end());
   }
@@ -272,7 +279,8 @@ struct SnapshotCompiler::Compilation {
     for (const InstanceDescription* d : drawn) {
       snapshot->instances.push_back(place(*d, snapshot->origin));
       const Instance& instance = snapshot->instances.back();
-      missing_tiles.find(*d, instance);
+      if (snapshot->instances.size() == 1 || !is_made_as(*d, *drawn[snapshot->instances.size() - 2]))
+        missing_tiles.find(*d, instance);
       snapshot->features.see_through |= instance.see_through;
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(*d)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
@@ -289,7 +297,8 @@ struct SnapshotCompiler::Compilation {
       placements.reserve(drawn.size());
       for (size_t i = 0; i < drawn.size(); ++i)
         placements.push_back({drawn[i]->prototype->object, instances[i].object_to_world, instances[i].poses});
-      snapshot->top = build_instanced_scene(compiler.device_, placements);
+      snapshot->top = build_instanced_scene(compiler.device_, placements, [this] { return cancel.is_cancelled(); });
+      if (!snapshot->top) cancel.check();
     }
     if (snapshot->top) snapshot->memory_bytes += snapshot->top->memory_bytes();
     return snapshot->top != nullptr;
@@ -304,7 +313,7 @@ struct SnapshotCompiler::Compilation {
     std::vector<bool> visible;
     for (const auto& d : description.lights) {
       if (!is_usable(d, compiler.sink_, &snapshot->left_out)) continue;
-      lights.push_back(make_light(d, snapshot->origin, images));
+      lights.push_back(make_light(d, snapshot->origin, {images, cancel}));
       visible.push_back(d.visible_to_camera);
       snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
     }
@@ -326,7 +335,7 @@ struct SnapshotCompiler::Compilation {
       if (!instance.is_still()) continue;
       const MeshLight* const same = known.find(instance);
       same_lights = same_lights && same && same->instance() == i;
-      lights->emplace_back(same ? same->of_instance(i) : make_mesh_light(instance, i));
+      lights->emplace_back(same ? same->of_instance(i) : make_mesh_light(instance, i, cancel));
     }
   }
 
@@ -338,12 +347,12 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     if (!build_top()) return false;
     cancel.check();
-    if (!plan_bodies(drawn, compiler.device_, last, snapshot.get())) return false;
+    if (!plan_bodies(drawn, compiler.device_, last, snapshot.get(), cancel)) return false;
     cancel.check();
     keep_alive(drawn, snapshot.get());
     add_lights();
     cancel.check();
-    find_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get());
+    find_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get(), cancel);
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
     return true;
   }

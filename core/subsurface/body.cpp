@@ -99,7 +99,7 @@ void MeanFreePaths::extend(const WalkMedium& medium) {
 }
 
 void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<const MeshInterior*>& interiors,
-                    SubsurfaceBody* body) {
+                    SubsurfaceBody* body, const CancelToken& cancel) {
   CHECK_EQ(paths.size(), body->members.size());
   CHECK_EQ(interiors.size(), body->members.size());
   bool anywhere = false;
@@ -116,7 +116,7 @@ void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<c
   for (size_t i = 0; i < body->members.size(); ++i) {
     const Mesh& mesh = *body->members[i].mesh;
     // A grid knows one shape.
-    body->members[i].distances = mesh.deforms() ? nullptr : interiors[i]->distances(mesh);
+    body->members[i].distances = mesh.deforms() ? nullptr : interiors[i]->distances(mesh, cancel);
     if (body->members[i].distances) continue;
     for (SubsurfaceBody::Member& m : body->members) m.distances = nullptr;
     return;

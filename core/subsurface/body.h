@@ -95,9 +95,9 @@ struct MeanFreePaths {
 };
 
 /// Says which shortcuts pay in each member, by its size in mean free paths, and finds the distance grids that sphere
-/// steps need. `paths` and `interiors` are in the order of the members.
+/// steps need (BuildCancelled). `paths` and `interiors` are in the order of the members.
 void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<const MeshInterior*>& interiors,
-                    SubsurfaceBody* body);
+                    SubsurfaceBody* body, const CancelToken& cancel = {});
 
 /// Bounds that a walk in an open mesh may reach: the mesh's, widened by their own diagonal on every side. A ground
 /// plane so becomes a half-space, and what goes beyond is ended and counted.

@@ -127,11 +127,12 @@ class LineTransform {
   std::vector<double> from_;  // where each begins to be
 };
 
-void transform_along(int axis, Voxels* voxels) {
+void transform_along(int axis, Voxels* voxels, const CancelToken& cancel) {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const size_t strides[3] = {1, voxels->size[0], size_t(voxels->size[0]) * voxels->size[1]};
   tbb::parallel_for(tbb::blocked_range<uint32_t>(0, voxels->size[v], 4),
                     [&](const tbb::blocked_range<uint32_t>& range) {
+                      cancel.check();
                       LineTransform transform;
                       std::vector<uint32_t> line(voxels->size[axis]);
                       for (uint32_t j = range.begin(); j < range.end(); ++j)
@@ -150,7 +151,7 @@ double rasterization_cost(const Piece& piece) {
   return 1 + 32 * static_cast<double>(length(cross(a, b))) + 8 * static_cast<double>(length(a) + length(b));
 }
 
-bool rasterize(const Mesh& mesh, const Vec3f& lower, float voxels_per_unit, Voxels* voxels) {
+bool rasterize(const Mesh& mesh, const Vec3f& lower, float voxels_per_unit, Voxels* voxels, const CancelToken& cancel) {
   constexpr double kMostPieces = 1e8;  // some seconds
   const auto piece_of = [&](size_t i) {
     Piece piece;
@@ -162,6 +163,7 @@ bool rasterize(const Mesh& mesh, const Vec3f& lower, float voxels_per_unit, Voxe
   if (!(cost < kMostPieces)) return false;
   tbb::parallel_for(tbb::blocked_range<size_t>(0, mesh.triangles.size(), 256),
                     [&](const tbb::blocked_range<size_t>& r) {
+                      cancel.check();
                       Rasterizer rasterizer(voxels);
                       for (size_t i = r.begin(); i < r.end(); ++i) rasterizer.mark(piece_of(i));
                     });
@@ -170,7 +172,8 @@ bool rasterize(const Mesh& mesh, const Vec3f& lower, float voxels_per_unit, Voxe
 
 }  // namespace
 
-std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution) {
+std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution,
+                                                        const CancelToken& cancel) {
   const Vec3f extent = mesh.bounds.extent();
   const float longest = max_component(extent);
   const float per_unit = static_cast<float>(resolution) / longest;
@@ -187,8 +190,8 @@ std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32
     grid->size_f_[i] = static_cast<float>(n);
   }
   voxels.squared.assign(size_t(voxels.size[0]) * voxels.size[1] * voxels.size[2], kFar);
-  if (!rasterize(mesh, grid->lower_, per_unit, &voxels)) return nullptr;
-  for (int axis = 0; axis < 3; ++axis) transform_along(axis, &voxels);
+  if (!rasterize(mesh, grid->lower_, per_unit, &voxels, cancel)) return nullptr;
+  for (int axis = 0; axis < 3; ++axis) transform_along(axis, &voxels, cancel);
 
   grid->cells_.resize(voxels.squared.size());
   tbb::parallel_for(tbb::blocked_range<size_t>(0, voxels.squared.size(), 16384),

@@ -33,7 +33,8 @@ class DistanceGrid {
  private:
   static constexpr float kRounding = 1e-4f;  // in voxels: more than that of q in a grid of 255
 
-  friend std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution);
+  friend std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution,
+                                                                 const CancelToken& cancel);
 
   Vec3f lower_{0, 0, 0}, size_f_{0, 0, 0};
   float voxels_per_unit_ = 0, unit_per_voxel_ = 0;
@@ -43,7 +44,8 @@ class DistanceGrid {
 
 /// `resolution` voxels (1..255) along the longest side of the mesh's bounds, at most resolution^3 bytes. Builds with
 /// the threads of the caller's task arena. Null for a mesh without extent, and for one that would take long: a heap of
-/// triangles that each cross much of the whole.
-std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution);
+/// triangles that each cross much of the whole. Throws BuildCancelled.
+std::shared_ptr<const DistanceGrid> build_distance_grid(const Mesh& mesh, uint32_t resolution,
+                                                        const CancelToken& cancel = {});
 
 }  // namespace alabaster

@@ -8,16 +8,16 @@
 
 namespace alabaster {
 
-/// Any thread. The mesh and its BVH must be the same at each call.
+/// Any thread. The mesh and its BVH must be the same at each call. Throws BuildCancelled; the next call builds again.
 class MeshInterior {
  public:
-  const MeshShells& shells(const Mesh& mesh, const ObjectScene& object) const {
-    return shells_.get([&] { return find_shells(mesh, object); });
+  const MeshShells& shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel = {}) const {
+    return shells_.get([&] { return find_shells(mesh, object, cancel); });
   }
   /// Null if the mesh can have none (build_distance_grid). At most 2 MB.
-  const DistanceGrid* distances(const Mesh& mesh) const {
+  const DistanceGrid* distances(const Mesh& mesh, const CancelToken& cancel = {}) const {
     constexpr uint32_t kResolution = 128;
-    return grid_.get([&] { return build_distance_grid(mesh, kResolution); }).get();
+    return grid_.get([&] { return build_distance_grid(mesh, kResolution, cancel); }).get();
   }
   /// All that has been built.
   size_t memory_bytes() const {

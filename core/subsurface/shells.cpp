@@ -65,15 +65,21 @@ struct Shell {
 
 class ShellFinder {
  public:
-  ShellFinder(const Mesh& mesh, const ObjectScene& object)
-      : mesh_(mesh), object_(object), surfaces_(mesh.triangles.size()), kind_(mesh.triangles.size(), kSingle) {}
+  ShellFinder(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel)
+      : cancel_(cancel),
+        mesh_(mesh),
+        object_(object),
+        surfaces_(mesh.triangles.size()),
+        kind_(mesh.triangles.size(), kSingle) {}
 
   MeshShells find() {
     weld();
     merge_coincident();
     join_by_edges();
     number_shells();
+    cancel_.check();
     orient();
+    cancel_.check();
     write_flags();
     if (out_.any_closed) {
       find_cavities();
@@ -89,7 +95,7 @@ class ShellFinder {
   static constexpr uint32_t kNone = ~0u;
 
   void weld() {
-    const std::vector<int> first = weld_by_position(mesh_.points);
+    const std::vector<int> first = weld_by_position(mesh_.points, cancel_);
     corners_.reserve(mesh_.triangles.size());
     for (const auto& t : mesh_.triangles) {
       corners_.push_back(
@@ -107,7 +113,7 @@ class ShellFinder {
       std::sort(key.begin(), key.end());
       if (kind_[t] == kSingle) sorted.emplace_back(key, t);
     }
-    tbb::parallel_sort(sorted.begin(), sorted.end());
+    tbb::parallel_sort(sorted.begin(), sorted.end(), CancellableLess{cancel_});
     for (size_t i = 0, end = 0; i < sorted.size(); i = end) {
       for (end = i; end < sorted.size() && sorted[end].first == sorted[i].first; ++end) {
       }
@@ -148,8 +154,9 @@ class ShellFinder {
         edges.push_back({a < b ? a << 32 | b : b << 32 | a, t, a < b});
       }
     }
-    tbb::parallel_sort(edges.begin(), edges.end());
+    tbb::parallel_sort(edges.begin(), edges.end(), CancellableLess{cancel_});
     for (size_t i = 0, end = 0; i < edges.size(); i = end) {
+      cancel_.check();
       for (end = i; end < edges.size() && edges[end].points == edges[i].points; ++end) {
       }
       join_at_edge(&edges[i], end - i);
@@ -241,6 +248,7 @@ class ShellFinder {
 
   bool is_nested(uint32_t s) const {
     for (uint32_t t : shells_[s].some) {
+      cancel_.check();
       Vec3f out;
       const Vec3f p = outside(t, {4.0f / 9, 0.5f}, &out);  // the centroid
       if (winding(p, out, s) < 1) return false;
@@ -272,6 +280,7 @@ class ShellFinder {
     }
     if (!(area.back() > 0)) return false;
     for (size_t i = 0; i < kSamples; ++i) {
+      cancel_.check();
       const double at = area.back() * (static_cast<double>(i) + 0.5) / kSamples;
       const auto above = std::upper_bound(area.begin(), area.end(), at);
       const auto t = static_cast<uint32_t>(above - area.begin() - 1);
@@ -292,6 +301,7 @@ class ShellFinder {
 
   static constexpr size_t kProbes = 8;
 
+  const CancelToken cancel_;
   const Mesh& mesh_;
   const ObjectScene& object_;
   std::vector<Triple> corners_;  // welded
@@ -306,8 +316,8 @@ class ShellFinder {
 
 }  // namespace
 
-MeshShells find_shells(const Mesh& mesh, const ObjectScene& object) {
-  return ShellFinder(mesh, object).find();
+MeshShells find_shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel) {
+  return ShellFinder(mesh, object, cancel).find();
 }
 
 Crossed cross_surface(const Mesh& mesh, const MeshShells& shells, const TriangleHit& hit, const Vec3f& direction) {

@@ -14,7 +14,10 @@ DirtyBits ChangeTracker::Get(const Path& id) const {
 }
 
 void ChangeTracker::Set(const Path& id, DirtyBits bits) {
-  bits_[id] = bits;
+  if (bits == dirty::kClean)
+    bits_.erase(id);
+  else
+    bits_[id] = bits;
 }
 
 void ChangeTracker::Remove(const Path& id) {

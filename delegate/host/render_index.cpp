@@ -116,10 +116,10 @@ void RenderIndex::State::destroy(const Entry& entry) {
 
 std::vector<Work> RenderIndex::State::dirty_of(Kind kind, const Token& type) {
   std::vector<Work> work;
-  for (auto& [id, entry] : entries) {
-    if (entry.kind != kind || !(entry.type == type)) continue;
-    const DirtyBits bits = tracker.Get(id);
-    if (bits != dirty::kClean) work.push_back({id, &entry, bits});
+  for (const auto& [id, bits] : tracker.GetDirty()) {
+    const auto found = entries.find(id);
+    if (found == entries.end() || found->second.kind != kind || !(found->second.type == type)) continue;
+    work.push_back({id, &found->second, bits});
   }
   return work;
 }

@@ -12,11 +12,13 @@ class ALABASTER_API ChangeTracker {
   DirtyBits Get(const Path& id) const;
   void Set(const Path& id, DirtyBits bits);
   void Remove(const Path& id);
+  /// The dirty prims alone, so that a Sync does not look at the others.
+  const std::map<Path, DirtyBits>& GetDirty() const { return bits_; }
   /// Rises with every MarkDirty.
   uint64_t GetVersion() const { return version_; }
 
  private:
-  std::map<Path, DirtyBits> bits_;
+  std::map<Path, DirtyBits> bits_;  // none is clean
   uint64_t version_ = 0;
 };
 

@@ -21,8 +21,7 @@ void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyB
         report("motion.instances", GetId(), "times of samples must be finite and increase; the instances stand still");
         record_.moving_points = {};
       }
-      const bool same = points && record_.points ? *points == *record_.points : points == record_.points;
-      if (!same) record_.points = std::move(points);
+      record_.points = std::move(points);
     }
     if (*bits & dirty::kInstancer) record_.parent = scene->GetInstancerId(GetId());
     if (*bits & (dirty::kInstancer | dirty::kInstanceIndex))

@@ -157,8 +157,9 @@ class MeshBuilder {
     RefinementOptions options;
     options.level = std::clamp(mesh_.style.refineLevel, 0, 8);
     options.where = where_;
+    options.cancel = cancel_;
     if (!request.displacements.empty())
-      options.displace = [&](Mesh* refined) { displace(request.displacements, where_, sink_, refined); };
+      options.displace = [&](Mesh* refined) { displace(request.displacements, where_, sink_, refined, cancel_); };
     if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
     {
       const SyncClock::Running running(&param_.clock, SyncPhase::refine);

@@ -14,14 +14,17 @@ const DisneyMaterial* find_material(const Records& records, const Path& path) {
 }
 
 support::InstancePoints points_at(const hd::TimeSamples<support::InstancePoints>& samples, double time) {
-  auto points = std::make_shared<std::vector<Matrix4d>>();
+  std::vector<Matrix4d> points;
+  points.reserve(samples.values.front()->size());
   alabaster::TimeSamples<Matrix4d> point{samples.times, {}};
   for (size_t i = 0; i < samples.values.front()->size(); ++i) {
     point.values.clear();
     for (const support::InstancePoints& then : samples.values) point.values.push_back((*then)[i]);
-    points->push_back(interpolate(point, time));
+    points.push_back(interpolate(point, time));
   }
-  return points;
+  auto arrays = std::make_shared<support::InstanceArrays>();
+  arrays->transforms = std::move(points);
+  return arrays;
 }
 
 // One pose stands still.

@@ -7,12 +7,6 @@ namespace {
 
 constexpr size_t kMaxInstances = size_t(1) << 27;  // of one prim: beyond it, memory for placements alone exceeds 16 GB
 
-struct InstancePrimvars {
-  Array<Vec3f> translations, scales;
-  Array<Quatf> rotations;
-  Array<Matrix4d> transforms;
-};
-
 // The value of an instance primvar.
 using PullPrimvar = std::function<Value(const char* name)>;
 
@@ -40,46 +34,47 @@ Matrix4d rotation_matrix(const Quatf& rotation) {
   return q.toMatrix44();  // Imath's is for row vectors
 }
 
-// p * M * S * R * T
-Matrix4d point_matrix(const InstancePrimvars& primvars, size_t i) {
-  Matrix4d m;
-  if (i < primvars.transforms.size()) m = primvars.transforms[i];
-  if (i < primvars.scales.size()) {
-    Matrix4d s;
-    s.setScale(Vec3d(primvars.scales[i]));
-    m = m * s;
-  }
-  if (i < primvars.rotations.size()) m = m * rotation_matrix(primvars.rotations[i]);
-  if (i < primvars.translations.size()) {
-    Matrix4d t;
-    t.setTranslation(Vec3d(primvars.translations[i]));
-    m = m * t;
-  }
-  return m;
-}
-
 constexpr const char* kPrimvars[] = {"hydra:instanceTranslations", "hydra:instanceScales", "hydra:instanceRotations",
                                      "hydra:instanceTransforms"};
 
 InstancePoints make_points(const PullPrimvar& pull, const Path& instancer, const InstancingReport& report) {
-  const InstancePrimvars primvars{pull_array<Vec3f>(pull, instancer, kPrimvars[0], report),
-                                  pull_array<Vec3f>(pull, instancer, kPrimvars[1], report),
-                                  pull_array<Quatf>(pull, instancer, kPrimvars[2], report),
-                                  pull_array<Matrix4d>(pull, instancer, kPrimvars[3], report)};
-  const size_t sizes[] = {primvars.translations.size(), primvars.scales.size(), primvars.rotations.size(),
-                          primvars.transforms.size()};
-  const size_t count = *std::max_element(std::begin(sizes), std::end(sizes));
+  InstanceArrays arrays{pull_array<Vec3f>(pull, instancer, kPrimvars[0], report),
+                        pull_array<Vec3f>(pull, instancer, kPrimvars[1], report),
+                        pull_array<Quatf>(pull, instancer, kPrimvars[2], report),
+                        pull_array<Matrix4d>(pull, instancer, kPrimvars[3], report)};
+  const size_t sizes[] = {arrays.translations.size(), arrays.scales.size(), arrays.rotations.size(),
+                          arrays.transforms.size()};
+  const size_t count = arrays.size();
   if (count == 0) return nullptr;
   if (report && std::any_of(std::begin(sizes), std::end(sizes), [&](size_t n) { return n != 0 && n != count; }))
     report("instancer.primvar.size", instancer,
            "instance primvars differ in length; beyond the end of a shorter one the identity is used");
-  auto points = std::make_shared<std::vector<Matrix4d>>();
-  points->reserve(count);
-  for (size_t i = 0; i < count; ++i) points->push_back(point_matrix(primvars, i));
-  return points;
+  return std::make_shared<const InstanceArrays>(std::move(arrays));
 }
 
 }  // namespace
+
+size_t InstanceArrays::size() const {
+  return std::max({translations.size(), scales.size(), rotations.size(), transforms.size()});
+}
+
+// p * M * S * R * T
+Matrix4d InstanceArrays::operator[](size_t i) const {
+  Matrix4d m;
+  if (i < transforms.size()) m = transforms[i];
+  if (i < scales.size()) {
+    Matrix4d s;
+    s.setScale(Vec3d(scales[i]));
+    m = m * s;
+  }
+  if (i < rotations.size()) m = m * rotation_matrix(rotations[i]);
+  if (i < translations.size()) {
+    Matrix4d t;
+    t.setTranslation(Vec3d(translations[i]));
+    m = m * t;
+  }
+  return m;
+}
 
 InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report) {
   const auto pull = [&](const char* name) {

@@ -12,8 +12,18 @@ namespace alabaster::hd::support {
 /// Receives each warning: its code, the prim and the text. Empty: warnings are dropped.
 using InstancingReport = std::function<void(const char* code, const Path& where, const std::string& text)>;
 
-/// The matrices of an instancer's points; null stands for identity at any index.
-using InstancePoints = std::shared_ptr<const std::vector<Matrix4d>>;
+/// An instancer's points, in the host's own arrays. Point i is M_i S_i R_i T_i for row vectors; an array that is
+/// shorter than the longest counts as identity beyond its end, and so does a rotation of length zero.
+struct InstanceArrays {
+  Array<Vec3f> translations, scales;
+  Array<Quatf> rotations;  // normalised where they are used
+  Array<Matrix4d> transforms;
+
+  size_t size() const;
+  Matrix4d operator[](size_t i) const;
+};
+/// Null stands for identity at any index.
+using InstancePoints = std::shared_ptr<const InstanceArrays>;
 
 /// The values that an instancer has pulled.
 struct InstancerRecord {
@@ -26,9 +36,7 @@ struct InstancerRecord {
   bool operator==(const InstancerRecord&) const = default;
 };
 
-/// Pulls hydra:instanceTransforms M, ...Scales S, ...Rotations R and ...Translations T; point i is M_i S_i R_i T_i for
-/// row vectors. Rotations are normalised; one of length zero is the identity. An array that is shorter than the longest
-/// counts as identity beyond its end.
+/// Pulls hydra:instanceTransforms M, ...Scales S, ...Rotations R and ...Translations T, without a copy.
 InstancePoints pull_instance_points(SceneDelegate& scene, const Path& instancer, const InstancingReport& report);
 
 /// The same at the times of the samples, which those of several primvars must share. Empty: no point moves, or the

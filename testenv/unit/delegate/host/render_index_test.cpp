@@ -49,6 +49,17 @@ TEST(RenderIndex, SyncsInTheContractsOrderWhateverTheOrderOfInsertion) {
   EXPECT_EQ(s.sync(), Lines{"commit"}) << "nothing is dirty any more";
 }
 
+TEST(RenderIndex, ASyncLooksAtDirtyPrimsAlone) {
+  Scene s;
+  s.scene.Populate(&s.index);
+  for (int i = 0; i < 300; ++i) s.scene.SetMesh("/mesh" + std::to_string(i), triangle());
+  s.sync();
+  EXPECT_TRUE(s.index.GetChangeTracker().GetDirty().empty()) << "clean prims are not kept";
+  s.index.GetChangeTracker().MarkDirty("/mesh7", dirty::kTransform);
+  EXPECT_EQ(s.index.GetChangeTracker().GetDirty().size(), 1u);
+  EXPECT_EQ(s.sync(), (Lines{"sync /mesh7 " + std::to_string(dirty::kTransform), "commit"}));
+}
+
 TEST(RenderIndex, EveryMeshIsSyncedOnceInParallel) {
   Scene s;
   s.scene.Populate(&s.index);
