@@ -64,7 +64,7 @@ class Film {
   FilmRevision revision() const { return revision_.load(); }
   /// The same for a tile and an AOV.
   FilmRevision revision(int tile, Aov aov) const;
-  /// Of the pixels. Not for the time while a thread changes the film.
+  /// The least and the most samples of a pixel. Not for the time while a thread changes the film.
   uint32_t least_samples() const;
   uint32_t most_samples() const;
   /// True if every tile shows something.

@@ -24,7 +24,7 @@ struct SampleRange {
   bool operator==(const SampleRange&) const = default;
 };
 
-/// What a film keeps besides its AOVs.
+/// Planes of a film besides its AOVs.
 struct FilmExtras {
   bool rays = false;  // the rays that each pixel has cost
   /// The samples that it is to get. Where they do not begin at 0 the film is a part of another one, and keeps what that
@@ -77,7 +77,7 @@ class FilmTile {
   void append(const FilmTile& next);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
   bool empty() const { return samples_.empty(); }
-  /// Of the pixels; 0 without pixels.
+  /// The least and the most of a pixel; 0 without pixels.
   uint32_t least_samples() const;
   uint32_t most_samples() const;
   /// False: some pixel has no sample.

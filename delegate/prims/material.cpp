@@ -138,8 +138,9 @@ class MaterialReader {
       return nullptr;
     }
     if (!(node->second.nodeTypeId == Token("AlabasterDisney"))) {
-      warn("material.node", "node type '" + node->second.nodeTypeId.str() +
-                                "' is not known; the default material is used (known: AlabasterDisney, UsdPreviewSurface)");
+      warn("material.node",
+           "node type '" + node->second.nodeTypeId.str() +
+               "' is not known; the default material is used (known: AlabasterDisney, UsdPreviewSurface)");
       return nullptr;
     }
     return &node->second;
