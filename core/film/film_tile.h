@@ -91,8 +91,8 @@ class FilmTile {
   /// Size of the accumulators that these AOVs and extras need.
   static size_t bytes_per_pixel(uint32_t aovs, const FilmExtras& extras = {});
 
-  /// Samples per pixel, of an even frame, that all pixels have had: where a render goes on. The code that adds the samples
-  /// sets it.
+  /// Samples per pixel, of an even frame, that all pixels have had: where a render goes on. The code that adds the
+  /// samples sets it.
   uint32_t reached = 0;
   /// The memory of all planes, for a checkpoint: it depends on the number of pixels, the AOVs and the extras alone.
   std::vector<std::span<std::byte>> planes();
