@@ -8,7 +8,7 @@ void GroupStopping::update(const Film& film, const NoiseImage& noise, double tar
     errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film.data_window(), noise.pixels, g).noise);
   const uint32_t ending = decide(errors, target);
   if (all_ended() || !ending) return;  // the last to end are not traced on
-  if (!kept_film_) kept_film_ = std::make_unique<Film>(film.data_window(), film.aovs());
+  if (!kept_film_) kept_film_ = std::make_shared<Film>(film.data_window(), film.aovs());
   take_groups(film, ending, kept_film_.get());
   kept_ |= ending;
 }

@@ -20,6 +20,14 @@ class GroupStopping {
   /// a group that has none.
   uint32_t decide(const std::array<FrameError, kPixelGroups>& errors, double target);
 
+  // For checkpoints. The film is null where no group is kept.
+  uint32_t ended() const { return ended_; }
+  uint32_t kept() const { return kept_; }
+  const std::shared_ptr<Film>& kept_film() const { return kept_film_; }
+  void restore(uint32_t ended, uint32_t kept, std::shared_ptr<Film> kept_film) {
+    ended_ = ended, kept_ = kept, kept_film_ = std::move(kept_film);
+  }
+
   bool all_ended() const { return ended_ == kAllPixelGroups; }
   /// Groups that have not ended, and those whose errors end them.
   uint32_t groups_to_trace() const;
@@ -28,7 +36,7 @@ class GroupStopping {
 
  private:
   uint32_t ended_ = 0, kept_ = 0;    // groups
-  std::unique_ptr<Film> kept_film_;  // the pixels of `kept_`
+  std::shared_ptr<Film> kept_film_;  // the pixels of `kept_`
 };
 
 /// Samples per pixel at which the error is checked again after `samples`: 16, 18, 20, 22, 24, 27, 30, ... They are

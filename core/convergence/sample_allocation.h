@@ -22,6 +22,10 @@ class SampleAllocation {
   /// `pilot`: a film whose pixels all have kPilotSamples. `rays`: cost of each pixel of the pilot, row-major. `total`:
   /// mean samples per pixel of the whole frame, the pilot's included; 0: not known, many.
   SampleAllocation(const Film& pilot, const std::vector<uint32_t>& rays, uint32_t total);
+  /// From the rates() of another.
+  explicit SampleAllocation(std::vector<float> rates) : rates_(std::move(rates)) {}
+  /// Empty: all pixels have the same number.
+  const std::vector<float>& rates() const { return rates_; }
 
   /// Samples of `pixel` (row-major in the film's data window) when the frame has `base` per pixel.
   uint32_t samples(size_t pixel, uint32_t base) const {

@@ -70,16 +70,10 @@ FilmTile& Film::drawn_tile(size_t tile) {
   return pixels;
 }
 
-void Film::add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers) {
+void Film::add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers, uint32_t rays) {
   const auto i = static_cast<size_t>(tile);
   const std::lock_guard lock(locks_[i]);
-  drawn_tile(i).add(pixel, sample, layers);
-}
-
-void Film::add_rays(int tile, size_t pixel, uint32_t rays) {
-  const auto i = static_cast<size_t>(tile);
-  const std::lock_guard lock(locks_[i]);
-  drawn_tile(i).add_rays(pixel, rays);
+  drawn_tile(i).add(pixel, sample, layers, rays);
 }
 
 // Revisions rise after the change: a reader that sees the new one sees the change, too.
@@ -89,9 +83,9 @@ void Film::mark_changed(int tile) {
   revision_ = revision;
 }
 
-uint32_t Film::samples(int tile, size_t pixel) const {
+uint32_t Film::next_sample(int tile, size_t pixel) const {
   const FilmTile* const drawn = find_drawn(static_cast<size_t>(tile));
-  return drawn ? drawn->samples(pixel) : 0;
+  return drawn ? drawn->next_sample(pixel) : extras_.range.begin;
 }
 
 uint32_t Film::least_samples() const {

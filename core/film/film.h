@@ -46,11 +46,10 @@ class Film {
   PixelRect tile_rect(int tile) const;
 
   /// Adds a sample to a pixel (row-major within the tile). Readers may miss it until mark_changed(). See FilmWriter.
-  void add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers);
-  void add_rays(int tile, size_t pixel, uint32_t rays);
+  void add(int tile, size_t pixel, const FilmSample& sample, const LightLayers* layers, uint32_t rays);
   void mark_changed(int tile);
   /// Not for the time while another thread changes the tile.
-  uint32_t samples(int tile, size_t pixel) const;
+  uint32_t next_sample(int tile, size_t pixel) const;
   FilmTile load_tile(int tile) const;
   /// Calls change(FilmTile&) under the tile's lock.
   template <class Change>
@@ -127,13 +126,10 @@ class FilmWriter {
   }
   FilmWriter(const FilmWriter&) = delete;
   FilmWriter& operator=(const FilmWriter&) = delete;
-  uint32_t samples(size_t pixel) const { return film_->samples(tile_, pixel); }
-  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers) {
-    film_->add(tile_, pixel, sample, layers);
+  uint32_t next_sample(size_t pixel) const { return film_->next_sample(tile_, pixel); }
+  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers, uint32_t rays) {
+    film_->add(tile_, pixel, sample, layers, rays);
     changed_ = true;
-  }
-  void add_rays(size_t pixel, uint32_t rays) {
-    if (film_->extras().rays) film_->add_rays(tile_, pixel, rays);
   }
 
  private:

@@ -44,8 +44,7 @@ void append_plane(const Plane& from, Plane* to) {
 }  // namespace
 
 FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
-    : reached(extras.range.begin),
-      begin_(extras.range.begin),
+    : begin_(extras.range.begin),
       marks_per_pixel_(count_marks(extras.range)),
       samples_(pixels, 0),
       color_(pixels),
@@ -62,7 +61,6 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
 
 void FilmTile::clear() {
   covered_ = 0;
-  reached = begin_;
   const auto blank = [](auto& plane) {
     std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
   };
@@ -102,7 +100,8 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   return all;
 }
 
-bool FilmTile::is_valid() const {
+bool FilmTile::accept_planes() {
+  covered_ = samples_.size() - static_cast<size_t>(std::count(samples_.begin(), samples_.end(), 0u));
   const auto valid = [](const std::vector<RgbSum>& sums) {
     return std::all_of(sums.begin(), sums.end(), [](const RgbSum& sum) { return sum.is_valid(); });
   };
@@ -118,7 +117,7 @@ size_t FilmTile::bytes_per_pixel(uint32_t aovs, const FilmExtras& extras) {
   return bytes;
 }
 
-void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers) {
+void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers, uint32_t rays) {
   const uint32_t samples = ++samples_[pixel];
   if (samples == 1) ++covered_;
   color_[pixel].add(s.color);
@@ -130,6 +129,7 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers)
   if (!albedo_.empty()) accumulate({s.albedo.r, s.albedo.g, s.albedo.b}, &albedo_[pixel]);
   if (layers)
     for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
+  if (!rays_.empty()) rays_[pixel] += rays;
   if (!closest_.empty() && s.distance < closest_[pixel].distance)
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
 }
@@ -147,7 +147,6 @@ void FilmTile::append(const FilmTile& next) {
   append_plane(next.normal_, &normal_);
   append_plane(next.albedo_, &albedo_);
   for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
-  reached = next.reached;
 }
 
 // Compares the halves at each power of two that the part reaches, as if its samples came one by one.

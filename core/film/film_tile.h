@@ -30,6 +30,7 @@ struct FilmExtras {
   /// The samples that it is to get. Where they do not begin at 0 the film is a part of another one, and keeps what that
   /// needs to append() it. `end` counts for such a film only.
   SampleRange range;
+  bool operator==(const FilmExtras&) const = default;
 };
 
 /// The result of one camera sample. Values of the first hit keep their defaults where no bound AOV shows them.
@@ -64,18 +65,17 @@ class FilmTile {
   void clear();
 
   /// `pixel`: row-major within the tile. A pixel's samples must come in sample order, because its noise is that of the
-  /// first half against the second. `layers`: null where none of kLayerAovs is requested.
-  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr);
-  /// Counts rays of a pixel, if the film does.
-  void add_rays(size_t pixel, uint32_t rays) {
-    if (!rays_.empty()) rays_[pixel] += rays;
-  }
+  /// first half against the second. `layers`: null where none of kLayerAovs is requested. `rays`: that the sample took,
+  /// counted if the tile does so.
+  void add(size_t pixel, const FilmSample& sample, const LightLayers* layers = nullptr, uint32_t rays = 0);
   uint32_t rays(size_t pixel) const { return rays_[pixel]; }
   /// Adds the samples of a part that follow this tile's, which begin at 0. Both have the same shape and AOVs, and this
   /// tile has a sample. Every pixel has all samples of its range in both. The tile becomes, to the bit, what it were if
   /// it had got all samples itself.
   void append(const FilmTile& next);
   uint32_t samples(size_t pixel) const { return samples_[pixel]; }
+  /// The number of the sample that comes next.
+  uint32_t next_sample(size_t pixel) const { return begin_ + samples_[pixel]; }
   bool empty() const { return samples_.empty(); }
   /// The least and the most of a pixel; 0 without pixels.
   uint32_t least_samples() const;
@@ -91,13 +91,10 @@ class FilmTile {
   /// Size of the accumulators that these AOVs and extras need.
   static size_t bytes_per_pixel(uint32_t aovs, const FilmExtras& extras = {});
 
-  /// Samples per pixel, of an even frame, that all pixels have had: where a render goes on. The code that adds the
-  /// samples sets it.
-  uint32_t reached = 0;
   /// The memory of all planes, for a checkpoint: it depends on the number of pixels, the AOVs and the extras alone.
   std::vector<std::span<std::byte>> planes();
-  /// False if the planes, read from a file, hold what no samples give.
-  bool is_valid() const;
+  /// To be called when the planes have been read from a file. False if they hold what no samples give.
+  bool accept_planes();
 
  private:
   using UnitSums = std::vector<std::array<UnitSum, 3>>;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/diagnostics/report.h"
+#include "core/digest/digest.h"
 
 namespace alabaster {
 
@@ -27,6 +28,12 @@ class IesProfile {
   double largest(double from_vertical, double to_vertical) const;
   /// Over the sphere of directions: exact for the bilinear profile.
   double mean() const { return mean_; }
+  /// Adds all that lookups depend on.
+  void add_to(Digest* digest) const {
+    digest->add(verticals_);
+    digest->add(horizontals_);
+    digest->add(candela_);
+  }
 
  private:
   friend class IesReader;

@@ -88,7 +88,10 @@ void RenderSession::State::render() {
     const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     const uint32_t asked = request.settings.threads;
     tbb::task_arena arena(static_cast<int>(std::min<size_t>(asked > 0 ? asked : allowed, allowed)));
-    arena.execute([&] { run_rounds(arena.max_concurrency()); });
+    arena.execute([&] {
+      if (request.scene) run_rounds(arena.max_concurrency());
+      if (!stop_requested && !noise_is_known) measure_noise(round.end);
+    });
     if (!stop_requested) denoise(nullptr);
   } catch (const SampleFailure& failure) {
     error = failure_text(failure.what());
@@ -131,11 +134,17 @@ std::vector<int> tiles_from_centre(const Film& film) {
   return tiles;
 }
 
+FilmExtras extras_of(const RenderSettings& settings) {
+  FilmExtras extras{is_adaptive(settings), {}};
+  if (settings.first_sample > 0) extras.range = {settings.first_sample, settings.samples};
+  return extras;
+}
+
 // True if the samples of a render that has ended are the first of another. Where decisions follow from samples, they
 // depend on the settings.
 bool goes_on(const RenderRequest& last, const RenderRequest& next) {
   RenderSettings settings = last.settings;
-  settings.samples = next.settings.samples;
+  if (settings.first_sample == 0) settings.samples = next.settings.samples;
   settings.time_limit = next.settings.time_limit;
   settings.threads = next.settings.threads;
   settings.denoise = next.settings.denoise;
@@ -151,13 +160,27 @@ void RenderSession::State::begin(const RenderRequest& next) {
   const uint64_t pixels = static_cast<uint64_t>(std::max(0, next.data_window.width())) *
                           static_cast<uint64_t>(std::max(0, next.data_window.height()));
   RenderProgress before;
-  const FilmExtras extras{is_adaptive(next.settings), {}};
-  if (film && progress.state != SessionState::failed && goes_on(request, next) &&
-      film->most_samples() <= next.settings.samples) {
+  const FilmExtras extras = extras_of(next.settings);
+  allocation = {};
+  stopping = {};
+  round = {};
+  restored = false;
+  if (next.resumed) {
+    RenderState& from = *next.resumed;
+    film = std::move(from.film);
+    allocation = std::move(from.allocation);
+    stopping = std::move(from.stopping);
+    round = from.round;
+    before.wall_seconds = from.wall_seconds, before.cpu_seconds = from.cpu_seconds;
+    before.counters = from.counters;
+    before.samples_done = from.counters.samples;
+    tile_order = tiles_from_centre(*film);
+  } else if (film && progress.state != SessionState::failed && goes_on(request, next) &&
+             film->most_samples() <= next.settings.samples) {
     if (!progress.denoiser.empty()) film->store_denoised({});
     before = std::move(progress);
   } else if (film && film.use_count() == 1 && film->data_window() == next.data_window && film->aovs() == next.aovs &&
-             film->extras().rays == extras.rays) {
+             film->extras() == extras) {
     film->clear();  // to take new memory would cost tens of milliseconds
   } else {
     film = nullptr;
@@ -167,14 +190,15 @@ void RenderSession::State::begin(const RenderRequest& next) {
   film->set_ended(false);
   request = next;
   request.aovs = film->aovs();  // those of a film that goes on may be more
+  request.resumed = nullptr;
   denoiser = next.aovs & aov_bit(Aov::denoised) ? next.denoiser : nullptr;
   denoise_threads = next.settings.threads;
   progress = {};
   progress.state = SessionState::rendering;
-  progress.scene_number = next.scene->number;
+  progress.scene_number = next.scene ? next.scene->number : 0;
   progress.pixels = pixels;
   progress.samples_done = before.samples_done;
-  progress.samples_total = pixels * next.settings.samples;
+  progress.samples_total = pixels * (next.settings.samples - std::min(next.settings.samples, extras.range.begin));
   progress.passes_done = before.passes_done;
   progress.cpu_seconds = before.cpu_seconds;
   progress.counters = before.counters;
@@ -194,8 +218,6 @@ void RenderSession::start(const RenderRequest& request) {
     const std::lock_guard lock(s.mutex);
     s.begin(guided);
   }
-  s.allocation = {};
-  s.stopping = {};
   s.stop_requested = false;
   s.out_of_time = false;
   s.driver = std::thread([&s] { s.render(); });
@@ -246,6 +268,30 @@ void RenderSession::State::measure_stopped() {
   if (measured != film || progress.state != SessionState::stopped) return;
   progress.noise = error;
   noise_is_known = true;
+}
+
+bool RenderSession::save(const BlockSink& sink) {
+  State& s = *state_;
+  const std::lock_guard still(s.decisions);
+  RenderState state;
+  bool ended = false;
+  {
+    const std::lock_guard lock(s.mutex);
+    const SessionState now = s.progress.state;
+    ended = now == SessionState::stopped || now == SessionState::finished;
+    const bool runs = (now == SessionState::rendering || now == SessionState::paused) && !s.stop_requested;
+    if (s.restored || (!ended && !runs)) return false;
+    state.film = s.film;
+    state.counters = s.progress.counters;
+    state.cpu_seconds = s.progress.cpu_seconds;
+    state.wall_seconds = ended ? s.progress.wall_seconds : seconds_since(s.started);
+  }
+  state.round = s.round;
+  state.allocation = s.allocation;
+  state.stopping = s.stopping;
+  // A stop does not wait for the disk.
+  return write_state(state,
+                     [&](std::span<const std::byte> block) { return (ended || !s.stop_requested) && sink(block); });
 }
 
 RenderProgress RenderSession::progress() const {

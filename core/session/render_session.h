@@ -64,6 +64,11 @@ class RenderSession {
   /// limit; a negative time and NaN do not wait.
   bool wait(double seconds);
 
+  /// Writes the state of the render, from which another one may go on (RenderRequest::resumed), while workers render
+  /// on. Decisions wait for it, a stop does not. False: the sink refused, a stop came, or there is nothing to go on
+  /// from: no render, one that failed, or one that was stopped after some pixels had reached the target error.
+  bool save(const BlockSink& sink);
+
   RenderProgress progress() const;  // never waits for workers
   /// The film of the current or last render; null before the first start.
   std::shared_ptr<const Film> film() const;

@@ -6,6 +6,7 @@ std::span<const SettingParameter> setting_parameters() {
   using S = RenderSettings;
   static constexpr SettingParameter kTable[] = {
       {"samples", &S::samples, 1, 1048576},
+      {"firstSample", &S::first_sample, 0, 1048575},
       {"targetError", &S::target_error, 0, 1},
       {"adaptive", &S::adaptive},
       {"timeLimit", &S::time_limit, 0, 31536000},

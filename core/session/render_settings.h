@@ -13,7 +13,9 @@ namespace alabaster {
 
 /// How to render. Names and ranges: setting_parameters(). Meanings: schemas/render_settings.json.
 struct RenderSettings {
-  uint32_t samples = 64;   // per pixel, at most; with `adaptive` the mean over pixels
+  uint32_t samples = 64;  // per pixel, at most; with `adaptive` the mean over pixels
+  uint32_t first_sample =
+      0;                   // samples before it are left to other renders (Film::append); none with a target or adaptive
   float target_error = 0;  // the render ends at this relative RMSE (core/convergence/frame_error.h); 0: no target
   bool adaptive = false;   // more samples go where there is more noise (core/convergence/sample_allocation.h)
   float time_limit = 0;    // seconds from start() to the end, but two samples per pixel are always taken; 0: no limit

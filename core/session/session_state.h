@@ -59,8 +59,12 @@ struct RenderSession::State {
   std::mutex stopped_denoise;                // one caller denoises a stopped film, and the others wait for it
   std::thread driver;
 
-  // Changed between rounds only.
   std::vector<int> tile_order;  // from the centre outwards
+
+  // Changed by the driver between rounds only, under a mutex that save() holds while it writes.
+  std::mutex decisions;
+  SampleRange round;
+  bool restored = false;  // the film shows what a stop left of it: nothing goes on from it
   SampleAllocation allocation;
   GroupStopping stopping;
 
@@ -71,6 +75,7 @@ struct RenderSession::State {
   void begin(const RenderRequest& next);
   void render();
   void run_rounds(int threads);
+  void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);
   void render_items(const TileRenderer& renderer);
   bool render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile, RenderCounters* counters);

@@ -99,9 +99,13 @@ void RenderSession::State::run_rounds(int threads) {
   const TileRenderer renderer(request);
 
   // Where decisions follow, the first round is a pilot; else it is the rest of the frame.
-  SampleRange round{film->least_samples(),
-                    has_target || adaptive ? std::min(settings.samples, kPilotSamples) : settings.samples};
-  while (round.begin < round.end) {
+  const bool decides = has_target || adaptive;
+  if (!decides || round.end == 0) {
+    const std::lock_guard still(decisions);
+    round = {film->extras().range.begin + film->least_samples(),
+             decides ? std::min(settings.samples, kPilotSamples) : settings.samples};
+  }
+  while (round.begin < round.end && !stopping.all_ended()) {
     // Trace the round's samples and measure the error that is left.
     run_workers(renderer, round, threads);
     if (stop_requested) break;
@@ -109,21 +113,28 @@ void RenderSession::State::run_rounds(int threads) {
     if (stop_requested || out_of_time) break;
 
     // After the pilot, send the samples to where they help most.
+    const std::lock_guard still(decisions);
     if (adaptive && round.begin == 0)
       allocation = SampleAllocation(*film, film->rays(), has_target ? 0 : settings.samples);
 
     // End the groups of pixels that have reached the target.
-    if (has_target) {
-      stopping.update(*film, noise, settings.target_error);
-      if (stopping.all_ended()) break;
-    }
+    if (has_target) stopping.update(*film, noise, settings.target_error);
 
     // Go on to the next check of the error, or to the end.
     round = {round.end, has_target ? std::min(settings.samples, next_error_check(round.end)) : settings.samples};
   }
+  show_ended_groups();
+}
 
-  // Groups that ended before others show what they had then.
-  if (stopping.restore_ended(film.get()) && !stop_requested) measure_noise(round.end);
+// Groups that ended before others show what they had then. Where that makes the frame, nothing is left to decide.
+void RenderSession::State::show_ended_groups() {
+  const std::lock_guard still(decisions);
+  if (!stopping.restore_ended(film.get())) return;
+  restored = stop_requested;
+  stopping = {};
+  round.begin = round.end;
+  const std::lock_guard lock(mutex);
+  noise_is_known = false;
 }
 
 void RenderSession::State::set_measuring(tbb::task_group_context* context) {

@@ -18,6 +18,7 @@
 #include "core/scene/scene.h"
 #include "core/session/pass_schedule.h"
 #include "core/session/render_settings.h"
+#include "core/session/render_state.h"
 
 namespace alabaster {
 
@@ -29,6 +30,9 @@ struct RenderRequest {
   uint32_t aovs = aov_bit(Aov::color);
   RenderSettings settings;
   std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it
+  /// A render of the same scene, view and settings, which this one goes on from and takes the film of. Null: none.
+  /// Without a scene its film is shown, and nothing is rendered.
+  std::shared_ptr<RenderState> resumed = {};
 };
 
 /// Which samples to add to a tile.
@@ -92,16 +96,14 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
           static_cast<size_t>(y - rect.y0) * static_cast<size_t>(rect.width()) + static_cast<size_t>(x - rect.x0);
       const size_t in_window =
           static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
-      const uint64_t rays_before = counters->rays();
       const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.pass.end);
-      for (uint32_t s = tile->samples(pixel); s < end; ++s) {
+      for (uint32_t s = tile->next_sample(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
-        tile->add(pixel, trace_sample({x, y, s}, {seed, s}, counters, &layers, nullptr),
-                  has_layers_ ? &layers : nullptr);
+        const uint64_t rays_before = counters->rays();
+        const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, &layers, nullptr);
+        tile->add(pixel, sample, has_layers_ ? &layers : nullptr,
+                  static_cast<uint32_t>(counters->rays() - rays_before));
       }
-
-      // Count what the pixel cost.
-      tile->add_rays(pixel, static_cast<uint32_t>(counters->rays() - rays_before));
     }
   return true;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/color/rgb.h"
+#include "core/digest/digest.h"
 #include "core/math/vector.h"
 #include "core/texture/texel_store.h"
 
@@ -48,6 +49,19 @@ class TexelPlane {
   Rgb color(int x, int y) const {
     constexpr int g = kCount == 3 ? 1 : 0, b = kCount == 3 ? 2 : 0;
     return with(x, y, [this](const Element* t) { return Rgb(value(t[0], 0), value(t[g], 1), value(t[b], 2)); });
+  }
+  /// Adds all texels, which are the same in memory and in the store.
+  void add_to(Digest* digest) const {
+    digest->add(width());
+    digest->add(height());
+    digest->add(texels_.palette);
+    if (!slots_) return digest->add_bytes(std::as_bytes(std::span(texels_.elements)));
+    std::vector<Element> row(kCount * static_cast<size_t>(width()));
+    for (int y = 0; y < height(); ++y) {
+      for (int x = 0; x < width(); ++x)
+        with(x, y, [&](const Element* t) { std::copy_n(t, kCount, &row[kCount * static_cast<size_t>(x)]); });
+      digest->add_bytes(std::as_bytes(std::span(row)));
+    }
   }
   float number(int x, int y) const {
     return with(x, y, [this](const Element* t) { return value(t[0], 0); });

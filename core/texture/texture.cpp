@@ -100,6 +100,13 @@ class StoredTexture final : public Texture {
   Rgb texel(int x, int y) const override {
     return colors_.color(std::clamp(x, 0, width() - 1), std::clamp(y, 0, height() - 1));
   }
+  void add_to(Digest* digest) const override {
+    digest->add(wrap_s_);
+    digest->add(wrap_t_);
+    digest->add(filter_);
+    colors_.add_to(digest);
+    alpha_.add_to(digest);
+  }
 
  private:
   using Level = TexelPlane<uint16_t, kCount>;  // of halves: means are not in a palette
@@ -180,6 +187,13 @@ void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vect
 }
 
 }  // namespace
+
+void Texture::add_to(Digest* digest) const {
+  digest->add(width());
+  digest->add(height());
+  for (int y = 0; y < height(); ++y)
+    for (int x = 0; x < width(); ++x) digest->add(texel(x, y));
+}
 
 bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
   if (source.may_be_set)

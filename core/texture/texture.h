@@ -9,6 +9,7 @@
 
 #include "core/color/color_config.h"
 #include "core/color/rgb.h"
+#include "core/digest/digest.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -52,6 +53,8 @@ class Texture {
   virtual size_t memory_bytes() const = 0;
   /// Texel (x, y), y-down, without filtering.
   virtual Rgb texel(int x, int y) const = 0;
+  /// Adds all that lookups depend on.
+  virtual void add_to(Digest* digest) const;
 };
 
 /// Reads, converts and keeps an image, in the store if one is given. Null + a report (file, reason, remedy) on failure.

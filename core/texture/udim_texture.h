@@ -47,6 +47,13 @@ class UdimTexture final : public Texture {
     return bytes;
   }
   Rgb texel(int x, int y) const override { return tiles_.begin()->second->texel(x, y); }
+  void add_to(Digest* digest) const override {
+    for (const auto& [place, tile] : tiles_) {
+      digest->add(place.first);
+      digest->add(place.second);
+      tile->add_to(digest);
+    }
+  }
 
  private:
   struct Place {

@@ -113,6 +113,17 @@ class ALABASTER_API RenderDelegate {
   ///   samples, and the path of the first that fails a check, else of the first that is not finite, else of the
   ///   brightest. x counts to the right and y down from the upper left corner of the display window. Empty before the
   ///   first frame, for pixels outside of the data window and for numbers that are not whole.
+  /// Those of checkpoints answer with an empty string, or with the reason why they failed:
+  /// - "writeCheckpoint" {file, and optionally note: string}: writes the state of the frame that Execute drew last,
+  ///   while it is rendered or after, but not once a stop has ended a render with targetError. Whoever looks sees the
+  ///   file as it was or whole.
+  /// - "resumeCheckpoint" {file}: the next render that Execute starts goes on from it, to the very bits of a render
+  ///   without interruption. A render of another scene, camera, framing, setting or version than the file's fails and
+  ///   says what differs; setting samples may be larger. Without a file: takes that back.
+  /// - "showCheckpoints" {files: Array<string>}: Execute shows the sum of these, which must be parts of one frame
+  ///   (setting firstSample) that begin with sample 0 and leave out none, instead of the scene; bound AOVs must be
+  ///   among theirs, and the framing must be theirs. Without files: the scene again.
+  /// - "describeCheckpoint" {file} -> {firstSample, samples, complete: bool, note}, or the reason as a string.
   virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };
 

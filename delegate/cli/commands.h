@@ -31,7 +31,10 @@ struct RenderArguments {
   std::optional<float> exposure;
   std::vector<std::string> aovs, overrides;
   std::string stats;
-  bool denoise = false, quiet = false, keep_going = false;
+  std::string samples;              // "256:512"
+  std::string checkpoint;           // file
+  std::string checkpoint_interval;  // seconds
+  bool denoise = false, quiet = false, keep_going = false, resume = false;
 };
 int run_render(const RenderArguments& arguments);
 
@@ -42,6 +45,15 @@ struct InfoArguments {
   std::string predict, size, threads;
 };
 int run_info(const InfoArguments& arguments);
+
+struct MergeArguments {
+  std::vector<std::string> parts, outputs;
+  std::string display, view, look, ocio;
+  std::optional<float> exposure;
+  std::vector<std::string> aovs;
+  bool quiet = false;
+};
+int run_merge(const MergeArguments& arguments);
 
 struct TradeoffArguments {
   std::string scene, folder;

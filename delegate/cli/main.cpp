@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
+#include <tuple>
 
 #include "delegate/api/render_delegate.h"
 #include "delegate/cli/commands.h"
@@ -73,6 +74,24 @@ void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+void add_checkpoint(CLI::App* c, RenderArguments* a) {
+  c->add_option(
+       "--checkpoint", a->checkpoint,
+       "File that the state of the render is written to every minute, when it is interrupted and at its end. A "
+       "killed render loses no more than that. With --frames: part.####.checkpoint")
+      ->type_name("FILE");
+  c->add_option("--checkpoint-interval", a->checkpoint_interval, "Seconds between two checkpoints; default: 60")
+      ->type_name("S");
+  c->add_flag("--resume", a->resume,
+              "Continue from the --checkpoint FILE, to the very bits of a render that nothing interrupted; without the "
+              "file, begin. It must be of the same scene, settings and version. --spp may be raised, and --time-limit "
+              "counts the time before, too");
+  c->add_option("--samples", a->samples,
+                "Take samples A to B - 1 of each pixel only: a part of a frame of B or more, which 'alabaster merge' "
+                "adds to the others. Needs --checkpoint, which the part is written to; files of -o show the part alone")
+      ->type_name("A:B");
+}
+
 CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
   c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
@@ -110,6 +129,7 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
        "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
        "the brightest")
       ->type_name("X,Y[,SAMPLE]");
+  add_checkpoint(c, a);
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE",
                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
                "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
@@ -117,6 +137,28 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_flag("--keep-going", a->keep_going,
               "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
               "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
+  c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
+  c->footer(kExitCodes);
+  return c;
+}
+
+CLI::App* add_merge(CLI::App& app, MergeArguments* a) {
+  CLI::App* c = app.add_subcommand(
+      "merge",
+      "Adds up the checkpoints of parts of a frame's samples. The files are those of one render of all of them: "
+      "denoised, too, if the parts were rendered with --denoise.");
+  c->add_option("parts", a->parts, "Checkpoints of 'alabaster render --samples A:B', in any order")
+      ->required()
+      ->type_name("PART...");
+  add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
+  for (const auto& [flag, text, help] :
+       {std::tuple{"--display", &a->display, "Display of the OCIO config, for .png, .tif and .jpg"},
+        std::tuple{"--view", &a->view, "View of that display"},
+        std::tuple{"--look", &a->look, "Look of the OCIO config"}})
+    c->add_option(flag, *text, help)->type_name("NAME");
+  c->add_option("--exposure", a->exposure, "Exposure in stops, applied before the view")->type_name("STOPS");
+  c->add_option("--ocio", a->ocio, "OpenColorIO config; default: $OCIO, else the built-in one")->type_name("FILE");
+  add_repeated(c, "--aov", &a->aovs, "NAME", "Extra layer for every .exr, which the parts must have; may be repeated");
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
@@ -168,8 +210,10 @@ int run(int argc, char** argv) {
   InfoArguments info;
   OcioArguments ocio;
   TradeoffArguments tradeoff;
+  MergeArguments merge;
   std::string schema;
   const CLI::App* render_command = add_render(app, &render);
+  const CLI::App* merge_command = add_merge(app, &merge);
   const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
   CLI::App* info_command = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
   info_command->add_option("scene", info.scene, "Scene file")->required()->type_name("SCENE");
@@ -198,6 +242,7 @@ int run(int argc, char** argv) {
   }
   for (int i = 2; i < argc; ++i) render.words += " " + shell_word(argv[i]);
   if (render_command->parsed()) return run_render(render);
+  if (merge_command->parsed()) return run_merge(merge);
   if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
   if (info_command->parsed()) return run_info(info);
   if (schema_command->parsed()) return run_schema(schema);

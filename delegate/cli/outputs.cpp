@@ -145,6 +145,12 @@ std::optional<std::pair<double, double>> parse_interval(const std::string& text)
   return std::pair(numbers[0], numbers[1]);
 }
 
+std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& text) {
+  const auto numbers = parse_numbers<uint32_t>(text, ":");
+  if (numbers.size() != 2 || numbers[0] >= numbers[1] || numbers[1] > 1048576) return std::nullopt;
+  return std::pair(numbers[0], numbers[1]);
+}
+
 std::vector<uint32_t> parse_frames(const std::string& text) {
   constexpr uint64_t kMost = 100'000;
   std::vector<uint32_t> range = parse_numbers<uint32_t>(text, ":");

@@ -27,6 +27,8 @@ std::optional<PixelChoice> parse_pixel(const std::string& text);
 std::optional<double> parse_nonnegative(const std::string& text);
 /// Parses "open:close", two finite numbers in order.
 std::optional<std::pair<double, double>> parse_interval(const std::string& text);
+/// Parses "begin:end", whole numbers, 0 <= begin < end <= 1048576. Empty if malformed.
+std::optional<std::pair<uint32_t, uint32_t>> parse_samples(const std::string& text);
 /// Parses "first:last" and "first:last:step" as the frames' numbers, at most 100,000. Empty if malformed or none.
 std::vector<uint32_t> parse_frames(const std::string& text);
 /// `file` with the last '#'s of its name replaced by the frame's number, which has leading zeros to their count. Empty

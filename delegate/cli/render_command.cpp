@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "delegate/cli/commands.h"
+#include "delegate/cli/checkpoint_options.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
@@ -50,10 +50,13 @@ class RenderCommand {
       return console_.usage_error(
           "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.");
     if (const int code = check_times(); code != kDone) return code;
+    if (const int code = check_checkpoint(a_, console_); code != kDone) return code;
+    if (const int code = check_checkpoint_files(a_, console_); code != kDone) return code;
     if (a_.exposure && !(std::abs(*a_.exposure) <= 64))
       return console_.usage_error("--exposure", "expected a number of stops from -64 to 64.");
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
+    if (!a_.checkpoint.empty()) files.push_back(a_.checkpoint);
     if (const std::string problem = same_file_twice(files); !problem.empty())
       return console_.usage_error("render", problem);
     if (!a_.stats.empty())
@@ -143,6 +146,10 @@ class RenderCommand {
     }
     const bool decided = a_.pixel.empty() && (!settings["targetError"].empty() || !settings["timeLimit"].empty());
     if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples());
+    if (const auto range = parse_samples(a_.samples)) {
+      settings["firstSample"] = std::to_string(range->first);
+      settings["samples"] = std::to_string(range->second);
+    }
     for (const auto& [name, value] : settings) add(name, value);
     options.overrides.insert(options.overrides.end(), a_.overrides.begin(), a_.overrides.end());
     options.camera = a_.camera;
@@ -175,6 +182,11 @@ class RenderCommand {
 
   // Gives every render its products, sizes and crops, and checks all files before anything is rendered.
   int plan_products() {
+    if (const int code = check_parts(a_, session_, settings_paths().size(), console_); code != kDone) return code;
+    if (!a_.samples.empty() && a_.outputs.empty()) {
+      part_aovs_ = take_part_aovs(a_, &session_);
+      return check_names({});
+    }
     const auto all = session_.scene.GetAllRenderSettings();
     const hd::RenderSettingsDescription& first = all.at(session_.file.settings);
     if (!a_.outputs.empty())
@@ -226,6 +238,8 @@ class RenderCommand {
         return kInput;
       }
     if (!a_.stats.empty()) files.push_back(a_.stats);
+    const std::vector<std::string> checkpoints = checkpoint_files(a_);
+    files.insert(files.end(), checkpoints.begin(), checkpoints.end());
     problem = input_overwritten(files, session_, a_.scene);
     if (!problem.empty()) return console_.usage_error("render", problem);
     problem = same_file_twice(files);
@@ -248,6 +262,7 @@ class RenderCommand {
       for (const std::string& file : written_)
         console_.note((frames_.empty() ? "interrupted: wrote the picture so far to " : "interrupted: wrote ") + file);
       if (written_.empty()) console_.note("interrupted: nothing was written");
+      if (!a_.checkpoint.empty()) console_.note("the same command with --resume continues from the checkpoint");
     }
     return code;
   }
@@ -285,6 +300,8 @@ class RenderCommand {
       set_writing(false);
       options.colors = session_.colors();
       options.keep_going = a_.keep_going;
+      options.aovs = part_aovs_;
+      set_checkpoint(a_, session_.scene.GetAllRenderSettings().at(path), console_, &options);
       options.cancel = &interrupted();
       options.diagnostics = console_.sink();
       options.progress = [this](const hd::host::RecordProgress& progress) {
@@ -385,24 +402,6 @@ class RenderCommand {
     console_.note(text);
   }
 
-  static int exit_code(RecordStatus status) {
-    switch (status) {
-      case RecordStatus::done:
-        return kDone;
-      case RecordStatus::input_failed:
-        return kInput;
-      case RecordStatus::render_failed:
-        return kRender;
-      case RecordStatus::output_failed:
-        return kOutput;
-      case RecordStatus::interrupted:
-        return kInterrupted;
-      case RecordStatus::degraded:
-        return kDegraded;
-    }
-    return kRender;
-  }
-
   int write_stats(int code) {
     if (a_.stats.empty()) return kDone;
     nlohmann::json settings = nlohmann::json::object();
@@ -439,6 +438,7 @@ class RenderCommand {
   SceneSession session_;
   RunStats stats_;
   std::vector<std::string> written_;
+  std::vector<std::string> part_aovs_;  // of a part without files
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "delegate/host/frame_request.h"
+#include "delegate/host/recorded_checkpoints.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::host {
@@ -132,7 +133,12 @@ double stat(const Dictionary& stats, const char* key) {
 class Recording {
  public:
   Recording(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings, const RecordOptions& options)
-      : index_(index), scene_(scene), delegate_(index->GetRenderDelegate()), settings_(settings), options_(options) {}
+      : index_(index),
+        scene_(scene),
+        delegate_(index->GetRenderDelegate()),
+        settings_(settings),
+        options_(options),
+        checkpoints_(delegate_, options, settings) {}
 
   /// Catches everything: the host's callbacks, memory and threads may all fail.
   RecordResult run() noexcept {
@@ -174,12 +180,19 @@ class Recording {
     const Borrowed borrowed(this);
     allocate();
     if (!sync()) return;
-    if (!interrupted() && have_buffers() && scene_is_whole()) render();
+    if (!interrupted() && have_buffers() && scene_is_whole()) {
+      if (!checkpoints_.resume())
+        result_.status = RecordStatus::input_failed;
+      else
+        render();
+    }
     collect_stats();
     const RecordStatus status = result_.status;
     if (rendered_ &&
         (status == RecordStatus::done || status == RecordStatus::degraded || status == RecordStatus::interrupted))
       write();
+    if (checkpoints_.last_failed() && (status == RecordStatus::done || status == RecordStatus::degraded))
+      result_.status = RecordStatus::output_failed;
   }
 
   void refuse_exception(const char* what) noexcept {
@@ -277,6 +290,7 @@ class Recording {
     const RenderPassState state = pass_state();
     pass->Execute(state);
     double told = 0;
+    checkpoints_.begin();
     while (!pass->IsConverged() && !interrupted()) {
       pass->WaitForConvergence(0.02);
       pass->Execute(state);
@@ -284,7 +298,9 @@ class Recording {
         told = now;
         options_.progress(progress());
       }
+      checkpoints_.write_if_due(request_.description);
     }
+    if (pass->GetState() != PassState::failed && !delegate_->IsStopped()) checkpoints_.write_last(request_.description);
     end(pass);
     rendered_ = true;
   }
@@ -324,6 +340,7 @@ class Recording {
   void collect_stats() {
     if (result_.stats.empty()) result_.stats = delegate_->GetRenderStats();
     for (const auto& [key, value] : phases_) result_.stats[key] = value;
+    checkpoints_.add_to(&result_.stats);
   }
 
   Dictionary metadata() const {
@@ -394,6 +411,7 @@ class Recording {
   Path settings_;
   const RecordOptions& options_;
   FrameRequest request_;
+  RecordedCheckpoints checkpoints_;
   std::map<std::string, Path> buffers_;  // by AOV
   Clock::time_point started_;
   bool rendered_ = false;

@@ -27,6 +27,12 @@ struct RecordOptions {
   /// files with the attribute "alabaster/sceneFaults". Else such a scene is not rendered.
   bool keep_going = false;
   std::vector<std::string> aovs;  // that `picture` gets besides those of the products
+  /// A file that the state of the render is written to every so many seconds, when it is cancelled and at its end; each
+  /// time, the file holds either the last state or the one before. Empty: none.
+  std::string checkpoint;
+  double checkpoint_seconds = 60;
+  /// Go on from that file. The picture is, to the bit, the one that a render without interruption gives.
+  bool resume = false;
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.
   const std::atomic<bool>* cancel = nullptr;
@@ -47,8 +53,9 @@ struct RecordResult {
 /// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
 /// name (color if there is no product), syncs, renders to convergence and writes the products. Throws nothing: an
 /// exception of a callback of `options` fails the recording. Where the denoiser fails, files show color in the place of
-/// AOV denoised, and the status is output_failed. However it ends, its render buffers are removed and the
-/// delegate's settings are as before. A delegate that is stopped renders nothing and stays stopped.
+/// AOV denoised, and the status is output_failed; it also is where the last checkpoint could not be written. However it
+/// ends, its render buffers are removed and the delegate's settings are as before. A delegate that is stopped renders
+/// nothing and stays stopped.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 

@@ -4,6 +4,7 @@
 
 #include "core/session/tile_renderer.h"
 #include "delegate/prims/parameters.h"
+#include "delegate/rendering/checkpoints.h"
 #include "delegate/rendering/snapshot_builder.h"
 
 namespace alabaster::hd::rendering {
@@ -57,6 +58,8 @@ class RenderCore {
   /// The frame that was started last; null: none of the last snapshot.
   void set_last_request(const RenderRequest& request);
   std::shared_ptr<const RenderRequest> last_request() const;
+
+  Checkpoints checkpoints;  // host thread
 
   // Passes and background control (any thread).
   void add_pass(const std::shared_ptr<PassControl>& pass);

@@ -184,6 +184,26 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
     if (command == Token("requirements")) value = core_->requirements();
     if (command == Token("waitForScene")) value = wait_for_scene(arguments);
     if (command == Token("tracePixel")) value = trace_pixel(arguments);
+    const auto text = [&](const char* key) {
+      const auto found = arguments.find(key);
+      return found == arguments.end() ? std::string() : found->second.text_or("");
+    };
+    Checkpoints& checkpoints = core_->checkpoints;
+    if (command == Token("writeCheckpoint")) value = checkpoints.write(*core_, text("file"), text("note"));
+    if (command == Token("resumeCheckpoint")) value = checkpoints.resume(text("file"));
+    if (command == Token("showCheckpoints")) {
+      const auto files = arguments.find("files");
+      value = checkpoints.show(files == arguments.end() ? Array<std::string>()
+                                                        : files->second.get_or(Array<std::string>()));
+    }
+    if (command == Token("describeCheckpoint")) {
+      Dictionary description;
+      const std::string fault = Checkpoints::describe(text("file"), &description);
+      if (fault.empty())
+        value = std::make_shared<const Dictionary>(std::move(description));
+      else
+        value = fault;
+    }
   });
 }
 

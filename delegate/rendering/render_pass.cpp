@@ -41,6 +41,35 @@ std::string memory_fault(const PassInputs& in) {
          " GB: choose a smaller size or fewer AOVs, or render it in parts with a data window (crop)";
 }
 
+RenderRequest request_of(const PassInputs& in) {
+  RenderRequest request;
+  request.scene = in.shows_checkpoint ? nullptr : in.scene;
+  request.camera = in.framed.camera;
+  request.width = in.framed.width;
+  request.height = in.framed.height;
+  request.data_window = in.framed.data_window;
+  request.settings = in.settings;
+  request.aovs = 0;
+  for (const auto& binding : in.bindings) request.aovs |= aov_bit(binding.aov);
+  request.denoiser = in.denoiser;
+  return request;
+}
+
+// A part of a frame's samples has no samples of others that could decide where its own go.
+std::string part_fault(const RenderSettings& s) {
+  if (s.first_sample == 0) return {};
+  if (s.first_sample >= s.samples)
+    return "firstSample is " + std::to_string(s.first_sample) + ", but must be below samples, " +
+           std::to_string(s.samples);
+  const char* const decides = s.target_error > 0 ? "targetError"
+                              : s.adaptive       ? "adaptive"
+                              : s.time_limit > 0 ? "timeLimit"
+                                                 : nullptr;
+  if (!decides) return {};
+  return std::string("firstSample cannot be given with ") + decides +
+         ", which decides from all samples of a frame how many there are: render it in one";
+}
+
 }  // namespace
 
 PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults) {
@@ -68,7 +97,10 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   const Path camera = state.camera.empty() ? core_->settings_camera() : state.camera;
   const std::optional<CameraParameters> parameters =
       core_->camera(camera, scene ? scene->translation.shutter : Shutter());
-  if (!in.scene)
+  in.shows_checkpoint = core_->checkpoints.is_shown();
+  if (in.shows_checkpoint)
+    in.framed = frame_camera(CameraParameters(), state.framing, state.windowPolicy);
+  else if (!in.scene)
     in.error = core_->commit_error();
   else if (!parameters)
     in.error = camera.empty() ? "no camera is named: set RenderPassState::camera or the camera of the RenderSettings"
@@ -80,7 +112,11 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   else if (state.framing.valid())
     in.framed = frame_camera(*parameters, state.framing, state.windowPolicy);
   in.refused = in.scene && !in.error.empty();
+  if (in.error.empty() && !(in.error = part_fault(in.settings)).empty()) in.refused = true;
   if (in.error.empty()) choose_denoiser(&in);
+  if (in.error.empty() && (in.scene || in.shows_checkpoint) &&
+      !(in.error = core_->checkpoints.fault(scene.get(), request_of(in))).empty())
+    in.refused = true;
   if (in.error.empty()) {
     in.error = memory_fault(in);
     in.refused = !in.error.empty();
@@ -134,17 +170,9 @@ void PassControl::start(PassInputs next) {
   if (running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0)
     return set_converged(true);  // nothing to draw
 
-  RenderRequest request;
-  request.scene = running_.scene;
-  request.camera = running_.framed.camera;
-  request.width = running_.framed.width;
-  request.height = running_.framed.height;
-  request.data_window = running_.framed.data_window;
-  request.settings = running_.settings;
-  request.aovs = 0;
-  for (const auto& binding : running_.bindings) request.aovs |= aov_bit(binding.aov);
-  request.denoiser = running_.denoiser;
+  RenderRequest request = request_of(running_);
   core_->set_last_request(request);
+  request.resumed = core_->checkpoints.take();
   for (const auto& binding : running_.bindings) binding.buffer->release_film();
   session_->start(request);
   for (const auto& binding : running_.bindings) {
@@ -195,7 +223,7 @@ void PassControl::draw(const RenderPassState& state) {
   const bool building = core_->is_building();  // asked before the scene is taken
   if (building) {
     awaiting_ = state;
-    if (!core_->snapshot()) return expect_new_scene();
+    if (!core_->snapshot() || core_->checkpoints.is_pending()) return expect_new_scene();
   }
   std::vector<alabaster::Diagnostic> faults;
   PassInputs next = inputs(state, &faults);

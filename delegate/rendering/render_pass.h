@@ -22,6 +22,7 @@ struct PassInputs {
   };
   std::vector<Binding> bindings;
   std::shared_ptr<const Denoiser> denoiser;  // null: no binding shows its picture
+  bool shows_checkpoint = false;             // instead of the scene
   uint64_t restarts = 0;
   std::string error;     // why nothing can be drawn; empty: it can
   bool refused = false;  // because of what was asked for
@@ -50,6 +51,8 @@ class PassControl {
   /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the machine has.
   bool is_refused() const { return refused_; }
   RenderProgress progress() const { return session_->progress(); }
+  /// RenderSession::save().
+  bool save(const BlockSink& sink) { return session_->save(sink); }
   std::string error() const;
   /// Bytes of the film that is or was rendered last.
   size_t film_memory() const;

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <climits>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <system_error>
 
@@ -132,6 +133,9 @@ void clear_stale(const std::string& folder) {
   }
 }
 
+/// Writes a file's bytes to an open file. Returns errno, 0 if it went well.
+using Writer = std::function<int(int handle)>;
+
 int write_all(int handle, std::span<const uint8_t> bytes) {
   constexpr size_t kLargestWrite = size_t(1) << 30;  // Linux transfers at most 2^31 - 4096 bytes at once
   while (!bytes.empty()) {
@@ -144,11 +148,11 @@ int write_all(int handle, std::span<const uint8_t> bytes) {
 }
 
 /// FIFOs and character devices. Without a reader a FIFO is refused, for nobody might ever come.
-std::string write_into(const std::string& file, std::span<const uint8_t> bytes) {
+std::string write_into(const std::string& file, const Writer& write) {
   Handle handle(::open(file.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!handle) return errno == ENXIO ? "nothing reads from this FIFO" : reason_of(errno);
   if (::fcntl(handle.get(), F_SETFL, 0) != 0) return reason_of(errno);
-  int error = write_all(handle.get(), bytes);
+  int error = write(handle.get());
   if (const int closed = handle.close(); error == 0) error = closed;
   return error == 0 ? std::string() : reason_of(error);
 }
@@ -177,7 +181,7 @@ void sync_folder(const std::string& folder) {
 }
 
 /// Writes a regular file by way of a new one. Returns errno, 0 if it went well.
-int write_new(const Target& target, std::span<const uint8_t> bytes, Flush flush, bool named) {
+int write_new(const Target& target, const Writer& write, Flush flush, bool named) {
   const std::string folder = folder_of(target.file);
   std::string temporary;
   const int number = named ? open_named(folder, temporary) : open_unnamed(folder);
@@ -188,18 +192,43 @@ int write_new(const Target& target, std::span<const uint8_t> bytes, Flush flush,
     static_cast<void>(::fchown(number, target.now->st_uid, target.now->st_gid));  // where we may
     if (::fchmod(number, target.now->st_mode & 07777) != 0) error = errno;
   }
-  if (error == 0) error = write_all(number, bytes);
+  if (error == 0) error = write(number);
   if (error == 0 && flush == Flush::disk && ::fsync(number) != 0) error = errno;
   if (error == 0) return put_in_place(number, temporary, target.file);
   if (!temporary.empty()) ::unlink(temporary.c_str());
   return error;
 }
 
-int replace_file(const Target& target, std::span<const uint8_t> bytes, Flush flush) {
+int replace_file(const Target& target, const Writer& write, Flush flush) {
   clear_stale(folder_of(target.file));
   // Some systems make files without a name but let nobody name them.
-  if (::access("/proc/self/fd", X_OK) == 0 && write_new(target, bytes, flush, false) == 0) return 0;
-  return write_new(target, bytes, flush, true);
+  if (::access("/proc/self/fd", X_OK) == 0) {
+    const int error = write_new(target, write, flush, false);
+    if (error == 0 || error == ECANCELED) return error;
+  }
+  return write_new(target, write, flush, true);
+}
+
+std::string write_file(const std::string& file, const Writer& write, Flush flush) {
+  const Target target = find_target(file);
+  // A file that the program's own output goes to (/dev/stdout) is not pulled away from under it.
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    struct stat own = {};
+    if (!target.now || ::fstat(stream, &own) != 0) continue;
+    if (own.st_dev != target.now->st_dev || own.st_ino != target.now->st_ino || !S_ISREG(own.st_mode)) continue;
+    const int error = write(stream);
+    return error == 0 ? std::string() : reason_of(error);
+  }
+  if (target.error != 0) return reason_of(target.error);
+  if (target.now) {
+    const std::string fault = kind_fault(*target.now, target.file);
+    if (!fault.empty()) return fault;
+    if (!S_ISREG(target.now->st_mode)) return write_into(file, write);
+  }
+  const int error = replace_file(target, write, flush);
+  if (error != 0) return reason_of(error);
+  if (flush == Flush::disk) sync_folder(folder_of(target.file));
+  return {};
 }
 
 }  // namespace
@@ -230,25 +259,18 @@ std::string OutputFault(const std::string& file) {
 }
 
 std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush) {
-  const Target target = find_target(file);
-  // A file that the program's own output goes to (/dev/stdout) is not pulled away from under it.
-  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
-    struct stat own = {};
-    if (!target.now || ::fstat(stream, &own) != 0) continue;
-    if (own.st_dev != target.now->st_dev || own.st_ino != target.now->st_ino || !S_ISREG(own.st_mode)) continue;
-    const int error = write_all(stream, bytes);
-    return error == 0 ? std::string() : reason_of(error);
-  }
-  if (target.error != 0) return reason_of(target.error);
-  if (target.now) {
-    const std::string fault = kind_fault(*target.now, target.file);
-    if (!fault.empty()) return fault;
-    if (!S_ISREG(target.now->st_mode)) return write_into(file, bytes);
-  }
-  const int error = replace_file(target, bytes, flush);
-  if (error != 0) return reason_of(error);
-  if (flush == Flush::disk) sync_folder(folder_of(target.file));
-  return {};
+  return write_file(
+      file, [bytes](int handle) { return write_all(handle, bytes); }, flush);
+}
+
+std::string StreamOutputFile(const std::string& file, const std::function<bool(const ByteSink&)>& write, Flush flush) {
+  const auto writer = [&write](int handle) {
+    int error = 0;
+    const ByteSink sink = [&](std::span<const uint8_t> bytes) { return (error = write_all(handle, bytes)) == 0; };
+    const bool complete = write(sink);
+    return complete || error != 0 ? error : ECANCELED;
+  };
+  return write_file(file, writer, flush);
 }
 
 }  // namespace alabaster::hd::support

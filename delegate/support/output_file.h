@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -19,5 +20,12 @@ std::string OutputFault(const std::string& file);
 /// regular file is then as it was before. Where the file system has files without a name, a process that is killed
 /// leaves nothing behind; elsewhere the next write into the folder removes what is left. Any thread.
 std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush = Flush::disk);
+
+/// Takes the next bytes of a file; false: they cannot be written.
+using ByteSink = std::function<bool(std::span<const uint8_t>)>;
+/// The same for a file too large to be in memory as a whole. `write` gives its bytes to the sink, in order, and returns
+/// false to give up; it may be called a second time, where the first way to write fails.
+std::string StreamOutputFile(const std::string& file, const std::function<bool(const ByteSink&)>& write,
+                             Flush flush = Flush::disk);
 
 }  // namespace alabaster::hd::support

@@ -10,7 +10,7 @@ import pathlib
 import re
 import sys
 
-CORE_ROOMS = ["diagnostics", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
+CORE_ROOMS = ["diagnostics", "digest", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
               "denoise", "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
 CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
@@ -41,6 +41,7 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"tiny_gltf": ["delegate/gltf/"],
     r"valijson/": ["delegate/description/"],
     r"CLI/": ["delegate/cli/"],
+    r"xxhash": ["core/digest/"],
     r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')

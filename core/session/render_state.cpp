@@ -1,0 +1,195 @@
+#include "core/session/render_state.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <tuple>
+#include <type_traits>
+
+namespace alabaster {
+namespace {
+
+// The members of counters, but for the first sample that was not finite.
+auto members_of(RenderCounters& c) {
+  static_assert(sizeof(RenderCounters) == 19 * sizeof(uint64_t) + 16, "a new counter belongs here, too");
+  return std::tie(c.camera_rays, c.bounce_rays, c.shadow_rays, c.walk_rays, c.probe_rays, c.probe_hits, c.lambert_exits,
+                  c.walks, c.walk_events, c.walk_sphere_steps, c.walk_exits, c.walk_roulette_ends, c.walk_lost,
+                  c.walk_safety_cap, c.rejected_rays, c.nonfinite_samples, c.samples, c.max_walk_weight,
+                  c.walk_lost_energy);
+}
+
+/// The first block: all that is not per pixel.
+struct Head {
+  PixelRect window;
+  uint32_t aovs = 0, rays = 0;
+  SampleRange range, round;
+  uint32_t ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0;
+  SampleAddress first_nonfinite;
+  double wall_seconds = 0, cpu_seconds = 0;
+  uint64_t counters[19] = {};
+};
+static_assert(std::is_trivially_copyable_v<Head> && sizeof(Head) == 16 + 8 + 16 + 16 + 16 + 16 + 152);
+
+std::span<std::byte> bytes_of(Head& head) {
+  return std::as_writable_bytes(std::span(&head, 1));
+}
+
+Head head_of(const RenderState& state) {
+  const Film& film = *state.film;
+  Head head;
+  head.window = film.data_window();
+  head.aovs = film.aovs(), head.rays = film.extras().rays;
+  head.range = film.extras().range, head.round = state.round;
+  head.ended = state.stopping.ended(), head.kept = state.stopping.kept_film() ? state.stopping.kept() : 0;
+  head.has_rates = !state.allocation.rates().empty();
+  RenderCounters counters = state.counters;
+  head.has_nonfinite = counters.first_nonfinite.has_value();
+  head.first_nonfinite = counters.first_nonfinite.value_or(SampleAddress());
+  head.wall_seconds = state.wall_seconds, head.cpu_seconds = state.cpu_seconds;
+  std::apply(
+      [&](const auto&... member) {
+        size_t i = 0;
+        ((head.counters[i++] = std::bit_cast<uint64_t>(member)), ...);
+      },
+      members_of(counters));
+  return head;
+}
+
+RenderCounters counters_of(const Head& head) {
+  RenderCounters counters;
+  std::apply(
+      [&](auto&... member) {
+        size_t i = 0;
+        ((member = std::bit_cast<std::decay_t<decltype(member)>>(head.counters[i++])), ...);
+      },
+      members_of(counters));
+  if (head.has_nonfinite) counters.first_nonfinite = head.first_nonfinite;
+  return counters;
+}
+
+bool is_valid(const Head& head) {
+  constexpr int kMostSide = 1 << 20, kLimit = 1 << 24;
+  const PixelRect& w = head.window;
+  for (const int edge : {w.x0, w.y0, w.x1, w.y1})
+    if (edge < -kLimit || edge > kLimit) return false;
+  const auto in_order = [](const SampleRange& range) { return range.begin <= range.end; };
+  return !w.empty() && w.width() <= kMostSide && w.height() <= kMostSide && head.rays <= 1 && in_order(head.range) &&
+         in_order(head.round) && head.ended <= kAllPixelGroups && (head.kept & ~head.ended) == 0 &&
+         head.has_rates <= 1 && head.has_nonfinite <= 1 && std::isfinite(head.wall_seconds) && head.wall_seconds >= 0 &&
+         std::isfinite(head.cpu_seconds) && head.cpu_seconds >= 0;
+}
+
+bool read_head(const BlockSource& source, Head* head) {
+  std::vector<std::byte> block;
+  if (!source(sizeof(Head), &block) || block.size() != sizeof(Head)) return false;
+  std::memcpy(bytes_of(*head).data(), block.data(), block.size());
+  return is_valid(*head);
+}
+
+bool write_film(const Film& film, const BlockSink& sink) {
+  std::vector<std::byte> block;
+  for (int t = 0; t < film.tile_count(); ++t) {
+    FilmTile tile = film.load_tile(t);
+    block.clear();
+    for (const auto& plane : tile.planes()) block.insert(block.end(), plane.begin(), plane.end());
+    if (!sink(block)) return false;
+  }
+  return true;
+}
+
+size_t pixels_of(const PixelRect& rect) {
+  return static_cast<size_t>(rect.width()) * static_cast<size_t>(rect.height());
+}
+
+bool read_tile(const BlockSource& source, FilmTile* tile) {
+  const auto planes = tile->planes();
+  size_t size = 0;
+  for (const auto& plane : planes) size += plane.size();
+  std::vector<std::byte> block;
+  if (!source(size, &block) || block.size() != size) return false;
+  const std::byte* at = block.data();
+  for (const auto& plane : planes) {
+    std::memcpy(plane.data(), at, plane.size());
+    at += plane.size();
+  }
+  return tile->accept_planes();
+}
+
+// True if each pixel has all samples of the range.
+bool has_samples(const FilmTile& tile, size_t pixels, const SampleRange& range) {
+  for (size_t pixel = 0; pixel < pixels; ++pixel)
+    if (tile.samples(pixel) != range.end - range.begin) return false;
+  return true;
+}
+
+std::shared_ptr<Film> read_film(const BlockSource& source, const Head& head) {
+  const FilmExtras extras{head.rays != 0, head.range};
+  auto film = std::make_shared<Film>(head.window, head.aovs, extras);
+  for (int t = 0; t < film->tile_count(); ++t) {
+    FilmTile tile(pixels_of(film->tile_rect(t)), head.aovs, extras);
+    if (!read_tile(source, &tile)) return nullptr;
+    if (tile.most_samples() > 0) film->store_tile(t, tile);
+  }
+  return film;
+}
+
+bool read_rates(const BlockSource& source, const Head& head, std::vector<float>* rates) {
+  constexpr float kMostRate = 1024;
+  const size_t size = pixels_of(head.window) * sizeof(float);
+  std::vector<std::byte> block;
+  if (!source(size, &block) || block.size() != size) return false;
+  rates->resize(pixels_of(head.window));
+  std::memcpy(rates->data(), block.data(), size);
+  return std::all_of(rates->begin(), rates->end(), [](float rate) { return rate >= 0 && rate <= kMostRate; });
+}
+
+}  // namespace
+
+bool write_state(const RenderState& state, const BlockSink& sink) {
+  Head head = head_of(state);
+  if (!sink(bytes_of(head))) return false;
+  if (head.has_rates && !sink(std::as_bytes(std::span(state.allocation.rates())))) return false;
+  return write_film(*state.film, sink) && (!head.kept || write_film(*state.stopping.kept_film(), sink));
+}
+
+bool read_state(const BlockSource& source, size_t most_memory, RenderState* state) {
+  Head head;
+  if (!read_head(source, &head)) return false;
+  const size_t films = head.kept ? 2 : 1;
+  if (films * film_bytes(head.window, head.aovs, {head.rays != 0, head.range}) > most_memory) return false;
+  std::vector<float> rates;
+  if (head.has_rates && !read_rates(source, head, &rates)) return false;
+  state->film = read_film(source, head);
+  if (!state->film) return false;
+  std::shared_ptr<Film> kept = head.kept ? read_film(source, head) : nullptr;
+  if (head.kept && !kept) return false;
+  state->round = head.round;
+  state->allocation = SampleAllocation(std::move(rates));
+  state->stopping.restore(head.ended, head.kept, std::move(kept));
+  state->counters = counters_of(head);
+  state->wall_seconds = head.wall_seconds, state->cpu_seconds = head.cpu_seconds;
+  return true;
+}
+
+bool append_state(const BlockSource& source, RenderState* to) {
+  Head head;
+  Film& film = *to->film;
+  if (!read_head(source, &head) || head.window != film.data_window() || head.aovs != film.aovs() || head.has_rates ||
+      head.rays || head.kept)
+    return false;
+  for (int t = 0; t < film.tile_count(); ++t) {
+    const size_t pixels = pixels_of(film.tile_rect(t));
+    FilmTile next(pixels, head.aovs, {false, head.range}), tile = film.load_tile(t);
+    if (!read_tile(source, &next) || !has_samples(next, pixels, head.range) ||
+        !has_samples(tile, pixels, {0, head.range.begin}))
+      return false;
+    tile.append(next);
+    film.store_tile(t, tile);
+  }
+  to->counters.add(counters_of(head));
+  to->wall_seconds += head.wall_seconds, to->cpu_seconds += head.cpu_seconds;
+  return true;
+}
+
+}  // namespace alabaster

@@ -1,0 +1,41 @@
+// The checkpoints of a recording. Internal to the frame recorder.
+#pragma once
+
+#include <chrono>
+
+#include "delegate/host/frame_recorder.h"
+
+namespace alabaster::hd::host {
+
+class RecordedCheckpoints {
+ public:
+  /// `delegate` and `options` must outlive it. Without RecordOptions::checkpoint nothing is written.
+  RecordedCheckpoints(RenderDelegate* delegate, const RecordOptions& options, Path settings)
+      : delegate_(delegate), options_(options), settings_(std::move(settings)) {}
+
+  /// Has the delegate go on from the file, if RecordOptions::resume asks for it. False after a report.
+  bool resume();
+  /// The render begins: the first checkpoint is due an interval later.
+  void begin() { saved_ = std::chrono::steady_clock::now(); }
+  /// A file that cannot be written now may be later: that is a warning, given once.
+  void write_if_due(const RenderSettingsDescription& settings);
+  void write_last(const RenderSettingsDescription& settings);
+  bool last_failed() const { return last_failed_; }
+  /// Adds checkpoint.count and phase.checkpoint.wall, the seconds that they took.
+  void add_to(Dictionary* stats) const;
+
+ private:
+  std::string write(const RenderSettingsDescription& settings);
+  std::string note(const RenderSettingsDescription& settings) const;
+  void report(Severity severity, const std::string& text) const;
+
+  RenderDelegate* delegate_;
+  const RecordOptions& options_;
+  Path settings_;
+  std::chrono::steady_clock::time_point saved_;
+  int count_ = 0;
+  double seconds_ = 0;
+  bool warned_ = false, last_failed_ = false;
+};
+
+}  // namespace alabaster::hd::host

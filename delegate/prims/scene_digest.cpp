@@ -1,0 +1,177 @@
+#include "delegate/prims/scene_digest.h"
+
+#include <tbb/parallel_for.h>
+
+#include <set>
+
+#include "core/light/ies_profile.h"
+#include "delegate/prims/parameters.h"
+
+namespace alabaster::hd::prims {
+namespace {
+
+/// Digests of things that are shared, each made once.
+template <class T>
+using Shared = std::map<const T*, std::string>;
+
+template <class T, class Add>
+void digest_all(Shared<T>* shared, const Add& add) {
+  shared->erase(nullptr);
+  std::vector<typename Shared<T>::value_type*> all;
+  for (auto& one : *shared) all.push_back(&one);
+  tbb::parallel_for(size_t(0), all.size(), [&](size_t i) {
+    Digest digest;
+    add(*all[i]->first, &digest);
+    all[i]->second = digest.text();
+  });
+}
+
+template <class Row, class T>
+void add_parameters(std::span<const Row> table, const T& object, Digest* digest) {
+  for (const Row& parameter : table) std::visit([&](auto member) { digest->add(object.*member); }, parameter.member);
+}
+
+template <class T>
+void add_attribute(const MeshAttribute<T>& attribute, Digest* digest) {
+  digest->add(attribute.values);
+  digest->add(attribute.triangles);
+}
+
+void add_mesh(const MeshPrototype& prototype, Digest* digest) {
+  const Mesh& mesh = prototype.mesh;
+  digest->add(mesh.points);
+  digest->add(mesh.triangles);
+  digest->add(mesh.normals);
+  digest->add(mesh.normal_triangles);
+  add_attribute(mesh.tangents, digest);
+  for (const UvSet& uvs : mesh.uv_sets) {
+    digest->add(uvs.name.text());
+    add_attribute(uvs, digest);
+  }
+  add_attribute(mesh.colors, digest);
+  add_attribute(mesh.opacities, digest);
+  digest->add(mesh.triangle_face);
+  digest->add(mesh.triangle_material);
+  for (const MeshPose& pose : mesh.later_poses) {
+    digest->add(pose.points);
+    digest->add(pose.normals);
+  }
+}
+
+class SceneDigest {
+ public:
+  explicit SceneDigest(const Translation& translation) : translation_(translation) {
+    for (const InstanceDescription& instance : translation.scene.instances) {
+      meshes_[instance.prototype.get()];
+      for (const auto& material : instance.materials) materials_[material.get()];
+    }
+    for (const auto& [material, unset] : materials_)
+      for (const Texture* image : material->images()) images_[image];
+    for (const LightDescription& light : translation.scene.lights) images_[light.texture.get()];
+    digest_all(&images_, [](const Texture& image, Digest* digest) { image.add_to(digest); });
+    digest_all(&meshes_, add_mesh);
+    digest_all(&materials_, [this](const DisneyMaterial& material, Digest* digest) { add_material(material, digest); });
+  }
+
+  std::map<std::string, std::string> by_name() const {
+    std::map<std::string, Digest> prims;
+    for (const InstanceDescription& instance : translation_.scene.instances)
+      add_instance(instance, &prims["mesh " + instance.name]);
+    std::map<std::string, std::string> digests;
+    for (const auto& [name, digest] : prims) digests[name] = digest.text();
+    for (const auto& [material, digest] : materials_) {
+      std::string& held = digests["material " + material->name];
+      held = std::max(held, digest);  // two of a name have the same contents, or the greater stands for both
+    }
+    for (size_t i = 0; i < translation_.scene.lights.size(); ++i)
+      digests["light " + translation_.light_paths[i].str()] = digest_light(translation_.scene.lights[i]);
+    return digests;
+  }
+
+ private:
+  void add_image(const Texture* image, Digest* digest) const { digest->add(image ? images_.at(image) : std::string()); }
+  void add_lookup(const TextureLookup& lookup, Digest* digest) const {
+    add_image(lookup.image.get(), digest);
+    digest->add(lookup.uv_set.text());
+    digest->add(lookup.transform);
+    digest->add(lookup.scale);
+    digest->add(lookup.bias);
+    digest->add(lookup.alpha_scale);
+    digest->add(lookup.alpha_bias);
+  }
+  void add_material(const DisneyMaterial& material, Digest* digest) const {
+    add_parameters(material_parameters(), material.constants, digest);
+    for (const MaterialTexture& texture : material.textures) {
+      add_lookup(texture.lookup, digest);
+      for (const MaterialTexture::Use& use : texture.uses) {
+        digest->add(std::string(use.parameter->name));
+        digest->add(use.channel);
+      }
+    }
+    for (const auto* map : {&material.normal_map, &material.coat_normal_map}) {
+      digest->add(map->has_value());
+      if (!*map) continue;
+      add_lookup(**map, digest);
+      digest->add((*map)->is_bump);
+      digest->add((*map)->channel);
+    }
+  }
+  void add_instance(const InstanceDescription& instance, Digest* digest) const {
+    digest->add(meshes_.at(instance.prototype.get()));
+    digest->add(instance.object_to_world);
+    digest->add(instance.poses);
+    for (const auto& material : instance.materials) digest->add(material->name);
+    digest->add(instance.prim_id);
+    digest->add(instance.instance_id);
+    digest->add(instance.subsurface_set);
+    digest->add(instance.double_sided);
+  }
+  std::string digest_light(const LightDescription& light) const {
+    Digest digest;
+    digest.add(light.type);
+    digest.add(light.light_to_world);
+    add_parameters(light_parameters(), light, &digest);
+    digest.add(light.color_of_temperature);
+    digest.add(light.visible_to_camera);
+    add_image(light.texture.get(), &digest);
+    if (light.ies) light.ies->add_to(&digest);
+    return digest.text();
+  }
+
+  const Translation& translation_;
+  Shared<Texture> images_;
+  Shared<MeshPrototype> meshes_;
+  Shared<DisneyMaterial> materials_;
+};
+
+}  // namespace
+
+std::map<std::string, std::string> digest_scene(const Translation& translation) {
+  constexpr size_t kMostNames = 10000;
+  std::map<std::string, std::string> digests = SceneDigest(translation).by_name();
+  if (digests.size() <= kMostNames) return digests;
+  std::map<std::string, Digest> kinds;
+  for (const auto& [name, text] : digests) {
+    Digest& kind = kinds["one " + name.substr(0, name.find(' '))];
+    kind.add(name);
+    kind.add(text);
+  }
+  digests.clear();
+  for (const auto& [kind, digest] : kinds) digests[kind] = digest.text();
+  return digests;
+}
+
+std::string digest_camera(const CameraParameters& camera) {
+  Digest digest;
+  add_parameters(camera_parameters(), camera, &digest);
+  digest.add(camera.camera_to_world);
+  digest.add(camera.clip_near);
+  digest.add(camera.clip_far);
+  digest.add(camera.orthographic);
+  digest.add(camera.poses);
+  digest.add(camera.opens);
+  digest.add(camera.closes);
+  return digest.text();
+}
+
+}  // namespace alabaster::hd::prims

@@ -1,0 +1,233 @@
+#include "delegate/rendering/checkpoint_file.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "core/digest/digest.h"
+#include "delegate/api/render_delegate.h"
+#include "delegate/prims/parameters.h"
+#include "delegate/prims/scene_digest.h"
+#include "delegate/support/output_file.h"
+
+namespace alabaster::hd::rendering {
+namespace {
+
+using nlohmann::json;
+
+// The number rises whenever the state or the header changes its meaning.
+constexpr std::string_view kMagic = "Alabaster checkpoint 1\n", kAnyMagic = "Alabaster checkpoint ";
+constexpr size_t kMostHeader = size_t(64) << 20;
+
+struct BlockHead {
+  uint64_t size = 0, checksum = 0;
+};
+
+/// Settings that change no pixel, or only how many samples there are.
+bool is_compared(const std::string& setting, const RenderSettings& settings) {
+  if (setting == "samples") return settings.adaptive || settings.target_error > 0;
+  for (const char* name : {"firstSample", "timeLimit", "threads", "textureMemory", "denoise", "interactive"})
+    if (setting == name) return false;
+  return true;
+}
+
+json library_versions() {
+  json versions = json::object();
+  std::istringstream lines(AlabasterVersions());
+  for (std::string line; std::getline(lines, line);) {
+    const size_t space = line.find(' ');
+    versions[space == std::string::npos ? "Alabaster" : line.substr(0, space)] =
+        space == std::string::npos ? line : line.substr(space + 1);
+  }
+  return versions;
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+std::string aov_names(uint32_t aovs) {
+  std::string names;
+  for (const AovInfo& info : kAovs)
+    if (aovs & aov_bit(info.aov)) names += (names.empty() ? "" : ", ") + std::string(info.name);
+  return names;
+}
+
+/// Lists differences, a few of them by name.
+class Differences {
+ public:
+  void add(const std::string& text) {
+    constexpr int kNamed = 3;
+    if (++count_ <= kNamed) text_ += (text_.empty() ? "" : "; ") + text;
+  }
+  std::string text() const {
+    return count_ > 3 ? text_ + "; and " + std::to_string(count_ - 3) + " more differences" : text_;
+  }
+
+ private:
+  int count_ = 0;
+  std::string text_;
+};
+
+/// Calls different(name, text in a, text in b), null where one lacks the name, for what differs between two objects.
+template <class Different>
+void compare(const json& a, const json& b, const Different& different) {
+  static const json kNone = json::object();
+  const json &left = a.is_object() ? a : kNone, &right = b.is_object() ? b : kNone;
+  const auto text_in = [](const json& object, const std::string& name) {
+    const auto found = object.find(name);
+    return found != object.end() && found->is_string() ? found->get_ptr<const std::string*>() : nullptr;
+  };
+  std::set<std::string> names;
+  for (const json* object : {&left, &right})
+    for (const auto& [name, value] : object->items()) names.insert(name);
+  for (const std::string& name : names) {
+    const std::string *l = text_in(left, name), *r = text_in(right, name);
+    if (!l || !r || *l != *r) different(name, l, r);
+  }
+}
+
+std::string text_of_header(const json& header) {
+  return header.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+const json& member(const json& header, const char* name) {
+  static const json kNone;
+  const auto found = header.find(name);
+  return found == header.end() ? kNone : *found;
+}
+
+std::string text_of(const json& value) {
+  return value.is_string() ? value.get<std::string>() : std::string("none");
+}
+
+std::string was_and_is(const std::string& what, const std::string* was, const std::string* is) {
+  return what + " was " + (was ? *was : "not known") + " and is " + (is ? *is : "not known");
+}
+
+}  // namespace
+
+CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene) {
+  CheckpointHeader header;
+  header["library"] = library_versions();
+  header["scene"] = scene;
+  header["scene"]["the camera"] = prims::digest_camera(request.camera);
+  const PixelRect& window = request.data_window;
+  header["frame"] = {{"size", size_text(request.width, request.height)},
+                     {"data window", std::to_string(window.x0) + "," + std::to_string(window.y0) + "," +
+                                         std::to_string(window.x1) + "," + std::to_string(window.y1)}};
+  header["aovs"] = aov_names(with_guides(request.aovs));
+  json& settings = header["settings"] = json::object();
+  for (const SettingParameter& parameter : setting_parameters())
+    if (is_compared(parameter.name, request.settings)) {
+      const Value value = prims::get_parameter(parameter, request.settings);
+      settings[parameter.name] = value.text_or(value.to_string());
+    }
+  // As a file gives it back: names that are not UTF-8 do not survive JSON.
+  return json::parse(text_of_header(header));
+}
+
+std::string checkpoint_difference(const CheckpointHeader& file, const CheckpointHeader& render) {
+  Differences all;
+  compare(member(file, "library"), member(render, "library"),
+          [&](const std::string& name, const std::string* was, const std::string* is) {
+            all.add(was_and_is("the version of " + name, was, is));
+          });
+  compare(member(file, "frame"), member(render, "frame"),
+          [&](const std::string& name, const std::string* was, const std::string* is) {
+            all.add(was_and_is("the " + name + (name == "size" ? " of the frame" : ""), was, is));
+          });
+  if (const std::string was = text_of(member(file, "aovs")), is = text_of(member(render, "aovs")); was != is)
+    all.add("the AOVs were " + was + " and are " + is);
+  compare(member(file, "settings"), member(render, "settings"),
+          [&](const std::string& name, const std::string* was, const std::string* is) {
+            all.add(was_and_is("setting " + name, was, is));
+          });
+  compare(member(file, "scene"), member(render, "scene"),
+          [&](const std::string& name, const std::string* was, const std::string* is) {
+            all.add(name + (!was ? " is new" : !is ? " is gone" : " has changed"));
+          });
+  return all.text();
+}
+
+std::string write_checkpoint(const std::string& file, const CheckpointHeader& header,
+                             const std::function<bool(const BlockSink&)>& write) {
+  const auto bytes = [](const auto* data, size_t size) {
+    return std::span(reinterpret_cast<const uint8_t*>(data), size);
+  };
+  return support::StreamOutputFile(file, [&](const support::ByteSink& sink) {
+    uint64_t number = 0;
+    const auto put = [&](std::span<const std::byte> block) {
+      const BlockHead head{block.size(), checksum(block, number++)};
+      return sink(bytes(&head, sizeof head)) && sink(bytes(block.data(), block.size()));
+    };
+    const std::string text = text_of_header(header);
+    return sink(bytes(kMagic.data(), kMagic.size())) && put(std::as_bytes(std::span(text))) && write(put) && put({});
+  });
+}
+
+CheckpointReader::CheckpointReader(const std::string& file) : file_(file, std::ios::binary) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (!file_ || error) {
+    const int reason = error ? error.value() : errno;
+    fault_ =
+        reason == ENOENT ? "there is no such file" : "it cannot be read: " + std::generic_category().message(reason);
+    return;
+  }
+  left_ = size;
+  read_header();
+}
+
+bool CheckpointReader::fail(const std::string& fault) {
+  if (fault_.empty()) fault_ = fault;
+  return false;
+}
+
+bool CheckpointReader::read_header() {
+  std::string magic(std::min(kMagic.size(), left_), ' ');
+  file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+  left_ -= magic.size();
+  if (!magic.starts_with(kAnyMagic)) return fail("it is not a checkpoint");
+  if (magic != kMagic) return fail("it is a checkpoint of another version of Alabaster, in another format");
+  std::vector<std::byte> block;
+  if (!next(kMostHeader, &block)) return false;
+  const char* const text = reinterpret_cast<const char*>(block.data());
+  header_ = json::parse(text, text + block.size(), nullptr, false);
+  return header_.is_object() || fail("it is damaged: its header is not JSON");
+}
+
+bool CheckpointReader::next(size_t most, std::vector<std::byte>* block) {
+  BlockHead head;
+  if (!fault_.empty()) return false;
+  if (left_ < sizeof head) return fail("it is damaged: it ends too early");
+  file_.read(reinterpret_cast<char*>(&head), sizeof head);
+  left_ -= sizeof head;
+  if (!file_) return fail("it cannot be read");
+  if (head.size > left_) return fail("it is damaged: it ends too early");
+  if (head.size > most) return fail("it is damaged: block " + std::to_string(number_) + " is too large");
+  block->resize(head.size);
+  file_.read(reinterpret_cast<char*>(block->data()), static_cast<std::streamsize>(head.size));
+  left_ -= head.size;
+  if (!file_) return fail("it cannot be read");
+  if (checksum(*block, number_) != head.checksum)
+    return fail("it is damaged: the checksum of block " + std::to_string(number_) + " is wrong");
+  ++number_;
+  return true;
+}
+
+BlockSource CheckpointReader::source() {
+  return [this](size_t most, std::vector<std::byte>* block) { return next(most, block); };
+}
+
+void CheckpointReader::finish(bool read) {
+  std::vector<std::byte> last;
+  if (!read)
+    fail("it is damaged: block " + std::to_string(number_) + " does not hold what it should");
+  else if (next(0, &last) && left_ > 0)
+    fail("it is damaged: there is more after its end");
+}
+
+}  // namespace alabaster::hd::rendering

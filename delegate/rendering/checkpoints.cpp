@@ -1,0 +1,177 @@
+#include "delegate/rendering/checkpoints.h"
+
+#include <algorithm>
+
+#include "delegate/prims/scene_digest.h"
+#include "delegate/rendering/render_core.h"
+#include "delegate/rendering/render_pass.h"
+#include "delegate/support/process_usage.h"
+
+namespace alabaster::hd::rendering {
+namespace {
+
+// Samples that a film is to get: {0, N} of a whole frame.
+nlohmann::json samples_of(const RenderRequest& request) {
+  return {request.settings.first_sample, request.settings.samples};
+}
+
+SampleRange range_of(const CheckpointHeader& header) {
+  SampleRange range;
+  const auto samples = header.find("samples");
+  if (samples == header.end() || !samples->is_array() || samples->size() != 2) return range;
+  for (const auto& end : *samples)
+    if (!end.is_number_unsigned() || end.get<uint64_t>() > kMostSummedSamples) return range;
+  return {(*samples)[0].get<uint32_t>(), (*samples)[1].get<uint32_t>()};
+}
+
+std::string text_of(const SampleRange& range) {
+  return std::to_string(range.begin) + ":" + std::to_string(range.end);
+}
+
+bool is_complete(const CheckpointHeader& header) {
+  const auto complete = header.find("complete");
+  return complete != header.end() && complete->is_boolean() && complete->get<bool>();
+}
+
+std::string note_of(const CheckpointHeader& header) {
+  const auto note = header.find("note");
+  return note != header.end() && note->is_string() ? note->get<std::string>() : std::string();
+}
+
+std::string in_quotes(const std::string& file) {
+  return "'" + file + "'";
+}
+
+}  // namespace
+
+// Made once for each snapshot.
+const std::map<std::string, std::string>& Checkpoints::digests_of(const BuiltScene& scene) const {
+  if (digested_ != scene.snapshot->number) digests_ = prims::digest_scene(scene.translation);
+  digested_ = scene.snapshot->number;
+  return digests_;
+}
+
+std::string Checkpoints::write(const RenderCore& core, const std::string& file, const std::string& note) const {
+  const auto request = core.last_request();
+  const auto passes = core.passes();
+  if (!request || !request->scene || passes.empty()) return "nothing has been rendered";
+  const auto scene = core.scene();
+  if (!scene || scene->snapshot != request->scene) return "the scene has changed since it was rendered";
+  CheckpointHeader header = checkpoint_header(*request, digests_of(*scene));
+  header["samples"] = samples_of(*request);
+  header["complete"] = passes.back()->progress().state == SessionState::finished;
+  header["note"] = note;
+  return write_checkpoint(file, header, [&](const BlockSink& sink) { return passes.back()->save(sink); });
+}
+
+std::string Checkpoints::resume(const std::string& file) {
+  pending_.reset();
+  shown_ = false;
+  if (file.empty()) return {};
+  CheckpointReader reader(file);
+  auto state = std::make_shared<RenderState>();
+  if (reader.fault().empty()) reader.finish(read_state(reader.source(), support::physical_memory_bytes(), state.get()));
+  if (!reader.fault().empty()) return reader.fault();
+  pending_ = Pending{file, reader.header(), std::move(state)};
+  return {};
+}
+
+std::string Checkpoints::describe(const std::string& file, Dictionary* description) {
+  const CheckpointReader reader(file);
+  if (!reader.fault().empty()) return reader.fault();
+  const SampleRange range = range_of(reader.header());
+  (*description)["firstSample"] = static_cast<int64_t>(range.begin);
+  (*description)["samples"] = static_cast<int64_t>(range.end);
+  (*description)["complete"] = is_complete(reader.header());
+  (*description)["note"] = note_of(reader.header());
+  return {};
+}
+
+namespace {
+
+struct Part {
+  std::string file;
+  SampleRange range;
+  std::unique_ptr<CheckpointReader> reader;
+};
+
+// In the order of their samples. Empty, with the reason in *fault, if they are not all samples of one frame.
+std::vector<Part> open_parts(const Array<std::string>& files, std::string* fault) {
+  std::vector<Part> parts;
+  for (const std::string& file : files) {
+    auto reader = std::make_unique<CheckpointReader>(file);
+    *fault = reader->fault();
+    if (fault->empty() && !is_complete(reader->header()))
+      *fault = "it does not have all samples of its part yet; let its render end first (--resume)";
+    if (!fault->empty()) return *fault = in_quotes(file) + ": " + *fault, std::vector<Part>();
+    parts.push_back({file, range_of(reader->header()), std::move(reader)});
+  }
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Part& a, const Part& b) { return a.range.begin < b.range.begin; });
+  uint32_t end = 0;
+  for (const Part& part : parts) {
+    const std::string difference = checkpoint_difference(part.reader->header(), parts[0].reader->header());
+    if (!difference.empty())
+      *fault = in_quotes(part.file) + " is of another render than " + in_quotes(parts[0].file) + ": " + difference;
+    else if (part.range.begin > end)
+      *fault = "samples " + text_of({end, part.range.begin}) + " are missing: no part has them";
+    else if (part.range.begin < end)
+      *fault = in_quotes(part.file) + " has samples " + text_of(part.range) +
+               ", of which another part has those before " + std::to_string(end);
+    if (!fault->empty()) return {};
+    end = part.range.end;
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::string Checkpoints::show(const Array<std::string>& files) {
+  pending_.reset();
+  shown_ = false;
+  if (files.empty()) return {};
+  std::string fault;
+  const std::vector<Part> parts = open_parts(files, &fault);
+  if (!fault.empty()) return fault;
+  auto state = std::make_shared<RenderState>();
+  for (const Part& part : parts) {
+    CheckpointReader& reader = *part.reader;
+    reader.finish(&part == &parts[0] ? read_state(reader.source(), support::physical_memory_bytes(), state.get())
+                                     : append_state(reader.source(), state.get()));
+    if (!reader.fault().empty()) return in_quotes(part.file) + ": " + reader.fault();
+  }
+  pending_ = Pending{parts[0].file, parts[0].reader->header(), std::move(state)};
+  shown_ = true;
+  return {};
+}
+
+std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& request) const {
+  if (!pending_) return {};
+  const Film& film = *pending_->state->film;
+  std::string fault;
+  const uint32_t aovs = with_guides(request.aovs);
+  if (film.data_window() != request.data_window || (aovs & ~film.aovs()) != 0 || (!shown_ && aovs != film.aovs()))
+    fault = "it has another size or other AOVs";
+  if (!shown_ && scene) {
+    const std::string difference =
+        checkpoint_difference(pending_->header, checkpoint_header(request, digests_of(*scene)));
+    const RenderSettings& settings = request.settings;
+    const SampleRange range = range_of(pending_->header), now{settings.first_sample, settings.samples};
+    if (!difference.empty())
+      fault = "it is of another render: " + difference;
+    else if (range.begin != now.begin || (now.begin > 0 && range.end != now.end))
+      fault = "it has samples " + text_of(range) + " of each pixel, and the render those of " + text_of(now);
+    else if (!settings.adaptive && film.most_samples() > now.end - now.begin)
+      fault = "it has " + std::to_string(film.most_samples()) + " samples per pixel, more than the " +
+              std::to_string(now.end - now.begin) + " that are asked for";
+  }
+  return fault.empty() ? fault : "the render cannot go on from checkpoint " + in_quotes(pending_->file) + ": " + fault;
+}
+
+std::shared_ptr<RenderState> Checkpoints::take() {
+  auto state = pending_ ? std::move(pending_->state) : nullptr;
+  pending_.reset();
+  return state;
+}
+
+}  // namespace alabaster::hd::rendering

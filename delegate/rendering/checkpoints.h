@@ -1,0 +1,51 @@
+// The commands of checkpoints, and the one from which the next render continues. Host thread.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "delegate/api/types.h"
+#include "delegate/rendering/checkpoint_file.h"
+
+namespace alabaster::hd::rendering {
+
+class RenderCore;
+struct BuiltScene;
+
+class Checkpoints {
+ public:
+  // Commands. Each returns nothing on success, else the reason.
+  /// Writes the state of the frame that Execute drew last, with a note for who reads it.
+  std::string write(const RenderCore& core, const std::string& file, const std::string& note) const;
+  /// The next render that starts continues from this file; an empty name takes that back.
+  std::string resume(const std::string& file);
+  /// Passes show the sum of these files, which are parts of one frame, instead of the scene; no file takes that back.
+  std::string show(const Array<std::string>& files);
+  /// Reads {samples, first, complete, note, ...} of a file.
+  static std::string describe(const std::string& file, Dictionary* description);
+
+  /// Why a render of the scene cannot go on from the file; empty if it can, or none was named. Null: of no scene.
+  std::string fault(const BuiltScene* scene, const RenderRequest& request) const;
+  /// The next render continues from a file, which is compared with the scene as it will be.
+  bool is_pending() const { return pending_.has_value(); }
+  bool is_shown() const { return shown_; }
+  /// The state from which the next render continues. Null: nothing was named.
+  std::shared_ptr<RenderState> take();
+
+ private:
+  struct Pending {
+    std::string file;
+    CheckpointHeader header;
+    std::shared_ptr<RenderState> state;
+  };
+  const std::map<std::string, std::string>& digests_of(const BuiltScene& scene) const;
+
+  std::optional<Pending> pending_;
+  mutable uint64_t digested_ = 0;  // the number of the snapshot that digests_ are of
+  mutable std::map<std::string, std::string> digests_;
+  bool shown_ = false;
+};
+
+}  // namespace alabaster::hd::rendering

@@ -1,0 +1,201 @@
+// Renders that go on from the state of another.
+#include "core/session/render_state.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "core/session/render_session.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+using Blocks = std::vector<std::vector<std::byte>>;
+
+BlockSink into(Blocks* blocks) {
+  return [blocks](std::span<const std::byte> block) {
+    blocks->emplace_back(block.begin(), block.end());
+    return true;
+  };
+}
+
+BlockSource from(const Blocks& blocks) {
+  return [&blocks, next = size_t(0)](size_t most, std::vector<std::byte>* block) mutable {
+    if (next == blocks.size() || blocks[next].size() > most) return false;
+    *block = blocks[next++];
+    return true;
+  };
+}
+
+constexpr size_t kMuch = size_t(1) << 30;
+
+std::shared_ptr<RenderState> read(const Blocks& blocks) {
+  auto state = std::make_shared<RenderState>();
+  return read_state(from(blocks), kMuch, state.get()) ? state : nullptr;
+}
+
+RenderRequest request_of(uint32_t samples) {
+  RenderRequest request = testing::mixed_request(samples);
+  request.aovs = ~0u & ~aov_bit(Aov::denoised);
+  request.settings.threads = 2;
+  return request;
+}
+
+// All that a film holds.
+std::vector<std::byte> contents(const Film& film) {
+  std::vector<std::byte> bytes;
+  for (int t = 0; t < film.tile_count(); ++t) {
+    FilmTile tile = film.load_tile(t);
+    for (const auto& plane : tile.planes()) bytes.insert(bytes.end(), plane.begin(), plane.end());
+  }
+  return bytes;
+}
+
+// Renders until `seconds` have passed and returns the state then; empty if it was too early or too late for one.
+Blocks state_after(const RenderRequest& request, double seconds) {
+  RenderSession session;
+  session.start(request);
+  session.wait(seconds);
+  Blocks blocks;
+  if (!session.save(into(&blocks))) return {};
+  return blocks;
+}
+
+// The render, interrupted again and again at random moments.
+std::shared_ptr<const Film> in_pieces(RenderRequest request, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> moment(0, 0.06);
+  Blocks blocks;
+  for (int i = 0; i < 8; ++i) {
+    request.resumed = blocks.empty() ? nullptr : read(blocks);
+    if (Blocks later = state_after(request, moment(random)); !later.empty()) blocks = std::move(later);
+  }
+  request.resumed = read(blocks);
+  EXPECT_TRUE(request.resumed);
+  RenderSession session;
+  session.start(request);
+  session.wait(1e9);
+  EXPECT_EQ(session.progress().state, SessionState::finished);
+  EXPECT_TRUE(session.progress().noise.known);
+  return session.film();
+}
+
+std::shared_ptr<const Film> at_once(const RenderRequest& request) {
+  RenderSession session;
+  session.start(request);
+  session.wait(1e9);
+  return session.film();
+}
+
+TEST(RenderState, AnInterruptedRenderBecomesTheSame) {
+  const RenderRequest request = request_of(20);
+  const auto whole = contents(*at_once(request));
+  for (unsigned seed = 0; seed < 4; ++seed)
+    ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
+}
+
+TEST(RenderState, SoDoesAnAdaptiveOne) {
+  RenderRequest request = request_of(40);
+  request.settings.adaptive = true;
+  const auto whole = contents(*at_once(request));
+  for (unsigned seed = 0; seed < 4; ++seed)
+    ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
+}
+
+TEST(RenderState, SoDoesOneThatEndsAtATargetError) {
+  RenderRequest request = request_of(4096);
+  request.settings.target_error = 0.15f;
+  const auto whole = contents(*at_once(request));
+  for (unsigned seed = 0; seed < 4; ++seed)
+    ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
+}
+
+TEST(RenderState, AFinishedRenderGoesOnToMoreSamples) {
+  RenderRequest request = request_of(3);
+  const auto blocks = [&] {
+    RenderSession session;
+    session.start(request);
+    session.wait(1e9);
+    Blocks all;
+    EXPECT_TRUE(session.save(into(&all)));
+    return all;
+  }();
+  request.settings.samples = 7;
+  const auto whole = contents(*at_once(request));
+  request.resumed = read(blocks);
+  EXPECT_TRUE(contents(*at_once(request)) == whole);
+}
+
+TEST(RenderState, PartsAddUpToTheWhole) {
+  RenderRequest request = request_of(21);
+  const auto whole = contents(*at_once(request));
+  for (const std::vector<uint32_t>& cuts :
+       std::vector<std::vector<uint32_t>>{{0, 8, 21}, {0, 1, 2, 17, 21}, {0, 20, 21}}) {
+    std::vector<Blocks> parts;
+    for (size_t i = 1; i < cuts.size(); ++i) {
+      request.settings.first_sample = cuts[i - 1];
+      request.settings.samples = cuts[i];
+      RenderSession session;
+      session.start(request);
+      session.wait(1e9);
+      ASSERT_TRUE(session.save(into(&parts.emplace_back())));
+    }
+    const auto sum = read(parts[0]);
+    ASSERT_TRUE(sum);
+    for (size_t i = 1; i < parts.size(); ++i) ASSERT_TRUE(append_state(from(parts[i]), sum.get()));
+    EXPECT_TRUE(contents(*sum->film) == whole) << cuts.size() - 1 << " parts";
+    EXPECT_FALSE(append_state(from(parts[1]), sum.get())) << "it is there already";
+  }
+}
+
+TEST(RenderState, AStoppedRenderHasOne) {
+  RenderRequest request = request_of(100000);
+  RenderSession session;
+  Blocks blocks;
+  EXPECT_FALSE(session.save(into(&blocks))) << "nothing was rendered";
+  session.start(request);
+  session.wait(0.02);
+  session.stop();
+  EXPECT_TRUE(session.save(into(&blocks)));
+  EXPECT_TRUE(read(blocks));
+  EXPECT_FALSE(session.save([](std::span<const std::byte>) { return false; }));
+}
+
+// Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
+TEST(RenderState, SurvivesBytesOfAnyKind) {
+  RenderRequest request = request_of(24);
+  request.data_window = {0, 0, 40, 8};
+  request.settings.adaptive = true;
+  RenderSession session;
+  session.start(request);
+  session.wait(1e9);
+  Blocks good;
+  ASSERT_TRUE(session.save(into(&good)));
+  ASSERT_TRUE(read(good));
+  std::mt19937 random(1);
+  size_t refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Blocks bad = good;
+    std::vector<std::byte>& block = bad[i % 2 ? 0 : random() % bad.size()];
+    for (unsigned flips = random() % 4 + 1; flips > 0; --flips)
+      block[random() % block.size()] = static_cast<std::byte>(random());
+    refused += !read(bad);
+  }
+  EXPECT_GT(refused, 500u);
+  for (size_t i = 0; i < good.size(); ++i) {
+    EXPECT_FALSE(read(Blocks(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(i)))) << i << " blocks";
+    Blocks bad = good;
+    bad[i].pop_back();
+    EXPECT_FALSE(read(bad));
+    bad[i].resize(bad[i].size() + 2);
+    EXPECT_FALSE(read(bad));
+  }
+  RenderState state;
+  EXPECT_FALSE(read_state(from(good), 1000, &state)) << "more memory than it may take";
+}
+
+}  // namespace
+}  // namespace alabaster

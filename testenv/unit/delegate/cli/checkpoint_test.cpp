@@ -1,0 +1,122 @@
+// Checkpoints and parts of frames, from outside.
+#include <OpenImageIO/imageio.h>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+class CheckpointTest : public hd::description::SceneFiles {
+ protected:
+  int run(std::vector<std::string> words) {
+    Program program(folder_, words);
+    const int code = program.wait();
+    said_ = program.err();
+    return code;
+  }
+  int render(std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", "lit.gltf", "--size", "40x24"});
+    return run(std::move(more));
+  }
+  bool says(const std::string& text) const { return said_.find(text) != std::string::npos; }
+  bool exists(const std::string& file) const { return std::filesystem::exists(folder_ / file); }
+  std::vector<float> pixels(const std::string& file) const {
+    const auto input = OIIO::ImageInput::open(folder_ / file);
+    if (!input) return {};
+    std::vector<float> all(size_t(input->spec().image_pixels()) * size_t(input->spec().nchannels));
+    input->read_image(0, 0, 0, input->spec().nchannels, OIIO::TypeDesc::FLOAT, all.data());
+    return all;
+  }
+  // All attributes of a file but those of time and memory.
+  std::map<std::string, std::string> attributes(const std::string& file) const {
+    std::map<std::string, std::string> all;
+    const auto input = OIIO::ImageInput::open(folder_ / file);
+    if (!input) return all;
+    for (const auto& attribute : input->spec().extra_attribs) {
+      const std::string name = attribute.name().string();
+      if (name != "capDate" && name != "DateTime" && name.find("econds") == std::string::npos &&
+          name.find("Memory") == std::string::npos && name != "alabaster/threads")
+        all[name] = attribute.get_string();
+    }
+    return all;
+  }
+  std::string said_;
+};
+
+TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
+  ASSERT_EQ(render({"--spp", "11", "-o", "whole.exr", "-o", "whole.png", "--aov", "normal"}), 0) << said_;
+  ASSERT_EQ(render({"--samples", "0:5", "--checkpoint", "a", "--aov", "normal"}), 0) << said_;
+  ASSERT_EQ(render({"--samples", "5:9", "--checkpoint", "b", "-o", "b.exr", "--aov", "normal", "--threads", "1"}), 0);
+  ASSERT_EQ(render({"--samples", "9:11", "--checkpoint", "c", "--aov", "normal"}), 0) << said_;
+  EXPECT_TRUE(exists("b.exr")) << "a part's own picture";
+  ASSERT_EQ(run({"merge", "b", "a", "c", "-o", "sum.exr", "-o", "sum.png", "--aov", "normal"}), 0) << said_;
+  EXPECT_EQ(pixels("sum.exr"), pixels("whole.exr"));
+  EXPECT_EQ(pixels("sum.png"), pixels("whole.png"));
+  EXPECT_EQ(attributes("sum.exr"), attributes("whole.exr"));
+
+  EXPECT_EQ(run({"merge", "a", "c", "-o", "sum.exr"}), 3);
+  EXPECT_TRUE(says("samples 5:9 are missing: no part has them")) << said_;
+  EXPECT_EQ(run({"merge", "a", "b"}), 2);
+  EXPECT_TRUE(says("add -o FILE")) << said_;
+  EXPECT_EQ(run({"merge", "a", "lit.gltf", "-o", "sum.exr"}), 3);
+  EXPECT_TRUE(says("it is not a checkpoint")) << said_;
+  EXPECT_EQ(run({"merge", "a", "-o", "a"}), 2) << "a part would be overwritten";
+  ASSERT_EQ(render({"--samples", "5:9", "--checkpoint", "d", "--aov", "normal", "--seed", "4"}), 0) << said_;
+  EXPECT_EQ(run({"merge", "a", "d", "-o", "sum.exr"}), 3);
+  EXPECT_TRUE(says("'d' is of another render than 'a': setting seed was 4 and is 0")) << said_;
+}
+
+TEST_F(CheckpointTest, AnInterruptedRenderGoesOn) {
+  const std::vector<std::string> words{"--spp", "60000", "--checkpoint", "c", "-o", "x.exr"};
+  std::vector<std::string> first{"render", "lit.gltf", "--size", "40x24"};
+  first.insert(first.end(), words.begin(), words.end());
+  first.insert(first.end(), {"--checkpoint-interval", "0.5"});
+  {
+    Program program(folder_, first);
+    for (int i = 0; i < 2000 && !exists("c"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    program.interrupt();
+    EXPECT_EQ(program.wait(), 130);
+    EXPECT_NE(program.err().find("the same command with --resume continues from the checkpoint"), std::string::npos);
+  }
+  EXPECT_EQ(run(first), 2);
+  EXPECT_TRUE(says("'c' is there already: add --resume to continue from it, or remove it")) << said_;
+  EXPECT_EQ(render({"--spp", "60000", "--checkpoint", "c", "-o", "x.exr", "--resume", "--max-depth", "2"}), 3);
+  EXPECT_TRUE(says("cannot go on from checkpoint 'c': it is of another render: setting maxDepth was 8 and is 2"))
+      << said_;
+  EXPECT_EQ(run({"merge", "c", "-o", "sum.exr"}), 3);
+  EXPECT_TRUE(says("it does not have all samples of its part yet")) << said_;
+}
+
+TEST_F(CheckpointTest, FramesHaveOneEach) {
+  const std::vector<std::string> words{"--spp", "2", "--frames", "3:4", "-o", "f.#.exr", "--checkpoint", "f.#.ckpt"};
+  ASSERT_EQ(render(words), 0) << said_;
+  EXPECT_TRUE(exists("f.3.ckpt") && exists("f.4.ckpt"));
+  std::filesystem::remove(folder_ / "f.4.ckpt");
+  std::vector<std::string> again = words;
+  again.push_back("--resume");
+  ASSERT_EQ(render(again), 0) << said_;
+  EXPECT_TRUE(says("there is no checkpoint 'f.4.ckpt' yet: the render begins at its first sample")) << said_;
+  EXPECT_EQ(render({"--spp", "2", "--frames", "3:4", "-o", "f.#.exr", "--checkpoint", "one"}), 2);
+}
+
+TEST_F(CheckpointTest, FlagsThatContradictAreRefused) {
+  const auto refused = [&](std::vector<std::string> words, const std::string& why) {
+    words.insert(words.end(), {"-o", "x.exr"});
+    EXPECT_EQ(render(words), 2);
+    EXPECT_TRUE(says(why)) << said_;
+    EXPECT_FALSE(exists("x.exr"));
+  };
+  refused({"--resume"}, "--resume: It needs --checkpoint FILE");
+  refused({"--samples", "0:4"}, "--samples: It needs --checkpoint FILE");
+  refused({"--samples", "4:4", "--checkpoint", "c"}, "'4:4' is not a range of samples");
+  refused({"--samples", "0:4", "--spp", "4", "--checkpoint", "c"}, "cannot be given with --spp");
+  refused({"--samples", "0:4", "--target-error", "0.1", "--checkpoint", "c"},
+          "The setting targetError decides from all samples how many there are");
+  refused({"--samples", "0:64", "--quality", "draft", "--checkpoint", "c"}, "decides from all samples");
+  refused({"--checkpoint", "x.exr"}, "x.exr");
+  EXPECT_EQ(render({"--checkpoint", "none/c", "-o", "x.exr"}), 5);
+}
+
+}  // namespace
+}  // namespace alabaster::cli

@@ -1,0 +1,218 @@
+// The commands of checkpoints, and what they refuse.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+class Checkpoints : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() /
+              ("alabaster_" + std::string(info->name()) + "_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    file_ = folder_ / "render.checkpoint";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  struct Frame {
+    Stage stage;
+    RenderBuffer* buffer;
+    std::unique_ptr<RenderPass> pass;
+    RenderPassState state;
+
+    explicit Frame(const Dictionary& settings = {{"samples", 3}}) : stage(settings) {
+      stage.add_basic_scene();
+      stage.scene.SetLight("/lamp", {.type = "rectLight", .transform = {}, .parameters = {{"intensity", 2.0f}}});
+      buffer = stage.add_buffer("/b", 20, 10, Format::float32vec4);
+      pass = stage.delegate->CreateRenderPass();
+      state = Stage::state_for(20, 10, "color", buffer);
+    }
+    std::string command(const char* name, const Dictionary& arguments) const {
+      return stage.delegate->InvokeCommand(name, arguments).text_or("no text");
+    }
+    // Why the render cannot go on from the file; empty if it does.
+    std::string refusal(const std::string& file) {
+      stage.index->SyncAll();
+      if (const std::string fault = command("resumeCheckpoint", {{"file", file}}); !fault.empty()) return fault;
+      if (!Stage::finish(*pass, state)) return "it never ends";
+      return stage.text_stat("error");
+    }
+    std::vector<float> picture() {
+      stage.index->SyncAll();
+      EXPECT_TRUE(Stage::finish(*pass, state));
+      return Stage::pixels<float>(buffer);
+    }
+  };
+  // A checkpoint of the frame at its end.
+  std::string written(Frame& frame) const {
+    frame.picture();
+    EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}, {"note", "of mine"}}), "");
+    return file_;
+  }
+  std::string written() const {
+    Frame frame;
+    return written(frame);
+  }
+  std::string bytes() const {
+    std::ostringstream text;
+    text << std::ifstream(file_, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  void replace(const std::string& all) const { std::ofstream(file_, std::ios::binary | std::ios::trunc) << all; }
+
+  std::filesystem::path folder_;
+  std::string file_;
+};
+
+TEST_F(Checkpoints, ARenderGoesOnFromThem) {
+  const std::string file = written();
+  Frame same, more({{"samples", 8}, {"threads", 1}}), whole({{"samples", 8}});
+  EXPECT_EQ(same.refusal(file), "");
+  EXPECT_EQ(same.stage.stat("numCompletedSamples"), 3);
+  EXPECT_EQ(more.refusal(file), "");
+  EXPECT_EQ(Stage::pixels<float>(more.buffer), whole.picture());
+  const Value described = same.stage.delegate->InvokeCommand("describeCheckpoint", {{"file", file}});
+  const auto d = described.get_or(std::shared_ptr<const Dictionary>());
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->at("note").text_or(""), "of mine");
+  EXPECT_EQ(d->at("samples").number_or(0), 3);
+  EXPECT_EQ(d->at("complete"), Value(true));
+}
+
+TEST_F(Checkpoints, AnotherRenderIsRefusedByName) {
+  const std::string file = written();
+  const std::string prefix = "the render cannot go on from checkpoint '" + file + "': it is of another render: ";
+  const auto refusal = [&](const auto& change, const Dictionary& settings = {{"samples", 3}}) {
+    Frame frame(settings);
+    change(frame);
+    const std::string text = frame.refusal(file);
+    EXPECT_EQ(frame.stage.count("pass.failed"), 1u) << text;
+    EXPECT_TRUE(text.starts_with(prefix)) << text;
+    return text.substr(std::min(prefix.size(), text.size()));
+  };
+  const auto nothing = [](Frame&) {};
+  EXPECT_EQ(refusal(nothing, {{"samples", 3}, {"maxDepth", 5}}), "setting maxDepth was 8 and is 5");
+  EXPECT_EQ(refusal(nothing, {{"samples", 3}, {"seed", 7}, {"filter", "box"}}),
+            "setting filter was blackmanHarris and is box; setting seed was 0 and is 7");
+  EXPECT_EQ(refusal([](Frame& f) {
+              auto quad = Stage::quad();
+              quad.primvars["points"].value = Array<Vec3f>{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0.25f}};
+              f.stage.scene.SetMesh("/quad", quad);
+            }),
+            "mesh /quad has changed");
+  EXPECT_EQ(refusal([](Frame& f) { f.stage.scene.SetMesh("/other", Stage::quad()); }), "mesh /other is new");
+  EXPECT_EQ(refusal([](Frame& f) { f.stage.scene.Remove("/lamp"); }), "light /lamp is gone");
+  EXPECT_EQ(
+      refusal([](Frame& f) {
+        f.stage.scene.SetLight("/lamp", {.type = "rectLight", .transform = {}, .parameters = {{"intensity", 3.0f}}});
+      }),
+      "light /lamp has changed");
+  EXPECT_EQ(refusal([](Frame& f) {
+              host::CameraDescription camera = f.stage.scene.GetCameras().at("/camera");
+              camera.transform[3][2] = 5;
+              f.stage.scene.SetCamera("/camera", camera);
+            }),
+            "the camera has changed");
+  EXPECT_EQ(refusal([](Frame& f) { f.state.aovBindings[0].aovName = "normal"; }), "the AOVs were color and are normal");
+  EXPECT_EQ(refusal([](Frame& f) {
+              f.state.framing.dataWindow = {2, 0, 20, 10};
+            }),
+            "the data window was 0,0,20,10 and is 2,0,20,10");
+}
+
+TEST_F(Checkpoints, MoreSamplesThanAreAskedForAreRefused) {
+  const std::string file = written();
+  Frame fewer({{"samples", 2}});
+  EXPECT_NE(fewer.refusal(file).find("it has 3 samples per pixel, more than the 2 that are asked for"),
+            std::string::npos);
+  EXPECT_TRUE(fewer.pass->GetState() == PassState::failed);
+  EXPECT_EQ(fewer.command("resumeCheckpoint", {}), "");
+  EXPECT_TRUE(Stage::finish(*fewer.pass, fewer.state)) << "without the checkpoint it is a render as any";
+  EXPECT_EQ(fewer.stage.stat("numCompletedSamples"), 2);
+}
+
+TEST_F(Checkpoints, AnotherVersionIsRefused) {
+  std::string all = (written(), bytes());
+  const std::string format = "Alabaster checkpoint 1";
+  ASSERT_TRUE(all.starts_with(format));
+  all[format.size() - 1] = '2';
+  replace(all);
+  EXPECT_EQ(Frame().refusal(file_), "it is a checkpoint of another version of Alabaster, in another format");
+}
+
+TEST_F(Checkpoints, DamagedFilesAreRefused) {
+  const std::string all = (written(), bytes());
+  Frame frame;
+  const auto fault = [&] { return frame.command("resumeCheckpoint", {{"file", file_}}); };
+  EXPECT_EQ(fault(), "");
+  for (size_t size = 0; size < all.size(); size += size < 2000 ? 7 : 997) {
+    replace(all.substr(0, size));
+    const std::string said = fault();
+    EXPECT_TRUE(said.find("it ends too early") != std::string::npos || said == "it is not a checkpoint" ||
+                said.find("another format") != std::string::npos)
+        << size << ": " << said;
+  }
+  for (size_t at = 0; at < all.size(); at += at < 2000 ? 3 : 499) {
+    std::string bad = all;
+    bad[at] = static_cast<char>(bad[at] ^ (1 << at % 8));
+    replace(bad);
+    EXPECT_NE(fault(), "") << at;
+  }
+  replace(all + "x");
+  EXPECT_EQ(fault(), "it is damaged: there is more after its end");
+  replace("");
+  EXPECT_EQ(fault(), "it is not a checkpoint");
+  std::filesystem::remove(file_);
+  EXPECT_EQ(fault(), "there is no such file");
+  EXPECT_NE(frame.command("resumeCheckpoint", {{"file", folder_.string()}}), "");
+}
+
+TEST_F(Checkpoints, NothingIsWrittenWithoutARender) {
+  Frame frame;
+  EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}}), "nothing has been rendered");
+  frame.picture();
+  EXPECT_NE(frame.command("writeCheckpoint", {{"file", folder_ / "none" / "x"}}), "");
+  EXPECT_FALSE(std::filesystem::exists(file_));
+}
+
+TEST_F(Checkpoints, PartsOfAFrameAreShownAsTheWhole) {
+  const auto part = [&](int64_t begin, int64_t end, const char* name) {
+    Frame frame({{"firstSample", begin}, {"samples", end}});
+    frame.picture();
+    const std::string file = folder_ / name;
+    EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file}}), "");
+    return file;
+  };
+  const std::string a = part(0, 3, "a"), b = part(3, 10, "b"), c = part(10, 12, "c");
+  Frame shown, whole({{"samples", 12}});
+  const auto show = [&](const Array<std::string>& files) {
+    return shown.command("showCheckpoints", {{"files", files}});
+  };
+  EXPECT_EQ(show({c, a, b}), "");
+  EXPECT_EQ(shown.picture(), whole.picture());
+  EXPECT_EQ(shown.stage.stat("numCompletedSamples"), 12);
+  EXPECT_EQ(show({a, c}), "samples 3:10 are missing: no part has them");
+  EXPECT_EQ(show({b, c}), "samples 0:3 are missing: no part has them");
+  EXPECT_NE(show({a, b, a}).find("has samples 0:3, of which another part has those before 3"), std::string::npos);
+  EXPECT_EQ(show({}), "");
+  EXPECT_NE(shown.picture(), whole.picture()) << "the scene again, with three samples";
+}
+
+TEST_F(Checkpoints, APartOfAFrameThatDecidesIsRefused) {
+  for (const auto& [name, value] : Dictionary{{"targetError", 0.1f}, {"adaptive", true}, {"timeLimit", 5.0f}}) {
+    Frame frame({{"firstSample", 2}, {"samples", 40}, {name, value}});
+    EXPECT_NE(frame.refusal("").find("firstSample cannot be given with " + name), std::string::npos);
+  }
+  EXPECT_NE(Frame({{"firstSample", 8}, {"samples", 8}}).refusal("").find("must be below samples"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace alabaster::hd
