@@ -64,7 +64,7 @@ struct RenderSession::State {
   // Changed by the driver between rounds only, under a mutex that save() holds while it writes.
   std::mutex decisions;
   SampleRange round;
-  bool restored = false;  // the film shows what a stop left of it: nothing goes on from it
+  bool restored = false;  // the film shows what a stop left of it, and no render can continue it
   SampleAllocation allocation;
   GroupStopping stopping;
 

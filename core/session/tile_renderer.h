@@ -30,7 +30,7 @@ struct RenderRequest {
   uint32_t aovs = aov_bit(Aov::color);
   RenderSettings settings;
   std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it
-  /// A render of the same scene, view and settings, which this one goes on from and takes the film of. Null: none.
+  /// A render of the same scene, view and settings, which this one continues and whose film it takes. Null: none.
   /// Without a scene its film is shown, and nothing is rendered.
   std::shared_ptr<RenderState> resumed = {};
 };

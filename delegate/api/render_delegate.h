@@ -115,9 +115,9 @@ class ALABASTER_API RenderDelegate {
   ///   first frame, for pixels outside of the data window and for numbers that are not whole.
   /// Those of checkpoints answer with an empty string, or with the reason why they failed:
   /// - "writeCheckpoint" {file, and optionally note: string}: writes the state of the frame that Execute drew last,
-  ///   while it is rendered or after, but not once a stop has ended a render with targetError. Whoever looks sees the
-  ///   file as it was or whole.
-  /// - "resumeCheckpoint" {file}: the next render that Execute starts goes on from it, to the very bits of a render
+  ///   while it is rendered or after, but not once a stop has ended a render with targetError. The file is
+  ///   replaced whole.
+  /// - "resumeCheckpoint" {file}: the next render that Execute starts continues it, to the very bits of a render
   ///   without interruption. A render of another scene, camera, framing, setting or version than the file's fails and
   ///   says what differs; setting samples may be larger. Without a file: takes that back.
   /// - "showCheckpoints" {files: Array<string>}: Execute shows the sum of these, which must be parts of one frame
