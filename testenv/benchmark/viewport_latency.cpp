@@ -92,7 +92,7 @@ class Viewport {
     return found != stats.end() && found->second.number_or(0) != 0;
   }
   void wait_until_covered() const {
-    while (!is_covered()) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    for (; !is_covered(); pass->Execute(state)) std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
   // Pixels of the picture that show nothing at all.
   int empty_pixels() {
