@@ -15,6 +15,12 @@ FilmRevision next_revision() {
   return ++latest;
 }
 
+// To a new revision, unless another thread has raised it further.
+void raise(std::atomic<FilmRevision>* held) {
+  const FilmRevision revision = next_revision();
+  for (FilmRevision now = *held; now < revision && !held->compare_exchange_weak(now, revision);) continue;
+}
+
 }  // namespace
 
 size_t film_bytes(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras) {
@@ -76,11 +82,11 @@ void Film::add(int tile, size_t pixel, const FilmSample& sample, const LightLaye
   drawn_tile(i).add(pixel, sample, layers, rays);
 }
 
-// Revisions rise after the change: a reader that sees the new one sees the change, too.
+// Revisions rise after the change, and the film's after the tile's: a reader that sees the new one sees the change,
+// too.
 void Film::mark_changed(int tile) {
-  const FilmRevision revision = next_revision();
-  tile_revisions_[static_cast<size_t>(tile)] = revision;
-  revision_ = revision;
+  tile_revisions_[static_cast<size_t>(tile)] = next_revision();
+  raise(&revision_);
 }
 
 uint32_t Film::next_sample(int tile, size_t pixel) const {
@@ -162,7 +168,8 @@ void Film::store_denoised(std::vector<float> rgb) {
     const std::lock_guard lock(denoised_lock_);
     denoised_.swap(stored);
   }
-  denoised_revision_ = revision_ = next_revision();
+  denoised_revision_ = next_revision();
+  raise(&revision_);
 }
 
 void Film::resolve_denoised(int tile, const TakeRow<float>& take) const {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 namespace alabaster {
 namespace {
 
@@ -69,6 +72,27 @@ TEST(Film, ResolvePutsTilesInPlace) {
   const auto ids = film.resolve_int(Aov::prim_id);
   for (int y = 0; y < 35; ++y)
     for (int x = 0; x < 40; ++x) EXPECT_EQ(ids[static_cast<size_t>(y * 40 + x)], (y + 20) * 1000 + x + 10);
+}
+
+// Readers take a lower revision for an older picture.
+TEST(Film, ItsRevisionNeverFalls) {
+  Film film({0, 0, 64, 32}, 0);
+  std::atomic<int> writing{2};
+  const auto write = [&](int tile) {
+    for (int i = 0; i < 300000; ++i) film.mark_changed(tile);
+    --writing;
+  };
+  std::thread first(write, 0), second(write, 1);
+  FilmRevision latest = 0;
+  int falls = 0;
+  while (writing > 0) {
+    const FilmRevision now = film.revision();
+    falls += now < latest;
+    latest = now;
+  }
+  first.join(), second.join();
+  EXPECT_EQ(falls, 0);
+  for (const int tile : {0, 1}) EXPECT_LT(film.revision(tile, Aov::color), film.revision()) << "tiles come first";
 }
 
 TEST(Film, UnrequestedPlanesResolveToBackground) {
