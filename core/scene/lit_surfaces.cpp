@@ -1,8 +1,7 @@
 #include "core/scene/lit_surfaces.h"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/surface_hit.h"
 #include "core/sampling/pixel_sampler.h"
@@ -61,18 +60,16 @@ LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint3
 }
 
 // Points on every so many triangles, over the members as if they were one mesh.
-std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const SubsurfaceBody& body, size_t count,
-                                 const CancelToken& cancel) {
+std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const SubsurfaceBody& body, size_t count) {
   size_t triangles = 0;
   for (const auto& member : body.members) triangles += member.mesh->triangles.size();
   std::vector<LitPoint> points(count);
-  tbb::parallel_for(size_t(0), count, [&](size_t i) {
-    cancel.check();
+  for (size_t i = 0; i < count; ++i) {
     size_t triangle = (2 * i + 1) * triangles / (2 * count);
     auto member = body.members.begin();
     for (; triangle >= member->mesh->triangles.size(); ++member) triangle -= member->mesh->triangles.size();
     points[i] = light_on(snapshot, snapshot.instances[member->instance], static_cast<uint32_t>(triangle), Rng(0, i));
-  });
+  }
   return points;
 }
 
@@ -88,19 +85,21 @@ const SubsurfaceBody* find_same(const SceneSnapshot* snapshot, const SubsurfaceB
 
 }  // namespace
 
-void find_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot, const CancelToken& cancel) {
+void plan_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot) {
   if (snapshot->bodies.empty()) return;
   // The number of points depends on that of the bodies.
   if (alike && alike->bodies.size() != snapshot->bodies.size()) alike = nullptr;
   const size_t points = std::min(kMostPoints, kAllPoints / snapshot->bodies.size());
   if (points < kFewestPoints) return;
   for (auto& body : snapshot->bodies) {
-    if (const SubsurfaceBody* same = find_same(alike, *body)) {
+    const SubsurfaceBody* const same = find_same(alike, *body);
+    if (same && same->lit && same->lit->is_found())
       body->lit = same->lit;
-    } else if (const auto lit = LitSurface::choose(lit_points(*snapshot, *body, points, cancel))) {
-      body->lit = std::make_shared<const LitSurface>(*lit);
-    }
-    if (body->lit) snapshot->memory_bytes += sizeof(LitSurface);
+    else
+      body->lit = std::make_shared<LazyLitSurface>([scene = std::as_const(snapshot), lone = body.get(), points] {
+        return LitSurface::choose(lit_points(*scene, *lone, points));
+      });
+    snapshot->memory_bytes += sizeof(LazyLitSurface);
   }
 }
 

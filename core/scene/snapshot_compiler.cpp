@@ -351,8 +351,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive(drawn, snapshot.get());
     add_lights();
-    cancel.check();
-    find_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get(), cancel);
+    plan_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
     return true;
   }

@@ -53,7 +53,7 @@ struct SubsurfaceBody {
   Bounds bounds;
 
   /// Null: walks are not guided to light.
-  std::shared_ptr<const LitSurface> lit;
+  std::shared_ptr<LazyLitSurface> lit;
 
   bool is_union() const { return scene != nullptr; }
   bool bounds_distances() const;

@@ -3,6 +3,7 @@
 
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 
@@ -17,10 +18,13 @@ class BuiltOnce {
   /// `build()` must give the same at each call. When it throws, the next call builds again.
   template <class Build>
   const T& get(const Build& build) {
+    if (const T* built = built_.load(std::memory_order_acquire)) return *built;
     const std::scoped_lock lock(mutex_);
     if (!part_) tbb::this_task_arena::isolate([&] { part_.emplace(build()); });
+    built_.store(&*part_, std::memory_order_release);
     return *part_;
   }
+  bool is_built() const { return built_.load(std::memory_order_acquire) != nullptr; }
   /// `measure(part)`, or 0 if it is not built.
   template <class Measure>
   size_t measured(const Measure& measure) {
@@ -31,6 +35,7 @@ class BuiltOnce {
  private:
   std::mutex mutex_;
   std::optional<T> part_;
+  std::atomic<const T*> built_ = nullptr;
 };
 
 }  // namespace alabaster

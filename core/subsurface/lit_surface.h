@@ -3,10 +3,13 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/math/vector.h"
+#include "core/subsurface/built_once.h"
 
 namespace alabaster {
 
@@ -38,6 +41,26 @@ class LitSurface {
   using Component = std::array<float, kPoints>;
   Component x_{}, y_{}, z_{}, nx_{}, ny_{}, nz_{};
   Vec3f facing_{0, 0, 0};  // mean of the points' outward normals
+};
+
+/// The lit surface of a body, found by the first walk that asks: an edit of a light pays for the bodies that the camera
+/// then sees. Any thread.
+class LazyLitSurface {
+ public:
+  using Find = std::function<std::optional<LitSurface>()>;
+  /// `find` must give the same at each call, and is not called once the surface is found.
+  explicit LazyLitSurface(Find find) : find_(std::move(find)) {}
+
+  /// Null: walks are not guided to light.
+  const LitSurface* get() {
+    const std::optional<LitSurface>& found = surface_.get(find_);
+    return found ? &*found : nullptr;
+  }
+  bool is_found() const { return surface_.is_built(); }
+
+ private:
+  Find find_;
+  BuiltOnce<std::optional<LitSurface>> surface_;
 };
 
 }  // namespace alabaster

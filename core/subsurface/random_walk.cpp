@@ -41,7 +41,7 @@ bool enters_from_behind(const SubsurfaceBody& body, const SubsurfaceEntry& entry
 }
 
 // The direction to light that a walk is guided to, if that lies below the surface; else zero.
-Vec3f direction_to_light(const SubsurfaceBody& body, const SubsurfaceEntry& entry) {
+Vec3f direction_to_light(const LitSurface& lit, const SubsurfaceEntry& entry) {
   const DiffusionModes& modes = entry.medium->modes;
   double kappa = 0, mfp = 0;
   int guided = 0;
@@ -52,7 +52,7 @@ Vec3f direction_to_light(const SubsurfaceBody& body, const SubsurfaceEntry& entr
   }
   if (guided == 0) return {0, 0, 0};
   const Vec3f inside = entry.hit.p - entry.hit.ng * static_cast<float>(mfp / guided);
-  const Vec3f direction = body.lit->direction_from(inside, static_cast<float>(kappa / guided));
+  const Vec3f direction = lit.direction_from(inside, static_cast<float>(kappa / guided));
   return dot(direction, entry.hit.ng) < 0 ? direction : Vec3f(0, 0, 0);
 }
 
@@ -74,9 +74,9 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   const SubsurfaceBody::Maps& maps = body.members[entry.member].at(time, &moved);
   WalkBeginning beginning = begin_walk(body, entry, maps.to_body, {numbers.first()[0], numbers.first()[1]});
   WalkSettings used = settings;
-  if (settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within &&
-      !body.lit->faces_light(entry.hit.ng))
-    beginning.start.to_light = direction_to_light(body, entry);
+  const bool looks_for_light = settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within;
+  if (const LitSurface* const lit = looks_for_light ? body.lit->get() : nullptr; lit && !lit->faces_light(entry.hit.ng))
+    beginning.start.to_light = direction_to_light(*lit, entry);
   used.guiding &= body.members[entry.member].room_to_guide || beginning.start.to_light != Vec3f(0, 0, 0);
   const auto walk = [&](auto tracer) {
     if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers, counters);

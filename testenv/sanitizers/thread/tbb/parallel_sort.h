@@ -3,12 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 
 namespace tbb {
 
-template <class Iterator>
-void parallel_sort(Iterator begin, Iterator end) {
-  std::sort(begin, end);
+template <class Iterator, class Less = std::less<>>
+void parallel_sort(Iterator begin, Iterator end, Less less = {}) {
+  std::sort(begin, end, less);
 }
 
 }  // namespace tbb

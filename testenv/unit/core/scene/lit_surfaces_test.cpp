@@ -29,13 +29,13 @@ TEST(LitSurfaces, OnlyUnevenLightIsFound) {
   SceneBuilder b;
   const auto ball = b.prototype(testing::sphere_mesh(1, 32, false));
   b.add(ball, b.material(testing::medium_only(0.8f, 0.2f)));
-  EXPECT_FALSE(b.snapshot()->bodies[0]->lit) << "no light";
+  EXPECT_FALSE(b.snapshot()->bodies[0]->lit->get()) << "no light";
   b.add(testing::constant_dome(0.02f, false));
-  EXPECT_FALSE(b.snapshot(2)->bodies[0]->lit) << "a dome";
+  EXPECT_FALSE(b.snapshot(2)->bodies[0]->lit->get()) << "a dome";
   b.add(sun_behind());
   b.description.lights.back().intensity = 1e6f;
   const auto snapshot = b.snapshot(3);
-  const auto& lit = snapshot->bodies[0]->lit;
+  const LitSurface* const lit = snapshot->bodies[0]->lit->get();
   ASSERT_TRUE(lit);
   EXPECT_LT(lit->direction_from({0, 0, 0.8f}, 2).z, -0.6f);
 }
@@ -44,11 +44,11 @@ TEST(LitSurfaces, AnObjectThatShadesTheBodyTakesItsLight) {
   SceneBuilder b;
   b.add(b.prototype(testing::sphere_mesh(1, 32, false)), b.material(testing::medium_only(0.8f, 0.2f)));
   b.add(sun_behind());
-  EXPECT_TRUE(b.snapshot()->bodies[0]->lit);
+  EXPECT_TRUE(b.snapshot()->bodies[0]->lit->get());
   Matrix4d behind;
   behind.setTranslation(Vec3d(0, 0, -4));
   b.add(b.prototype(testing::sphere_mesh(1.5f, 32, false)), b.material({}), behind);
-  EXPECT_FALSE(b.snapshot(2)->bodies[0]->lit);
+  EXPECT_FALSE(b.snapshot(2)->bodies[0]->lit->get());
 }
 
 // Shadow rays of a forest would take long, before the first picture.
@@ -73,7 +73,7 @@ TEST(LitSurfaces, WalksThatAreGuidedToLightChangeNoMean) {
     if (in_a_set)
       for (auto& instance : b.description.instances) instance.subsurface_set = "pair";
     RenderRequest request = testing::request_of(&b, testing::look_at({0.25, 0, 5}, {0.25, 0, 0}, 24), 128);
-    ASSERT_TRUE(request.scene->bodies[0]->lit);
+    ASSERT_TRUE(request.scene->bodies[0]->lit->get());
     RenderProgress progress;
     const auto guided = testing::render(request, &progress);
     EXPECT_EQ(progress.counters.walk_lost, 0u);
