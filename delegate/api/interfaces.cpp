@@ -17,6 +17,7 @@ TimeSamples<Matrix4d> SceneDelegate::SampleInstancerTransform(const Path&) {
 RenderParam::~RenderParam() = default;
 Instancer::~Instancer() = default;
 Prim::~Prim() = default;
+PixelTransform::~PixelTransform() = default;
 RenderPass::~RenderPass() = default;
 RenderDelegate::~RenderDelegate() = default;
 

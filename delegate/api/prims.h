@@ -2,6 +2,8 @@
 // look other prims up: they record paths, and RenderDelegate::CommitResources resolves them.
 #pragma once
 
+#include <span>
+
 #include "delegate/api/scene_delegate.h"
 
 namespace alabaster::hd {
@@ -64,6 +66,28 @@ class ALABASTER_API Bprim : public Prim {
   using Prim::Prim;
 };
 
+/// Changes pixels on their way to a caller's memory: a display transform (host/display_transform.h), or the host's own.
+class ALABASTER_API PixelTransform {
+ public:
+  virtual ~PixelTransform();
+  /// In place: four floats a pixel, RGBA, premultiplied. A buffer of fewer components has 0 for those that it lacks,
+  /// and alpha 1. Called by several threads at once. Must not throw.
+  virtual void Apply(std::span<float> rgba) const = 0;
+};
+
+/// Memory of the caller's that shows a buffer, for RenderBuffer::ResolveTo.
+struct PixelMemory {
+  void* pixels = nullptr;
+  size_t rowBytes = 0;  // from the begin of a row to that of the next; at least a row of pixels
+  Vec2i size{0, 0};
+  Format format = Format::invalid;
+  bool yDown = true;                          // the uppermost row comes first
+  const PixelTransform* transform = nullptr;  // null: none
+  /// The picture that the memory holds. ResolveTo sets it, and then writes only what has changed since. The caller sets
+  /// it to 0 wherever it has changed the pixels, another field or the transform, or takes another buffer.
+  uint64_t shown = 0;
+};
+
 /// Host-readable pixels. Rows run BOTTOM-UP. The delegate writes, the host maps.
 class ALABASTER_API RenderBuffer : public Bprim {
  public:
@@ -85,8 +109,10 @@ class ALABASTER_API RenderBuffer : public Bprim {
   virtual bool IsConverged() const = 0;
   /// Rises with every Resolve that changed pixels: a host may skip uploads.
   virtual uint64_t GetGeneration() const = 0;
-  /// Size and pixels in one: Resolve, then copies rows (bottom-up unless y_down) into `out`. Returns the size read.
-  virtual Vec2i ResolveTo(std::vector<uint8_t>* out, bool y_down) = 0;
+  /// Resolve, then writes the tiles that `memory` does not show yet, in its format, on the threads of the caller's TBB
+  /// arena. Size and pixels are those of one moment: where the buffer has another size, nothing is written, and
+  /// memory->size becomes the buffer's (0 x 0 before Allocate). True if the memory shows the picture. Any thread.
+  virtual bool ResolveTo(PixelMemory* memory) = 0;
 };
 
 struct AovBinding {

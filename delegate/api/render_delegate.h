@@ -128,7 +128,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 6;
+inline constexpr uint32_t kAbiVersion = 7;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

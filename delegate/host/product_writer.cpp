@@ -8,10 +8,9 @@
 #include <cmath>
 #include <mutex>
 
-#include "core/color/color_config.h"
 #include "core/images/image_file.h"
+#include "delegate/host/output_transform.h"
 #include "delegate/host/product_pixels.h"
-#include "delegate/host/product_plan.h"
 #include "delegate/support/output_file.h"
 
 namespace alabaster::hd::host {
@@ -20,39 +19,6 @@ namespace {
 bool fail(const DiagnosticSink& sink, const char* code, const std::string& where, std::string text) {
   if (sink) sink({Severity::error, code, where, std::move(text)});
   return false;
-}
-
-alabaster::DiagnosticSink to_core(const DiagnosticSink& sink) {
-  if (!sink) return {};
-  return [sink](const alabaster::Diagnostic& d) { sink({Severity(int(d.severity)), d.code, d.where, d.text}); };
-}
-static_assert(int(Severity::info) == int(alabaster::Severity::info) &&
-              int(Severity::warning) == int(alabaster::Severity::warning) &&
-              int(Severity::error) == int(alabaster::Severity::error));
-
-/// The conversion of one product's colours from the rendering space.
-struct OutputTransform {
-  std::shared_ptr<const ColorConfig> config;
-  std::shared_ptr<const ColorTransform> transform;
-  std::string description;  // attribute "colorSpace"
-};
-
-bool make_output_transform(const RenderProduct& product, const ProductPlan& plan, const OutputColors& colors,
-                           const DiagnosticSink& sink, OutputTransform& out) {
-  const alabaster::DiagnosticSink core_sink = to_core(sink);
-  out.config = ColorConfig::load(colors.ocio, core_sink);
-  if (!out.config) return false;
-  if (plan.display_referred) {
-    const std::string display = product.display.empty() ? out.config->default_display() : product.display;
-    const std::string view = product.view.empty() ? out.config->default_view(display) : product.view;
-    out.transform = out.config->display_transform({display, view, product.look, product.exposure}, core_sink);
-    out.description = display + " / " + view;
-  } else {
-    const std::string space = product.colorSpace.empty() ? out.config->rendering_space() : product.colorSpace;
-    out.transform = out.config->from_rendering_space(space, core_sink);
-    out.description = space;
-  }
-  return out.transform != nullptr;
 }
 
 // ---- attributes -----------------------------------------------------------------------------------------------------
@@ -234,32 +200,6 @@ std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& product
   for (size_t i = 0; i < products.size(); ++i)
     if (written[i]) files.push_back(products[i].file);
   return files;
-}
-
-bool ApplyDisplay(const RenderProduct& product, const OutputColors& colors, std::span<float> rgb,
-                  const DiagnosticSink& sink) {
-  try {
-    ProductPlan plan;
-    plan.display_referred = true;
-    OutputTransform out;
-    if (!make_output_transform(product, plan, colors, sink, out)) return false;
-    constexpr size_t kPixelsAtOnce = 1024;
-    std::array<float, 4 * kPixelsAtOnce> rgba;
-    for (size_t first = 0; first < rgb.size() / 3; first += kPixelsAtOnce) {
-      const std::span<float> pixels = rgb.subspan(3 * first).first(3 * std::min(kPixelsAtOnce, rgb.size() / 3 - first));
-      for (size_t i = 0; i < pixels.size(); ++i) rgba[i / 3 * 4 + i % 3] = pixels[i];
-      out.transform->apply(rgba.data(), pixels.size() / 3);
-      for (size_t i = 0; i < pixels.size(); ++i) {
-        const float v = rgba[i / 3 * 4 + i % 3];
-        pixels[i] = v > 0 ? std::min(v, 1.0f) : 0.0f;  // a NaN is black
-      }
-    }
-    return true;
-  } catch (const std::bad_alloc&) {
-    return fail(sink, "product.memory", product.file, "not enough memory to convert the image; take a smaller crop");
-  } catch (const std::exception& e) {
-    return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
-  }
 }
 
 std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink) {

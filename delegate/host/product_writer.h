@@ -50,13 +50,6 @@ ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderPro
                                                      const ProductImage& image, const OutputColors& colors,
                                                      const DiagnosticSink& sink);
 
-/// Converts RGB pixels of the rendering space, in place, for the product's display, view, look and exposure; empty
-/// names mean the config's defaults. The results lie in 0 to 1 and are not rounded to levels. The product's file does
-/// not matter. Premultiplied pixels come out over black, as in a JPEG. Returns false after a report if a name is
-/// unknown or the config cannot be read.
-ALABASTER_API bool ApplyDisplay(const RenderProduct& product, const OutputColors& colors, std::span<float> rgb,
-                                const DiagnosticSink& sink);
-
 /// The config's origin, spaces, displays, views and looks as lines of text: the output of `alabaster ocio`. Empty after
 /// a report if it cannot be read.
 ALABASTER_API std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink);

@@ -39,7 +39,15 @@ BufferStore::BufferStore(const RenderBufferDescriptor& description, const Buffer
       clear_(source.clear),
       pixels_(static_cast<size_t>(description.dimensions.x) * static_cast<size_t>(description.dimensions.y) *
               FormatSize(description.format)),
-      tiles_(source.film ? static_cast<size_t>(source.film->tile_count()) : 0) {
+      tiles_(source.film ? static_cast<size_t>(source.film->tile_count()) : 0),
+      changed_(tiles_.size()),
+      differs_(tiles_.size(), 1) {
+  const PixelRect all{0, 0, description.dimensions.x, description.dimensions.y};
+  for (int i = 0; i < static_cast<int>(tiles_.size()); ++i) {
+    const PixelRect tile = source.film->tile_rect(i);
+    rects_.push_back({std::max(tile.x0 + buffer_x_, 0), std::max(tile.y0 + buffer_y_, 0),
+                      std::min(tile.x1 + buffer_x_, all.x1), std::min(tile.y1 + buffer_y_, all.y1)});
+  }
   if (!pixels_.empty() && !covers_buffer(description, source)) clear_pixels(clear_, description.format, &pixels_);
 }
 
@@ -53,7 +61,9 @@ bool BufferStore::update(const BufferSource& source, const BufferStore* before) 
   if (pixels_.empty()) return !before;
   std::atomic<bool> differs{!before};
   const auto update_one = [&](int tile) {
-    if (update_tile(tile, source, before)) differs = true;
+    const bool changes = update_tile(tile, source, before);
+    differs_[static_cast<size_t>(tile)] = changes;
+    if (changes) differs = true;
   };
   // Isolated: a thread that waits takes up no work of the host.
   tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, static_cast<int>(tiles_.size()), update_one); });
@@ -70,7 +80,7 @@ bool BufferStore::update_tile(int tile, const BufferSource& source, const Buffer
   // Draw it unless it is there.
   if (tiles_[i] != wanted) {
     if (before && wanted == old)
-      copy_tile(source.film->tile_rect(tile), *before);
+      copy_tile(tile, *before);
     else
       convert_tile(tile, source);
     tiles_[i] = wanted;
@@ -78,20 +88,37 @@ bool BufferStore::update_tile(int tile, const BufferSource& source, const Buffer
   return wanted != old;
 }
 
-uint8_t* BufferStore::pixel(int x, int y_down) {
-  const auto row = static_cast<size_t>(description_.dimensions.y - 1 - y_down);  // rows of a buffer run bottom-up
-  return pixels_.data() + (row * static_cast<size_t>(description_.dimensions.x) + static_cast<size_t>(x)) *
-                              FormatSize(description_.format);
+void BufferStore::set_number(uint64_t number, const BufferStore* before) {
+  number_ = number;
+  first_number_ = before ? before->first_number_ : number;
+  for (size_t i = 0; i < changed_.size(); ++i) changed_[i] = before && !differs_[i] ? before->changed_[i] : number;
 }
 
-void BufferStore::copy_tile(const PixelRect& rect, const BufferStore& from) {
-  const int first = std::max(rect.x0 + buffer_x_, 0), last = std::min(rect.x1 + buffer_x_, description_.dimensions.x);
-  if (first >= last) return;
-  for (int y = std::max(rect.y0 + buffer_y_, 0); y < std::min(rect.y1 + buffer_y_, description_.dimensions.y); ++y) {
-    uint8_t* const row = pixel(first, y);
-    std::memcpy(row, from.pixels_.data() + (row - pixels_.data()),
-                static_cast<size_t>(last - first) * FormatSize(description_.format));
+std::vector<PixelRect> BufferStore::changes_since(uint64_t number) const {
+  std::vector<PixelRect> changes;
+  if (number != 0 && number >= first_number_) {
+    for (size_t i = 0; i < rects_.size(); ++i)
+      if (changed_[i] > number) changes.push_back(rects_[i]);
+    return changes;
   }
+  constexpr int kRows = 16;
+  for (int y = 0; y < description_.dimensions.y; y += kRows)
+    changes.push_back({0, y, description_.dimensions.x, std::min(y + kRows, description_.dimensions.y)});
+  return changes;
+}
+
+size_t BufferStore::offset(int x, int y_down) const {
+  const auto row = static_cast<size_t>(description_.dimensions.y - 1 - y_down);  // rows of a buffer run bottom-up
+  return (row * static_cast<size_t>(description_.dimensions.x) + static_cast<size_t>(x)) *
+         FormatSize(description_.format);
+}
+
+void BufferStore::copy_tile(int tile, const BufferStore& from) {
+  const PixelRect& rect = rects_[static_cast<size_t>(tile)];
+  if (rect.x0 >= rect.x1) return;
+  for (int y = rect.y0; y < rect.y1; ++y)
+    std::memcpy(pixel(rect.x0, y), from.pixels_.data() + offset(rect.x0, y),
+                static_cast<size_t>(rect.x1 - rect.x0) * FormatSize(description_.format));
 }
 
 void BufferStore::convert_tile(int tile, const BufferSource& source) {

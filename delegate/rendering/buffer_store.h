@@ -33,11 +33,20 @@ class BufferStore {
   /// `before`.
   bool update(const BufferSource& source, const BufferStore* before);
 
+  /// Says that it is picture `number` of its buffer, numbers rising, and what has changed since `before`, the picture
+  /// that update() was given; null: everything.
+  void set_number(uint64_t number, const BufferStore* before);
+  uint64_t number() const { return number_; }
+  /// The pixels of the buffer, y-down, that may differ from those of picture `number`, an older one. 0: all pixels.
+  std::vector<PixelRect> changes_since(uint64_t number) const;
+  /// Where a pixel lies in pixels().
+  size_t offset(int x, int y_down) const;
+
  private:
   bool update_tile(int tile, const BufferSource& source, const BufferStore* before);
-  void copy_tile(const PixelRect& rect, const BufferStore& from);
+  void copy_tile(int tile, const BufferStore& from);
   void convert_tile(int tile, const BufferSource& source);
-  uint8_t* pixel(int x, int y_down);
+  uint8_t* pixel(int x, int y_down) { return pixels_.data() + offset(x, y_down); }
 
   RenderBufferDescriptor description_;
   Aov aov_;
@@ -47,6 +56,10 @@ class BufferStore {
   std::vector<uint8_t> pixels_;
   std::vector<FilmRevision> tiles_;  // what each shows; 0: nothing yet
   FilmRevision revision_ = 0;
+  uint64_t number_ = 0, first_number_ = 0;  // first: of the picture since which only tiles have changed
+  std::vector<uint64_t> changed_;           // the number of the picture in which each tile did
+  std::vector<uint8_t> differs_;            // by tile, as of the last update()
+  std::vector<PixelRect> rects_;            // of the tiles in the buffer; may be empty
 };
 
 }  // namespace alabaster::hd::rendering

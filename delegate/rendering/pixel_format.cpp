@@ -34,6 +34,32 @@ void write_component(float value, Format format, int i, uint8_t* pixel) {
   }
 }
 
+float read_component(const uint8_t* pixel, Format format, int i) {
+  switch (format) {
+    case Format::unorm8:
+    case Format::unorm8vec3:
+    case Format::unorm8vec4:
+      return static_cast<float>(pixel[i]) / 255;
+    case Format::float16:
+    case Format::float16vec3:
+    case Format::float16vec4: {
+      half h;
+      std::memcpy(&h, pixel + 2 * i, 2);
+      return h;
+    }
+    case Format::int32: {
+      int32_t integer;
+      std::memcpy(&integer, pixel, 4);
+      return static_cast<float>(integer);
+    }
+    default: {
+      float value;
+      std::memcpy(&value, pixel + 4 * i, 4);
+      return value;
+    }
+  }
+}
+
 AovDescriptor described(Format format, Value clear) {
   AovDescriptor descriptor;
   descriptor.format = format;
@@ -66,6 +92,14 @@ void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixel
     write_pixels({&number, 1}, 1, format, pixels);
     pixels += size;
   }
+}
+
+void read_pixels(const uint8_t* pixels, Format format, std::span<float> rgba) {
+  const int components = FormatComponents(format);
+  const size_t size = FormatSize(format);
+  for (; !rgba.empty(); rgba = rgba.subspan(4), pixels += size)
+    for (int i = 0; i < 4; ++i)
+      rgba[static_cast<size_t>(i)] = i < components ? read_component(pixels, format, i) : i == 3 ? 1.0f : 0.0f;
 }
 
 void write_clear(const Value& clear, Format format, uint8_t* pixel) {

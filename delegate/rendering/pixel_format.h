@@ -13,6 +13,10 @@ namespace alabaster::hd::rendering {
 void write_pixels(std::span<const float> values, size_t components, Format format, uint8_t* pixels);
 void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixels);  // of one value each
 
+/// Reads pixels as four floats each, the inverse of write_pixels but for rounding: components that the format lacks are
+/// 0, a fourth 1.
+void read_pixels(const uint8_t* pixels, Format format, std::span<float> rgba);
+
 /// `clear` as one pixel of `format`: components of a number or a vector.
 void write_clear(const Value& clear, Format format, uint8_t* pixel);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "delegate/rendering/pixel_format.h"
+#include "delegate/rendering/pixel_memory.h"
 
 namespace alabaster::hd::rendering {
 namespace {
@@ -112,24 +112,29 @@ void BufferState::resolve() {
   if (binding < store_binding_ || (binding == store_binding_ && store_ && next->revision() < store_->revision()))
     return;
   store_binding_ = binding;
+  if (differs) next->set_number(++generation_, shown == store_ ? shown.get() : nullptr);
   spare_ = differs ? std::exchange(store_, std::move(next)) : std::move(next);
-  if (differs) ++generation_;
 }
 
-const void* BufferState::map() {
+std::shared_ptr<const BufferStore> BufferState::picture() {
   BufferSource source;
   RenderBufferDescriptor description;
-  bool missing = false;
   {
     const std::lock_guard lock(mutex_);
-    missing = !store_;
+    if (store_) return store_;
     description = effective_;
     source.clear = source_.clear;
   }
-  if (missing && FormatComponents(description.format) == 0) return nullptr;
-  std::shared_ptr<BufferStore> blank = missing ? std::make_shared<BufferStore>(description, source) : nullptr;
+  if (FormatComponents(description.format) == 0) return nullptr;
+  const auto blank = std::make_shared<BufferStore>(description, source);
   const std::lock_guard lock(mutex_);
   if (!store_ && effective_ == description) store_ = blank;
+  return store_;
+}
+
+const void* BufferState::map() {
+  picture();
+  const std::lock_guard lock(mutex_);
   if (!store_) return nullptr;
   if (mapped_.empty() || mapped_.back() != store_) mapped_.push_back(store_);
   ++map_count_;
@@ -150,27 +155,6 @@ bool BufferState::is_mapped() const {
 uint64_t BufferState::generation() const {
   const std::lock_guard lock(mutex_);
   return generation_;
-}
-
-Vec2i BufferState::copy(std::vector<uint8_t>* out, bool y_down) const {
-  std::shared_ptr<const BufferStore> store;
-  {
-    const std::lock_guard lock(mutex_);
-    store = store_;
-  }
-  out->clear();
-  if (!store) return {0, 0};
-  const Vec3i size = store->description().dimensions;
-  const std::vector<uint8_t>& pixels = store->pixels();
-  if (!y_down || pixels.empty()) {
-    *out = pixels;
-  } else {
-    const size_t row = pixels.size() / static_cast<size_t>(size.y);
-    out->reserve(pixels.size());
-    for (size_t at = pixels.size(); at > 0; at -= row)
-      out->insert(out->end(), pixels.data() + (at - row), pixels.data() + at);
-  }
-  return {size.x, size.y};
 }
 
 std::vector<std::shared_ptr<const void>> BufferState::mapped_stores() const {
@@ -214,13 +198,26 @@ const void* RenderBufferPrim::Map() {
   return pixels;
 }
 
-Vec2i RenderBufferPrim::ResolveTo(std::vector<uint8_t>* out, bool y_down) {
-  Vec2i size(0, 0);
+bool RenderBufferPrim::ResolveTo(PixelMemory* memory) {
+  bool shown = false;
   prims::guarded(param_->sink(), GetId().str(), [&] {
     state_->resolve();
-    size = state_->copy(out, y_down);
+    const std::shared_ptr<const BufferStore> picture = state_->picture();
+    const Vec3i dimensions = picture ? picture->description().dimensions : Vec3i(0);
+    const Vec2i size(dimensions.x, dimensions.y);
+    if (!picture || size != memory->size) {
+      memory->size = size, memory->shown = 0;
+      return;
+    }
+    if (const std::string fault = memory_fault(*memory, size); !fault.empty()) {
+      alabaster::report(param_->sink(), alabaster::Severity::error, "buffer.memory", GetId().str(),
+                        fault + "; nothing is written");
+      return;
+    }
+    show(*picture, memory);
+    shown = true;
   });
-  return size;
+  return shown;
 }
 
 }  // namespace alabaster::hd::rendering

@@ -34,7 +34,8 @@ class BufferState {
   void set_converged(bool converged) { converged_ = converged; }
   bool converged() const { return converged_; }
   uint64_t generation() const;
-  Vec2i copy(std::vector<uint8_t>* out, bool y_down) const;
+  /// The store that is current; a blank one before the first Resolve, null before Allocate.
+  std::shared_ptr<const BufferStore> picture();
   /// Stores that a host may still read.
   std::vector<std::shared_ptr<const void>> mapped_stores() const;
 
@@ -73,7 +74,7 @@ class RenderBufferPrim final : public RenderBuffer {
   bool IsMapped() const override { return state_->is_mapped(); }
   bool IsConverged() const override { return state_->converged(); }
   uint64_t GetGeneration() const override { return state_->generation(); }
-  Vec2i ResolveTo(std::vector<uint8_t>* out, bool y_down) override;
+  bool ResolveTo(PixelMemory* memory) override;
 
  private:
   std::shared_ptr<prims::SceneParam> param_;

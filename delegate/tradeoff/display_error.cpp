@@ -3,12 +3,19 @@
 #include <cmath>
 #include <limits>
 
+#include "delegate/host/display_transform.h"
+
 namespace alabaster::tradeoff {
 
 std::optional<Image> to_display(const Image& linear, const hd::RenderProduct& product,
                                 const hd::host::OutputColors& colors, const hd::DiagnosticSink& sink) {
+  const auto display = hd::host::DisplayTransform::Create(product, colors, sink);
+  if (!display) return std::nullopt;
   Image shown = linear;
-  if (!hd::host::ApplyDisplay(product, colors, shown.rgb, sink)) return std::nullopt;
+  std::vector<float> rgba(shown.rgb.size() / 3 * 4, 1.0f);
+  for (size_t i = 0; i < shown.rgb.size(); ++i) rgba[i / 3 * 4 + i % 3] = shown.rgb[i];
+  display->Apply(rgba);
+  for (size_t i = 0; i < shown.rgb.size(); ++i) shown.rgb[i] = rgba[i / 3 * 4 + i % 3];
   return shown;
 }
 

@@ -163,10 +163,13 @@ TEST(Buffers, SizeAndPixelsAreReadAsOne) {
   std::atomic<bool> over = false;
   std::atomic<int> torn = 0, reads = 0;
   std::thread reader([&] {
-    std::vector<uint8_t> pixels;
+    std::vector<uint8_t> pixels(16 * 64 * 64);
     while (!over || reads == 0) {
-      const Vec2i size = color.ResolveTo(&pixels, true);
-      if (pixels.size() != size_t(size.x) * size_t(size.y) * 16 || (size.x != size.y)) ++torn;
+      PixelMemory memory;
+      memory.pixels = pixels.data(), memory.rowBytes = 16 * 64, memory.format = Format::float32vec4;
+      memory.size = {8, 8};
+      const bool shown = color.ResolveTo(&memory);
+      if (memory.size.x != memory.size.y || shown != (memory.size == Vec2i(8, 8))) ++torn;
       ++reads;
     }
   });
@@ -189,9 +192,10 @@ TEST(Buffers, RowsRunBottomUp) {
   const Picture picture = host.render();
   EXPECT_TRUE(near({picture.number(8, 2, 0), picture.number(8, 2, 1), picture.number(8, 2, 2)}, kRed));
   EXPECT_EQ(picture.number(8, 13, 3), 0);
-  std::vector<uint8_t> top_down;
-  host.buffer().ResolveTo(&top_down, true);
-  ASSERT_EQ(top_down.size(), picture.bytes.size());
+  std::vector<uint8_t> top_down(picture.bytes.size());
+  PixelMemory memory;
+  memory.pixels = top_down.data(), memory.rowBytes = 256, memory.size = {16, 16}, memory.format = Format::float32vec4;
+  ASSERT_TRUE(host.buffer().ResolveTo(&memory));
   EXPECT_EQ(std::memcmp(top_down.data(), &picture.bytes[15 * 256], 256), 0);
 }
 

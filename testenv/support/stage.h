@@ -80,11 +80,13 @@ class Stage {
 
   template <class T>
   static std::vector<T> pixels(RenderBuffer* buffer) {
-    std::vector<uint8_t> bytes;
-    buffer->ResolveTo(&bytes, true);
-    std::vector<T> values(bytes.size() / sizeof(T));
-    if (!values.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
-    return values;
+    PixelMemory memory;
+    memory.format = buffer->GetFormat();
+    buffer->ResolveTo(&memory);  // finds the size
+    memory.rowBytes = static_cast<size_t>(memory.size.x) * FormatSize(memory.format);
+    std::vector<T> values(memory.rowBytes * static_cast<size_t>(memory.size.y) / sizeof(T));
+    memory.pixels = values.data();
+    return buffer->ResolveTo(&memory) ? values : std::vector<T>();
   }
 
   std::string dump() {
