@@ -1,6 +1,7 @@
 #include "core/sampling/distribution.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -34,6 +35,21 @@ Distribution1D::Distribution1D(const std::vector<float>& weights) {
     }
     cdf_[i + 1] = static_cast<float>(steps) / static_cast<float>(kSteps);
   }
+  make_guide();
+}
+
+void Distribution1D::make_guide() {
+  constexpr size_t kCellsAPart = 4;
+  const size_t parts = std::bit_ceil(size()) / kCellsAPart;  // a power of two, so that multiples of its inverse are exact
+  if (parts < 2) return;
+  guide_.reserve(parts + 1);
+  size_t cell = 0;
+  for (size_t part = 0; part < parts; ++part) {
+    const float begin = static_cast<float>(part) / static_cast<float>(parts);
+    while (cdf_[cell + 1] <= begin) ++cell;
+    guide_.push_back(static_cast<uint32_t>(cell));
+  }
+  guide_.push_back(static_cast<uint32_t>(size() - 1));
 }
 
 float Distribution1D::probability(size_t index) const {
@@ -43,7 +59,13 @@ float Distribution1D::probability(size_t index) const {
 Distribution1D::Sample Distribution1D::sample(float u) const {
   // The cell whose range holds u: the last whose lower bound is <= u, so never one without width.
   u = std::clamp(u, 0.0f, kOneMinusEpsilon);
-  const auto above = std::upper_bound(cdf_.begin(), cdf_.end(), u);
+  auto begin = cdf_.begin(), end = cdf_.end();
+  if (!guide_.empty()) {
+    const auto part = static_cast<size_t>(u * static_cast<float>(guide_.size() - 1));
+    end = begin + guide_[part + 1] + 2;
+    begin += guide_[part];
+  }
+  const auto above = std::upper_bound(begin, end, u);
   Sample s;
   s.index = static_cast<size_t>(above - cdf_.begin()) - 1;
   const float width = probability(s.index);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/diagnostics/cancel.h"
@@ -35,11 +36,15 @@ class Distribution1D {
   double sum() const { return sum_; }
   size_t size() const { return cdf_.empty() ? 0 : cdf_.size() - 1; }
   /// On the heap.
-  size_t memory_bytes() const { return cdf_.capacity() * sizeof(float); }
+  size_t memory_bytes() const { return cdf_.capacity() * sizeof(float) + guide_.capacity() * sizeof(uint32_t); }
 
  private:
   size_t cell_of(float x) const;
+  void make_guide();
   std::vector<float> cdf_;  // size()+1 entries, 0 .. 1
+  // For even parts of [0, 1], and for 1: the cell that holds its begin. A search in all of a large image's cells would
+  // miss the caches at each step.
+  std::vector<uint32_t> guide_;
   double sum_ = 0;
 };
 

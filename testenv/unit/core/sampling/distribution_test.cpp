@@ -29,10 +29,13 @@ TEST(Distribution1D, SamplesLieInTheirCellAndNeverInEmptyOnes) {
     for (float& w : weights) w = rng.uniform() < 0.5f ? 0 : std::exp(20 * rng.uniform());
     weights[n / 2] = 1;
     const Distribution1D d(weights);
+    std::vector<float> begins(n + 1);  // exact: whole multiples of 2^-24
+    for (size_t i = 0; i < n; ++i) begins[i + 1] = begins[i] + d.probability(i);
     for (int i = 0; i < 20000; ++i) {
       const float u = i == 0 ? 0 : i == 1 ? kOneMinusEpsilon : rng.uniform();
       const auto s = d.sample(u);
       ASSERT_GT(weights[s.index], 0);
+      ASSERT_TRUE(begins[s.index] <= u && u < begins[s.index + 1]) << n << ' ' << u;
       ASSERT_GT(s.pdf, 0);
       ASSERT_EQ(d.pdf(s.x), s.pdf) << n << ' ' << u;
       ASSERT_TRUE(s.x >= 0 && s.x < 1 && s.remapped >= 0 && s.remapped < 1);
