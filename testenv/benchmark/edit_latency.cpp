@@ -119,6 +119,35 @@ class Host {
     return cost;
   }
 
+  struct Storm {
+    std::vector<double> held;  // milliseconds, by edit
+    double seconds = 0, last = 0;
+    int snapshots = 0;
+  };
+  template <class Edit>
+  Storm measure_storm(int edits, const Edit& edit) {
+    Storm storm;
+    const Clock::time_point begin = Clock::now();
+    for (int i = 0; i < edits; ++i) {
+      std::this_thread::sleep_until(begin + std::chrono::milliseconds(10 * i));
+      const double before = number();
+      const Clock::time_point start = Clock::now();
+      edit(i);
+      index_->SyncAll();
+      pass_->Execute(state_);
+      storm.held.push_back(milliseconds_since(start));
+      storm.snapshots += number() != before;
+    }
+    const Clock::time_point end = Clock::now();
+    storm.seconds = std::chrono::duration<double>(end - begin).count();
+    while (pass_->GetState() != PassState::rendering) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      pass_->Execute(state_);
+    }
+    storm.last = milliseconds_since(end);
+    return storm;
+  }
+
   void move_instance(int i) {
     std::vector<Vec3f> moved(*places_);
     moved[static_cast<size_t>(i)].y += 0.01f;
@@ -224,6 +253,20 @@ void row(Host& host, const char* name, int edits, const Edit& edit, bool scene_c
   std::fflush(stdout);
 }
 
+// A hundred edits a second for ten seconds: they must not queue up.
+void storm(Host& host) {
+  constexpr int kEdits = 1000;
+  const Host::Storm storm = host.measure_storm(kEdits, [&](int i) {
+    host::MeshDescription mesh = host.scene.GetMeshes().at(body_path(20));
+    mesh.transform[3][1] += i % 2 ? 0.01 : -0.01;
+    host.scene.SetMesh(body_path(20), mesh);
+  });
+  std::printf(
+      "\n100 transforms of a body a second, for %.1f s: the host is held %.1f ms (p50), %.1f ms (p99); %d of %d edits "
+      "were rendered; the last one after %.1f ms.\n",
+      storm.seconds, percentile(storm.held, 0.5), percentile(storm.held, 0.99), storm.snapshots, kEdits, storm.last);
+}
+
 void run(int edits, int instances, const std::string& only) {
   Host host(instances);
   const Host::Cost first = host.measure([] {}, true);
@@ -282,6 +325,7 @@ void run(int edits, int instances, const std::string& only) {
   if (wanted("instance") && instances > 0)
     row(host, ("one of " + std::to_string(instances) + " instances").c_str(), edits,
         [&](int i) { host.move_instance(i * 7919 % instances); });
+  if (wanted("storm")) storm(host);
 }
 
 }  // namespace
