@@ -14,7 +14,7 @@
 
    Threads: one thread at a time calls into a delegate and its scene, passes and buffers; a second one waits. These may
    be called by any thread at any time and do not wait: pass_wait, pass_state, progress, stats, stop, restart, pause,
-   resume, buffer_map, pixels_unmap, buffer_read. Callbacks must not call back into the library unless they say that
+   resume, buffer_map, pixels_unmap, buffer_read, buffer_show, display_set_exposure. Callbacks must not call back into the library unless they say that
    they may.
 
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
@@ -28,12 +28,13 @@
 extern "C" {
 #endif
 
-#define ALABASTER_API_VERSION 1
+#define ALABASTER_API_VERSION 2
 
 typedef struct AlabasterScene AlabasterScene;       /* meshes, materials, lights, cameras, render settings */
 typedef struct AlabasterDelegate AlabasterDelegate; /* the renderer; draws one scene */
 typedef struct AlabasterPass AlabasterPass;         /* a render: runs in the background, restarted by what changes */
 typedef struct AlabasterBuffer AlabasterBuffer;     /* pixels of one AOV */
+typedef struct AlabasterDisplay AlabasterDisplay;   /* converts pixels for a screen */
 
 typedef int32_t AlabasterStatus;
 enum {
@@ -350,6 +351,25 @@ typedef struct AlabasterPixels {
   void* mapping;       /* the library's */
 } AlabasterPixels;
 
+typedef struct AlabasterDisplayOptions { /* null: the default of the configuration */
+  size_t size;
+  const char* color_config; /* of OpenColorIO; null: $OCIO or the built-in one */
+  const char* display;
+  const char* view;
+  const char* look;
+  double exposure; /* stops */
+} AlabasterDisplayOptions;
+
+typedef struct AlabasterMemory { /* the caller's, for buffer_show */
+  size_t size;
+  void* pixels;
+  size_t row_bytes; /* from the begin of a row to that of the next */
+  int32_t width, height, format;
+  int32_t y_up;              /* not zero: the lowest row comes first */
+  AlabasterDisplay* display; /* null: the values as they were rendered */
+  uint64_t shown;            /* set to 0 whenever anything above, the display or the buffer changes; else leave it */
+} AlabasterMemory;
+
 typedef struct AlabasterRecordOptions {
   size_t size;
   const char* settings;     /* path of render settings; null: the first ones */
@@ -434,6 +454,14 @@ typedef struct AlabasterApi {
   AlabasterStatus (*buffer_map)(AlabasterBuffer*, AlabasterPixels*);
   AlabasterStatus (*pixels_unmap)(AlabasterPixels*);
   AlabasterStatus (*buffer_read)(AlabasterBuffer*, void* memory, size_t bytes, int32_t y_down);
+
+  /* Since version 2. A display is made once and kept; a new exposure needs no other one, but memory whose `shown` is 0.
+     buffer_show writes what the memory does not show yet, in its format. A buffer of another size writes nothing and is
+     NOT_FOUND: the memory then has the buffer's width and height. */
+  AlabasterStatus (*display_create)(const AlabasterDisplayOptions*, AlabasterDisplay**);
+  void (*display_destroy)(AlabasterDisplay*);
+  AlabasterStatus (*display_set_exposure)(AlabasterDisplay*, double stops);
+  AlabasterStatus (*buffer_show)(AlabasterBuffer*, AlabasterMemory*);
 } AlabasterApi;
 
 /* Null if the library is older than `version`. The table lives as long as the library is loaded. */

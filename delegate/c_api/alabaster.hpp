@@ -149,11 +149,13 @@ struct Destroy {
   void operator()(AlabasterDelegate* handle) const { api().delegate_destroy(handle); }
   void operator()(AlabasterPass* handle) const { api().pass_destroy(handle); }
   void operator()(AlabasterBuffer* handle) const { api().buffer_destroy(handle); }
+  void operator()(AlabasterDisplay* handle) const { api().display_destroy(handle); }
 };
 using Scene = std::unique_ptr<AlabasterScene, Destroy>;
 using Delegate = std::unique_ptr<AlabasterDelegate, Destroy>;
 using Pass = std::unique_ptr<AlabasterPass, Destroy>;
 using Buffer = std::unique_ptr<AlabasterBuffer, Destroy>;
+using Display = std::unique_ptr<AlabasterDisplay, Destroy>;
 
 inline Scene make_scene(AlabasterReport report = nullptr, void* user = nullptr) {
   AlabasterScene* made = nullptr;

@@ -59,5 +59,9 @@ AlabasterStatus buffer_resize(AlabasterBuffer* buffer, int32_t width, int32_t he
 AlabasterStatus buffer_map(AlabasterBuffer* buffer, AlabasterPixels* pixels);
 AlabasterStatus pixels_unmap(AlabasterPixels* pixels);
 AlabasterStatus buffer_read(AlabasterBuffer* buffer, void* memory, size_t bytes, int32_t y_down);
+AlabasterStatus display_create(const AlabasterDisplayOptions* options, AlabasterDisplay** display);
+void display_destroy(AlabasterDisplay* display);
+AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops);
+AlabasterStatus buffer_show(AlabasterBuffer* buffer, AlabasterMemory* memory);
 
 }  // namespace alabaster::hd::c_api

@@ -63,6 +63,10 @@ extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
                                    c_api::buffer_resize,
                                    c_api::buffer_map,
                                    c_api::pixels_unmap,
-                                   c_api::buffer_read};
+                                   c_api::buffer_read,
+                                   c_api::display_create,
+                                   c_api::display_destroy,
+                                   c_api::display_set_exposure,
+                                   c_api::buffer_show};
   return version >= 1 && version <= ALABASTER_API_VERSION ? &api : nullptr;
 }

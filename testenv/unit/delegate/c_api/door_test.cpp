@@ -253,6 +253,37 @@ TEST_F(Door, PixelsOutliveEverything) {
   EXPECT_EQ(api().pixels_unmap(&pixels), ALABASTER_OK);
 }
 
+TEST_F(Door, ADisplayShowsPixelsInTheCallersMemory) {
+  const std::vector<float> pixels = render();
+  AlabasterDisplayOptions options = {};
+  options.size = sizeof options;
+  options.color_config = "built-in", options.view = "Nothing of the kind";
+  AlabasterDisplay* display = nullptr;
+  EXPECT_EQ(api().display_create(&options, &display), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(api().last_error()).find("Nothing of the kind"), std::string::npos) << api().last_error();
+  options.view = nullptr;
+  ASSERT_EQ(api().display_create(&options, &display), ALABASTER_OK) << api().last_error();
+
+  AlabasterMemory memory = {};
+  memory.size = sizeof memory;
+  memory.row_bytes = 4 * kSide, memory.format = ALABASTER_UNORM8_4, memory.display = display;
+  EXPECT_EQ(api().buffer_show(color_, &memory), ALABASTER_NOT_FOUND) << "it has no size";
+  EXPECT_EQ(memory.width, kSide);
+  EXPECT_EQ(api().buffer_show(color_, &memory), ALABASTER_INVALID_ARGUMENT) << "it is null";
+  std::vector<uint8_t> shown(4 * kSide * kSide), darker = shown;
+  memory.pixels = shown.data();
+  ASSERT_EQ(api().buffer_show(color_, &memory), ALABASTER_OK) << api().last_error();
+  ASSERT_EQ(api().display_set_exposure(display, -2), ALABASTER_OK);
+  memory.pixels = darker.data(), memory.shown = 0;
+  ASSERT_EQ(api().buffer_show(color_, &memory), ALABASTER_OK) << api().last_error();
+  const size_t middle = 4 * (kSide / 2 * kSide + kSide / 2);
+  EXPECT_GT(pixels[middle], 0);
+  EXPECT_GT(darker[middle], 0);
+  EXPECT_GT(shown[middle], darker[middle]);
+  EXPECT_EQ(api().display_set_exposure(display, 1e9), ALABASTER_INVALID_ARGUMENT);
+  api().display_destroy(display);
+}
+
 TEST_F(Door, ThreadsTakeTurns) {
   std::atomic<bool> over{false};
   std::thread editor([&] {

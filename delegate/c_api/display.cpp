@@ -1,0 +1,57 @@
+// Pixels in the caller's memory, as a screen shows them.
+#include "delegate/c_api/functions.h"
+#include "delegate/c_api/handles.h"
+#include "delegate/host/display_transform.h"
+
+struct AlabasterDisplay {
+  std::unique_ptr<alabaster::hd::host::DisplayTransform> transform;
+};
+
+namespace alabaster::hd::c_api {
+
+AlabasterStatus display_create(const AlabasterDisplayOptions* options, AlabasterDisplay** out) {
+  return guarded([&] {
+    const auto in = sized(options, "options");
+    auto& made = required(out, "display");
+    RenderProduct product;
+    product.display = text_or(in.display, ""), product.view = text_or(in.view, "");
+    product.look = text_or(in.look, ""), product.exposure = float(in.exposure);
+    const auto reports = std::make_shared<Reports>(nullptr, nullptr);
+    auto transform = host::DisplayTransform::Create(product, {text_or(in.color_config, "")}, sink_of(reports));
+    if (!transform) throw bad_argument(reports->take_error("the display cannot be made"));
+    made = new AlabasterDisplay{std::move(transform)};
+  });
+}
+
+void display_destroy(AlabasterDisplay* display) {
+  delete display;
+}
+
+AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops) {
+  return guarded([&] {
+    if (!required(display, "display").transform->SetExposure(float(stops)))
+      throw bad_argument("exposure must be a number of stops between -126 and 127");
+  });
+}
+
+AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
+  return guarded([&] {
+    RenderBuffer& buffer = *required(handle, "buffer").data->buffer;
+    AlabasterMemory in = sized(out, "memory");
+    if (in.format <= ALABASTER_FORMAT_NONE || in.format > ALABASTER_INT32)
+      throw bad_argument("there is no such format");
+    PixelMemory memory{in.pixels, in.row_bytes, {in.width, in.height}, Format(in.format), in.y_up == 0,
+                       nullptr,   in.shown};
+    if (in.display) memory.transform = in.display->transform.get();
+    const bool shown = buffer.ResolveTo(&memory);
+    const bool differs = memory.size != Vec2i(in.width, in.height);
+    in.width = memory.size.x, in.height = memory.size.y, in.shown = memory.shown;
+    answer(out, in, "memory");
+    if (differs)
+      throw Failure(ALABASTER_NOT_FOUND,
+                    "the buffer has " + std::to_string(in.width) + " x " + std::to_string(in.height) + " pixels");
+    if (!shown) throw bad_argument("the memory is null, or row_bytes is less than a row takes");
+  });
+}
+
+}  // namespace alabaster::hd::c_api
