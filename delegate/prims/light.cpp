@@ -1,30 +1,49 @@
 #include "core/color/blackbody.h"
 #include "core/light/ies_profile.h"
+#include "core/subsurface/built_once.h"
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 
 namespace alabaster::hd::prims {
+
+/// What a light names: read once, however often the light moves.
+struct LightFiles {
+  TextureSource image;
+  std::string profile;
+
+  struct Contents {
+    std::shared_ptr<const Texture> texture;
+    std::shared_ptr<const IesProfile> ies;
+    std::optional<SceneFault> fault;
+  };
+  BuiltOnce<Contents> contents = {};
+
+  bool names_image() const { return !image.path.empty() || image.bytes; }
+  Contents read(SceneParam& param) const {
+    Contents out;
+    if (!profile.empty()) out.ies = IesProfile::load(profile, param.sink());
+    if (!profile.empty() && !out.ies)
+      out.fault = SceneFault{true, "the IES profile '" + profile + "' could not be read"};
+    if (names_image()) out.texture = param.texture(image, &out.fault);
+    return out;
+  }
+};
+
 namespace {
 
-std::shared_ptr<const Texture> pull_texture(SceneDelegate& scene, const Path& id, SceneParam& param,
-                                            std::optional<SceneFault>* fault) {
-  const Value file = scene.GetLightParamValue(id, "texture:file");
-  TextureSource source;
-  source.path = file.text_or("");
-  if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
-  if (source.path.empty() && !source.bytes) return nullptr;
-  source.wrap_t = Wrap::clamp;  // round the horizon, but not over the poles
-  return param.texture(source, fault);
-}
-
-std::shared_ptr<const IesProfile> pull_profile(SceneDelegate& scene, const Path& id, SceneParam& param,
-                                               std::optional<SceneFault>* fault) {
-  const std::string path = scene.GetLightParamValue(id, "shaping:ies:file").text_or("");
-  if (path.empty()) return nullptr;
-  auto profile = IesProfile::load(path, param.sink());
-  if (!profile) *fault = SceneFault{true, "the IES profile '" + path + "' could not be read"};
-  return profile;
+// Null if the light names no file.
+std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, LightType type) {
+  auto files = std::make_shared<LightFiles>();
+  if (type != LightType::dome && type != LightType::distant)
+    files->profile = scene.GetLightParamValue(id, "shaping:ies:file").text_or("");
+  if (type == LightType::dome || type == LightType::rect) {
+    const Value file = scene.GetLightParamValue(id, "texture:file");
+    files->image.path = file.text_or("");
+    if (const auto* asset = file.get<AssetPath>()) files->image.bytes = asset->bytes;
+    files->image.wrap_t = Wrap::clamp;  // round the horizon, but not over the poles
+  }
+  return files->names_image() || !files->profile.empty() ? files : nullptr;
 }
 
 }  // namespace
@@ -44,14 +63,18 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
   if (bits & (dirty::kParams | dirty::kResource)) {
     const ColorConfig& colors = param.colors();
     light_.color_of_temperature = blackbody(light_.color_temperature, colors.chromaticities(colors.rendering_space()));
-    const bool infinite = light_.type == LightType::dome || light_.type == LightType::distant;
-    std::optional<SceneFault> fault;
-    light_.ies = infinite ? nullptr : pull_profile(scene, GetId(), param, &fault);
-    const bool image = light_.type == LightType::dome || light_.type == LightType::rect;
-    light_.texture = image ? pull_texture(scene, GetId(), param, &fault) : nullptr;
-    param.set_fault(GetId(), std::move(fault));
+    files_ = pull_files(scene, GetId(), light_.type);
   }
-  param.post(GetId(), LightRecord{light_, visible_});
+  if (!files_) {
+    param.post(GetId(), LightRecord{light_, visible_});
+    return dirty::kClean;
+  }
+  param.post_unread(GetId(), [&param, record = LightRecord{light_, visible_}, files = files_] {
+    const LightFiles::Contents& contents = files->contents.get([&] { return files->read(param); });
+    LightRecord read = record;
+    read.light.texture = contents.texture, read.light.ies = contents.ies, read.fault = contents.fault;
+    return read;
+  });
   return dirty::kClean;
 }
 

@@ -269,15 +269,16 @@ class MaterialReader {
 
 DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (!(bits & (dirty::kResource | dirty::kParams))) return dirty::kClean;
-  MaterialNetwork network = scene.GetMaterialResource(GetId());
-  if (network_ && *network_ == network) return dirty::kClean;
-  std::optional<SceneFault> fault;
-  const auto warn = [&](const char* code, const std::string& text) {
-    alabaster::report(param.sink(), alabaster::Severity::warning, code, GetId().str(), text);
-  };
-  auto material = MaterialReader(GetId(), translate_preview_surface(network, warn), param).read(&fault);
-  param.post(GetId(), MaterialRecord{std::move(material)});
-  param.set_fault(GetId(), std::move(fault));
+  auto network = std::make_shared<const MaterialNetwork>(scene.GetMaterialResource(GetId()));
+  if (network_ && *network_ == *network) return dirty::kClean;
+  param.post_unread(GetId(), [&param, id = GetId(), network] {
+    const auto warn = [&](const char* code, const std::string& text) {
+      alabaster::report(param.sink(), alabaster::Severity::warning, code, id.str(), text);
+    };
+    MaterialRecord record;
+    record.material = MaterialReader(id, translate_preview_surface(*network, warn), param).read(&record.fault);
+    return record;
+  });
   network_ = std::move(network);  // last: a network counts as known once it is posted
   return dirty::kClean;
 }

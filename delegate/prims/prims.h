@@ -68,12 +68,14 @@ class MaterialPrim final : public RecordedPrim<Sprim> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  std::optional<MaterialNetwork> network_;
+  std::shared_ptr<const MaterialNetwork> network_;  // as posted last
 };
 
 /// Prim types of lights, in the order of LightType.
 inline constexpr const char* kLightTypes[] = {"rectLight", "sphereLight", "distantLight",
                                               "domeLight", "diskLight",   "cylinderLight"};
+
+struct LightFiles;
 
 class LightPrim final : public RecordedPrim<Sprim> {
  public:
@@ -86,6 +88,7 @@ class LightPrim final : public RecordedPrim<Sprim> {
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   alabaster::LightDescription light_;
   bool visible_ = true;
+  std::shared_ptr<LightFiles> files_;  // null: it names none
 };
 
 class CameraPrim final : public RecordedPrim<Sprim> {

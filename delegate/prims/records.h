@@ -2,6 +2,8 @@
 // path.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <variant>
 
 #include "core/camera/camera.h"
@@ -10,6 +12,15 @@
 #include "delegate/support/instancing.h"
 
 namespace alabaster::hd::prims {
+
+/// Something that a prim could not read, build or light as it was asked to. It has been reported as an error, and the
+/// frame is drawn without it.
+struct SceneFault {
+  bool input = true;  // false: memory or threads ran out
+  std::string text;
+  bool operator==(const SceneFault&) const = default;
+};
+using SceneFaults = std::map<Path, SceneFault>;
 
 struct MeshRecord {
   std::shared_ptr<const PulledMesh> source;  // the shape; another one after each edit of it
@@ -29,12 +40,14 @@ using support::InstancerRecord;
 
 struct MaterialRecord {
   std::shared_ptr<const DisneyMaterial> material;
+  std::optional<SceneFault> fault;  // an image that could not be read
   bool operator==(const MaterialRecord&) const = default;
 };
 
 struct LightRecord {
   alabaster::LightDescription light;
   bool visible = true;  // else it gives no light
+  std::optional<SceneFault> fault = {};
   bool operator==(const LightRecord&) const = default;
 };
 

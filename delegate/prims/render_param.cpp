@@ -12,7 +12,7 @@ SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevi
 SceneParam::~SceneParam() = default;
 
 // Two materials that ask for one image at the same moment both decode it, and one copy is kept: waiting for each other
-// inside Sync could make a thread wait for work that it has itself put aside.
+// could make a thread wait for work that it has itself put aside.
 std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault) {
   const auto held = [&]() -> std::shared_ptr<const Texture> {
     const auto [first, last] = textures_.equal_range(source.path);
@@ -58,18 +58,15 @@ std::shared_ptr<tbb::task_arena> SceneParam::arena() {
   return arena_;
 }
 
-void SceneParam::post(const Path& id, Record record) {
-  Shard& shard = shards_[(id.hash() >> 5) % shards_.size()];
+void SceneParam::post(Edit edit) {
+  Shard& shard = shards_[(edit.id.hash() >> 5) % shards_.size()];
   const std::lock_guard lock(shard.mutex);
-  shard.edits.push_back({id, std::move(record)});
+  shard.edits.push_back(std::move(edit));
   ++edits_;
 }
 
 void SceneParam::remove(const Path& id) noexcept {
-  guarded(sink_, id.str(), [&] {
-    set_fault(id, std::nullopt);
-    post(id, {});
-  });
+  guarded(sink_, id.str(), [&] { post(id, {}); });
 }
 
 std::list<Edit> SceneParam::take_edits() noexcept {
@@ -80,19 +77,6 @@ std::list<Edit> SceneParam::take_edits() noexcept {
     all.splice(all.end(), shard.edits);
   }
   return all;
-}
-
-void SceneParam::set_fault(const Path& id, std::optional<SceneFault> fault) {
-  const std::lock_guard lock(mutex_);
-  if (fault)
-    faults_.insert_or_assign(id, std::move(*fault));
-  else
-    faults_.erase(id);
-}
-
-SceneFaults SceneParam::faults() const {
-  const std::lock_guard lock(mutex_);
-  return faults_;
 }
 
 void SceneParam::keep(std::shared_ptr<const void> mapped) {

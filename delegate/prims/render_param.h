@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <list>
 #include <map>
 #include <mutex>
@@ -22,16 +23,9 @@ namespace alabaster::hd::prims {
 
 struct Edit {
   Path id;
-  Record record;  // monostate: the prim is gone
+  Record record;                 // monostate: the prim is gone
+  std::function<Record()> read;  // unless empty: makes the record. It reads files, and so is the builder's to call
 };
-
-/// Something that a prim could not read, build or light as it was asked to. It has been reported as an error, and the
-/// frame is drawn without it.
-struct SceneFault {
-  bool input = true;  // false: memory or threads ran out
-  std::string text;
-};
-using SceneFaults = std::map<Path, SceneFault>;
 
 class SceneParam final : public RenderParam {
  public:
@@ -56,16 +50,16 @@ class SceneParam final : public RenderParam {
   void set_texture_memory(uint32_t mib, bool by_host);
 
   // The edit transaction.
-  void post(const Path& id, Record record);
+  void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}}); }
+  /// The same for a record whose files are read by the builder, unless a later edit comes before that. `read` is called
+  /// once, or again after an exception.
+  void post_unread(const Path& id, std::function<Record()> read) { post(Edit{id, {}, std::move(read)}); }
   /// Posts that the prim is gone. Never throws: no call of the prim follows Finalize.
   void remove(const Path& id) noexcept;
   bool has_edits() const { return edits_.load() != 0; }
   /// All edits since the last call; those of one prim in the order in which it posted them. Takes no memory.
   std::list<Edit> take_edits() noexcept;
 
-  /// The fault that a prim's last Sync found; none: it went well. Those of meshes are found when they are built.
-  void set_fault(const Path& id, std::optional<SceneFault> fault);
-  SceneFaults faults() const;
   /// Counts the prims whose last Sync threw. `held` is the prim's own note of it. Takes no memory.
   void set_failed(bool* held, bool failed) noexcept {
     if (*held != failed) failed_ += failed ? 1 : -1;
@@ -88,6 +82,7 @@ class SceneParam final : public RenderParam {
     std::weak_ptr<const Texture> texture;
   };
   std::shared_ptr<tbb::task_arena> arena();
+  void post(Edit edit);
 
   alabaster::DiagnosticSink sink_;
   std::shared_ptr<TraceDevice> device_;
@@ -98,8 +93,7 @@ class SceneParam final : public RenderParam {
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
-  SceneFaults faults_;
-  mutable std::mutex mutex_;  // guards faults_ and what follows, for look-ups only
+  mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;

@@ -215,10 +215,8 @@ std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {
 std::vector<std::string> RenderCore::scene_faults(bool* input) const {
   std::vector<std::string> texts;
   *input = true;
-  prims::SceneFaults faults = param->faults();
   const auto built = scene();
-  if (built) faults.insert(built->faults.begin(), built->faults.end());
-  for (const auto& [prim, fault] : faults) {
+  for (const auto& [prim, fault] : built ? built->faults : prims::SceneFaults()) {
     texts.push_back(prim.str() + ": " + fault.text);
     *input = *input && fault.input;
   }

@@ -1,5 +1,7 @@
 #include "delegate/rendering/snapshot_builder.h"
 
+#include <tbb/parallel_for_each.h>
+
 #include <chrono>
 
 namespace alabaster::hd::rendering {
@@ -115,6 +117,35 @@ void SnapshotBuilder::build() {
   rested_.notify_all();
 }
 
+// Makes the records of edits that have files to read: of those of one prim the last alone. Images are decoded on all
+// threads; what is read when the build is cancelled stays read.
+void SnapshotBuilder::read_files(const CancelToken& cancel) {
+  std::map<Path, prims::Edit*> last;
+  for (prims::Edit& edit : edits_) last[edit.id] = &edit;
+  std::vector<prims::Edit*> unread;
+  for (const auto& [id, edit] : last)
+    if (edit->read) unread.push_back(edit);
+  const auto read_one = [&](prims::Edit* edit) {
+    if (cancel.is_cancelled()) return;
+    edit->record = edit->read();
+    edit->read = nullptr;
+  };
+  param_->run([&] { tbb::parallel_for_each(unread, read_one); });
+  cancel.check();
+  edits_.remove_if([](const prims::Edit& edit) { return edit.read != nullptr; });
+}
+
+prims::SceneFaults SnapshotBuilder::faults() const {
+  prims::SceneFaults all = meshes_.faults();
+  for (const auto& [path, record] : records_) {
+    const auto* material = std::get_if<prims::MaterialRecord>(&record);
+    const auto* light = std::get_if<prims::LightRecord>(&record);
+    const std::optional<prims::SceneFault>& fault = material ? material->fault : light ? light->fault : std::nullopt;
+    if (fault) all.emplace(path, *fault);
+  }
+  return all;
+}
+
 // Memory may run out at any step: an edit leaves the list once it is applied whole.
 void SnapshotBuilder::apply_edits() {
   for (; !edits_.empty(); edits_.pop_front()) {
@@ -127,6 +158,7 @@ void SnapshotBuilder::apply_edits() {
 }
 
 void SnapshotBuilder::update(const CancelToken& cancel) {
+  read_files(cancel);
   apply_edits();
   const View view = view_;
   const auto last = built();
@@ -140,7 +172,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
                                                          deformations_.in(view.shutter, meshes_, param_.get(), cancel));
   if (last && last->snapshot && translation.scene == last->translation.scene)
     publish(std::make_shared<const BuiltScene>(
-        BuiltScene{std::move(translation), last->snapshot, meshes_.faults()}));  // faults may differ, and paths
+        BuiltScene{std::move(translation), last->snapshot, faults()}));  // faults may differ, and paths
   else
     compile(std::move(translation), cancel);
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
@@ -148,7 +180,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
 }
 
 void SnapshotBuilder::compile(prims::Translation translation, const CancelToken& cancel) {
-  BuiltScene scene{std::move(translation), nullptr, meshes_.faults()};
+  BuiltScene scene{std::move(translation), nullptr, faults()};
   const auto run = [&] { scene.snapshot = compiler_.compile(scene.translation.scene, scene_number_ + 1, cancel); };
   // A scene that could not be compiled leaves no snapshot: the old one would pass for it.
   bool cancelled = false;

@@ -17,7 +17,7 @@ namespace alabaster::hd::rendering {
 struct BuiltScene {
   prims::Translation translation;
   std::shared_ptr<const SceneSnapshot> snapshot;  // of the translation; null: it could not be compiled
-  prims::SceneFaults faults;                      // of meshes
+  prims::SceneFaults faults;
 };
 
 /// The newest records win: an edit cancels the build that goes on, unless the one before was cancelled, too. So a host
@@ -60,7 +60,9 @@ class SnapshotBuilder {
   void run();
   bool take_work();
   void build();
+  void read_files(const CancelToken& cancel);
   void apply_edits();
+  prims::SceneFaults faults() const;
   void update(const CancelToken& cancel);
   void compile(prims::Translation translation, const CancelToken& cancel);
   void publish(std::shared_ptr<const BuiltScene> scene);

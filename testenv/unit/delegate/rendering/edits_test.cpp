@@ -188,6 +188,46 @@ size_t resident_bytes() {
 
 // Pools of Embree, TBB and malloc grow by some megabytes, the more the busier the machine is. One in five of the
 // scenes, kept, would be more.
+// An image takes long to decode, which the host's thread does not wait for; one that a later edit replaces is not read.
+TEST(Edits, FilesAreReadByTheBuilder) {
+  Stage stage;
+  stage.add_basic_scene();
+  stage.index->SyncAll();
+  stage.wait_for_scene();
+  stage.delegate->Stop();  // and with it the builder
+  for (const char* file : {"first.png", "second.png"}) {
+    MaterialNetwork network = wax(0.5f);
+    MaterialNode& texture = network.nodes["texture"];
+    texture.nodeTypeId = "AlabasterTexture";
+    texture.parameters["file"] = AssetPath{file, file, nullptr};
+    network.nodes["surface"].inputConnections["baseColor"] = {{"texture", "rgb"}};
+    stage.scene.SetMaterial("/wax", network);
+    stage.index->SyncAll();
+  }
+  host::LightDescription dome{.type = "domeLight", .transform = {}, .parameters = {{"texture:file", "third.hdr"}}};
+  stage.scene.SetLight("/dome", dome);
+  stage.index->SyncAll();
+  EXPECT_TRUE(stage.take_diagnostics().empty());
+  stage.delegate->Restart();
+  std::string errors;
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.severity == Severity::error) errors += d.where + ": " + d.text + "\n";
+  EXPECT_EQ(errors.find("first.png"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("second.png"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("third.hdr"), std::string::npos) << errors;
+  EXPECT_EQ(stage.stat("scene.faultCount"), 2);
+
+  dome.transform[3][1] = 1;
+  stage.scene.SetLight("/dome", dome);
+  stage.index->SyncAll();
+  EXPECT_TRUE(stage.take_diagnostics().empty()) << "a light that moves reads its files once";
+  EXPECT_EQ(stage.stat("scene.faultCount"), 2);
+  stage.scene.Remove("/wax");
+  stage.scene.Remove("/dome");
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.stat("scene.faultCount"), -1);
+}
+
 TEST(Edits, MemoryAfterAThousandIsThatAfterTen) {
   Drawn drawn(1 << 20);
   const auto run = [&](int from, int to) {
