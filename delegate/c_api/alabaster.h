@@ -14,8 +14,8 @@
 
    Threads: one thread at a time calls into a delegate and its scene, passes and buffers; a second one waits. These may
    be called by any thread at any time and do not wait: pass_wait, pass_state, progress, stats, stop, restart, pause,
-   resume, buffer_map, pixels_unmap, buffer_read, buffer_show, display_set_exposure. Callbacks must not call back into the library unless they say that
-   they may.
+   resume, buffer_map, pixels_unmap, buffer_read, buffer_show, display_set_exposure. Callbacks must not call back into
+   the library unless they say that they may.
 
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H
