@@ -40,7 +40,8 @@ Distribution1D::Distribution1D(const std::vector<float>& weights) {
 
 void Distribution1D::make_guide() {
   constexpr size_t kCellsAPart = 4;
-  const size_t parts = std::bit_ceil(size()) / kCellsAPart;  // a power of two, so that multiples of its inverse are exact
+  const size_t parts =
+      std::bit_ceil(size()) / kCellsAPart;  // a power of two, so that multiples of its inverse are exact
   if (parts < 2) return;
   guide_.reserve(parts + 1);
   size_t cell = 0;
