@@ -34,20 +34,23 @@ double local_level(const NoiseImage& image, int x, int y) {
 }
 
 /// L^2 + f^2 of every pixel; empty if the frame is black.
-std::vector<double> squared_scales(const NoiseImage& image) {
+std::vector<double> squared_scales(const NoiseImage& image, const CancelToken& cancel) {
   const size_t n = image.pixels.size();
-  const auto mean =
-      sum_over_pixels<double>(n, [&](size_t i, double* sum) { *sum += double(image.pixels[i].level) / double(n); });
+  const auto mean = sum_over_pixels<double>(
+      n, [&](size_t i, double* sum) { *sum += double(image.pixels[i].level) / double(n); }, cancel);
   if (!(mean > 0)) return {};
   const double floor = kErrorFloor * mean;
   std::vector<double> scales(n);
-  for_pixel_blocks(n, [&](size_t, size_t begin, size_t end) {
-    const auto width = size_t(image.width);
-    for (size_t i = begin; i < end; ++i) {
-      const double level = local_level(image, int(i % width), int(i / width));
-      scales[i] = level * level + floor * floor;
-    }
-  });
+  for_pixel_blocks(
+      n,
+      [&](size_t, size_t begin, size_t end) {
+        const auto width = size_t(image.width);
+        for (size_t i = begin; i < end; ++i) {
+          const double level = local_level(image, int(i % width), int(i / width));
+          scales[i] = level * level + floor * floor;
+        }
+      },
+      cancel);
   return scales;
 }
 
@@ -141,20 +144,27 @@ struct SampleExtremes {
   }
 };
 
-SampleExtremes samples_of(const std::vector<PixelNoise>& pixels) {
-  return sum_over_pixels<SampleExtremes>(pixels.size(), [&](size_t i, SampleExtremes* all) {
-    *all += {pixels[i].samples, pixels[i].samples};
-  });
+SampleExtremes samples_of(const std::vector<PixelNoise>& pixels, const CancelToken& cancel) {
+  return sum_over_pixels<SampleExtremes>(
+      pixels.size(),
+      [&](size_t i, SampleExtremes* all) {
+        *all += {pixels[i].samples, pixels[i].samples};
+      },
+      cancel);
 }
 
 // One law for the whole frame, since the ratios of one pixel are noise.
-Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales, uint32_t least) {
+Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales, uint32_t least,
+                            const CancelToken& cancel) {
   Convergence c;
   const auto n = double(pixels.size());
-  c.means = sum_over_pixels<PerDifference>(pixels.size(), [&](size_t i, PerDifference* sum) {
-    *sum += {squared(pixels[i].latest) / scales[i] / n, squared(pixels[i].previous) / scales[i] / n,
-             squared(pixels[i].earlier) / scales[i] / n};
-  });
+  c.means = sum_over_pixels<PerDifference>(
+      pixels.size(),
+      [&](size_t i, PerDifference* sum) {
+        *sum += {squared(pixels[i].latest) / scales[i] / n, squared(pixels[i].previous) / scales[i] / n,
+                 squared(pixels[i].earlier) / scales[i] / n};
+      },
+      cancel);
   const PerDifference& means = c.means;
   // A difference of zero does not show how the variance falls.
   if (!(means.latest > 0)) return {};
@@ -178,28 +188,32 @@ struct RelativeErrors {
 };
 
 // `samples`: two at least. Empty if the frame is black.
-RelativeErrors relative_errors(const NoiseImage& image, const SampleExtremes& samples) {
+RelativeErrors relative_errors(const NoiseImage& image, const SampleExtremes& samples, const CancelToken& cancel) {
   const auto& pixels = image.pixels;
   RelativeErrors errors;
-  errors.scales = squared_scales(image);
+  errors.scales = squared_scales(image, cancel);
   if (errors.scales.empty()) return errors;
-  errors.convergence = fit_convergence(pixels, errors.scales, samples.least);
+  errors.convergence = fit_convergence(pixels, errors.scales, samples.least, cancel);
   errors.values.resize(pixels.size());
   std::vector<std::atomic<double>> factors(size_t(samples.most) + 1);  // by number of samples; 0: not computed yet
-  for_pixel_blocks(pixels.size(), [&](size_t, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      std::atomic<double>& shared = factors[pixels[i].samples];
-      double factor = shared.load(std::memory_order_relaxed);
-      if (factor == 0) shared = factor = variance_per_difference(pixels[i].samples, errors.convergence.law);
-      errors.values[i] = factor * squared(pixels[i].difference()) / errors.scales[i];
-    }
-  });
+  for_pixel_blocks(
+      pixels.size(),
+      [&](size_t, size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+          std::atomic<double>& shared = factors[pixels[i].samples];
+          double factor = shared.load(std::memory_order_relaxed);
+          if (factor == 0) shared = factor = variance_per_difference(pixels[i].samples, errors.convergence.law);
+          errors.values[i] = factor * squared(pixels[i].difference()) / errors.scales[i];
+        }
+      },
+      cancel);
   return errors;
 }
 
 // Variance of ln E^2 (frame_error.md, "The interval"): the estimate's scatter over pixels, that of the true error, and
 // the doubt about the law.
-double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors& errors, double mean) {
+double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors& errors, double mean,
+                    const CancelToken& cancel) {
   constexpr double kNoiseDoubt = 0.05, kStratifiedDoubt = 0.5;
   const ConvergenceLaw& law = errors.convergence.law;
   const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
@@ -214,31 +228,35 @@ double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors&
       estimate += o.estimate;
     }
   };
-  const auto sum = sum_over_pixels<Squares>(pixels.size(), [&](size_t i, Squares* squares) {
-    const double scale = errors.scales[i];
-    const double d = errors.values[i] / mean - 1;
-    const double e = d + part(elasticity.latest - 1, pixels[i].latest, scale, means.latest) +
-                     part(elasticity.previous, pixels[i].previous, scale, means.previous) +
-                     part(elasticity.earlier, pixels[i].earlier, scale, means.earlier);
-    *squares += {d * d, e * e};
-  });
+  const auto sum = sum_over_pixels<Squares>(
+      pixels.size(),
+      [&](size_t i, Squares* squares) {
+        const double scale = errors.scales[i];
+        const double d = errors.values[i] / mean - 1;
+        const double e = d + part(elasticity.latest - 1, pixels[i].latest, scale, means.latest) +
+                         part(elasticity.previous, pixels[i].previous, scale, means.previous) +
+                         part(elasticity.earlier, pixels[i].earlier, scale, means.earlier);
+        *squares += {d * d, e * e};
+      },
+      cancel);
   const auto n = double(pixels.size());
   return (sum.truth + sum.estimate) / std::max(1.0, n - 1) / n + doubt * doubt;
 }
 
 }  // namespace
 
-FrameError estimate_frame_error(const NoiseImage& image) {
+FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& cancel) {
   FrameError error;
-  const SampleExtremes samples = samples_of(image.pixels);
+  const SampleExtremes samples = samples_of(image.pixels, cancel);
   if (image.pixels.empty() || samples.least < 2) return error;
-  const RelativeErrors errors = relative_errors(image, samples);
+  const RelativeErrors errors = relative_errors(image, samples, cancel);
   error.known = true;
   const size_t n = errors.values.size();
-  const auto mean = sum_over_pixels<double>(n, [&](size_t i, double* sum) { *sum += errors.values[i] / double(n); });
+  const auto mean = sum_over_pixels<double>(
+      n, [&](size_t i, double* sum) { *sum += errors.values[i] / double(n); }, cancel);
   if (!std::isfinite(mean)) return {.known = false, .relative_rmse = mean};
   if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
-  const double reach = 1.96 * std::sqrt(log_variance(image.pixels, errors, mean));
+  const double reach = 1.96 * std::sqrt(log_variance(image.pixels, errors, mean, cancel));
   error.relative_rmse = std::sqrt(mean);
   error.low = std::sqrt(mean * std::exp(-reach));
   error.high = std::sqrt(mean * std::exp(reach));
@@ -246,15 +264,15 @@ FrameError estimate_frame_error(const NoiseImage& image) {
 }
 
 std::vector<double> relative_squared_errors(const NoiseImage& image) {
-  const SampleExtremes samples = samples_of(image.pixels);
+  const SampleExtremes samples = samples_of(image.pixels, {});
   if (image.pixels.empty() || samples.least < 2) return {};
-  return relative_errors(image, samples).values;
+  return relative_errors(image, samples, {}).values;
 }
 
-NoiseImage film_noise(const Film& film) {
+NoiseImage film_noise(const Film& film, const CancelToken& cancel) {
   const PixelRect& window = film.data_window();
   if (window.empty()) return {};
-  return {window.width(), window.height(), film.noise()};
+  return {window.width(), window.height(), film.noise(cancel)};
 }
 
 FrameError estimate_frame_error(const Film& film) {

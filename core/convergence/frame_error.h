@@ -30,9 +30,9 @@ struct NoiseImage {
 };
 
 /// Any thread. While a film is rendered, some tiles may be ahead of others. These run on all threads of the caller's
-/// TBB arena, and no bit of their results depends on how many those are.
-NoiseImage film_noise(const Film& film);
-FrameError estimate_frame_error(const NoiseImage& image);
+/// TBB arena, and no bit of their results depends on how many those are. They throw BuildCancelled.
+NoiseImage film_noise(const Film& film, const CancelToken& cancel = {});
+FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& cancel = {});
 FrameError estimate_frame_error(const Film& film);
 /// Each pixel's e^2 / (L^2 + f^2), whose mean is E^2; empty if the frame is black or a pixel has less than two samples.
 std::vector<double> relative_squared_errors(const NoiseImage& image);

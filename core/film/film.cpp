@@ -220,11 +220,12 @@ std::vector<int32_t> Film::resolve_int(Aov aov) const {
 }
 
 template <class T, class Read>
-std::vector<T> Film::read_pixels(const Read& read) const {
+std::vector<T> Film::read_pixels(const Read& read, const CancelToken& cancel) const {
   if (window_.empty()) return {};
   const auto width = static_cast<size_t>(window_.width());
   std::vector<T> frame(width * static_cast<size_t>(window_.height()));
   tbb::parallel_for(0, tile_count(), [&](int t) {
+    if (cancel.is_cancelled()) return;
     const PixelRect r = tile_rect(t);
     const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
     const FilmTile* const drawn = find_drawn(static_cast<size_t>(t));
@@ -235,15 +236,16 @@ std::vector<T> Film::read_pixels(const Read& read) const {
       for (int x = r.x0; x < r.x1; ++x) *row++ = read(*drawn, pixel++);
     }
   });
+  cancel.check();
   return frame;
 }
 
-std::vector<PixelNoise> Film::noise() const {
-  return read_pixels<PixelNoise>([](const FilmTile& tile, size_t pixel) { return tile.noise(pixel); });
+std::vector<PixelNoise> Film::noise(const CancelToken& cancel) const {
+  return read_pixels<PixelNoise>([](const FilmTile& tile, size_t pixel) { return tile.noise(pixel); }, cancel);
 }
 
 std::vector<uint32_t> Film::rays() const {
-  return read_pixels<uint32_t>([](const FilmTile& tile, size_t pixel) { return tile.rays(pixel); });
+  return read_pixels<uint32_t>([](const FilmTile& tile, size_t pixel) { return tile.rays(pixel); }, {});
 }
 
 }  // namespace alabaster

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/diagnostics/cancel.h"
 #include "core/film/film_tile.h"
 
 namespace alabaster {
@@ -84,7 +85,7 @@ class Film {
   std::vector<float> resolve_float(Aov aov) const;
   std::vector<int32_t> resolve_int(Aov aov) const;
   // These run on all threads of the caller's TBB arena.
-  std::vector<PixelNoise> noise() const;
+  std::vector<PixelNoise> noise(const CancelToken& cancel = {}) const;  // throws BuildCancelled
   /// The rays that each pixel has cost, for a film that counts them.
   std::vector<uint32_t> rays() const;
 
@@ -93,7 +94,7 @@ class Film {
   void resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow<T>& take) const;
   void resolve_denoised(int tile, const TakeRow<float>& take) const;
   template <class T, class Read>
-  std::vector<T> read_pixels(const Read& read) const;
+  std::vector<T> read_pixels(const Read& read, const CancelToken& cancel) const;
   template <class T>
   TakeRow<T> copy_to(std::vector<T>* frame, int components) const;
   FilmTile new_tile(int tile) const;

@@ -235,7 +235,6 @@ void RenderSession::stop() {
   {
     const std::lock_guard lock(state_->mutex);
     state_->stop_requested = true;
-    if (state_->measuring) state_->measuring->cancel_group_execution();
     state_->changed.notify_all();
   }
   if (state_->driver.joinable()) state_->driver.join();

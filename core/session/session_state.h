@@ -11,8 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include <tbb/task_group.h>
-
 #include "core/convergence/group_stopping.h"
 #include "core/convergence/sample_allocation.h"
 #include "core/session/pass_schedule.h"
@@ -42,9 +40,8 @@ struct RenderSession::State {
   std::condition_variable changed;
   RenderProgress progress;
   std::shared_ptr<Film> film;
-  RenderRequest request;                         // of the current or last render
-  bool noise_is_known = false;                   // progress.noise is the film's
-  tbb::task_group_context* measuring = nullptr;  // stop() cancels it; null: the noise is not being measured
+  RenderRequest request;        // of the current or last render
+  bool noise_is_known = false;  // progress.noise is the film's
   SessionClock::time_point started;
   PassSchedule schedule;  // of the current round
   FinishedPasses finished{0, 0};
@@ -83,7 +80,6 @@ struct RenderSession::State {
   bool wait_while_paused();
   bool time_is_over();
   void tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds);
-  void set_measuring(tbb::task_group_context* context);
   NoiseImage measure_noise(uint32_t samples);
   void denoise(const Film* stopped);
   void measure_stopped();

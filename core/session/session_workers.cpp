@@ -1,4 +1,3 @@
-#include <tbb/parallel_for.h>
 
 #include "core/session/session_state.h"
 #include "core/session/worker_threads.h"
@@ -137,29 +136,18 @@ void RenderSession::State::show_ended_groups() {
   noise_is_known = false;
 }
 
-void RenderSession::State::set_measuring(tbb::task_group_context* context) {
-  const std::lock_guard lock(mutex);
-  measuring = context;
-}
-
 // Measures what the film has, and reports its error. Where a target decides, the error also predicts how many samples
 // the frame will take. A stop cancels it: then what it returns is not to be used.
 NoiseImage RenderSession::State::measure_noise(uint32_t samples) {
   NoiseImage noise;
   FrameError error;
-  const auto measure = [&](int) {
-    noise = film_noise(*film);
-    error = estimate_frame_error(noise);
-  };
-  tbb::task_group_context context;
-  set_measuring(&context);
   try {
-    if (!stop_requested) tbb::parallel_for(0, 1, measure, tbb::simple_partitioner(), context);
-  } catch (...) {
-    set_measuring(nullptr);
-    throw;
+    const CancelToken cancel(&stop_requested);
+    noise = film_noise(*film, cancel);
+    error = estimate_frame_error(noise, cancel);
+  } catch (const BuildCancelled&) {
+    return noise;
   }
-  set_measuring(nullptr);
   const RenderSettings& settings = request.settings;
   const std::lock_guard lock(mutex);
   if (stop_requested) return noise;
