@@ -1,6 +1,7 @@
 #include "core/geometry/embree_scene.h"
 
 #include <embree3/rtcore.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -281,13 +282,16 @@ bool continue_build(void* data, double) {
 
 // Waits in the caller's task arena; rtcJoinCommitScene would move the build to an arena of Embree's own. False: it was
 // cancelled.
+//
+// A scene keeps a task group. Inside of a parallel loop the loop's context would become that group's parent, and later
+// cancellations in TBB follow pointers to parents, long after the loop. In an arena's own context a group has none.
 bool commit(RTCScene scene, const std::function<bool()>& cancelled) {
   BuildMonitor monitor{cancelled};
   if (cancelled) {
     if (cancelled()) return false;  // small builds never ask
     rtcSetSceneProgressMonitorFunction(scene, &continue_build, &monitor);
   }
-  rtcCommitScene(scene);
+  tbb::task_arena(tbb::task_arena::attach()).execute([scene] { rtcCommitScene(scene); });
   rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
   return !monitor.stopped;
 }

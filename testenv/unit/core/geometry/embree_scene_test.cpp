@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 #include <unistd.h>
 #include <xmmintrin.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
@@ -320,6 +323,25 @@ TEST_F(EmbreeScene, WhatTurnsInsideOutInTheShutterIsNotTraceable) {
   const Affine there{}, mirrored{{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}};
   EXPECT_TRUE(is_traceable(std::vector<Affine>{there, there}, 10));
   EXPECT_FALSE(is_traceable(std::vector<Affine>{there, mirrored}, 10));
+}
+
+// Leaves nothing on the stack that would pass for what stood there before.
+__attribute__((noinline)) void overwrite_stack() {
+  std::array<volatile char, 16384> bytes;
+  for (volatile char& byte : bytes) byte = 0x3f;
+}
+
+// Embree's scenes hold task groups. A host that cancels work of its own made TBB follow their pointers to a loop that
+// had ended.
+TEST_F(EmbreeScene, OutlivesTheLoopThatBuiltIt) {
+  std::vector<std::shared_ptr<const ObjectScene>> scenes(4);
+  tbb::parallel_for(size_t(0), scenes.size(), [&](size_t i) { scenes[i] = cube(); });
+  overwrite_stack();
+  tbb::task_group_context context;
+  const auto cancel = [&](int) { context.cancel_group_execution(); };
+  tbb::parallel_for(
+      0, 2, [&](int) { tbb::parallel_for(0, 2, cancel); }, context);
+  for (const auto& scene : scenes) EXPECT_TRUE(scene);
 }
 
 }  // namespace
