@@ -96,7 +96,7 @@ class LimitTessellator {
     do {
       lay_out();
       std::vector<uint8_t> failed(faces_.size(), 0);
-      const tbb::blocked_range<size_t> all(0, faces_.size(), 16);
+      const tbb::blocked_range<size_t> all(0, faces_.size(), faces_a_task());
       tbb::parallel_for(all, [&](const tbb::blocked_range<size_t>& range) {
         Workspace workspace;
         for (size_t face = range.begin(); face < range.end(); ++face)
@@ -115,6 +115,9 @@ class LimitTessellator {
   }
 
  private:
+  // A face of level 3 is work enough for a task: a cage of six faces may become 100,000 triangles.
+  size_t faces_a_task() const { return std::max(size_t(1), size_t(64) >> 2 * std::min(rates_.level(), 3)); }
+
   void find_faces() {
     faces_.resize(at(base_.GetNumFaces()));
     for (int face = 0; face < base_.GetNumFaces(); ++face) {
