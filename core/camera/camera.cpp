@@ -40,7 +40,9 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
       clip_far_(p.clip_far),
       orthographic_(p.orthographic),
       blades_(p.aperture_blades >= 3 ? p.aperture_blades : 0),
-      rotation_(p.aperture_rotation * (kPi / 180)) {
+      rotation_(p.aperture_rotation * (kPi / 180)),
+      is_clipped_(p.clip_far > 0 || !p.clip_planes.empty()) {
+  if (!p.clip_planes.empty()) clip_planes_ = std::make_shared<const std::vector<Vec4f>>(p.clip_planes);
   const Matrix4d& m = p.camera_to_world;
   origin_ = Vec3f(Vec3d(m[3][0], m[3][1], m[3][2]) - render_origin);
   // Aperture -> tangent plane at distance one; an orthographic aperture is the view's size itself.
@@ -74,6 +76,8 @@ Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
   if (orthographic_) {
     ray.org = origin_ + x_ * px + y_ * py - z_ * clip_near_;
     ray.dir = -z_;
+    if (is_clipped_) [[unlikely]]
+      clip(&ray);
     return ray;
   }
   Vec3f local(px, py, -1);  // on the plane at distance one
@@ -88,7 +92,32 @@ Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
   const Vec3f towards = x_ * local.x + y_ * local.y - z_;
   ray.org = origin + towards * clip_near_;
   ray.dir = normalize(towards);
+  if (is_clipped_) [[unlikely]]
+    clip(&ray);
   return ray;
+}
+
+// The ray begins at the near plane.
+void Camera::clip(Ray* ray) const {
+  const Vec3f from = ray->org - origin_;
+  const Vec3f org(dot(from, x_), dot(from, y_), dot(from, z_));
+  const Vec3f dir(dot(ray->dir, x_), dot(ray->dir, y_), dot(ray->dir, z_));
+  float begin = 0, end = ray->tmax;
+  const auto cut = [&](const Vec4f& plane) {
+    const Vec3f n(plane.x, plane.y, plane.z);
+    const float height = dot(n, org) + plane.w, rise = dot(n, dir);
+    if (rise > 0)
+      begin = std::max(begin, -height / rise);
+    else if (rise < 0)
+      end = std::min(end, -height / rise);
+    else if (height < 0)
+      end = 0;
+  };
+  if (clip_far_ > 0) cut({0, 0, 1, clip_far_});
+  if (clip_planes_)
+    for (const Vec4f& plane : *clip_planes_) cut(plane);
+  ray->tmax = begin < end ? end - begin : 0;
+  if (begin < end) ray->org = ray->org + ray->dir * begin;
 }
 
 PixelCone Camera::pixel_cone(const Vec3f& d) const {

@@ -1,6 +1,7 @@
 // Pinhole and thin-lens perspective, and orthographic projection.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,8 +22,9 @@ struct CameraParameters {
   float vertical_aperture_offset = 0;
   float f_stop = 0;  // 0: pinhole; lens radius = focal_length / (2 f_stop)
   float focus_distance = 0;
-  float clip_near = 0;  // 0: none
-  float clip_far = 0;   // 0: none
+  float clip_near = 0;             // 0: none
+  float clip_far = 0;              // 0: none
+  std::vector<Vec4f> clip_planes;  // camera space: points with a x + b y + c z + d < 0 are cut off
   bool orthographic = false;
   uint32_t aperture_blades = 0;  // below 3: a round aperture
   float aperture_rotation = 0;   // degrees, from the camera's x to its y; 0: a corner on the x axis
@@ -32,7 +34,7 @@ struct CameraParameters {
   float opens = 0, closes = 0;   // the camera's shutter as a part of the scene's, which goes from 0 to 1
   bool operator==(const CameraParameters&) const = default;
 };
-/// schemas/camera.json, but for projection and clippingRange.
+/// schemas/camera.json, but for projection, clippingRange and clipPlanes.
 std::span<const Parameter<CameraParameters>> camera_parameters();
 
 /// A pixel sees a part of a surface that is at least `width` + `spread` times the distance wide, in its narrowest
@@ -48,7 +50,8 @@ class Camera {
   /// `render_origin`: the world position that render space has at its origin (SceneSnapshot::origin).
   Camera(const CameraParameters& parameters, int width, int height, const Vec3d& render_origin);
 
-  /// Unit direction. `lens` is used only with a lens. In render space; time 0.
+  /// Unit direction. `lens` is used only with a lens. In render space; time 0. The ray begins and ends where the
+  /// clipping planes cut it; one of which nothing is left has length 0.
   Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
 
   /// The cone of a pixel that looks in unit direction `d`, render space, without filter and lens.
@@ -62,14 +65,17 @@ class Camera {
  private:
   friend class MovingCamera;
   Vec2f sample_aperture(const Vec2f& lens) const;
+  void clip(Ray* ray) const;
 
   Vec3f origin_, x_, y_, z_;  // frame in render space, unit
   // From film pixels to coordinates in the plane at unit distance, or to world units if orthographic.
   Vec2f film_scale_, film_offset_;
   float lens_radius_, focus_distance_, clip_near_, clip_far_;
   bool orthographic_;
-  uint32_t blades_;  // of a polygon, else 0
-  float rotation_;   // of the aperture, radians
+  uint32_t blades_;                                        // of a polygon, else 0
+  float rotation_;                                         // of the aperture, radians
+  bool is_clipped_;                                        // by more than the near plane
+  std::shared_ptr<const std::vector<Vec4f>> clip_planes_;  // null: none
 };
 
 /// A camera through its shutter. Samples of its own time are spread evenly over that.

@@ -27,13 +27,16 @@ struct LightWeight {
 inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light) {
   ++context.counters.shadow_rays;
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
+  if (light.shadow_link != 0) [[unlikely]]
+    return linked_visibility(context.scene, ray, light.shadow_link);
   if (!context.scene.features.see_through) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
   const Transmittance transmittance(context.scene, ray.dir);
   return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }
 
-/// How the lights are sampled at a point.
+/// How which lights are sampled at a point.
 struct LightNumbers {
+  const LightSet& lights;
   std::array<float, 4> u;
   ConstantDomes domes;
 };
@@ -44,7 +47,7 @@ struct LightNumbers {
 template <class Scatter, class Add>
 void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon& horizon, const LightNumbers& numbers,
                       const Scatter& scatter, const Add& add) {
-  context.scene.lights.sample_lights(p, horizon, numbers.u, numbers.domes, [&](const LightSample& light) {
+  numbers.lights.sample_lights(p, horizon, numbers.u, numbers.domes, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos)) return;
     const float arrives = visibility(context, p, light);

@@ -55,22 +55,36 @@ bool intersect(const PathContext& context, const PixelSampler& sampler, const Pa
 }
 
 // Emission of the lights without geometry that the path's segment meets.
-Rgb analytic_light_emission(const PathContext& context, const PathState& path, bool escaped) {
+Rgb analytic_light_emission(const PathState& path, bool escaped) {
   const float pdf = path.scatter_pdf;
   const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
-  const LightSet& lights = context.scene.lights;
+  const LightSet& lights = *path.lights;
   if (path.interiors.empty()) return lights.emitted(path.ray, escaped, path.depth == 0, path.domes, weigh);
   return lights.emitted(path.ray, escaped, path.depth == 0, path.domes, [&](float light_pdf, float distance) {
     return path.interiors.transmittance(distance) * weigh(light_pdf);
   });
 }
 
-void add_mesh_emission(const PathContext& context, const PathVertex& v, const TriangleHit& hit, PathState* path) {
+// Emission of the lights with a shadow link that the path's ray meets beyond what casts no shadow for them. `escaped`:
+// the ray met no surface.
+Rgb linked_light_emission(const PathContext& context, const PathState& path, bool escaped) {
+  const float pdf = path.scatter_pdf;
+  const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
+  const bool is_clear = escaped && !context.scene.features.see_through;
+  return path.lights->emitted_with_links(path.ray, path.domes, weigh, [&](uint32_t link, float distance) -> Rgb {
+    const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
+    if (is_clear) return path.through_interiors(Rgb(1.0f), distance);
+    ++context.counters.shadow_rays;
+    return path.through_interiors(Rgb(linked_visibility(context.scene, ray, link)), distance);
+  });
+}
+
+void add_mesh_emission(const PathVertex& v, const TriangleHit& hit, PathState* path) {
   if (is_black(v.material.emission)) return;
   float weight = 1;
   if (path->scatter_pdf > 0)
-    weight = power_heuristic(path->scatter_pdf,
-                             context.scene.lights.mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
+    weight =
+        power_heuristic(path->scatter_pdf, path->lights->mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
   path->radiance += path->throughput * v.material.emission * weight;
 }
 
@@ -211,7 +225,8 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   Rgb direct(0.0f);
   path->domes =
       kMode != SubsurfaceMode::lambert && v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
-  for_direct_light(context, v.departure, {numbers.light, path->domes}, local_lobes,
+  path->lights = &context.scene.lights_of(*v.instance);
+  for_direct_light(context, v.departure, {*path->lights, numbers.light, path->domes}, local_lobes,
                    [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
                      const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;
@@ -272,6 +287,7 @@ template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split) {
   PathRecord* const record = record_of<kLayers>(context);
+  bool is_vertex = path->depth > 0;  // where the ray begins
   while (true) {
     // Trace the path's ray to the nearest surface.
     if (record) record->follow(path->ray, path->throughput, path->scatter_pdf);
@@ -282,7 +298,9 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 
     // Add emission of lights without geometry; of infinite lights only if the ray escaped.
-    const Rgb met = path->throughput * analytic_light_emission(context, *path, !found);
+    Rgb met = path->throughput * analytic_light_emission(*path, !found);
+    if (path->lights->has_shadow_links() && is_vertex) [[unlikely]]
+      met += path->throughput * linked_light_emission(context, *path, !found);
     path->radiance += met;
     if (record) record->meet_light(met);
     if (record && !found) record->end("the ray meets no surface");
@@ -306,12 +324,13 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
       drop_unresolved_distances(&vertex);
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, &numbers.bsdf[0])) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
+      is_vertex = false;
       continue;
     }
 
     // Add the surface's emission and record the first hit; end at the depth limit.
     const Rgb before = path->radiance;
-    if (kMeshLights) add_mesh_emission(context, vertex, hit, path);
+    if (kMeshLights) add_mesh_emission(vertex, hit, path);
     if (kMeshLights && record) record->meet_light(path->radiance - before);
     if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
     if (path->seeks_guides) record_guides(context, vertex, *path, first_hit);
@@ -321,6 +340,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     // Sample direct light and the next ray, at the surface or below it.
     if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, numbers, path, split)) return;
     if (keeps_footprints<kMode>(context)) path->footprint.scatter(path->scatter_pdf);
+    is_vertex = true;
   }
 }
 
@@ -330,6 +350,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   out.distance = std::numeric_limits<float>::infinity();
   PathState path;
   path.ray = camera_ray;
+  path.lights = &context.scene.lights;
   path.seeks_guides = (context.aovs & kGuideAovs) != 0;
   if (context.scene.clear_bodies.contains(camera_ray.org)) [[unlikely]]
     path.interiors = interiors_at(context, camera_ray);

@@ -29,6 +29,7 @@ struct PathState {
   /// discrete choice, with which it cannot.
   float scatter_pdf = 0;
   ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
+  const LightSet* lights = nullptr;              // that light the last vertex; of camera rays all
   uint32_t depth = 0;
   bool seeks_guides = false;  // the next surface gives the values of kGuideAovs
   uint32_t walk_events = 0;   // of the last subsurface walk; any other carrier of light counts as many

@@ -8,6 +8,21 @@ namespace {
 constexpr double kUnit = 0x1p32;
 constexpr int64_t kBlack = int64_t(-200) << 32;  // below the smallest float
 
+class LinkedTransmittance final : public HitFilter {
+ public:
+  LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link)
+      : all_(scene, dir), scene_(scene), shadow_link_(shadow_link) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    return scene_.casts_shadow(scene_.instances[hit.instance], shadow_link_) && all_.stops(hit);
+  }
+  float value() const { return all_.value(); }
+
+ private:
+  const Transmittance all_;
+  const SceneSnapshot& scene_;
+  const uint32_t shadow_link_;
+};
+
 }  // namespace
 
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit) {
@@ -37,6 +52,11 @@ bool Transmittance::stops(const TriangleHit& hit) const noexcept {
 
 float Transmittance::value() const {
   return log_ == 0 ? 1.0f : static_cast<float>(std::exp2(static_cast<double>(log_) / kUnit));
+}
+
+float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link) {
+  const LinkedTransmittance transmittance(scene, ray.dir, shadow_link);
+  return scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }
 
 }  // namespace alabaster

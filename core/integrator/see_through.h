@@ -40,4 +40,7 @@ class Transmittance final : public HitFilter {
   mutable int64_t log_ = 0;  // base 2, in units of 2^-32
 };
 
+/// The share of the light of a shadow link that arrives along the ray. Surfaces that are not in it cast no shadow.
+float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link);
+
 }  // namespace alabaster

@@ -97,7 +97,8 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   };
   Rgb direct(0.0f);
   path->domes = ConstantDomes::left_to_lobes;
-  for_direct_light(context, departure, {u_light, path->domes}, recorded_lobe,
+  path->lights = &context.scene.lights_of(instance);
+  for_direct_light(context, departure, {*path->lights, u_light, path->domes}, recorded_lobe,
                    [&](const ScatterValue&, const Rgb& arriving, LightWeight weight) {
                      const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;

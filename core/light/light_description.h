@@ -29,7 +29,8 @@ struct LightSample {
   Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
   float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
-  bool on_mesh = false;  // the point lies on geometry
+  bool on_mesh = false;      // the point lies on geometry
+  uint32_t shadow_link = 0;  // LightDescription::shadow_link
 
   /// Length of a shadow ray along wi. It stops short of a point on a mesh, so that the light does not shade itself;
   /// lights that are no geometry need no such margin.
@@ -94,7 +95,10 @@ struct LightDescription {
   bool ies_normalize = false;              // divides it by its mean, so that it keeps the power
   std::shared_ptr<const Texture> texture;  // rect (plane_light.h); dome: lat-long, USD's orientation (dome_light.h)
   bool visible_to_camera = false;
-  std::string name = {};  // prim path, for reports
+  // Categories of the scene (SceneDescription); 0: everything.
+  uint32_t light_link = 0;   // it lights those that are in it alone
+  uint32_t shadow_link = 0;  // those that are in it alone cast its shadows
+  std::string name = {};     // prim path, for reports
   bool operator==(const LightDescription&) const = default;
 };
 /// schemas/lights.json, but for the names of files.

@@ -5,19 +5,24 @@
 
 namespace alabaster {
 
-LightSet::LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera, size_t sample_all_up_to)
+LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_up_to)
     : sample_all_(lights.size() <= sample_all_up_to),
       lights_(std::move(lights)),
-      visible_to_camera_(std::move(visible_to_camera)) {
+      visible_to_camera_(std::move(traits.visible_to_camera)) {
   visible_to_camera_.resize(lights_.size(), true);
+  const auto is_linked = [](uint32_t link) { return link != 0; };
+  if (std::any_of(traits.shadow_links.begin(), traits.shadow_links.end(), is_linked)) {
+    shadow_links_ = std::move(traits.shadow_links);
+    shadow_links_.resize(lights_.size(), 0);
+  }
   for (uint32_t i = 0; i < lights_.size(); ++i) {
     const Light& light = lights_[i];
     if (const auto* mesh = std::get_if<MeshLight>(&light))
       mesh_light_of_instance_.emplace_back(mesh->instance(), i);
-    else if (std::holds_alternative<DistantLight>(light) || std::holds_alternative<DomeLight>(light))
-      infinite_.push_back(i);
+    else if (!shadow_links_.empty() && shadow_links_[i] != 0)
+      shadow_linked_.push_back(i);
     else
-      finite_.push_back(i);
+      (is_infinite(i) ? infinite_ : finite_).push_back(i);
   }
   if (!sample_all_ && lights_.size() > kMostWeighed && lights_.size() < size_t(1) << 24) tree_ = LightTree(lights_);
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
@@ -32,7 +37,10 @@ std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const
 }
 
 std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u) const {
-  return std::visit([&](const auto& light) { return light.sample(p, u); }, lights_[i]);
+  auto s = std::visit([&](const auto& light) { return light.sample(p, u); }, lights_[i]);
+  if (!shadow_links_.empty() && s) [[unlikely]]
+    s->shadow_link = shadow_links_[i];
+  return s;
 }
 
 bool LightSet::is_below(size_t i, const Vec3f& p, const Horizon& horizon) const {

@@ -24,11 +24,16 @@ using Horizon = std::array<Vec3f, 2>;
 class LightSet {
  public:
   LightSet() = default;
-  /// `visible_to_camera[i]` belongs to lights[i]; lights beyond its end are visible. In a set of up to
+  /// Beside each light, by its index.
+  struct Traits {
+    std::vector<bool> visible_to_camera;  // lights beyond its end are visible
+    std::vector<uint32_t> shadow_links;   // of LightDescription; lights beyond its end have none
+  };
+  /// In a set of up to
   /// `sample_all_up_to` lights each is sampled once per point (probability 1): samples that face away mostly cost no
   /// ray, and no light adds to another's noise. In larger sets one light is chosen, of more than kMostWeighed by a
   /// tree.
-  LightSet(std::vector<Light> lights, std::vector<bool> visible_to_camera, size_t sample_all_up_to = 0);
+  LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_up_to = 0);
 
   size_t size() const { return lights_.size(); }
 
@@ -54,16 +59,11 @@ class LightSet {
   /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
   /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, u, domes, ...) has for
-  /// this direction of this light, with the choice in it.
+  /// this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera rays.
   template <class Weigh>
   Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, ConstantDomes domes, const Weigh& weigh) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
-    const auto probability = [&](size_t i) {
-      if (!tree_.empty()) return tree_.probability(lights_, ray.org, i);
-      if (!choice) choice.emplace(lights_, ray.org);
-      return choice->probability(i);
-    };
     const auto weight = [&](float pdf, float distance) {
       if constexpr (std::is_invocable_v<const Weigh&, float, float>)
         return weigh(pdf, distance);
@@ -74,18 +74,35 @@ class LightSet {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray);
       if (!hit || hit->t > ray.tmax) return;
-      if (is_left(domes, i)) {
-        sum += hit->radiance * weight(0.0f, hit->t);
-        return;
-      }
-      sum += hit->radiance * weight(sample_all_ ? hit->pdf : hit->pdf * probability(i), hit->t);
+      sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, domes, &choice), hit->t);
     };
     if (tree_.empty())
       for (const uint32_t i : finite_) add(i);
     else
-      tree_.intersect(ray, add);
+      tree_.intersect(ray, [&](size_t i) {
+        if (shadow_links_.empty() || shadow_links_[i] == 0) add(i);
+      });
     if (escaped)
       for (const uint32_t i : infinite_) add(i);
+    if (camera_ray)
+      for (const uint32_t i : shadow_linked_)
+        if (escaped || !is_infinite(i)) add(i);
+    return sum;
+  }
+
+  bool has_shadow_links() const { return !shadow_linked_.empty(); }
+  /// The same sum for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
+  /// Rgb `arrives(shadow_link, distance)` is the share of the light that does.
+  template <class Weigh, class Arrives>
+  Rgb emitted_with_links(const Ray& ray, ConstantDomes domes, const Weigh& weigh, const Arrives& arrives) const {
+    Rgb sum(0.0f);
+    std::optional<LightChoice> choice;
+    for (const uint32_t i : shadow_linked_) {
+      const auto hit = intersect(i, ray);
+      if (!hit) continue;
+      const Rgb share = arrives(shadow_links_[i], hit->t);
+      if (!is_black(share)) sum += hit->radiance * share * weigh(pdf_of(i, *hit, ray.org, domes, &choice));
+    }
     return sum;
   }
 
@@ -107,6 +124,18 @@ class LightSet {
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i);
   bool is_below(size_t i, const Vec3f& p, const Horizon& horizon) const;
+  bool is_infinite(size_t i) const {
+    return std::holds_alternative<DistantLight>(lights_[i]) || std::holds_alternative<DomeLight>(lights_[i]);
+  }
+  /// The pdf that sample_lights(p, ...) has for a light i that a ray has met. `choice` is kept between calls.
+  float pdf_of(size_t i, const LightHit& hit, const Vec3f& p, ConstantDomes domes,
+               std::optional<LightChoice>* choice) const {
+    if (is_left(domes, i)) return 0;
+    if (sample_all_) return hit.pdf;
+    if (!tree_.empty()) return hit.pdf * tree_.probability(lights_, p, i);
+    if (!*choice) choice->emplace(lights_, p);
+    return hit.pdf * (*choice)->probability(i);
+  }
   /// Where one light of many is chosen, constant domes are chosen as others are.
   bool is_left(ConstantDomes domes, size_t i) const {
     if (domes == ConstantDomes::sampled || !sample_all_) return false;
@@ -120,7 +149,9 @@ class LightSet {
   std::vector<Light> lights_;
   LightTree tree_;  // of more than kMostWeighed lights
   std::vector<bool> visible_to_camera_;
+  std::vector<uint32_t> shadow_links_;                                 // empty: no light has one
   std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
+  std::vector<uint32_t> shadow_linked_;                                // the same, of those with a shadow link
   std::vector<std::pair<uint32_t, uint32_t>> mesh_light_of_instance_;  // sorted (instance, light index)
 };
 

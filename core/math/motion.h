@@ -2,6 +2,7 @@
 // opening (time 0) to its close (time 1), and moves linearly in between: Embree traces the same.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -27,6 +28,11 @@ struct Shutter {
   double time(double share) const { return open + length() * share; }
   bool operator==(const Shutter&) const = default;
 };
+
+/// From the first that opens to the last that closes.
+inline Shutter united(const Shutter& a, const Shutter& b) {
+  return {std::min(a.open, b.open), std::max(a.close, b.close)};
+}
 
 /// Between poses `first` and first + 1 of `count`, the share `fraction` of the way. As Embree finds it.
 struct PoseTime {

@@ -28,7 +28,8 @@ std::array<float, 4> spread(int i, const Vec3f& shift) {
 // The time of the shutter at which moving things are looked at: only noise depends on it.
 constexpr float kTime = 0.5f;
 
-float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& rng) {
+// As if everything cast shadows of all lights.
+float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, const SurfaceHit& hit, Rng& rng) {
   const Vec3f p = offset_point(hit.p, hit.ng, hit.offset);
   const Vec3f shift(rng.uniform(), rng.uniform(), rng.uniform());
   float sum = 0;
@@ -38,7 +39,7 @@ float irradiance_at(const SceneSnapshot& snapshot, const SurfaceHit& hit, Rng& r
       sum += luminance(light.radiance) * cosine / light.pdf;
   };
   for (int i = 0; i < kDirections; ++i) {
-    snapshot.lights.sample_lights(p, {hit.ng, hit.ng}, spread(i, shift), ConstantDomes::sampled, add);
+    snapshot.lights_of(instance).sample_lights(p, {hit.ng, hit.ng}, spread(i, shift), ConstantDomes::sampled, add);
   }
   return std::isfinite(sum) ? sum : 0;
 }
@@ -56,7 +57,7 @@ LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint3
   const std::array<Vec3f, 3> corners = mesh.corners_at(triangle, at.time);
   const auto corner = [&](size_t c) { return placement.object_to_world.point(corners[c]); };
   const float area = length(cross(corner(1) - corner(0), corner(2) - corner(0)));
-  return {hit.p, -hit.ng, irradiance_at(snapshot, hit, rng), area};
+  return {hit.p, -hit.ng, irradiance_at(snapshot, instance, hit, rng), area};
 }
 
 // Points on every so many triangles, over the members as if they were one mesh.

@@ -39,7 +39,8 @@ struct InstanceDescription {
   std::string name;         // prim path, for reports
   /// Instances that scatter and name the same set do so as one body; empty: each for itself.
   std::string subsurface_set = {};
-  bool double_sided = true;  // false: not there for rays from behind, but where light passes below the surface
+  bool double_sided = true;   // false: not there for rays from behind, but where light passes below the surface
+  uint32_t category_set = 0;  // of SceneDescription
   bool operator==(const InstanceDescription&) const = default;
 };
 
@@ -50,6 +51,9 @@ std::vector<size_t> scattering_slots(const InstanceDescription& instance);
 struct SceneDescription {
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
+  /// The categories that the instances of each set are in, of those that lights name (1, 2, ...), in order. Empty where
+  /// no light names any: then all instances have set 0.
+  std::vector<std::vector<uint32_t>> category_sets;
   bool operator==(const SceneDescription&) const = default;
 };
 
@@ -80,6 +84,7 @@ struct Instance : Placement {
   uint32_t member = 0;                   // of the body
   bool see_through = false;              // rays may pass some hits: partly opaque, or single-sided and seen from behind
   bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
+  uint32_t category_set = 0;             // of SceneSnapshot
   const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
 
   /// Where it stands at a time. `moved` holds the answer if it moves.
@@ -111,10 +116,20 @@ struct SceneSnapshot {
   Bounds clear_bodies;  // of all instances that have an interior which light may go through
   std::vector<Instance> instances;
   std::shared_ptr<const InstancedScene> top;
-  LightSet lights;
+  LightSet lights;                                             // all
+  std::vector<std::shared_ptr<const LightSet>> linked_lights;  // by category set; empty: all light everything
+  std::vector<std::vector<bool>> shadow_casters;               // by shadow link, less 1, and category set
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
   std::vector<std::string> faults;    // of textures: sets of images without one where it is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
+
+  /// Those that light an instance: its surfaces, and where light enters its body.
+  const LightSet& lights_of(const Instance& instance) const {
+    return linked_lights.empty() ? lights : *linked_lights[instance.category_set];
+  }
+  bool casts_shadow(const Instance& instance, uint32_t shadow_link) const {
+    return shadow_link == 0 || shadow_casters[shadow_link - 1][instance.category_set];
+  }
 
   std::vector<std::shared_ptr<SubsurfaceBody>> bodies;           // keep-alive
   std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive

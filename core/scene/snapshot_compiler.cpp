@@ -71,6 +71,7 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to_render_space(pose, origin)));
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
+  instance.category_set = d.category_set;
   for (const auto& material : d.materials) {
     instance.materials.push_back(material.get());
     instance.see_through |= material->is_partly_opaque();
@@ -242,6 +243,7 @@ struct SnapshotCompiler::Compilation {
   std::shared_ptr<SceneSnapshot> snapshot = std::make_shared<SceneSnapshot>();
   std::vector<const InstanceDescription*> drawn = {};
   bool same_lights = false;  // as those of `last`
+  static constexpr size_t kSampleAllUpTo = 4;
 
   // In world space, then beside the scene's size.
   void choose_drawn() {
@@ -310,19 +312,61 @@ struct SnapshotCompiler::Compilation {
       for (const Light& light : last->lights.lights())
         if (auto image = image_of(light)) images.push_back(std::move(image));
     std::vector<Light> lights;
-    std::vector<bool> visible;
+    LightSet::Traits traits;
+    std::vector<uint32_t> light_links;
     for (const auto& d : description.lights) {
       if (!is_usable(d, compiler.sink_, &snapshot->left_out)) continue;
       lights.push_back(make_light(d, snapshot->origin, {images, cancel}));
-      visible.push_back(d.visible_to_camera);
+      traits.visible_to_camera.push_back(d.visible_to_camera);
+      traits.shadow_links.push_back(d.shadow_link);
+      light_links.push_back(d.light_link);
       snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
     }
-    same_lights = last && snapshot->origin == last->origin && description.lights == compiler.last_lights_;
+    same_lights = last && snapshot->origin == last->origin && description.lights == compiler.last_lights_ &&
+                  description.category_sets == compiler.last_category_sets_;
     add_mesh_lights(&lights);
-    visible.resize(lights.size(), true);
     same_lights = same_lights && lights.size() == last->lights.size();
-    constexpr size_t kSampleAllUpTo = 4;
-    snapshot->lights = LightSet(std::move(lights), std::move(visible), kSampleAllUpTo);
+    light_links.resize(lights.size(), 0);
+    link_lights(lights, traits, light_links);
+    snapshot->lights = LightSet(std::move(lights), std::move(traits), kSampleAllUpTo);
+  }
+
+  // Category sets that the same lights light share them.
+  void link_lights(const std::vector<Light>& lights, const LightSet::Traits& traits,
+                   const std::vector<uint32_t>& light_links) {
+    const auto& sets = description.category_sets;
+    const auto holds = [](const std::vector<uint32_t>& set, uint32_t category) {
+      return category == 0 || std::binary_search(set.begin(), set.end(), category);
+    };
+    uint32_t shadow_links = 0;
+    for (const uint32_t link : traits.shadow_links) shadow_links = std::max(shadow_links, link);
+    for (uint32_t link = 1; link <= shadow_links; ++link) {
+      auto& casters = snapshot->shadow_casters.emplace_back();
+      for (const auto& set : sets) casters.push_back(holds(set, link));
+    }
+    if (std::all_of(light_links.begin(), light_links.end(), [](uint32_t link) { return link == 0; })) return;
+    std::map<std::vector<size_t>, std::shared_ptr<const LightSet>> known;
+    for (const auto& set : sets) {
+      std::vector<size_t> lit_by;
+      for (size_t i = 0; i < lights.size(); ++i)
+        if (holds(set, light_links[i])) lit_by.push_back(i);
+      auto& linked = known[lit_by];
+      if (!linked) linked = choose(lights, traits, lit_by);
+      snapshot->linked_lights.push_back(linked);
+    }
+    for (const auto& [unused, linked] : known) snapshot->memory_bytes += linked->memory_bytes();
+  }
+
+  static std::shared_ptr<const LightSet> choose(const std::vector<Light>& lights, const LightSet::Traits& traits,
+                                                const std::vector<size_t>& chosen) {
+    std::vector<Light> some;
+    LightSet::Traits of_some;
+    for (const size_t i : chosen) {
+      some.push_back(lights[i]);
+      of_some.visible_to_camera.push_back(i >= traits.visible_to_camera.size() || traits.visible_to_camera[i]);
+      of_some.shadow_links.push_back(i < traits.shadow_links.size() ? traits.shadow_links[i] : 0);
+    }
+    return std::make_shared<const LightSet>(std::move(some), std::move(of_some), kSampleAllUpTo);
   }
 
   void add_mesh_lights(std::vector<Light>* lights) {
@@ -339,6 +383,12 @@ struct SnapshotCompiler::Compilation {
     }
   }
 
+  bool are_linked_alike() const {
+    const auto same = [](const Instance& a, const Instance& b) { return a.category_set == b.category_set; };
+    return std::equal(snapshot->instances.begin(), snapshot->instances.end(), last->instances.begin(),
+                      last->instances.end(), same);
+  }
+
   bool run(uint64_t number) {
     snapshot->number = number;
     choose_drawn();
@@ -351,7 +401,8 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive(drawn, snapshot.get());
     add_lights();
-    plan_lit_surfaces(same_lights && snapshot->top == last->top ? last : nullptr, snapshot.get());
+    const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
+    plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);
     return true;
   }
@@ -361,11 +412,13 @@ std::shared_ptr<const SceneSnapshot> SnapshotCompiler::compile(const SceneDescri
                                                                const CancelToken& cancel) {
   Compilation compilation{*this, description, cancel};
   std::vector<LightDescription> lights = description.lights;
+  auto category_sets = description.category_sets;
   if (!compilation.run(number)) {
     forget();
     return nullptr;
   }
   last_lights_ = std::move(lights);
+  last_category_sets_ = std::move(category_sets);
   return last_ = std::move(compilation.snapshot);
 }
 

@@ -15,7 +15,7 @@ class SnapshotCompiler {
 
   /// Shares with the last snapshot: the top level, where all shapes and places are equal; the BVHs of bodies of several
   /// members; the densities of images of lights; emissive meshes that stand where they stood; and where light falls on
-  /// bodies, if shapes, places and lights are all equal. Null when memory runs out or Embree refuses (reported).
+  /// bodies, if shapes, places, lights and links are all equal. Null when memory runs out or Embree refuses (reported).
   /// Throws BuildCancelled; the next snapshot then shares as this one would have.
   std::shared_ptr<const SceneSnapshot> compile(const SceneDescription& description, uint64_t number,
                                                const CancelToken& cancel = {});
@@ -30,6 +30,7 @@ class SnapshotCompiler {
   DiagnosticSink sink_;
   std::shared_ptr<const SceneSnapshot> last_;
   std::vector<LightDescription> last_lights_;
+  std::vector<std::vector<uint32_t>> last_category_sets_;
 };
 
 }  // namespace alabaster

@@ -1,5 +1,5 @@
 // The abstract classes' destructors: out of line, so that each vtable and type_info lives once, in the library. And the
-// answers of a scene that does not move.
+// answers of a scene that does not move and links no lights.
 #include "delegate/api/render_delegate.h"
 
 namespace alabaster::hd {
@@ -12,6 +12,12 @@ TimeSamples<Value> SceneDelegate::SamplePrimvar(const Path&, const Token&) {
   return {};
 }
 TimeSamples<Matrix4d> SceneDelegate::SampleInstancerTransform(const Path&) {
+  return {};
+}
+std::vector<Token> SceneDelegate::GetCategories(const Path&) {
+  return {};
+}
+std::vector<std::vector<Token>> SceneDelegate::GetInstanceCategories(const Path&) {
   return {};
 }
 RenderParam::~RenderParam() = default;

@@ -124,7 +124,11 @@ struct AovBinding {
 
 /// The arguments of Execute. A copyable value.
 struct RenderPassState {
-  Path camera;  // a camera Sprim; empty: the RenderSettings' camera
+  Path camera;                                  // a camera Sprim; empty: the RenderSettings' camera
+  std::optional<CameraDescription> freeCamera;  // in its place
+  /// Render tags of the meshes that are drawn. Empty: all but `hidden`.
+  std::vector<Token> renderTags{"geometry", "render"};
+  Collection collection;
   Framing framing;
   WindowPolicy windowPolicy = WindowPolicy::matchVertically;
   std::vector<AovBinding> aovBindings;
@@ -134,7 +138,9 @@ struct RenderPassState {
 enum class PassState { idle, preparing, rendering, paused, stopped, converged, failed };
 
 /// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with
-/// what is running, restarts only if one differs, and returns.
+/// what is running, restarts only if one differs, and returns. Other render tags, or another collection, are another
+/// scene of the same meshes: nothing is synced or refined for it, and passes may differ in them. Meshes that no pass
+/// has drawn yet are refined when one does.
 class ALABASTER_API RenderPass {
  public:
   virtual ~RenderPass();

@@ -21,7 +21,10 @@ class ALABASTER_API SceneDelegate {
   /// False: faces are not there for what sees them from behind, but where their material lets light below the surface.
   /// An adaptor of a host that culls nothing answers true, whatever the host's flag says.
   virtual bool GetDoubleSided(const Path& id) = 0;
+  /// geometry (USD's purpose default), render, proxy, guide or hidden; a pass draws the tags that it lists.
   virtual Token GetRenderTag(const Path& id) = 0;
+  /// Names that light parameters `lightLink` and `shadowLink` may give. By default none.
+  virtual std::vector<Token> GetCategories(const Path& id);
   virtual Path GetMaterialId(const Path& id) = 0;
   virtual std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) = 0;
   /// A primvar ("points", "st", "normals", ...), unflattened: with `indices` when its descriptor says indexed.
@@ -39,6 +42,8 @@ class ALABASTER_API SceneDelegate {
   virtual Path GetInstancerId(const Path& primId) = 0;  // of an rprim or of an instancer (nesting); empty: none
   virtual Matrix4d GetInstancerTransform(const Path& instancerId) = 0;
   virtual Array<int32_t> GetInstanceIndices(const Path& instancerId, const Path& prototypeId) = 0;
+  /// Categories of each instance of an instancer, besides those of the prototypes. Instances beyond its end have none.
+  virtual std::vector<std::vector<Token>> GetInstanceCategories(const Path& instancerId);
 
   // Sprims, Bprims
   virtual MaterialNetwork GetMaterialResource(const Path& id) = 0;

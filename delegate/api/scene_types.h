@@ -29,6 +29,7 @@ inline constexpr DirtyBits kRenderTag = 1u << 13;
 inline constexpr DirtyBits kParams = 1u << 14;       // camera, light, material, render settings
 inline constexpr DirtyBits kResource = 1u << 15;     // material network, light texture
 inline constexpr DirtyBits kDescription = 1u << 16;  // render buffer
+inline constexpr DirtyBits kCategories = 1u << 17;   // mesh, instancer
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
@@ -125,6 +126,22 @@ struct MaterialNetwork {
   bool operator==(const MaterialNetwork&) const = default;
 };
 
+// Selections and cameras of a pass --------------------------------------------------------------------
+/// Rprims by path: those at or below a root, and not at or below an excluded path. Paths are compared by their parts
+/// between '/'. No root: all.
+struct Collection {
+  std::vector<Path> rootPaths, excludePaths;
+  bool operator==(const Collection&) const = default;
+};
+
+/// A camera by value. Parameters have the names of schemas/camera.json.
+struct CameraDescription {
+  Matrix4d transform;
+  std::map<Token, Value> parameters;
+  TimeSamples<Matrix4d> transformSamples = {};  // of what moves
+  bool operator==(const CameraDescription&) const = default;
+};
+
 // Framing and outputs ------------------------------------------------------------------------------
 enum class WindowPolicy { matchVertically, matchHorizontally, fit, crop, dontConform };
 
@@ -191,6 +208,11 @@ struct RenderProduct {
   std::string display, view, look;  // display-referred output (default for png/tiff/jpeg)
   float exposure = 0;               // stops, with display output
   std::optional<bool> denoise;      // exr: AOV denoised beside color; else it in color's place. Unset: the setting
+  // These make it a picture of its own, with samples of its own:
+  Path camera;                       // empty: that of the settings
+  int width = 0, height = 0;         // 0: those of the settings; a crop is scaled with them
+  bool disableMotionBlur = false;    // drawn at the frame's time
+  bool disableDepthOfField = false;  // through a pinhole
   bool operator==(const RenderProduct&) const = default;
 };
 
@@ -202,6 +224,7 @@ struct RenderSettingsDescription {
   WindowPolicy windowPolicy = WindowPolicy::matchVertically;
   std::optional<Rect2i> crop;  // pixels, y-down, of the full frame
   double frame = 0;
+  std::vector<Token> includedPurposes{"default", "render"};  // of USD; render tags, but for `default`: geometry
   std::vector<RenderProduct> products;
   Dictionary settings;  // names of schemas/render_settings.json
   bool operator==(const RenderSettingsDescription&) const = default;

@@ -29,7 +29,6 @@ extern "C" {
 #endif
 
 #define ALABASTER_API_VERSION 2
-
 typedef struct AlabasterScene AlabasterScene;       /* meshes, materials, lights, cameras, render settings */
 typedef struct AlabasterDelegate AlabasterDelegate; /* the renderer; draws one scene */
 typedef struct AlabasterPass AlabasterPass;         /* a render: runs in the background, restarted by what changes */
@@ -144,8 +143,7 @@ typedef struct AlabasterSubset {
 typedef struct AlabasterSubdivTags {
   size_t size;
   const char* interpolate_boundary;              /* none | edgeOnly | edgeAndCorner (default) */
-  const char* face_varying_linear_interpolation; /* all | none | boundaries | cornersOnly | cornersPlus1 (default) |
-                                                    cornersPlus2 */
+  const char* face_varying_linear_interpolation; /* all | none | boundaries | cornersOnly, default cornersPlus1, ...2 */
   const char* crease_method;                     /* uniform | chaikin */
   const char* triangle_subdivision;              /* catmullClark | smooth */
   AlabasterValue crease_indices, crease_lengths, crease_weights; /* weights: floats, per crease or per edge */
@@ -162,13 +160,15 @@ typedef struct AlabasterMesh {
   const AlabasterSubset* subsets; /* faces with a material of their own */
   size_t subset_count;
   const AlabasterSubdivTags* subdiv_tags;
-  int32_t refine_level;    /* 0..8; 0 draws the cage */
-  int32_t invisible;       /* not zero: it is not drawn */
-  int32_t single_sided;    /* not zero: faces are not there for what sees them from behind */
-  const double* transform; /* null: identity */
-  const char* material;    /* null: the default material */
-  const char* instancer;   /* null: not instanced */
-  AlabasterMotion motion;  /* matrices */
+  int32_t refine_level;      /* 0..8; 0 draws the cage */
+  int32_t invisible;         /* not zero: it is not drawn */
+  int32_t single_sided;      /* not zero: faces are not there for what sees them from behind */
+  const double* transform;   /* null: identity */
+  const char* material;      /* null: the default material */
+  const char* instancer;     /* null: not instanced */
+  AlabasterMotion motion;    /* matrices */
+  const char* render_tag;    /* geometry (default), render, proxy, guide or hidden: AlabasterFrame.render_tags */
+  AlabasterValue categories; /* tokens: names that lights' parameters lightLink and shadowLink may give */
 } AlabasterMesh;
 
 typedef struct AlabasterPrototype {
@@ -324,6 +324,10 @@ typedef struct AlabasterFrame {
   AlabasterRect window;  /* the pixels to render: smaller is a crop, larger is overscan. Buffers are as large as it */
   double pixel_aspect;
   int32_t window_policy;
+  const AlabasterCamera* free_camera; /* in the place of `camera`; no prim of the scene */
+  AlabasterValue render_tags; /* tokens: of the meshes to draw; none: geometry and render; empty: all but hidden */
+  AlabasterValue roots;       /* tokens: paths of the meshes to draw, with all below them; none: all */
+  AlabasterValue excluded;    /* tokens: paths of those not to draw, likewise */
 } AlabasterFrame;
 
 enum {
@@ -398,11 +402,9 @@ typedef struct AlabasterApi {
   AlabasterStatus (*scene_clear)(AlabasterScene*);
   AlabasterStatus (*remove)(AlabasterScene*, const char* path);
   AlabasterStatus (*set_mesh)(AlabasterScene*, const char* path, const AlabasterMesh*);
-  AlabasterStatus (*set_primvar)(AlabasterScene*, const char* mesh,
-                                 const AlabasterPrimvar*); /* value none: removes it */
-  AlabasterStatus (*set_transform)(AlabasterScene*, const char* path,
-                                   const double* matrix);                             /* of any prim that has one */
-  AlabasterStatus (*set_visible)(AlabasterScene*, const char* path, int32_t visible); /* mesh or light */
+  AlabasterStatus (*set_primvar)(AlabasterScene*, const char* mesh, const AlabasterPrimvar*); /* none: removes it */
+  AlabasterStatus (*set_transform)(AlabasterScene*, const char* path, const double* matrix);  /* of any prim with one */
+  AlabasterStatus (*set_visible)(AlabasterScene*, const char* path, int32_t visible);         /* mesh or light */
   AlabasterStatus (*bind_material)(AlabasterScene*, const char* mesh, const char* material);
   AlabasterStatus (*set_instancer)(AlabasterScene*, const char* path, const AlabasterInstancer*);
   AlabasterStatus (*set_material)(AlabasterScene*, const char* path, const AlabasterMaterial*);
@@ -411,8 +413,7 @@ typedef struct AlabasterApi {
   AlabasterStatus (*set_render_settings)(AlabasterScene*, const char* path, const AlabasterRenderSettings*);
   /* One parameter of a light, a camera or render settings, or "node.parameter" of a material. */
   AlabasterStatus (*set_parameter)(AlabasterScene*, const char* path, const char* name, const AlabasterValue*);
-  AlabasterStatus (*get_prims)(AlabasterScene*, AlabasterVisit visit,
-                               void* user); /* name: path; value: token, its type */
+  AlabasterStatus (*get_prims)(AlabasterScene*, AlabasterVisit visit, void* user); /* path, and its type as token */
 
   /* Delegates. One delegate draws a scene; `scene` may be null and come later, by show. */
   AlabasterStatus (*delegate_create)(const AlabasterDelegateOptions*, AlabasterScene*, AlabasterDelegate**);

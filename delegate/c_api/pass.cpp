@@ -1,5 +1,5 @@
 #include "delegate/c_api/functions.h"
-#include "delegate/c_api/values.h"
+#include "delegate/c_api/scene_prims.h"
 
 namespace alabaster::hd::c_api {
 namespace {
@@ -47,6 +47,20 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   return path;
 }
 
+std::vector<Path> paths_of(const std::vector<Token>& names) {
+  std::vector<Path> paths;
+  for (const Token& name : names) paths.emplace_back(name.str());
+  return paths;
+}
+
+void select(const AlabasterFrame& in, RenderPassState& state) {
+  ValueReader reader;
+  if (in.free_camera) state.freeCamera = read_camera(in.free_camera);
+  if (in.render_tags.type != ALABASTER_NONE) state.renderTags = reader.tokens(in.render_tags, "render_tags");
+  state.collection = {paths_of(reader.tokens(in.roots, "roots")), paths_of(reader.tokens(in.excluded, "excluded"))};
+  reader.finish();
+}
+
 void start(PassData& pass, const AlabasterFrame& in) {
   DelegateData& owner = *pass.owner;
   if (!owner.scene) throw bad_argument("the delegate draws no scene");
@@ -59,6 +73,7 @@ void start(PassData& pass, const AlabasterFrame& in) {
     state.aovBindings.push_back({text_or(binding.aov, ""), bound.back()->buffer, {}});
   }
   const Path settings = frame_pass(in, owner.scene->scene, state);
+  select(in, state);
   if (!settings.empty()) owner.delegate->SetRenderSetting("renderSettingsPrimPath", settings);
   if (!owner.index->SyncAll())
     throw Failure(ALABASTER_OUT_OF_MEMORY, "the scene could not be synced: memory or threads ran out");

@@ -64,6 +64,8 @@ host::MeshDescription read_mesh(const AlabasterMesh* given) {
   mesh.doubleSided = in.single_sided == 0;
   mesh.material = Path(text_or(in.material, ""));
   mesh.instancer = Path(text_or(in.instancer, ""));
+  mesh.renderTag = text_or(in.render_tag, "geometry");
+  mesh.categories = reader.tokens(in.categories, "categories");
   reader.finish();
   return mesh;
 }

@@ -14,6 +14,10 @@ class ValueReader {
   Value value(const AlabasterValue& in);
   Array<int32_t> ints(const AlabasterValue& in, const char* name) { return array<int32_t>(in, name); }
   Array<float> floats(const AlabasterValue& in, const char* name) { return array<float>(in, name); }
+  std::vector<Token> tokens(const AlabasterValue& in, const char* name) {
+    const Array<Token> names = array<Token>(in, name);
+    return {names.begin(), names.end()};
+  }
   std::map<Token, Value> parameters(const AlabasterParameter* parameters, size_t count);
   Dictionary dictionary(const AlabasterParameter* parameters, size_t count);
   TimeSamples<Matrix4d> transforms(const AlabasterMotion& motion);

@@ -9,6 +9,13 @@ namespace {
 using nlohmann::json;
 constexpr float kMetresPerMillimetre = 0.001f;
 
+Array<Vec4f> to_planes(const json& planes) {
+  std::vector<Vec4f> all;
+  for (const json& p : planes)
+    all.emplace_back(p[0].get<float>(), p[1].get<float>(), p[2].get<float>(), p[3].get<float>());
+  return all;
+}
+
 }  // namespace
 
 bool apply_camera(const Reader& reader) {
@@ -49,7 +56,9 @@ bool apply_camera(const Reader& reader) {
   for (const auto& [name, schema] : parameters.items()) {
     const auto given = entry->find(name);
     if (given == entry->end()) continue;
-    if (given->is_number()) {
+    if (name == "clipPlanes") {
+      plan.parameters[name] = to_planes(*given);
+    } else if (given->is_number()) {
       const bool millimetres = schema.value("unitInDescription", "") == "mm";
       plan.parameters[name] = given->get<float>() * (millimetres ? kMetresPerMillimetre : 1.0f);
     } else {

@@ -59,11 +59,37 @@ bool place_light(const Reader& reader, const std::string& pointer, const json& e
   return true;
 }
 
+// Puts the meshes that the names match in a category of the light's own.
+bool link(const Reader& reader, const std::string& pointer, const json& names, const std::string& category) {
+  const Token token(category);
+  std::vector<Path> linked;
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto found = find_prims(reader, PrimKind::mesh, names[i], pointer + "/" + std::to_string(i));
+    if (found.empty()) return false;
+    linked.insert(linked.end(), found.begin(), found.end());
+  }
+  std::sort(linked.begin(), linked.end());
+  const auto meshes = reader.scene().GetMeshes();
+  for (const auto& [path, mesh] : meshes) {
+    host::MeshDescription changed = mesh;
+    std::erase(changed.categories, token);
+    if (std::binary_search(linked.begin(), linked.end(), path)) changed.categories.push_back(token);
+    if (changed.categories != mesh.categories) reader.scene().SetMesh(path, std::move(changed));
+  }
+  return true;
+}
+
 bool change_light(const Reader& reader, const std::string& pointer, const json& entry, const Path& path,
                   host::LightDescription light) {
   for (const auto& [name, value] : entry.items())
     if (light_parameters().contains(name))
       if (!set_parameter(reader, pointer_append(pointer, name), name, value, &light)) return false;
+  for (const char* const name : {"lightLink", "shadowLink"})
+    if (const auto names = entry.find(name); names != entry.end()) {
+      const std::string category = std::string(name) + " of " + path.str();
+      if (!link(reader, pointer_append(pointer, name), *names, category)) return false;
+      light.parameters[name] = category;
+    }
   // A point light has no radius unless one is given.
   if (entry.value("treatAsPoint", false) && !light.parameters.count("radius")) light.parameters["radius"] = 0.0f;
   if (!place_light(reader, pointer, entry, &light)) return false;

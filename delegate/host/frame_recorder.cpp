@@ -129,7 +129,7 @@ double stat(const Dictionary& stats, const char* key) {
   return found == stats.end() ? 0 : found->second.number_or(0);
 }
 
-/// One recording, from checks to files.
+/// One recording, from checks to files: picture by picture.
 class Recording {
  public:
   Recording(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings, const RecordOptions& options)
@@ -143,7 +143,8 @@ class Recording {
   /// Catches everything: the host's callbacks, memory and threads may all fail.
   RecordResult run() noexcept {
     try {
-      record();
+      result_.status = CheckFrame(*scene_, settings_, *delegate_, options_, &requests_);
+      for (at_ = 0; at_ < requests_.size() && succeeded(); ++at_) record();
     } catch (const std::exception& e) {
       refuse_exception(e.what());
     } catch (...) {
@@ -164,6 +165,7 @@ class Recording {
     }
     ~Borrowed() {
       for (const auto& buffer : recording_->buffers_) quietly([&] { recording_->scene_->Remove(buffer.second); });
+      recording_->buffers_.clear();
       quietly([&] { recording_->delegate_->SetRenderSetting(kSettingsPath, previous_); });
     }
     Borrowed(const Borrowed&) = delete;
@@ -174,9 +176,12 @@ class Recording {
     Value previous_;
   };
 
+  bool succeeded() const { return result_.status == RecordStatus::done || result_.status == RecordStatus::degraded; }
+  const FrameRequest& request() const { return requests_[at_]; }
+
   void record() {
-    result_.status = CheckFrame(*scene_, settings_, *delegate_, options_, &request_);
-    if (result_.status != RecordStatus::done) return;
+    rendered_ = false;
+    result_.stats.clear();
     const Borrowed borrowed(this);
     allocate();
     if (!sync()) return;
@@ -187,12 +192,8 @@ class Recording {
         render();
     }
     collect_stats();
-    const RecordStatus status = result_.status;
-    if (rendered_ &&
-        (status == RecordStatus::done || status == RecordStatus::degraded || status == RecordStatus::interrupted))
-      write();
-    if (checkpoints_.last_failed() && (status == RecordStatus::done || status == RecordStatus::degraded))
-      result_.status = RecordStatus::output_failed;
+    if (rendered_ && (succeeded() || result_.status == RecordStatus::interrupted)) write();
+    if (checkpoints_.last_failed() && succeeded()) result_.status = RecordStatus::output_failed;
   }
 
   void refuse_exception(const char* what) noexcept {
@@ -211,7 +212,7 @@ class Recording {
   }
 
   void allocate() {
-    for (const std::string& aov : request_.aovs) {
+    for (const std::string& aov : request().aovs) {
       RenderBufferDescriptor buffer;
       buffer.dimensions = {size().x, size().y, 1};
       buffer.format = delegate_->GetDefaultAovDescriptor(aov).format;
@@ -221,7 +222,7 @@ class Recording {
     if (!index_->Has(settings_)) scene_->Populate(index_);
   }
 
-  Vec2i size() const { return {request_.description.window().width(), request_.description.window().height()}; }
+  Vec2i size() const { return {request().description.window().width(), request().description.window().height()}; }
   RenderBuffer* buffer(const Path& path) const { return static_cast<RenderBuffer*>(index_->GetBprim(path)); }
 
   bool interrupted() {
@@ -264,10 +265,14 @@ class Recording {
   }
 
   RenderPassState pass_state() const {
-    const RenderSettingsDescription& d = request_.description;
+    const RenderSettingsDescription& d = request().description;
     const Rect2i window = d.window();
     RenderPassState state;
     state.camera = d.camera;
+    state.freeCamera = changed_camera();
+    state.renderTags.clear();
+    for (const Token& purpose : d.includedPurposes)
+      state.renderTags.push_back(purpose == Token("default") ? Token("geometry") : purpose);
     // Buffers are as large as the data window; the display window is moved so that it starts at their corner.
     const Vec2f corner(static_cast<float>(window.minX), static_cast<float>(window.minY));
     state.framing.displayMin = -corner;
@@ -277,6 +282,16 @@ class Recording {
     state.windowPolicy = d.windowPolicy;
     for (const auto& [aov, path] : buffers_) state.aovBindings.push_back({aov, buffer(path), {}});
     return state;
+  }
+
+  /// The camera as the products change it; empty: as it is.
+  std::optional<CameraDescription> changed_camera() const {
+    const auto found = scene_->GetCameras().find(request().description.camera);
+    if (found == scene_->GetCameras().end() || (request().motion_blur && request().depth_of_field)) return std::nullopt;
+    CameraDescription camera = found->second;
+    if (!request().motion_blur) camera.parameters["shutterOpen"] = camera.parameters["shutterClose"] = 0.0;
+    if (!request().depth_of_field) camera.parameters["fStop"] = 0.0f;
+    return camera;
   }
 
   void render() {
@@ -298,9 +313,10 @@ class Recording {
         told = now;
         options_.progress(progress());
       }
-      checkpoints_.write_if_due(request_.description);
+      checkpoints_.write_if_due(request().description);
     }
-    if (pass->GetState() != PassState::failed && !delegate_->IsStopped()) checkpoints_.write_last(request_.description);
+    if (pass->GetState() != PassState::failed && !delegate_->IsStopped())
+      checkpoints_.write_last(request().description);
     end(pass);
     rendered_ = true;
   }
@@ -324,13 +340,14 @@ class Recording {
   RecordProgress progress() const {
     const Dictionary stats = delegate_->GetRenderStats();
     RecordProgress p;
-    p.fraction = stat(stats, "fractionDone");
+    const double fraction = stat(stats, "fractionDone");
+    p.fraction = (static_cast<double>(at_) + fraction) / static_cast<double>(requests_.size());
     p.seconds = seconds_since(started_);
     const double rays =
         stat(stats, "rays.camera") + stat(stats, "rays.bounce") + stat(stats, "rays.shadow") + stat(stats, "rays.walk");
     const double rendering = stat(stats, "totalClockTime");
     p.rays_per_second = rendering > 0 ? rays / rendering : 0;
-    p.seconds_left = p.fraction > 0.005 ? rendering * (1 - p.fraction) / p.fraction : -1;
+    p.seconds_left = fraction > 0.005 ? rendering * (1 - fraction) / fraction : -1;
     if (stats.contains("denoise.fraction")) p.denoised = stat(stats, "denoise.fraction");
     p.samples_done = static_cast<uint64_t>(stat(stats, "numCompletedSamples"));
     p.samples_total = static_cast<uint64_t>(stat(stats, "samplesTotal"));
@@ -346,8 +363,8 @@ class Recording {
   Dictionary metadata() const {
     Dictionary m;
     m["capDate"] = utc_now();
-    m["alabaster/camera"] = request_.description.camera.str();
-    m["alabaster/frame"] = request_.description.frame;
+    m["alabaster/camera"] = request().description.camera.str();
+    m["alabaster/frame"] = request().description.frame;
     for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
       m["alabaster/" + setting.key.str()] = delegate_->GetRenderSetting(setting.key);
     const std::pair<const char*, const char*> kept[] = {{"samplesDone", "numCompletedSamples"},
@@ -388,15 +405,16 @@ class Recording {
   }
 
   void write_products(ProductImage* image) {
-    const RenderSettingsDescription& d = request_.description;
+    const RenderSettingsDescription& d = request().description;
     image->framing.displayMax = {static_cast<float>(d.width), static_cast<float>(d.height)};
     image->framing.dataWindow = d.window();
     image->framing.pixelAspectRatio = d.pixelAspectRatio;
     image->incomplete = result_.status == RecordStatus::interrupted;
     image->metadata = metadata();
     if (options_.picture) options_.picture(*image);
-    result_.written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
-    bool complete = result_.written.size() == d.products.size();
+    const auto written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
+    result_.written.insert(result_.written.end(), written.begin(), written.end());
+    bool complete = written.size() == d.products.size();
     if (const auto error = result_.stats.find("denoise.error"); error != result_.stats.end()) {
       report("record.denoise",
              "The picture could not be denoised: " + error->second.text_or("") + ". Files show it as it was rendered.");
@@ -410,7 +428,8 @@ class Recording {
   RenderDelegate* delegate_;
   Path settings_;
   const RecordOptions& options_;
-  FrameRequest request_;
+  std::vector<FrameRequest> requests_;  // by picture
+  size_t at_ = 0;                       // the picture that is recorded
   RecordedCheckpoints checkpoints_;
   std::map<std::string, Path> buffers_;  // by AOV
   Clock::time_point started_;

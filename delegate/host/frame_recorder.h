@@ -16,7 +16,7 @@ struct RecordProgress {
   double fraction = 0;
   double seconds = 0;  // since rendering began
   double rays_per_second = 0;
-  double seconds_left = 0;                       // of rendering; estimate; < 0: unknown yet
+  double seconds_left = 0;                       // of rendering this picture; estimate; < 0: unknown yet
   double denoised = -1;                          // share of the denoising that is done; < 0: not begun
   uint64_t samples_done = 0, samples_total = 0;  // per pixel
 };
@@ -38,9 +38,9 @@ struct RecordOptions {
   const std::atomic<bool>* cancel = nullptr;
   // Called from the calling thread:
   std::function<void(const RecordProgress&)> progress;  // about ten times a second
-  std::function<void()> writing;                        // once, when rendering is over and files are to be written
+  std::function<void()> writing;                        // once a picture, when its files are to be written
   std::function<void(const ProductImage&)>
-      picture;  // called once with the picture; its pixels are valid during the call
+      picture;  // called once with each picture; its pixels are valid during the call
   DiagnosticSink diagnostics;
 };
 
@@ -51,7 +51,8 @@ struct RecordResult {
 };
 
 /// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
-/// name (color if there is no product), syncs, renders to convergence and writes the products. Throws nothing: an
+/// name (color if there is no product), syncs, renders to convergence and writes the products: a picture for each
+/// camera and size that they have, one after the other, and `stats` of the last. Throws nothing: an
 /// exception of a callback of `options` fails the recording. Where the denoiser fails, files show color in the place of
 /// AOV denoised, and the status is output_failed; it also is where the last checkpoint could not be written. However it
 /// ends, its render buffers are removed and the delegate's settings are as before. A delegate that is stopped renders

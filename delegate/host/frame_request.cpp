@@ -1,5 +1,8 @@
 #include "delegate/host/frame_request.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/math/transform.h"
 #include "delegate/host/product_plan.h"
 
@@ -54,10 +57,51 @@ Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aov
   return {};
 }
 
+// The crop of a picture of another size: all pixels that it touches there.
+Rect2i scaled(const Rect2i& crop, const RenderSettingsDescription& from, int width, int height) {
+  const double x = double(width) / from.width, y = double(height) / from.height;
+  return {static_cast<int>(std::floor(crop.minX * x)), static_cast<int>(std::floor(crop.minY * y)),
+          static_cast<int>(std::ceil(crop.maxX * x)), static_cast<int>(std::ceil(crop.maxY * y))};
+}
+
+// The picture of a product, without its AOVs.
+FrameRequest picture_of(const RenderSettingsDescription& settings, const RenderProduct& product) {
+  FrameRequest picture{settings, !product.disableMotionBlur, !product.disableDepthOfField, {}};
+  RenderSettingsDescription& d = picture.description;
+  d.products = {product};
+  if (!product.camera.empty()) d.camera = product.camera;
+  if (product.width != 0) d.width = product.width;
+  if (product.height != 0) d.height = product.height;
+  if (settings.crop && settings.width > 0 && settings.height > 0)
+    d.crop = scaled(*settings.crop, settings, d.width, d.height);
+  return picture;
+}
+
+bool shows_the_same(const FrameRequest& a, const FrameRequest& b) {
+  return a.description.camera == b.description.camera && a.description.width == b.description.width &&
+         a.description.height == b.description.height && a.motion_blur == b.motion_blur &&
+         a.depth_of_field == b.depth_of_field;
+}
+
+std::vector<FrameRequest> pictures_of(const RenderSettingsDescription& settings) {
+  if (settings.products.empty()) return {{settings, true, true, {}}};
+  std::vector<FrameRequest> pictures;
+  for (const RenderProduct& product : settings.products) {
+    FrameRequest picture = picture_of(settings, product);
+    const auto same = std::find_if(pictures.begin(), pictures.end(),
+                                   [&](const FrameRequest& other) { return shows_the_same(picture, other); });
+    if (same == pictures.end())
+      pictures.push_back(std::move(picture));
+    else
+      same->description.products.push_back(product);
+  }
+  return pictures;
+}
+
 }  // namespace
 
 RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings, const RenderDelegate& delegate,
-                        const RecordOptions& options, FrameRequest* request) {
+                        const RecordOptions& options, std::vector<FrameRequest>* requests) {
   // Reports a fault, if there is one.
   const auto refuse = [&](const Fault& fault) {
     if (fault.code && options.diagnostics)
@@ -69,16 +113,27 @@ RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings
     refuse({"record.settings", "there are no such render settings"});
     return RecordStatus::input_failed;
   }
-  RenderSettingsDescription& d = request->description = found->second;
-  const bool denoise = wants_denoised(d, delegate);
-  for (RenderProduct& product : d.products) product.denoise = product.denoise.value_or(denoise);
-  if (refuse(request_fault(d)) || refuse(camera_fault(scene, d.camera))) return RecordStatus::input_failed;
-  for (const RenderProduct& product : d.products)
+  RenderSettingsDescription all = found->second;
+  const bool denoise = wants_denoised(all, delegate);
+  for (RenderProduct& product : all.products) product.denoise = product.denoise.value_or(denoise);
+  *requests = pictures_of(all);
+  for (const FrameRequest& picture : *requests)
+    if (refuse(request_fault(picture.description)) || refuse(camera_fault(scene, picture.description.camera)))
+      return RecordStatus::input_failed;
+  if (requests->size() > 1 && (options.resume || !options.checkpoint.empty())) {
+    refuse({"record.checkpoint",
+            "a checkpoint holds one picture, but the products have several cameras or sizes: render them one by one"});
+    return RecordStatus::input_failed;
+  }
+  for (const RenderProduct& product : all.products)
     if (!CheckProduct(product, options.colors, options.diagnostics)) return RecordStatus::output_failed;
-  request->aovs = aovs_of(d.products);
-  if (denoise && request->aovs.contains("color")) request->aovs.insert("denoised");  // else color would show it
-  request->aovs.insert(options.aovs.begin(), options.aovs.end());
-  return refuse(aov_fault(delegate, request->aovs)) ? RecordStatus::input_failed : RecordStatus::done;
+  for (FrameRequest& picture : *requests) {
+    picture.aovs = aovs_of(picture.description.products);
+    if (denoise && picture.aovs.contains("color")) picture.aovs.insert("denoised");  // else color would show it
+    picture.aovs.insert(options.aovs.begin(), options.aovs.end());
+    if (refuse(aov_fault(delegate, picture.aovs))) return RecordStatus::input_failed;
+  }
+  return RecordStatus::done;
 }
 
 }  // namespace alabaster::hd::host

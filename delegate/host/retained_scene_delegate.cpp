@@ -37,6 +37,8 @@ DirtyBits difference(const MeshDescription& a, const MeshDescription& b) {
   if (transform_differs(a, b)) bits |= dirty::kTransform;
   if (a.visible != b.visible) bits |= dirty::kVisibility;
   if (a.doubleSided != b.doubleSided) bits |= dirty::kDoubleSided;
+  if (!(a.renderTag == b.renderTag)) bits |= dirty::kRenderTag;
+  if (!(a.categories == b.categories)) bits |= dirty::kCategories;
   if (!(a.material == b.material)) bits |= dirty::kMaterialId;
   if (!(a.instancer == b.instancer)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
   return bits;
@@ -47,6 +49,7 @@ DirtyBits difference(const InstancerDescription& a, const InstancerDescription& 
   if (transform_differs(a, b)) bits |= dirty::kTransform;
   if (!(a.primvars == b.primvars) || !(a.primvarSamples == b.primvarSamples)) bits |= dirty::kPrimvar;
   if (!(a.parent == b.parent)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
+  if (!(a.categories == b.categories)) bits |= dirty::kCategories;
   return bits;
 }
 
@@ -268,8 +271,14 @@ bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
   return !mesh || mesh->doubleSided;
 }
 
-Token RetainedSceneDelegate::GetRenderTag(const Path&) {
-  return "geometry";
+Token RetainedSceneDelegate::GetRenderTag(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->renderTag : Token("geometry");
+}
+
+std::vector<Token> RetainedSceneDelegate::GetCategories(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->categories : std::vector<Token>();
 }
 
 Path RetainedSceneDelegate::GetMaterialId(const Path& id) {
@@ -333,6 +342,11 @@ TimeSamples<Matrix4d> RetainedSceneDelegate::SampleInstancerTransform(const Path
 Array<int32_t> RetainedSceneDelegate::GetInstanceIndices(const Path& instancerId, const Path& prototypeId) {
   const auto* instancer = find(state_->instancers, instancerId);
   return instancer ? get(instancer->indices, prototypeId) : Array<int32_t>();
+}
+
+std::vector<std::vector<Token>> RetainedSceneDelegate::GetInstanceCategories(const Path& instancerId) {
+  const auto* instancer = find(state_->instancers, instancerId);
+  return instancer ? instancer->categories : std::vector<std::vector<Token>>();
 }
 
 MaterialNetwork RetainedSceneDelegate::GetMaterialResource(const Path& id) {

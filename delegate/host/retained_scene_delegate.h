@@ -29,6 +29,8 @@ struct MeshDescription {
   Path instancer;                                           // empty: not instanced
   TimeSamples<Matrix4d> transformSamples = {};              // of what moves
   std::map<Token, TimeSamples<Value>> primvarSamples = {};  // of what deforms: "points", "normals"
+  Token renderTag = "geometry";
+  std::vector<Token> categories = {};  // for light linking
   bool operator==(const MeshDescription&) const = default;
 };
 
@@ -39,6 +41,7 @@ struct InstancerDescription {
   std::map<Path, Array<int32_t>> indices;       // prototype (mesh or inner instancer) -> indices into the primvars
   TimeSamples<Matrix4d> transformSamples = {};  // of what moves
   std::map<Token, TimeSamples<Value>> primvarSamples = {};  // of points that move
+  std::vector<std::vector<Token>> categories = {};          // by instance
   bool operator==(const InstancerDescription&) const = default;
 };
 
@@ -52,13 +55,7 @@ struct LightDescription {
   bool operator==(const LightDescription&) const = default;
 };
 
-/// Parameters have the names of schemas/camera.json.
-struct CameraDescription {
-  Matrix4d transform;
-  std::map<Token, Value> parameters;
-  TimeSamples<Matrix4d> transformSamples = {};  // of what moves
-  bool operator==(const CameraDescription&) const = default;
-};
+using hd::CameraDescription;
 
 /// One thread at a time pushes; pulls come from Sync. Before Populate it is plain data. Afterwards every Set marks the
 /// differences in the index it populates.
@@ -95,6 +92,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   bool GetVisible(const Path& id) override;
   bool GetDoubleSided(const Path& id) override;
   Token GetRenderTag(const Path& id) override;
+  std::vector<Token> GetCategories(const Path& id) override;
   Path GetMaterialId(const Path& id) override;
   std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) override;
   Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) override;
@@ -104,6 +102,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   Path GetInstancerId(const Path& primId) override;
   Matrix4d GetInstancerTransform(const Path& instancerId) override;
   Array<int32_t> GetInstanceIndices(const Path& instancerId, const Path& prototypeId) override;
+  std::vector<std::vector<Token>> GetInstanceCategories(const Path& instancerId) override;
   MaterialNetwork GetMaterialResource(const Path& id) override;
   Value GetLightParamValue(const Path& id, const Token& name) override;
   Value GetCameraParamValue(const Path& id, const Token& name) override;

@@ -1,5 +1,7 @@
 #include "core/camera/camera.h"
 
+#include <functional>
+
 #include "delegate/prims/motion.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
@@ -7,20 +9,16 @@
 namespace alabaster::hd::prims {
 namespace {
 
-void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::DiagnosticSink& sink,
-                     CameraParameters* camera) {
-  const CameraParameters defaults;
-  for (const auto& parameter : camera_parameters()) {
-    const Value value = scene.GetCameraParamValue(id, parameter.name);
-    set_parameter(parameter, get_parameter(parameter, defaults), camera);
-    if (!value.empty()) report_fault(sink, id.str(), parameter.name, set_parameter(parameter, value, camera), value);
-  }
-  const std::string projection = scene.GetCameraParamValue(id, "projection").text_or("perspective");
-  camera->orthographic = projection == "orthographic";
-  if (!camera->orthographic && projection != "perspective")
-    alabaster::report(sink, alabaster::Severity::warning, "camera.projection", id.str(),
-                      "projection '" + projection + "' is not known; perspective is used");
-  const Value range = scene.GetCameraParamValue(id, "clippingRange");
+using GetParameter = std::function<Value(const Token& name)>;
+
+bool is_plane(const Vec4f& plane) {
+  const Vec3f n(plane.x, plane.y, plane.z);
+  return is_finite(n) && std::isfinite(plane.w) && n != Vec3f(0, 0, 0);
+}
+
+void pull_clipping(const GetParameter& get, const Path& id, const alabaster::DiagnosticSink& sink,
+                   CameraParameters* camera) {
+  const Value range = get("clippingRange");
   const auto* near_far = range.get<Vec2f>();
   const bool valid =
       near_far && near_far->x >= 0 && near_far->y >= 0 && (near_far->y == 0 || near_far->y > near_far->x);
@@ -29,6 +27,30 @@ void pull_parameters(SceneDelegate& scene, const Path& id, const alabaster::Diag
   if (!range.empty() && !valid)
     alabaster::report(sink, alabaster::Severity::warning, "camera.clippingRange", id.str(),
                       "clippingRange must be near and far with 0 <= near < far; nothing is clipped");
+  const Value planes = get("clipPlanes");
+  const auto given = planes.get_or(Array<Vec4f>());
+  camera->clip_planes.assign(given.begin(), given.end());
+  if (std::erase_if(camera->clip_planes, [](const Vec4f& plane) { return !is_plane(plane); }) > 0 ||
+      (!planes.empty() && !planes.get<Array<Vec4f>>()))
+    alabaster::report(sink, alabaster::Severity::warning, "camera.clipPlanes", id.str(),
+                      "clipPlanes must be an array of four finite numbers each, the first three not all 0; others do "
+                      "not clip");
+}
+
+void pull_parameters(const GetParameter& get, const Path& id, const alabaster::DiagnosticSink& sink,
+                     CameraParameters* camera) {
+  const CameraParameters defaults;
+  for (const auto& parameter : camera_parameters()) {
+    const Value value = get(parameter.name);
+    set_parameter(parameter, get_parameter(parameter, defaults), camera);
+    if (!value.empty()) report_fault(sink, id.str(), parameter.name, set_parameter(parameter, value, camera), value);
+  }
+  const std::string projection = get("projection").text_or("perspective");
+  camera->orthographic = projection == "orthographic";
+  if (!camera->orthographic && projection != "perspective")
+    alabaster::report(sink, alabaster::Severity::warning, "camera.projection", id.str(),
+                      "projection '" + projection + "' is not known; perspective is used");
+  pull_clipping(get, id, sink, camera);
   if (camera->shutter_close >= camera->shutter_open) return;
   alabaster::report(sink, alabaster::Severity::error, "camera.shutter", id.str(),
                     "the shutter closes before it opens (shutterOpen " + std::to_string(camera->shutter_open) +
@@ -43,11 +65,23 @@ DirtyBits CameraPrim::post_record(SceneDelegate& scene, SceneParam& param, Dirty
     record_.camera.camera_to_world = scene.GetTransform(GetId());
     record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), param.sink());
   }
-  if (bits & dirty::kParams) {
-    pull_parameters(scene, GetId(), param.sink(), &record_.camera);
-  }
+  if (bits & dirty::kParams)
+    pull_parameters([&](const Token& name) { return scene.GetCameraParamValue(GetId(), name); }, GetId(), param.sink(),
+                    &record_.camera);
   param.post(GetId(), record_);
   return dirty::kClean;
+}
+
+CameraRecord record_of(const CameraDescription& camera, const Path& where, const alabaster::DiagnosticSink& sink) {
+  CameraRecord record;
+  record.camera.camera_to_world = camera.transform;
+  record.motion = checked_motion(camera.transformSamples, where, sink);
+  const auto get = [&](const Token& name) {
+    const auto found = camera.parameters.find(name);
+    return found == camera.parameters.end() ? Value() : found->second;
+  };
+  pull_parameters(get, where, sink, &record.camera);
+  return record;
 }
 
 }  // namespace alabaster::hd::prims

@@ -27,6 +27,12 @@ void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyB
     if (*bits & (dirty::kInstancer | dirty::kInstanceIndex))
       record_.indices_in_parent =
           record_.parent.empty() ? Array<int32_t>() : scene->GetInstanceIndices(record_.parent, GetId());
+    if (*bits & dirty::kCategories) {
+      auto categories = scene->GetInstanceCategories(GetId());
+      record_.categories.reset();
+      if (!categories.empty())
+        record_.categories = std::make_shared<const std::vector<std::vector<Token>>>(std::move(categories));
+    }
     param.post(GetId(), record_);
   });
   param.set_failed(&failed_, !synced);

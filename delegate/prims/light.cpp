@@ -49,27 +49,30 @@ std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, Lig
 }  // namespace
 
 DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
-  if (bits & dirty::kTransform) light_.light_to_world = scene.GetTransform(GetId());
+  if (bits & dirty::kTransform) record_.light.light_to_world = scene.GetTransform(GetId());
   if (bits & dirty::kParams) {
     const alabaster::LightDescription defaults;
+    record_.light_link = scene.GetLightParamValue(GetId(), "lightLink").text_or("");
+    record_.shadow_link = scene.GetLightParamValue(GetId(), "shadowLink").text_or("");
     for (const auto& parameter : light_parameters()) {
       const Value value = scene.GetLightParamValue(GetId(), parameter.name);
-      set_parameter(parameter, get_parameter(parameter, defaults), &light_);
+      set_parameter(parameter, get_parameter(parameter, defaults), &record_.light);
       if (value.empty()) continue;
-      report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &light_), value);
+      report_fault(param.sink(), GetId().str(), parameter.name, set_parameter(parameter, value, &record_.light), value);
     }
   }
-  if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
+  if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & (dirty::kParams | dirty::kResource)) {
     const ColorConfig& colors = param.colors();
-    light_.color_of_temperature = blackbody(light_.color_temperature, colors.chromaticities(colors.rendering_space()));
-    files_ = pull_files(scene, GetId(), light_.type);
+    record_.light.color_of_temperature =
+        blackbody(record_.light.color_temperature, colors.chromaticities(colors.rendering_space()));
+    files_ = pull_files(scene, GetId(), record_.light.type);
   }
   if (!files_) {
-    param.post(GetId(), LightRecord{light_, visible_});
+    param.post(GetId(), record_);
     return dirty::kClean;
   }
-  param.post_unread(GetId(), [&param, record = LightRecord{light_, visible_}, files = files_] {
+  param.post_unread(GetId(), [&param, record = record_, files = files_] {
     const LightFiles::Contents& contents = files->contents.get([&] { return files->read(param); });
     LightRecord read = record;
     read.light.texture = contents.texture, read.light.ies = contents.ies, read.fault = contents.fault;

@@ -40,11 +40,6 @@ void update(T* held, T now, bool* changed) {
   *changed = true;
 }
 
-// Purposes other than the final picture's are never drawn.
-bool is_drawn_tag(const Token& tag) {
-  return !(tag == Token("guide") || tag == Token("proxy") || tag == Token("hidden"));
-}
-
 }  // namespace
 
 // A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
@@ -85,8 +80,9 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster:
 
 void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {
   pull_shape(scene, bits, sink);
-  if (bits & dirty::kVisibility) visible_ = scene.GetVisible(GetId());
-  if (bits & dirty::kRenderTag) tag_visible_ = is_drawn_tag(scene.GetRenderTag(GetId()));
+  if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
+  if (bits & dirty::kRenderTag) record_.render_tag = scene.GetRenderTag(GetId());
+  if (bits & dirty::kCategories) record_.categories = scene.GetCategories(GetId());
   if (bits & dirty::kDoubleSided) record_.double_sided = scene.GetDoubleSided(GetId());
   if (bits & dirty::kTransform) {
     record_.transform = scene.GetTransform(GetId());
@@ -103,7 +99,6 @@ DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBi
   pull(scene, bits, param.sink());
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;
-  record_.visible = visible_ && tag_visible_;
   record_.prim_id = GetPrimId();
   record_.materials = slot_materials(pulled_.topology, material_);
   param.post(GetId(), record_);

@@ -207,15 +207,17 @@ bool BuiltMeshes::incomplete() const {
   return std::any_of(held_.begin(), held_.end(), [](const Entry& entry) { return !entry.second.done; });
 }
 
-SceneFaults BuiltMeshes::faults() const {
+SceneFaults BuiltMeshes::faults(const Records& records, const Selection& selection) const {
   SceneFaults faults;
   for (const auto& [path, held] : held_)
-    if (held.built.fault) faults.emplace(path, *held.built.fault);
+    if (held.built.fault && selection.includes(path, std::get<MeshRecord>(records.at(path))))
+      faults.emplace(path, *held.built.fault);
   return faults;
 }
 
-// Drops the meshes that are drawn no more, and answers with those to build.
-std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, const Dicing& dicing) {
+// Drops the meshes that are gone or hidden, and what edits of others left behind; answers with those to build.
+std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, const std::vector<Selection>& selections,
+                                                      const Dicing& dicing) {
   support::Placements placements(
       [&](const Path& path) -> const InstancerRecord* {
         const auto found = records.find(path);
@@ -236,7 +238,8 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, co
     if (held != held_.end() && held->second.done && held->second.source == mesh->source &&
         held->second.request == request)
       needed.insert(held_.extract(held));
-    else
+    else if (std::any_of(selections.begin(), selections.end(),
+                         [&](const Selection& selection) { return selection.includes(path, *mesh); }))
       to_build.push_back(&*needed.emplace(path, Held{mesh->source, std::move(request), {}, false}).first);
   }
   held_ = std::move(needed);
@@ -244,8 +247,9 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, co
   return to_build;
 }
 
-void BuiltMeshes::build(const Records& records, const Dicing& dicing, SceneParam& param, const CancelToken& cancel) {
-  const std::vector<Entry*> to_build = collect(records, dicing);
+void BuiltMeshes::build(const Records& records, const std::vector<Selection>& selections, const Dicing& dicing,
+                        SceneParam& param, const CancelToken& cancel) {
+  const std::vector<Entry*> to_build = collect(records, selections, dicing);
   if (to_build.empty()) return;
   const auto build_one = [&](Entry* entry) {
     if (cancel.is_cancelled()) return;

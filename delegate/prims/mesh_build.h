@@ -4,6 +4,7 @@
 #include "core/camera/camera.h"
 #include "core/diagnostics/cancel.h"
 #include "delegate/prims/render_param.h"
+#include "delegate/prims/selection.h"
 
 namespace alabaster::hd::prims {
 
@@ -36,13 +37,14 @@ struct MeshRequest {
 };
 
 /// The built meshes of a scene. A mesh is built where it is first drawn, again when its shape, its displacement or its
-/// dicing changes, and kept meanwhile. One thread at a time.
+/// dicing changes, and kept until then, also while no selection includes it. One thread at a time.
 class BuiltMeshes {
  public:
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn.
   /// Meshes that are done when the build is cancelled (BuildCancelled) are kept.
-  void build(const Records& records, const Dicing& dicing, SceneParam& param, const CancelToken& cancel);
-  /// Null: not drawn.
+  void build(const Records& records, const std::vector<Selection>& selections, const Dicing& dicing, SceneParam& param,
+             const CancelToken& cancel);
+  /// Null: it has not been built.
   const MeshBuild* find(const Path& mesh) const;
   template <class Visit>
   void for_each(const Visit& visit) const {
@@ -52,7 +54,7 @@ class BuiltMeshes {
   bool is_diced_by(const Dicing& dicing) const { return dicing == dicing_; }
   /// Memory or threads did not suffice for some mesh: the next build() tries again.
   bool incomplete() const;
-  SceneFaults faults() const;
+  SceneFaults faults(const Records& records, const Selection& selection) const;
 
  private:
   struct Held {
@@ -62,7 +64,7 @@ class BuiltMeshes {
     bool done = false;
   };
   using Entry = std::pair<const Path, Held>;
-  std::vector<Entry*> collect(const Records& records, const Dicing& dicing);
+  std::vector<Entry*> collect(const Records& records, const std::vector<Selection>& selections, const Dicing& dicing);
 
   std::map<Path, Held> held_;
   Dicing dicing_;

@@ -47,7 +47,6 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   PulledMesh pulled_;
   bool shape_changed_ = false;
   Path material_;
-  bool tag_visible_ = true, visible_ = true;
   MeshRecord record_;
 };
 
@@ -80,14 +79,13 @@ struct LightFiles;
 class LightPrim final : public RecordedPrim<Sprim> {
  public:
   LightPrim(const Path& id, LightType type) : RecordedPrim(id) {
-    light_.type = type;
-    light_.name = id.str();
+    record_.light.type = type;
+    record_.light.name = id.str();
   }
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  alabaster::LightDescription light_;
-  bool visible_ = true;
+  LightRecord record_;                 // without what its files hold
   std::shared_ptr<LightFiles> files_;  // null: it names none
 };
 
@@ -99,6 +97,9 @@ class CameraPrim final : public RecordedPrim<Sprim> {
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   CameraRecord record_;
 };
+
+/// A camera by value; faults are reported. `where`: its name in reports.
+CameraRecord record_of(const CameraDescription& camera, const Path& where, const alabaster::DiagnosticSink& sink);
 
 class RenderSettingsPrim final : public RecordedPrim<Bprim> {
  public:

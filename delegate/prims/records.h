@@ -33,6 +33,8 @@ struct MeshRecord {
   Array<int32_t> instance_indices;
   std::string subsurface_set;  // empty: each object scatters for itself
   bool double_sided = true;
+  Token render_tag = "geometry";
+  std::vector<Token> categories;
   bool operator==(const MeshRecord&) const = default;
 };
 
@@ -46,7 +48,8 @@ struct MaterialRecord {
 
 struct LightRecord {
   alabaster::LightDescription light;
-  bool visible = true;  // else it gives no light
+  bool visible = true;            // else it gives no light
+  Token light_link, shadow_link;  // categories; empty: everything
   std::optional<SceneFault> fault = {};
   bool operator==(const LightRecord&) const = default;
 };

@@ -125,6 +125,7 @@ class SceneDigest {
     digest->add(instance.instance_id);
     digest->add(instance.subsurface_set);
     digest->add(instance.double_sided);
+    if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
   }
   std::string digest_light(const LightDescription& light) const {
     Digest digest;
@@ -133,6 +134,11 @@ class SceneDigest {
     add_parameters(light_parameters(), light, &digest);
     digest.add(light.color_of_temperature);
     digest.add(light.visible_to_camera);
+    for (const uint32_t link : {light.light_link, light.shadow_link})
+      if (link != 0)
+        digest.add(translation_.categories[link - 1].str());
+      else
+        digest.add(link);
     add_image(light.texture.get(), &digest);
     if (light.ies) light.ies->add_to(&digest);
     return digest.text();
@@ -167,6 +173,7 @@ std::string digest_camera(const CameraParameters& camera) {
   digest.add(camera.camera_to_world);
   digest.add(camera.clip_near);
   digest.add(camera.clip_far);
+  digest.add(camera.clip_planes);
   digest.add(camera.orthographic);
   digest.add(camera.poses);
   digest.add(camera.opens);

@@ -43,7 +43,7 @@ std::string matrix_line(const Matrix4d& m) {
   return "  transform " + Value(m).to_string() + "\n";
 }
 
-std::string instance_text(const InstanceDescription& instance, const Path* materials) {
+std::string instance_text(const InstanceDescription& instance, const Translation& translation, const Path* materials) {
   const Mesh& mesh = instance.prototype->mesh;
   std::string text = "instance " + instance.name + " prim " + std::to_string(instance.prim_id) + " instance " +
                      std::to_string(instance.instance_id) + "\n" + matrix_line(instance.object_to_world);
@@ -52,6 +52,9 @@ std::string instance_text(const InstanceDescription& instance, const Path* mater
           yes_no(!mesh.uv_sets.empty()) + " closed " + yes_no(mesh.closed) + "\n";
   if (!instance.double_sided) text += "  single-sided\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
+  if (instance.category_set != 0)
+    for (const uint32_t category : translation.scene.category_sets[instance.category_set])
+      text += "  category " + translation.categories[category - 1].str() + "\n";
   for (size_t i = 0; i < instance.materials.size(); ++i)
     text += "  material " + std::to_string(i) + " " + (materials[i].empty() ? "default" : materials[i].str()) + "\n";
   return text;
@@ -60,7 +63,8 @@ std::string instance_text(const InstanceDescription& instance, const Path* mater
 std::string camera_text(const Path& path, const CameraParameters& camera) {
   return "camera " + path.str() + "\n" + matrix_line(camera.camera_to_world) + "  projection " +
          (camera.orthographic ? "orthographic" : "perspective") + "\n" + parameter_lines(camera_parameters(), camera) +
-         "  clippingRange " + Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n";
+         "  clippingRange " + Value(Vec2f(camera.clip_near, camera.clip_far)).to_string() + "\n" +
+         (camera.clip_planes.empty() ? "" : "  clipPlanes " + std::to_string(camera.clip_planes.size()) + "\n");
 }
 
 // "named skin: 3 objects, material /m/wax: 2 objects".
@@ -88,7 +92,7 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
   const Path* materials = translation.material_paths.data();
   std::map<std::string, const DisneyMaterial*> used;
   for (const auto& instance : translation.scene.instances) {
-    text += instance_text(instance, materials);
+    text += instance_text(instance, translation, materials);
     materials += instance.materials.size();
     for (const auto& material : instance.materials) used[material->name] = material.get();
   }
@@ -99,6 +103,8 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
             matrix_line(light.light_to_world) + parameter_lines(light_parameters(), light) + "  texture " +
             texture_text(light.texture) + "\n";
     if (light.ies) text += "  profile mean " + Value(static_cast<float>(light.ies->mean())).to_string() + "\n";
+    if (light.light_link != 0) text += "  lightLink " + translation.categories[light.light_link - 1].str() + "\n";
+    if (light.shadow_link != 0) text += "  shadowLink " + translation.categories[light.shadow_link - 1].str() + "\n";
     const Rgb& glow = light.color_of_temperature;
     if (light.enable_color_temperature)
       text += "  color of temperature " + Value(Vec3f(glow.r, glow.g, glow.b)).to_string() + "\n";

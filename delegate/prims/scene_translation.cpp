@@ -27,6 +27,48 @@ support::InstancePoints points_at(const hd::TimeSamples<support::InstancePoints>
   return arrays;
 }
 
+// The categories that lights name, by number, and the sets of them that instances are in.
+class CategorySets {
+ public:
+  explicit CategorySets(const Records& records) {
+    for (const auto& [path, record] : records)
+      if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible)
+        for (const Token& name : {light->light_link, light->shadow_link})
+          if (!name.empty()) numbers_[name];
+    uint32_t last = 0;
+    for (auto& [name, number] : numbers_) number = ++last;
+    if (!empty()) of({});
+  }
+  bool empty() const { return numbers_.empty(); }
+  /// 0: of none.
+  uint32_t number(const Token& name) const {
+    const auto found = numbers_.find(name);
+    return found == numbers_.end() ? 0 : found->second;
+  }
+  /// Numbers in the order in which they are first asked for. 0 where no light is linked.
+  uint32_t of(const std::vector<Token>& names) {
+    if (empty()) return 0;
+    std::set<uint32_t> set;
+    for (const Token& name : names)
+      if (const uint32_t one = number(name); one != 0) set.insert(one);
+    std::vector<uint32_t> sorted(set.begin(), set.end());
+    const auto [found, is_new] = known_.try_emplace(sorted, static_cast<uint32_t>(sets_.size()));
+    if (is_new) sets_.push_back(std::move(sorted));
+    return found->second;
+  }
+  std::vector<std::vector<uint32_t>> take() { return std::move(sets_); }
+  std::vector<Token> names() const {
+    std::vector<Token> all;
+    for (const auto& [name, unused] : numbers_) all.push_back(name);
+    return all;
+  }
+
+ private:
+  std::map<Token, uint32_t> numbers_;
+  std::map<std::vector<uint32_t>, uint32_t> known_;
+  std::vector<std::vector<uint32_t>> sets_;
+};
+
 // One pose stands still.
 void place(std::vector<Matrix4d> poses, InstanceDescription* instance) {
   instance->object_to_world = poses.front();
@@ -36,14 +78,12 @@ void place(std::vector<Matrix4d> poses, InstanceDescription* instance) {
 
 }  // namespace
 
-Shutter shutter_of(const Records& records) {
+std::optional<Shutter> shutter_of(const Records& records) {
   std::optional<Shutter> all;
   for (const auto& [path, record] : records)
-    if (const auto* camera = std::get_if<CameraRecord>(&record)) {
-      const Shutter own = camera->shutter();
-      all = all ? Shutter{std::min(all->open, own.open), std::max(all->close, own.close)} : own;
-    }
-  return all.value_or(Shutter());
+    if (const auto* camera = std::get_if<CameraRecord>(&record))
+      all = all ? united(*all, camera->shutter()) : camera->shutter();
+  return all;
 }
 
 CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene) {
@@ -75,22 +115,21 @@ void SceneTranslator::report_once(const char* code, const Path& where, const std
 // One translation.
 struct SceneTranslator::Run {
   SceneTranslator& translator;
-  const Records& records;
-  const Shutter& shutter;
-  const BuiltMeshes& meshes;
-  const DeformedMeshes& deformed;
+  const Parts& parts;
+  const Records& records = parts.records;
   support::Placements placements{[this](const Path& path) { return find_instancer(path); },
                                  [this](const char* code, const Path& where, const std::string& text) {
                                    translator.report_once(code, where, text);
                                  }};
   Translation out;
+  CategorySets category_sets;
 
   void add_mesh(const Path& path, const MeshRecord& mesh) {
-    const MeshBuild* const built = meshes.find(path);
-    if (!mesh.visible || !built || !built->prototype) return;
+    const MeshBuild* const built = parts.meshes.find(path);
+    if (!parts.selection.includes(path, mesh) || !built || !built->prototype) return;
     InstanceDescription instance;
-    const auto moved = deformed.find(path);
-    instance.prototype = moved == deformed.end() ? built->prototype : moved->second;
+    const auto moved = parts.deformed.find(path);
+    instance.prototype = moved == parts.deformed.end() ? built->prototype : moved->second;
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     instance.double_sided = mesh.double_sided;
@@ -98,7 +137,8 @@ struct SceneTranslator::Run {
     check_closed(instance);
     instance.subsurface_set = set_of(instance, mesh);
     const std::vector<Matrix4d> own =
-        mesh.motion.moves() ? even_poses(mesh.motion, shutter) : std::vector<Matrix4d>{mesh.transform};
+        mesh.motion.moves() ? even_poses(mesh.motion, parts.shutter) : std::vector<Matrix4d>{mesh.transform};
+    instance.category_set = category_sets.of(mesh.categories);
     if (mesh.instancer.empty()) {
       place(own, &instance);
       add(std::move(instance), mesh);
@@ -107,14 +147,48 @@ struct SceneTranslator::Run {
     const std::vector<support::Placement> placed = placements.place(path, mesh.instancer, mesh.instance_indices);
     const std::vector<double> times = instancer_times(mesh.instancer);
     const PlacedSamples samples = times.empty() ? PlacedSamples() : place_at(times, path, mesh);
+    const bool has_categories = !category_sets.empty() && have_categories(mesh.instancer);
     for (size_t i = 0; i < placed.size(); ++i) {
       if (!placed[i].used) continue;
       std::vector<Matrix4d> poses = own;
       for (Matrix4d& pose : poses) pose = pose * placed[i].matrix;
-      place(samples.times.empty() ? std::move(poses) : even_poses(samples.of(i), shutter), &instance);
+      place(samples.times.empty() ? std::move(poses) : even_poses(samples.of(i), parts.shutter), &instance);
       instance.instance_id = static_cast<int32_t>(i);
+      if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
       add(instance, mesh);
     }
+  }
+
+  // True if instances of the instancer, or of one that places it, have categories of their own.
+  bool have_categories(Path path) const {
+    for (std::set<Path> seen; !path.empty() && seen.insert(path).second;) {
+      const auto* instancer = find_instancer(path);
+      if (!instancer) return false;
+      if (instancer->categories) return true;
+      path = instancer->parent;
+    }
+    return false;
+  }
+
+  // The mesh's, and those of its instance at each level.
+  std::vector<Token> categories_of(const MeshRecord& mesh, size_t instance) const {
+    std::vector<Token> all = mesh.categories;
+    const Array<int32_t>* indices = &mesh.instance_indices;
+    for (const auto* at = find_instancer(mesh.instancer); at && !indices->empty(); at = find_instancer(at->parent)) {
+      const auto point = static_cast<size_t>((*indices)[instance % indices->size()]);
+      instance /= indices->size();
+      if (at->categories && point < at->categories->size())
+        all.insert(all.end(), (*at->categories)[point].begin(), (*at->categories)[point].end());
+      indices = &at->indices_in_parent;
+    }
+    return all;
+  }
+
+  void add_light(const Path& path, const LightRecord& light) {
+    out.scene.lights.push_back(light.light);
+    out.scene.lights.back().light_link = category_sets.number(light.light_link);
+    out.scene.lights.back().shadow_link = category_sets.number(light.shadow_link);
+    out.light_paths.push_back(path);
   }
 
   // The instances of a mesh at the times of all samples that move them.
@@ -202,18 +276,15 @@ struct SceneTranslator::Run {
   }
 };
 
-Translation SceneTranslator::translate(const Records& records, const Shutter& shutter, const BuiltMeshes& meshes,
-                                       const DeformedMeshes& deformed) {
-  Run run{
-      .translator = *this, .records = records, .shutter = shutter, .meshes = meshes, .deformed = deformed, .out = {}};
-  run.out.shutter = shutter;
-  for (const auto& [path, record] : records) {
+Translation SceneTranslator::translate(const Parts& parts) {
+  Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
+  run.out.shutter = parts.shutter;
+  for (const auto& [path, record] : parts.records) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
-    if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) {
-      run.out.scene.lights.push_back(light->light);
-      run.out.light_paths.push_back(path);
-    }
+    if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) run.add_light(path, *light);
   }
+  run.out.scene.category_sets = run.category_sets.take();
+  run.out.categories = run.category_sets.names();
   return std::move(run.out);
 }
 

@@ -7,6 +7,7 @@
 #include "core/scene/scene.h"
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/records.h"
+#include "delegate/prims/selection.h"
 
 namespace alabaster::hd::prims {
 
@@ -14,8 +15,8 @@ namespace alabaster::hd::prims {
 using DeformedMeshes = std::map<Path, std::shared_ptr<const MeshPrototype>>;
 
 /// The shutter of the scene, from the first camera's that opens to the last one's that closes; whichever camera a pass
-/// takes later. The times of a snapshot count from 0 to 1 through it.
-Shutter shutter_of(const Records& records);
+/// takes later. The times of a snapshot count from 0 to 1 through it. Empty: there is no camera.
+std::optional<Shutter> shutter_of(const Records& records);
 /// The camera with its poses in its own shutter, which lies in `scene`.
 CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene);
 
@@ -24,6 +25,7 @@ struct Translation {
   Shutter shutter;
   std::vector<Path> material_paths;  // of all instances' materials, in order; empty path: default
   std::vector<Path> light_paths;     // parallel to scene.lights
+  std::vector<Token> categories;     // that lights name: the first is 1 in scene.lights
 };
 
 class BuiltMeshes;
@@ -32,9 +34,14 @@ class BuiltMeshes;
 class SceneTranslator {
  public:
   explicit SceneTranslator(alabaster::DiagnosticSink sink);
-  /// `deformed` replaces those of `meshes` that deform in the shutter.
-  Translation translate(const Records& records, const Shutter& shutter, const BuiltMeshes& meshes,
-                        const DeformedMeshes& deformed);
+  struct Parts {
+    const Records& records;
+    const Selection& selection;
+    const Shutter& shutter;
+    const BuiltMeshes& meshes;
+    const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter
+  };
+  Translation translate(const Parts& parts);
 
  private:
   struct Run;

@@ -55,8 +55,8 @@ std::string Checkpoints::write(const RenderCore& core, const std::string& file, 
   const auto request = core.last_request();
   const auto passes = core.passes();
   if (!request || !request->scene || passes.empty()) return "nothing has been rendered";
-  const auto scene = core.scene();
-  if (!scene || scene->snapshot != request->scene) return "the scene has changed since it was rendered";
+  const auto scene = core.scene(request->scene);
+  if (!scene) return "the scene has changed since it was rendered";
   CheckpointHeader header = checkpoint_header(*request, digests_of(*scene));
   header["samples"] = samples_of(*request);
   header["complete"] = passes.back()->progress().state == SessionState::finished;

@@ -114,9 +114,12 @@ void RenderCore::set_last_request(const RenderRequest& request) {
 }
 
 std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
-  const auto now = snapshot();
-  const std::lock_guard lock(mutex_);
-  return last_request_ && last_request_->scene == now ? last_request_ : nullptr;
+  std::shared_ptr<const RenderRequest> last;
+  {
+    const std::lock_guard lock(mutex_);
+    last = last_request_;
+  }
+  return last && scene(last->scene) ? last : nullptr;
 }
 
 std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
@@ -162,17 +165,35 @@ prims::Dicing RenderCore::dicing(const Shutter& shutter) const {
   return out;
 }
 
+// As all passes together look at the scene.
+SnapshotBuilder::View RenderCore::wanted_view() const {
+  SnapshotBuilder::View view;
+  std::optional<Shutter> shutter;
+  {
+    const std::lock_guard lock(mutex_);
+    shutter = prims::shutter_of(views_);
+  }
+  std::vector<prims::Selection> selections;
+  for (const auto& pass : passes()) {
+    const std::optional<PassView> seen = pass->view();
+    if (!seen) continue;
+    if (std::find(selections.begin(), selections.end(), seen->selection) == selections.end())
+      selections.push_back(seen->selection);
+    if (seen->shutter) shutter = shutter ? united(*shutter, *seen->shutter) : *seen->shutter;
+  }
+  if (!selections.empty()) view.selections = std::move(selections);
+  view.shutter = shutter.value_or(Shutter());
+  view.dicing = dicing(view.shutter);
+  return view;
+}
+
 void RenderCore::hand_over() {
   apply_edits();
   const RenderSettings settings = render_settings();
   param->set_threads(settings.threads);
   dicing_changed_ = false;
-  SnapshotBuilder::View view;
-  {
-    const std::lock_guard lock(mutex_);
-    view.shutter = prims::shutter_of(views_);
-  }
-  view.dicing = dicing(view.shutter);
+  views_changed_ = false;
+  const SnapshotBuilder::View view = wanted_view();
   if (settings.refine_edge_length > 0 && view.dicing == prims::Dicing())
     alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
                       "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
@@ -205,6 +226,13 @@ std::string RenderCore::requirements() {
   builder_.wait(kUnlimited);
   const auto built = scene();
   return built && built->snapshot ? prims::describe_requirements(*built->snapshot, built->translation) : std::string();
+}
+
+std::shared_ptr<const BuiltScene> RenderCore::scene() const {
+  const auto all = passes();
+  for (auto pass = all.rbegin(); pass != all.rend(); ++pass)
+    if (const auto view = (*pass)->view()) return scene(view->selection);
+  return scene(prims::Selection());
 }
 
 std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {

@@ -31,7 +31,9 @@ class RenderCore {
   void commit();
   /// Edits were posted since the last commit, or there was none. False after a commit that failed: only the host's
   /// CommitResources tries again, for a pass would compile the scene again with every Execute.
-  bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_; }
+  bool needs_commit() const { return param->has_edits() || !committed_ || dicing_changed_ || views_changed_; }
+  /// A pass looks at the scene otherwise (PassControl::view). Host thread.
+  void note_view() { views_changed_ = true; }
   /// These wait for the builder.
   std::string dump();
   std::string requirements();
@@ -40,7 +42,12 @@ class RenderCore {
 
   // Any thread.
   /// Null: none has been built yet.
-  std::shared_ptr<const BuiltScene> scene() const { return builder_.built(); }
+  std::shared_ptr<const BuiltScene> scene(const prims::Selection& selection) const { return builder_.built(selection); }
+  std::shared_ptr<const BuiltScene> scene(const std::shared_ptr<const SceneSnapshot>& snapshot) const {
+    return builder_.built(snapshot);
+  }
+  /// As the pass sees it that was created last, of those that have been executed.
+  std::shared_ptr<const BuiltScene> scene() const;
   std::shared_ptr<const SceneSnapshot> snapshot() const;
   /// The scene as it was committed last is still being built.
   bool is_building() const { return builder_.is_pending(); }
@@ -49,13 +56,14 @@ class RenderCore {
   void release_retired() { builder_.release_retired(); }
   /// In the shutter of `scene`. Empty: there is no such camera.
   std::optional<CameraParameters> camera(const Path& path, const Shutter& scene) const;
+  /// Why a pass has no scene.
   std::string commit_error() const;
   /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of
   /// memory.
   std::vector<std::string> scene_faults(bool* input) const;
   double commit_seconds() const { return commit_seconds_ + builder_.compile_seconds(); }
 
-  /// The frame that was started last; null: none of the last snapshot.
+  /// The frame that was started last; null: none of a snapshot that is current.
   void set_last_request(const RenderRequest& request);
   std::shared_ptr<const RenderRequest> last_request() const;
 
@@ -80,6 +88,7 @@ class RenderCore {
   prims::Dicing dicing(const Shutter& shutter) const;
   void apply_edits();
   void hand_over();
+  SnapshotBuilder::View wanted_view() const;
 
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::map<Token, Value> settings_;
@@ -97,8 +106,9 @@ class RenderCore {
   std::string denoiser_problem_;
 
   std::atomic<bool> dicing_changed_{false};  // by a setting
-  bool commit_failed_ = false;               // the last one threw
-  std::atomic<bool> failed_{false};          // the same, for any thread
+  bool views_changed_ = false;
+  bool commit_failed_ = false;       // the last one threw
+  std::atomic<bool> failed_{false};  // the same, for any thread
   std::atomic<double> commit_seconds_{0};
   std::mutex stop_mutex_;      // one at a time stops or restarts
   bool stop_latched_ = false;  // by Stop, until Restart

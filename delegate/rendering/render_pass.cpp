@@ -5,12 +5,15 @@
 #include <cmath>
 
 #include "core/denoise/denoise_film.h"
+#include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
 #include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::rendering {
 
 namespace {
+
+constexpr const char* kFreeCamera = "free camera";  // in reports
 
 // The film (twice where an error ends the render: pixels that ended early are kept aside), the memory that an estimate
 // of its error and the denoiser take for a moment, and each bound buffer twice: as shown and as being resolved (or as
@@ -72,9 +75,14 @@ std::string part_fault(const RenderSettings& s) {
 
 }  // namespace
 
+std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& state, const Path& path,
+                                                       const Shutter& shutter) const {
+  return state.freeCamera ? prims::posed_camera(free_record_, shutter) : core_->camera(path, shutter);
+}
+
 PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults) {
   PassInputs in;
-  const std::shared_ptr<const BuiltScene> scene = core_->scene();
+  const std::shared_ptr<const BuiltScene> scene = core_->scene(view()->selection);
   if (scene) in.scene = scene->snapshot;
   in.settings = core_->render_settings();
   // A picture depends on these by its scene alone.
@@ -94,9 +102,11 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
         binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
     in.bindings.push_back({aov->aov, buffer->state(), buffer->state()->allocation(), clear});
   }
-  const Path camera = state.camera.empty() ? core_->settings_camera() : state.camera;
+  const Path camera = state.freeCamera       ? Path(kFreeCamera)
+                      : state.camera.empty() ? core_->settings_camera()
+                                             : state.camera;
   const std::optional<CameraParameters> parameters =
-      core_->camera(camera, scene ? scene->translation.shutter : Shutter());
+      camera_of(state, camera, scene ? scene->translation.shutter : Shutter());
   in.shows_checkpoint = core_->checkpoints.is_shown();
   if (in.shows_checkpoint)
     in.framed = frame_camera(CameraParameters(), state.framing, state.windowPolicy);
@@ -211,9 +221,27 @@ void PassControl::update(PassInputs next, bool building, std::vector<alabaster::
   finish_seen_ = true;
 }
 
+// Reads the free camera again only if it differs.
+void PassControl::look(const RenderPassState& state) {
+  if (state.freeCamera && state.freeCamera != free_camera_)
+    free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, core_->param->sink());
+  free_camera_ = state.freeCamera;
+  PassView now{prims::Selection(state.renderTags, state.collection), std::nullopt};
+  if (state.freeCamera) now.shutter = free_record_.shutter();
+  const std::lock_guard lock(view_mutex_);
+  if (view_.value_or(PassView()) != now) core_->note_view();
+  view_ = std::move(now);
+}
+
+std::optional<PassView> PassControl::view() const {
+  const std::lock_guard lock(view_mutex_);
+  return view_;
+}
+
 void PassControl::execute(const RenderPassState& state) {
-  if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
   const std::lock_guard lock(executing_);
+  look(state);
+  if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
   draw(state);
 }
 
@@ -223,7 +251,8 @@ void PassControl::draw(const RenderPassState& state) {
   const bool building = core_->is_building();  // asked before the scene is taken
   if (building) {
     awaiting_ = state;
-    if (!core_->snapshot() || core_->checkpoints.is_pending()) return expect_new_scene();
+    const auto scene = core_->scene(view()->selection);
+    if (!scene || !scene->snapshot || core_->checkpoints.is_pending()) return expect_new_scene();
   }
   std::vector<alabaster::Diagnostic> faults;
   PassInputs next = inputs(state, &faults);

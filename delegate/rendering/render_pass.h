@@ -8,6 +8,13 @@
 
 namespace alabaster::hd::rendering {
 
+/// How a pass looks at the scene, as far as the scene is built for it.
+struct PassView {
+  prims::Selection selection;
+  std::optional<Shutter> shutter;  // of a free camera
+  bool operator==(const PassView&) const = default;
+};
+
 /// Everything that a render depends on: if two are equal, nothing restarts.
 struct PassInputs {
   std::shared_ptr<const SceneSnapshot> scene;
@@ -36,6 +43,8 @@ class PassControl {
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
+  /// Empty: it has not been executed.
+  std::optional<PassView> view() const;
   /// The scene is being built: no picture of the old one is the last, though it goes on.
   void expect_new_scene();
   void abandon();  // Execute could not even prepare: fails and converges
@@ -58,8 +67,11 @@ class PassControl {
   size_t film_memory() const;
 
  private:
+  void look(const RenderPassState& state);
   void draw(const RenderPassState& state);
   PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);
+  std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
+                                            const Shutter& shutter) const;
   void choose_denoiser(PassInputs* in);
   void update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);
@@ -75,6 +87,10 @@ class PassControl {
   std::atomic<bool> cancelled_{false};
   bool finish_seen_ = false;
   std::atomic<bool> converged_{false}, failed_{false}, refused_{false};
+  mutable std::mutex view_mutex_;
+  std::optional<PassView> view_;
+  std::optional<CameraDescription> free_camera_;  // of the last Execute, under executing_ as its record
+  prims::CameraRecord free_record_;
   mutable std::mutex error_mutex_;
   std::string error_;
   std::mutex executing_;  // one at a time executes: the host, or who waits for the scene

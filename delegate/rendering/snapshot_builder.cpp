@@ -2,15 +2,13 @@
 
 #include <tbb/parallel_for_each.h>
 
+#include <algorithm>
 #include <chrono>
 
 namespace alabaster::hd::rendering {
 
 SnapshotBuilder::SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, std::function<void()> published)
-    : param_(std::move(param)),
-      published_(std::move(published)),
-      translator_(param_->sink()),
-      compiler_(param_->device(), param_->sink()) {}
+    : param_(std::move(param)), published_(std::move(published)), translator_(param_->sink()) {}
 
 SnapshotBuilder::~SnapshotBuilder() {
   {
@@ -56,9 +54,20 @@ bool SnapshotBuilder::wait(double seconds) {
   return !pending_;
 }
 
-std::shared_ptr<const BuiltScene> SnapshotBuilder::built() const {
+std::shared_ptr<const BuiltScene> SnapshotBuilder::built(const prims::Selection& selection) const {
   const std::lock_guard lock(mutex_);
-  return lost_ ? nullptr : built_;
+  if (lost_) return nullptr;
+  for (const auto& scene : built_)
+    if (scene->selection == selection) return scene;
+  return nullptr;
+}
+
+std::shared_ptr<const BuiltScene> SnapshotBuilder::built(const std::shared_ptr<const SceneSnapshot>& snapshot) const {
+  const std::lock_guard lock(mutex_);
+  if (lost_ || !snapshot) return nullptr;
+  for (const auto& scene : built_)
+    if (scene->snapshot == snapshot) return scene;
+  return nullptr;
 }
 
 void SnapshotBuilder::release_retired() {
@@ -103,12 +112,13 @@ void SnapshotBuilder::build() {
       cancelled = true;
     }
   });
-  if (!done) compiler_.forget();  // for want of memory, mostly
+  if (!done)  // for want of memory, mostly
+    for (Variant& variant : variants_) variant.compiler.forget();
   {
     const std::lock_guard lock(mutex_);
     // The scene of before would pass for the new one.
     lost_ = !done || (cancelled && lost_);
-    failed_ = lost_ || (!cancelled && (meshes_.incomplete() || !built_ || !built_->snapshot));
+    failed_ = lost_ || (!cancelled && (meshes_.incomplete() || lacks_snapshots()));
     cancelled_before_ = cancelled && requested_;
     if (cancelled) requested_ = true;
     building_ = false;
@@ -135,8 +145,8 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
   edits_.remove_if([](const prims::Edit& edit) { return edit.read != nullptr; });
 }
 
-prims::SceneFaults SnapshotBuilder::faults() const {
-  prims::SceneFaults all = meshes_.faults();
+prims::SceneFaults SnapshotBuilder::faults(const prims::Selection& selection) const {
+  prims::SceneFaults all = meshes_.faults(records_, selection);
   for (const auto& [path, record] : records_) {
     const auto* material = std::get_if<prims::MaterialRecord>(&record);
     const auto* light = std::get_if<prims::LightRecord>(&record);
@@ -161,27 +171,77 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
   read_files(cancel);
   apply_edits();
   const View view = view_;
-  const auto last = built();
-  const bool same_shutter = last && view.shutter == last->translation.shutter;
+  const auto is_current = [&](const prims::Selection& selection) {
+    const auto last = built(selection);
+    return last && last->snapshot && last->translation.shutter == view.shutter;
+  };
   stale_ |= meshes_.incomplete() || !meshes_.is_diced_by(view.dicing);
-  if (!stale_ && same_shutter) return;
-  stale_ = true;  // until all of it is done
-  meshes_.build(records_, view.dicing, *param_, cancel);
-  const auto start = std::chrono::steady_clock::now();
-  prims::Translation translation = translator_.translate(records_, view.shutter, meshes_,
-                                                         deformations_.in(view.shutter, meshes_, param_.get(), cancel));
-  if (last && last->snapshot && translation.scene == last->translation.scene)
-    publish(std::make_shared<const BuiltScene>(
-        BuiltScene{std::move(translation), last->snapshot, faults()}));  // faults may differ, and paths
-  else
-    compile(std::move(translation), cancel);
-  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
-  compile_seconds_ = compile_seconds_ + spent.count();
+  choose_variants(view.selections);
+  if (stale_ || !std::all_of(view.selections.begin(), view.selections.end(), is_current)) {
+    stale_ = true;  // until all of it is done
+    meshes_.build(records_, view.selections, view.dicing, *param_, cancel);
+    const auto start = std::chrono::steady_clock::now();
+    const prims::DeformedMeshes deformed = deformations_.in(view.shutter, meshes_, param_.get(), cancel);
+    for (Variant& variant : variants_) translate(&variant, deformed, cancel);
+    {
+      const std::lock_guard lock(mutex_);
+      stale_ = lacks_snapshots();
+    }
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+    compile_seconds_ = compile_seconds_ + spent.count();
+  }
+  retire_unselected();
 }
 
-void SnapshotBuilder::compile(prims::Translation translation, const CancelToken& cancel) {
-  BuiltScene scene{std::move(translation), nullptr, faults()};
-  const auto run = [&] { scene.snapshot = compiler_.compile(scene.translation.scene, scene_number_ + 1, cancel); };
+// A new selection shares parts with the scene of one that nobody asks for any more.
+void SnapshotBuilder::choose_variants(const std::vector<prims::Selection>& selections) {
+  std::vector<Variant> chosen;
+  const auto take = [&](const prims::Selection& selection, const auto& fits) {
+    const auto found = std::find_if(variants_.begin(), variants_.end(), fits);
+    chosen.push_back({selection, found == variants_.end() ? SnapshotCompiler(param_->device(), param_->sink())
+                                                          : std::move(found->compiler)});
+    if (found != variants_.end()) variants_.erase(found);
+  };
+  const auto is_asked_for = [&](const Variant& v) {
+    return std::find(selections.begin(), selections.end(), v.selection) != selections.end();
+  };
+  for (const prims::Selection& selection : selections) {
+    const auto is_same = [&](const Variant& v) { return v.selection == selection; };
+    if (std::any_of(variants_.begin(), variants_.end(), is_same))
+      take(selection, is_same);
+    else
+      take(selection, [&](const Variant& v) { return !is_asked_for(v); });
+  }
+  variants_ = std::move(chosen);
+}
+
+void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel) {
+  prims::Translation translation =
+      translator_.translate({records_, variant->selection, view_.shutter, meshes_, deformed});
+  prims::SceneFaults faults = this->faults(variant->selection);
+  if (auto same = snapshot_of(translation.scene))  // faults may differ, and paths
+    publish(std::make_shared<const BuiltScene>(
+        BuiltScene{variant->selection, std::move(translation), std::move(same), std::move(faults)}));
+  else
+    compile(variant, {variant->selection, std::move(translation), nullptr, std::move(faults)}, cancel);
+}
+
+// The snapshot of a scene that is the same to the bit, or null.
+std::shared_ptr<const SceneSnapshot> SnapshotBuilder::snapshot_of(const SceneDescription& scene) const {
+  std::vector<std::shared_ptr<const BuiltScene>> known;
+  {
+    const std::lock_guard lock(mutex_);
+    known = built_;
+  }
+  for (const auto& held : known)
+    if (held->snapshot && held->translation.scene == scene) return held->snapshot;
+  return nullptr;
+}
+
+void SnapshotBuilder::compile(Variant* variant, BuiltScene scene, const CancelToken& cancel) {
+  const auto run = [&] {
+    scene.snapshot = variant->compiler.compile(scene.translation.scene, scene_number_ + 1, cancel);
+  };
   // A scene that could not be compiled leaves no snapshot: the old one would pass for it.
   bool cancelled = false;
   prims::guarded(param_->sink(), "CommitResources", [&] {
@@ -193,21 +253,47 @@ void SnapshotBuilder::compile(prims::Translation translation, const CancelToken&
   });
   if (cancelled) throw BuildCancelled();
   ++scene_number_;
-  if (!scene.snapshot) compiler_.forget();
-  const bool compiled = scene.snapshot != nullptr;
+  if (!scene.snapshot) variant->compiler.forget();
   publish(std::make_shared<const BuiltScene>(std::move(scene)));
-  stale_ = !compiled;
 }
 
 void SnapshotBuilder::publish(std::shared_ptr<const BuiltScene> scene) {
   {
     const std::lock_guard lock(mutex_);
-    if (built_) retired_.push_back(built_);
-    built_ = std::move(scene);
+    const auto same = std::find_if(built_.begin(), built_.end(),
+                                   [&](const auto& held) { return held->selection == scene->selection; });
+    if (same == built_.end()) {
+      built_.push_back(std::move(scene));
+    } else {
+      retired_.push_back(*same);
+      *same = std::move(scene);
+    }
   }
-  stale_ = false;
   published_();
   destroy_retired();
+}
+
+// The scenes of selections that nobody asks for any more.
+void SnapshotBuilder::retire_unselected() {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto is_selected = [&](const std::shared_ptr<const BuiltScene>& scene) {
+      return std::any_of(variants_.begin(), variants_.end(),
+                         [&](const Variant& v) { return v.selection == scene->selection; });
+    };
+    const auto unselected = std::stable_partition(built_.begin(), built_.end(), is_selected);
+    if (unselected == built_.end()) return;
+    retired_.insert(retired_.end(), unselected, built_.end());
+    built_.erase(unselected, built_.end());
+  }
+  destroy_retired();
+}
+
+bool SnapshotBuilder::lacks_snapshots() const {
+  return !std::all_of(variants_.begin(), variants_.end(), [&](const Variant& variant) {
+    return std::any_of(built_.begin(), built_.end(),
+                       [&](const auto& scene) { return scene->selection == variant.selection && scene->snapshot; });
+  });
 }
 
 // Passes hold snapshots, which hold most of what a scene is.
@@ -215,7 +301,8 @@ void SnapshotBuilder::destroy_retired() {
   std::vector<std::shared_ptr<const BuiltScene>> unused;
   const std::lock_guard guard(mutex_);
   const auto is_unused = [&](const std::shared_ptr<const BuiltScene>& scene) {
-    const bool shared = scene->snapshot && built_ && scene->snapshot == built_->snapshot;
+    const bool shared =
+        std::any_of(built_.begin(), built_.end(), [&](const auto& held) { return held->snapshot == scene->snapshot; });
     return shared || !scene->snapshot || scene->snapshot.use_count() == 1;
   };
   for (auto& scene : retired_)

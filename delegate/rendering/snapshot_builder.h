@@ -15,6 +15,7 @@ namespace alabaster::hd::rendering {
 
 /// Immutable.
 struct BuiltScene {
+  prims::Selection selection;
   prims::Translation translation;
   std::shared_ptr<const SceneSnapshot> snapshot;  // of the translation; null: it could not be compiled
   prims::SceneFaults faults;
@@ -32,23 +33,26 @@ class SnapshotBuilder {
 
   /// Beside the records, all that decides what is built.
   struct View {
+    std::vector<prims::Selection> selections{prims::Selection()};  // a scene is built for each; no two are equal
     Shutter shutter;
     prims::Dicing dicing;
     bool operator==(const View&) const = default;
   };
-  /// Asks for the scene after these edits. One thread at a time. The first call starts the thread, and may throw before
-  /// anything is taken.
+  /// Asks for the scenes after these edits. One thread at a time. The first call starts the thread, and may throw
+  /// before anything is taken.
   void post(std::list<prims::Edit>* edits, const View& view);
   /// Cancels the build and starts no other until it is called with false. Returns when no build is running.
   void set_stopped(bool stopped);
 
   // Any thread.
-  /// The scene as it was posted last has not been built.
+  /// The scenes as they were posted last have not been built.
   bool is_pending() const { return pending_; }
   /// Blocks until nothing is pending (true), the builder is stopped, or `seconds` have passed.
   bool wait(double seconds);
-  /// Null: none yet, or the last build ended in an exception.
-  std::shared_ptr<const BuiltScene> built() const;
+  /// Null: none of this selection yet, or the last build ended in an exception.
+  std::shared_ptr<const BuiltScene> built(const prims::Selection& selection) const;
+  /// The one that has this snapshot, or null.
+  std::shared_ptr<const BuiltScene> built(const std::shared_ptr<const SceneSnapshot>& snapshot) const;
   /// The last build failed, for want of memory or threads. Reported; the next post() tries again.
   bool has_failed() const { return failed_; }
   /// Wall time of translating and compiling.
@@ -62,10 +66,20 @@ class SnapshotBuilder {
   void build();
   void read_files(const CancelToken& cancel);
   void apply_edits();
-  prims::SceneFaults faults() const;
+  prims::SceneFaults faults(const prims::Selection& selection) const;
+  /// The scene of a selection, and the compiler of its snapshots.
+  struct Variant {
+    prims::Selection selection;
+    SnapshotCompiler compiler;
+  };
   void update(const CancelToken& cancel);
-  void compile(prims::Translation translation, const CancelToken& cancel);
+  void choose_variants(const std::vector<prims::Selection>& selections);
+  void translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel);
+  void compile(Variant* variant, BuiltScene scene, const CancelToken& cancel);
+  std::shared_ptr<const SceneSnapshot> snapshot_of(const SceneDescription& scene) const;
   void publish(std::shared_ptr<const BuiltScene> scene);
+  void retire_unselected();
+  bool lacks_snapshots() const;  // under mutex_
   void destroy_retired();
 
   const std::shared_ptr<prims::SceneParam> param_;
@@ -76,7 +90,7 @@ class SnapshotBuilder {
   std::list<prims::Edit> posted_;
   View posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
-  std::shared_ptr<const BuiltScene> built_;
+  std::vector<std::shared_ptr<const BuiltScene>> built_;  // by selection
   std::vector<std::shared_ptr<const BuiltScene>> retired_;
   std::atomic<bool> pending_{false}, failed_{false}, lost_{false}, cancel_{false};
   bool cancelled_before_ = false;  // the last build was cancelled by an edit
@@ -89,9 +103,9 @@ class SnapshotBuilder {
   prims::BuiltMeshes meshes_;
   prims::Deformations deformations_;
   prims::SceneTranslator translator_;
-  SnapshotCompiler compiler_;
+  std::vector<Variant> variants_;
   uint64_t scene_number_ = 0;
-  bool stale_ = true;  // the scene does not show the records
+  bool stale_ = true;  // the scenes do not show the records
 
   std::thread thread_;
 };

@@ -31,8 +31,9 @@ struct InstancerRecord {
   TimeSamples<Matrix4d> motion;               // of the transform; empty: stands still
   TimeSamples<InstancePoints> moving_points;  // as many at each time as `points`; empty: they stand still
   InstancePoints points;
-  Path parent;                       // empty: none
-  Array<int32_t> indices_in_parent;  // this instancer's points in its parent
+  Path parent;                                                        // empty: none
+  Array<int32_t> indices_in_parent;                                   // this instancer's points in its parent
+  std::shared_ptr<const std::vector<std::vector<Token>>> categories;  // by point; null: none
   bool operator==(const InstancerRecord&) const = default;
 };
 

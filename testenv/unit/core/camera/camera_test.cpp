@@ -166,5 +166,46 @@ TEST(Camera, MovesThroughItsShutter) {
   EXPECT_EQ(camera.time(1), 0.75f);
 }
 
+// Rays begin at the first plane that lets them in and end at the first that cuts them off.
+TEST(Camera, ClippingPlanesCutItsRays) {
+  for (const bool orthographic : {false, true}) {
+    CameraParameters p;
+    p.orthographic = orthographic;
+    p.horizontal_aperture = p.vertical_aperture = 2;
+    p.focal_length = 1;
+    p.camera_to_world = Matrix4d().setAxisAngle(Vec3d(0, 1, 0), M_PI / 2) * Matrix4d().setTranslation(Vec3d(5, 0, 0));
+    const Vec2f corner(0, 50), middle(50, 50);  // of 100 x 100 pixels
+    const auto ray = [&](const Vec2f& film) { return Camera(p, 100, 100, {0, 0, 0}).generate_ray(film, {0, 0}); };
+    const auto depths = [&](const Ray& r) {
+      const Camera camera(p, 100, 100, {0, 0, 0});
+      return std::pair(camera.axial_depth(r.org), camera.axial_depth(r.org + r.dir * r.tmax));
+    };
+    EXPECT_TRUE(std::isinf(ray(corner).tmax));
+    p.clip_near = 2;
+    p.clip_far = 6;
+    for (const Vec2f& film : {corner, middle}) {
+      const auto [begin, end] = depths(ray(film));
+      EXPECT_NEAR(begin, 2, 1e-5) << orthographic;
+      EXPECT_NEAR(end, 6, 1e-5) << orthographic;
+    }
+    p.clip_near = p.clip_far = 0;
+    p.clip_planes = {{0, 0, -1, -3}};  // lets in what lies beyond 3
+    EXPECT_NEAR(depths(ray(corner)).first, 3, 1e-5);
+    EXPECT_TRUE(std::isinf(ray(corner).tmax));
+    p.clip_planes.push_back({0, 0, 2, 8});  // and before 4; its length does not count
+    EXPECT_NEAR(depths(ray(corner)).first, 3, 1e-5);
+    EXPECT_NEAR(depths(ray(corner)).second, 4, 1e-5);
+    p.clip_planes.push_back({0, 0, -1, -7});  // and beyond 7
+    EXPECT_EQ(ray(corner).tmax, 0);
+    p.clip_planes = {{1, 0, 0, -0.25f}};  // the right side
+    EXPECT_EQ(ray(corner).tmax, 0);
+    if (orthographic) {
+      EXPECT_EQ(ray(middle).tmax, 0) << "runs along the plane, on the side that is cut off";
+    }
+    p.clip_planes = {{1, 0, 0, 0.25f}};
+    EXPECT_TRUE(std::isinf(ray(middle).tmax));
+  }
+}
+
 }  // namespace
 }  // namespace alabaster

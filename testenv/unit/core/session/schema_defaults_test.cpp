@@ -101,7 +101,8 @@ TEST(SchemaDefaults, CameraIsItsTable) {
   for (const auto& row : camera_parameters()) expect_schema(properties, row, defaults);
   EXPECT_EQ(properties["projection"]["default"], defaults.orthographic ? "orthographic" : "perspective");
   EXPECT_EQ(properties["clippingRange"]["default"], (json{defaults.clip_near, defaults.clip_far}));
-  EXPECT_EQ(properties.size(), camera_parameters().size() + 2);
+  EXPECT_EQ(properties["clipPlanes"]["default"].size(), defaults.clip_planes.size());
+  EXPECT_EQ(properties.size(), camera_parameters().size() + 3);
 }
 
 }  // namespace

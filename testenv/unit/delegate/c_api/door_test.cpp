@@ -86,7 +86,7 @@ class Door : public ::testing::Test {
 
   AlabasterStatus start() {
     const AlabasterBinding binding = {"color", color_};
-    AlabasterFrame frame = {};
+    AlabasterFrame frame = frame_;
     frame.size = sizeof frame;
     frame.bindings = &binding, frame.binding_count = 1;
     frame.camera = "/camera";
@@ -116,6 +116,7 @@ class Door : public ::testing::Test {
   AlabasterDelegate* delegate_ = nullptr;
   AlabasterBuffer* color_ = nullptr;
   AlabasterPass* pass_ = nullptr;
+  AlabasterFrame frame_ = {};
   std::vector<std::string> heard_;
 };
 
@@ -124,6 +125,35 @@ TEST(DoorVersion, NeitherZeroNorALaterVersionIsPromised) {
   EXPECT_EQ(alabaster_api(ALABASTER_API_VERSION + 1), nullptr);
   ASSERT_NE(alabaster_api(1), nullptr);
   EXPECT_EQ(alabaster_api(1)->size, sizeof(AlabasterApi));
+}
+
+// The camera stands to the right; the quad is a proxy below a root.
+TEST_F(Door, AFrameSelectsWhatIsDrawnAndFromWhere) {
+  const std::vector<float> plain = render();
+  EXPECT_GT(centre(plain)[3], 0);
+  const float focal = 0.05f, aperture = 0.036f;
+  const AlabasterParameter lens[] = {
+      {"focalLength", number(focal)}, {"horizontalAperture", number(aperture)}, {"verticalAperture", number(aperture)}};
+  const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 20, 0, 6, 1};
+  const AlabasterCamera camera = {sizeof camera, aside, lens, 3, {}};
+  frame_.free_camera = &camera;
+  EXPECT_EQ(centre(render())[3], 0) << "looks past the quad";
+  frame_.free_camera = nullptr;
+  const char *const tags[] = {"proxy"}, *const quad[] = {"/quad"};
+  frame_.render_tags = array(ALABASTER_TOKEN, tags, 1);
+  EXPECT_EQ(centre(render())[3], 0);
+  frame_.render_tags = array(ALABASTER_TOKEN, tags, 0);
+  EXPECT_EQ(render(), plain) << "an empty list: all";
+  frame_.render_tags = {};
+  frame_.excluded = array(ALABASTER_TOKEN, quad, 1);
+  EXPECT_EQ(centre(render())[3], 0);
+  frame_.excluded = {};
+  frame_.roots = array(ALABASTER_TOKEN, quad, 1);
+  EXPECT_EQ(render(), plain);
+  const int32_t one = 1;
+  frame_.roots = array(ALABASTER_INT, &one, 1);
+  EXPECT_EQ(start(), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(api().last_error()).find("roots has the wrong type"), std::string::npos);
 }
 
 TEST_F(Door, WrongCallsSayWhatIsWrong) {

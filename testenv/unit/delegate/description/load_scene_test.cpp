@@ -236,6 +236,39 @@ TEST_F(LoadSceneTest, LightsInUsdLuxTerms) {
   expect_near(scene.GetLights().at("/lights/bulb").transform.translation(), Vec3d(1, 2, 3), 0);
 }
 
+TEST_F(LoadSceneTest, LightsAreLinkedByTheNamesOfMeshes) {
+  const auto linked = [](const std::string& lights) {
+    return R"({"gltf": [{"file": "patch.gltf"}, {"file": "lit.gltf"}], "settings": {"studio": "off"},
+               "lights": [)" +
+           lights + "]}";
+  };
+  const SceneFile file = describe(linked(R"({"name": "key", "type": "sphereLight", "lightLink": ["/gltf/patch/*"]},
+    {"name": "fill", "type": "sphereLight", "shadowLink": ["patch"], "lightLink": []},
+    {"match": "key", "lightLink": ["/gltf/lit/*"]})"));
+  ASSERT_TRUE(file.ok) << errors();
+  const Token key("lightLink of /lights/key"), fill("shadowLink of /lights/fill");
+  EXPECT_EQ(scene.GetLights().at("/lights/key").parameters.at("lightLink").text_or(""), key.str());
+  EXPECT_EQ(scene.GetLights().at("/lights/fill").parameters.at("lightLink").text_or(""), "lightLink of /lights/fill");
+  int lit = 0;
+  for (const auto& [path, mesh] : scene.GetMeshes()) {
+    const bool is_lit = path.str().starts_with("/gltf/lit/");
+    lit += is_lit;
+    EXPECT_EQ(mesh.categories, is_lit ? (std::vector<Token>{fill, key}) : std::vector<Token>{fill}) << path.str();
+  }
+  EXPECT_EQ(lit, 1) << "the later link holds";
+  EXPECT_FALSE(describe(linked(R"({"name": "other", "type": "sphereLight", "lightLink": ["patsh"]})")).ok);
+  EXPECT_NE(errors().find("/lights/0/lightLink/0"), std::string::npos) << errors();
+  EXPECT_NE(errors().find("Did you mean 'patch'?"), std::string::npos) << errors();
+}
+
+TEST_F(LoadSceneTest, CameraClipPlanes) {
+  const SceneFile file = describe(R"({"camera": {"clipPlanes": [[1, 0, 0, 0.5], [0, 1, 0, 0]]}})");
+  ASSERT_TRUE(file.ok) << errors();
+  const Value planes = scene.GetCameras().at(settings(file).camera).parameters.at("clipPlanes");
+  EXPECT_EQ(planes, Value(Array<Vec4f>{{1, 0, 0, 0.5f}, {0, 1, 0, 0}}));
+  EXPECT_FALSE(describe(R"({"camera": {"clipPlanes": [[1, 0, 0]]}})").ok);
+}
+
 TEST_F(LoadSceneTest, CameraInMillimetres) {
   const SceneFile file = describe(R"({"camera": {"lookAt": {"eye": [0, 0, 5], "target": [0, 0, 0]}, "focalLength": 85,
     "horizontalAperture": 24, "fStop": 2, "focusDistance": 5, "clippingRange": [0.1, 100]}})");

@@ -55,6 +55,126 @@ TEST(FrameRecorder, RendersAndWritesItsProducts) {
   EXPECT_TRUE(stage.delegate->GetRenderSetting("renderSettingsPrimPath").empty());
 }
 
+// The size and the mean of alpha of each picture, in order.
+struct Pictures {
+  std::vector<std::pair<Vec2i, double>> all;
+  RecordOptions options() {
+    RecordOptions o;
+    o.picture = [this](const ProductImage& image) {
+      const auto& rgba = image.aovs.at("color").floats;
+      double alpha = 0;
+      for (size_t i = 3; i < rgba.size(); i += 4) alpha += double(rgba[i]);
+      const Rect2i window = image.framing.dataWindow;
+      all.push_back({{window.width(), window.height()}, alpha / double(rgba.size() / 4)});
+    };
+    return o;
+  }
+};
+
+TEST(FrameRecorder, EachCameraAndSizeOfTheProductsIsAPictureOnce) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  host::CameraDescription away = stage.scene.GetCameras().at("/camera");
+  away.transform[3][0] = 100;
+  stage.scene.SetCamera("/away", away);
+  RenderSettingsDescription settings = settings_for(folder.path + "/a.png", 2);
+  settings.crop = Rect2i{0, 0, 12, 16};
+  settings.products.resize(5, settings.products[0]);
+  for (size_t i = 1; i < 5; ++i) settings.products[i].file = folder.path + "/" + std::to_string(i) + ".png";
+  settings.products[1].camera = "/away";
+  settings.products[2].camera = "/camera";
+  settings.products[3].width = 48;
+  settings.products[3].height = 33;
+  settings.products[4].camera = "/away";
+  stage.scene.SetRenderSettings("/settings", settings);
+  Pictures pictures;
+  const RecordResult result = RecordFrame(stage.index.get(), &stage.scene, "/settings", pictures.options());
+  EXPECT_EQ(result.status, RecordStatus::done);
+  EXPECT_EQ(result.written.size(), 5u);
+  ASSERT_EQ(pictures.all.size(), 3u) << "two cameras, and another size of the first";
+  EXPECT_EQ(pictures.all[0].first, Vec2i(12, 16));
+  EXPECT_EQ(pictures.all[2].first, Vec2i(24, 33)) << "half of 48 x 33";
+  EXPECT_GT(pictures.all[0].second, 0.1);
+  EXPECT_EQ(pictures.all[1].second, 0) << "looks past the quad";
+  EXPECT_NEAR(pictures.all[2].second, pictures.all[0].second, 0.03);
+  EXPECT_FALSE(stage.index->Has("/settings/buffer_color"));
+}
+
+TEST(FrameRecorder, PicturesOfSeveralCamerasHaveNoCheckpoint) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  RenderSettingsDescription settings = settings_for(folder.path + "/a.png", 1);
+  settings.products.push_back(settings.products[0]);
+  settings.products[1].height = 20;
+  stage.scene.SetRenderSettings("/settings", settings);
+  RecordOptions options;
+  options.checkpoint = folder.path + "/frame.checkpoint";
+  std::vector<std::string> codes;
+  options.diagnostics = [&](const Diagnostic& d) { codes.push_back(d.code); };
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", options).status, RecordStatus::input_failed);
+  EXPECT_EQ(codes, std::vector<std::string>{"record.checkpoint"});
+  settings.products[1].camera = "/nowhere";
+  stage.scene.SetRenderSettings("/settings", settings);
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status, RecordStatus::input_failed);
+}
+
+// A quad that moves by its own width while the shutter is open, and the same at the frame's time.
+TEST(FrameRecorder, ProductsMayLeaveOutMotionBlurAndDepthOfField) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  MeshDescription mesh = Stage::quad();
+  Matrix4d right;
+  right[3][0] = 1;
+  mesh.transformSamples = {{0, 1}, {Matrix4d(), right}};
+  stage.scene.SetMesh("/quad", mesh);
+  CameraDescription camera = stage.scene.GetCameras().at("/camera");
+  camera.parameters["shutterClose"] = 1.0;
+  camera.parameters["fStop"] = 0.2f;
+  camera.parameters["focusDistance"] = 1.0f;
+  stage.scene.SetCamera("/camera", camera);
+  RenderSettingsDescription settings = settings_for(folder.path + "/a.png", 16);
+  settings.products.resize(3, settings.products[0]);
+  settings.products[1].disableDepthOfField = true;
+  settings.products[1].file = folder.path + "/b.png";
+  settings.products[2].disableMotionBlur = settings.products[2].disableDepthOfField = true;
+  settings.products[2].file = folder.path + "/c.png";
+  stage.scene.SetRenderSettings("/settings", settings);
+  std::vector<int> partly;  // pixels that are neither empty nor covered
+  RecordOptions options;
+  options.picture = [&](const ProductImage& image) {
+    const auto& rgba = image.aovs.at("color").floats;
+    partly.push_back(0);
+    for (size_t i = 3; i < rgba.size(); i += 4) partly.back() += rgba[i] > 0 && rgba[i] < 1;
+  };
+  EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", options).status, RecordStatus::done);
+  ASSERT_EQ(partly.size(), 3u);
+  EXPECT_NE(partly[0], partly[1]);
+  EXPECT_GT(partly[1], partly[2] + 20);
+  EXPECT_LT(partly[2], 70) << "the outline";
+}
+
+TEST(FrameRecorder, DrawsTheIncludedPurposes) {
+  const Folder folder;
+  Stage stage;
+  stage.add_basic_scene();
+  MeshDescription proxy = Stage::quad();
+  proxy.renderTag = "proxy";
+  proxy.transform = Matrix4d().setScale(1.5);
+  stage.scene.SetMesh("/proxy", proxy);
+  RenderSettingsDescription settings = settings_for(folder.path + "/a.png", 2);
+  Pictures pictures;
+  for (const std::vector<Token>& purposes : {settings.includedPurposes, std::vector<Token>{"default", "proxy"}}) {
+    settings.includedPurposes = purposes;
+    stage.scene.SetRenderSettings("/settings", settings);
+    EXPECT_EQ(RecordFrame(stage.index.get(), &stage.scene, "/settings", pictures.options()).status, RecordStatus::done);
+  }
+  ASSERT_EQ(pictures.all.size(), 2u);
+  EXPECT_GT(pictures.all[1].second, 1.5 * pictures.all[0].second);
+}
+
 TEST(FrameRecorder, RefusesBeforeRenderingWhatCannotSucceed) {
   const Folder folder;
   Stage stage;

@@ -1,0 +1,25 @@
+// The meshes that a pass draws: by render tag and by collection.
+#pragma once
+
+#include <set>
+#include <string_view>
+
+#include "delegate/prims/records.h"
+
+namespace alabaster::hd::prims {
+
+/// Immutable. Selections that list the same in another order are equal.
+class Selection {
+ public:
+  /// The default of RenderPassState.
+  Selection();
+  Selection(const std::vector<Token>& render_tags, const Collection& collection);
+  bool includes(const Path& path, const MeshRecord& mesh) const;
+  bool operator==(const Selection&) const = default;
+
+ private:
+  std::set<Token> tags_;                         // empty: all but `hidden`
+  std::set<std::string_view> roots_, excludes_;  // of interned paths, without a slash at their end; no root: all
+};
+
+}  // namespace alabaster::hd::prims

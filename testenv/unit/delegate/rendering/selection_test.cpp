@@ -1,0 +1,171 @@
+// Render tags and collections of passes that draw one scene.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+constexpr int kSize = 24;
+
+// Small quads side by side in front of the basic scene's camera, one for each tag, by path.
+class Tagged : public Stage {
+ public:
+  Tagged() : Stage({{"samples", int64_t(1)}, {"threads", 2}}) {
+    add_basic_scene();
+    scene.Remove("/quad");
+    add("/set/geometry", "geometry", -1.5);
+    add("/set/render", "render", -0.75);
+    add("/set/proxy", "proxy", 0);
+    add("/guides/guide", "guide", 0.75);
+    add("/guides/hidden", "hidden", 1.5);
+    index->SyncAll();
+  }
+
+  void add(const char* path, const char* tag, double x) {
+    host::MeshDescription mesh = quad();
+    mesh.transform = Matrix4d().setScale(0.25);
+    mesh.transform[3][0] = x;
+    mesh.renderTag = tag;
+    mesh.displayStyle.refineLevel = 2;
+    mesh.topology.scheme = "bilinear";
+    scene.SetMesh(path, mesh);
+  }
+
+  struct View {
+    std::unique_ptr<RenderPass> pass;
+    RenderBuffer* buffer = nullptr;
+    RenderPassState state;
+  };
+  View view(const char* buffer) {
+    View v{delegate->CreateRenderPass(), add_buffer(buffer, kSize, kSize, Format::int32), {}};
+    index->SyncAll();
+    v.state = state_for(kSize, kSize, "primId", v.buffer);
+    return v;
+  }
+
+  /// The names of the meshes in the picture.
+  std::set<std::string> drawn(const View& v) {
+    EXPECT_TRUE(finish(*v.pass, v.state));
+    std::set<std::string> names;
+    for (const int32_t id : pixels<int32_t>(v.buffer)) {
+      const std::string path = index->GetRprimPathFromPrimId(id).str();
+      if (id >= 0) names.insert(path.substr(path.rfind('/') + 1));
+    }
+    return names;
+  }
+};
+
+using Names = std::set<std::string>;
+
+TEST(Selection, APassDrawsTheTagsThatItLists) {
+  Tagged stage;
+  Tagged::View view = stage.view("/ids");
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"})) << "the default is the final picture";
+  view.state.renderTags = {"geometry", "proxy"};
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "proxy"}));
+  view.state.renderTags = {"guide"};
+  EXPECT_EQ(stage.drawn(view), (Names{"guide"}));
+  view.state.renderTags = {};
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render", "proxy", "guide"}));
+  view.state.renderTags = {"hidden"};
+  EXPECT_EQ(stage.drawn(view), (Names{"hidden"}));
+  view.state.renderTags = {"nobody"};
+  EXPECT_EQ(stage.drawn(view), Names());
+  EXPECT_TRUE(stage.take_diagnostics().empty());
+}
+
+TEST(Selection, CollectionsTakeWhatLiesBelowTheirRoots) {
+  Tagged stage;
+  stage.add("/settee", "geometry", 0.75);
+  stage.index->SyncAll();
+  Tagged::View view = stage.view("/ids");
+  view.state.collection.rootPaths = {"/set/"};
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"})) << "/settee is not below /set";
+  view.state.collection = {{"/settee", "/set/render"}, {}};
+  EXPECT_EQ(stage.drawn(view), (Names{"settee", "render"}));
+  view.state.collection = {{"/"}, {"/set"}};
+  EXPECT_EQ(stage.drawn(view), (Names{"settee"}));
+  view.state.collection = {{}, {"/set/geometry"}};
+  EXPECT_EQ(stage.drawn(view), (Names{"settee", "render"}));
+  view.state.collection = {{"/nowhere"}, {}};
+  EXPECT_EQ(stage.drawn(view), Names());
+  view.state.collection = {};
+  view.state.renderTags = {"render"};
+  EXPECT_EQ(stage.drawn(view), (Names{"render"}));
+}
+
+// No Sync between them, and each mesh is refined once.
+TEST(Selection, TogglingBuildsNothingAgain) {
+  Tagged stage;
+  Tagged::View view = stage.view("/ids");
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"}));
+  const double without = stage.stat("sync.refineWallSeconds");
+  view.state.renderTags = {"proxy"};
+  EXPECT_EQ(stage.drawn(view), (Names{"proxy"}));
+  const double once = stage.stat("sync.refineWallSeconds");
+  EXPECT_GT(once, without) << "a proxy is refined when it is first drawn";
+  for (const char* tag : {"geometry", "proxy", "render", "proxy"}) {
+    view.state.renderTags = {tag};
+    EXPECT_EQ(stage.drawn(view), (Names{tag}));
+  }
+  EXPECT_EQ(stage.stat("sync.refineWallSeconds"), once);
+}
+
+TEST(Selection, PassesOfOneDelegateMayDiffer) {
+  Tagged stage;
+  Tagged::View a = stage.view("/a"), b = stage.view("/b");
+  b.state.renderTags = {"proxy"};
+  b.state.collection.rootPaths = {"/set"};
+  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render"}));
+  EXPECT_EQ(stage.drawn(b), (Names{"proxy"}));
+  const double number = stage.stat("sceneNumber");
+  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render"}));
+  EXPECT_EQ(stage.drawn(b), (Names{"proxy"}));
+  EXPECT_EQ(stage.stat("sceneNumber"), number) << "no scene is built for passes that go on";
+  EXPECT_TRUE(a.pass->IsConverged());
+
+  // An edit reaches both, each in its own scene.
+  stage.add("/set/more", "geometry", 1.5);
+  stage.add("/set/other", "proxy", 1.5);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
+  EXPECT_EQ(stage.drawn(b), (Names{"proxy", "other"}));
+  stage.scene.Remove("/set/proxy");
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.drawn(b), (Names{"other"}));
+  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
+  b.pass.reset();
+  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
+}
+
+// The order, and tags that are listed twice, make no other selection.
+TEST(Selection, TheSameInAnotherOrderIsNoOtherScene) {
+  Tagged stage;
+  Tagged::View view = stage.view("/ids");
+  stage.drawn(view);
+  const double number = stage.stat("sceneNumber");
+  view.state.renderTags = {"render", "geometry", "render"};
+  view.state.collection.rootPaths = {};
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"}));
+  EXPECT_EQ(stage.stat("sceneNumber"), number);
+}
+
+TEST(Selection, AnEditedTagIsFollowed) {
+  Tagged stage;
+  Tagged::View view = stage.view("/ids");
+  stage.drawn(view);
+  const double refined = stage.stat("sync.refineWallSeconds");
+  stage.add("/set/geometry", "guide", -1.5);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.drawn(view), (Names{"render"}));
+  stage.add("/set/geometry", "geometry", -1.5);
+  stage.index->SyncAll();
+  EXPECT_EQ(stage.drawn(view), (Names{"geometry", "render"}));
+  EXPECT_EQ(stage.stat("sync.refineWallSeconds"), refined);
+}
+
+}  // namespace
+}  // namespace alabaster::hd
