@@ -1,6 +1,8 @@
 // Cameras by value, and what clips their rays.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -138,6 +140,41 @@ TEST_F(FreeCamera, ClippingLeavesTheLightAlone) {
   EXPECT_GT(shaded[middle], 0);
   EXPECT_LT(shaded[middle], 0.75f * bare[middle]);
   EXPECT_EQ(shaded[middle + 3], 1);
+}
+
+// A camera that stands in a body sees the same as one before it whose rays begin there.
+TEST_F(FreeCamera, RaysThatBeginInABodyAreThoseOfACameraInIt) {
+  host::MeshDescription body;
+  body.topology.faceVertexCounts = {4, 4, 4, 4, 4, 4};
+  body.topology.faceVertexIndices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+  std::vector<Vec3f> points;
+  for (int i = 0; i < 8; ++i) points.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+  body.primvars["points"].value = Array<Vec3f>(std::move(points));
+  body.material = "/wax";
+  MaterialNetwork network;
+  network.nodes["surface"].nodeTypeId = "AlabasterDisney";
+  network.nodes["surface"].parameters["scatterDistance"] = Vec3f(0.4f);
+  network.terminals["surface"] = {"surface", "surface"};
+  stage_.scene.SetMaterial("/wax", network);
+  stage_.scene.SetMesh("/quad", body);
+  stage_.index->SyncAll();
+  camera_.parameters["projection"] = Token("orthographic");
+  camera_.transform[3][2] = 0.5;
+  const auto within = picture_by_value();
+  camera_.transform[3][2] = 4;
+  EXPECT_NE(picture_by_value(), within) << "the skin, from before";
+  for (const bool by_plane : {false, true}) {
+    camera_.parameters.erase("clippingRange");
+    if (by_plane)
+      camera_.parameters["clipPlanes"] = Array<Vec4f>{{0, 0, -1, -3.5f}};
+    else
+      camera_.parameters["clippingRange"] = Vec2f(3.5f, 0);
+    const auto cut = picture_by_value();
+    double difference = 0, sum = 0;
+    for (size_t i = 0; i < cut.size(); ++i) difference += double(cut[i] - within[i]), sum += double(within[i]);
+    EXPECT_GT(sum, 0.1 * kSize * kSize);
+    EXPECT_LT(std::abs(difference) / sum, 1e-3) << by_plane;
+  }
 }
 
 }  // namespace
