@@ -60,7 +60,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
 }
 
 TEST(LightSet, EmittedHonoursDistanceEscapeAndCamera) {
-  const LightSet set({sphere(1), dome(4)}, {false, true});
+  const LightSet set({sphere(1), dome(4)}, {{false, true}, {}});
   Ray ray{{0, 0, -3}, {0, 0, 1}};
   EXPECT_EQ(set.emitted(ray, true, false, ConstantDomes::sampled, kUnweighted), Rgb(5.0f));
   EXPECT_EQ(set.emitted(ray, true, true, ConstantDomes::sampled, kUnweighted), Rgb(4.0f))
