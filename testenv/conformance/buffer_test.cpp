@@ -116,7 +116,7 @@ TEST(Buffers, ImpossibleSizesAreRefusedAndChangeNothing) {
 
 // OpenUSD#1236: the old picture stays until the new one is usable. Every picture on the way is whole, if coarse.
 TEST(Buffers, TheOldPictureStaysUntilTheNewOneCovers) {
-  Host host(24, 24, {{"samples", 64}});
+  Host host(24, 24, {{"samples", 16}});
   add_halves(host);
   host.render();
   for (const int size : {40, 16, 32}) {
@@ -126,9 +126,10 @@ TEST(Buffers, TheOldPictureStaysUntilTheNewOneCovers) {
       host.pass->Execute(host.state);
       const Picture seen = read(host.buffer());
       ASSERT_EQ(seen.bytes.size(), size_t(seen.width) * size_t(seen.height) * 16);
+      int wrong = 0;
       for (double x : {-0.9, -0.1, 0.1, 0.9})
-        for (double y : {-0.9, 0.0, 0.9})
-          ASSERT_TRUE(near(seen.color(x, y), kRed) || near(seen.color(x, y), kGreen)) << seen.width << " " << x;
+        for (double y : {-0.9, 0.0, 0.9}) wrong += !near(seen.color(x, y), kRed) && !near(seen.color(x, y), kGreen);
+      ASSERT_EQ(wrong, 0) << "of 12 pixels, " << seen.width << " wide";
       if (host.pass->IsConverged()) break;
     }
     const Picture last = read(host.buffer());
@@ -137,18 +138,23 @@ TEST(Buffers, TheOldPictureStaysUntilTheNewOneCovers) {
   }
 }
 
+int empty_pixels(const Picture& picture) {
+  int count = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) count += picture.number(x, y, 3) != 1;
+  return count;
+}
+
 TEST(Buffers, TheFirstPictureAfterARestartIsNotEmpty) {
-  Host host(32, 32, {{"samples", 64}});
+  Host host(32, 32, {{"samples", 8}});
   add_halves(host);
   host.render();
-  for (int move = 1; move <= 4; ++move) {
+  for (int move = 1; move <= 3; ++move) {
     host.camera(dirty::kTransform).transform = moved(0.01 * move, 0, 1.9);
     host.sync();
     for (int i = 0; i < 5000; ++i) {
       host.pass->Execute(host.state);
-      const Picture seen = read(host.buffer());
-      for (int y = 0; y < 32; ++y)
-        for (int x = 0; x < 32; ++x) ASSERT_EQ(seen.number(x, y, 3), 1) << "move " << move << ", " << x << " " << y;
+      ASSERT_EQ(empty_pixels(read(host.buffer())), 0) << "move " << move;
       if (host.pass->IsConverged()) break;
     }
   }
@@ -160,6 +166,12 @@ TEST(Buffers, SizeAndPixelsAreReadAsOne) {
   add_halves(host);
   host.render();
   RenderBuffer& color = host.buffer();
+  std::vector<uint8_t> all;
+  host.resize(20, 20);
+  host.sync();
+  const Vec2i now = color.ResolveTo(&all, true);
+  EXPECT_EQ(all.size(), size_t(now.x) * size_t(now.y) * 16) << "allocated, but not drawn yet";
+  EXPECT_EQ(read(color).bytes.size(), all.size());
   std::atomic<bool> over = false;
   std::atomic<int> torn = 0, reads = 0;
   std::thread reader([&] {

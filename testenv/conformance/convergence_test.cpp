@@ -187,18 +187,14 @@ TEST(Execute, NothingThatStaysTheSameRestarts) {
   add_noisy_scene(host);
   const Picture picture = host.render();
   const uint64_t generation = host.buffer().GetGeneration();
-  for (int i = 0; i < 100; ++i) {
-    host.mark("/camera", dirty::kAll);
-    host.mark("/quad", dirty::kAll);
-    host.mark("/matte", dirty::kAll);
-    host.mark("/cube", dirty::kAll);
+  for (int i = 0; i < 20; ++i) {
+    for (const char* path : {"/camera", "/quad", "/matte", "/cube"}) host.mark(path, dirty::kAll);
     host.sync();
-    ASSERT_TRUE(host.converge());
+    host.take_up();
+    ASSERT_TRUE(host.pass->IsConverged());
   }
   EXPECT_TRUE(read(host.buffer()) == picture);
-  host.pass->Execute(host.state);
-  EXPECT_TRUE(host.pass->IsConverged());
-  EXPECT_GE(host.buffer().GetGeneration(), generation);
+  EXPECT_EQ(host.buffer().GetGeneration(), generation);
 }
 
 }  // namespace

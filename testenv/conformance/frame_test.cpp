@@ -196,7 +196,7 @@ class Resume : public testing::Test {
 };
 
 TEST_F(Resume, GivesTheBytesOfARenderWithoutInterruption) {
-  const Dictionary settings = {{"samples", 64}};
+  const Dictionary settings = {{"samples", 24}};
   Host plain(kSize, kSize, settings), second(kSize, kSize, settings);
   add_noisy_scene(plain), add_noisy_scene(second);
   {

@@ -10,7 +10,7 @@ namespace {
 
 // A square of [-.5, .5] that moves from x = 0 to x = .5 in one frame and glows.
 struct MovingHost : Host {
-  MovingHost() : Host(16, 16, {{"samples", 128}}) {
+  MovingHost() : Host(16, 16, {{"samples", 64}}) {
     material("/red") = glow(kRed);
     Mesh& square = mesh("/square") = rectangle(-0.5, -0.5, 0.5, 0.5);
     square.material = "/red";
