@@ -97,13 +97,16 @@ TEST(Control, APauseParksTheWorkers) {
   host.sync();
   host.take_up();
   host.delegate->Pause();
-  // Samples that had begun are finished, and nothing more: readings that agree are found soon.
-  double last = -1, now = samples_so_far(host);
-  for (int i = 0; i < 40 && now != last; ++i) {
+  // Samples that had begun are finished, and nothing more: ten readings that agree follow soon.
+  double last = -1;
+  int equal = 0;
+  for (int i = 0; i < 60 && equal < 10; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    last = std::exchange(now, samples_so_far(host));
+    const double now = samples_so_far(host);
+    equal = now == last ? equal + 1 : 0;
+    last = now;
   }
-  EXPECT_EQ(now, last);
+  EXPECT_EQ(equal, 10);
   host.delegate->Resume();
   host.delegate->SetRenderSetting("samples", 32);
   EXPECT_TRUE(host.render() == plain.render());

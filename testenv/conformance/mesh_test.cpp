@@ -1,6 +1,8 @@
 // Contract 1.4, section 3: subsets, holes, sides and refinement of whole meshes.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "testenv/conformance/scenes.h"
 
 namespace conformance {
@@ -45,11 +47,13 @@ TEST(Subsets, MayBeMany) {
   for (int face = 0; face < 1024; face += 2)
     grid.topology.geomSubsets.push_back({"/grid/" + std::to_string(face), (face / 32) % 2 ? "/red" : "/green", {face}});
   const Picture picture = host.render();
+  int wrong = 0;
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) {
       const bool green = x % 2 == 0 && y % 2 == 0;
-      EXPECT_NEAR(picture.number(2 * x, 2 * y, 1), green ? kGreen.y : kRed.y, 2e-3) << x << " " << y;
+      wrong += std::abs(picture.number(2 * x, 2 * y, 1) - (green ? kGreen.y : kRed.y)) > 2e-3f;
     }
+  EXPECT_EQ(wrong, 0) << "of 1024 faces";
 }
 
 TEST(Subsets, AnEditOfThemAloneIsSeen) {

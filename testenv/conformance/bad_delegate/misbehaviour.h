@@ -94,7 +94,7 @@ class Buffer final : public RenderBuffer {
   bool IsMapped() const override { return real->IsMapped(); }
   bool IsConverged() const override { return real->IsConverged() && !is("buffers_never_converge"); }
   uint64_t GetGeneration() const override;
-  Vec2i ResolveTo(std::vector<uint8_t>* out, bool y_down) override;
+  bool ResolveTo(PixelMemory* memory) override;
 
   std::vector<uint8_t> take_own() { return std::move(own_); }
 

@@ -58,7 +58,7 @@ void Buffer::spoil(std::vector<uint8_t>* pixels) const {
   if (real->GetFormat() == Format::int32 || is("averages_depth")) average(pixels);
 }
 
-// Of numbers in rows, which ids and depths are.
+// Ids, and depths by their bits.
 void Buffer::average(std::vector<uint8_t>* pixels) const {
   std::vector<int32_t> ids(pixels->size() / 4);
   std::memcpy(ids.data(), pixels->data(), ids.size() * 4);
@@ -82,10 +82,9 @@ uint64_t Buffer::GetGeneration() const {
   return real->GetGeneration() + (is("generation_always_rises") ? ++asked_ : 0);
 }
 
-Vec2i Buffer::ResolveTo(std::vector<uint8_t>* out, bool y_down) {
-  const Vec2i size = real->ResolveTo(out, y_down);
-  if (is("size_is_ahead_of_pixels")) return {wanted_.dimensions.x, wanted_.dimensions.y};
-  return size;
+bool Buffer::ResolveTo(PixelMemory* memory) {
+  const Vec2i wanted(wanted_.dimensions.x, wanted_.dimensions.y);
+  return (is("size_is_ahead_of_pixels") && memory->size == wanted) || real->ResolveTo(memory);
 }
 
 // The real pass knows the real buffers alone.
