@@ -39,6 +39,7 @@ struct Mesh {
   Matrix4d transform;
   bool visible = true, double_sided = true;
   Token tag = "geometry";
+  std::vector<Token> categories;
   Path material, instancer;
   TimeSamples<Matrix4d> motion;
   TimeSamples<Value> moving_points;
@@ -83,6 +84,7 @@ class Scene : public SceneDelegate {
   bool GetVisible(const Path& id) override;
   bool GetDoubleSided(const Path& id) override;
   Token GetRenderTag(const Path& id) override;
+  std::vector<Token> GetCategories(const Path& id) override;
   Path GetMaterialId(const Path& id) override;
   std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) override;
   Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) override;

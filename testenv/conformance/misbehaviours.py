@@ -24,15 +24,16 @@ TABLE = {
     "averages_ids": ["Ids.AreNeverAveraged", "Of/Windows.A*/primId", "Instances.AHiddenPrototypeHasNone",
                      "Instances.AnInstancerMayHaveNone", "Instances.IndicesOutOfRangeAreLeftOutAndKeepTheirNumbers",
                      "Instances.InstancersComeAndGoInAnyOrder", "Instances.NestedOnesHaveTheirPlaceAndId",
-                     "Instances.TheOrderIs*"],
-    "background_is_zero": ["Ids.AreNeverAveraged", "Ids.ZeroIsAnIdAndTheBackgroundIsMinusOne", "Instances.*"],
+                     "Instances.TheOrderIs*", "Purposes.OfNestedInstancesAreToggled"],
+    "background_is_zero": ["Ids.AreNeverAveraged", "Ids.ZeroIsAnIdAndTheBackgroundIsMinusOne", "Instances.*",
+                           "Purposes.OfNestedInstancesAreToggled"],
     "buffers_never_converge": ["Convergence.BuffersAndPassAgree"],
     "converges_before_the_last_picture": ["Convergence.TheLastPictureIsSeenBeforeItIsReported",
                                           "Convergence.BuffersAndPassAgree", "Settings.AnotherValueRestarts"],
     "describes_settings_that_no_host_shows": ["Settings.DescriptorsHaveValuesThatHostsCanShow"],
     "does_not_pause": ["Control.APauseParksTheWorkers"],
     "draws_a_ghost_of_no_instance": ["Instances.AnInstancerMayHaveNone"],
-    "draws_prototypes": ["Instances.*"],
+    "draws_prototypes": ["Instances.*", "Purposes.OfNestedInstancesAreToggled"],
     "drops_faces_of_no_subset": ["Subsets.FacesOfNoSubsetHaveTheMeshsMaterial", "Subsets.MayBeMany"],
     "drops_samples_outside_of_the_shutter": ["Motion.SamplesMayLieOutsideOfTheShutter"],
     "drops_unknown_settings": ["Settings.UnknownKeysAreKeptAndIgnored"],
@@ -43,12 +44,15 @@ TABLE = {
                                  "*BadMesh*/NegativeCount"],
     "flips_rows": ["Buffers.RowsRunBottomUp", "Ids.ElementsAreFacesOfTheCage", "Instances.*", "Meshes.HolesAreHoles",
                    "Of/Windows.*", "Primvars.MayChangeTheirInterpolationAndType", "Primvars.PointsAloneMayChange",
-                   "Subsets.*", "Sync.WaitsForNoRender", "Visibility.EditsOfAHiddenMeshAreSeenOnceItIsShown"],
+                   "Purposes.OfNestedInstancesAreToggled", "Subsets.*", "Sync.WaitsForNoRender", "Visibility.EditsOfAHiddenMeshAreSeenOnceItIsShown"],
     "generation_always_rises": ["Buffers.TheGenerationRisesOnlyWithNewPixels", "Execute.NothingThatStaysTheSameRestarts",
                                 "Settings.AnEqualValueRestartsNothing"],
     "has_no_fallbacks": ["Prims.FallbacksAreNeverSyncedAndHarmNothing"],
     "ignores_clear_values": ["Windows.OutsideTheDataWindowIsTheClearValue"],
+    "ignores_collections": ["Collections.ChooseByPath"],
+    "ignores_free_cameras": ["Camera.MayBeFree"],
     "ignores_holes": ["Meshes.HolesAreHoles"],
+    "ignores_light_links": ["LightLinks.NameCategories"],
     "ignores_motion_at_first": ["Motion.SamplesMayLieOutsideOfTheShutter", "Motion.TheCameraIsBlurred",
                                 "Motion.TheFirstFrameIsBlurred"],
     "ignores_orientation": ["Meshes.SingleSidedFacesAreSeenFromTheFront"],
@@ -57,6 +61,7 @@ TABLE = {
     "ignores_settings": ["Settings.AnotherValueRestarts"],
     "ignores_shutter_changes": ["Motion.AShutterChangeNeedsNoSyncOfMeshes"],
     "ignores_sides": ["Meshes.SingleSidedFacesAreSeenFromTheFront"],
+    "ignores_the_passes_purposes": ["Purposes.AreToggledWithoutASync", "Purposes.OfNestedInstancesAreToggled"],
     "ignores_visibility": ["Instances.AHiddenPrototypeHasNone", "Materials.MayBeEditedWhileTheirMeshIsHidden",
                            "Visibility.*"],
     "instance_ids_outermost_fastest": ["Instances.NestedOnesHaveTheirPlaceAndId"],
@@ -68,6 +73,7 @@ TABLE = {
                            "Materials.ThatAreBrokenHarmNoOther", "Storm.NoEditIsLost",
                            "Storm.OfControlFromOtherThreadsEndsWell"],
     "keeps_old_points": ["Primvars.PointsAloneMayChange"],
+    "keeps_old_purposes": ["Purposes.OfAMeshMayChange"],
     "keeps_old_prim_ids": ["Ids.ANewPrimIdIsSeen"],
     "keeps_quiet_about_failures": ["Convergence.AFailureConverges", "Resume.AnotherSceneIsRefused"],
     "keeps_removed_primvars": ["Primvars.ThatAreRemovedAreGone"],
@@ -108,7 +114,9 @@ TABLE = {
     "takes_any_version": ["Delegates.OfAnotherVersionAreNotMade"],
 }
 MAY = {}
-ALONE = {name for name, tests in TABLE.items() if any("*" in test for test in tests) or len(tests) > 3}
+# Some mend or worsen others.
+ALONE = {"ignores_motion_at_first", "pulls_everything",
+         *(name for name, tests in TABLE.items() if any("*" in test for test in tests) or len(tests) > 3)}
 
 
 def groups(names):

@@ -54,6 +54,9 @@ bool Scene::GetDoubleSided(const Path& id) {
 Token Scene::GetRenderTag(const Path& id) {
   return found(meshes, id).tag;
 }
+std::vector<Token> Scene::GetCategories(const Path& id) {
+  return found(meshes, id).categories;
+}
 Path Scene::GetMaterialId(const Path& id) {
   count("material", id);
   return found(meshes, id).material;

@@ -50,7 +50,11 @@ class Scene final : public SceneDelegate {
   Matrix4d GetTransform(const Path& id) override { return host_->GetTransform(id); }
   bool GetVisible(const Path& id) override;
   bool GetDoubleSided(const Path& id) override { return is("ignores_sides") || host_->GetDoubleSided(id); }
-  Token GetRenderTag(const Path& id) override { return host_->GetRenderTag(id); }
+  Token GetRenderTag(const Path& id) override;
+  std::vector<Token> GetCategories(const Path& id) override { return host_->GetCategories(id); }
+  std::vector<std::vector<Token>> GetInstanceCategories(const Path& id) override {
+    return host_->GetInstanceCategories(id);
+  }
   Path GetMaterialId(const Path& id) override;
   std::vector<PrimvarDescriptor> GetPrimvarDescriptors(const Path& id) override;
   Value GetPrimvar(const Path& id, const Token& name, Array<int32_t>* indices) override;
@@ -65,7 +69,7 @@ class Scene final : public SceneDelegate {
   Matrix4d GetInstancerTransform(const Path& id) override { return host_->GetInstancerTransform(id); }
   Array<int32_t> GetInstanceIndices(const Path& id, const Path& prototype) override;
   MaterialNetwork GetMaterialResource(const Path& id) override;
-  Value GetLightParamValue(const Path& id, const Token& name) override { return host_->GetLightParamValue(id, name); }
+  Value GetLightParamValue(const Path& id, const Token& name) override;
   Value GetCameraParamValue(const Path& id, const Token& name) override;
   RenderBufferDescriptor GetRenderBufferDescriptor(const Path& id) override {
     return host_->GetRenderBufferDescriptor(id);

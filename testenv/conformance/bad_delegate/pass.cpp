@@ -102,6 +102,9 @@ RenderPassState Pass::translated(const RenderPassState& state) const {
   const bool part = window.minX != int(framing.displayMin.x) || window.minY != int(framing.displayMin.y) ||
                     window.maxX != int(framing.displayMax.x) || window.maxY != int(framing.displayMax.y);
   if (is("moves_crops") && part) framing.displayMin.x += 1, framing.displayMax.x += 1;
+  if (is("ignores_the_passes_purposes")) real.renderTags = RenderPassState().renderTags;
+  if (is("ignores_collections")) real.collection = {};
+  if (is("ignores_free_cameras") && real.freeCamera) real.freeCamera.reset(), real.camera = "/camera";
   if (memory_->poisoned) real.camera = "/poisoned";
   return real;
 }
@@ -109,7 +112,12 @@ RenderPassState Pass::translated(const RenderPassState& state) const {
 void Pass::Execute(const RenderPassState& state) {
   RenderDelegate& delegate = *memory_->real;
   if (is("stop_does_not_latch") && delegate.IsStopped()) delegate.Restart();
-  if (memory_->must_restart.exchange(false)) real_->Execute(RenderPassState());
+  if (memory_->must_restart.exchange(false)) {  // equal requests would continue
+    const Value seed = delegate.GetRenderSetting("seed");
+    delegate.SetRenderSetting("seed", static_cast<int32_t>(seed.number_or(0)) + 1);
+    real_->Execute(translated(state));
+    delegate.SetRenderSetting("seed", seed);
+  }
   if (is("seed_is_of_the_threads")) delegate.SetRenderSetting("seed", delegate.GetRenderSetting("threads"));
   if (is("seed_is_of_the_edits")) delegate.SetRenderSetting("seed", memory_->network_syncs.load());
   real_->Execute(translated(state));

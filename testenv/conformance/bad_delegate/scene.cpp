@@ -36,6 +36,11 @@ bool Scene::GetVisible(const Path& id) {
   return is("ignores_visibility") ? memory_->latched(id, "visible", visible).get_or(visible) : visible;
 }
 
+Token Scene::GetRenderTag(const Path& id) {
+  const Token tag = host_->GetRenderTag(id);
+  return is("keeps_old_purposes") ? Token(memory_->latched(id, "tag", tag).get_or(tag)) : tag;
+}
+
 Path Scene::GetMaterialId(const Path& id) {
   const Path material = host_->GetMaterialId(id);
   if (is("ignores_rebinding")) return Path(memory_->latched(id, "material", material).get_or(material));
@@ -108,6 +113,10 @@ Array<int32_t> Scene::GetInstanceIndices(const Path& id, const Path& prototype) 
 MaterialNetwork Scene::GetMaterialResource(const Path& id) {
   ++memory_->network_syncs;
   return host_->GetMaterialResource(id);
+}
+
+Value Scene::GetLightParamValue(const Path& id, const Token& name) {
+  return is("ignores_light_links") && name == Token("lightLink") ? Value() : host_->GetLightParamValue(id, name);
 }
 
 Value Scene::GetCameraParamValue(const Path& id, const Token& name) {
