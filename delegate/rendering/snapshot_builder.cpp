@@ -193,24 +193,25 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
   retire_unselected();
 }
 
-// A new selection shares parts with the scene of one that nobody asks for any more.
+// A new selection shares parts with the scene of one that nobody asks for any more. Memory may run out until the new
+// list is there; what follows only swaps.
 void SnapshotBuilder::choose_variants(const std::vector<prims::Selection>& selections) {
   std::vector<Variant> chosen;
-  const auto take = [&](const prims::Selection& selection, const auto& fits) {
-    const auto found = std::find_if(variants_.begin(), variants_.end(), fits);
-    chosen.push_back({selection, found == variants_.end() ? SnapshotCompiler(param_->device(), param_->sink())
-                                                          : std::move(found->compiler)});
-    if (found != variants_.end()) variants_.erase(found);
+  chosen.reserve(selections.size());
+  for (const prims::Selection& selection : selections)
+    chosen.push_back({selection, SnapshotCompiler(param_->device(), param_->sink())});
+  const auto find = [](std::vector<Variant>& in, const prims::Selection& selection) {
+    return std::find_if(in.begin(), in.end(), [&](const Variant& v) { return v.selection == selection; });
   };
-  const auto is_asked_for = [&](const Variant& v) {
-    return std::find(selections.begin(), selections.end(), v.selection) != selections.end();
-  };
-  for (const prims::Selection& selection : selections) {
-    const auto is_same = [&](const Variant& v) { return v.selection == selection; };
-    if (std::any_of(variants_.begin(), variants_.end(), is_same))
-      take(selection, is_same);
-    else
-      take(selection, [&](const Variant& v) { return !is_asked_for(v); });
+  auto unused = variants_.begin();
+  for (Variant& now : chosen) {
+    auto from = find(variants_, now.selection);
+    if (from == variants_.end()) {
+      while (unused != variants_.end() && find(chosen, unused->selection) != chosen.end()) ++unused;
+      if (unused == variants_.end()) continue;
+      from = unused++;
+    }
+    std::swap(now.compiler, from->compiler);
   }
   variants_ = std::move(chosen);
 }
