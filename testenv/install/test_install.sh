@@ -45,6 +45,9 @@ else
   echo "skipped: the Python module was not built (python3-dev, pybind11-dev)"
 fi
 
+# The contract's suite on the installed library.
+"$1/bin/delegate_conformance" --library "$library" --storm 0.01 --gtest_brief=1
+
 # The cost of loading.
 $c99 "$here/load_probe.c" -o "$scratch/load_probe" -ldl
 python3 "$here/library_load.py" "$scratch/load_probe" "$library" "$scratch/scene.json" "$here/../scenes/lights/lights.json"
