@@ -113,7 +113,7 @@ TABLE = {
     "takes_any_aov": ["Buffers.EveryAovOfAViewportIsThere"],
     "takes_any_version": ["Delegates.OfAnotherVersionAreNotMade"],
 }
-MAY = {}
+MAY = {"restarts_on_every_sync": ["Resume.PartsAddUpToTheWhole"]}
 # Some mend or worsen others.
 ALONE = {"ignores_motion_at_first", "pulls_everything",
          *(name for name, tests in TABLE.items() if any("*" in test for test in tests) or len(tests) > 3)}
