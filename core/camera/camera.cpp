@@ -128,6 +128,13 @@ PixelCone Camera::pixel_cone(const Vec3f& d) const {
   return {0, side * cosine * cosine};
 }
 
+std::optional<Vec2f> Camera::project(const Vec3f& p_render) const {
+  const Vec3f eye = to_eye(p_render);
+  if (!(eye.z < 0)) return std::nullopt;
+  const float depth = orthographic_ ? 1 : -eye.z;
+  return Vec2f((eye.x / depth - film_offset_.x) / film_scale_.x, (eye.y / depth - film_offset_.y) / film_scale_.y);
+}
+
 float Camera::axial_depth(const Vec3f& p_render) const {
   return dot(origin_ - p_render, z_);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -57,6 +58,11 @@ class Camera {
   /// The cone of a pixel that looks in unit direction `d`, render space, without filter and lens.
   PixelCone pixel_cone(const Vec3f& d) const;
 
+  /// A point or a direction of render space in the camera's own frame: x right, y up, looking down -z; world units.
+  Vec3f to_eye(const Vec3f& p_render) const { return direction_to_eye(p_render - origin_); }
+  Vec3f direction_to_eye(const Vec3f& d) const { return {dot(d, x_), dot(d, y_), dot(d, z_)}; }
+  /// Where a point of render space appears, in film coordinates, without lens. Nothing if it is not before the camera.
+  std::optional<Vec2f> project(const Vec3f& p_render) const;
   /// Distance of a point along the camera's -z axis, world units.
   float axial_depth(const Vec3f& p_render) const;
   /// Hydra's 0..1 depth of that distance (1 = far plane). Without a near plane, where it is undefined: d / (1 + d).

@@ -25,8 +25,12 @@ enum class Aov {
   subsurface_unscattered,
   specular,
   emission,
-  error,    // of color: PixelNoise::deviation()
-  denoised  // color without its noise (core/denoise)
+  error,         // of color: PixelNoise::deviation()
+  denoised,      // color without its noise (core/denoise)
+  eye_point,     // Hydra's Peye
+  eye_normal,    // Hydra's Neye
+  motion,        // of the first hit over the picture, in pixels, while the shutter is open
+  first_primvar  // the named primvars that a render is asked for: primvar_aov()
 };
 constexpr uint32_t aov_bit(Aov a) {
   return 1u << static_cast<uint32_t>(a);
@@ -64,7 +68,7 @@ struct AovInfo {
   constexpr bool is_color() const { return value == AovValue::color; }
 };
 
-/// In the order of enum Aov.
+/// In the order of enum Aov, without primvars.
 inline constexpr AovInfo kAovs[] = {
     {Aov::color, "color", AovSource::samples, AovValue::color, 0, "", "RGBA"},
     {Aov::alpha, "alpha", AovSource::samples, AovValue::number, 0, "", "A"},
@@ -86,8 +90,24 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
     {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", ""},
     {Aov::denoised, "denoised", AovSource::frame, AovValue::color, 0, "denoised", "RGBA"},
+    {Aov::eye_point, "Peye", AovSource::closest, AovValue::exact, 0, "Peye", "XYZ"},
+    {Aov::eye_normal, "Neye", AovSource::closest, AovValue::number, 0, "Neye", "XYZ"},
+    {Aov::motion, "motion", AovSource::closest, AovValue::exact, 0, "motion", "XY"},
 };
+inline constexpr AovInfo kPrimvarAov = {Aov::first_primvar, "primvars:", AovSource::closest, AovValue::exact, 0,
+                                        "primvars",         "XYZ"};
 
+/// A render shows this many primvars at most. Each takes the place of one of its names.
+inline constexpr size_t kMostPrimvarAovs = 8;
+constexpr Aov primvar_aov(size_t name) {
+  return static_cast<Aov>(static_cast<size_t>(Aov::first_primvar) + name);
+}
+constexpr bool is_primvar(Aov a) {
+  return a >= Aov::first_primvar;
+}
+
+static_assert(std::size(kAovs) == static_cast<size_t>(Aov::first_primvar));
+static_assert(std::size(kAovs) + kMostPrimvarAovs <= 32);
 static_assert([] {
   for (size_t i = 0; i < std::size(kAovs); ++i)
     if (kAovs[i].aov != static_cast<Aov>(i)) return false;
@@ -95,10 +115,16 @@ static_assert([] {
 }());
 
 constexpr const AovInfo& aov_info(Aov a) {
-  return kAovs[static_cast<size_t>(a)];
+  return is_primvar(a) ? kPrimvarAov : kAovs[static_cast<size_t>(a)];
 }
-/// Null if no AOV has this name.
+/// NAME of an AOV "primvars:NAME"; empty for others.
+constexpr std::string_view primvar_of_aov(std::string_view name) {
+  const std::string_view prefix = kPrimvarAov.name;
+  return name.starts_with(prefix) ? name.substr(prefix.size()) : std::string_view();
+}
+/// Null if no AOV has this name. All primvars have one row.
 constexpr const AovInfo* find_aov(std::string_view name) {
+  if (!primvar_of_aov(name).empty()) return &kPrimvarAov;
   for (const AovInfo& info : kAovs)
     if (name == info.name) return &info;
   return nullptr;
@@ -113,8 +139,12 @@ constexpr uint32_t aovs_from(AovSource source) {
 }
 /// The AOVs that need LightLayers.
 inline constexpr uint32_t kLayerAovs = aovs_from(AovSource::layer);
+inline constexpr uint32_t kPrimvarAovs = ((1u << kMostPrimvarAovs) - 1) << static_cast<uint32_t>(Aov::first_primvar);
 /// The AOVs that show the closest sample's first hit.
-inline constexpr uint32_t kClosestAovs = aovs_from(AovSource::closest);
+inline constexpr uint32_t kClosestAovs = aovs_from(AovSource::closest) | kPrimvarAovs;
+/// Those of them that need HitVectors.
+inline constexpr uint32_t kVectorAovs =
+    aov_bit(Aov::eye_point) | aov_bit(Aov::eye_normal) | aov_bit(Aov::motion) | kPrimvarAovs;
 /// The AOVs that guide the denoiser.
 inline constexpr uint32_t kGuideAovs = aov_bit(Aov::normal) | aov_bit(Aov::albedo);
 /// `aovs` and those that they are made from.

@@ -56,6 +56,9 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
   if (aovs & kClosestAovs) closest_.resize(pixels);
   for (const AovInfo& info : kAovs)
     if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
+  for (uint32_t a = static_cast<uint32_t>(Aov::eye_point); a < 32; ++a)
+    if (const Aov aov = static_cast<Aov>(a); aovs & kVectorAovs & aov_bit(aov))
+      vectors_.push_back({aov, std::vector<std::array<float, 3>>(pixels)});
   if (extras.rays) rays_.resize(pixels);
 }
 
@@ -67,6 +70,7 @@ void FilmTile::clear() {
   blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(closest_);
   blank(rays_), blank(marks_);
   for (LayerPlane& layer : layers_) blank(layer.sums);
+  for (VectorPlane& plane : vectors_) blank(plane.closest);
 }
 
 uint32_t FilmTile::least_samples() const {
@@ -95,6 +99,7 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   add(albedo_);
   add(closest_);
   for (LayerPlane& layer : layers_) add(layer.sums);
+  for (VectorPlane& plane : vectors_) add(plane.closest);
   add(rays_);
   add(marks_);
   return all;
@@ -130,16 +135,21 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
   if (layers)
     for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
   if (!rays_.empty()) rays_[pixel] += rays;
-  if (!closest_.empty() && s.distance < closest_[pixel].distance)
+  if (!closest_.empty() && s.distance < closest_[pixel].distance) {
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
+    if (s.vectors)
+      for (VectorPlane& plane : vectors_) plane.closest[pixel] = s.vectors->of(plane.aov);
+  }
 }
 
 void FilmTile::append(const FilmTile& next) {
   for (size_t pixel = 0; pixel < samples_.size(); ++pixel) {
     append_halves(pixel, next);
     samples_[pixel] += next.samples_[pixel];
-    if (!closest_.empty() && next.closest_[pixel].distance < closest_[pixel].distance)
+    if (!closest_.empty() && next.closest_[pixel].distance < closest_[pixel].distance) {
       closest_[pixel] = next.closest_[pixel];
+      for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = next.vectors_[i].closest[pixel];
+    }
     if (!rays_.empty()) rays_[pixel] += next.rays_[pixel];
   }
   append_plane(next.color_, &color_);
@@ -214,6 +224,7 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
   if (!closest_.empty()) closest_[pixel] = from.closest_[pixel];
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
+  for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = from.vectors_[i].closest[pixel];
 }
 
 namespace {
@@ -268,6 +279,9 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
     default:
       for (const LayerPlane& plane : layers_)
         if (plane.aov == aov) return each_average(plane.sums);
+      for (const VectorPlane& plane : vectors_)
+        if (plane.aov == aov)
+          return each([&](size_t i, double, float* to) { std::copy_n(plane.closest[i].begin(), components, to); });
       std::fill_n(out, components * count, 0.0f);
   }
 }

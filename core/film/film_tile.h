@@ -33,6 +33,14 @@ struct FilmExtras {
   bool operator==(const FilmExtras&) const = default;
 };
 
+/// Vectors of a sample's first hit, by their AOVs from eye_point on. Those that no AOV shows may be of another sample.
+struct HitVectors {
+  static constexpr size_t index(Aov aov) { return static_cast<size_t>(aov) - static_cast<size_t>(Aov::eye_point); }
+  const std::array<float, 3>& of(Aov aov) const { return values[index(aov)]; }
+  void set(Aov aov, const Vec3f& v) { values[index(aov)] = {v.x, v.y, v.z}; }
+  std::array<std::array<float, 3>, 3 + kMostPrimvarAovs> values{};
+};
+
 /// The result of one camera sample. Values of the first hit keep their defaults where no bound AOV shows them.
 struct FilmSample {
   Rgb color{0.0f};
@@ -43,6 +51,7 @@ struct FilmSample {
   Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
   Rgb albedo{0.0f};
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
+  const HitVectors* vectors = nullptr;  // of a hit, where any of kVectorAovs is drawn
 };
 
 /// A sample's colour, split by how the light left the first surface. The layers add up to color but for float rounding.
@@ -102,6 +111,10 @@ class FilmTile {
     Aov aov;
     std::vector<RgbSum> sums;
   };
+  struct VectorPlane {
+    Aov aov;
+    std::vector<std::array<float, 3>> closest;
+  };
   struct Closest {
     float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
     int32_t prim_id = -1, instance_id = -1, element_id = -1;
@@ -128,7 +141,8 @@ class FilmTile {
   std::vector<UnitSum> alpha_;
   UnitSums normal_, albedo_;
   std::vector<Halves> halves_;
-  std::vector<LayerPlane> layers_;  // those that are requested
+  std::vector<LayerPlane> layers_;    // those that are requested
+  std::vector<VectorPlane> vectors_;  // the same
   std::vector<Closest> closest_;
   std::vector<uint32_t> rays_;
   std::vector<RgbSum> marks_;

@@ -68,14 +68,19 @@ class Sanitizer {
     std::erase_if(cage_.uvs, [](const UvPrimvar& uv) { return uv.empty(); });
     check_primvar(&cage_.colors, "color");
     check_primvar(&cage_.opacities, "opacity");
+    for (NamedPrimvar& primvar : cage_.primvars) check_primvar<Vec3f>(&primvar, "primvar");
+    std::erase_if(cage_.primvars, [](const NamedPrimvar& primvar) { return primvar.empty(); });
     check_materials();
     check_faces();
     drop_faces();
-    check_holes();
+    keep_faces(&cage_.hole_indices, "mesh.holes.index", "holes");
+    keep_faces(&cage_.invisible_faces, "mesh.invisible.index", "invisible faces");
     check_scheme();
     check_creases();
     check_corners();
-    if (cage_.face_vertex_counts.size() > cage_.hole_indices.size()) return true;
+    std::set<int> hidden(cage_.hole_indices.begin(), cage_.hole_indices.end());
+    hidden.insert(cage_.invisible_faces.begin(), cage_.invisible_faces.end());
+    if (cage_.face_vertex_counts.size() > hidden.size()) return true;
     faults_.note("mesh.empty", "no face is left to draw");
     return false;
   }
@@ -99,15 +104,14 @@ class Sanitizer {
   template <class T>
   void check_primvar(Primvar<T>* primvar, const std::string& name) {
     if (primvar->values.empty() && primvar->indices.empty()) return;
-    const bool vertex = primvar->interpolation == Interpolation::vertex;
-    const size_t wanted = vertex ? cage_.points.size() : cage_.face_vertex_indices.size();
+    const auto [wanted, what] = wanted_values(primvar->interpolation);
     const size_t given = primvar->indices.empty() ? primvar->values.size() : primvar->indices.size();
     const bool indices_fit = std::all_of(primvar->indices.begin(), primvar->indices.end(),
                                          [&](int i) { return in_range(i, primvar->values.size()); });
     if (given != wanted || !indices_fit) {
       faults_.note("mesh." + name + (given != wanted ? ".size" : ".index"),
                    given != wanted ? name + " has " + std::to_string(given) + " values, " + std::to_string(wanted) +
-                                         " are needed (one per " + (vertex ? "point" : "face corner") + "); ignored"
+                                         " are needed (" + what + "); ignored"
                                    : name + " has indices outside its " + std::to_string(primvar->values.size()) +
                                          " values; ignored");
       *primvar = {};
@@ -120,7 +124,44 @@ class Sanitizer {
         faults_.add(code, static_cast<int>(i));
       }
     faults_.flush(code, "values of " + name + " are not finite; zero is used", "value");
+    if (primvar->interpolation == Interpolation::constant) spread_over_points(primvar);
+    if (primvar->interpolation == Interpolation::uniform) spread_over_corners(primvar);
   }
+
+  std::pair<size_t, const char*> wanted_values(Interpolation interpolation) const {
+    switch (interpolation) {
+      case Interpolation::constant:
+        return {1, "one for the mesh"};
+      case Interpolation::uniform:
+        return {faces(), "one per face"};
+      case Interpolation::varying:
+      case Interpolation::vertex:
+        return {cage_.points.size(), "one per point"};
+      case Interpolation::face_varying:
+        break;
+    }
+    return {cage_.face_vertex_indices.size(), "one per face corner"};
+  }
+  template <class T>
+  void spread_over_points(Primvar<T>* primvar) const {
+    primvar->interpolation = Interpolation::vertex;
+    primvar->indices.assign(cage_.points.size(), primvar->indices.empty() ? 0 : primvar->indices[0]);
+  }
+  // Counts that do not fit the corners are found later; corners beyond them belong to no face.
+  template <class T>
+  void spread_over_corners(Primvar<T>* primvar) const {
+    std::vector<int> corners(cage_.face_vertex_indices.size(), 0);
+    size_t first = 0;
+    for (size_t face = 0; face < faces(); ++face) {
+      const size_t count = std::min(at(std::max(cage_.face_vertex_counts[face], 0)), corners.size() - first);
+      std::fill_n(corners.begin() + static_cast<std::ptrdiff_t>(first), count,
+                  primvar->indices.empty() ? static_cast<int>(face) : primvar->indices[face]);
+      first += count;
+    }
+    primvar->interpolation = Interpolation::face_varying;
+    primvar->indices = std::move(corners);
+  }
+
   static bool is_usable_value(const Vec3f& v) { return is_usable(v); }
   static bool is_usable_value(const Vec2f& v) { return is_usable(Vec3f(v.x, v.y, 0)); }
   static bool is_usable_value(const Vec4f& v) { return is_usable(Vec3f(v.x, v.y, v.z)) && std::isfinite(v.w); }
@@ -207,9 +248,7 @@ class Sanitizer {
     if (corners.size() != cage_.face_vertex_indices.size()) {
       keep_corners(&cage_.normals, corners);
       keep_corners(&cage_.tangents, corners);
-      for (UvPrimvar& uv : cage_.uvs) keep_corners<Vec2f>(&uv, corners);
-      keep_corners(&cage_.colors, corners);
-      keep_corners(&cage_.opacities, corners);
+      for_each_refined(cage_, [&]<class T>(T& primvar) { keep_corners(&primvar, corners); });
     }
     cage_.face_vertex_counts = std::move(counts);
     cage_.face_vertex_indices = std::move(indices);
@@ -218,7 +257,7 @@ class Sanitizer {
 
   template <class T>
   static void keep_corners(Primvar<T>* primvar, const std::vector<int>& corners) {
-    if (primvar->empty() || primvar->interpolation == Interpolation::vertex) return;
+    if (primvar->empty() || primvar->interpolation != Interpolation::face_varying) return;
     Primvar<T> kept;
     kept.interpolation = primvar->interpolation;
     for (int k : corners) {
@@ -231,16 +270,17 @@ class Sanitizer {
     *primvar = std::move(kept);
   }
 
-  void check_holes() {
-    std::set<int> holes;
-    for (int face : cage_.hole_indices) {
+  // Those that exist, by their new numbers, each once.
+  void keep_faces(std::vector<int>* named, const char* code, const std::string& what) {
+    std::set<int> kept;
+    for (int face : *named) {
       if (!in_range(face, new_face_.size()))
-        faults_.add("mesh.holes.index", face);
+        faults_.add(code, face);
       else if (new_face_[at(face)] >= 0)
-        holes.insert(new_face_[at(face)]);
+        kept.insert(new_face_[at(face)]);
     }
-    faults_.flush("mesh.holes.index", "holes name faces that do not exist; ignored", "index");
-    cage_.hole_indices.assign(holes.begin(), holes.end());
+    faults_.flush(code, what + " name faces that do not exist; ignored", "index");
+    named->assign(kept.begin(), kept.end());
   }
 
   void check_scheme() {

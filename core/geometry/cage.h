@@ -17,9 +17,12 @@ enum class FaceVaryingRule { all, none, boundaries, corners_only, corners_plus1,
 enum class CreaseMethod { uniform, chaikin };
 enum class TriangleSubdivision { catmull_clark, smooth };
 
-enum class Interpolation { vertex, face_varying };
+/// One value for the mesh, or one per face, point, point, or face corner. Varying values are interpolated linearly over
+/// the faces of a refined cage, those of vertices as its surface is.
+enum class Interpolation { constant, uniform, varying, vertex, face_varying };
 
-/// Values at vertices (one per point) or at face corners; `indices` empty means identity.
+/// `indices` empty means identity. In a sanitized cage none is constant or uniform: they have become vertex and
+/// face_varying with indices.
 template <class T>
 struct Primvar {
   Interpolation interpolation = Interpolation::vertex;
@@ -33,12 +36,18 @@ struct UvPrimvar : Primvar<Vec2f> {
   std::string name;
 };
 
+/// Vectors that no material reads, for AOVs of their name.
+struct NamedPrimvar : Primvar<Vec3f> {
+  std::string name;
+};
+
 struct Cage {
   SubdivisionScheme scheme = SubdivisionScheme::none;
   bool left_handed = false;  // winding of the faces
   std::vector<int> face_vertex_counts;
   std::vector<int> face_vertex_indices;
-  std::vector<int> hole_indices;  // faces that are not drawn but still shape the limit surface
+  std::vector<int> hole_indices;     // faces that are not drawn but still shape the limit surface
+  std::vector<int> invisible_faces;  // not drawn; nothing else differs from a cage that shows them
 
   std::vector<int> crease_indices;  // polylines of points, concatenated
   std::vector<int> crease_lengths;
@@ -51,11 +60,12 @@ struct Cage {
   TriangleSubdivision triangle_subdivision = TriangleSubdivision::catmull_clark;
 
   std::vector<Vec3f> points;
-  Primvar<Vec3f> normals;          // authored; ignored when refined
-  Primvar<Vec4f> tangents;         // authored, for normal maps: direction of u, and +1 or -1; ignored when refined
-  std::vector<UvPrimvar> uvs;      // of different names
-  Primvar<Rgb> colors;             // linear, in the rendering space; refined if they are given per vertex
-  Primvar<float> opacities;        // 0 to 1; as colors
+  Primvar<Vec3f> normals;      // authored; ignored when refined
+  Primvar<Vec4f> tangents;     // authored, for normal maps: direction of u, and +1 or -1; ignored when refined
+  std::vector<UvPrimvar> uvs;  // of different names
+  Primvar<Rgb> colors;         // linear, in the rendering space
+  Primvar<float> opacities;    // 0 to 1
+  std::vector<NamedPrimvar> primvars;
   std::vector<int> face_material;  // material slot per face; empty: all 0
 
   /// Unrefined, it has normals that are computed.
@@ -64,12 +74,21 @@ struct Cage {
   }
 };
 
+/// Calls visit(primvar) for those that are refined with the surface and not empty, always in the same order.
+template <class CageOrConst, class Visit>
+void for_each_refined(CageOrConst& cage, const Visit& visit) {
+  for (auto& uv : cage.uvs) visit(uv);
+  if (!cage.colors.empty()) visit(cage.colors);
+  if (!cage.opacities.empty()) visit(cage.opacities);
+  for (auto& primvar : cage.primvars) visit(primvar);
+}
+
 /// Makes a cage safe for everything after it (Embree and OpenSubdiv trust their input): drops or repairs what is broken
 /// and reports each kind of fault once with its count and first element. Never throws. Returns false when nothing is
 /// left to draw. Checked: counts >= 3 and their sum; indices in range; finite points (a face that uses a non-finite
-/// point is dropped); faces and valences above 1000; holes, creases and corners in range, finite and non-negative
-/// sharpness, crease pairs; primvar sizes; material slots; Loop with other faces than triangles (falls back to
-/// catmull_clark).
+/// point is dropped); faces and valences above 1000; holes, invisible faces, creases and corners in range, finite and
+/// non-negative sharpness, crease pairs; primvar sizes; material slots; Loop with other faces than triangles (falls
+/// back to catmull_clark).
 bool sanitize_cage(Cage& cage, const std::string& where, const DiagnosticSink& sink);
 
 }  // namespace alabaster

@@ -66,7 +66,7 @@ bool encloses_positive_volume(const Mesh& mesh) {
 
 template <class T>
 uint32_t value_index(const Primvar<T>& primvar, int vertex, uint32_t corner) {
-  const size_t id = primvar.interpolation == Interpolation::vertex ? static_cast<size_t>(vertex) : size_t(corner);
+  const size_t id = primvar.interpolation == Interpolation::face_varying ? size_t(corner) : static_cast<size_t>(vertex);
   return static_cast<uint32_t>(primvar.indices.empty() ? static_cast<int>(id) : primvar.indices[id]);
 }
 
@@ -75,6 +75,7 @@ class FlatBuilder {
  public:
   explicit FlatBuilder(const Cage& cage) : cage_(cage), hole_(cage.face_vertex_counts.size(), false) {
     for (int face : cage.hole_indices) hole_[static_cast<size_t>(face)] = true;
+    for (int face : cage.invisible_faces) hole_[static_cast<size_t>(face)] = true;
   }
 
   Mesh build() {
@@ -93,6 +94,8 @@ class FlatBuilder {
     for (const UvPrimvar& uv : cage_.uvs) mesh_.uv_sets.push_back({attribute<Vec2f>(uv), uv.name});
     mesh_.colors = attribute(cage_.colors);
     mesh_.opacities = attribute(cage_.opacities);
+    for (const NamedPrimvar& primvar : cage_.primvars)
+      mesh_.primvars.push_back({attribute<Vec3f>(primvar), primvar.name});
     return std::move(mesh_);
   }
 
@@ -182,18 +185,25 @@ FaceSize tessellated_face(const Cage& cage, size_t corners, int level) {
   return {corners * segments * segments / 2, corners * segments * segments / 4 + 1};
 }
 
-size_t face_varying_uvs(const Cage& cage) {
-  const auto is_face_varying = [](const UvPrimvar& uv) { return uv.interpolation == Interpolation::face_varying; };
-  return static_cast<size_t>(std::count_if(cage.uvs.begin(), cage.uvs.end(), is_face_varying));
+// The primvars that are refined with the surface.
+struct PrimvarBytes {
+  size_t all = 0, face_varying = 0;  // of one value of each
+  size_t seams = 0;                  // number of face-varying ones
+};
+PrimvarBytes primvar_bytes(const Cage& cage) {
+  PrimvarBytes bytes;
+  for_each_refined(cage, [&](const auto& primvar) {
+    bytes.all += sizeof(primvar.values[0]);
+    if (primvar.interpolation != Interpolation::face_varying) return;
+    bytes.face_varying += sizeof(primvar.values[0]);
+    ++bytes.seams;
+  });
+  return bytes;
 }
-// A point has as much of this.
-size_t color_bytes(const Cage& cage) {
-  return (cage.colors.empty() ? 0 : sizeof(Rgb)) + (cage.opacities.empty() ? 0 : sizeof(float));
-}
-// A triangle has its points, normals, uvs, face, slot, and the three edges that the test for closedness sorts. At worst
-// every face has its own normals along its boundary.
+// A triangle has its points, normals, face-varying primvars, face, slot, and the three edges that the test for
+// closedness sorts. At worst every face has its own normals along its boundary.
 size_t index_bytes(const Cage& cage) {
-  return (2 + face_varying_uvs(cage)) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
+  return (2 + primvar_bytes(cage).seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
 }
 
 int affordable_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
@@ -230,6 +240,7 @@ size_t Mesh::memory_bytes() const {
                  bytes_of(tangents) + bytes_of(colors) + bytes_of(opacities) + bytes_of(triangle_face) +
                  bytes_of(triangle_material);
   for (const UvSet& set : uv_sets) bytes += bytes_of<Vec2f>(set);
+  for (const NamedVectors& primvar : primvars) bytes += bytes_of<Vec3f>(primvar);
   for (const MeshPose& pose : later_poses) bytes += bytes_of(pose.points) + bytes_of(pose.normals);
   return bytes;
 }
@@ -260,14 +271,13 @@ size_t estimate_mesh_bytes(const Cage& cage, int level) {
     corners += static_cast<size_t>(count);
   }
   const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
-  const size_t seams = face_varying_uvs(cage);
-  const size_t uvs = cage.uvs.size() * points + seams * boundary;
-  return (2 * points + boundary) * sizeof(Vec3f) + uvs * sizeof(Vec2f) + points * color_bytes(cage) +
+  const PrimvarBytes primvars = primvar_bytes(cage);
+  return (2 * points + boundary) * sizeof(Vec3f) + points * primvars.all + boundary * primvars.face_varying +
          triangles * index_bytes(cage);
 }
 
 size_t bytes_per_triangle(const Cage& cage) {
-  return 2 * sizeof(Vec3f) + cage.uvs.size() * sizeof(Vec2f) + color_bytes(cage) + index_bytes(cage);
+  return 2 * sizeof(Vec3f) + primvar_bytes(cage).all + index_bytes(cage);
 }
 
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
@@ -299,6 +309,7 @@ MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose 
   if (fitting.level > 0) {
     moved.uvs.clear();
     moved.colors = {}, moved.opacities = {};
+    moved.primvars.clear();
     if (auto refined = tessellate_limit_surface(moved, fitting, {}))
       return {std::move(refined->points), std::move(refined->normals)};
   }

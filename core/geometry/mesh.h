@@ -25,8 +25,8 @@ struct MeshAttribute {
   bool empty() const { return values.empty(); }
 };
 
-/// Compared by a hash of 64 bits (FNV-1a), because hits compare it. Names that share a hash share a uv set: a file that
-/// is made so gets another set of its own.
+/// The name of a uv set or a named primvar. Compared by a hash of 64 bits (FNV-1a), because hits compare it. Names that
+/// share a hash share a uv set: a file that is made so gets another set of its own.
 class UvSetName {
  public:
   UvSetName(std::string text) : text_(std::move(text)) {
@@ -45,6 +45,11 @@ struct UvSet : MeshAttribute<Vec2f> {
   UvSetName name = "st";
 };
 
+/// For AOVs of its name: see NamedPrimvar.
+struct NamedVectors : MeshAttribute<Vec3f> {
+  UvSetName name = "";
+};
+
 /// The shape of a mesh that deforms, at another time. As many points and normals as the mesh has.
 struct MeshPose {
   std::vector<Vec3f> points, normals;
@@ -60,6 +65,7 @@ struct Mesh {
   std::vector<UvSet> uv_sets;             // the first gives a hit's uv and dpdu
   MeshAttribute<Rgb> colors;
   MeshAttribute<float> opacities;
+  std::vector<NamedVectors> primvars;
   std::vector<int32_t> triangle_face;      // face of the cage, which elementId reports
   std::vector<int32_t> triangle_material;  // slot; empty: all 0
   /// Empty unless the mesh deforms. Points and normals are then those at the shutter's opening, and these follow at

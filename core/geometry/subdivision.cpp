@@ -56,7 +56,7 @@ struct FaceLayout {
   uint32_t boundary = 0, samples = 0, facets = 0;  // of its pattern
   uint32_t interior = 0;                           // first interior point
   uint32_t normals = 0;                            // first normal of its own (samples along sharp features)
-  uint32_t uvs = 0;                                // first uv, if uvs are face-varying
+  uint32_t corners = 0;                            // first value of each face-varying primvar
   uint32_t triangles = 0;
 };
 
@@ -67,11 +67,43 @@ struct SharedSamples {
   int owner = -1;
 };
 
+// A primvar of the cage, and where its refined values go.
+struct Track {
+  Interpolation interpolation = Interpolation::vertex;
+  size_t width = 0;               // floats
+  const float* values = nullptr;  // of the cage
+  const std::vector<int>* indices = nullptr;
+  float* out = nullptr;  // in the mesh
+  const float* value(size_t vertex) const {
+    return values + width * (indices->empty() ? vertex : at((*indices)[vertex]));
+  }
+};
+
+// Primvars with a value for each point, interleaved: one evaluation gives all.
+struct PointTracks {
+  std::vector<const Track*> tracks;
+  std::vector<float> controls;
+  int width = 0;
+
+  void add_controls(size_t vertex) {
+    for (const Track* track : tracks) {
+      const float* const value = track->value(vertex);
+      controls.insert(controls.end(), value, value + track->width);
+    }
+  }
+  void write(uint32_t point, const float* v) const {
+    for (const Track* track : tracks) {
+      std::copy_n(v, track->width, track->out + point * track->width);
+      v += track->width;
+    }
+  }
+};
+
 // Arrays that a task reuses from face to face.
 struct Workspace {
-  Surface points, uvs;
+  Surface points, varying, corners;
   Pattern pattern;
-  std::vector<float> point_controls, uv_controls;
+  std::vector<float> point_controls, varying_controls, corner_controls;
   std::vector<float> value, du, dv;  // of one sample
 };
 
@@ -84,11 +116,8 @@ class LimitTessellator {
         base_(refiner.GetLevel(0)),
         factory_(refiner, surface_options(rates.level())),
         rates_(rates) {
-    for (const UvPrimvar& uv : cage.uvs)
-      (uv.interpolation == Interpolation::vertex ? vertex_uvs_ : face_uvs_).push_back(&uv);
     find_faces();
     find_sharp_features();
-    gather_controls();
   }
 
   Mesh run() {
@@ -110,7 +139,9 @@ class LimitTessellator {
         }
     } while (again_);
     mend_degenerate_normals();
-    for (size_t i = 1; i < face_uvs_.size(); ++i) face_set(i).triangles = face_set(0).triangles;
+    for_each_attribute([&](const auto& primvar, auto* attribute) {
+      if (primvar.interpolation == Interpolation::face_varying) attribute->triangles = corner_triangles_;
+    });
     return std::move(mesh_);
   }
 
@@ -120,9 +151,11 @@ class LimitTessellator {
 
   void find_faces() {
     faces_.resize(at(base_.GetNumFaces()));
+    std::vector<uint8_t> invisible(faces_.size(), 0);
+    for (const int face : cage_.invisible_faces) invisible[at(face)] = 1;
     for (int face = 0; face < base_.GetNumFaces(); ++face) {
       cancel_.check();
-      if (!factory_.FaceHasLimitSurface(face)) continue;
+      if (invisible[at(face)] || !factory_.FaceHasLimitSurface(face)) continue;
       Pattern own;
       const Pattern& pattern = pattern_of(face, &own);
       faces_[at(face)] = {
@@ -161,32 +194,49 @@ class LimitTessellator {
     }
   }
 
-  // Values that follow the vertex rule, interleaved: one evaluation gives all.
-  void gather_controls() {
-    refines_colors_ = !cage_.colors.empty() && cage_.colors.interpolation == Interpolation::vertex;
-    refines_opacities_ = !cage_.opacities.empty() && cage_.opacities.interpolation == Interpolation::vertex;
-    for (size_t i = 0; i < cage_.points.size(); ++i) {
-      const Vec3f& p = cage_.points[i];
-      controls_.insert(controls_.end(), {p.x, p.y, p.z});
-      for (const UvPrimvar* primvar : vertex_uvs_) {
-        const Vec2f& uv = value_of(*primvar, i);
-        controls_.insert(controls_.end(), {uv.x, uv.y});
-      }
-      if (refines_colors_) {
-        const Rgb& c = value_of(cage_.colors, i);
-        controls_.insert(controls_.end(), {c.r, c.g, c.b});
-      }
-      if (refines_opacities_) controls_.push_back(value_of(cage_.opacities, i));
+  // Calls visit(primvar, attribute of the mesh). The mesh's uv sets: per point first, then face-varying.
+  template <class Visit>
+  void for_each_attribute(const Visit& visit) {
+    size_t set = 0;
+    for (const bool by_corner : {false, true})
+      for (const UvPrimvar& uv : cage_.uvs)
+        if ((uv.interpolation == Interpolation::face_varying) == by_corner) {
+          mesh_.uv_sets[set].name = uv.name;
+          visit(uv, &mesh_.uv_sets[set++]);
+        }
+    if (!cage_.colors.empty()) visit(cage_.colors, &mesh_.colors);
+    if (!cage_.opacities.empty()) visit(cage_.opacities, &mesh_.opacities);
+    for (size_t i = 0; i < cage_.primvars.size(); ++i) {
+      mesh_.primvars[i].name = cage_.primvars[i].name;
+      visit(cage_.primvars[i], &mesh_.primvars[i]);
     }
-    width_ = cage_.points.empty() ? 3 : static_cast<int>(controls_.size() / cage_.points.size());
-  }
-  template <class T>
-  static const T& value_of(const Primvar<T>& primvar, size_t vertex) {
-    return primvar.values[primvar.indices.empty() ? vertex : at(primvar.indices[vertex])];
   }
 
-  // The mesh's sets: per vertex first, then face-varying.
-  UvSet& face_set(size_t i) { return mesh_.uv_sets[vertex_uvs_.size() + i]; }
+  void lay_out_primvars(uint32_t points, uint32_t corners) {
+    mesh_.uv_sets.resize(cage_.uvs.size());
+    mesh_.primvars.resize(cage_.primvars.size());
+    tracks_.clear();
+    const auto add = [&]<class T>(const Primvar<T>& primvar, MeshAttribute<T>* attribute) {
+      attribute->values.resize(primvar.interpolation == Interpolation::face_varying ? corners : points, T(0.0f));
+      tracks_.push_back({primvar.interpolation, sizeof(T) / sizeof(float),
+                         reinterpret_cast<const float*>(primvar.values.data()), &primvar.indices,
+                         reinterpret_cast<float*>(attribute->values.data())});
+    };
+    // The points themselves come first.
+    tracks_.push_back({Interpolation::vertex, 3, &cage_.points[0].x, &no_indices_, &mesh_.points[0].x});
+    for_each_attribute(add);
+    vertex_ = {}, varying_ = {}, corners_.clear();
+    for (const Track& track : tracks_)
+      (track.interpolation == Interpolation::vertex    ? vertex_.tracks
+       : track.interpolation == Interpolation::varying ? varying_.tracks
+                                                       : corners_)
+          .push_back(&track);
+    for (PointTracks* tracks : {&vertex_, &varying_}) {
+      for (size_t i = 0; i < cage_.points.size(); ++i) tracks->add_controls(i);
+      tracks->width = static_cast<int>(tracks->controls.size() / cage_.points.size());
+    }
+    if (!corners_.empty()) corner_triangles_.assign(mesh_.triangles.size(), {});
+  }
 
   void claim(SharedSamples* samples, int face, uint32_t count, uint32_t* points) {
     if (samples->owner >= 0) return;
@@ -197,7 +247,7 @@ class LimitTessellator {
   void lay_out() {
     vertices_.assign(at(base_.GetNumVertices()), {});
     edges_.assign(at(base_.GetNumEdges()), {});
-    uint32_t points = 0, own_normals = 0, uvs = 0, triangles = 0;
+    uint32_t points = 0, own_normals = 0, corners = 0, triangles = 0;
     for (int f = 0; f < base_.GetNumFaces(); ++f) {
       FaceLayout& face = faces_[at(f)];
       if (!face.drawn) continue;
@@ -210,10 +260,10 @@ class LimitTessellator {
         if (sharp_edge_[at(edges[i])]) own_normals += rates_.of(edges[i]) - 1;
       }
       face.interior = points;
-      face.uvs = uvs;
+      face.corners = corners;
       face.triangles = triangles;
       points += face.samples - face.boundary;
-      uvs += face.samples;
+      corners += face.samples;
       triangles += face.facets;
     }
     for (FaceLayout& face : faces_) face.normals += points;  // own normals follow the shared ones
@@ -225,11 +275,7 @@ class LimitTessellator {
     mesh_.triangles.resize(triangles);
     mesh_.triangle_face.resize(triangles);
     if (own_normals) mesh_.normal_triangles.resize(triangles);
-    for (const UvPrimvar* uv : vertex_uvs_) mesh_.uv_sets.push_back({{{points, Vec2f(0, 0)}, {}}, uv->name});
-    for (const UvPrimvar* uv : face_uvs_) mesh_.uv_sets.push_back({{{uvs, Vec2f(0, 0)}, {}}, uv->name});
-    if (!face_uvs_.empty()) face_set(0).triangles.resize(triangles);
-    if (refines_colors_) mesh_.colors.values.resize(points, Rgb(0.0f));
-    if (refines_opacities_) mesh_.opacities.values.resize(points, 0.0f);
+    if (points > 0) lay_out_primvars(points, corners);
     if (!cage_.face_material.empty()) mesh_.triangle_material.resize(triangles);
   }
 
@@ -269,17 +315,18 @@ class LimitTessellator {
     const std::vector<Sample> samples = place_samples(face);
     const Pattern& pattern = pattern_of(face, &w->pattern);
     evaluate_points(pattern, samples, w);
-    for (size_t i = 0; i < face_uvs_.size(); ++i)
-      if (!evaluate_uvs(face, pattern, i, w)) return false;
+    if (varying_.width > 0 && !evaluate_varying(face, pattern, samples, w)) return false;
+    for (size_t i = 0; i < corners_.size(); ++i)
+      if (!evaluate_corners(face, pattern, i, w)) return false;
     write_triangles(face, pattern, samples);
     return true;
   }
 
   void evaluate_points(const Pattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
-    const Surface::PointDescriptor layout(width_);
-    w->point_controls.resize(at(w->points.GetNumPatchPoints()) * at(width_));
-    w->points.PreparePatchPoints(controls_.data(), layout, w->point_controls.data(), layout);
-    for (std::vector<float>* values : {&w->value, &w->du, &w->dv}) values->resize(at(width_));
+    const Surface::PointDescriptor layout(vertex_.width);
+    w->point_controls.resize(at(w->points.GetNumPatchPoints()) * at(vertex_.width));
+    w->points.PreparePatchPoints(vertex_.controls.data(), layout, w->point_controls.data(), layout);
+    for (std::vector<float>* values : {&w->value, &w->du, &w->dv}) values->resize(at(vertex_.width));
     const std::vector<float>& coordinates = pattern.coordinates;
     for (size_t i = 0; i < samples.size(); ++i) {
       if (i % 256 == 0) cancel_.check();  // a face may have 65,000
@@ -288,18 +335,23 @@ class LimitTessellator {
       const std::vector<float>&du = w->du, &dv = w->dv;
       w->points.Evaluate(&coordinates[2 * i], w->point_controls.data(), layout, w->value.data(), w->du.data(),
                          w->dv.data());
-      if (sample.owns_point) write_values(sample.point, w->value.data());
+      if (sample.owns_point) vertex_.write(sample.point, w->value.data());
       if (sample.owns_normal) write_normal(sample.normal, Vec3d(du[0], du[1], du[2]), Vec3d(dv[0], dv[1], dv[2]));
     }
   }
 
-  // In the order of gather_controls().
-  void write_values(uint32_t point, const float* v) {
-    mesh_.points[point] = {v[0], v[1], v[2]};
-    v += 3;
-    for (size_t i = 0; i < vertex_uvs_.size(); ++i, v += 2) mesh_.uv_sets[i].values[point] = {v[0], v[1]};
-    if (refines_colors_) mesh_.colors.values[point] = {v[0], v[1], v[2]}, v += 3;
-    if (refines_opacities_) mesh_.opacities.values[point] = v[0];
+  bool evaluate_varying(int face, const Pattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
+    if (!factory_.InitVaryingSurface(face, &w->varying)) return false;
+    const Surface::PointDescriptor layout(varying_.width);
+    w->varying_controls.resize(at(w->varying.GetNumPatchPoints()) * at(varying_.width));
+    w->varying.PreparePatchPoints(varying_.controls.data(), layout, w->varying_controls.data(), layout);
+    std::vector<float> value(at(varying_.width));
+    for (size_t i = 0; i < samples.size(); ++i) {
+      if (!samples[i].owns_point) continue;
+      w->varying.Evaluate(&pattern.coordinates[2 * i], w->varying_controls.data(), layout, value.data());
+      varying_.write(samples[i].point, value.data());
+    }
+    return true;
   }
 
   void write_normal(uint32_t index, const Vec3d& du, const Vec3d& dv) {
@@ -312,15 +364,16 @@ class LimitTessellator {
     mesh_.normals[index] = usable ? Vec3f(normalize(n)) : Vec3f(0, 0, 0);
   }
 
-  bool evaluate_uvs(int f, const Pattern& pattern, size_t set, Workspace* w) {
-    if (!factory_.InitFaceVaryingSurface(f, &w->uvs, static_cast<std::intptr_t>(set))) return false;
+  bool evaluate_corners(int f, const Pattern& pattern, size_t channel, Workspace* w) {
+    if (!factory_.InitFaceVaryingSurface(f, &w->corners, static_cast<std::intptr_t>(channel))) return false;
     const FaceLayout& face = faces_[at(f)];
-    const Surface::PointDescriptor layout(2);
-    w->uv_controls.resize(at(w->uvs.GetNumPatchPoints()) * 2);
-    w->uvs.PreparePatchPoints(&face_uvs_[set]->values[0].x, layout, w->uv_controls.data(), layout);
+    const Track& track = *corners_[channel];
+    const Surface::PointDescriptor layout(static_cast<int>(track.width));
+    w->corner_controls.resize(at(w->corners.GetNumPatchPoints()) * track.width);
+    w->corners.PreparePatchPoints(track.values, layout, w->corner_controls.data(), layout);
     for (uint32_t i = 0; i < pattern.samples; ++i)
-      w->uvs.Evaluate(&pattern.coordinates[2 * size_t(i)], w->uv_controls.data(), layout,
-                      &face_set(set).values[face.uvs + i].x);
+      w->corners.Evaluate(&pattern.coordinates[2 * size_t(i)], w->corner_controls.data(), layout,
+                          track.out + (size_t(face.corners) + i) * track.width);
     return true;
   }
 
@@ -332,7 +385,7 @@ class LimitTessellator {
         const auto corner = static_cast<uint32_t>(pattern.facets[3 * size_t(t) + i]);
         mesh_.triangles[triangle][i] = samples[corner].point;
         if (!mesh_.normal_triangles.empty()) mesh_.normal_triangles[triangle][i] = samples[corner].normal;
-        if (!face_uvs_.empty()) face_set(0).triangles[triangle][i] = face.uvs + corner;
+        if (!corners_.empty()) corner_triangles_[triangle][i] = face.corners + corner;
       }
       mesh_.triangle_face[triangle] = f;
       if (!cage_.face_material.empty()) mesh_.triangle_material[triangle] = cage_.face_material[at(f)];
@@ -362,11 +415,12 @@ class LimitTessellator {
   const Far::TopologyLevel& base_;
   SurfaceFactory factory_;
   const EdgeRates& rates_;
-  std::vector<const UvPrimvar*> vertex_uvs_, face_uvs_;
-  bool refines_colors_ = false, refines_opacities_ = false;
-  int width_ = 3;
+  const std::vector<int> no_indices_;
+  std::vector<Track> tracks_;
+  PointTracks vertex_, varying_;
+  std::vector<const Track*> corners_;  // face-varying, by channel of the refiner
+  std::vector<Corners> corner_triangles_;
   bool again_ = false;
-  std::vector<float> controls_;
   std::map<int, Pattern> patterns_;  // by face size; stable addresses
   std::vector<FaceLayout> faces_;
   std::vector<bool> sharp_edge_, sharp_vertex_;
@@ -388,10 +442,6 @@ std::optional<Mesh> tessellate_limit_surface(const Cage& cage, const RefinementO
     return std::nullopt;
   }
   if (!messages.empty()) report(sink, Severity::warning, "mesh.subdivision.topology", where, "OpenSubdiv: " + messages);
-  if (cage.colors.interpolation == Interpolation::face_varying ||
-      cage.opacities.interpolation == Interpolation::face_varying)
-    report(sink, Severity::warning, "mesh.subdivision.color", where,
-           "colours at face corners are not refined and are left out; give one per vertex");
   const EdgeRates rates =
       options.segments ? adaptive_rates(cage, *refiner, options, sink) : EdgeRates{1u << options.level, {}};
   return LimitTessellator(cage, *refiner, rates, options.cancel).run();

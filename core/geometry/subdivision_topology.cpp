@@ -91,14 +91,15 @@ Sdc::Options scheme_options(const Cage& cage) {
 
 // A face-varying value for each corner. Where the cage gives no indices, corners of one point that have equal values
 // share one: the rule acts on seams, and a host that flattened its values did not mean a seam at every edge.
-std::vector<int> face_varying_indices(const Cage& cage, const UvPrimvar& uv) {
-  if (!uv.indices.empty()) return uv.indices;
+template <class T>
+std::vector<int> face_varying_indices(const Cage& cage, const Primvar<T>& primvar) {
+  if (!primvar.indices.empty()) return primvar.indices;
   std::vector<int> indices(cage.face_vertex_indices.size());
   std::vector<int> latest(cage.points.size(), -1), earlier(indices.size(), -1);  // corners of a point, as chains
   for (size_t corner = 0; corner < indices.size(); ++corner) {
     const size_t point = at(cage.face_vertex_indices[corner]);
     int match = latest[point];
-    while (match >= 0 && uv.values[at(match)] != uv.values[corner]) match = earlier[at(match)];
+    while (match >= 0 && !(primvar.values[at(match)] == primvar.values[corner])) match = earlier[at(match)];
     indices[corner] = match >= 0 ? match : static_cast<int>(corner);
     if (match >= 0) continue;
     earlier[corner] = latest[point];
@@ -125,15 +126,15 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage, std::string
   topology.numHoles = static_cast<int>(cage.hole_indices.size());
   topology.holeIndices = cage.hole_indices.data();
   topology.isLeftHanded = cage.left_handed;
-  std::vector<std::vector<int>> uv_indices;
+  std::vector<std::vector<int>> value_indices;
   std::vector<Far::TopologyDescriptor::FVarChannel> channels;
-  for (const UvPrimvar& uv : cage.uvs) {
-    if (uv.interpolation == Interpolation::vertex) continue;
-    uv_indices.push_back(face_varying_indices(cage, uv));
+  for_each_refined(cage, [&](const auto& primvar) {
+    if (primvar.interpolation != Interpolation::face_varying) return;
+    value_indices.push_back(face_varying_indices(cage, primvar));
     channels.emplace_back();
-    channels.back().numValues = static_cast<int>(uv.values.size());
-    channels.back().valueIndices = uv_indices.back().data();
-  }
+    channels.back().numValues = static_cast<int>(primvar.values.size());
+    channels.back().valueIndices = value_indices.back().data();
+  });
   topology.numFVarChannels = static_cast<int>(channels.size());
   topology.fvarChannels = channels.data();
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;

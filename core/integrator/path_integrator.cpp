@@ -3,6 +3,7 @@
 #include "core/diagnostics/check.h"
 #include "core/integrator/boundary.h"
 #include "core/integrator/direct_light.h"
+#include "core/integrator/hit_vectors.h"
 #include "core/integrator/layer_split.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/path_state.h"
@@ -97,6 +98,8 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
   out->prim_id = v.instance->prim_id;
   out->instance_id = v.instance->instance_id;
   out->element_id = v.instance->prototype->mesh.element(hit.triangle);
+  if (context.vectors) [[unlikely]]
+    record_hit_vectors(context, v, out);
 }
 
 // The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the

@@ -33,16 +33,25 @@ struct IntegratorSettings {
 
 class PathRecord;
 
+/// The vectors of the first hit that AOVs show (kVectorAovs), and what they are measured by.
+struct HitVectorRequest {
+  const std::vector<UvSetName>& primvars;  // by their AOVs
+  const Camera &opens, &closes;            // where the camera stands when its shutter opens and closes
+  float open_time, close_time;             // of the scene's shutter
+  HitVectors* out;
+};
+
 /// Everything a path needs to know; lives on the worker's stack.
 struct PathContext {
   const SceneSnapshot& scene;
   const Camera& camera;
   const IntegratorSettings& settings;
   RenderCounters& counters;
-  LightLayers* layers = nullptr;        // of the sample, for integrators that were selected with layers
-  uint32_t aovs = aov_bit(Aov::color);  // bits of Aov: values of the first hit are computed only for these
-  PathRecord* record = nullptr;         // the path is written here; needs layers
-  float time = 0;                       // of the shutter; all rays have it. `camera` stands as it does then
+  LightLayers* layers = nullptr;              // of the sample, for integrators that were selected with layers
+  uint32_t aovs = aov_bit(Aov::color);        // bits of Aov: values of the first hit are computed only for these
+  PathRecord* record = nullptr;               // the path is written here; needs layers
+  float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
+  const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space, at the context's time. Color and alpha are the

@@ -22,6 +22,10 @@ class LinkedTransmittance final : public HitFilter {
   const SceneSnapshot& scene_;
   const uint32_t shadow_link_;
 };
+bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
+  return instance.camera_cull != CameraCull::none &&
+         is_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back);
+}
 
 }  // namespace
 
@@ -37,6 +41,7 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
 }
 
 bool StochasticStop::stops(const TriangleHit& hit) const noexcept {
+  if (depth_ == 0 && is_culled(scene_.instances[hit.instance], hit, dir_)) return false;
   const float coverage = coverage_at(scene_, dir_, hit);
   if (coverage <= 0 || coverage >= 1) return coverage >= 1;
   const uint32_t number = sampler_.number(Dimension::opacity, depth_);

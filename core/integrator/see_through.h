@@ -1,5 +1,5 @@
-// Surfaces that a ray may pass without being scattered: partly opaque ones, cut-outs, and the backs of single-sided
-// ones. Asked hit by hit while the ray is traced.
+// Surfaces that a ray may pass without being scattered: partly opaque ones, cut-outs, the backs of single-sided ones,
+// and what is culled from the camera. Asked hit by hit while the ray is traced.
 #pragma once
 
 #include "core/sampling/pixel_sampler.h"

@@ -29,6 +29,9 @@ struct MeshPrototype {
   TangentCache tangents = {};  // only normal maps ask for them
 };
 
+/// The faces that camera rays pass.
+enum class CameraCull { none, back, front };
+
 struct InstanceDescription {
   std::shared_ptr<const MeshPrototype> prototype;
   Matrix4d object_to_world;
@@ -39,7 +42,8 @@ struct InstanceDescription {
   std::string name;         // prim path, for reports
   /// Instances that scatter and name the same set do so as one body; empty: each for itself.
   std::string subsurface_set = {};
-  bool double_sided = true;   // false: not there for rays from behind, but where light passes below the surface
+  bool double_sided = true;  // false: not there for rays from behind, but where light passes below the surface
+  CameraCull camera_cull = CameraCull::none;
   uint32_t category_set = 0;  // of SceneDescription
   bool operator==(const InstanceDescription&) const = default;
 };
@@ -82,9 +86,10 @@ struct Instance : Placement {
   int32_t prim_id = 0, instance_id = 0;
   const SubsurfaceBody* body = nullptr;  // where light goes below this surface; null: no material of it scatters
   uint32_t member = 0;                   // of the body
-  bool see_through = false;              // rays may pass some hits: partly opaque, or single-sided and seen from behind
+  bool see_through = false;              // rays may pass some hits: partly opaque, single-sided, or culled
   bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
-  uint32_t category_set = 0;             // of SceneSnapshot
+  CameraCull camera_cull = CameraCull::none;
+  uint32_t category_set = 0;                       // of SceneSnapshot
   const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
 
   /// Where it stands at a time. `moved` holds the answer if it moves.

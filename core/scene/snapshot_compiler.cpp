@@ -80,7 +80,8 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
         instance.tangents = d.prototype->tangents.of(d.prototype->mesh, (*map)->uv_set);
   }
   instance.single_sided = !d.double_sided && !d.prototype->mesh.outward;
-  instance.see_through |= instance.single_sided;
+  instance.camera_cull = d.camera_cull;
+  instance.see_through |= instance.single_sided || d.camera_cull != CameraCull::none;
   return instance;
 }
 

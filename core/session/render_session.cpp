@@ -150,7 +150,8 @@ bool goes_on(const RenderRequest& last, const RenderRequest& next) {
   settings.denoise = next.settings.denoise;
   return last.scene == next.scene && last.camera == next.camera && last.width == next.width &&
          last.height == next.height && last.data_window == next.data_window && (next.aovs & ~last.aovs) == 0 &&
-         settings == next.settings && !settings.adaptive && settings.target_error == 0;
+         last.primvars == next.primvars && settings == next.settings && !settings.adaptive &&
+         settings.target_error == 0;
 }
 
 }  // namespace

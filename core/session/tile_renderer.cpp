@@ -43,17 +43,18 @@ TileRenderer::TileRenderer(const RenderRequest& request)
       has_motion_(camera_.moves() || request.scene->features.motion),
       integrator_settings_(settings_for(request)),
       has_layers_((request.aovs & kLayerAovs) != 0),
+      has_vectors_((request.aovs & kVectorAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
   if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene);
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
-  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, layers, record);
+  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record});
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
-                                      LightLayers* layers, PathRecord* record) const {
+                                      const SampleParts& parts) const {
   // Find when it is taken, place it in the pixel's filter and on the lens, and trace its path.
   std::optional<Camera> moved;
   float time = 0;
@@ -66,8 +67,15 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   const auto u = sampler.draw(Dimension::film_lens, 0);
   const Vec2f offset = sample_pixel_filter(request_.settings.filter, {u[0], u[1]});
   const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
-  const PathContext context{*request_.scene, camera, integrator_settings_, *counters, layers, request_.aovs,
-                            record,          time};
+  PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
+                      parts.layers,    request_.aovs, parts.record,         time};
+  std::optional<HitVectorRequest> vectors;
+  std::optional<Camera> closes;
+  if (parts.vectors) [[unlikely]] {
+    closes = camera_.at(1);
+    context.vectors = &vectors.emplace(
+        HitVectorRequest{request_.primvars, camera_.first(), *closes, camera_.time(0), camera_.time(1), parts.vectors});
+  }
   Ray ray = camera.generate_ray(film_position, {u[2], u[3]});
   ray.time = time;
   FilmSample result;
@@ -83,7 +91,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     ++counters->nonfinite_samples;
     counters->note_nonfinite(at);
     result.color = Rgb(0.0f);
-    *layers = {};
+    *parts.layers = {};
   }
   return result;
 }

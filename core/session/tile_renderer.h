@@ -29,6 +29,7 @@ struct RenderRequest {
   PixelRect data_window;      // pixels to render; may be a crop of, or larger than (overscan), the display window
   uint32_t aovs = aov_bit(Aov::color);
   RenderSettings settings;
+  std::vector<UvSetName> primvars = {};      // those that AOVs from primvar_aov(0) on show, kMostPrimvarAovs at most
   std::shared_ptr<const Denoiser> denoiser;  // makes AOV `denoised`, which is color without it
   /// A render of the same scene, view and settings, which this one continues and whose film it takes. Null: none.
   /// Without a scene its film is shown, and nothing is rendered.
@@ -68,14 +69,20 @@ class TileRenderer {
 
  private:
   uint32_t seed_of(int x, int y) const { return pixel_seed(x, y, request_.settings.frame, request_.settings.seed); }
+  // Where a sample puts what is not in its FilmSample.
+  struct SampleParts {
+    LightLayers* layers;
+    HitVectors* vectors;  // null: no AOV shows them
+    PathRecord* record;   // null: none
+  };
   FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
-                          LightLayers* layers, PathRecord* record) const;
+                          const SampleParts& parts) const;
 
   const RenderRequest& request_;
   MovingCamera camera_;
   bool has_motion_;  // of the scene or the camera: rays have a time
   IntegratorSettings integrator_settings_;
-  bool has_layers_;
+  bool has_layers_, has_vectors_;
   PathIntegrator trace_path_;
 };
 
@@ -86,6 +93,8 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
   const PixelRect& rect = samples.rect;
   const int step = samples.pass.block;
   LightLayers layers;
+  HitVectors vectors;
+  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr};
   for (int y = rect.y0; y < rect.y1; y += step)
     for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.
@@ -100,7 +109,7 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
       for (uint32_t s = tile->next_sample(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
         const uint64_t rays_before = counters->rays();
-        const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, &layers, nullptr);
+        const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, parts);
         tile->add(pixel, sample, has_layers_ ? &layers : nullptr,
                   static_cast<uint32_t>(counters->rays() - rays_before));
       }

@@ -5,6 +5,9 @@
 namespace alabaster::hd {
 
 SceneDelegate::~SceneDelegate() = default;
+CullStyle SceneDelegate::GetCullStyle(const Path&) {
+  return CullStyle::dontCare;
+}
 TimeSamples<Matrix4d> SceneDelegate::SampleTransform(const Path&) {
   return {};
 }

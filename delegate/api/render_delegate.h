@@ -113,6 +113,11 @@ class ALABASTER_API RenderDelegate {
   ///   samples, and the path of the first that fails a check, else of the first that is not finite, else of the
   ///   brightest. x counts to the right and y down from the upper left corner of the display window. Empty before the
   ///   first frame, for pixels outside of the data window and for numbers that are not whole.
+  /// - "reloadResource" {file}: an image that materials or lights name has been edited on disk, or one of a set that
+  /// they
+  ///   name by "<UDIM>", or a missing one has appeared. The builder reads it again for those that use it, and the
+  ///   picture follows as after an edit. Answers with an empty string, or with why not.
+  /// - "flush": the same for all images.
   /// Those of checkpoints answer with an empty string, or with the reason why they failed:
   /// - "writeCheckpoint" {file, and optionally note: string}: writes the state of the frame that Execute drew last,
   ///   while it is rendered or after, but not once a stop has ended a render with targetError. The file is

@@ -19,8 +19,8 @@ class ALABASTER_API SceneDelegate {
   virtual Matrix4d GetTransform(const Path& id) = 0;
   virtual bool GetVisible(const Path& id) = 0;
   /// False: faces are not there for what sees them from behind, but where their material lets light below the surface.
-  /// An adaptor of a host that culls nothing answers true, whatever the host's flag says.
   virtual bool GetDoubleSided(const Path& id) = 0;
+  virtual CullStyle GetCullStyle(const Path& id);  // dontCare, if a host has none
   /// geometry (USD's purpose default), render, proxy, guide or hidden; a pass draws the tags that it lists.
   virtual Token GetRenderTag(const Path& id) = 0;
   /// Names that light parameters `lightLink` and `shadowLink` may give. By default none.

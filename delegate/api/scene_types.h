@@ -30,6 +30,7 @@ inline constexpr DirtyBits kParams = 1u << 14;       // camera, light, material,
 inline constexpr DirtyBits kResource = 1u << 15;     // material network, light texture
 inline constexpr DirtyBits kDescription = 1u << 16;  // render buffer
 inline constexpr DirtyBits kCategories = 1u << 17;   // mesh, instancer
+inline constexpr DirtyBits kCullStyle = 1u << 18;
 inline constexpr DirtyBits kAll = ~0u;
 }  // namespace dirty
 
@@ -67,8 +68,22 @@ struct MeshTopology {
   Array<int32_t> faceVertexCounts;
   Array<int32_t> faceVertexIndices;
   Array<int32_t> holeIndices;
+  Array<int32_t> invisibleFaces;   // not drawn; unlike holes they leave the surface around them as it is
+  Array<int32_t> invisiblePoints;  // nothing: points of meshes are not drawn
   std::vector<GeomSubset> geomSubsets;
   bool operator==(const MeshTopology&) const = default;
+};
+
+/// The sides of its faces that a mesh does not show. Light meets faces by their double-sidedness, so `back` and `front`
+/// hide them from camera rays alone: light does not fall through the wall of a room that the camera looks through. The
+/// others decide for all rays, but for frontUnlessDoubleSided where it is front.
+enum class CullStyle {
+  dontCare,                // by double-sidedness
+  nothing,                 // double-sided, whatever the mesh says
+  back,                    // faces that the camera would see from behind
+  front,                   // faces that the camera would see from the front; double-sided for all other rays
+  backUnlessDoubleSided,   // by double-sidedness
+  frontUnlessDoubleSided,  // front; nothing if double-sided
 };
 
 struct SubdivTags {

@@ -43,7 +43,9 @@ namespace {
 template <class T>
 std::string number_text(T v) {
   char text[40];
-  if constexpr (std::is_same_v<T, double>)
+  if constexpr (std::is_same_v<T, Half>)
+    return {text, std::to_chars(text, text + sizeof text, float(v)).ptr};
+  else if constexpr (std::is_same_v<T, double>)
     return {text, std::to_chars(text, text + sizeof text, v, std::chars_format::general, 9).ptr};
   else
     return {text, std::to_chars(text, text + sizeof text, v).ptr};
@@ -56,26 +58,16 @@ std::string components_text(const V& v) {
   return text + ")";
 }
 
-std::string text_of(const Vec2f& v) {
+template <class V>
+requires requires {
+  V::dimensions();
+}
+std::string text_of(const V& v) {
   return components_text(v);
 }
-std::string text_of(const Vec3f& v) {
-  return components_text(v);
-}
-std::string text_of(const Vec4f& v) {
-  return components_text(v);
-}
-std::string text_of(const Vec2i& v) {
-  return components_text(v);
-}
-std::string text_of(const Vec3i& v) {
-  return components_text(v);
-}
-std::string text_of(const Vec3d& v) {
-  return components_text(v);
-}
-std::string text_of(const Quatf& q) {
-  return components_text(Vec4f(q.r, q.v.x, q.v.y, q.v.z));
+template <class T>
+std::string text_of(const Imath::Quat<T>& q) {
+  return components_text(Vec4f(float(q.r), float(q.v.x), float(q.v.y), float(q.v.z)));
 }
 std::string text_of(const Matrix4d& m) {
   std::string text = "(";
@@ -101,6 +93,9 @@ std::string text_of(const std::shared_ptr<const Dictionary>& v) {
     for (const auto& [key, value] : *v) text += (text.size() > 1 ? ", " : "") + key + ": " + value.to_string();
   return text + "}";
 }
+std::string text_of(Half v) {
+  return number_text(v);
+}
 template <class T>
 requires std::is_arithmetic_v<T> std::string text_of(T v) {
   if constexpr (std::is_same_v<T, bool>)
@@ -113,6 +108,14 @@ std::string text_of(const Array<T>& array) {
   std::string text = "[";
   for (size_t i = 0; i < array.size(); ++i) text += (i ? ", " : "") + text_of(array[i]);
   return text + "]";
+}
+
+template <class T>
+T float_or_double(T v) {
+  return v;
+}
+float float_or_double(Half v) {
+  return v;
 }
 
 template <class T>
@@ -133,10 +136,39 @@ double Value::number_or(double fallback) const {
   return std::visit(
       [&](const auto& v) {
         using T = std::decay_t<decltype(v)>;
-        if constexpr (std::is_arithmetic_v<T>)
+        if constexpr (std::is_same_v<T, Half>)
+          return double(float(v));
+        else if constexpr (std::is_arithmetic_v<T>)
           return static_cast<double>(v);
         else
           return fallback;
+      },
+      storage_);
+}
+
+size_t Value::components(std::array<double, 4>* out) const {
+  return std::visit(
+      [&]<class T>(const T& v) -> size_t {
+        if constexpr (requires { T::dimensions(); } && !std::is_same_v<T, Matrix4d>) {
+          for (unsigned i = 0; i < T::dimensions(); ++i) (*out)[i] = double(float_or_double(v[int(i)]));
+          return T::dimensions();
+        } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, Half>) {
+          (*out)[0] = double(float_or_double(v));
+          return 1;
+        } else {
+          return 0;
+        }
+      },
+      storage_);
+}
+
+Value Value::frozen() const {
+  return std::visit(
+      [&](const auto& v) -> Value {
+        if constexpr (requires { v.frozen(); })
+          return v.version() != 0 ? Value(v.frozen()) : *this;
+        else
+          return *this;
       },
       storage_);
 }

@@ -5,7 +5,9 @@
 #include <ImathMatrix.h>
 #include <ImathQuat.h>
 #include <ImathVec.h>
+#include <half.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -20,14 +22,21 @@
 
 namespace alabaster::hd {
 
+using Half = Imath::half;
 using Vec2f = Imath::V2f;
 using Vec3f = Imath::V3f;
 using Vec4f = Imath::V4f;
 using Vec2i = Imath::V2i;
 using Vec3i = Imath::V3i;
+using Vec2d = Imath::V2d;
 using Vec3d = Imath::V3d;
+using Vec4d = Imath::V4d;
+using Vec2h = Imath::Vec2<Half>;
+using Vec3h = Imath::Vec3<Half>;
+using Vec4h = Imath::Vec4<Half>;
 using Matrix4d = Imath::M44d;
 using Quatf = Imath::Quatf;
+using Quath = Imath::Quat<Half>;
 
 /// An interned string: copies and comparisons cost a pointer. Interned strings live as long as the library.
 class ALABASTER_API Token {
@@ -64,21 +73,32 @@ class ALABASTER_API Path {
   Token token_;
 };
 
-/// An immutable array that may be shared: it either owns a vector or holds the host's own memory by an owner handle.
+/// An array that may be shared: it either owns its elements or holds the host's own memory by an owner handle. Two
+/// arrays over the same memory count as equal if their versions are, and are not looked into.
 template <class T>
 class Array {
  public:
   Array() = default;
   Array(std::vector<T> values) {  // NOLINT(google-explicit-constructor)
-    auto held = std::make_shared<const std::vector<T>>(std::move(values));
-    data_ = held->data();
-    size_ = held->size();
-    owner_ = std::move(held);
+    if constexpr (std::is_same_v<T, bool>) {
+      auto held = std::make_shared<bool[]>(values.size());
+      std::copy(values.begin(), values.end(), held.get());
+      data_ = held.get();
+      size_ = values.size();
+      owner_ = std::move(held);
+    } else {
+      auto held = std::make_shared<const std::vector<T>>(std::move(values));
+      data_ = held->data();
+      size_ = held->size();
+      owner_ = std::move(held);
+    }
   }
   Array(std::initializer_list<T> values) : Array(std::vector<T>(values)) {}
-  /// Memory of the host's: valid and unchanged for as long as `owner` lives.
-  Array(std::shared_ptr<const void> owner, const T* data, size_t size)
-      : owner_(std::move(owner)), data_(data), size_(size) {}
+  /// Memory of the host's, valid for as long as `owner` lives. Version 0: it never changes, and is not copied. Any
+  /// other version: the host edits it in place, outside of Sync, and gives the array another version after each edit.
+  /// Such memory is read by prims in Sync, which copy it, and by nobody else.
+  Array(std::shared_ptr<const void> owner, const T* data, size_t size, uint64_t version = 0)
+      : owner_(std::move(owner)), data_(data), size_(size), version_(version) {}
 
   const T* data() const { return data_; }
   size_t size() const { return size_; }
@@ -86,9 +106,14 @@ class Array {
   const T& operator[](size_t i) const { return data_[i]; }
   const T* begin() const { return data_; }
   const T* end() const { return data_ + size_; }
+  uint64_t version() const { return version_; }
+  /// Itself, or a copy of memory that the host edits in place.
+  Array frozen() const { return version_ == 0 ? *this : Array(std::vector<T>(begin(), end())); }
+  /// Memory that the host edits in place cannot be compared with its values of before: other memory counts as changed.
   bool operator==(const Array& o) const {
     if (size_ != o.size_) return false;
-    if (data_ == o.data_) return true;
+    if (data_ == o.data_) return version_ == o.version_;
+    if (version_ != 0 || o.version_ != 0) return size_ == 0;
     for (size_t i = 0; i < size_; ++i)
       if (!(data_[i] == o.data_[i])) return false;
     return true;
@@ -98,6 +123,7 @@ class Array {
   std::shared_ptr<const void> owner_;
   const T* data_ = nullptr;
   size_t size_ = 0;
+  uint64_t version_ = 0;
 };
 
 /// An asset as authored and as found on disk; or, when `bytes` is set, encoded contents held in memory (an image
@@ -119,10 +145,18 @@ class ALABASTER_API Value {
       std::variant<std::monostate, bool, int32_t, int64_t, uint32_t, float, double, Vec2f, Vec3f, Vec4f, Vec2i, Vec3i,
                    Vec3d, Quatf, Matrix4d, Token, std::string, Path, AssetPath, std::shared_ptr<const Dictionary>,
                    Array<int32_t>, Array<float>, Array<double>, Array<Vec2f>, Array<Vec3f>, Array<Vec4f>, Array<Quatf>,
-                   Array<Matrix4d>, Array<Token>, Array<std::string>>;
+                   Array<Matrix4d>, Array<Token>, Array<std::string>, Half, Vec2d, Vec4d, Vec2h, Vec3h, Vec4h,
+                   Array<bool>, Array<int64_t>, Array<uint32_t>, Array<Half>, Array<Vec2i>, Array<Vec3i>, Array<Vec2d>,
+                   Array<Vec3d>, Array<Vec4d>, Array<Vec2h>, Array<Vec3h>, Array<Vec4h>, Array<Quath>, Array<Path>>;
+  /// No other number becomes a Half by itself.
+  template <class T>
+  static constexpr bool kIsNarrowed =
+      std::is_arithmetic_v<T> &&
+      !std::is_constructible_v<std::variant<bool, int32_t, int64_t, uint32_t, float, double>, T>;
   Value() = default;
   template <class T>
-  requires(std::is_constructible_v<Storage, T> && !std::is_same_v<std::decay_t<T>, Value>) Value(T value)
+  requires(std::is_constructible_v<Storage, T> && !std::is_same_v<std::decay_t<T>, Value> && !kIsNarrowed<T>)
+      Value(T value)
       : storage_(std::move(value)) {}                       // NOLINT(google-explicit-constructor)
   Value(const char* text) : storage_(std::string(text)) {}  // NOLINT(google-explicit-constructor)
 
@@ -136,8 +170,12 @@ class ALABASTER_API Value {
     const T* held = get<T>();
     return held ? *held : std::move(fallback);
   }
-  /// Any arithmetic alternative as double; `fallback` for the rest.
+  /// Any arithmetic alternative, and half, as double; `fallback` for the rest.
   double number_or(double fallback) const;
+  /// The components of a vector, or one number. Returns how many: 0 for the rest.
+  size_t components(std::array<double, 4>* out) const;
+  /// Without memory that the host edits in place: see Array::frozen().
+  Value frozen() const;
   /// Token, string, path or asset path as text; `fallback` for the rest.
   std::string text_or(std::string fallback) const;
   /// Stable text for dumps and messages: a float is the shortest decimal that reads back as the same float.

@@ -53,7 +53,7 @@ enum {
 /* AlabasterValue.type: the type of `data`, or of its elements */
 enum {
   ALABASTER_NONE = 0,
-  ALABASTER_BOOL = 1, /* one byte, 0 or 1; no arrays */
+  ALABASTER_BOOL = 1, /* one byte, 0 or 1 */
   ALABASTER_INT = 2,  /* int32_t */
   ALABASTER_INT64 = 3,
   ALABASTER_UINT = 4,
@@ -72,12 +72,27 @@ enum {
   ALABASTER_PATH = 17,       /* of a prim */
   ALABASTER_ASSET = 18,      /* the name of a file */
   ALABASTER_DICTIONARY = 19, /* only in answers; `data` is const AlabasterParameter*, `count` their number */
+  ALABASTER_FLOAT16 = 20,    /* IEEE 754 binary16 */
+  ALABASTER_FLOAT16_2 = 21,
+  ALABASTER_FLOAT16_3 = 22,
+  ALABASTER_FLOAT16_4 = 23,
+  ALABASTER_DOUBLE2 = 24,
+  ALABASTER_DOUBLE4 = 25,
+  ALABASTER_QUATERNION16 = 26, /* 4 halves: the real part first; arrays only */
 };
 
-/* Arrays of int, float, double, float2, float3, float4, quaternion and matrix may be lent: with `release` the memory is
-   not copied, must not change, and must be aligned as its elements are. release(owner) is called once, by any thread
-   and whether or not the call succeeded, when the library no longer reads it. Without `release` it is copied in the
-   call. */
+/* AlabasterValue.is_array */
+enum {
+  ALABASTER_SCALAR = 0,
+  ALABASTER_ARRAY = 1,
+  ALABASTER_EDITED_ARRAY = 2, /* lent, and edited in place by the host: see below */
+};
+
+/* Arrays of numbers, vectors, quaternions and matrices may be lent: with `release` the memory is not copied, must not
+   change, and must be aligned as its elements are. release(owner) is called once, by any thread and whether or not the
+   call succeeded, when the library no longer reads it. Without `release` it is copied in the call. Memory that is lent
+   as ALABASTER_EDITED_ARRAY may be edited in place: it is read, and copied, by pass_start and record alone, in their
+   calling thread and those that they start and wait for. Each time it is lent it counts as edited. */
 typedef struct AlabasterValue {
   int32_t type;
   int32_t is_array;
@@ -150,6 +165,16 @@ typedef struct AlabasterSubdivTags {
   AlabasterValue corner_indices, corner_weights;
 } AlabasterSubdivTags;
 
+/* AlabasterMesh.cull_style: sides of faces that are not shown. back and front hide them from the camera alone. */
+enum {
+  ALABASTER_CULL_DONT_CARE = 0, /* by single_sided */
+  ALABASTER_CULL_NOTHING = 1,   /* not single-sided, whatever it says */
+  ALABASTER_CULL_BACK = 2,
+  ALABASTER_CULL_FRONT = 3,
+  ALABASTER_CULL_BACK_UNLESS_DOUBLE_SIDED = 4,  /* by single_sided */
+  ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED = 5, /* front, if single_sided */
+};
+
 typedef struct AlabasterMesh {
   size_t size;
   const char* scheme;      /* none (default) | catmullClark | loop | bilinear */
@@ -160,15 +185,17 @@ typedef struct AlabasterMesh {
   const AlabasterSubset* subsets; /* faces with a material of their own */
   size_t subset_count;
   const AlabasterSubdivTags* subdiv_tags;
-  int32_t refine_level;      /* 0..8; 0 draws the cage */
-  int32_t invisible;         /* not zero: it is not drawn */
-  int32_t single_sided;      /* not zero: faces are not there for what sees them from behind */
-  const double* transform;   /* null: identity */
-  const char* material;      /* null: the default material */
-  const char* instancer;     /* null: not instanced */
-  AlabasterMotion motion;    /* matrices */
-  const char* render_tag;    /* geometry (default), render, proxy, guide or hidden: AlabasterFrame.render_tags */
-  AlabasterValue categories; /* tokens: names that lights' parameters lightLink and shadowLink may give */
+  int32_t refine_level;           /* 0..8; 0 draws the cage */
+  int32_t invisible;              /* not zero: it is not drawn */
+  int32_t single_sided;           /* not zero: faces are not there for what sees them from behind */
+  const double* transform;        /* null: identity */
+  const char* material;           /* null: the default material */
+  const char* instancer;          /* null: not instanced */
+  AlabasterMotion motion;         /* matrices */
+  const char* render_tag;         /* geometry (default), render, proxy, guide or hidden: AlabasterFrame.render_tags */
+  AlabasterValue categories;      /* tokens: names that lights' parameters lightLink and shadowLink may give */
+  AlabasterValue invisible_faces; /* int array: not drawn; unlike holes they leave the surface around them as it is */
+  int32_t cull_style;             /* ALABASTER_CULL_... */
 } AlabasterMesh;
 
 typedef struct AlabasterPrototype {
@@ -387,6 +414,24 @@ typedef struct AlabasterRecordOptions {
   void* user;
 } AlabasterRecordOptions;
 
+/* A face of an instance of a mesh, as pick finds it. */
+typedef struct AlabasterPickedInstance {
+  const char* instancer;
+  int32_t index; /* into the instancer's primvars */
+} AlabasterPickedInstance;
+
+typedef struct AlabasterPick {
+  size_t size;
+  const char* path;                         /* of the mesh */
+  int32_t instance_id;                      /* as AOV instanceId counts */
+  int32_t face;                             /* as the topology counts; -1: elementId is not bound */
+  int32_t x, y;                             /* a pixel that shows it */
+  const AlabasterPickedInstance* instances; /* the mesh's instancer first, then the one that places it, ... */
+  size_t instance_count;
+} AlabasterPick;
+
+typedef void (*AlabasterVisitPick)(void* user, const AlabasterPick* pick); /* valid during the call */
+
 /* The table: further functions are added at its end -------------------------------------------- */
 typedef struct AlabasterApi {
   size_t size;
@@ -395,7 +440,8 @@ typedef struct AlabasterApi {
   const char* (*last_error)(void);
 
   /* Scenes. A set replaces the prim of that path, and finds out what differs; arrays that are the same memory count as
-     unchanged. A scene may be filled before or while a delegate draws it. `report` may be null. */
+     unchanged, but for ALABASTER_EDITED_ARRAY. A scene may be filled before or while a delegate draws it. `report` may
+     be null. */
   AlabasterStatus (*scene_create)(AlabasterReport report, void* user, AlabasterScene** scene);
   void (*scene_destroy)(AlabasterScene* scene);
   AlabasterStatus (*scene_load)(AlabasterScene*, const char* file, const AlabasterLoadOptions*, AlabasterLoaded*);
@@ -425,7 +471,7 @@ typedef struct AlabasterApi {
   AlabasterStatus (*aov_format)(AlabasterDelegate*, const char* aov, int32_t* format); /* FORMAT_NONE: not supported */
   AlabasterStatus (*stats)(AlabasterDelegate*, AlabasterVisit visit, void* user);
   AlabasterStatus (*command)(AlabasterDelegate*, const char* name, const AlabasterParameter* arguments, size_t count,
-                             AlabasterVisit visit, void* user); /* "dumpScene", "requirements", "tracePixel" */
+                             AlabasterVisit visit, void* user); /* "dumpScene", "flush", ...: render_delegate.h */
   AlabasterStatus (*stop)(AlabasterDelegate*); /* blocks until nothing runs; nothing renders until restart */
   AlabasterStatus (*restart)(AlabasterDelegate*);
   AlabasterStatus (*pause)(AlabasterDelegate*);
@@ -463,6 +509,13 @@ typedef struct AlabasterApi {
   void (*display_destroy)(AlabasterDisplay*);
   AlabasterStatus (*display_set_exposure)(AlabasterDisplay*, double stops);
   AlabasterStatus (*buffer_show)(AlabasterBuffer*, AlabasterMemory*);
+  /* What the pass shows in a rectangle of its buffers' pixels: each face once, those nearest to its middle first. The
+     last start must have bound AOV primId (instanceId and elementId, too, for these numbers) to buffers of
+     ALABASTER_INT32: INVALID_ARGUMENT if not. The scene must be as it was at that start. */
+  AlabasterStatus (*pick)(AlabasterPass*, const AlabasterRect*, AlabasterVisitPick visit, void* user);
+  /* Writes what the pass shows now to a file (.exr .png .tif .jpg), from the buffer that the last start bound to AOV
+     color; the pass goes on. A file of an unfinished render is marked so. */
+  AlabasterStatus (*snapshot)(AlabasterPass*, const char* file);
 } AlabasterApi;
 
 /* Null if the library is older than `version`. The table lives as long as the library is loaded. */

@@ -63,10 +63,13 @@ class Value {
     data_ = bytes_->data();
   }
 
-  /// An array that the library reads where it lies, for as long as it holds `owner`. Elements are of `type`.
-  static Value lend(int32_t type, std::shared_ptr<const void> owner, const void* data, size_t count) {
+  /// An array that the library reads where it lies, for as long as it holds `owner`. Elements are of `type`. `edited`:
+  /// the host edits it in place (ALABASTER_EDITED_ARRAY).
+  static Value lend(int32_t type, std::shared_ptr<const void> owner, const void* data, size_t count,
+                    bool edited = false) {
     Value made;
-    made.type_ = type, made.is_array_ = true, made.data_ = data, made.count_ = count;
+    made.type_ = type, made.data_ = data, made.count_ = count;
+    made.is_array_ = edited ? ALABASTER_EDITED_ARRAY : ALABASTER_ARRAY;
     made.owner_ = std::move(owner);
     return made;
   }
@@ -98,7 +101,7 @@ class Value {
   }
 
   int32_t type_ = ALABASTER_NONE;
-  bool is_array_ = false;
+  int32_t is_array_ = ALABASTER_SCALAR;
   const void* data_ = nullptr;
   size_t count_ = 0;
   std::shared_ptr<const std::vector<char>> bytes_;  // of what is no array

@@ -63,5 +63,7 @@ AlabasterStatus display_create(const AlabasterDisplayOptions* options, Alabaster
 void display_destroy(AlabasterDisplay* display);
 AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops);
 AlabasterStatus buffer_show(AlabasterBuffer* buffer, AlabasterMemory* memory);
+AlabasterStatus pick(AlabasterPass* pass, const AlabasterRect* rect, AlabasterVisitPick visit, void* user);
+AlabasterStatus snapshot(AlabasterPass* pass, const char* file);
 
 }  // namespace alabaster::hd::c_api

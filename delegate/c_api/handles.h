@@ -134,6 +134,7 @@ struct PassData {
   std::shared_ptr<DelegateData> owner;
   std::unique_ptr<RenderPass> pass;
   std::vector<std::shared_ptr<BufferData>> bound;
+  RenderPassState state;  // of the last start
 };
 
 /// The render settings of that path; of null, the first. Fails if there are none.

@@ -1,5 +1,7 @@
 #include "delegate/c_api/functions.h"
 #include "delegate/c_api/scene_prims.h"
+#include "delegate/host/picker.h"
+#include "delegate/host/snapshot.h"
 
 namespace alabaster::hd::c_api {
 namespace {
@@ -79,6 +81,7 @@ void start(PassData& pass, const AlabasterFrame& in) {
     throw Failure(ALABASTER_OUT_OF_MEMORY, "the scene could not be synced: memory or threads ran out");
   pass.pass->Execute(state);
   pass.bound = std::move(bound);
+  pass.state = std::move(state);
 }
 
 }  // namespace
@@ -202,6 +205,43 @@ AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes,
                   static_cast<const uint8_t*>(pixels.data) + (y_down ? rows - 1 - y : y) * row, row);
     data.buffer->Unmap();
     if (!fits) throw bad_argument("the pixels need " + std::to_string(rows * row) + " bytes");
+  });
+}
+
+AlabasterStatus pick(AlabasterPass* handle, const AlabasterRect* rect, AlabasterVisitPick visit, void* user) {
+  return guarded([&] {
+    PassData& data = *required(handle, "pass").data;
+    if (!visit) throw bad_argument("visit is null");
+    const auto [min_x, min_y, max_x, max_y] = required(rect, "rect");
+    const HostLock lock(*data.owner);
+    if (!data.owner->scene) throw bad_argument("the delegate draws no scene");
+    const auto& bindings = data.state.aovBindings;
+    if (std::none_of(bindings.begin(), bindings.end(), [](const AovBinding& b) {
+          return b.aovName == Token("primId") && b.renderBuffer->GetFormat() == Format::int32;
+        }))
+      throw bad_argument("pick needs AOV primId, bound to a buffer of ALABASTER_INT32");
+    for (const host::PickHit& hit :
+         host::Pick(*data.owner->index, data.owner->scene->scene, data.state, {min_x, min_y, max_x, max_y})) {
+      std::vector<AlabasterPickedInstance> instances;
+      for (const host::PickedInstance& one : hit.instances)
+        instances.push_back({one.instancer.str().c_str(), one.index});
+      const AlabasterPick told = {sizeof told, hit.path.str().c_str(), hit.instanceId,  hit.face, hit.x,
+                                  hit.y,       instances.data(),       instances.size()};
+      visit(user, &told);
+    }
+  });
+}
+
+AlabasterStatus snapshot(AlabasterPass* handle, const char* file) {
+  return guarded([&] {
+    PassData& data = *required(handle, "pass").data;
+    RenderProduct product;
+    product.file = &required(file, "file");
+    const HostLock lock(*data.owner);
+    DelegateData& owner = *data.owner;
+    owner.reports->take_error({});
+    if (!host::WriteSnapshot(*owner.delegate, *data.pass, data.state, product, owner.colors, sink_of(owner.reports)))
+      throw Failure(ALABASTER_OUTPUT_FAILED, owner.reports->take_error("the picture could not be written"));
   });
 }
 

@@ -10,6 +10,7 @@ MeshTopology read_topology(const AlabasterMesh& in, ValueReader& reader) {
   topology.faceVertexCounts = reader.ints(in.face_vertex_counts, "face_vertex_counts");
   topology.faceVertexIndices = reader.ints(in.face_vertex_indices, "face_vertex_indices");
   topology.holeIndices = reader.ints(in.hole_indices, "hole_indices");
+  topology.invisibleFaces = reader.ints(in.invisible_faces, "invisible_faces");
   for (size_t i = 0; i < in.subset_count; ++i) {
     const AlabasterSubset& subset = in.subsets[i];
     topology.geomSubsets.push_back(
@@ -62,6 +63,9 @@ host::MeshDescription read_mesh(const AlabasterMesh* given) {
   mesh.transform = matrix_of(in.transform);
   mesh.visible = in.invisible == 0;
   mesh.doubleSided = in.single_sided == 0;
+  if (in.cull_style < ALABASTER_CULL_DONT_CARE || in.cull_style > ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED)
+    reader.fault("there is no such cull_style");
+  mesh.cullStyle = CullStyle(in.cull_style);
   mesh.material = Path(text_or(in.material, ""));
   mesh.instancer = Path(text_or(in.instancer, ""));
   mesh.renderTag = text_or(in.render_tag, "geometry");

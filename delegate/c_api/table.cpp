@@ -13,6 +13,8 @@ static_assert(int(Interpolation::constant) == ALABASTER_CONSTANT && int(Interpol
               int(Interpolation::instance) == ALABASTER_INSTANCE);
 static_assert(int(WindowPolicy::matchVertically) == ALABASTER_MATCH_VERTICALLY &&
               int(WindowPolicy::dontConform) == ALABASTER_DONT_CONFORM);
+static_assert(int(CullStyle::back) == ALABASTER_CULL_BACK &&
+              int(CullStyle::frontUnlessDoubleSided) == ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED);
 static_assert(int(Severity::info) == ALABASTER_INFO && int(Severity::error) == ALABASTER_ERROR);
 
 extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
@@ -67,6 +69,8 @@ extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
                                    c_api::display_create,
                                    c_api::display_destroy,
                                    c_api::display_set_exposure,
-                                   c_api::buffer_show};
+                                   c_api::buffer_show,
+                                   c_api::pick,
+                                   c_api::snapshot};
   return version >= 1 && version <= ALABASTER_API_VERSION ? &api : nullptr;
 }

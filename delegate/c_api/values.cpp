@@ -32,6 +32,22 @@ inline constexpr int32_t kType<Quatf> = ALABASTER_QUATERNION;
 template <>
 inline constexpr int32_t kType<Matrix4d> = ALABASTER_MATRIX;
 template <>
+inline constexpr int32_t kType<Half> = ALABASTER_FLOAT16;
+template <>
+inline constexpr int32_t kType<Vec2h> = ALABASTER_FLOAT16_2;
+template <>
+inline constexpr int32_t kType<Vec3h> = ALABASTER_FLOAT16_3;
+template <>
+inline constexpr int32_t kType<Vec4h> = ALABASTER_FLOAT16_4;
+template <>
+inline constexpr int32_t kType<Vec2d> = ALABASTER_DOUBLE2;
+template <>
+inline constexpr int32_t kType<Vec4d> = ALABASTER_DOUBLE4;
+template <>
+inline constexpr int32_t kType<Quath> = ALABASTER_QUATERNION16;
+template <>
+inline constexpr int32_t kType<bool> = ALABASTER_BOOL;
+template <>
 inline constexpr int32_t kType<Token> = ALABASTER_TOKEN;
 template <>
 inline constexpr int32_t kType<std::string> = ALABASTER_STRING;
@@ -40,6 +56,8 @@ inline constexpr int32_t kType<Path> = ALABASTER_PATH;
 
 // Hosts' numbers are read as Imath's types where they lie.
 static_assert(sizeof(Vec2f) == 8 && sizeof(Vec3f) == 12 && sizeof(Vec4f) == 16 && sizeof(Vec3d) == 24);
+static_assert(sizeof(Half) == 2 && sizeof(Vec3h) == 6 && sizeof(Quath) == 8 && sizeof(Vec2d) == 16 &&
+              sizeof(bool) == 1);
 static_assert(sizeof(Quatf) == 16 && offsetof(Quatf, r) == 0 && sizeof(Matrix4d) == 128);
 
 template <class T>
@@ -49,12 +67,18 @@ Value scalar(const AlabasterValue& in) {
   return value;
 }
 
+// Each time it is lent, memory that the host edits counts as edited.
+uint64_t version_of(const AlabasterValue& in) {
+  static std::atomic<uint64_t> lent{0};
+  return in.is_array == ALABASTER_EDITED_ARRAY ? ++lent : 0;
+}
+
 template <class T>
 Value lent_or_copied(const AlabasterValue& in, std::shared_ptr<void> owner) {
   const auto* data = static_cast<const T*>(in.data);
   if (!owner) return Array<T>(std::vector<T>(data, data + in.count));
   if (reinterpret_cast<uintptr_t>(data) % alignof(T) != 0) throw bad_argument("a lent array is not aligned");
-  return Array<T>(std::move(owner), data, in.count);
+  return Array<T>(std::move(owner), data, in.count, version_of(in));
 }
 
 template <class T>
@@ -83,6 +107,34 @@ Value array_of(const AlabasterValue& in, std::shared_ptr<void> owner) {
       return lent_or_copied<Quatf>(in, std::move(owner));
     case ALABASTER_MATRIX:
       return lent_or_copied<Matrix4d>(in, std::move(owner));
+    case ALABASTER_BOOL:
+      return lent_or_copied<bool>(in, std::move(owner));
+    case ALABASTER_INT64:
+      return lent_or_copied<int64_t>(in, std::move(owner));
+    case ALABASTER_UINT:
+      return lent_or_copied<uint32_t>(in, std::move(owner));
+    case ALABASTER_INT2:
+      return lent_or_copied<Vec2i>(in, std::move(owner));
+    case ALABASTER_INT3:
+      return lent_or_copied<Vec3i>(in, std::move(owner));
+    case ALABASTER_DOUBLE2:
+      return lent_or_copied<Vec2d>(in, std::move(owner));
+    case ALABASTER_DOUBLE3:
+      return lent_or_copied<Vec3d>(in, std::move(owner));
+    case ALABASTER_DOUBLE4:
+      return lent_or_copied<Vec4d>(in, std::move(owner));
+    case ALABASTER_FLOAT16:
+      return lent_or_copied<Half>(in, std::move(owner));
+    case ALABASTER_FLOAT16_2:
+      return lent_or_copied<Vec2h>(in, std::move(owner));
+    case ALABASTER_FLOAT16_3:
+      return lent_or_copied<Vec3h>(in, std::move(owner));
+    case ALABASTER_FLOAT16_4:
+      return lent_or_copied<Vec4h>(in, std::move(owner));
+    case ALABASTER_QUATERNION16:
+      return lent_or_copied<Quath>(in, std::move(owner));
+    case ALABASTER_PATH:
+      return texts<Path>(in);
     case ALABASTER_TOKEN:
       return texts<Token>(in);
     case ALABASTER_STRING:
@@ -116,8 +168,20 @@ Value scalar_of(const AlabasterValue& in) {
       return scalar<Vec2i>(in);
     case ALABASTER_INT3:
       return scalar<Vec3i>(in);
+    case ALABASTER_DOUBLE2:
+      return scalar<Vec2d>(in);
     case ALABASTER_DOUBLE3:
       return scalar<Vec3d>(in);
+    case ALABASTER_DOUBLE4:
+      return scalar<Vec4d>(in);
+    case ALABASTER_FLOAT16:
+      return scalar<Half>(in);
+    case ALABASTER_FLOAT16_2:
+      return scalar<Vec2h>(in);
+    case ALABASTER_FLOAT16_3:
+      return scalar<Vec3h>(in);
+    case ALABASTER_FLOAT16_4:
+      return scalar<Vec4h>(in);
     case ALABASTER_QUATERNION:
       return scalar<Quatf>(in);
     case ALABASTER_MATRIX:
@@ -228,9 +292,10 @@ ValueView::ValueView(const Value& value) {
           view_.type = kType<Element>;
           view_.is_array = 1;
           view_.data = v.data(), view_.count = v.size();
-          if constexpr (std::is_same_v<Element, Token> || std::is_same_v<Element, std::string>) {
+          constexpr bool kIsName = std::is_same_v<Element, Token> || std::is_same_v<Element, Path>;
+          if constexpr (kIsName || std::is_same_v<Element, std::string>) {
             for (const Element& text : v) {
-              if constexpr (std::is_same_v<Element, Token>)
+              if constexpr (kIsName)
                 texts_.push_back(text.str().c_str());
               else
                 texts_.push_back(text.c_str());

@@ -45,9 +45,10 @@ std::string unknown_aov(const std::vector<std::string>& aovs) {
   const std::vector<std::string>& known = hd::host::ProductAovs();
   for (const std::string& aov : aovs) {
     if (std::find(known.begin(), known.end(), aov) != known.end()) continue;
+    if (const std::string primvars = "primvars:"; aov.starts_with(primvars) && aov != primvars) continue;
     std::string names;
     for (const std::string& name : known) names += (names.empty() ? "" : ", ") + name;
-    return "--aov: there is no '" + aov + "'; choose from " + names + ".";
+    return "--aov: there is no '" + aov + "'; choose from " + names + ", primvars:NAME.";
   }
   return "";
 }

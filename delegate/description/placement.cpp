@@ -8,6 +8,7 @@
 
 #include "core/math/bounds.h"
 #include "core/math/transform.h"
+#include "delegate/support/float_values.h"
 #include "delegate/support/instancing.h"
 
 namespace alabaster::hd::description {
@@ -32,7 +33,8 @@ bool finite(const Vec3d& p) {
 
 void add_mesh(const host::MeshDescription& mesh, const std::vector<Matrix4d>& instances, std::vector<Vec3d>* all) {
   const auto primvar = mesh.primvars.find("points");
-  const auto* points = primvar == mesh.primvars.end() ? nullptr : primvar->second.value.get<Array<Vec3f>>();
+  const Value value = primvar == mesh.primvars.end() ? Value() : support::FloatValues(primvar->second.value);
+  const auto* points = value.get<Array<Vec3f>>();
   if (!points || points->empty()) return;
   if (instances.size() == 1) {
     for (const Vec3f& p : *points)

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "delegate/host/frame_request.h"
+#include "delegate/host/product_metadata.h"
 #include "delegate/host/recorded_checkpoints.h"
 #include "delegate/support/process_usage.h"
 
@@ -114,15 +115,6 @@ class MappedPixels {
   RenderBuffer* buffer_;
   bool mapped_ = false;
 };
-
-std::string utc_now() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text;
-}
 
 double stat(const Dictionary& stats, const char* key) {
   const auto found = stats.find(key);
@@ -361,24 +353,8 @@ class Recording {
   }
 
   Dictionary metadata() const {
-    Dictionary m;
-    m["capDate"] = utc_now();
-    m["alabaster/camera"] = request().description.camera.str();
+    Dictionary m = product_metadata(*delegate_, result_.stats, request().description.camera);
     m["alabaster/frame"] = request().description.frame;
-    for (const RenderSettingDescriptor& setting : delegate_->GetRenderSettingDescriptors())
-      m["alabaster/" + setting.key.str()] = delegate_->GetRenderSetting(setting.key);
-    const std::pair<const char*, const char*> kept[] = {{"samplesDone", "numCompletedSamples"},
-                                                        {"error/relativeRmse", "error.relativeRmse"},
-                                                        {"error/low", "error.low"},
-                                                        {"error/high", "error.high"},
-                                                        {"renderSeconds", "totalClockTime"},
-                                                        {"cpuSeconds", "cpuSeconds"},
-                                                        {"denoiser", "denoiser"},
-                                                        {"sceneFaults", "scene.faults"},
-                                                        {"peakMemory", "peakMemory"}};
-    for (const auto& [name, key] : kept)
-      if (const auto found = result_.stats.find(key); found != result_.stats.end())
-        m[std::string("alabaster/") + name] = found->second;
     return m;
   }
 

@@ -13,7 +13,7 @@ namespace {
 std::string known_aov_names() {
   std::string names;
   for (const std::string& name : ProductAovs()) names += (names.empty() ? "" : ", ") + name;
-  return names;
+  return names + ", primvars:NAME";
 }
 
 bool kind_of(const std::string& file, FileKind& kind) {
@@ -56,7 +56,7 @@ ChannelStore exr_store(const AovInfo& aov, const RenderVar& var, ChannelStore pr
 
 std::vector<PlannedChannel> channels_of(const RenderVar& var, const AovInfo& aov, ChannelStore store) {
   const bool usual = var.name.empty() || var.name == aov.name;
-  const std::string layer = usual ? aov.layer : var.name;
+  const std::string layer = !usual ? var.name : is_primvar(aov.aov) ? var.aov.str() : aov.layer;
   std::vector<PlannedChannel> channels;
   const std::string suffixes = aov.channels;
   const bool distance = aov.value == AovValue::distance;

@@ -39,6 +39,7 @@ DirtyBits difference(const MeshDescription& a, const MeshDescription& b) {
   if (a.doubleSided != b.doubleSided) bits |= dirty::kDoubleSided;
   if (!(a.renderTag == b.renderTag)) bits |= dirty::kRenderTag;
   if (!(a.categories == b.categories)) bits |= dirty::kCategories;
+  if (a.cullStyle != b.cullStyle) bits |= dirty::kCullStyle;
   if (!(a.material == b.material)) bits |= dirty::kMaterialId;
   if (!(a.instancer == b.instancer)) bits |= dirty::kInstancer | dirty::kInstanceIndex;
   return bits;
@@ -269,6 +270,11 @@ bool RetainedSceneDelegate::GetVisible(const Path& id) {
 bool RetainedSceneDelegate::GetDoubleSided(const Path& id) {
   const auto* mesh = find(state_->meshes, id);
   return !mesh || mesh->doubleSided;
+}
+
+CullStyle RetainedSceneDelegate::GetCullStyle(const Path& id) {
+  const auto* mesh = find(state_->meshes, id);
+  return mesh ? mesh->cullStyle : CullStyle::dontCare;
 }
 
 Token RetainedSceneDelegate::GetRenderTag(const Path& id) {

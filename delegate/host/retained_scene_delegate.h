@@ -12,7 +12,7 @@ namespace alabaster::hd::host {
 struct PrimvarValue {
   Interpolation interpolation = Interpolation::vertex;
   Token role;
-  Value value;             // Array<float>, Array<Vec2f>, Array<Vec3f>, ...
+  Value value;             // an array of numbers or vectors of any type, or one for all
   Array<int32_t> indices;  // empty: not indexed
   bool operator==(const PrimvarValue&) const = default;
 };
@@ -25,6 +25,7 @@ struct MeshDescription {
   Matrix4d transform;
   bool visible = true;
   bool doubleSided = true;
+  CullStyle cullStyle = CullStyle::dontCare;
   Path material;                                            // empty: the default material
   Path instancer;                                           // empty: not instanced
   TimeSamples<Matrix4d> transformSamples = {};              // of what moves
@@ -57,6 +58,9 @@ struct LightDescription {
 
 using hd::CameraDescription;
 
+/// Memory that the host edits in place (Array::version) is told to be changed by setting the description again, with a
+/// new version of the array.
+///
 /// One thread at a time pushes; pulls come from Sync. Before Populate it is plain data. Afterwards every Set marks the
 /// differences in the index it populates.
 class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
@@ -91,6 +95,7 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
   Matrix4d GetTransform(const Path& id) override;
   bool GetVisible(const Path& id) override;
   bool GetDoubleSided(const Path& id) override;
+  CullStyle GetCullStyle(const Path& id) override;
   Token GetRenderTag(const Path& id) override;
   std::vector<Token> GetCategories(const Path& id) override;
   Path GetMaterialId(const Path& id) override;

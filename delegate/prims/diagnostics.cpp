@@ -1,5 +1,7 @@
 #include "delegate/prims/diagnostics.h"
 
+#include <algorithm>
+
 namespace alabaster::hd::prims {
 
 alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host) {
@@ -20,6 +22,17 @@ void report_exception(const alabaster::DiagnosticSink& sink, std::string_view wh
   } catch (...) {
     // Memory has run out altogether.
   }
+}
+
+void KnownFaults::report(const alabaster::DiagnosticSink& sink, std::vector<alabaster::Diagnostic> found) {
+  const auto is_in = [](const auto& first, const auto& last, const alabaster::Diagnostic& d) {
+    return std::any_of(first, last, [&](const alabaster::Diagnostic& other) {
+      return other.code == d.code && other.where == d.where && other.text == d.text;
+    });
+  };
+  for (auto it = found.begin(); it != found.end(); ++it)
+    if (sink && !is_in(known_.begin(), known_.end(), *it) && !is_in(found.begin(), it, *it)) sink(*it);
+  known_ = std::move(found);
 }
 
 }  // namespace alabaster::hd::prims

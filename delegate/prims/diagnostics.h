@@ -18,6 +18,16 @@ alabaster::DiagnosticSink core_sink(const hd::DiagnosticSink& host);
 /// Reports an exception that an entry point caught. Does nothing if memory does not even suffice for a report.
 void report_exception(const alabaster::DiagnosticSink& sink, std::string_view where, const char* what) noexcept;
 
+/// The faults of something that is looked at again and again. Each is reported where it is found first, and again only
+/// if it was gone in between. One thread at a time.
+class KnownFaults {
+ public:
+  void report(const alabaster::DiagnosticSink& sink, std::vector<alabaster::Diagnostic> found);
+
+ private:
+  std::vector<alabaster::Diagnostic> known_;
+};
+
 /// Runs a boundary entry point. An exception becomes a report and false.
 template <class F>
 bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& body) noexcept {

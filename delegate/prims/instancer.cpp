@@ -26,7 +26,7 @@ void InstancerPrim::Sync(SceneDelegate* scene, RenderParam* render_param, DirtyB
     if (*bits & dirty::kInstancer) record_.parent = scene->GetInstancerId(GetId());
     if (*bits & (dirty::kInstancer | dirty::kInstanceIndex))
       record_.indices_in_parent =
-          record_.parent.empty() ? Array<int32_t>() : scene->GetInstanceIndices(record_.parent, GetId());
+          record_.parent.empty() ? Array<int32_t>() : scene->GetInstanceIndices(record_.parent, GetId()).frozen();
     if (*bits & dirty::kCategories) {
       auto categories = scene->GetInstanceCategories(GetId());
       record_.categories.reset();

@@ -25,7 +25,7 @@ struct LightFiles {
     if (!profile.empty()) out.ies = IesProfile::load(profile, param.sink());
     if (!profile.empty() && !out.ies)
       out.fault = SceneFault{true, "the IES profile '" + profile + "' could not be read"};
-    if (names_image()) out.texture = param.texture(image, &out.fault);
+    if (names_image()) out.texture = param.texture(image, &out.fault, param.sink());
     return out;
   }
 };
@@ -48,6 +48,14 @@ std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, Lig
 
 }  // namespace
 
+void LightPrim::reread(const std::string& file, SceneParam& param) {
+  if (!files_ || !(names_image(files_->image.path, file) || names_image(files_->profile, file))) return;
+  auto again = std::make_shared<LightFiles>();
+  again->image = files_->image, again->profile = files_->profile;
+  files_ = std::move(again);
+  post(param);
+}
+
 DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (bits & dirty::kTransform) record_.light.light_to_world = scene.GetTransform(GetId());
   if (bits & dirty::kParams) {
@@ -67,18 +75,20 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
     record_.light.color_of_temperature =
         blackbody(record_.light.color_temperature, colors.chromaticities(colors.rendering_space()));
     files_ = pull_files(scene, GetId(), record_.light.type);
+    if (files_) param.set_reread(GetId(), [this, &param](const std::string& file) { reread(file, param); });
   }
-  if (!files_) {
-    param.post(GetId(), record_);
-    return dirty::kClean;
-  }
+  post(param);
+  return dirty::kClean;
+}
+
+void LightPrim::post(SceneParam& param) {
+  if (!files_) return param.post(GetId(), record_);
   param.post_unread(GetId(), [&param, record = record_, files = files_] {
     const LightFiles::Contents& contents = files->contents.get([&] { return files->read(param); });
     LightRecord read = record;
     read.light.texture = contents.texture, read.light.ies = contents.ies, read.fault = contents.fault;
     return read;
   });
-  return dirty::kClean;
 }
 
 }  // namespace alabaster::hd::prims

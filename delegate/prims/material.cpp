@@ -16,6 +16,7 @@ struct NodeReader {
   const Path& id;
   const MaterialNode& node;
   SceneParam& param;
+  const alabaster::DiagnosticSink& sink;
 
   Value parameter(const char* name) const {
     const auto found = node.parameters.find(name);
@@ -23,7 +24,7 @@ struct NodeReader {
   }
 
   void warn(const char* code, const std::string& text) const {
-    alabaster::report(param.sink(), alabaster::Severity::warning, code, id.str(), text);
+    alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);
   }
 
   /// The first is the default.
@@ -41,9 +42,13 @@ struct NodeReader {
   /// A number or a vector of a texture's placement and values; the default where it is not finite.
   template <class T>
   T finite_or(const char* name, const T& otherwise) const {
-    const T value = parameter(name).get_or(otherwise);
-    for (unsigned i = 0; i < T::dimensions(); ++i)
+    std::array<double, 4> given{};
+    if (parameter(name).components(&given) != T::dimensions()) return otherwise;
+    T value;
+    for (unsigned i = 0; i < T::dimensions(); ++i) {
+      value[int(i)] = static_cast<float>(given[i]);
       if (!std::isfinite(value[int(i)])) return not_finite(name), otherwise;
+    }
     return value;
   }
   float finite_or(const char* name, float otherwise) const {
@@ -79,7 +84,7 @@ struct TextureNodeReader : NodeReader {
     source.wrap_t = word("wrapT", "wrap mode", kWraps);
     source.filter = word("filter", "filter", kFilters);
     TextureLookup lookup;
-    lookup.image = param.texture(source, fault);
+    lookup.image = param.texture(source, fault, sink);
     if (!lookup.image) return std::nullopt;
     if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
     lookup.transform = UvTransform(finite_or("stOffset", Vec2f(0, 0)), finite_or("stRotation", 0.0f),
@@ -101,8 +106,9 @@ struct TextureNodeReader : NodeReader {
 /// Reads one network; everything it cannot draw is reported once, with what is drawn instead.
 class MaterialReader {
  public:
-  MaterialReader(const Path& id, const MaterialNetwork& network, SceneParam& param)
-      : id_(id), network_(network), param_(param) {}
+  MaterialReader(const Path& id, const MaterialNetwork& network, SceneParam& param,
+                 const alabaster::DiagnosticSink& sink)
+      : id_(id), network_(network), param_(param), sink_(sink) {}
 
   /// *fault receives an image that cannot be read.
   std::shared_ptr<const DisneyMaterial> read(std::optional<SceneFault>* fault) {
@@ -122,7 +128,7 @@ class MaterialReader {
 
  private:
   void warn(const char* code, const std::string& text) const {
-    alabaster::report(param_.sink(), alabaster::Severity::warning, code, id_.str(), text);
+    alabaster::report(sink_, alabaster::Severity::warning, code, id_.str(), text);
   }
 
   const MaterialNode* find_surface() const {
@@ -162,7 +168,7 @@ class MaterialReader {
     const MaterialConnection& connection = connections->second.front();
     std::optional<TextureLookup> lookup = read_lookup(connection.upstreamNode, "displacement", Texels::numbers);
     if (!lookup || !lookup->image) return;
-    const NodeReader reader{node->first, node->second, param_};
+    const NodeReader reader{node->first, node->second, param_, sink_};
     const auto space = reader.word("space", "displacement space", kSpaces);
     const bool is_vector = space != DisplacementSpace::normal;
     material->displacement = Displacement{std::move(*lookup), space, channel_of(connection, is_vector),
@@ -174,7 +180,7 @@ class MaterialReader {
 
   void read_parameter(const Token& name, const Value& value, DisneyParameters* constants) const {
     if (const MaterialParameter* row = find_material_parameter(name.str()))
-      return report_fault(param_.sink(), id_.str(), name.str(), set_parameter(*row, value, constants), value);
+      return report_fault(sink_, id_.str(), name.str(), set_parameter(*row, value, constants), value);
     std::vector<std::string> names;
     for (const auto& parameter : material_parameters()) names.emplace_back(parameter.name);
     const std::string nearest = support::NearestName(name.str(), names);
@@ -241,7 +247,7 @@ class MaterialReader {
   std::optional<TextureLookup> read_lookup(const Path& node_id, const Token& input, Texels texels) const {
     const auto node = network_.nodes.find(node_id);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterTexture"))
-      return TextureNodeReader{{node_id, node->second, param_}, fault_}.read(texels);
+      return TextureNodeReader{{node_id, node->second, param_, sink_}, fault_}.read(texels);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterPrimvar")) return TextureLookup();
     const std::string what = node == network_.nodes.end()
                                  ? node_id.str() + ", which does not exist"
@@ -261,9 +267,20 @@ class MaterialReader {
   const Path& id_;
   const MaterialNetwork& network_;
   SceneParam& param_;
+  const alabaster::DiagnosticSink& sink_;
   std::optional<SceneFault>* fault_ = nullptr;
   std::map<std::pair<Path, Texels>, size_t> textures_;  // of the material, by node and meaning
 };
+
+// True if a node names the image; without a name, any.
+bool has_images(const MaterialNetwork& network, const std::string& file = {}) {
+  for (const auto& [path, node] : network.nodes)
+    if (const auto named = node.parameters.find("file"); named != node.parameters.end()) {
+      const auto* const asset = named->second.get<AssetPath>();
+      if (names_image(named->second.text_or(""), file) || (asset && names_image(asset->authored, file))) return true;
+    }
+  return false;
+}
 
 }  // namespace
 
@@ -271,16 +288,27 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
   if (!(bits & (dirty::kResource | dirty::kParams))) return dirty::kClean;
   auto network = std::make_shared<const MaterialNetwork>(scene.GetMaterialResource(GetId()));
   if (network_ && *network_ == *network) return dirty::kClean;
-  param.post_unread(GetId(), [&param, id = GetId(), network] {
-    const auto warn = [&](const char* code, const std::string& text) {
-      alabaster::report(param.sink(), alabaster::Severity::warning, code, id.str(), text);
-    };
-    MaterialRecord record;
-    record.material = MaterialReader(id, translate_preview_surface(*network, warn), param).read(&record.fault);
-    return record;
-  });
+  post(network, param);
   network_ = std::move(network);  // last: a network counts as known once it is posted
   return dirty::kClean;
+}
+
+void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, SceneParam& param) {
+  param.post_unread(GetId(), [&param, id = GetId(), network, faults = faults_] {
+    std::vector<alabaster::Diagnostic> found;
+    const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) { found.push_back(d); };
+    const auto warn = [&](const char* code, const std::string& text) {
+      alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);
+    };
+    MaterialRecord record;
+    record.material = MaterialReader(id, translate_preview_surface(*network, warn), param, sink).read(&record.fault);
+    faults->report(param.sink(), std::move(found));
+    return record;
+  });
+  if (!has_images(*network)) return;
+  param.set_reread(GetId(), [this, &param](const std::string& file) {
+    if (network_ && has_images(*network_, file)) post(network_, param);
+  });
 }
 
 }  // namespace alabaster::hd::prims

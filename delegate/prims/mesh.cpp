@@ -2,6 +2,7 @@
 
 #include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/float_values.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -15,8 +16,8 @@ PulledPrimvar pull_primvar(SceneDelegate& scene, const Path& id, const Token& na
     if (!(descriptor.name == name)) continue;
     pulled.present = true;
     pulled.interpolation = descriptor.interpolation;
-    pulled.value = scene.GetPrimvar(id, name, &pulled.indices);
-    if (!descriptor.indexed) pulled.indices = {};
+    pulled.value = support::FloatValues(scene.GetPrimvar(id, name, &pulled.indices));
+    pulled.indices = descriptor.indexed ? pulled.indices.frozen() : Array<int32_t>();
   }
   return pulled;
 }
@@ -33,6 +34,43 @@ std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std:
   return pulled.interpolation == Interpolation::constant ? name : std::string();
 }
 
+TimeSamples<Value> pull_samples(SceneDelegate& scene, const Path& id, const Token& name) {
+  TimeSamples<Value> samples = scene.SamplePrimvar(id, name);
+  for (Value& value : samples.values) value = support::FloatValues(value);
+  return samples;
+}
+
+MeshTopology frozen(MeshTopology topology) {
+  for (auto* array : {&topology.faceVertexCounts, &topology.faceVertexIndices, &topology.holeIndices,
+                      &topology.invisibleFaces, &topology.invisiblePoints})
+    *array = array->frozen();
+  for (GeomSubset& subset : topology.geomSubsets) subset.indices = subset.indices.frozen();
+  return topology;
+}
+
+SubdivTags frozen(SubdivTags tags) {
+  for (auto* array : {&tags.creaseIndices, &tags.creaseLengths, &tags.cornerIndices}) *array = array->frozen();
+  for (auto* array : {&tags.creaseWeights, &tags.cornerWeights}) *array = array->frozen();
+  return tags;
+}
+
+bool is_of_numbers(const Value& value) {
+  return value.get<Array<float>>() || value.get<Array<Vec2f>>() || value.get<Array<Vec3f>>() ||
+         value.get<Array<Vec4f>>();
+}
+
+CameraCull camera_cull_of(CullStyle style, bool double_sided) {
+  if (style == CullStyle::back) return CameraCull::back;
+  const bool front = style == CullStyle::front || (style == CullStyle::frontUnlessDoubleSided && !double_sided);
+  return front ? CameraCull::front : CameraCull::none;
+}
+
+// A front that the camera passes leaves the back as the only side there is to see.
+bool shows_both_sides(CullStyle style, bool double_sided) {
+  return double_sided || style == CullStyle::nothing || style == CullStyle::front ||
+         style == CullStyle::frontUnlessDoubleSided;
+}
+
 template <class T>
 void update(T* held, T now, bool* changed) {
   if (*held == now) return;
@@ -43,47 +81,62 @@ void update(T* held, T now, bool* changed) {
 }  // namespace
 
 // A value that is dirty but equal to what is held changes nothing: the descriptor set may differ elsewhere.
-void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {
+void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
   if (bits & dirty::kTopology) {
-    MeshTopology topology = scene.GetMeshTopology(GetId());
+    MeshTopology topology = frozen(scene.GetMeshTopology(GetId()));
     shape_changed_ |= !same_shape(pulled_.topology, topology);
     pulled_.topology = std::move(topology);
   }
-  if (bits & dirty::kSubdivTags) update(&pulled_.tags, scene.GetSubdivTags(GetId()), &shape_changed_);
+  if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
   if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
   if (bits & dirty::kPoints) {
     PulledPrimvar points;  // pulled even when no descriptor names them
     points.present = true;
     Array<int32_t> unused;
-    points.value = scene.GetPrimvar(GetId(), "points", &unused);
+    points.value = support::FloatValues(scene.GetPrimvar(GetId(), "points", &unused));
     update(&pulled_.points, std::move(points), &shape_changed_);
-    update(&pulled_.point_samples, scene.SamplePrimvar(GetId(), "points"), &shape_changed_);
+    update(&pulled_.point_samples, pull_samples(scene, GetId(), "points"), &shape_changed_);
   }
   if (bits & (dirty::kPoints | dirty::kNormals))
-    update(&pulled_.normal_samples, scene.SamplePrimvar(GetId(), "normals"), &shape_changed_);
-  if (bits & kPrimvarBits) {
-    const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
-    const std::pair<const char*, PulledPrimvar*> named[] = {{"normals", &pulled_.normals},
-                                                            {"tangents", &pulled_.tangents},
-                                                            {"displayColor", &pulled_.display_color},
-                                                            {"displayOpacity", &pulled_.display_opacity}};
-    for (const auto& [name, held] : named)
-      update(held, pull_primvar(scene, GetId(), name, descriptors), &shape_changed_);
-    std::map<Token, PulledPrimvar> uvs;
-    for (const PrimvarDescriptor& descriptor : descriptors)
-      if (descriptor.role == Token("textureCoordinate") || descriptor.name == Token("st"))
-        uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
-    update(&pulled_.uvs, std::move(uvs), &shape_changed_);
-    record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
+    update(&pulled_.normal_samples, pull_samples(scene, GetId(), "normals"), &shape_changed_);
+}
+
+// Those that no material reads are held beside the shape: they do not count as a change of it.
+void MeshPrim::pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSink& sink) {
+  const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
+  const std::pair<const char*, PulledPrimvar*> named[] = {{"normals", &pulled_.normals},
+                                                          {"tangents", &pulled_.tangents},
+                                                          {"displayColor", &pulled_.display_color},
+                                                          {"displayOpacity", &pulled_.display_opacity}};
+  for (const auto& [name, held] : named) update(held, pull_primvar(scene, GetId(), name, descriptors), &shape_changed_);
+  std::map<Token, PulledPrimvar> uvs;
+  OtherPrimvars others;
+  for (const PrimvarDescriptor& descriptor : descriptors) {
+    const bool is_named = std::any_of(std::begin(named), std::end(named),
+                                      [&](const auto& one) { return descriptor.name == Token(one.first); });
+    if (descriptor.role == Token("textureCoordinate") || descriptor.name == Token("st")) {
+      uvs[descriptor.name] = pull_primvar(scene, GetId(), descriptor.name, descriptors);
+    } else if (!is_named && !(descriptor.name == Token("points"))) {
+      PulledPrimvar other = pull_primvar(scene, GetId(), descriptor.name, descriptors);
+      if (is_of_numbers(other.value)) others[descriptor.name] = std::move(other);
+    }
   }
+  update(&pulled_.uvs, std::move(uvs), &shape_changed_);
+  if (others.empty())
+    record_.other_primvars = nullptr;
+  else if (!record_.other_primvars || !(*record_.other_primvars == others))
+    record_.other_primvars = std::make_shared<const OtherPrimvars>(std::move(others));
+  record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
 }
 
 void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {
-  pull_shape(scene, bits, sink);
+  pull_shape(scene, bits);
+  if (bits & kPrimvarBits) pull_primvars(scene, sink);
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) record_.render_tag = scene.GetRenderTag(GetId());
   if (bits & dirty::kCategories) record_.categories = scene.GetCategories(GetId());
-  if (bits & dirty::kDoubleSided) record_.double_sided = scene.GetDoubleSided(GetId());
+  if (bits & dirty::kDoubleSided) double_sided_ = scene.GetDoubleSided(GetId());
+  if (bits & dirty::kCullStyle) cull_style_ = scene.GetCullStyle(GetId());
   if (bits & dirty::kTransform) {
     record_.transform = scene.GetTransform(GetId());
     record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), sink);
@@ -92,13 +145,15 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
   if (bits & dirty::kInstancer) record_.instancer = scene.GetInstancerId(GetId());
   if (bits & (dirty::kInstancer | dirty::kInstanceIndex))
     record_.instance_indices =
-        record_.instancer.empty() ? Array<int32_t>() : scene.GetInstanceIndices(record_.instancer, GetId());
+        record_.instancer.empty() ? Array<int32_t>() : scene.GetInstanceIndices(record_.instancer, GetId()).frozen();
 }
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, bits, param.sink());
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;
+  record_.double_sided = shows_both_sides(cull_style_, double_sided_);
+  record_.camera_cull = camera_cull_of(cull_style_, double_sided_);
   record_.prim_id = GetPrimId();
   record_.materials = slot_materials(pulled_.topology, material_);
   param.post(GetId(), record_);

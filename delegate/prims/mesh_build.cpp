@@ -138,19 +138,18 @@ class MeshBuilder {
   MeshBuilder(const PulledMesh& mesh, const Path& id, SceneParam& param, const CancelToken& cancel)
       : mesh_(mesh), where_(id.str()), param_(param), cancel_(cancel) {}
 
-  MeshBuild build(const MeshRequest& request) {
+  MeshBuild build(const MeshRequest& request, KnownFaults* known) {
     MeshBuild out = build_silently(request);
-    for (const alabaster::Diagnostic& d : reports_) {
+    for (const alabaster::Diagnostic& d : reports_)
       if (d.severity == alabaster::Severity::error && !out.fault) out.fault = SceneFault{true, d.text};
-      if (param_.sink()) param_.sink()(d);
-    }
+    known->report(param_.sink(), std::move(reports_));
     return out;
   }
 
  private:
   MeshBuild build_silently(const MeshRequest& request) {
     MeshBuild out;
-    Cage cage = make_cage(mesh_, where_, sink_);
+    Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
     cancel_.check();
     auto prototype = std::make_shared<MeshPrototype>();
@@ -217,7 +216,7 @@ SceneFaults BuiltMeshes::faults(const Records& records, const Selection& selecti
 
 // Drops the meshes that are gone or hidden, and what edits of others left behind; answers with those to build.
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, const std::vector<Selection>& selections,
-                                                      const Dicing& dicing) {
+                                                      const MeshView& view) {
   support::Placements placements(
       [&](const Path& path) -> const InstancerRecord* {
         const auto found = records.find(path);
@@ -229,27 +228,34 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, co
   for (const auto& [path, record] : records) {
     const auto* mesh = std::get_if<MeshRecord>(&record);
     if (!mesh || !mesh->visible || !mesh->source) continue;
-    MeshRequest request{displacements_of(*mesh, records), {}, {}};
-    if (dicing.edge_length > 0 && is_refined(*mesh->source)) {
-      request.dicing = dicing;
+    MeshRequest request{displacements_of(*mesh, records), {}, {}, {}};
+    if (!view.primvars.empty()) request.primvars = {view.primvars, mesh->other_primvars};
+    if (view.dicing.edge_length > 0 && is_refined(*mesh->source)) {
+      request.dicing = view.dicing;
       request.placements = placements_of(path, *mesh, placements);
     }
     const auto held = held_.find(path);
     if (held != held_.end() && held->second.done && held->second.source == mesh->source &&
-        held->second.request == request)
+        held->second.request == request) {
       needed.insert(held_.extract(held));
-    else if (std::any_of(selections.begin(), selections.end(),
-                         [&](const Selection& selection) { return selection.includes(path, *mesh); }))
-      to_build.push_back(&*needed.emplace(path, Held{mesh->source, std::move(request), {}, false}).first);
+      continue;
+    }
+    if (std::none_of(selections.begin(), selections.end(),
+                     [&](const Selection& selection) { return selection.includes(path, *mesh); }))
+      continue;
+    KnownFaults faults;
+    if (held != held_.end()) faults = held->second.faults;
+    to_build.push_back(
+        &*needed.emplace(path, Held{mesh->source, std::move(request), {}, false, std::move(faults)}).first);
   }
   held_ = std::move(needed);
-  dicing_ = dicing;
+  view_ = view;
   return to_build;
 }
 
-void BuiltMeshes::build(const Records& records, const std::vector<Selection>& selections, const Dicing& dicing,
+void BuiltMeshes::build(const Records& records, const std::vector<Selection>& selections, const MeshView& view,
                         SceneParam& param, const CancelToken& cancel) {
-  const std::vector<Entry*> to_build = collect(records, selections, dicing);
+  const std::vector<Entry*> to_build = collect(records, selections, view);
   if (to_build.empty()) return;
   const auto build_one = [&](Entry* entry) {
     if (cancel.is_cancelled()) return;
@@ -257,7 +263,7 @@ void BuiltMeshes::build(const Records& records, const std::vector<Selection>& se
     bool cancelled = false;
     const bool built = guarded(param.sink(), entry->first.str(), [&] {
       try {
-        held.built = MeshBuilder(*held.source, entry->first, param, cancel).build(held.request);
+        held.built = MeshBuilder(*held.source, entry->first, param, cancel).build(held.request, &held.faults);
       } catch (const BuildCancelled&) {
         cancelled = true;
       }

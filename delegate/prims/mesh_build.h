@@ -28,9 +28,17 @@ struct Dicing {
   bool operator==(const Dicing&) const = default;
 };
 
+/// The demands of all passes on meshes.
+struct MeshView {
+  Dicing dicing;
+  std::vector<Token> primvars;  // that AOVs show; sorted
+  bool operator==(const MeshView&) const = default;
+};
+
 /// Beside the mesh itself, all that decides what it becomes.
 struct MeshRequest {
   Displacements displacements;
+  NamedPrimvars primvars;
   Dicing dicing;
   std::vector<Matrix4d> placements;  // object to world of its instances; empty without dicing
   bool operator==(const MeshRequest&) const = default;
@@ -42,7 +50,7 @@ class BuiltMeshes {
  public:
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn.
   /// Meshes that are done when the build is cancelled (BuildCancelled) are kept.
-  void build(const Records& records, const std::vector<Selection>& selections, const Dicing& dicing, SceneParam& param,
+  void build(const Records& records, const std::vector<Selection>& selections, const MeshView& view, SceneParam& param,
              const CancelToken& cancel);
   /// Null: it has not been built.
   const MeshBuild* find(const Path& mesh) const;
@@ -51,7 +59,7 @@ class BuiltMeshes {
     for (const auto& [path, held] : held_)
       if (held.done) visit(path, held.built);
   }
-  bool is_diced_by(const Dicing& dicing) const { return dicing == dicing_; }
+  bool is_built_for(const MeshView& view) const { return view == view_; }
   /// Memory or threads did not suffice for some mesh: the next build() tries again.
   bool incomplete() const;
   SceneFaults faults(const Records& records, const Selection& selection) const;
@@ -62,12 +70,13 @@ class BuiltMeshes {
     MeshRequest request;
     MeshBuild built;
     bool done = false;
+    KnownFaults faults = {};
   };
   using Entry = std::pair<const Path, Held>;
-  std::vector<Entry*> collect(const Records& records, const std::vector<Selection>& selections, const Dicing& dicing);
+  std::vector<Entry*> collect(const Records& records, const std::vector<Selection>& selections, const MeshView& view);
 
   std::map<Path, Held> held_;
-  Dicing dicing_;
+  MeshView view_;
 };
 
 }  // namespace alabaster::hd::prims

@@ -71,6 +71,21 @@ void set_tags(const PulledMesh& mesh, const Reporter& reporter, Cage* cage) {
 }
 
 template <class T>
+bool set_interpolation(const PulledPrimvar& pulled, const char* name, const Reporter& reporter,
+                       alabaster::Primvar<T>* out) {
+  constexpr alabaster::Interpolation kOurs[] = {alabaster::Interpolation::constant, alabaster::Interpolation::uniform,
+                                                alabaster::Interpolation::varying, alabaster::Interpolation::vertex,
+                                                alabaster::Interpolation::face_varying};
+  if (pulled.interpolation == hd::Interpolation::instance) {
+    reporter.warn("mesh.primvar.interpolation",
+                  std::string("primvar ") + name + " of a mesh cannot be one per instance; it is left out");
+    return false;
+  }
+  out->interpolation = kOurs[static_cast<size_t>(pulled.interpolation)];
+  return true;
+}
+
+template <class T>
 alabaster::Primvar<T> primvar(const PulledPrimvar& pulled, const char* name, const Reporter& reporter) {
   alabaster::Primvar<T> out;
   if (!pulled.present || pulled.value.empty()) return out;
@@ -79,22 +94,45 @@ alabaster::Primvar<T> primvar(const PulledPrimvar& pulled, const char* name, con
     reporter.warn("mesh.primvar.type", std::string("primvar ") + name + " has an unexpected type; it is left out");
     return out;
   }
-  switch (pulled.interpolation) {
-    case hd::Interpolation::vertex:
-    case hd::Interpolation::varying:
-      out.interpolation = alabaster::Interpolation::vertex;
-      break;
-    case hd::Interpolation::faceVarying:
-      out.interpolation = alabaster::Interpolation::face_varying;
-      break;
-    default:
-      reporter.warn("mesh.primvar.interpolation",
-                    std::string("primvar ") + name + " must be vertex, varying or faceVarying; it is left out");
-      return out;
-  }
+  if (!set_interpolation(pulled, name, reporter, &out)) return out;
   out.values = copy(*values);
   out.indices = copy(pulled.indices);
   return out;
+}
+
+// One to three numbers each, as vectors.
+alabaster::Primvar<Vec3f> vectors(const PulledPrimvar& pulled, const char* name, const Reporter& reporter) {
+  alabaster::Primvar<Vec3f> out;
+  if (!pulled.present || !set_interpolation(pulled, name, reporter, &out)) return out;
+  const auto read = [&](const auto* array, const auto& vector) {
+    if (array)
+      for (const auto& value : *array) out.values.push_back(vector(value));
+    return array != nullptr;
+  };
+  const Value& v = pulled.value;
+  const bool known = read(v.get<Array<float>>(), [](float x) { return Vec3f(x, 0, 0); }) ||
+                     read(v.get<Array<Vec2f>>(), [](const Vec2f& x) { return Vec3f(x.x, x.y, 0); }) ||
+                     read(v.get<Array<Vec3f>>(), [](const Vec3f& x) { return x; }) ||
+                     read(v.get<Array<Vec4f>>(), [](const Vec4f& x) { return Vec3f(x.x, x.y, x.z); });
+  if (!known)
+    reporter.warn("mesh.primvar.type", std::string("primvar ") + name + " is not of numbers; no AOV can show it");
+  else
+    out.indices = copy(pulled.indices);
+  return out;
+}
+
+const PulledPrimvar* find_primvar(const PulledMesh& mesh, const NamedPrimvars& named, const Token& name) {
+  const std::pair<const char*, const PulledPrimvar*> held[] = {{"points", &mesh.points},
+                                                               {"normals", &mesh.normals},
+                                                               {"tangents", &mesh.tangents},
+                                                               {"displayColor", &mesh.display_color},
+                                                               {"displayOpacity", &mesh.display_opacity}};
+  for (const auto& [known, primvar] : held)
+    if (name == Token(known)) return primvar;
+  if (const auto uvs = mesh.uvs.find(name); uvs != mesh.uvs.end()) return &uvs->second;
+  if (!named.others) return nullptr;
+  const auto other = named.others->find(name);
+  return other == named.others->end() ? nullptr : &other->second;
 }
 
 alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors) {
@@ -126,24 +164,29 @@ std::vector<int> face_materials(const MeshTopology& topology, const Reporter& re
 
 }  // namespace
 
-Cage make_cage(const PulledMesh& mesh, const std::string& where, const alabaster::DiagnosticSink& sink) {
+Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::string& where,
+               const alabaster::DiagnosticSink& sink) {
   const Reporter reporter{sink, where};
   Cage cage;
   set_tags(mesh, reporter, &cage);
   cage.face_vertex_counts = copy(mesh.topology.faceVertexCounts);
   cage.face_vertex_indices = copy(mesh.topology.faceVertexIndices);
   cage.hole_indices = copy(mesh.topology.holeIndices);
+  cage.invisible_faces = copy(mesh.topology.invisibleFaces);
   cage.face_material = face_materials(mesh.topology, reporter);
   if (const auto* points = mesh.points.value.get<Array<Vec3f>>())
     cage.points = copy(*points);
   else if (!mesh.points.value.empty())
-    reporter.warn("mesh.points.type", "points must be an array of three floats each; nothing is drawn");
+    reporter.warn("mesh.points.type", "points must be an array of three numbers each; nothing is drawn");
   cage.normals = primvar<Vec3f>(mesh.normals, "normals", reporter);
   cage.tangents = primvar<Vec4f>(mesh.tangents, "tangents", reporter);
   for (const auto& [name, pulled] : mesh.uvs)
     cage.uvs.push_back({primvar<Vec2f>(pulled, name.str().c_str(), reporter), name.str()});
   cage.colors = to_colors(primvar<Vec3f>(mesh.display_color, "displayColor", reporter));
   cage.opacities = primvar<float>(mesh.display_opacity, "displayOpacity", reporter);
+  for (const Token& name : named.names)
+    if (const PulledPrimvar* const found = find_primvar(mesh, named, name))
+      cage.primvars.push_back({vectors(*found, name.str().c_str(), reporter), name.str()});
   return cage;
 }
 
@@ -156,7 +199,8 @@ std::vector<Path> slot_materials(const MeshTopology& topology, const Path& mater
 
 bool same_shape(const MeshTopology& a, const MeshTopology& b) {
   if (!(a.scheme == b.scheme && a.orientation == b.orientation && a.faceVertexCounts == b.faceVertexCounts &&
-        a.faceVertexIndices == b.faceVertexIndices && a.holeIndices == b.holeIndices) ||
+        a.faceVertexIndices == b.faceVertexIndices && a.holeIndices == b.holeIndices &&
+        a.invisibleFaces == b.invisibleFaces) ||
       a.geomSubsets.size() != b.geomSubsets.size())
     return false;
   for (size_t i = 0; i < a.geomSubsets.size(); ++i)

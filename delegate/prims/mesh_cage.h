@@ -16,7 +16,8 @@ struct PulledPrimvar {
   bool operator==(const PulledPrimvar&) const = default;
 };
 
-/// The values that a mesh prim has pulled so far. Arrays are shared with the scene delegate, not copied.
+/// The values that a mesh prim has pulled so far: numbers of any type as floats (support::FloatValues). Arrays are
+/// shared with the scene delegate, unless they had to be converted or the host edits them in place.
 struct PulledMesh {
   MeshTopology topology;
   SubdivTags tags;
@@ -26,9 +27,20 @@ struct PulledMesh {
   std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
 };
 
+/// Primvars that no material reads, by name.
+using OtherPrimvars = std::map<Token, PulledPrimvar>;
+
+/// The primvars of a mesh that AOVs show.
+struct NamedPrimvars {
+  std::vector<Token> names;
+  std::shared_ptr<const OtherPrimvars> others;  // null: none
+  bool operator==(const NamedPrimvars&) const = default;
+};
+
 /// The cage as it was given, faults included (sanitize_cage mends them). Unknown words, primvars of another type or
 /// interpolation, and subset faces that do not exist are reported and left out.
-Cage make_cage(const PulledMesh& mesh, const std::string& where, const alabaster::DiagnosticSink& sink);
+Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::string& where,
+               const alabaster::DiagnosticSink& sink);
 
 /// Materials by slot: `material`, then one for each subset that has one and is not empty.
 std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material);

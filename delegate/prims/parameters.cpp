@@ -14,12 +14,9 @@ ParameterFault read_number(const Value& value, double minimum, double maximum, d
 
 ParameterFault read_color(const Value& value, double minimum, double maximum, Rgb* out) {
   std::array<double, 3> c{};
-  if (const auto* v = value.get<Vec3f>())
-    c = {v->x, v->y, v->z};
-  else if (const auto* w = value.get<Vec3d>())
-    c = {w->x, w->y, w->z};
-  else if (const auto* a = value.get<Vec4f>())
-    c = {a->x, a->y, a->z};
+  std::array<double, 4> given{};
+  if (value.components(&given) >= 3)
+    c = {given[0], given[1], given[2]};
   else
     c.fill(value.number_or(std::numeric_limits<double>::quiet_NaN()));
   ParameterFault fault = ParameterFault::none;

@@ -42,11 +42,14 @@ class MeshPrim final : public RecordedPrim<Rprim> {
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
   void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
-  void pull_shape(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
+  void pull_shape(SceneDelegate& scene, DirtyBits bits);
+  void pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSink& sink);
 
   PulledMesh pulled_;
   bool shape_changed_ = false;
   Path material_;
+  bool double_sided_ = true;
+  CullStyle cull_style_ = CullStyle::dontCare;
   MeshRecord record_;
 };
 
@@ -67,7 +70,9 @@ class MaterialPrim final : public RecordedPrim<Sprim> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  std::shared_ptr<const MaterialNetwork> network_;  // as posted last
+  void post(const std::shared_ptr<const MaterialNetwork>& network, SceneParam& param);
+  std::shared_ptr<const MaterialNetwork> network_;                               // as posted last
+  const std::shared_ptr<KnownFaults> faults_ = std::make_shared<KnownFaults>();  // of the builder's thread
 };
 
 /// Prim types of lights, in the order of LightType.
@@ -85,6 +90,8 @@ class LightPrim final : public RecordedPrim<Sprim> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
+  void reread(const std::string& file, SceneParam& param);
+  void post(SceneParam& param);
   LightRecord record_;                 // without what its files hold
   std::shared_ptr<LightFiles> files_;  // null: it names none
 };

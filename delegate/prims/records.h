@@ -23,7 +23,8 @@ struct SceneFault {
 using SceneFaults = std::map<Path, SceneFault>;
 
 struct MeshRecord {
-  std::shared_ptr<const PulledMesh> source;  // the shape; another one after each edit of it
+  std::shared_ptr<const PulledMesh> source;             // the shape; another one after each edit of it
+  std::shared_ptr<const OtherPrimvars> other_primvars;  // the same; null: none
   Matrix4d transform;
   alabaster::TimeSamples<Matrix4d> motion;  // of the transform; empty: stands still
   bool visible = true;
@@ -35,6 +36,7 @@ struct MeshRecord {
   bool double_sided = true;
   Token render_tag = "geometry";
   std::vector<Token> categories;
+  CameraCull camera_cull = CameraCull::none;
   bool operator==(const MeshRecord&) const = default;
 };
 

@@ -1,5 +1,7 @@
 #include "delegate/prims/render_param.h"
 
+#include <algorithm>
+
 namespace alabaster::hd::prims {
 
 SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
@@ -13,7 +15,8 @@ SceneParam::~SceneParam() = default;
 
 // Two materials that ask for one image at the same moment both decode it, and one copy is kept: waiting for each other
 // could make a thread wait for work that it has itself put aside.
-std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault) {
+std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault,
+                                                   const alabaster::DiagnosticSink& sink) {
   const auto held = [&]() -> std::shared_ptr<const Texture> {
     const auto [first, last] = textures_.equal_range(source.path);
     for (auto it = first; it != last; ++it)
@@ -27,11 +30,11 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
   }
   std::shared_ptr<const Texture> loaded;
   bool input = true;
-  const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) {
+  const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
-    if (sink_) sink_(d);
+    if (sink) sink(d);
   };
-  run([&] { loaded = load_texture(source, *colors_, sink, texels_); });
+  run([&] { loaded = load_texture(source, *colors_, watched, texels_); });
   if (!loaded) {
     *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
     return nullptr;
@@ -41,6 +44,31 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
   std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
   textures_.emplace(source.path, HeldTexture{source, loaded});
   return loaded;
+}
+
+bool names_image(const std::string& name, const std::string& file) {
+  if (file.empty() || name == file) return true;
+  const std::string mark = "<UDIM>";
+  const size_t at = name.find(mark);
+  if (at == std::string::npos || file.size() != name.size() - mark.size() + 4) return false;
+  return file.compare(0, at, name, 0, at) == 0 && file.compare(at + 4, file.npos, name, at + mark.size()) == 0 &&
+         std::all_of(&file[at], &file[at] + 4, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+void SceneParam::set_reread(const Path& id, Reread reread) {
+  const std::lock_guard lock(mutex_);
+  rereads_[id] = std::move(reread);
+}
+
+// Materials and lights that hold the old image keep it until they have the new one.
+void SceneParam::reload(const std::string& file) {
+  std::map<Path, Reread> rereads;
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(textures_, [&](const auto& entry) { return names_image(entry.first, file); });
+    rereads = rereads_;
+  }
+  for (const auto& [id, reread] : rereads) guarded(sink_, id.str(), [&, &again = reread] { again(file); });
 }
 
 void SceneParam::set_texture_memory(uint32_t mib, bool by_host) {
@@ -66,7 +94,13 @@ void SceneParam::post(Edit edit) {
 }
 
 void SceneParam::remove(const Path& id) noexcept {
-  guarded(sink_, id.str(), [&] { post(id, {}); });
+  guarded(sink_, id.str(), [&] {
+    {
+      const std::lock_guard lock(mutex_);
+      rereads_.erase(id);
+    }
+    post(id, {});
+  });
 }
 
 std::list<Edit> SceneParam::take_edits() noexcept {

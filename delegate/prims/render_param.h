@@ -27,6 +27,9 @@ struct Edit {
   std::function<Record()> read;  // unless empty: makes the record. It reads files, and so is the builder's to call
 };
 
+/// True if `file` is the image of that name, or one of a set (`name` with "<UDIM>"), or empty.
+bool names_image(const std::string& name, const std::string& file);
+
 class SceneParam final : public RenderParam {
  public:
   SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
@@ -39,7 +42,13 @@ class SceneParam final : public RenderParam {
   const std::shared_ptr<TraceDevice>& device() const { return device_; }
   const ColorConfig& colors() const { return *colors_; }
   /// Shared by all materials and lights that name the same image; null (reported, and in *fault) if it cannot be had.
-  std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault);
+  std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
+                                         const alabaster::DiagnosticSink& sink);
+  /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
+  using Reread = std::function<void(const std::string& file)>;
+  void set_reread(const Path& id, Reread reread);
+  /// An image has been edited on disk; an empty name: any may have. Prims that use it read it again. Not during Sync.
+  void reload(const std::string& file);
   /// Runs heavy work in the delegate's own arena: never in the host's, never on more than `threads` threads.
   template <class F>
   void run(F&& work) {
@@ -95,6 +104,7 @@ class SceneParam final : public RenderParam {
   std::array<Shard, 16> shards_;
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
+  std::map<Path, Reread> rereads_;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;
   std::vector<std::shared_ptr<const void>> kept_;

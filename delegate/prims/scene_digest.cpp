@@ -50,6 +50,10 @@ void add_mesh(const MeshPrototype& prototype, Digest* digest) {
   }
   add_attribute(mesh.colors, digest);
   add_attribute(mesh.opacities, digest);
+  for (const NamedVectors& primvar : mesh.primvars) {
+    digest->add(primvar.name.text());
+    add_attribute(primvar, digest);
+  }
   digest->add(mesh.triangle_face);
   digest->add(mesh.triangle_material);
   for (const MeshPose& pose : mesh.later_poses) {
@@ -126,6 +130,7 @@ class SceneDigest {
     digest->add(instance.subsurface_set);
     digest->add(instance.double_sided);
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
+    digest->add(instance.camera_cull);
   }
   std::string digest_light(const LightDescription& light) const {
     Digest digest;

@@ -1,6 +1,7 @@
 #include "delegate/prims/scene_translation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "delegate/prims/mesh_build.h"
 
@@ -76,6 +77,21 @@ void place(std::vector<Matrix4d> poses, InstanceDescription* instance) {
   if (poses.size() > 1) instance->poses = std::move(poses);
 }
 
+// The look of a mesh without a material: grey, or its own colours and opacities.
+DisneyMaterial default_material(bool color, bool opacity) {
+  DisneyMaterial material;
+  material.name = "default";
+  if (!color && !opacity) return material;
+  MaterialTexture primvars;
+  if (color) {
+    material.constants.base_color = Rgb(1.0f);
+    primvars.uses.push_back({find_material_parameter("baseColor"), Channel::rgb});
+  }
+  if (opacity) primvars.uses.push_back({find_material_parameter("opacity"), Channel::a});
+  material.textures.push_back(std::move(primvars));
+  return material;
+}
+
 }  // namespace
 
 std::optional<Shutter> shutter_of(const Records& records) {
@@ -102,14 +118,12 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene) 
 }
 
 SceneTranslator::SceneTranslator(alabaster::DiagnosticSink sink) : sink_(std::move(sink)) {
-  auto material = std::make_shared<DisneyMaterial>();
-  material->name = "default";
-  default_material_ = std::move(material);
+  for (size_t i = 0; i < default_materials_.size(); ++i)
+    default_materials_[i] = std::make_shared<const DisneyMaterial>(default_material((i & 1) != 0, (i & 2) != 0));
 }
 
-void SceneTranslator::report_once(const char* code, const Path& where, const std::string& text) {
-  if (reported_.emplace(code + where.str(), text).second)
-    alabaster::report(sink_, alabaster::Severity::warning, code, where.str(), text);
+void SceneTranslator::warn(const char* code, const Path& where, const std::string& text) {
+  found_.push_back({alabaster::Severity::warning, code, where.str(), text});
 }
 
 // One translation.
@@ -117,10 +131,9 @@ struct SceneTranslator::Run {
   SceneTranslator& translator;
   const Parts& parts;
   const Records& records = parts.records;
-  support::Placements placements{[this](const Path& path) { return find_instancer(path); },
-                                 [this](const char* code, const Path& where, const std::string& text) {
-                                   translator.report_once(code, where, text);
-                                 }};
+  support::Placements placements{
+      [this](const Path& path) { return find_instancer(path); },
+      [this](const char* code, const Path& where, const std::string& text) { translator.warn(code, where, text); }};
   Translation out;
   CategorySets category_sets;
 
@@ -133,7 +146,8 @@ struct SceneTranslator::Run {
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     instance.double_sided = mesh.double_sided;
-    for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id));
+    instance.camera_cull = mesh.camera_cull;
+    for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
     check_closed(instance);
     instance.subsurface_set = set_of(instance, mesh);
     const std::vector<Matrix4d> own =
@@ -256,11 +270,10 @@ struct SceneTranslator::Run {
 
   void check_closed(const InstanceDescription& instance) {
     if (instance.prototype->mesh.closed || scattering_slots(instance).empty()) return;
-    translator.report_once(
-        "mesh.open", Path(instance.name),
-        "subsurface scattering in a mesh that is not closed: the medium goes on behind it without "
-        "end, and light that does not come back is lost (stats: walk.lostEnergy); close the mesh, or "
-        "bind a material without scatterDistance");
+    translator.warn("mesh.open", Path(instance.name),
+                    "subsurface scattering in a mesh that is not closed: the medium goes on behind it without "
+                    "end, and light that does not come back is lost (stats: walk.lostEnergy); close the mesh, or "
+                    "bind a material without scatterDistance");
   }
 
   void add(InstanceDescription instance, const MeshRecord& mesh) {
@@ -268,11 +281,13 @@ struct SceneTranslator::Run {
     out.material_paths.insert(out.material_paths.end(), mesh.materials.begin(), mesh.materials.end());
   }
 
-  std::shared_ptr<const DisneyMaterial> material(const Path& prim, const Path& id) {
-    if (id.empty()) return translator.default_material_;
+  std::shared_ptr<const DisneyMaterial> material(const Path& prim, const Path& id, const Mesh& mesh) {
+    const auto& own =
+        translator.default_materials_[(mesh.colors.empty() ? 0u : 1u) | (mesh.opacities.empty() ? 0u : 2u)];
+    if (id.empty()) return own;
     if (find_material(records, id)) return std::get<MaterialRecord>(records.at(id)).material;
-    translator.report_once("mesh.material", prim, "material " + id.str() + " does not exist; the default is used");
-    return translator.default_material_;
+    translator.warn("mesh.material", prim, "material " + id.str() + " does not exist; the default is used");
+    return own;
   }
 };
 

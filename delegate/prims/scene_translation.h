@@ -2,6 +2,7 @@
 // materials and instancers that exist, or to their fallbacks.
 #pragma once
 
+#include <array>
 #include <set>
 
 #include "core/scene/scene.h"
@@ -30,7 +31,7 @@ struct Translation {
 
 class BuiltMeshes;
 
-/// Remembers its reports, so that a fault is reported once instead of at every commit.
+/// A fault is reported once instead of at every commit, and again when it returns.
 class SceneTranslator {
  public:
   explicit SceneTranslator(alabaster::DiagnosticSink sink);
@@ -42,14 +43,19 @@ class SceneTranslator {
     const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter
   };
   Translation translate(const Parts& parts);
+  /// Reports the faults that the translations since begin() have found.
+  void begin() { found_.clear(); }
+  void report() { faults_.report(sink_, std::move(found_)); }
 
  private:
   struct Run;
-  void report_once(const char* code, const Path& where, const std::string& text);
+  void warn(const char* code, const Path& where, const std::string& text);
 
   alabaster::DiagnosticSink sink_;
-  std::shared_ptr<const DisneyMaterial> default_material_;
-  std::set<std::pair<std::string, std::string>> reported_;
+  // Without displayColor, with it, with displayOpacity, with both.
+  std::array<std::shared_ptr<const DisneyMaterial>, 4> default_materials_;
+  std::vector<alabaster::Diagnostic> found_;
+  KnownFaults faults_;
 };
 
 /// Stable text of a translated scene and its cameras: the answer to command "dumpScene".

@@ -56,7 +56,8 @@ void add_meshes(py::class_<Scene>& scene) {
           "points: (n, 3). indices: the corners of all faces, one after the other, with the size of each face in "
           "counts; without counts a row is a face, or three numbers are. Options: primvars={'st': array or Primvar}, "
           "material, transform, scheme (none, catmullClark, loop, bilinear), refine_level, instancer, visible, "
-          "double_sided, left_handed, holes, subsets={material: faces}, subdiv_tags={'crease_indices': ..., ...}.")
+          "double_sided, cull_style, left_handed, holes, invisible_faces, subsets={material: faces}, "
+          "subdiv_tags={'crease_indices': ..., ...}.")
       .def("set_primvar", &Scene::set_primvar, py::arg("mesh"), py::arg("name"), py::arg("values"),
            py::arg("interpolation") = "vertex", "Replaces one primvar, points among them. None removes it.")
       .def(

@@ -217,10 +217,21 @@ Primvars primvars_of(const py::object& points, const py::object& others) {
 
 }  // namespace
 
+namespace {
+int32_t cull_style(const std::string& name) {
+  const char* const names[] = {
+      "dontCare", "nothing", "back", "front", "backUnlessDoubleSided", "frontUnlessDoubleSided"};
+  for (int32_t style = ALABASTER_CULL_DONT_CARE; style <= ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED; ++style)
+    if (name.empty() || name == names[style]) return style;
+  throw py::value_error("there is no cull_style '" + name + "'");
+}
+}  // namespace
+
 void Scene::set_mesh(const std::string& path, const py::object& points, const py::object& indices,
                      const py::object& counts, const py::dict& options) {
-  check_options(options, {"primvars", "material", "transform", "scheme", "refine_level", "instancer", "visible",
-                          "double_sided", "left_handed", "holes", "subsets", "subdiv_tags"});
+  check_options(options,
+                {"primvars", "material", "transform", "scheme", "refine_level", "instancer", "visible", "double_sided",
+                 "cull_style", "left_handed", "holes", "invisible_faces", "subsets", "subdiv_tags"});
   const auto flag = [&](const char* name, bool otherwise) {
     return options.contains(name) ? options[name].cast<bool>() : otherwise;
   };
@@ -237,6 +248,7 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   const Primvars primvars = primvars_of(points, option(options, "primvars"));
   const auto [faces, corners] = topology(indices, counts);
   const Value holes = array(ALABASTER_INT, option(options, "holes"), "holes");
+  const Value invisible_faces = array(ALABASTER_INT, option(options, "invisible_faces"), "invisible_faces");
   const Subsets subsets(path, option(options, "subsets"));
   const SubdivTags tags(options.contains("subdiv_tags") ? options["subdiv_tags"].cast<py::dict>() : py::dict());
 
@@ -244,6 +256,8 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   const std::vector<AlabasterPrimvar> raw_primvars = primvars.pass();
   const std::vector<AlabasterSubset> raw_subsets = subsets.pass();
   mesh.face_vertex_counts = faces.pass(), mesh.face_vertex_indices = corners.pass(), mesh.hole_indices = holes.pass();
+  mesh.invisible_faces = invisible_faces.pass();
+  mesh.cull_style = cull_style(text(options, "cull_style"));
   mesh.subdiv_tags = &raw_tags;
   mesh.primvars = raw_primvars.data(), mesh.primvar_count = raw_primvars.size();
   mesh.subsets = raw_subsets.data(), mesh.subset_count = raw_subsets.size();

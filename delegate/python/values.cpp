@@ -1,5 +1,6 @@
 #include "delegate/python/values.h"
 
+#include <cmath>
 #include <cstring>
 #include <mutex>
 
@@ -64,8 +65,20 @@ double read_as(const char* at) {
   return double(value);
 }
 
+// IEEE 754 binary16, which C++20 has no type for.
+double read_half(const char* at) {
+  uint16_t bits = 0;
+  std::memcpy(&bits, at, sizeof bits);
+  const int exponent = bits >> 10 & 31, fraction = bits & 1023;
+  const double sign = bits >> 15 ? -1 : 1;
+  if (exponent == 31) return fraction ? std::nan("") : sign * HUGE_VAL;
+  return sign * (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
+}
+
 double number_at(const char* at, char format) {
   switch (format) {
+    case 'e':
+      return read_half(at);
     case 'f':
       return read_as<float>(at);
     case 'd':
@@ -90,7 +103,8 @@ double number_at(const char* at, char format) {
     case '?':
       return read_as<uint8_t>(at);
   }
-  throw py::type_error(std::string("arrays of type '") + format + "' cannot be read; use float32, float64 or int32");
+  throw py::type_error(std::string("arrays of type '") + format +
+                       "' cannot be read; use float16, float32, float64 or int32");
 }
 
 void read_axis(const Py_buffer& view, char format, int axis, const char* at, std::vector<double>& numbers) {
@@ -169,7 +183,8 @@ Value array(int32_t type, py::handle values, const char* name) {
   if (View view(values); view && view.format() == element.format && view.is_contiguous()) {
     const size_t count = check(view.numbers());
     const void* data = view.get().buf;
-    return Value::lend(type, view.keep(), data, count);
+    const bool edited = view.get().readonly == 0;
+    return Value::lend(type, view.keep(), data, count, edited);
   }
   std::vector<double> numbers;
   read_numbers(values, numbers);

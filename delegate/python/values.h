@@ -15,7 +15,8 @@ Value parameter(py::handle value);
 door::Parameters parameters(const py::dict& values);
 
 /// Elements of `type` (ALABASTER_INT, FLOAT, FLOAT2, ..., MATRIX) from an array or nested sequences. An array of
-/// contiguous float32 (int32, float64 for matrices) is lent; others are converted. None gives no value.
+/// contiguous float32 (int32, float64 for matrices) is lent, as one that the host edits if it can be written to; others
+/// are converted. None gives no value.
 Value array(int32_t type, py::handle values, const char* name);
 /// The type of the elements by the shape: (n) int or float, (n, 2), (n, 3), (n, 4), (n, 4, 4).
 Value array_by_shape(py::handle values, const char* name);

@@ -48,10 +48,13 @@ std::string size_text(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-std::string aov_names(uint32_t aovs) {
+std::string aov_names(const RenderRequest& request) {
+  const uint32_t aovs = with_guides(request.aovs);
   std::string names;
   for (const AovInfo& info : kAovs)
     if (aovs & aov_bit(info.aov)) names += (names.empty() ? "" : ", ") + std::string(info.name);
+  for (const UvSetName& primvar : request.primvars)
+    names += (names.empty() ? "" : ", ") + (kPrimvarAov.name + primvar.text());
   return names;
 }
 
@@ -118,7 +121,7 @@ CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<
   header["frame"] = {{"size", size_text(request.width, request.height)},
                      {"data window", std::to_string(window.x0) + "," + std::to_string(window.y0) + "," +
                                          std::to_string(window.x1) + "," + std::to_string(window.y1)}};
-  header["aovs"] = aov_names(with_guides(request.aovs));
+  header["aovs"] = aov_names(request);
   json& settings = header["settings"] = json::object();
   for (const SettingParameter& parameter : setting_parameters())
     if (is_compared(parameter.name, request.settings)) {

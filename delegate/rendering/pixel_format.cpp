@@ -103,13 +103,10 @@ void read_pixels(const uint8_t* pixels, Format format, std::span<float> rgba) {
 }
 
 void write_clear(const Value& clear, Format format, uint8_t* pixel) {
-  std::array<float, 4> values{0, 0, 0, 0};
-  if (const auto* v4 = clear.get<Vec4f>())
-    values = {v4->x, v4->y, v4->z, v4->w};
-  else if (const auto* v3 = clear.get<Vec3f>())
-    values = {v3->x, v3->y, v3->z, 1};
-  else
-    values.fill(static_cast<float>(clear.number_or(0)));
+  std::array<double, 4> given{0, 0, 0, 1};
+  if (clear.components(&given) < 2) given.fill(clear.number_or(0));
+  std::array<float, 4> values{};
+  for (size_t i = 0; i < 4; ++i) values[i] = static_cast<float>(given[i]);
   write_pixels(values, 4, format, pixel);
 }
 
@@ -121,6 +118,8 @@ AovDescriptor default_aov_descriptor(const Token& name) {
   switch (aov->components()) {
     case 1:
       return described(Format::float32, b);
+    case 2:
+      return described(Format::float32vec2, Vec2f(b));
     case 3:
       return described(Format::float32vec3, Vec3f(b));
     default:

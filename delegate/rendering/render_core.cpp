@@ -44,9 +44,7 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
     prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
                         value);
   if (key == Token("textureMemory")) param->set_texture_memory(render_settings().texture_memory, true);
-  if (key == Token("refineEdgeLength")) {
-    dicing_changed_ = true;
-  }
+  if (key == Token("refineEdgeLength")) dicing_changed_ = true;
   if (key == Token("threads")) param->set_threads(render_settings().threads);
 }
 
@@ -166,7 +164,7 @@ prims::Dicing RenderCore::dicing(const Shutter& shutter) const {
 }
 
 // As all passes together look at the scene.
-SnapshotBuilder::View RenderCore::wanted_view() const {
+SnapshotBuilder::View RenderCore::wanted_view() {
   SnapshotBuilder::View view;
   std::optional<Shutter> shutter;
   {
@@ -180,10 +178,11 @@ SnapshotBuilder::View RenderCore::wanted_view() const {
     if (std::find(selections.begin(), selections.end(), seen->selection) == selections.end())
       selections.push_back(seen->selection);
     if (seen->shutter) shutter = shutter ? united(*shutter, *seen->shutter) : *seen->shutter;
+    shown_primvars_.insert(seen->primvars.begin(), seen->primvars.end());
   }
   if (!selections.empty()) view.selections = std::move(selections);
   view.shutter = shutter.value_or(Shutter());
-  view.dicing = dicing(view.shutter);
+  view.meshes = {dicing(view.shutter), {shown_primvars_.begin(), shown_primvars_.end()}};
   return view;
 }
 
@@ -194,7 +193,7 @@ void RenderCore::hand_over() {
   dicing_changed_ = false;
   views_changed_ = false;
   const SnapshotBuilder::View view = wanted_view();
-  if (settings.refine_edge_length > 0 && view.dicing == prims::Dicing())
+  if (settings.refine_edge_length > 0 && view.meshes.dicing == prims::Dicing())
     alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
                       "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
   if (drawn_.empty() && view_ == view && !builder_.has_failed()) return;

@@ -2,6 +2,8 @@
 // control.
 #pragma once
 
+#include <set>
+
 #include "core/session/tile_renderer.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/rendering/checkpoints.h"
@@ -88,7 +90,7 @@ class RenderCore {
   prims::Dicing dicing(const Shutter& shutter) const;
   void apply_edits();
   void hand_over();
-  SnapshotBuilder::View wanted_view() const;
+  SnapshotBuilder::View wanted_view();
 
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::map<Token, Value> settings_;
@@ -107,6 +109,7 @@ class RenderCore {
 
   std::atomic<bool> dicing_changed_{false};  // by a setting
   bool views_changed_ = false;
+  std::set<Token> shown_primvars_;   // by AOVs of some pass, once
   bool commit_failed_ = false;       // the last one threw
   std::atomic<bool> failed_{false};  // the same, for any thread
   std::atomic<double> commit_seconds_{0};

@@ -188,6 +188,13 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
       const auto found = arguments.find(key);
       return found == arguments.end() ? std::string() : found->second.text_or("");
     };
+    if (command == Token("reloadResource")) {
+      if (text("file").empty())
+        value = std::string("reloadResource needs the file");
+      else
+        core_->param->reload(text("file")), value = std::string();
+    }
+    if (command == Token("flush")) core_->param->reload({}), value = std::string();
     Checkpoints& checkpoints = core_->checkpoints;
     if (command == Token("writeCheckpoint")) value = checkpoints.write(*core_, text("file"), text("note"));
     if (command == Token("resumeCheckpoint")) value = checkpoints.resume(text("file"));

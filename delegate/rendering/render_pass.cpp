@@ -54,6 +54,7 @@ RenderRequest request_of(const PassInputs& in) {
   request.settings = in.settings;
   request.aovs = 0;
   for (const auto& binding : in.bindings) request.aovs |= aov_bit(binding.aov);
+  request.primvars = in.primvars;
   request.denoiser = in.denoiser;
   return request;
 }
@@ -73,6 +74,46 @@ std::string part_fault(const RenderSettings& s) {
          ", which decides from all samples of a frame how many there are: render it in one";
 }
 
+// The AOV of that name; one of a primvar takes the first free place. Nothing: there is none, or no place is left.
+std::optional<Aov> aov_of(const std::string& name, std::vector<UvSetName>* primvars) {
+  const AovInfo* const known = find_aov(name);
+  if (!known) return std::nullopt;
+  if (!is_primvar(known->aov)) return known->aov;
+  const std::string primvar(primvar_of_aov(name));
+  const auto held =
+      std::find_if(primvars->begin(), primvars->end(), [&](const UvSetName& other) { return other.text() == primvar; });
+  const auto place = static_cast<size_t>(held - primvars->begin());
+  if (place == kMostPrimvarAovs) return std::nullopt;
+  if (held == primvars->end()) primvars->emplace_back(primvar);
+  return primvar_aov(place);
+}
+
+void add_bindings(const RenderPassState& state, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
+  for (const AovBinding& binding : state.aovBindings) {
+    const auto* buffer = dynamic_cast<const RenderBufferPrim*>(binding.renderBuffer);
+    const std::optional<Aov> aov = buffer ? aov_of(binding.aovName.str(), &in->primvars) : std::nullopt;
+    if (!aov) {
+      faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
+                         !buffer                           ? "no buffer of this delegate is bound; the AOV is not drawn"
+                         : find_aov(binding.aovName.str()) ? "a frame shows " + std::to_string(kMostPrimvarAovs) +
+                                                                 " primvars at most; this is not drawn"
+                                                           : "this AOV is not supported; its buffer is not drawn"});
+      continue;
+    }
+    const Value clear =
+        binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
+    in->bindings.push_back({*aov, buffer->state(), buffer->state()->allocation(), clear});
+  }
+}
+
+// Those that the bindings name.
+std::vector<Token> primvars_of(const RenderPassState& state) {
+  std::vector<Token> names;
+  for (const AovBinding& binding : state.aovBindings)
+    if (const auto primvar = primvar_of_aov(binding.aovName.str()); !primvar.empty()) names.emplace_back(primvar);
+  return names;
+}
+
 }  // namespace
 
 std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& state, const Path& path,
@@ -89,19 +130,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   in.settings.texture_memory = {};
   in.settings.refine_edge_length = {};
   in.restarts = core_->restarts();
-  for (const AovBinding& binding : state.aovBindings) {
-    const auto* buffer = dynamic_cast<const RenderBufferPrim*>(binding.renderBuffer);
-    const AovInfo* aov = find_aov(binding.aovName.str());
-    if (!buffer || !aov) {
-      faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
-                         buffer ? "this AOV is not supported; its buffer is not drawn"
-                                : "no buffer of this delegate is bound; the AOV is not drawn"});
-      continue;
-    }
-    const Value clear =
-        binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
-    in.bindings.push_back({aov->aov, buffer->state(), buffer->state()->allocation(), clear});
-  }
+  add_bindings(state, &in, faults);
   const Path camera = state.freeCamera       ? Path(kFreeCamera)
                       : state.camera.empty() ? core_->settings_camera()
                                              : state.camera;
@@ -226,7 +255,7 @@ void PassControl::look(const RenderPassState& state) {
   if (state.freeCamera && state.freeCamera != free_camera_)
     free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, core_->param->sink());
   free_camera_ = state.freeCamera;
-  PassView now{prims::Selection(state.renderTags, state.collection), std::nullopt};
+  PassView now{prims::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();
   const std::lock_guard lock(view_mutex_);
   if (view_.value_or(PassView()) != now) core_->note_view();

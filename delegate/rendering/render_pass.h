@@ -12,6 +12,7 @@ namespace alabaster::hd::rendering {
 struct PassView {
   prims::Selection selection;
   std::optional<Shutter> shutter;  // of a free camera
+  std::vector<Token> primvars;     // that AOVs show
   bool operator==(const PassView&) const = default;
 };
 
@@ -28,6 +29,7 @@ struct PassInputs {
     bool operator==(const Binding&) const = default;
   };
   std::vector<Binding> bindings;
+  std::vector<UvSetName> primvars;           // of AOVs, by their place
   std::shared_ptr<const Denoiser> denoiser;  // null: no binding shows its picture
   bool shows_checkpoint = false;             // instead of the scene
   uint64_t restarts = 0;

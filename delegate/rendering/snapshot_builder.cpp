@@ -175,14 +175,16 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
     const auto last = built(selection);
     return last && last->snapshot && last->translation.shutter == view.shutter;
   };
-  stale_ |= meshes_.incomplete() || !meshes_.is_diced_by(view.dicing);
+  stale_ |= meshes_.incomplete() || !meshes_.is_built_for(view.meshes);
   choose_variants(view.selections);
   if (stale_ || !std::all_of(view.selections.begin(), view.selections.end(), is_current)) {
     stale_ = true;  // until all of it is done
-    meshes_.build(records_, view.selections, view.dicing, *param_, cancel);
+    meshes_.build(records_, view.selections, view.meshes, *param_, cancel);
     const auto start = std::chrono::steady_clock::now();
     const prims::DeformedMeshes deformed = deformations_.in(view.shutter, meshes_, param_.get(), cancel);
+    translator_.begin();
     for (Variant& variant : variants_) translate(&variant, deformed, cancel);
+    translator_.report();
     {
       const std::lock_guard lock(mutex_);
       stale_ = lacks_snapshots();

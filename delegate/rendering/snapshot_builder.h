@@ -35,7 +35,7 @@ class SnapshotBuilder {
   struct View {
     std::vector<prims::Selection> selections{prims::Selection()};  // a scene is built for each; no two are equal
     Shutter shutter;
-    prims::Dicing dicing;
+    prims::MeshView meshes;
     bool operator==(const View&) const = default;
   };
   /// Asks for the scenes after these edits. One thread at a time. The first call starts the thread, and may throw

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "delegate/support/float_values.h"
+
 namespace alabaster::hd::support {
 namespace {
 
@@ -12,7 +14,7 @@ using PullPrimvar = std::function<Value(const char* name)>;
 
 template <class T>
 Array<T> pull_array(const PullPrimvar& pull, const Path& id, const char* name, const InstancingReport& report) {
-  const Value value = pull(name);
+  const Value value = FloatValues(pull(name));
   if (const auto* array = value.get<Array<T>>()) return *array;
   if constexpr (std::is_same_v<T, Quatf>)  // real part first
     if (const auto* array = value.get<Array<Vec4f>>()) {

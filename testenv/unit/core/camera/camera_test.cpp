@@ -153,6 +153,25 @@ TEST(Camera, ApertureRotationTurnsTheCorners) {
   }
 }
 
+TEST(Camera, ProjectsToWhereItsRaysComeFrom) {
+  for (const bool orthographic : {false, true}) {
+    CameraParameters p = at({1, 2, 3});
+    p.orthographic = orthographic;
+    p.horizontal_aperture_offset = 4;
+    const Camera camera(p, 300, 200, {0, 0, 0});
+    for (const Vec2f film : {Vec2f(150, 100), Vec2f(10, 190), Vec2f(299, 3)}) {
+      const Ray ray = camera.generate_ray(film, {0, 0});
+      const auto projected = camera.project(ray.org + ray.dir * 7);
+      ASSERT_TRUE(projected);
+      EXPECT_NEAR(projected->x, film.x, 1e-2f);
+      EXPECT_NEAR(projected->y, film.y, 1e-2f);
+      const Vec3f eye = camera.to_eye(ray.org + ray.dir * 7);
+      EXPECT_NEAR(-eye.z, camera.axial_depth(ray.org + ray.dir * 7), 1e-5f);
+      EXPECT_FALSE(camera.project(ray.org - ray.dir)) << "behind it";
+    }
+  }
+}
+
 TEST(Camera, MovesThroughItsShutter) {
   CameraParameters p = at({1, 0, 0});
   EXPECT_FALSE(MovingCamera(p, 300, 200, {0, 0, 0}).moves());

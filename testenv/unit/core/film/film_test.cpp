@@ -125,6 +125,40 @@ TEST(Film, KeepsTheLayersThatWereAskedFor) {
   EXPECT_EQ(film.resolve_float(Aov::diffuse), (std::vector<float>{0, 0, 0}));
 }
 
+TEST(Film, KeepsTheVectorsOfTheClosestSample) {
+  const uint32_t aovs = aov_bit(Aov::motion) | aov_bit(Aov::eye_point) | aov_bit(primvar_aov(7));
+  Film film({0, 0, 2, 1}, aovs);
+  FilmTile tile = film.load_tile(0), next = tile;
+  HitVectors vectors;
+  const auto add = [&](FilmTile* to, float distance) {
+    for (const Aov aov : {Aov::motion, Aov::eye_point, primvar_aov(7)})
+      vectors.set(aov, {distance, distance + float(size_t(aov)), 3});
+    FilmSample s = sample(1, distance, 3);
+    s.vectors = &vectors;
+    to->add(0, s);
+  };
+  add(&tile, 5), add(&tile, 2), add(&tile, 4), add(&next, 1);
+  film.store_tile(0, tile);
+  const auto first = [](std::vector<float> values, size_t count) { return values.resize(count), values; };
+  EXPECT_EQ(first(film.resolve_float(Aov::motion), 2), (std::vector<float>{2, 2 + float(size_t(Aov::motion))}));
+  EXPECT_EQ(first(film.resolve_float(Aov::eye_point), 3),
+            (std::vector<float>{2, 2 + float(size_t(Aov::eye_point)), 3}));
+  EXPECT_EQ(first(film.resolve_float(primvar_aov(7)), 3),
+            (std::vector<float>{2, 2 + float(size_t(primvar_aov(7))), 3}));
+  EXPECT_EQ(film.resolve_float(Aov::eye_normal), std::vector<float>(6, 0.0f)) << "not asked for";
+  tile.append(next);
+  film.store_tile(0, tile);
+  EXPECT_EQ(film.resolve_float(Aov::motion)[0], 1) << "of a closer part";
+  EXPECT_EQ(FilmTile::bytes_per_pixel(aovs), FilmTile::bytes_per_pixel(aov_bit(Aov::depth)) + 3 * 12);
+}
+
+TEST(Aov, PrimvarsAreFoundByTheirPrefix) {
+  EXPECT_EQ(find_aov("primvars:st"), &kPrimvarAov);
+  EXPECT_EQ(find_aov("primvars:"), nullptr);
+  EXPECT_EQ(primvar_of_aov("primvars:a:b"), "a:b");
+  EXPECT_TRUE(primvar_of_aov("depth").empty());
+}
+
 TEST(Aov, IsFoundByItsName) {
   for (const AovInfo& info : kAovs) EXPECT_EQ(find_aov(info.name), &info);
   EXPECT_EQ(find_aov("colour"), nullptr);

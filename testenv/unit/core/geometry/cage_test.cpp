@@ -164,6 +164,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"corner_no_sharpness", [](Cage& c) { c.corner_indices = {0}; }, "mesh.corners.size", 6},
         BadInput{"uv_short", [](Cage& c) { c.uvs = uvs(Interpolation::face_varying, 23); }, "mesh.uv.size", 6},
         BadInput{"uv_vertex_short", [](Cage& c) { c.uvs = uvs(Interpolation::vertex, 7); }, "mesh.uv.size", 6},
+        BadInput{"uv_constant_two", [](Cage& c) { c.uvs = uvs(Interpolation::constant, 2); }, "mesh.uv.size", 6},
+        BadInput{"uv_uniform_short", [](Cage& c) { c.uvs = uvs(Interpolation::uniform, 5); }, "mesh.uv.size", 6},
+        BadInput{"uv_varying_long", [](Cage& c) { c.uvs = uvs(Interpolation::varying, 9); }, "mesh.uv.size", 6},
+        BadInput{"invisible_beyond", [](Cage& c) { c.invisible_faces = {6, -1}; }, "mesh.invisible.index", 6},
         BadInput{"uv_index_beyond",
                  [](Cage& c) {
                    c.uvs = uvs(Interpolation::face_varying, 4);
@@ -201,6 +205,21 @@ TEST(SanitizeCage, FaultsOfOneKindAreReportedOnceWithCountAndFirst) {
   EXPECT_TRUE(sanitize_cage(cage, "file.glb mesh 2", sink.sink()));
   ASSERT_EQ(sink.all().size(), 1u);
   EXPECT_EQ(sink.all()[0].text, "2 faces use points that do not exist; dropped (first: face 1)");
+}
+
+TEST(SanitizeCage, ConstantAndUniformValuesAreSpread) {
+  Cage cage = cube_cage();
+  cage.uvs = uvs(Interpolation::uniform, 6);
+  cage.opacities = {Interpolation::constant, {0.25f, 0.5f}, {1}};
+  cage.face_vertex_indices[0] = -1;  // face 0 goes
+  cage.invisible_faces = {0, 5, 2};
+  EXPECT_TRUE(sanitize_cage(cage, "", {}));
+  EXPECT_EQ(cage.opacities.interpolation, Interpolation::vertex);
+  EXPECT_EQ(cage.opacities.indices, std::vector<int>(8, 1));
+  EXPECT_EQ(cage.uvs[0].interpolation, Interpolation::face_varying);
+  ASSERT_EQ(cage.uvs[0].indices.size(), 20u);
+  for (size_t corner = 0; corner < 20; ++corner) EXPECT_EQ(cage.uvs[0].indices[corner], int(corner / 4) + 1);
+  EXPECT_EQ(cage.invisible_faces, (std::vector<int>{1, 4})) << "by their new numbers";
 }
 
 TEST(SanitizeCage, WhatIsCountedByFaceFollowsTheFacesThatStay) {

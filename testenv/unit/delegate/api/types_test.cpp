@@ -53,6 +53,35 @@ TEST(Value, AnswersWithItsTypeOrTheFallback) {
   EXPECT_EQ(Value(7).get<float>(), nullptr);
 }
 
+TEST(Array, MemoryThatAHostEditsIsComparedByItsVersion) {
+  auto memory = std::make_shared<std::vector<float>>(std::vector<float>{1, 2});
+  const auto lent = [&](uint64_t version) { return Array<float>(memory, memory->data(), memory->size(), version); };
+  EXPECT_EQ(lent(0), lent(0));
+  EXPECT_EQ(lent(1), lent(1));
+  EXPECT_FALSE(lent(1) == lent(2)) << "edited in between, though the values are the same now";
+  EXPECT_FALSE(lent(1) == (Array<float>{1, 2})) << "it may have been anything when it was set";
+  EXPECT_EQ(lent(0), (Array<float>{1, 2}));
+  const Array<float> kept = lent(1).frozen();
+  EXPECT_EQ(kept, (Array<float>{1, 2}));
+  EXPECT_EQ(lent(0).frozen().data(), memory->data()) << "what never changes is not copied";
+  (*memory)[0] = 7;
+  EXPECT_EQ(kept[0], 1);
+  EXPECT_EQ(Value(lent(3)).frozen(), Value(Array<float>{7, 2}));
+}
+
+TEST(Value, HoldsHalvesAndBooleans) {
+  EXPECT_EQ(Value(Half(0.5f)).number_or(9), 0.5);
+  EXPECT_EQ(Value(Half(0.5f)).to_string(), "0.5");
+  EXPECT_EQ(Value(Vec3h(Vec3f(1, 2, 3))).to_string(), "(1, 2, 3)");
+  EXPECT_EQ(Value(Array<bool>{true, false}).to_string(), "[true, false]");
+  EXPECT_FALSE((std::is_constructible_v<Value, unsigned long>)) << "no number becomes a half by itself";
+  std::array<double, 4> components{};
+  EXPECT_EQ(Value(Vec2d(1, 2)).components(&components), 2u);
+  EXPECT_EQ(components[1], 2);
+  EXPECT_EQ(Value(Half(3.0f)).components(&components), 1u);
+  EXPECT_EQ(Value("3").components(&components), 0u);
+}
+
 TEST(Value, EqualityComparesTypeAndContents) {
   EXPECT_EQ(Value(1), Value(1));
   EXPECT_FALSE(Value(1) == Value(1.0f));

@@ -207,6 +207,65 @@ TEST_F(Door, LentArraysAreGivenBackOnce) {
   EXPECT_EQ(released, 2);
 }
 
+// Memory that the host writes into: it counts as edited each time it is lent, and is read by a start alone.
+TEST_F(Door, EditedArraysAreReadAtEachStart) {
+  int released = 0;
+  std::vector<double> points = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  AlabasterValue lent = array(ALABASTER_DOUBLE3, points.data(), 4);
+  lent.is_array = ALABASTER_EDITED_ARRAY, lent.release = &count_release, lent.owner = &released;
+  ASSERT_EQ(set_quad(lent), ALABASTER_OK);
+  const auto there = render();
+  EXPECT_EQ(centre(there)[3], 1);
+  for (double& x : points) x += 50;
+  EXPECT_EQ(render(), there) << "not lent again";
+  ASSERT_EQ(set_quad(lent), ALABASTER_OK);
+  EXPECT_EQ(released, 1);
+  ASSERT_EQ(start(), ALABASTER_OK);
+  for (double& x : points) x = 0;  // while it is built
+  EXPECT_EQ(centre(render())[3], 0);
+  ASSERT_EQ(set_quad({}), ALABASTER_OK);
+  EXPECT_EQ(released, 2) << "no snapshot holds it";
+}
+
+TEST_F(Door, PicksAndSnapshots) {
+  struct Heard {
+    std::string path;
+    int32_t face = -2, instances = -1;
+    int count = 0;
+  } heard;
+  const auto visit = [](void* user, const AlabasterPick* pick) {
+    auto& to = *static_cast<Heard*>(user);
+    to = {pick->path, pick->face, int32_t(pick->instance_count), to.count + 1};
+  };
+  const AlabasterRect all = {0, 0, kSide, kSide};
+  render();
+  EXPECT_EQ(api().pick(pass_, &all, visit, &heard), ALABASTER_INVALID_ARGUMENT) << "primId is not bound";
+  AlabasterBuffer *ids = nullptr, *faces = nullptr;
+  ASSERT_EQ(api().buffer_create(delegate_, kSide, kSide, ALABASTER_INT32, &ids), ALABASTER_OK);
+  ASSERT_EQ(api().buffer_create(delegate_, kSide, kSide, ALABASTER_INT32, &faces), ALABASTER_OK);
+  const AlabasterBinding bindings[] = {{"color", color_}, {"primId", ids}, {"elementId", faces}};
+  AlabasterFrame frame = {};
+  frame.size = sizeof frame;
+  frame.bindings = bindings, frame.binding_count = 3;
+  frame.camera = "/camera";
+  frame.width = frame.height = kSide;
+  ASSERT_EQ(api().pass_start(pass_, &frame), ALABASTER_OK);
+  ASSERT_EQ(api().pass_wait(pass_, -1, nullptr), ALABASTER_OK);
+  ASSERT_EQ(api().pick(pass_, &all, visit, &heard), ALABASTER_OK) << api().last_error();
+  EXPECT_EQ(heard.count, 1);
+  EXPECT_EQ(heard.path, "/quad");
+  EXPECT_EQ(heard.face, 0);
+  EXPECT_EQ(heard.instances, 0);
+  EXPECT_EQ(api().pick(pass_, nullptr, visit, &heard), ALABASTER_INVALID_ARGUMENT);
+
+  const std::string file = std::filesystem::temp_directory_path() / "door_snapshot.png";
+  EXPECT_EQ(api().snapshot(pass_, file.c_str()), ALABASTER_OK) << api().last_error();
+  EXPECT_TRUE(std::filesystem::remove(file));
+  EXPECT_EQ(api().snapshot(pass_, "/nowhere/a.png"), ALABASTER_OUTPUT_FAILED);
+  api().buffer_destroy(ids);
+  api().buffer_destroy(faces);
+}
+
 TEST_F(Door, EditsShow) {
   const std::vector<float> lit = render();
   EXPECT_EQ(centre(lit)[3], 1);

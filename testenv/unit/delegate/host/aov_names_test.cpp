@@ -15,9 +15,9 @@ namespace {
 
 TEST(AovNames, AreTheSchemas) {
   const auto schema = nlohmann::json::parse(description::SchemaText("render_description"));
-  EXPECT_EQ(
-      schema["properties"]["products"]["items"]["properties"]["aovs"]["items"]["enum"].get<std::vector<std::string>>(),
-      ProductAovs());
+  EXPECT_EQ(schema["properties"]["products"]["items"]["properties"]["aovs"]["items"]["anyOf"][0]["enum"]
+                .get<std::vector<std::string>>(),
+            ProductAovs());
 }
 
 TEST(AovNames, AreTheDelegates) {
@@ -64,6 +64,7 @@ TEST(AovNames, AreTheReadmes) {
     const std::string layer = aov.layer, channels = aov.channels;
     expected[aov.name] = layer + (layer.empty() || channels.empty() ? "" : ".") + channels;
   }
+  expected["primvars:NAME"] = "primvars:NAME.XYZ";
   EXPECT_EQ(listed_channels(), expected);
 }
 
