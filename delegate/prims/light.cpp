@@ -7,7 +7,7 @@
 
 namespace alabaster::hd::prims {
 
-/// What a light names: read once, however often the light moves.
+/// The files that a light names. They are read once, however often the light moves.
 struct LightFiles {
   TextureSource image;
   std::string profile;

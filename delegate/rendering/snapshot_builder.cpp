@@ -128,7 +128,7 @@ void SnapshotBuilder::build() {
 }
 
 // Makes the records of edits that have files to read: of those of one prim the last alone. Images are decoded on all
-// threads; what is read when the build is cancelled stays read.
+// threads. Records that are made when the build is cancelled stay.
 void SnapshotBuilder::read_files(const CancelToken& cancel) {
   std::map<Path, prims::Edit*> last;
   for (prims::Edit& edit : edits_) last[edit.id] = &edit;
@@ -196,7 +196,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
 }
 
 // A new selection shares parts with the scene of one that nobody asks for any more. Memory may run out until the new
-// list is there; what follows only swaps.
+// list is there. The rest only swaps.
 void SnapshotBuilder::choose_variants(const std::vector<prims::Selection>& selections) {
   std::vector<Variant> chosen;
   chosen.reserve(selections.size());

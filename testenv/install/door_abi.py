@@ -33,8 +33,16 @@ def compile_header(header, folder):
     return library
 
 
+def door_text(header):
+    """The header with the types that it includes."""
+    header = pathlib.Path(header)
+    include = '#include "alabaster_types.h"'
+    text = header.read_text()
+    return text.replace(include, (header.parent / "alabaster_types.h").read_text()) if include in text else text
+
+
 def growing_structs(header):
-    text = pathlib.Path(header).read_text()
+    text = door_text(header)
     return set(re.findall(r"typedef struct (\w+) \{[^\n]*\n  size_t size;", text))
 
 

@@ -9,7 +9,7 @@ import unittest
 import door_abi
 
 HERE = pathlib.Path(__file__).resolve().parent
-HEADER = (HERE.parents[1] / "delegate/c_api/alabaster.h").read_text()
+HEADER = door_abi.door_text(HERE.parents[1] / "delegate/c_api/alabaster.h")
 
 
 @unittest.skipUnless(shutil.which("abidiff"), "abidiff is missing (Debian's abigail-tools)")

@@ -159,7 +159,7 @@ TEST(Camera, ProjectsToWhereItsRaysComeFrom) {
     p.orthographic = orthographic;
     p.horizontal_aperture_offset = 4;
     const Camera camera(p, 300, 200, {0, 0, 0});
-    for (const Vec2f film : {Vec2f(150, 100), Vec2f(10, 190), Vec2f(299, 3)}) {
+    for (const Vec2f& film : {Vec2f(150, 100), Vec2f(10, 190), Vec2f(299, 3)}) {
       const Ray ray = camera.generate_ray(film, {0, 0});
       const auto projected = camera.project(ray.org + ray.dir * 7);
       ASSERT_TRUE(projected);

@@ -186,8 +186,6 @@ size_t resident_bytes() {
   return resident * static_cast<size_t>(sysconf(_SC_PAGESIZE));
 }
 
-// Pools of Embree, TBB and malloc grow by some megabytes, the more the busier the machine is. One in five of the
-// scenes, kept, would be more.
 // An image takes long to decode, which the host's thread does not wait for; one that a later edit replaces is not read.
 TEST(Edits, FilesAreReadByTheBuilder) {
   Stage stage;
@@ -228,6 +226,8 @@ TEST(Edits, FilesAreReadByTheBuilder) {
   EXPECT_EQ(stage.stat("scene.faultCount"), -1);
 }
 
+// Pools of Embree, TBB and malloc grow by some megabytes, the more the busier the machine is. One in five of the
+// scenes, kept, would be more.
 TEST(Edits, MemoryAfterAThousandIsThatAfterTen) {
   Drawn drawn(1 << 20);
   const auto run = [&](int from, int to) {
