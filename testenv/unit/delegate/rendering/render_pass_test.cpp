@@ -243,7 +243,7 @@ TEST(RenderPass, NothingToDrawConvergesAtOnce) {
   s.pass->Execute(unbound);
   EXPECT_TRUE(s.pass->IsConverged());
   RenderPassState unsupported = s.state;
-  unsupported.aovBindings[0].aovName = "Peye";
+  unsupported.aovBindings[0].aovName = "edgeId";
   s.pass->Execute(unsupported);
   EXPECT_TRUE(s.pass->IsConverged());
   RenderPassState zero = s.state;
