@@ -73,7 +73,7 @@ class LightSet {
     const auto add = [&](size_t i) {
       if (camera_ray && !visible_to_camera_[i]) return;
       const auto hit = intersect(i, ray);
-      if (!hit || hit->t > ray.tmax) return;
+      if (!hit || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
       sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, domes, &choice), hit->t);
     };
     if (tree_.empty())

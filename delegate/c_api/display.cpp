@@ -50,7 +50,10 @@ AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
     if (differs)
       throw Failure(ALABASTER_NOT_FOUND,
                     "the buffer has " + std::to_string(in.width) + " x " + std::to_string(in.height) + " pixels");
-    if (!shown) throw bad_argument("the memory is null, or row_bytes is less than a row takes");
+    if (shown) return;
+    if (!in.pixels || in.row_bytes < size_t(in.width) * FormatSize(memory.format))
+      throw bad_argument("the memory is null, or row_bytes is less than a row takes");
+    throw Failure(ALABASTER_OUT_OF_MEMORY, "the pixels could not be resolved");
   });
 }
 

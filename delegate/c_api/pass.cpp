@@ -45,6 +45,8 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   state.framing.displayMax = Vec2f(float(width), float(height)) - corner;
   state.framing.dataWindow = {0, 0, window.width(), window.height()};
   state.framing.pixelAspectRatio = in.pixel_aspect > 0 ? float(in.pixel_aspect) : settings.pixelAspectRatio;
+  if (in.window_policy < ALABASTER_MATCH_VERTICALLY || in.window_policy > ALABASTER_DONT_CONFORM)
+    throw bad_argument("there is no such window policy");
   state.windowPolicy = in.window_policy != 0 ? WindowPolicy(in.window_policy) : settings.windowPolicy;
   return path;
 }

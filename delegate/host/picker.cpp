@@ -53,12 +53,12 @@ std::vector<PickHit> Pick(const RenderIndex& index, SceneDelegate& scene, const 
   const Ids prims(state, "primId"), numbers(state, "instanceId"), faces(state, "elementId");
   // Keep the nearest pixel of each face, by its doubled distance to the middle, which is whole.
   using Face = std::tuple<int32_t, int32_t, int32_t>;
-  std::map<Face, std::tuple<int64_t, int, int>> nearest;
+  std::map<Face, std::tuple<double, int, int>> nearest;
   for (int y = std::max(rect.minY, 0); y < std::min(rect.maxY, prims.size.y); ++y)
     for (int x = std::max(rect.minX, 0); x < std::min(rect.maxX, prims.size.x); ++x) {
       const int32_t prim = prims.at(x, y);
       if (prim < 0) continue;
-      const int64_t dx = 2 * int64_t(x) + 1 - rect.minX - rect.maxX, dy = 2 * int64_t(y) + 1 - rect.minY - rect.maxY;
+      const double dx = 2.0 * x + 1 - rect.minX - rect.maxX, dy = 2.0 * y + 1 - rect.minY - rect.maxY;
       const Face face(prim, numbers.size == prims.size ? std::max(numbers.at(x, y), 0) : 0,
                       faces.size == prims.size ? faces.at(x, y) : -1);
       const std::tuple found(dx * dx + dy * dy, y, x);

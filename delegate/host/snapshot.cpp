@@ -48,6 +48,7 @@ bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const Rende
     return false;
   };
   ProductImage image;
+  image.incomplete = !pass.WaitForConvergence(0) || pass.GetState() != PassState::converged;  // before pixels are read
   image.framing = state.framing;
   const Vec2i size(state.framing.dataWindow.width(), state.framing.dataWindow.height());
   std::map<std::string, Pixels> held;
@@ -61,7 +62,6 @@ bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const Rende
     image.aovs[var.aov.str()] = {pixels.components, pixels.floats, pixels.ints};
   }
   image.metadata = product_metadata(delegate, delegate.GetRenderStats(), state.camera);
-  image.incomplete = !pass.WaitForConvergence(0);
   return WriteProducts({product}, image, colors, sink).size() == 1;
 }
 

@@ -1,6 +1,6 @@
 #include "delegate/prims/mesh_build.h"
 
-#include <tbb/parallel_for_each.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
@@ -271,7 +271,7 @@ void BuiltMeshes::build(const Records& records, const std::vector<Selection>& se
     held.done = built && !cancelled;
     if (!built) held.built.fault = SceneFault{false, "the mesh could not be built"};
   };
-  param.run([&] { tbb::parallel_for_each(to_build, build_one); });
+  param.run([&] { tbb::parallel_for(size_t(0), to_build.size(), [&](size_t i) { build_one(to_build[i]); }); });
   cancel.check();
 }
 

@@ -24,9 +24,11 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
         if (auto texture = it->second.texture.lock()) return texture;
     return nullptr;
   };
+  uint64_t reloads = 0;
   {
     const std::lock_guard lock(mutex_);
     if (auto texture = held()) return texture;
+    reloads = reloads_;
   }
   std::shared_ptr<const Texture> loaded;
   bool input = true;
@@ -40,6 +42,7 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
     return nullptr;
   }
   const std::lock_guard lock(mutex_);
+  if (reloads != reloads_) return loaded;  // it may be the file before its edit, which nobody else should get
   if (auto texture = held()) return texture;
   std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
   textures_.emplace(source.path, HeldTexture{source, loaded});
@@ -65,6 +68,7 @@ void SceneParam::reload(const std::string& file) {
   std::map<Path, Reread> rereads;
   {
     const std::lock_guard lock(mutex_);
+    ++reloads_;
     std::erase_if(textures_, [&](const auto& entry) { return names_image(entry.first, file); });
     rereads = rereads_;
   }

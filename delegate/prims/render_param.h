@@ -105,6 +105,7 @@ class SceneParam final : public RenderParam {
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
   std::map<Path, Reread> rereads_;
+  uint64_t reloads_ = 0;
   std::shared_ptr<tbb::task_arena> arena_;
   uint32_t arena_threads_ = 0;
   std::vector<std::shared_ptr<const void>> kept_;

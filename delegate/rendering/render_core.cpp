@@ -259,9 +259,9 @@ std::vector<std::string> RenderCore::scene_faults(bool* input) const {
   return texts;
 }
 
-std::string RenderCore::commit_error() const {
+std::string RenderCore::commit_error(const SceneSnapshot* snapshot) const {
   const bool failed = builder_.has_failed() || failed_;
-  return failed && !is_building() && !snapshot() ? "the scene could not be compiled" : "";
+  return failed && !is_building() && !snapshot ? "the scene could not be compiled" : "";
 }
 
 void RenderCore::add_pass(const std::shared_ptr<PassControl>& pass) {

@@ -58,8 +58,8 @@ class RenderCore {
   void release_retired() { builder_.release_retired(); }
   /// In the shutter of `scene`. Empty: there is no such camera.
   std::optional<CameraParameters> camera(const Path& path, const Shutter& scene) const;
-  /// Why a pass has no scene.
-  std::string commit_error() const;
+  /// Why a pass has no snapshot; empty if it has one, or may get one.
+  std::string commit_error(const SceneSnapshot* snapshot) const;
   /// One line for each fault of the scene that was reported and not mended since. *input: none of them is for want of
   /// memory.
   std::vector<std::string> scene_faults(bool* input) const;

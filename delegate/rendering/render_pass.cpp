@@ -140,7 +140,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   if (in.shows_checkpoint)
     in.framed = frame_camera(CameraParameters(), state.framing, state.windowPolicy);
   else if (!in.scene)
-    in.error = core_->commit_error();
+    in.error = core_->commit_error(in.scene.get());
   else if (!parameters)
     in.error = camera.empty() ? "no camera is named: set RenderPassState::camera or the camera of the RenderSettings"
                               : "camera " + camera.str() + " does not exist";
@@ -258,7 +258,7 @@ void PassControl::look(const RenderPassState& state) {
   PassView now{prims::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();
   const std::lock_guard lock(view_mutex_);
-  if (view_.value_or(PassView()) != now) core_->note_view();
+  if (!view_ || *view_ != now) core_->note_view();
   view_ = std::move(now);
 }
 

@@ -110,8 +110,8 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     stats["rendererName"] = std::string("Alabaster");
     stats["state"] = std::string("idle");
     stats["peakMemory"] = count(support::peak_memory_bytes());
-    if (const std::string error = core_->commit_error(); !error.empty()) stats["error"] = error;
     const auto snapshot = core_->snapshot();
+    if (const std::string error = core_->commit_error(snapshot.get()); !error.empty()) stats["error"] = error;
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);
     stats["totalMemory"] = count(snapshot ? snapshot->memory_bytes : 0);
     add_scene_faults(*core_, &stats);

@@ -1,6 +1,6 @@
 #include "delegate/rendering/snapshot_builder.h"
 
-#include <tbb/parallel_for_each.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,10 +22,11 @@ SnapshotBuilder::~SnapshotBuilder() {
 
 void SnapshotBuilder::post(std::list<prims::Edit>* edits, const View& view) {
   if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  auto posted_view = std::make_shared<const View>(view);
   {
     const std::lock_guard lock(mutex_);
     posted_.splice(posted_.end(), *edits);
-    posted_view_ = view;
+    posted_view_ = std::move(posted_view);
     requested_ = pending_ = true;
     if (building_ && !cancelled_before_) cancel_ = true;
   }
@@ -90,7 +91,7 @@ bool SnapshotBuilder::take_work() {
     if (release_) {
       release_ = false;
       lock.unlock();
-      destroy_retired();
+      prims::guarded(param_->sink(), "CommitResources", [&] { destroy_retired(); });
       lock.lock();
       continue;
     }
@@ -140,7 +141,7 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
     edit->record = edit->read();
     edit->read = nullptr;
   };
-  param_->run([&] { tbb::parallel_for_each(unread, read_one); });
+  param_->run([&] { tbb::parallel_for(size_t(0), unread.size(), [&](size_t i) { read_one(unread[i]); }); });
   cancel.check();
   edits_.remove_if([](const prims::Edit& edit) { return edit.read != nullptr; });
 }
@@ -170,7 +171,7 @@ void SnapshotBuilder::apply_edits() {
 void SnapshotBuilder::update(const CancelToken& cancel) {
   read_files(cancel);
   apply_edits();
-  const View view = view_;
+  const View& view = *view_;
   const auto is_current = [&](const prims::Selection& selection) {
     const auto last = built(selection);
     return last && last->snapshot && last->translation.shutter == view.shutter;
@@ -220,7 +221,7 @@ void SnapshotBuilder::choose_variants(const std::vector<prims::Selection>& selec
 
 void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel) {
   prims::Translation translation =
-      translator_.translate({records_, variant->selection, view_.shutter, meshes_, deformed});
+      translator_.translate({records_, variant->selection, view_->shutter, meshes_, deformed});
   prims::SceneFaults faults = this->faults(variant->selection);
   if (auto same = snapshot_of(translation.scene))  // faults may differ, and paths
     publish(std::make_shared<const BuiltScene>(
@@ -308,6 +309,7 @@ void SnapshotBuilder::destroy_retired() {
         std::any_of(built_.begin(), built_.end(), [&](const auto& held) { return held->snapshot == scene->snapshot; });
     return shared || !scene->snapshot || scene->snapshot.use_count() == 1;
   };
+  unused.reserve(retired_.size());
   for (auto& scene : retired_)
     if (is_unused(scene)) unused.push_back(std::move(scene));
   std::erase(retired_, nullptr);

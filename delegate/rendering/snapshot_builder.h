@@ -88,7 +88,7 @@ class SnapshotBuilder {
   mutable std::mutex mutex_;
   std::condition_variable wake_, rested_;
   std::list<prims::Edit> posted_;
-  View posted_view_;
+  std::shared_ptr<const View> posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
   std::vector<std::shared_ptr<const BuiltScene>> built_;  // by selection
   std::vector<std::shared_ptr<const BuiltScene>> retired_;
@@ -98,7 +98,7 @@ class SnapshotBuilder {
 
   // The builder's thread only.
   std::list<prims::Edit> edits_;  // taken, but not applied yet
-  View view_;
+  std::shared_ptr<const View> view_;
   prims::Records records_;
   prims::BuiltMeshes meshes_;
   prims::Deformations deformations_;

@@ -33,6 +33,14 @@ TEST(LightSet, EmptyAndDarkSetsGiveNothing) {
   EXPECT_EQ(dark.choice_probability(0, {0, 0, -3}), 0);
 }
 
+// A far clipping plane shortens the camera's rays.
+TEST(LightSet, AnEscapedRayOfAnyLengthMeetsTheSky) {
+  const LightSet set({sphere(1), dome(2)}, {});
+  const Ray ray{{0, 0, 3}, {0, 0, 1}, 10};
+  EXPECT_EQ(set.emitted(ray, true, true, ConstantDomes::sampled, kUnweighted).g, 2);
+  EXPECT_TRUE(is_black(set.emitted(ray, false, true, ConstantDomes::sampled, kUnweighted)));
+}
+
 TEST(LightSet, PdfHoldsTheChoice) {
   const SphereLight small(described(LightType::sphere, 1), kOrigin);
   const LightSet set({small, dome(1)}, {});

@@ -141,6 +141,15 @@ TEST(Selection, PassesOfOneDelegateMayDiffer) {
   EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
 }
 
+TEST(Selection, APassWithTheDefaultMayComeLast) {
+  Tagged stage;
+  Tagged::View a = stage.view("/a");
+  a.state.renderTags = {"proxy"};
+  EXPECT_EQ(stage.drawn(a), (Names{"proxy"}));
+  Tagged::View b = stage.view("/b");
+  EXPECT_EQ(stage.drawn(b), (Names{"geometry", "render"}));
+}
+
 // The order, and tags that are listed twice, make no other selection.
 TEST(Selection, TheSameInAnotherOrderIsNoOtherScene) {
   Tagged stage;
