@@ -127,16 +127,15 @@ class Host {
   template <class Edit>
   Storm measure_storm(int edits, const Edit& edit) {
     Storm storm;
+    const double first = number();
     const Clock::time_point begin = Clock::now();
     for (int i = 0; i < edits; ++i) {
       std::this_thread::sleep_until(begin + std::chrono::milliseconds(10 * i));
-      const double before = number();
       const Clock::time_point start = Clock::now();
       edit(i);
       index_->SyncAll();
       pass_->Execute(state_);
       storm.held.push_back(milliseconds_since(start));
-      storm.snapshots += number() != before;
     }
     const Clock::time_point end = Clock::now();
     storm.seconds = std::chrono::duration<double>(end - begin).count();
@@ -145,6 +144,7 @@ class Host {
       pass_->Execute(state_);
     }
     storm.last = milliseconds_since(end);
+    storm.snapshots = static_cast<int>(number() - first);
     return storm;
   }
 
