@@ -51,7 +51,7 @@ std::vector<PickedInstance> instances_of(SceneDelegate& scene, const Path& mesh,
 std::vector<PickHit> Pick(const RenderIndex& index, SceneDelegate& scene, const RenderPassState& state,
                           const Rect2i& rect) {
   const Ids prims(state, "primId"), numbers(state, "instanceId"), faces(state, "elementId");
-  // Keep the nearest pixel of each face, by its doubled distance to the middle, which is whole.
+  // Keep the nearest pixel of each face, by its doubled distance to the middle, squared.
   using Face = std::tuple<int32_t, int32_t, int32_t>;
   std::map<Face, std::tuple<double, int, int>> nearest;
   for (int y = std::max(rect.minY, 0); y < std::min(rect.maxY, prims.size.y); ++y)
@@ -65,7 +65,7 @@ std::vector<PickHit> Pick(const RenderIndex& index, SceneDelegate& scene, const 
       const auto [held, is_new] = nearest.emplace(face, found);
       if (!is_new) held->second = std::min(held->second, found);
     }
-  std::vector<std::pair<std::tuple<int64_t, int, int>, Face>> ordered;
+  std::vector<std::pair<std::tuple<double, int, int>, Face>> ordered;
   for (const auto& [face, where] : nearest) ordered.emplace_back(where, face);
   std::sort(ordered.begin(), ordered.end());
 
