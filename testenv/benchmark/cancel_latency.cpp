@@ -13,14 +13,10 @@
 #include <thread>
 
 #include "delegate/host/retained_scene_delegate.h"
+#include "testenv/benchmark/waiting_times.h"
 
 namespace alabaster::hd {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // A closed ball of cages: a cube's faces, each cut into n x n quads.
 host::MeshDescription ball(int n, int refine_level, const char* material) {
@@ -62,14 +58,9 @@ MaterialNetwork surface(std::map<Token, Value> parameters) {
 }
 
 AssetPath sky(int width, int height) {
-  auto bytes = std::make_shared<std::vector<uint8_t>>();
-  const std::string head =
-      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
-  bytes->assign(head.begin(), head.end());
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      bytes->insert(bytes->end(), {uint8_t(x), uint8_t(y), uint8_t(200), uint8_t(x % 512 ? 128 : 133)});
-  return {"sky.hdr", "", bytes};
+  return radiance_image(width, height, [](int x, int y) {
+    return std::array<uint8_t, 4>{uint8_t(x), uint8_t(y), 200, uint8_t(x % 512 ? 128 : 133)};
+  });
 }
 
 class Host {
@@ -151,11 +142,6 @@ std::vector<Stage> stages() {
           {"the same, which emits", mesh(500, 0, "/lamp"), take_heavy},
           {"500,000 instances", instances, take_heavy},
           {"a dome of 8192 x 4096 texels", dome, take_heavy}};
-}
-
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
 }
 
 void measure(Host& host, const Stage& stage, int repeats) {

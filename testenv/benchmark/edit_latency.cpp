@@ -14,14 +14,10 @@
 #include <thread>
 
 #include "delegate/host/retained_scene_delegate.h"
+#include "testenv/benchmark/waiting_times.h"
 
 namespace alabaster::hd {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 constexpr int kBodies = 64, kPrims = 1000, kWidth = 1280, kHeight = 720;
 
@@ -49,17 +45,11 @@ MaterialNetwork material(const Vec3f& color, float scatter_distance) {
 
 // A sky with a sun, as a Radiance file.
 AssetPath sky(int width, int height) {
-  auto bytes = std::make_shared<std::vector<uint8_t>>();
-  const std::string head =
-      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(height) + " +X " + std::to_string(width) + "\n";
-  bytes->assign(head.begin(), head.end());
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const bool sun = std::hypot(x - width / 3, y - height / 4) < height / 100.0;
-      const auto level = static_cast<uint8_t>(64 + 128 * y / height);
-      bytes->insert(bytes->end(), {level, level, uint8_t(200), uint8_t(sun ? 140 : 128)});
-    }
-  return {"sky.hdr", "", bytes};
+  return radiance_image(width, height, [&](int x, int y) {
+    const bool sun = std::hypot(x - width / 3, y - height / 4) < height / 100.0;
+    const auto level = static_cast<uint8_t>(64 + 128 * y / height);
+    return std::array<uint8_t, 4>{level, level, 200, uint8_t(sun ? 140 : 128)};
+  });
 }
 
 Path body_path(int i) {
@@ -233,11 +223,6 @@ class Host {
   std::shared_ptr<const std::vector<Vec3f>> places_;
   Array<int32_t> indices_;
 };
-
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())))];
-}
 
 // `edit(i)` is the i-th of them.
 template <class Edit>
