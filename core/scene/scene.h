@@ -111,8 +111,8 @@ struct Instance : Placement {
 /// True if a ray along `dir` meets the triangle from behind, the side from which it winds clockwise.
 bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir);
 
-/// Immutable. Render space = world - origin: the origin is the centre of the scene's bounds, so that precision does not
-/// depend on where in the world a scene stands.
+/// Immutable. Render space = world - origin: the origin is in the middle of the scene (choose_origin()), so that
+/// precision does not depend on where in the world a scene stands.
 struct SceneSnapshot {
   uint64_t number = 0;
   Vec3d origin{0, 0, 0};

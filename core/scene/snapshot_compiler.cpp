@@ -8,6 +8,7 @@
 #include "core/scene/bodies.h"
 #include "core/scene/lit_surfaces.h"
 #include "core/scene/mesh_lights.h"
+#include "core/scene/scene_origin.h"
 
 namespace alabaster {
 namespace {
@@ -60,6 +61,13 @@ bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink, std::
 Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin) {
   for (int i = 0; i < 3; ++i) m[3][i] -= origin[i];
   return m;
+}
+
+// To the farthest corner.
+float radius_about(const Vec3d& origin, const BoundsDouble& bounds) {
+  if (bounds.empty()) return 0;
+  const Vec3d half = bounds.extent() * 0.5, shift = bounds.center() - origin;
+  return static_cast<float>(length(half + Vec3d(std::abs(shift.x), std::abs(shift.y), std::abs(shift.z))));
 }
 
 Instance place(const InstanceDescription& d, const Vec3d& origin) {
@@ -254,10 +262,14 @@ struct SnapshotCompiler::Compilation {
         drawn.push_back(&d);
         bounds.extend(world_bounds(d));
       }
-    if (!bounds.empty()) {
-      snapshot->origin = bounds.center();
-      snapshot->radius = static_cast<float>(0.5 * length(bounds.extent()));
-    }
+    const SceneOrigin chosen = choose_origin(drawn, bounds);
+    snapshot->origin = chosen.origin;
+    snapshot->radius = radius_about(chosen.origin, bounds);
+    if (!chosen.too_far.empty())
+      report(compiler.sink_, Severity::warning, "scene.far", chosen.too_far.front()->name,
+             std::to_string(chosen.too_far.size()) +
+                 " of the scene's instances, this one first, stand a million times their size away from the others: "
+                 "their shapes are lost to rounding; move them nearer, or render them by themselves");
     std::erase_if(drawn, [&](const InstanceDescription* d) {
       if (is_seen_traceably(*d)) return false;
       leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",

@@ -1,6 +1,6 @@
 // Henyey-Greenstein scattering in a half-space at equal albedo and scatterDistance: the albedo obtained, the distance
 // from entry to exit, and the cost.
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/anisotropic_half_space.h"
 

@@ -2,7 +2,7 @@
 // and the shortcuts.
 #include <limits>
 
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 
 namespace alabaster::testing {

@@ -1,7 +1,7 @@
 // Normalized diffusion by the probes that render, compared with its formula.
 #include "testenv/support/diffusion_profile.h"
 #include "core/subsurface/normalized_diffusion.h"
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/lone_body.h"
 

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "core/material/disney_bsdf.h"
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/support/chi_square.h"
 
 namespace alabaster::testing {

@@ -1,5 +1,5 @@
 // The ends of the parameters' ranges, where a walk that is merely plausible fails.
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/transport_solution.h"
 

@@ -1,5 +1,5 @@
 // RandomWalk itself on triangle meshes through Embree: shares, lengths and exits of walks.
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/lone_body.h"
 #include "testenv/support/transport_solution.h"

@@ -2,7 +2,7 @@
 // same parameters A and d. Section 4 of the paper calls the two identical on a slab.
 #include <array>
 
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 
 namespace alabaster::testing {

@@ -1,5 +1,5 @@
 // Guiding and sphere steps in grey media: their cost by albedo, and the largest weight.
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 
 namespace alabaster::testing {

@@ -1,7 +1,7 @@
 // The albedo that each inversion obtains on a half-space, and the cost of its walks.
 #include <limits>
 
-#include "testenv/statistical/tables/report.h"
+#include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/albedo_table.h"
 #include "testenv/support/half_space.h"

@@ -69,6 +69,47 @@ TEST(Scene, WholeScenesMayBeTinyOrHuge) {
   }
 }
 
+// A mesh of which one point went astray, beside a sound one: both are drawn where they are, and the origin stays among
+// them. An instance beyond single precision even so is named.
+TEST(Scene, AStrayPointTakesNoPrecisionFromOthers) {
+  const auto device = make_trace_device({});
+  const auto prototype_of = [&](Mesh mesh) {
+    auto prototype = std::make_shared<MeshPrototype>();
+    prototype->mesh = std::move(mesh);
+    prototype->object = build_object_scene(device, prototype->mesh, {});
+    return prototype;
+  };
+  const auto sphere = prototype_of(testing::sphere_mesh(1, 8, true));
+  for (const Vec3f& point : {Vec3f(1e10f, 0, 0), Vec3f(0, -1e10f, 0), Vec3f(1e12f, 1e12f, 1e12f)}) {
+    Mesh stray = testing::sphere_mesh(1, 8, true);
+    stray.points.back() = point;
+    stray.bounds.extend(point);
+    const std::vector<std::shared_ptr<const DisneyMaterial>> materials = {std::make_shared<DisneyMaterial>()};
+    SceneDescription description;
+    description.instances = {
+        {prototype_of(stray), Matrix4d().setTranslation(Vec3d(4, 0, 0)), {}, materials, 0, 0, "/stray"},
+        {sphere, Matrix4d(), {}, materials, 0, 0, "/sound"}};
+    test::RecordingSink sink;
+    const auto snapshot = compile_snapshot(description, 1, device, sink.sink());
+    EXPECT_TRUE(sink.all().empty());
+    EXPECT_LT(length(snapshot->origin), 10) << point;
+    for (const double x : {-0.5, 0.5, 4.5}) {
+      TriangleHit hit;
+      const Vec3d eye = Vec3d(x, 0.1, 5) - snapshot->origin;
+      EXPECT_TRUE(snapshot->top->intersect({Vec3f(eye), {0, 0, -1}}, &hit)) << point << " " << x;
+      EXPECT_EQ(hit.instance, x > 2 ? 0u : 1u);
+    }
+
+    description.instances.push_back(
+        {sphere, Matrix4d().setTranslation(Vec3d(point) * 0.5), {}, materials, 0, 0, "/far"});
+    const auto two = compile_snapshot(description, 1, device, sink.sink());
+    EXPECT_LT(length(two->origin), 10) << point;
+    ASSERT_EQ(sink.all().size(), 1u);
+    EXPECT_EQ(sink.all()[0].code, "scene.far");
+    EXPECT_EQ(sink.all()[0].where, "/far");
+  }
+}
+
 class SceneMemory : public ::testing::Test {
  protected:
   static constexpr size_t kTexels = 64 * 32, kTextureBytes = kTexels * sizeof(Rgb);

@@ -1,8 +1,10 @@
-// Shared by the tables: precision, Markdown, and the verdict. A table may have any number of comparisons with theory.
-// All of them together are one family of tests (Sidak), so that a long report does not fail by chance.
+// Tables of measurements beside theory, as Markdown: precision, cells, and the verdict. A table may have any number of
+// comparisons with theory. All of them together are one family of tests (Sidak), so that a long report does not fail by
+// chance.
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,16 +64,10 @@ struct Table {
   void (*print)(Report& report);
 };
 
-void print_slab_albedo(Report& report);
-void print_radial_profile(Report& report);
-void print_diffusion_profile(Report& report);
-void print_chromatic_walks(Report& report);
-void print_shortcuts(Report& report);
-void print_analytic_bodies(Report& report);
-void print_mesh_bodies(Report& report);
-void print_rendered_bodies(Report& report);
-void print_extremes(Report& report);
-void print_anisotropy(Report& report);
-void print_energy(Report& report);
+/// The main function of a program that prints tables as Markdown:
+///   NAME --quick | --long [--table TABLE]...
+/// --quick is a tenth of the precision, for the test suite. Returns the exit status: 0 all comparisons hold, 1 some do
+/// not, 2 wrong usage.
+int print_tables(int argc, char** argv, const char* title, std::span<const Table> tables);
 
 }  // namespace alabaster::testing

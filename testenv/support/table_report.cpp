@@ -1,10 +1,30 @@
-#include "testenv/statistical/tables/report.h"
+#include "testenv/support/table_report.h"
 
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 
 namespace alabaster::testing {
+namespace {
+
+// Standard errors of quantities between 0 and 1.
+constexpr double kQuickSigma = 2e-3, kLongSigma = 2e-4;
+
+const Table* find_table(std::span<const Table> tables, const char* name) {
+  for (const Table& table : tables)
+    if (std::strcmp(table.name, name) == 0) return &table;
+  return nullptr;
+}
+
+int usage(const char* program, std::span<const Table> tables) {
+  std::fprintf(stderr, "usage: %s --quick | --long [--table NAME]...\ntables:", program);
+  for (const Table& table : tables) std::fprintf(stderr, " %s", table.name);
+  std::fprintf(stderr, "\n");
+  return 2;
+}
+
+}  // namespace
 
 std::string text(const char* format, ...) {
   char buffer[512];
@@ -82,6 +102,35 @@ bool Report::verdict() {
   std::printf("%.1f. Requirements that failed: %d. %s\n", 0.0027 * comparisons_, failures_,
               pass && failures_ == 0 ? "Passed." : "**FAILED.**");
   return pass && failures_ == 0;
+}
+
+int print_tables(int argc, char** argv, const char* title, std::span<const Table> tables) {
+  const char* const slash = std::strrchr(argv[0], '/');
+  const char* const program = slash ? slash + 1 : argv[0];
+  double sigma = 0;
+  std::vector<const Table*> wanted;
+  std::string command = std::string("build/release/bin/") + program;
+  for (int i = 1; i < argc; ++i) {
+    command += std::string(" ") + argv[i];
+    if (std::strcmp(argv[i], "--quick") == 0) {
+      sigma = kQuickSigma;
+    } else if (std::strcmp(argv[i], "--long") == 0) {
+      sigma = kLongSigma;
+    } else if (std::strcmp(argv[i], "--table") == 0 && i + 1 < argc && find_table(tables, argv[i + 1])) {
+      wanted.push_back(find_table(tables, argv[++i]));
+      command += std::string(" ") + argv[i];
+    } else {
+      return usage(program, tables);
+    }
+  }
+  if (!(sigma > 0)) return usage(program, tables);
+  if (wanted.empty())
+    for (const Table& table : tables) wanted.push_back(&table);
+
+  std::printf("# %s\n\nMade by `%s`.\n", title, command.c_str());
+  Report report(sigma);
+  for (const Table* table : wanted) table->print(report);
+  return report.verdict() ? 0 : 1;
 }
 
 }  // namespace alabaster::testing
