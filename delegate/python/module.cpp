@@ -9,10 +9,11 @@ namespace {
 
 void add_primvar(py::module_& module) {
   py::class_<Primvar>(module, "Primvar", "Values of a mesh with how they are spread over it.")
-      .def(py::init<py::object, std::string, py::object, std::string>(), py::arg("values"),
+      .def(py::init<py::object, std::string, py::object, std::string, py::object>(), py::arg("values"),
            py::arg("interpolation") = "vertex", py::arg("indices") = py::none(), py::arg("role") = "",
+           py::arg("motion") = py::none(),
            "interpolation: constant, uniform, varying, vertex, faceVarying or instance. role of texture coordinates: "
-           "textureCoordinate.");
+           "textureCoordinate. motion=[(time, values), ...] of points, normals and instances, with times in frames.");
 }
 
 py::class_<Scene> add_files(py::module_& module) {
@@ -55,9 +56,12 @@ void add_meshes(py::class_<Scene>& scene) {
           py::arg("path"), py::arg("points"), py::arg("indices"), py::arg("counts") = py::none(),
           "points: (n, 3). indices: the corners of all faces, one after the other, with the size of each face in "
           "counts; without counts a row is a face, or three numbers are. Options: primvars={'st': array or Primvar}, "
-          "material, transform, scheme (none, catmullClark, loop, bilinear), refine_level, instancer, visible, "
-          "double_sided, cull_style, left_handed, holes, invisible_faces, subsets={material: faces}, "
-          "subdiv_tags={'crease_indices': ..., ...}.")
+          "material, transform, motion=[(time, transform), ...], scheme (none, catmullClark, loop, bilinear), "
+          "refine_level, "
+          "instancer, visible, double_sided, cull_style, left_handed, holes, invisible_faces, subsets={material: "
+          "faces}, "
+          "subdiv_tags={'crease_indices': ..., ...}, render_tag, categories (which lights' parameters lightLink and "
+          "shadowLink name). points may be a Primvar.")
       .def("set_primvar", &Scene::set_primvar, py::arg("mesh"), py::arg("name"), py::arg("values"),
            py::arg("interpolation") = "vertex", "Replaces one primvar, points among them. None removes it.")
       .def(
@@ -95,7 +99,8 @@ void add_looks(py::class_<Scene>& scene) {
           },
           py::arg("path"), py::arg("prototypes"),
           "prototypes={mesh: indices of its instances}. Options: transforms (n, 4, 4), translations (n, 3), rotations "
-          "(n, 4; the real part first), scales (n, 3), transform, parent. The meshes name the instancer, too.")
+          "(n, 4; the real part first), scales (n, 3), each an array or a Primvar; transform, motion, parent. The "
+          "meshes name the instancer, too.")
       .def(
           "set_material",
           [](Scene& s, const std::string& path, const py::object& nodes, const std::string& displacement,
@@ -103,7 +108,7 @@ void add_looks(py::class_<Scene>& scene) {
           py::arg("path"), py::arg("nodes") = py::none(), py::arg("displacement") = "",
           "Parameters of schemas/disney_material.json: set_material('/wax', baseColor=(.9, .6, .3)). Or "
           "nodes={'surface': {'baseColor': ('image', 'rgb')}, 'image': {'type': 'AlabasterTexture', 'file': 'a.png'}}: "
-          "a pair of texts connects an input with a node's output.")
+          "a pair of texts connects an input with a node's output, a list of pairs with the product of several.")
       .def(
           "set_light",
           [](Scene& s, const std::string& path, const std::string& type, const py::object& transform, bool visible,
@@ -113,11 +118,12 @@ void add_looks(py::class_<Scene>& scene) {
           "schemas/lights.json: intensity=2, color=(1, .9, .8).")
       .def(
           "set_camera",
-          [](Scene& s, const std::string& path, const py::object& transform, const py::kwargs& parameters) {
-            s.set_camera(path, transform, parameters);
+          [](Scene& s, const std::string& path, const py::object& transform, py::kwargs options) {
+            options["transform"] = transform;
+            s.set_camera(path, options);
           },
           py::arg("path"), py::arg("transform") = py::none(),
-          "Looks along -z of its transform. Parameters of schemas/camera.json.");
+          "Looks along -z of its transform. motion=[(time, transform), ...], and parameters of schemas/camera.json.");
 }
 
 void add_settings(py::class_<Scene>& scene) {

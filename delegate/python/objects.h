@@ -4,10 +4,11 @@
 // memory that they give back, wait for the next call.
 #pragma once
 
+#include <map>
 #include <mutex>
 #include <optional>
 
-#include "delegate/python/values.h"
+#include "delegate/python/structs.h"
 
 namespace alabaster::python {
 
@@ -78,7 +79,7 @@ class Scene {
                     const py::dict& parameters);
   void set_light(const std::string& path, const std::string& type, const py::object& transform, bool visible,
                  const py::dict& parameters);
-  void set_camera(const std::string& path, const py::object& transform, const py::dict& parameters);
+  void set_camera(const std::string& path, const py::dict& options);
   void set_render_settings(const std::string& path, const py::dict& options);
   /// `call(api, scene)`
   template <class Call>
@@ -96,6 +97,7 @@ struct Primvar {
   std::string interpolation;
   py::object indices;
   std::string role;
+  py::object motion = py::none();
 };
 
 /// The renderer's handles, shared by the renders that it made.
@@ -122,26 +124,53 @@ struct FrameOptions {
   std::vector<std::string> aovs = {"color"};
   int width = 0, height = 0;
   std::string camera, settings;
+  std::optional<Camera> free_camera;  // in the place of `camera`
+  Tokens render_tags, roots, excluded;
   AlabasterRect window{};
   double pixel_aspect = 0;
+
+  /// Changes what is given; other names are an error.
+  void change(const py::kwargs& given);
+};
+
+class Display {
+ public:
+  Display(const py::object& color_config, const std::string& display, const std::string& view, const std::string& look,
+          double exposure);
+  double exposure() const { return exposure_; }
+  void set_exposure(double stops);
+  const door::Display& handle() const { return held_; }
+
+ private:
+  door::Display held_;
+  double exposure_;
 };
 
 class Render {
  public:
   Render(std::shared_ptr<Engine> engine, FrameOptions options);
   ~Render();
-  void update();
+  void update(const py::kwargs& changes = {});
   bool wait(const std::optional<double>& seconds, const py::object& progress);
   std::string state() const;
   void cancel();
   std::unique_ptr<Pixels> pixels(const std::string& aov) const;
   void read(const std::string& aov, const py::buffer& into, bool top_down) const;
+  /// False: the AOV's pixels have another size, or none are there yet.
+  bool show(const std::string& aov, const py::buffer& into, const py::object& display, bool top_down);
 
  private:
+  /// Memory of Python's, and what of the pixels it has.
+  struct Shown {
+    py::object into, display;  // held, so that no other object has their addresses
+    double exposure = 0;
+    AlabasterMemory memory{};
+  };
   const door::Buffer& buffer(const std::string& aov) const;
   std::shared_ptr<Engine> engine_;
   FrameOptions options_;
   std::vector<door::Buffer> buffers_;
+  std::map<std::string, Shown> shown_;
   door::Pass pass_;
 };
 

@@ -112,13 +112,18 @@ Render::~Render() {
   drop(buffers_);
 }
 
-void Render::update() {
+void Render::update(const py::kwargs& changes) {
+  options_.change(changes);
   auto frame = door::sized<AlabasterFrame>();
   frame.settings = door::or_null(options_.settings);
   frame.camera = door::or_null(options_.camera);
   frame.width = options_.width, frame.height = options_.height;
   frame.window = options_.window;
   frame.pixel_aspect = options_.pixel_aspect;
+  auto camera = door::sized<AlabasterCamera>();
+  if (options_.free_camera) camera = options_.free_camera->pass(), frame.free_camera = &camera;
+  frame.render_tags = options_.render_tags.pass();
+  frame.roots = options_.roots.pass(), frame.excluded = options_.excluded.pass();
   int32_t width = 0, height = 0;
   std::vector<AlabasterBinding> bindings;
   run(engine_->messages, [&](const AlabasterApi& api) {
@@ -144,8 +149,10 @@ void Render::update() {
 bool Render::wait(const std::optional<double>& seconds, const py::object& progress) {
   const double limit = seconds.value_or(1e300);
   int32_t over = 0;
-  for (double waited = 0; over == 0 && waited < limit; waited += kTellSeconds) {
-    const double slice = std::min(kTellSeconds, limit - waited);
+  double waited = 0;
+  do {  // once in any case: it takes up what has been built
+    const double slice = std::clamp(limit - waited, 0.0, kTellSeconds);
+    waited += kTellSeconds;
     run(engine_->messages, [&](const AlabasterApi& api) { return api.pass_wait(pass_.get(), slice, &over); });
     if (PyErr_CheckSignals() != 0) {
       cancel();
@@ -159,7 +166,7 @@ bool Render::wait(const std::optional<double>& seconds, const py::object& progre
       cancel();
       throw door::Error(ALABASTER_INTERRUPTED, "the render was cancelled");
     }
-  }
+  } while (over == 0 && waited < limit);
   return over != 0;
 }
 
@@ -185,15 +192,83 @@ std::unique_ptr<Pixels> Render::pixels(const std::string& aov) const {
   return std::make_unique<Pixels>(engine_, buffer(aov));
 }
 
-void Render::read(const std::string& aov, const py::buffer& into, bool top_down) const {
-  const py::buffer_info info = into.request(true);
+namespace {
+
+py::buffer_info contiguous(const py::buffer& into) {
+  py::buffer_info info = into.request(true);
   Py_ssize_t stride = info.itemsize;
   for (Py_ssize_t axis = info.ndim; axis-- > 0; stride *= info.shape[size_t(axis)])
     if (info.strides[size_t(axis)] != stride) throw py::value_error("the array is not contiguous");
+  return info;
+}
+
+/// The format of an array of (height, width) or (height, width, components).
+int32_t format_of(const py::buffer_info& info) {
+  const Py_ssize_t components = info.ndim == 3 ? info.shape[2] : 1;
+  for (int32_t format = ALABASTER_UNORM8; format <= ALABASTER_INT32; ++format)
+    if (const Format known = format_of(format);
+        info.ndim >= 2 && info.ndim <= 3 && info.format == known.name && components == known.components)
+      return format;
+  throw py::value_error(
+      "pixels are an array (height, width) or (height, width, components) of float32, float16 or uint8");
+}
+
+}  // namespace
+
+void Render::read(const std::string& aov, const py::buffer& into, bool top_down) const {
+  const py::buffer_info info = contiguous(into);
   const door::Buffer& held = buffer(aov);
   run(engine_->messages, [&](const AlabasterApi& api) {
     return api.buffer_read(held.get(), info.ptr, size_t(info.size * info.itemsize), top_down);
   });
+}
+
+bool Render::show(const std::string& aov, const py::buffer& into, const py::object& display, bool top_down) {
+  const Display* converts = display.is_none() ? nullptr : &display.cast<const Display&>();
+  const py::buffer_info info = contiguous(into);
+  const double exposure = converts ? converts->exposure() : 0;
+  auto memory = door::sized<AlabasterMemory>();
+  memory.format = format_of(info);
+  memory.pixels = info.ptr;
+  memory.height = int32_t(info.shape[0]), memory.width = int32_t(info.shape[1]);
+  memory.row_bytes = size_t(info.strides[0]);
+  memory.y_up = !top_down;
+  memory.display = converts ? converts->handle().get() : nullptr;
+  Shown& known = shown_[aov];
+  if (known.into.is(into) && known.display.is(display) && known.exposure == exposure &&
+      known.memory.y_up == memory.y_up && known.memory.width == memory.width && known.memory.height == memory.height)
+    memory.shown = known.memory.shown;
+  const door::Buffer& held = buffer(aov);
+  bool same_size = true;
+  run(engine_->messages, [&](const AlabasterApi& api) {
+    const int32_t width = memory.width, height = memory.height;
+    const AlabasterStatus status = api.buffer_show(held.get(), &memory);
+    same_size = memory.width == width && memory.height == height;
+    return same_size ? status : int32_t(ALABASTER_OK);
+  });
+  if (!same_size) return false;
+  known = {into, display, exposure, memory};
+  return true;
+}
+
+// Displays -----------------------------------------------------------------------------------------
+Display::Display(const py::object& color_config, const std::string& display, const std::string& view,
+                 const std::string& look, double exposure)
+    : exposure_(exposure) {
+  const std::string config = color_config.is_none() ? "" : py::str(color_config).cast<std::string>();
+  auto options = door::sized<AlabasterDisplayOptions>();
+  options.color_config = door::or_null(config);
+  options.display = door::or_null(display), options.view = door::or_null(view), options.look = door::or_null(look);
+  options.exposure = exposure;
+  const py::gil_scoped_release unlocked;
+  AlabasterDisplay* made = nullptr;
+  door::check(door::api().display_create(&options, &made));
+  held_.reset(made);
+}
+
+void Display::set_exposure(double stops) {
+  door::check(door::api().display_set_exposure(held_.get(), stops));
+  exposure_ = stops;
 }
 
 }  // namespace alabaster::python

@@ -182,30 +182,53 @@ py::list Renderer::record(const py::args& files, const std::string& settings, co
   return py::cast(recording.written);
 }
 
+void set_camera(FrameOptions& options, py::handle value) {
+  options.camera.clear();
+  options.free_camera.reset();
+  if (py::isinstance<py::dict>(value))
+    options.free_camera.emplace(py::reinterpret_borrow<py::dict>(value));
+  else if (!value.is_none())
+    options.camera = value.cast<std::string>();
+}
+
 FrameOptions frame_options(const py::kwargs& given) {
   FrameOptions options;
+  options.change(given);
+  return options;
+}
+
+}  // namespace
+
+void FrameOptions::change(const py::kwargs& given) {
   for (const auto& [key, value] : given) {
     const auto name = key.cast<std::string>();
     if (name == "width")
-      options.width = value.cast<int>();
+      width = value.cast<int>();
     else if (name == "height")
-      options.height = value.cast<int>();
+      height = value.cast<int>();
     else if (name == "aovs")
-      options.aovs = value.cast<std::vector<std::string>>();
+      aovs = value.cast<std::vector<std::string>>();
     else if (name == "camera")
-      options.camera = value.is_none() ? "" : value.cast<std::string>();
+      set_camera(*this, value);
     else if (name == "settings")
-      options.settings = value.is_none() ? "" : value.cast<std::string>();
+      settings = value.is_none() ? "" : value.cast<std::string>();
     else if (name == "pixel_aspect")
-      options.pixel_aspect = value.cast<double>();
-    else if (name == "window" && !value.is_none()) {
-      const auto [x0, y0, x1, y1] = value.cast<std::array<int32_t, 4>>();
-      options.window = {x0, y0, x1, y1};
-    } else if (name != "window")
+      pixel_aspect = value.cast<double>();
+    else if (name == "render_tags")
+      render_tags = Tokens(value);
+    else if (name == "roots")
+      roots = Tokens(value);
+    else if (name == "excluded")
+      excluded = Tokens(value);
+    else if (name == "window") {
+      const auto [x0, y0, x1, y1] = value.is_none() ? std::array<int32_t, 4>{} : value.cast<std::array<int32_t, 4>>();
+      window = {x0, y0, x1, y1};
+    } else
       throw py::type_error("unexpected keyword argument '" + name + "'");
   }
-  return options;
 }
+
+namespace {
 
 py::object take_progress(py::kwargs& given) {
   return given.contains("progress") ? py::object(given.attr("pop")("progress")) : py::object(py::none());
@@ -226,7 +249,10 @@ void add_renders(py::module_& module) {
           "The pixels as an array of (height, width) or (height, width, components), without a copy.");
 
   py::class_<Render>(module, "Render", "A render that runs in the background. Renderer.start makes it.")
-      .def("update", &Render::update, "Renders again what has changed in the scene, the settings or the camera.")
+      .def(
+          "update", [](Render& r, const py::kwargs& changes) { r.update(changes); },
+          "Renders again what has changed in the scene, the settings or the camera. Arguments are those of "
+          "Renderer.start, and change what they name. Until the new picture covers the frame, the old one stays.")
       .def("wait", &Render::wait, py::arg("seconds") = py::none(), py::arg("progress") = py::none(),
            "Waits until the render is over (True) or `seconds` have passed (False). progress(dict) is called about ten "
            "times a second; where it returns False the render is cancelled. Ctrl-C cancels, too.")
@@ -236,7 +262,21 @@ void add_renders(py::module_& module) {
       .def("pixels", &Render::pixels, py::arg("aov") = "color", "The pixels of an AOV as they are now.")
       .def("__getitem__", &Render::pixels)
       .def("read", &Render::read, py::arg("aov"), py::arg("into"), py::arg("top_down") = true,
-           "Copies the pixels of an AOV into a contiguous array of their size.");
+           "Copies the pixels of an AOV into a contiguous array of their size.")
+      .def("show", &Render::show, py::arg("aov"), py::arg("into"), py::arg("display") = py::none(),
+           py::arg("top_down") = true,
+           "Brings a contiguous array (height, width, components) of float32, float16 or uint8 up to date: converts "
+           "what "
+           "the array does not show yet, if it is the array of the last call. With a Display, for that display. False: "
+           "the pixels have another size, and nothing was written.");
+
+  py::class_<Display>(
+      module, "Display",
+      "Converts pixels for a screen, by OpenColorIO. Texts that are missing are those of the configuration.")
+      .def(py::init<py::object, std::string, std::string, std::string, double>(), py::arg("color_config") = py::none(),
+           py::kw_only(), py::arg("display") = "", py::arg("view") = "", py::arg("look") = "",
+           py::arg("exposure") = 0.0)
+      .def_property("exposure", &Display::exposure, &Display::set_exposure, "In stops. A new one renders nothing.");
 }
 
 py::class_<Renderer> renderer_class(py::module_& module) {
@@ -269,7 +309,10 @@ void add_control(py::class_<Renderer>& renderer) {
       .def(
           "start", [](Renderer& r, const py::kwargs& frame) { return r.start(frame_options(frame)); },
           "Begins to render: width, height, aovs=['color'], camera, settings, window=(min_x, min_y, max_x, max_y), "
-          "pixel_aspect. Those that are missing are those of the scene's render settings.")
+          "pixel_aspect. Those that are missing are those of the scene's render settings. camera is a path, or a dict "
+          "of "
+          "transform, motion and parameters: a camera that no prim of the scene is. render_tags, roots and excluded "
+          "select meshes: by tag, and by paths that hold them.")
       .def(
           "render",
           [](Renderer& r, py::kwargs frame) {

@@ -27,23 +27,38 @@ void check_options(const py::dict& options, std::initializer_list<const char*> k
   }
 }
 
+/// The type of the elements of a primvar whose name decides it; NONE: their shape does.
+int32_t type_of(const std::string& primvar) {
+  if (primvar == "hydra:instanceRotations") return ALABASTER_QUATERNION;
+  if (primvar == "hydra:instanceTransforms") return ALABASTER_MATRIX;
+  const bool vectors = primvar == "points" || primvar == "normals" || primvar == "hydra:instanceTranslations" ||
+                       primvar == "hydra:instanceScales";
+  return vectors ? ALABASTER_FLOAT3 : ALABASTER_NONE;
+}
+
 /// Primvars with what their structs point at. Nothing is lent before pass().
 class Primvars {
  public:
   void add(const std::string& name, const Primvar& primvar) {
-    const bool rotations = name == "hydra:instanceRotations";
+    const int32_t type = type_of(name);
     Value values;
-    if (rotations || name == "points" || name == "normals")
-      values = array(rotations ? ALABASTER_QUATERNION : ALABASTER_FLOAT3, primvar.values, name.c_str());
+    if (py::isinstance<py::str>(primvar.values))
+      values = parameter(primvar.values);
+    else if (type != ALABASTER_NONE)
+      values = array(type, primvar.values, name.c_str());
     else if (!primvar.values.is_none())
       values = array_by_shape(primvar.values, name.c_str());
+    if (!primvar.motion.is_none() && type == ALABASTER_NONE)
+      throw py::value_error("points, normals and transforms of instances have motion; " + name + " has none");
+    Motion motion = Motion::of_arrays(primvar.motion, type, name.c_str());
     named_.push_back({name, primvar.role, std::move(values), array(ALABASTER_INT, primvar.indices, "indices"),
-                      interpolation_of(primvar.interpolation)});
+                      interpolation_of(primvar.interpolation), std::move(motion)});
   }
   std::vector<AlabasterPrimvar> pass() const {
     std::vector<AlabasterPrimvar> raw;
     for (const Named& p : named_)
-      raw.push_back({p.name.c_str(), door::or_null(p.role), p.interpolation, p.values.pass(), p.indices.pass(), {}});
+      raw.push_back(
+          {p.name.c_str(), door::or_null(p.role), p.interpolation, p.values.pass(), p.indices.pass(), p.motion.pass()});
     return raw;
   }
 
@@ -52,6 +67,7 @@ class Primvars {
     std::string name, role;
     Value values, indices;
     int32_t interpolation;
+    Motion motion;
   };
   std::vector<Named> named_;
 };
@@ -103,17 +119,27 @@ struct Network {
   };
   std::vector<Node> nodes;
 
-  /// A pair of texts is a connection: the node and its output.
+  static bool is_connection(py::handle value) {
+    if (!py::isinstance<py::tuple>(value) || py::len(value) != 2) return false;
+    const auto pair = py::reinterpret_borrow<py::tuple>(value);
+    return py::isinstance<py::str>(pair[0]) && py::isinstance<py::str>(pair[1]);
+  }
+  static void connect(Node& node, const std::string& input, py::handle value) {
+    const auto pair = value.cast<py::tuple>();
+    node.connections.push_back({input, pair[0].cast<std::string>(), pair[1].cast<std::string>()});
+  }
+
+  /// A pair of texts is a connection: the node and its output. A list of them is their product.
   void add(const std::string& name, const py::dict& values, const std::string& type) {
     Node node{name, type, {}, {}, {}, {}};
     for (const auto& [key, value] : values) {
       const auto input = key.cast<std::string>();
-      const bool pair = py::isinstance<py::tuple>(value) && py::len(value) == 2;
-      const py::tuple parts = pair ? py::reinterpret_borrow<py::tuple>(value) : py::tuple();
       if (input == "type")
         node.type = value.cast<std::string>();
-      else if (pair && py::isinstance<py::str>(parts[0]) && py::isinstance<py::str>(parts[1]))
-        node.connections.push_back({input, parts[0].cast<std::string>(), parts[1].cast<std::string>()});
+      else if (is_connection(value))
+        connect(node, input, value);
+      else if (py::isinstance<py::list>(value) && py::len(value) > 0 && is_connection(value[py::int_(0)]))
+        for (const py::handle one : value) connect(node, input, one);
       else
         node.parameters.emplace_back(input, parameter(value));
     }
@@ -205,7 +231,8 @@ class Subsets {
 
 Primvars primvars_of(const py::object& points, const py::object& others) {
   Primvars primvars;
-  primvars.add("points", {points, "vertex", py::none(), "point"});
+  primvars.add("points", py::isinstance<Primvar>(points) ? points.cast<Primvar>()
+                                                         : Primvar{points, "vertex", py::none(), "point"});
   if (others.is_none()) return primvars;
   for (const auto& [name, value] : others.cast<py::dict>())
     primvars.add(name.cast<std::string>(),
@@ -229,9 +256,9 @@ int32_t cull_style(const std::string& name) {
 
 void Scene::set_mesh(const std::string& path, const py::object& points, const py::object& indices,
                      const py::object& counts, const py::dict& options) {
-  check_options(options,
-                {"primvars", "material", "transform", "scheme", "refine_level", "instancer", "visible", "double_sided",
-                 "cull_style", "left_handed", "holes", "invisible_faces", "subsets", "subdiv_tags"});
+  check_options(options, {"primvars", "material", "transform", "scheme", "refine_level", "instancer", "visible",
+                          "double_sided", "cull_style", "left_handed", "holes", "invisible_faces", "subsets",
+                          "subdiv_tags", "render_tag", "categories", "motion"});
   const auto flag = [&](const char* name, bool otherwise) {
     return options.contains(name) ? options[name].cast<bool>() : otherwise;
   };
@@ -250,6 +277,9 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   const Value holes = array(ALABASTER_INT, option(options, "holes"), "holes");
   const Value invisible_faces = array(ALABASTER_INT, option(options, "invisible_faces"), "invisible_faces");
   const Subsets subsets(path, option(options, "subsets"));
+  const std::string render_tag = text(options, "render_tag");
+  const Tokens categories(option(options, "categories"));
+  const Motion motion = Motion::of_transforms(option(options, "motion"));
   const SubdivTags tags(options.contains("subdiv_tags") ? options["subdiv_tags"].cast<py::dict>() : py::dict());
 
   const AlabasterSubdivTags raw_tags = tags.pass();
@@ -259,6 +289,7 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   mesh.invisible_faces = invisible_faces.pass();
   mesh.cull_style = cull_style(text(options, "cull_style"));
   mesh.subdiv_tags = &raw_tags;
+  mesh.render_tag = door::or_null(render_tag), mesh.categories = categories.pass(), mesh.motion = motion.pass();
   mesh.primvars = raw_primvars.data(), mesh.primvar_count = raw_primvars.size();
   mesh.subsets = raw_subsets.data(), mesh.subset_count = raw_subsets.size();
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_mesh(scene, path.c_str(), &mesh); });
@@ -274,15 +305,17 @@ void Scene::set_primvar(const std::string& mesh, const std::string& name, const 
 }
 
 void Scene::set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options) {
-  check_options(options, {"transforms", "translations", "rotations", "scales", "transform", "parent"});
+  check_options(options, {"transforms", "translations", "rotations", "scales", "transform", "parent", "motion"});
   Primvars primvars;
   for (const auto& [option_name, name] :
        {std::pair("transforms", "hydra:instanceTransforms"), std::pair("translations", "hydra:instanceTranslations"),
         std::pair("rotations", "hydra:instanceRotations"), std::pair("scales", "hydra:instanceScales")})
     if (const py::object values = option(options, option_name); !values.is_none())
-      primvars.add(name, {values, "instance", py::none(), ""});
+      primvars.add(
+          name, py::isinstance<Primvar>(values) ? values.cast<Primvar>() : Primvar{values, "instance", py::none(), ""});
   const std::array<double, 16> transform = matrix(option(options, "transform"));
   const std::string parent = text(options, "parent");
+  const Motion motion = Motion::of_transforms(option(options, "motion"));
   std::vector<std::pair<std::string, Value>> instances;
   for (const auto& [name, indices] : prototypes)
     instances.emplace_back(name.cast<std::string>(), array(ALABASTER_INT, indices, "indices of a prototype"));
@@ -294,6 +327,7 @@ void Scene::set_instancer(const std::string& path, const py::dict& prototypes, c
   instancer.parent = door::or_null(parent);
   instancer.primvars = raw.data(), instancer.primvar_count = raw.size();
   instancer.prototypes = held.data(), instancer.prototype_count = held.size();
+  instancer.motion = motion.pass();
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.set_instancer(scene, path.c_str(), &instancer);
   });
@@ -329,13 +363,9 @@ void Scene::set_light(const std::string& path, const std::string& type, const py
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_light(scene, path.c_str(), &light); });
 }
 
-void Scene::set_camera(const std::string& path, const py::object& transform, const py::dict& parameters) {
-  const std::array<double, 16> placed = matrix(transform);
-  const door::Parameters held = python::parameters(parameters);
-  const std::vector<AlabasterParameter> raw = door::pass(held);
-  auto camera = door::sized<AlabasterCamera>();
-  camera.transform = placed.data();
-  camera.parameters = raw.data(), camera.parameter_count = raw.size();
+void Scene::set_camera(const std::string& path, const py::dict& options) {
+  const Camera held(options);
+  const AlabasterCamera camera = held.pass();
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_camera(scene, path.c_str(), &camera); });
 }
 

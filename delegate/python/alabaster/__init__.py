@@ -1,6 +1,6 @@
 """Alabaster: path-traced subsurface scattering. See help(alabaster.Scene) and help(alabaster.Renderer)."""
-from ._alabaster import (ArgumentError, Cancelled, Error, NotFoundError, OutputError, Pixels, Primvar, Render, Renderer,
+from ._alabaster import (ArgumentError, Cancelled, Display, Error, NotFoundError, OutputError, Pixels, Primvar, Render, Renderer,
                          RenderError, Scene, SceneError, __version__, versions)
 
-__all__ = ["ArgumentError", "Cancelled", "Error", "NotFoundError", "OutputError", "Pixels", "Primvar", "Render", "Renderer",
+__all__ = ["ArgumentError", "Cancelled", "Display", "Error", "NotFoundError", "OutputError", "Pixels", "Primvar", "Render", "Renderer",
            "RenderError", "Scene", "SceneError", "versions"]

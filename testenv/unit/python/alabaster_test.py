@@ -144,6 +144,66 @@ class Renders(unittest.TestCase):
         self.assertEqual(alpha, 1)
         self.assertGreater(blue, 2 * red)
 
+    def test_a_free_camera_and_other_arguments_of_update(self):
+        scene = square()
+        scene.remove("/camera")
+        render = alabaster.Renderer(scene, samples=4).render(width=16, height=16, camera={"transform": BACK, "focalLength": 1.0,
+                                                             "horizontalAperture": 0.5, "verticalAperture": 0.5})
+        self.assertEqual(pixel(render, 8, 8)[3], 1)
+        render.update(camera={"transform": moved(50, 0, 6), "focalLength": 1.0})
+        self.assertTrue(render.wait())
+        self.assertEqual(pixel(render, 8, 8)[3], 0)
+        render.update(camera={"transform": BACK, "focalLength": 1.0}, width=32, height=8, aovs=["color", "cameraDepth"])
+        self.assertTrue(render.wait())
+        self.assertEqual(memoryview(render["cameraDepth"]).shape, (8, 32))
+        with self.assertRaisesRegex(TypeError, "heigth"):
+            render.update(heigth=8)
+
+    def test_selections(self):
+        scene = square()
+        scene.set_mesh("/a/guide", CORNERS, [[0, 1, 2, 3]], render_tag="guide")
+        scene.remove("/square")
+        render = draw(alabaster.Renderer(scene, samples=1))
+        alphas = []
+        for selection in [{}, {"render_tags": ["guide"]}, {"excluded": ["/a"]}, {"excluded": [], "roots": ["/b"]}]:
+            render.update(**selection)
+            render.wait()
+            alphas.append(pixel(render, 8, 8)[3])
+        self.assertEqual(alphas, [0, 1, 0, 0])
+        with self.assertRaises(TypeError):
+            render.update(render_tags="guide")
+
+    def test_motion(self):
+        scene = square()
+        far = [(0, moved(-20)), (1, moved(20))]
+        shutter = {"shutterOpen": 0.0, "shutterClose": 1.0}
+        scene.set_camera("/camera", BACK, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.036, **shutter)
+        scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], material="/wax", motion=far)
+        moving = [pixel(draw(alabaster.Renderer(scene, samples=256)), 8, 8)[3]]
+        points = [(time, [(x + by, y, z) for x, y, z in CORNERS]) for time, by in ((0, -20), (1, 20))]
+        deforming = square()
+        deforming.set_camera("/camera", BACK, focalLength=0.05, horizontalAperture=0.036, verticalAperture=0.036, **shutter)
+        deforming.set_mesh("/square", alabaster.Primvar(CORNERS, motion=points), [[0, 1, 2, 3]], material="/wax")
+        moving.append(pixel(draw(alabaster.Renderer(deforming, samples=256)), 8, 8)[3])
+        still = square()
+        still.set_camera("/camera", BACK, motion=[(time, matrix) for time, matrix in far], focalLength=0.05,
+                         horizontalAperture=0.036, verticalAperture=0.036, **shutter)
+        moving.append(pixel(draw(alabaster.Renderer(still, samples=256)), 8, 8)[3])
+        for alpha in moving:
+            self.assertAlmostEqual(alpha, 0.05, delta=0.02)  # 2 of 40 units
+
+    def test_primvars_of_text_and_products_of_textures(self):
+        scene = square()
+        scene.set_mesh("/square", CORNERS, [0, 1, 2, 3], counts=[4], material="/wax", primvars={
+            "subsurfaceSet": alabaster.Primvar("skin", "constant"), "displayColor": [(0.5, 0.5, 0.5)] * 4})
+        scene.set_material("/wax", nodes={"surface": {"baseColor": [("colors", "rgb"), ("again", "rgb")], "scatterDistance": (1, 1, 1)},
+                                          "colors": {"type": "AlabasterPrimvar"}, "again": {"type": "AlabasterPrimvar"}})
+        heard = []
+        renderer = alabaster.Renderer(scene, report=lambda *message: heard.append(message), samples=1)
+        render = draw(renderer, aovs=["color", "albedo"])
+        self.assertAlmostEqual(pixel(render, 8, 8, "albedo")[0], 0.25, delta=0.05)
+        self.assertIn("subsurfaceSet named skin", renderer.command("dumpScene"))
+
     def test_records_files(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=2)
@@ -244,6 +304,15 @@ class Control(unittest.TestCase):
         renderer.stop()
         self.assertEqual(render.state, "stopped")
 
+    def test_waiting_no_time_takes_an_edit_up(self):
+        scene = square()
+        render = draw(alabaster.Renderer(scene, samples=1))
+        scene.set_transform("/square", moved(50))
+        render.update()
+        end = time.monotonic() + 30
+        while not (render.wait(0) and pixel(render, 8, 8)[3] == 0):
+            self.assertLess(time.monotonic(), end)
+
     def test_settings(self):
         renderer = alabaster.Renderer(samples=7)
         self.assertEqual(renderer.get("samples"), 7)
@@ -317,6 +386,27 @@ class Memory(unittest.TestCase):
             render.read("color", into[:, ::-1])
 
     @unittest.skipUnless(numpy, "numpy is missing")
+    def test_shows_pixels_in_an_array_of_the_host(self):
+        scene = square()
+        render = draw(alabaster.Renderer(scene, samples=4))
+        linear = numpy.zeros((16, 16, 4), numpy.float32)
+        self.assertTrue(render.show("color", linear, top_down=False))
+        self.assertTrue((linear[::-1] == render.pixels().numpy()).all())
+        linear[:] = 7
+        self.assertTrue(render.show("color", linear, top_down=False))
+        self.assertTrue((linear == 7).all())  # it was up to date
+        display = alabaster.Display()
+        shown = numpy.zeros((16, 16, 4), numpy.uint8)
+        self.assertTrue(render.show("color", shown, display))
+        middle = int(shown[8, 8, 0])
+        display.exposure = -1.0
+        self.assertTrue(render.show("color", shown, display))
+        self.assertTrue(0 < shown[8, 8, 0] < middle)
+        self.assertFalse(render.show("color", numpy.zeros((8, 16, 4), numpy.float32)))
+        with self.assertRaises(ValueError):
+            render.show("color", numpy.zeros((16, 16, 4), numpy.int64))
+
+    @unittest.skipUnless(numpy, "numpy is missing")
     def test_arrays_outlive_everything(self):
         render = draw(alabaster.Renderer(square(), samples=4))
         pixels = render.pixels().numpy()
@@ -365,10 +455,11 @@ class Memory(unittest.TestCase):
 class Documentation(unittest.TestCase):
     def test_everything_is_documented_and_typed(self):
         stub = ast.parse(pathlib.Path(alabaster.__file__).with_name("__init__.pyi").read_text())
-        typed = {node.name: {f.name for f in node.body if isinstance(f, ast.FunctionDef)}
+        typed = {node.name: {f.name if isinstance(f, ast.FunctionDef) else f.target.id for f in node.body
+                             if isinstance(f, (ast.FunctionDef, ast.AnnAssign))}
                  for node in stub.body if isinstance(node, ast.ClassDef)}
         self.assertEqual(set(alabaster.__all__) - {"versions"}, set(typed) - {"Progress", "Loaded", "Setting", "_Buffer"})
-        for name in ["Pixels", "Render", "Renderer", "Scene"]:
+        for name in ["Display", "Pixels", "Render", "Renderer", "Scene"]:
             kind = getattr(alabaster, name)
             members = {m for m in vars(kind) if not m.startswith("_")}
             self.assertEqual(members, {m for m in typed[name] if not m.startswith("_")}, name)

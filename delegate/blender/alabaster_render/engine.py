@@ -1,0 +1,186 @@
+"""The render engine: final frames, and the viewport."""
+import time
+
+import bpy
+import numpy
+
+from . import camera, images, library, motion, names, passes, settings, sync
+from .viewport import Viewport
+
+SECONDS_BETWEEN_PICTURES = 1.0
+SECONDS_BETWEEN_LOOKS = 0.1  # for Escape
+
+
+def clock(seconds):
+    """1:05, or 2:10:00"""
+    hours, rest = divmod(int(max(seconds, 0.0) + 0.5), 3600)
+    return f"{hours}:{rest // 60:02}:{rest % 60:02}" if hours else f"{rest // 60}:{rest % 60:02}"
+
+
+def status(renderer):
+    """What the status line of a picture says: samples, noise, time left."""
+    now, stats = renderer.progress(), renderer.stats()
+    parts = [f"Sample {now['samples_done']}/{now['samples_total']}"] if now["samples_total"] else ["Preparing"]
+    if "error.relativeRmse" in stats:
+        parts.append(f"Noise {100 * stats['error.relativeRmse']:.1f} %")
+    if 0.01 < now["fraction"] < 1:
+        parts.append(f"Remaining {clock(now['seconds'] * (1 / now['fraction'] - 1))}")
+    if stats.get("scene.faultCount"):
+        parts.append(f"{stats['scene.faultCount']} faults, see the console")
+    return " | ".join(parts), now["fraction"]
+
+
+class Notes:
+    """Tells the info panel of each thing once."""
+
+    def __init__(self, engine):
+        self.engine, self.told = engine, set()
+
+    def note(self, text):
+        self.tell("WARNING", text)
+
+    def tell(self, severity, text):
+        if text not in self.told:
+            self.told.add(text)
+            print(f"Alabaster: {text}")
+            self.engine.report({severity}, f"Alabaster: {text}")
+
+    def hear(self, severity, _code, where, text):
+        """As alabaster.Renderer reports."""
+        self.tell({"info": "INFO", "warning": "WARNING", "error": "ERROR"}[severity], f"{where}: {text}" if where else text)
+
+
+class AlabasterRenderEngine(bpy.types.RenderEngine):
+    bl_idname = "ALABASTER"
+    bl_label = "Alabaster"
+    bl_use_preview = True
+    bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True
+    bl_use_postprocess = True
+    bl_use_spherical_stereo = False
+
+    # Final frames ---------------------------------------------------------------------------------
+    def update_render_passes(self, scene=None, renderlayer=None):
+        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
+        for _, name, channels, kind in passes.wanted(renderlayer):
+            self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
+
+    def render(self, depsgraph):
+        try:
+            self.render_frame(depsgraph, library.load())
+        except Exception as error:  # Blender shows a traceback in the console alone
+            self.error_set(f"Alabaster: {error}")
+            self.report({"ERROR"}, f"Alabaster: {error}")
+            if not isinstance(error, ImportError) and type(error).__module__ != "alabaster._alabaster":
+                raise
+
+    def render_frame(self, depsgraph, alabaster):
+        scene, layer = depsgraph.scene, depsgraph.view_layer
+        if scene.camera is None:
+            raise ValueError("the scene has no camera")
+        notes = Notes(self)
+        self.update_stats("", "Alabaster: reading the scene")
+        held = alabaster.Scene(report=notes.hear)
+        exporter = sync.SceneSync(held, False, notes.note)
+        shutter = motion.Shutter(scene)
+        if shutter.moves:
+            motion.sample(self, depsgraph, shutter, exporter)
+        exporter.sync(depsgraph)
+        frame = self.frame_of(depsgraph, shutter, exporter)
+        renderer = alabaster.Renderer(held, report=notes.hear, **settings.delegate_settings(scene, self.is_preview))
+        wanted = passes.wanted(layer)
+        render = renderer.start(aovs=["color", *(aov for aov, *_ in wanted)], **frame)
+        self.refine(renderer, render, layer, wanted, frame["window"])
+
+    def frame_of(self, depsgraph, shutter, exporter):
+        """Arguments of Renderer.start: size, window and camera."""
+        scene, view = depsgraph.scene, depsgraph.scene.render
+        width = max(1, int(view.resolution_x * view.resolution_percentage / 100))
+        height = max(1, int(view.resolution_y * view.resolution_percentage / 100))
+        window = (0, 0, width, height)
+        if view.use_border:
+            window = (int(view.border_min_x * width), height - int(view.border_max_y * height),
+                      int(view.border_max_x * width), height - int(view.border_min_y * height))
+        aspect = view.pixel_aspect_x / view.pixel_aspect_y
+        eye = scene.camera.evaluated_get(depsgraph)
+        parameters = camera.final(eye, depsgraph, width, height, aspect)
+        moved = exporter.motion.get((scene.camera.name_full, ()))
+        if shutter.moves:
+            parameters.update(shutterOpen=shutter.open, shutterClose=shutter.close)
+        return {"width": width, "height": height, "window": window, "pixel_aspect": aspect,
+                "camera": {"transform": names.matrix(camera.placement(eye)), "motion": moved, **parameters}}
+
+    def refine(self, renderer, render, layer, wanted, window):
+        """Shows pictures until the render is over or Escape is pressed; what has been rendered stays."""
+        size = window[2] - window[0], window[3] - window[1]
+        shown = time.monotonic()
+        over = False
+        while not over and not self.test_break():
+            over = render.wait(SECONDS_BETWEEN_LOOKS)
+            text, fraction = status(renderer)
+            self.update_stats("", text)
+            self.update_progress(fraction)
+            if not over and time.monotonic() - shown > SECONDS_BETWEEN_PICTURES and fraction > 0:
+                self.show(render, layer, size, [], False)
+                shown = time.monotonic()
+        render.cancel()
+        if render.state == "failed" or "error" in renderer.stats():
+            raise RuntimeError(renderer.stats().get("error", "the render failed"))
+        self.show(render, layer, size, wanted, True)
+
+    def show(self, render, layer, size, wanted, last):
+        result = self.begin_result(0, 0, *size, layer=layer.name)
+        held = result.layers[0].passes
+        passes.fill(held["Combined"], render["color"].numpy()[::-1], "color")
+        for aov, name, *_ in wanted:
+            if name in held:
+                passes.fill(held[name], numpy.asarray(render[aov])[::-1], aov)
+        if last:
+            self.end_result(result)
+        else:
+            self.update_result(result)
+            self.end_result(result)
+
+    # The viewport ---------------------------------------------------------------------------------
+    def view_update(self, context, depsgraph):
+        self.viewport().update(context, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        self.viewport().draw(context, depsgraph)
+
+    def viewport(self):
+        # Blender makes engines by other ways than __init__, which differ between its versions.
+        held = getattr(self, "_viewport", None)
+        if held is None:
+            held = self._viewport = Viewport(self, Notes(self), status)
+        return held
+
+
+# Panels of Blender's own that this engine leaves out: they are those of other engines' settings.
+LEFT_OUT = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes"}
+
+
+def panels():
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", None)
+        if engines is not None and "BLENDER_RENDER" in engines and panel.__name__ not in LEFT_OUT:
+            yield engines
+        elif engines is not None and panel.__name__ in CYCLES_PANELS:
+            yield engines
+
+
+CYCLES_PANELS = {"EEVEE_MATERIAL_PT_surface", "DATA_PT_EEVEE_light", "EEVEE_WORLD_PT_surface", "MATERIAL_PT_preview",
+                 "DATA_PT_EEVEE_light_distance"}
+
+
+def register():
+    bpy.utils.register_class(AlabasterRenderEngine)
+    for engines in panels():
+        engines.add(AlabasterRenderEngine.bl_idname)
+
+
+def unregister():
+    for engines in panels():
+        engines.discard(AlabasterRenderEngine.bl_idname)
+    bpy.utils.unregister_class(AlabasterRenderEngine)
+    images.clear()

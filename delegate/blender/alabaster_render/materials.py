@@ -1,0 +1,78 @@
+"""Materials of Blender as networks of AlabasterDisney. README.md has the table of what becomes what."""
+from . import shaders
+from .sockets import Reader
+
+
+class Wanted:
+    """Names of UV maps and of colour attributes that materials read."""
+
+    def __init__(self, maps=(), colors=()):
+        self.maps, self.colors = frozenset(maps), frozenset(colors)
+
+    @staticmethod
+    def of(materials):
+        maps, colors = set(), set()
+        for material in materials:
+            if material.use_nodes and material.node_tree:
+                _find(material.node_tree, maps, colors, set())
+        return Wanted(maps, colors)
+
+    def __eq__(self, other):
+        return (self.maps, self.colors) == (other.maps, other.colors)
+
+    def __sub__(self, other):
+        """True if there is a name that the other has not."""
+        return bool(self.maps - other.maps or self.colors - other.colors)
+
+
+def _find(tree, maps, colors, seen):
+    if tree in seen:
+        return
+    seen.add(tree)
+    for node in tree.nodes:
+        if node.type in {"UVMAP", "NORMAL_MAP"} and node.uv_map:
+            maps.add(node.uv_map)
+        elif node.type == "VERTEX_COLOR":
+            colors.add(node.layer_name)
+        elif node.type == "ATTRIBUTE":
+            maps.add(node.attribute_name)
+            colors.add(node.attribute_name)
+        elif node.type == "GROUP" and node.node_tree:
+            _find(node.node_tree, maps, colors, seen)
+
+
+class Network:
+    """nodes of alabaster.Scene.set_material, and the one that displaces."""
+
+    def __init__(self):
+        self.nodes = {"surface": {}}
+        self.displacement = ""
+
+    def __eq__(self, other):
+        return isinstance(other, Network) and (self.nodes, self.displacement) == (other.nodes, other.displacement)
+
+
+def translate(material, note):
+    """None is Blender's look of a mesh without material."""
+    network = Network()
+    surface = network.nodes["surface"]
+    if material is None:
+        surface.update(baseColor=(0.8, 0.8, 0.8), roughness=0.5)
+        return network
+    if not material.use_nodes or not material.node_tree:
+        surface.update(baseColor=tuple(material.diffuse_color)[:3], metallic=material.metallic, roughness=material.roughness)
+        return network
+    reader = Reader(network, lambda text: note(f"material '{material.name}': {text}"))
+    output = material.node_tree.get_output_node("CYCLES") or material.node_tree.get_output_node("ALL")
+    if output is None:
+        surface.update(baseColor=(0, 0, 0), specular=0.0)
+        return network
+    surface.update(shaders.translate(reader, reader.source(output.inputs["Surface"])))
+    if output.inputs["Volume"].is_linked:
+        reader.note("the volume is not translated")
+    shaders.displace(reader, output, _displacement_method(material), surface)
+    return network
+
+
+def _displacement_method(material):
+    return getattr(material, "displacement_method", None) or material.cycles.displacement_method

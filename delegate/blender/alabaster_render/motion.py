@@ -1,0 +1,43 @@
+"""Motion blur: where things stand at times of the shutter."""
+from . import meshes, names, sync
+
+POSES = 5  # over the shutter; between them bodies turn and move evenly
+
+
+class Shutter:
+    """In frames, relative to the frame that is drawn."""
+
+    def __init__(self, scene):
+        render = scene.render
+        self.moves = render.use_motion_blur
+        length = render.motion_blur_shutter
+        position = getattr(render, "motion_blur_position", None) or getattr(getattr(scene, "cycles", None), "motion_blur_position", "CENTER")
+        self.open = {"START": 0.0, "CENTER": -0.5 * length, "END": -length}[position]
+        self.close = self.open + length
+
+    def times(self):
+        return [self.open + (self.close - self.open) * i / (POSES - 1) for i in range(POSES)]
+
+
+def sample(engine, depsgraph, shutter, exporter):
+    """Fills exporter.motion. The depsgraph is that of the frame itself afterwards."""
+    scene = depsgraph.scene
+    frame, part = scene.frame_current, scene.frame_subframe
+    seen = {}
+    for time in shutter.times():
+        at = frame + part + time
+        engine.frame_set(int(at // 1), at % 1)
+        for owner, matrix in places(depsgraph):
+            seen.setdefault(owner, []).append((time, matrix))
+    engine.frame_set(frame, part)
+    exporter.motion = {owner: poses for owner, poses in seen.items()
+                       if len(poses) == POSES and any(matrix != poses[0][1] for _, matrix in poses)}
+
+
+def places(depsgraph):
+    for instance in depsgraph.object_instances:
+        if instance.object.type in meshes.KINDS:
+            yield sync.owner_of(instance), names.matrix(instance.matrix_world)
+    eye = depsgraph.scene.camera
+    if eye:
+        yield (eye.name_full, ()), names.matrix(eye.evaluated_get(depsgraph).matrix_world.normalized())

@@ -1,0 +1,130 @@
+"""The Principled BSDF of both generations: Blender's until 3.6, and from 4.0 on."""
+import math
+
+import bpy
+
+from . import schema, subsurface
+
+MODERN = bpy.app.version >= (4, 0, 0)
+DEFAULTS = {name: tuple(p.default) if p.kind == "color" else p.default for name, p in schema.parameters("disney_material").items()}
+relief = None  # shaders.relief, which needs this module
+
+
+def translate(reader, source):
+    surface = {"roughness": reader.number(_value(reader, source, "Roughness"), "g"),
+               "metallic": reader.number(_value(reader, source, "Metallic"), "b"),
+               "anisotropic": reader.number(_value(reader, source, "Anisotropic"))}
+    opacity = reader.number(_value(reader, source, "Alpha"))
+    if opacity != 1.0:
+        surface["opacity"] = opacity
+    _base(reader, source, surface)
+    _specular(reader, source, surface)
+    _layers(reader, source, surface)
+    _emission(reader, source, surface)
+    relief(reader, reader.source(source.input("Normal"), source.groups), surface)
+    coat = source.input("Clearcoat Normal", "Coat Normal")
+    relief(reader, reader.source(coat, source.groups), surface, "coatNormal")
+    if surface["anisotropic"] and _number(reader, source, "Anisotropic Rotation"):
+        reader.note("the rotation of the anisotropy is not translated; a highlight stretches along the tangent of the UV map")
+    return surface
+
+
+def _value(reader, source, *names):
+    socket = source.input(*names)
+    return reader.value(socket, source.groups) if socket is not None else None
+
+
+def _number(reader, source, *names):
+    value = _value(reader, source, *names)
+    return value.number if value else 0.0
+
+
+def _base(reader, source, surface):
+    color = _value(reader, source, "Base Color")
+    weight = _value(reader, source, "Subsurface", "Subsurface Weight")
+    if weight.textures:
+        reader.note("a texture of the subsurface weight is not translated; its mean counts as 1")
+    share = weight.number
+    if share <= 0:
+        surface["baseColor"] = reader.color(_glass_color(reader, source, color))
+        return
+    radius = _value(reader, source, "Subsurface Radius")
+    if radius.textures:
+        reader.note("a texture of the subsurface radius is not translated; its factor is used")
+    scale = share if not MODERN else share * _number(reader, source, "Subsurface Scale")
+    if not MODERN:
+        color = reader.mixed(color, _value(reader, source, "Subsurface Color"), weight)
+    scatter(reader, surface, color, [r * scale for r in radius.constant], source.node.subsurface_method,
+            _number(reader, source, "Subsurface IOR") or 1.4)
+    surface["scatterAnisotropy"] = _number(reader, source, "Subsurface Anisotropy")
+    if MODERN and share < 1:
+        reader.note("a subsurface weight below 1 shortens the scatter distance instead of mixing with diffuse")
+
+
+def scatter(reader, surface, color, radii, method, ior):
+    """baseColor and scatterDistance. Under a texture the distances are those of a middle grey."""
+    albedo = color.constant if not color.textures else (0.5, 0.5, 0.5)
+    surface["baseColor"] = reader.color(color)
+    surface["scatterDistance"] = subsurface.distances(method, radii, albedo, ior)
+
+
+def _glass_color(reader, source, color):
+    """Until 3.6 a clear body takes the colour at each surface; from 4.0 on its root, as here."""
+    if MODERN or color.textures or _number(reader, source, "Transmission") < 1:
+        return color
+    return type(color)(tuple(c * c for c in color.constant))
+
+
+def _specular(reader, source, surface):
+    transmission = _value(reader, source, "Transmission", "Transmission Weight")
+    if transmission.textures or transmission.number > 0:
+        surface["specTrans"] = reader.number(transmission)
+    level = _value(reader, source, "Specular", "Specular IOR Level")
+    ior = _number(reader, source, "IOR")
+    clear = transmission.number > 0
+    if MODERN:
+        f0 = ((ior - 1) / (ior + 1)) ** 2 * (2 * level.number)
+        surface["specularColor"] = reader.color(_value(reader, source, "Specular Tint"))
+    else:
+        f0 = 0.08 * level.number
+        surface["specularTint"] = reader.number(_value(reader, source, "Specular Tint"))
+    if level.textures:
+        surface["ior"], surface["specular"] = 1.5, reader.number(reader.changed(level, (2.0,) * 3, (0.0,) * 3))
+        reader.note("a texture of specular above one half is clamped there")
+    elif clear:
+        surface["ior"] = max(1.0, ior)
+    else:
+        root = math.sqrt(min(f0, 0.36))
+        surface["ior"] = (1 + root) / (1 - root)
+
+
+def _layers(reader, source, surface):
+    coat = _value(reader, source, "Clearcoat", "Coat Weight")
+    roughness = _value(reader, source, "Clearcoat Roughness", "Coat Roughness")
+    if coat.textures or coat.number > 0:
+        if MODERN:
+            surface["coat"], surface["coatRoughness"] = reader.number(coat), reader.number(roughness)
+            if min(_value(reader, source, "Coat Tint").constant) < 1:
+                reader.note("the tint of a coat is not translated")
+        else:
+            surface["clearcoat"] = reader.number(coat)
+            surface["clearcoatGloss"] = min(max((0.1 - roughness.number ** 2) / 0.099, 0.0), 1.0)
+    sheen = _value(reader, source, "Sheen", "Sheen Weight")
+    if sheen.textures or sheen.number > 0:
+        surface["sheen"] = reader.number(sheen)
+        if MODERN:
+            surface["sheenTint"] = 0.0
+            surface["sheenColor"] = reader.color(_value(reader, source, "Sheen Tint"))
+            surface["sheenRoughness"] = max(_number(reader, source, "Sheen Roughness"), 0.01)
+        else:
+            surface["sheenTint"] = reader.number(_value(reader, source, "Sheen Tint"))
+    film = _number(reader, source, "Thin Film Thickness")
+    if film > 0:
+        surface.update(iridescence=1.0, iridescenceThickness=film, iridescenceIor=max(1.0, _number(reader, source, "Thin Film IOR")))
+
+
+def _emission(reader, source, surface):
+    strength = _number(reader, source, "Emission Strength")
+    color = _value(reader, source, "Emission", "Emission Color")
+    if strength > 0 and (color.textures or max(color.constant) > 0):
+        surface["emission"] = reader.color(reader.changed(color, (strength,) * 3, (0.0, 0.0, 0.0)))

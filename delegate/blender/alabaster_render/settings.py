@@ -1,0 +1,88 @@
+"""Settings of a scene, made from schemas/render_settings.json, and those of layers and collections."""
+import bpy
+
+from . import schema
+
+# What Blender itself has: the frame, threads, and the parts of a farm.
+LEFT_TO_BLENDER = {"frame", "firstSample", "threads"}
+SETTINGS = {name: p for name, p in schema.parameters("render_settings").items() if name not in LEFT_TO_BLENDER}
+LARGEST_INT = 2 ** 31 - 1
+
+# AOVs that become passes of their own, besides those that Blender has switches for: AOV, channels, type of the pass.
+PASSES = {
+    "diffuse": ("Diffuse", "RGB", "COLOR"),
+    "subsurface": ("Subsurface", "RGB", "COLOR"),
+    "subsurfaceSingle": ("Subsurface Single", "RGB", "COLOR"),
+    "subsurfaceMultiple": ("Subsurface Multiple", "RGB", "COLOR"),
+    "specular": ("Specular", "RGB", "COLOR"),
+    "albedo": ("Albedo", "RGB", "COLOR"),
+    "denoised": ("Denoised", "RGBA", "COLOR"),
+    "error": ("Error", "X", "VALUE"),
+    "sampleCount": ("Sample Count", "X", "VALUE"),
+}
+
+
+def property_of(p, **changes):
+    """A property of Blender's for a parameter of a schema."""
+    options = {"name": p.label, "description": p.description.rstrip("."), "default": p.default, **changes}
+    if p.kind == "bool":
+        return bpy.props.BoolProperty(**options)
+    if p.kind == "enum":
+        return bpy.props.EnumProperty(items=[(choice, choice, "") for choice in p.choices], **options)
+    ends = {"min": p.minimum, "max": p.maximum}
+    if p.kind == "int":
+        options.update({key: min(int(end), LARGEST_INT) for key, end in ends.items() if end is not None})
+        return bpy.props.IntProperty(**options)
+    options.update({key: end for key, end in ends.items() if end is not None})
+    return bpy.props.FloatProperty(precision=4, **options)
+
+
+class AlabasterSceneSettings(bpy.types.PropertyGroup):
+    viewport_samples: property_of(SETTINGS["samples"], name="Viewport Samples", default=256)
+
+
+for _name, _parameter in SETTINGS.items():
+    AlabasterSceneSettings.__annotations__[_name] = property_of(_parameter)
+
+
+class AlabasterLayerSettings(bpy.types.PropertyGroup):
+    pass
+
+
+AlabasterLayerSettings.__annotations__ = {
+    aov: bpy.props.BoolProperty(name=label, default=False, description=f"Pass of AOV {aov}")
+    for aov, (label, _, _) in PASSES.items()}
+
+
+class AlabasterCollectionSettings(bpy.types.PropertyGroup):
+    subsurface_set: bpy.props.BoolProperty(
+        name="Subsurface Set", default=False,
+        description="Meshes of this collection form one body: light passes below the surface between those that touch")
+
+
+def delegate_settings(scene, viewport):
+    """For alabaster.Renderer."""
+    group = scene.alabaster
+    values = {name: getattr(group, name) for name in SETTINGS}
+    if viewport:
+        values.update(samples=group.viewport_samples, targetError=0.0, timeLimit=0.0, denoise=False)
+    values["frame"] = max(scene.frame_current, 0)
+    values["threads"] = scene.render.threads if scene.render.threads_mode == "FIXED" else 0
+    return values
+
+
+CLASSES = [AlabasterSceneSettings, AlabasterLayerSettings, AlabasterCollectionSettings]
+
+
+def register():
+    for one in CLASSES:
+        bpy.utils.register_class(one)
+    bpy.types.Scene.alabaster = bpy.props.PointerProperty(type=AlabasterSceneSettings)
+    bpy.types.ViewLayer.alabaster = bpy.props.PointerProperty(type=AlabasterLayerSettings)
+    bpy.types.Collection.alabaster = bpy.props.PointerProperty(type=AlabasterCollectionSettings)
+
+
+def unregister():
+    del bpy.types.Scene.alabaster, bpy.types.ViewLayer.alabaster, bpy.types.Collection.alabaster
+    for one in reversed(CLASSES):
+        bpy.utils.unregister_class(one)

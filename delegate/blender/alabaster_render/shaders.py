@@ -1,0 +1,179 @@
+"""Shader nodes as parameters of schemas/disney_material.json."""
+from . import disney_group, principled
+from .sockets import ONE, Source, Texture, Value
+
+BLACK = {"baseColor": (0.0, 0.0, 0.0), "specular": 0.0}
+# Disney's diffuse at this roughness reflects what Lambert's does, within 1 % of any view and 3 % at grazing ones.
+LAMBERT = {"specular": 0.0, "ior": 1.0, "roughness": 0.43}
+
+
+def translate(reader, source):
+    """Inputs of the surface node. source: what is linked to a socket of shaders."""
+    if not isinstance(source, Source):
+        return dict(BLACK)
+    if disney_group.is_ours(source.node):
+        return disney_group.translate(reader, source)
+    known = SHADERS.get(source.node.type)
+    if known is None:
+        reader.note(f"shader '{source.node.name}' is not translated; the surface is black")
+        return dict(BLACK)
+    return known(reader, source)
+
+
+def _value(reader, source, *names):
+    return reader.value(source.input(*names), source.groups)
+
+
+def _bump(reader, source, surface):
+    normal = source.input("Normal")
+    if normal is not None:
+        relief(reader, reader.source(normal, source.groups), surface)
+    return surface
+
+
+def relief(reader, source, surface, into="normal"):
+    """A Normal Map or Bump node as the surface's `normal` or `bump`, or the coat's `coatNormal`."""
+    if not isinstance(source, Source):
+        return
+    node = source.node
+    if node.type == "NORMAL_MAP":
+        strength = _value(reader, source, "Strength").number
+        value = _value(reader, source, "Color")
+        if node.space != "TANGENT" or not value.textures:
+            reader.note(f"node '{node.name}': only an image of tangent space is translated")
+            return
+        parameters = dict(value.textures[0].parameters)
+        if node.uv_map and "st" not in parameters:
+            parameters["st"] = f"uv:{node.uv_map}"
+        texture = Texture(parameters, "rgb", (2 * strength, 2 * strength, 2.0), (-strength, -strength, -1.0))
+        surface[into] = [(reader.node(texture), "rgb")]
+    elif node.type == "BUMP" and into == "normal":
+        height = _value(reader, source, "Height")
+        scale = _value(reader, source, "Strength").number * _value(reader, source, "Distance").number
+        if not height.textures:
+            return
+        surface["bump"] = reader.number(reader.changed(height, (-scale if node.invert else scale,) * 3, (0.0, 0.0, 0.0)))[:1]
+        if reader.source(source.input("Normal"), source.groups) is not source.input("Normal"):
+            reader.note(f"node '{node.name}': a normal map below a bump map is not translated")
+    else:
+        reader.note(f"node '{node.name}' at a normal is not translated")
+
+
+def displace(reader, output, method, surface):
+    """The material's displacement: of points, or as bump."""
+    source = reader.source(output.inputs["Displacement"])
+    if not isinstance(source, Source):
+        return
+    if source.node.type != "DISPLACEMENT":
+        reader.note(f"node '{source.node.name}' at the displacement is not translated")
+        return
+    height = _value(reader, source, "Height")
+    scale, midlevel = _value(reader, source, "Scale").number, _value(reader, source, "Midlevel").number
+    if not height.textures:
+        return
+    if method == "BUMP":
+        surface.setdefault("bump", reader.number(reader.changed(height, (scale,) * 3, (0.0, 0.0, 0.0)))[:1])
+        return
+    reader.network.displacement = "displacement"
+    reader.network.nodes["displacement"] = {"type": "AlabasterDisplacement", "displacement": reader.number(height)[0],
+                                            "scale": scale, "midlevel": midlevel}
+
+
+def diffuse(reader, source):
+    return _bump(reader, source, {**LAMBERT, "baseColor": reader.color(_value(reader, source, "Color"))})
+
+
+def glossy(reader, source):
+    surface = {"baseColor": reader.color(_value(reader, source, "Color")), "metallic": 1.0,
+               "roughness": reader.number(_value(reader, source, "Roughness"))}
+    return _bump(reader, source, surface)
+
+
+def glass(reader, source):
+    """Cycles takes the colour at each surface, ours its root."""
+    color = _value(reader, source, "Color")
+    surface = {"baseColor": reader.color(color if color.textures else Value(tuple(c * c for c in color.constant))),
+               "specTrans": 1.0, "roughness": reader.number(_value(reader, source, "Roughness")),
+               "ior": max(1.0, _value(reader, source, "IOR").number)}
+    return _bump(reader, source, surface)
+
+
+def emission(reader, source):
+    strength = _value(reader, source, "Strength").number
+    color = _value(reader, source, "Color")
+    return {**BLACK, "emission": reader.color(reader.changed(color, (strength,) * 3, (0.0, 0.0, 0.0)))}
+
+
+def subsurface(reader, source):
+    surface = dict(LAMBERT)
+    color = _value(reader, source, "Color")
+    radius, scale = _value(reader, source, "Radius"), _value(reader, source, "Scale").number
+    principled.scatter(reader, surface, color, [r * scale for r in radius.constant], source.node.falloff, 1.4)
+    anisotropy = source.input("Anisotropy")
+    if anisotropy is not None:
+        surface["scatterAnisotropy"] = reader.value(anisotropy, source.groups).number
+    return _bump(reader, source, surface)
+
+
+def translucent(reader, source):
+    color = _value(reader, source, "Color")
+    return _bump(reader, source, {**LAMBERT, "baseColor": (0.0, 0.0, 0.0), "diffTrans": 2.0, "diffTransColor": reader.color(color)})
+
+
+def transparent(reader, source):
+    color = _value(reader, source, "Color").number
+    if color < 0.999:
+        reader.note(f"shader '{source.node.name}': only its mean counts, as opacity")
+    return {**BLACK, "opacity": max(0.0, 1 - color)}
+
+
+def mix(reader, source):
+    """With transparency: opacity. Of two surfaces with numbers alone: the means of their parameters. Else the heavier."""
+    node = source.node
+    a, b = (reader.source(node.inputs[i], source.groups) for i in (1, 2))
+    factor = reader.value(node.inputs[0], source.groups)
+    for this, other, flipped in ((a, b, False), (b, a, True)):
+        if isinstance(this, Source) and this.node.type == "BSDF_TRANSPARENT":
+            surface = translate(reader, other)
+            share = reader.changed(factor, (-1.0,) * 3, ONE) if flipped else factor
+            surface["opacity"] = reader.number(share)
+            return surface
+    first, second = translate(reader, a), translate(reader, b)
+    f = factor.number
+    numbers = all(not isinstance(v, list) for surface in (first, second) for v in surface.values())
+    if factor.textures or not numbers or not 0 < f < 1:
+        if 0 < f < 1 or factor.textures:
+            reader.note(f"shader '{node.name}' mixes surfaces with textures; the one that counts more is used")
+        return second if f > 0.5 else first
+    reader.note(f"shader '{node.name}': the parameters of both surfaces are mixed instead of their light")
+    return {name: _between(first.get(name, principled.DEFAULTS[name]), second.get(name, principled.DEFAULTS[name]), f)
+            for name in {**first, **second}}
+
+
+def _between(a, b, f):
+    if isinstance(a, bool):
+        return b if f > 0.5 else a
+    if isinstance(a, (int, float)):
+        return a * (1 - f) + b * f
+    return tuple(x * (1 - f) + y * f for x, y in zip(a, b))
+
+
+def add(reader, source):
+    """A surface and its emission."""
+    parts = [reader.source(socket, source.groups) for socket in source.node.inputs[:2]]
+    glow = next((p for p in parts if isinstance(p, Source) and p.node.type == "EMISSION"), None)
+    rest = next((p for p in parts if p is not glow), None)
+    surface = translate(reader, rest)
+    if glow is None:
+        reader.note(f"shader '{source.node.name}': of a sum only the first surface is translated")
+    else:
+        surface["emission"] = emission(reader, glow)["emission"]
+    return surface
+
+
+SHADERS = {
+    "BSDF_PRINCIPLED": principled.translate, "BSDF_DIFFUSE": diffuse, "BSDF_GLOSSY": glossy, "BSDF_METALLIC": glossy,
+    "BSDF_GLASS": glass, "BSDF_REFRACTION": glass, "EMISSION": emission, "SUBSURFACE_SCATTERING": subsurface,
+    "BSDF_TRANSLUCENT": translucent, "BSDF_TRANSPARENT": transparent, "MIX_SHADER": mix, "ADD_SHADER": add,
+}
+principled.relief = relief

@@ -1,0 +1,287 @@
+"""A depsgraph as prims of an alabaster.Scene: all of it once, then what an update names."""
+import bpy
+import numpy
+
+from . import library, lights, materials, meshes, names, world
+
+NO_MATERIAL = names.path("material", "(none)")
+DOME = "/world"
+
+
+class Group:
+    """A mesh with its materials, and the places where it stands. owners tell whose the places are, for motion."""
+
+    def __init__(self, key, slots, body):
+        self.path, self.key, self.slots, self.body = None, key, slots, body
+        self.matrices, self.owners = [], []
+
+
+def mesh_key(ob, depsgraph):
+    """What tells a mesh from others, and whether it is the object's own. Objects without modifiers share that of their data."""
+    original = ob.original
+    data = ob.data
+    if original.evaluated_get(depsgraph).data != data:
+        return ("geometry", ob.name_full, f"{data.as_pointer():x}"), False  # an instance that geometry nodes made
+    shares = ob.type == "MESH" and not len(ob.modifiers) and original.mode == "OBJECT"
+    return (("data", original.data.name_full) if shares else ("object", ob.name_full)), True
+
+
+def owner_of(instance):
+    return instance.object.name_full, tuple(instance.persistent_id) if instance.is_instance else ()
+
+
+def subsurface_sets(depsgraph):
+    """The name of the set, by the name of each object that is in one."""
+    found = {}
+    for collection in bpy.data.collections:
+        if collection.alabaster.subsurface_set:
+            found.update({ob.name_full: collection.name_full for ob in collection.all_objects})
+    return found
+
+
+class SceneSync:
+    """note(text) hears of what is not translated. viewport: levels and visibility are those of viewports."""
+
+    def __init__(self, scene, viewport, note):
+        self.scene, self.viewport, self.note = scene, viewport, note
+        self.meshes = {}      # by key: arguments of set_mesh, or None where there are no faces
+        self.stale = {}       # meshes that have to be read again
+        self.paths = {}       # of groups, by what they are
+        self.set_groups = {}  # by path: what the scene has of it
+        self.set_lights, self.set_materials = {}, {}
+        self.wanted = materials.Wanted()
+        self.own_path = {}    # by an object's name: the mesh that it alone places
+        self.instanced = set()  # names of objects that make instances, or are made into some
+        self.motion = {}      # by owner: [(time, matrix)]
+
+    # Everything -----------------------------------------------------------------------------------
+    def sync(self, depsgraph, space=None):
+        """Makes the scene that of the depsgraph. Only meshes that are not known are read."""
+        self.want(depsgraph)
+        groups, seen_lights = {}, {DOME}
+        self.own_path, self.instanced = {}, set()
+        sets = subsurface_sets(depsgraph)
+        for instance in depsgraph.object_instances:
+            ob = instance.object
+            if not instance.show_self or (space and not instance.is_instance and not ob.visible_in_viewport_get(space)):
+                continue
+            if instance.is_instance:
+                self.instanced.update((ob.name_full, instance.parent.name_full))
+            if ob.type == "LIGHT":
+                seen_lights.add(self.sync_light(ob, instance.matrix_world, owner_of(instance)))
+            elif ob.type in meshes.KINDS:
+                self.place(depsgraph, instance, groups, sets)
+        for gone in set(self.set_lights) - seen_lights:
+            del self.set_lights[gone]
+            self.scene.remove(gone)
+        self.sync_world(depsgraph.scene)
+        self.push(groups)
+        self.stale.clear()
+
+    def place(self, depsgraph, instance, groups, sets):
+        ob = instance.object
+        key, is_own = mesh_key(ob, depsgraph)
+        if key not in self.meshes:
+            self.meshes[key] = self.read(key, meshes.extract(ob, depsgraph, is_own, self.viewport, self.wanted))
+        if self.meshes[key] is None:
+            return
+        slots = tuple(self.material(slot.material) for slot in ob.material_slots) or (NO_MATERIAL,)
+        if NO_MATERIAL in slots:
+            self.material(None)
+        identity = key, slots, sets.get(ob.name_full, "")
+        if identity not in groups:
+            groups[identity] = Group(*identity)
+        groups[identity].matrices.append(names.matrix(instance.matrix_world))
+        groups[identity].owners.append(owner_of(instance))
+        if not instance.is_instance:
+            self.own_path[ob.name_full] = groups[identity]
+
+    def read(self, key, mesh):
+        """A mesh that was read again, or the one that it replaces where both are the same: Blender also calls a mesh updated when
+        its material is."""
+        before = self.stale.pop(key, None)
+        return before if before is not None and mesh is not None and meshes.same(before, mesh) else mesh
+
+    def name(self, groups):
+        """Paths: those that groups had, and free ones for new groups."""
+        self.paths = {identity: path for identity, path in self.paths.items() if identity in groups}
+        taken = set(self.paths.values())
+        for identity, group in groups.items():
+            if identity not in self.paths:
+                base = path = names.path("mesh", identity[0][1])
+                number = 1
+                while path in taken:
+                    number += 1
+                    path = f"{base}#{number}"
+                self.paths[identity] = path
+                taken.add(path)
+            group.path = self.paths[identity]
+
+    def push(self, groups):
+        """Tells the scene of what differs from what it has."""
+        self.name(groups)
+        for gone in set(self.set_groups) - {group.path for group in groups.values()}:
+            self.forget(gone)
+        for group in groups.values():
+            self.push_group(group)
+        used = {group.key for group in groups.values()}
+        self.meshes = {key: mesh for key, mesh in self.meshes.items() if mesh is None or key in used}
+
+    def push_group(self, group):
+        mesh = self.meshes[group.key]
+        many = len(group.matrices) > 1
+        look = id(mesh), group.slots, group.body, many
+        held = self.set_groups.get(group.path)
+        motions = [self.motion.get(owner) for owner in group.owners]
+        if held and held[0] == look and held[1] == group.matrices:
+            return
+        if many:
+            self.scene.set_instancer(instancer_of(group.path), {group.path: numpy.arange(len(group.matrices), dtype=numpy.int32)},
+                                     transforms=instances(group.matrices, motions))
+        if held and held[0] == look:
+            if not many:
+                self.scene.set_transform(group.path, group.matrices[0])
+        else:
+            if held and held[0][3] and not many:
+                self.scene.remove(instancer_of(group.path))
+            placement = {"instancer": instancer_of(group.path)} if many else {
+                "transform": group.matrices[0], "motion": motions[0]}
+            set_mesh(self.scene, group, mesh, placement)
+        self.set_groups[group.path] = look, list(group.matrices), mesh  # the mesh lives as long as its id is compared
+
+    def forget(self, path):
+        if self.set_groups.pop(path)[0][3]:
+            self.scene.remove(instancer_of(path))
+        self.scene.remove(path)
+
+    # Parts ----------------------------------------------------------------------------------------
+    def sync_light(self, ob, matrix, owner):
+        path = names.path("light", owner[0], *(["_".join(map(str, owner[1]))] if owner[1] else []))
+        made = lights.translate(ob.data, matrix, ob.visible_camera, self.note)
+        if made is None:
+            return None
+        if self.set_lights.get(path) != made:
+            kind, transform, parameters = self.set_lights[path] = made
+            self.scene.set_light(path, kind, transform, **parameters)
+        return path
+
+    def sync_world(self, scene):
+        made = world.translate(scene, scene.world, self.note) if scene.world else None
+        if made is None:
+            made = None, {"intensity": 0.0, "visibleToCamera": not scene.render.film_transparent}
+        if self.set_lights.get(DOME) != made:
+            self.set_lights[DOME] = made
+            self.scene.set_light(DOME, "domeLight", made[0], **made[1])
+
+    def material(self, material, again=False):
+        """The path of a material, which is translated where it is not known, or `again`."""
+        path = names.path("material", material.name_full) if material else NO_MATERIAL
+        if path not in self.set_materials or again:
+            network = materials.translate(material, self.note)
+            if self.set_materials.get(path) != network:
+                self.set_materials[path] = network
+                self.scene.set_material(path, nodes=network.nodes, displacement=network.displacement)
+        return path
+
+    def want(self, depsgraph):
+        """Meshes are read again where materials name other maps or colours than before."""
+        wanted = materials.Wanted.of(one for one in depsgraph.ids if isinstance(one, bpy.types.Material))
+        if wanted != self.wanted:
+            self.wanted = wanted
+            self.meshes.clear()
+
+    # Edits ----------------------------------------------------------------------------------------
+    def update(self, depsgraph, space=None):
+        """What the depsgraph's updates name, and no more."""
+        everything, moved = False, []
+        for change in depsgraph.updates:
+            one = change.id
+            if isinstance(one, bpy.types.Object):
+                if change.is_updated_geometry:
+                    self.drop_meshes(one)
+                if change.is_updated_transform and not (change.is_updated_geometry or change.is_updated_shading):
+                    moved.append(one.evaluated_get(depsgraph))
+                else:
+                    everything = True
+            elif isinstance(one, bpy.types.Material):
+                self.material(one.evaluated_get(depsgraph), again=True)
+                everything |= materials.Wanted.of([one]) - self.wanted
+            elif isinstance(one, bpy.types.World):
+                self.sync_world(depsgraph.scene)
+            elif isinstance(one, (bpy.types.NodeTree, bpy.types.Image)):
+                self.all_materials(depsgraph)
+                self.sync_world(depsgraph.scene)
+            elif not isinstance(one, bpy.types.Camera):
+                everything = True
+                self.drop_data(one)
+        if everything or not all(self.move(ob) for ob in moved):
+            self.sync(depsgraph, space)
+
+    def move(self, ob):
+        """False where it takes more than one prim's transform."""
+        if ob.type in {"CAMERA", "EMPTY", "SPEAKER", "LIGHT_PROBE"} and ob.name_full not in self.instanced:
+            return True
+        if ob.name_full in self.instanced:
+            return False
+        if ob.type == "LIGHT":
+            return self.sync_light(ob, ob.matrix_world, (ob.name_full, ())) is not None
+        group = self.own_path.get(ob.name_full)
+        if group is None:
+            return ob.type not in meshes.KINDS
+        group.matrices[group.owners.index((ob.name_full, ()))] = names.matrix(ob.matrix_world)
+        self.push_group(group)
+        return True
+
+    def drop_meshes(self, ob):
+        gone = [key for key in self.meshes if key[1] == ob.name_full and key[0] != "data"]
+        if ob.data is not None:
+            gone.append(("data", ob.data.name_full))
+        for key in gone:
+            self.drop(key)
+
+    def drop_data(self, data):
+        """Meshes that were read from a datablock. Objects with modifiers have updates of their own."""
+        self.drop(("data", data.name_full))
+
+    def drop(self, key):
+        mesh = self.meshes.pop(key, None)
+        if mesh is not None:
+            self.stale[key] = mesh
+
+    def all_materials(self, depsgraph):
+        for one in depsgraph.ids:
+            if isinstance(one, bpy.types.Material) and names.path("material", one.name_full) in self.set_materials:
+                self.material(one, again=True)
+
+
+def instancer_of(path):
+    return path + "/instances"
+
+
+def instances(matrices, motions):
+    """Transforms of instances, with those at other times where any moves."""
+    alabaster = library.load()
+    rest = meshes.frozen(numpy.array(matrices, numpy.float64))
+    moving = next((motion for motion in motions if motion), None)
+    if not moving:
+        return rest
+    poses = [(time, meshes.frozen(numpy.array([motion[i][1] if motion else own for motion, own in zip(motions, matrices)],
+                                              numpy.float64)))
+             for i, (time, _) in enumerate(moving)]
+    return alabaster.Primvar(rest, "instance", motion=poses)
+
+
+def set_mesh(scene, group, mesh, placement):
+    alabaster = library.load()
+    arguments = dict(mesh)
+    index = arguments.pop("material_index")
+    primvars = {name: alabaster.Primvar(*one[:2], role=one.role) for name, one in arguments.pop("primvars").items()}
+    if group.body:
+        primvars["subsurfaceSet"] = alabaster.Primvar(group.body, "constant")
+    subsets = {}
+    for number, material in enumerate(group.slots[1:], 1):
+        faces = numpy.flatnonzero(index == number if number + 1 < len(group.slots) else index >= number).astype(numpy.int32)
+        if len(faces):
+            known = subsets.get(material)
+            subsets[material] = faces if known is None else numpy.concatenate([known, faces])
+    scene.set_mesh(group.path, material=group.slots[0], subsets=subsets, primvars=primvars, **placement, **arguments)

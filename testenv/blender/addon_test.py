@@ -1,0 +1,325 @@
+"""Tests of the add-on. Runs inside Blender (blender -b -P) or with the module bpy: run_blender.py starts it.
+
+Arguments: a JSON file with addon, module and zip.
+"""
+import json
+import os
+import pathlib
+import sys
+import tempfile
+import time
+import types
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
+job = json.loads(pathlib.Path(arguments[0]).read_text())
+sys.path[:0] = [str(HERE), job["addon"], job["module"]]
+
+import bpy  # noqa: E402
+import numpy  # noqa: E402
+
+import alabaster  # noqa: E402
+import alabaster_render  # noqa: E402
+import scenes  # noqa: E402
+from alabaster_render import disney_group, engine, materials, meshes, passes, schema, subsurface, sync  # noqa: E402
+
+
+class Watched:
+    """An alabaster.Scene that remembers its calls."""
+
+    def __init__(self):
+        self.scene, self.calls = alabaster.Scene(), []
+
+    def __getattr__(self, name):
+        method = getattr(self.scene, name)
+
+        def call(*args, **kwargs):
+            self.calls.append((name, args[0]))
+            self.last = kwargs
+            return method(*args, **kwargs)
+        return call
+
+
+def fresh():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.engine = "ALABASTER"
+
+
+class Edits(unittest.TestCase):
+    """What an edit sends to the renderer, and no more."""
+
+    def setUp(self):
+        fresh()
+        scenes.instances()
+        self.ball = scenes.ball(scenes.diffuse("own"), (2, -3, 1), name="own")
+        self.watched, self.notes = Watched(), []
+        self.sync = sync.SceneSync(self.watched, True, self.notes.append)
+        self.sync.sync(bpy.context.evaluated_depsgraph_get())
+
+    def after(self, edit):
+        """Calls that an edit makes, through the depsgraph's own updates."""
+        self.watched.calls.clear()
+
+        def updated(_, depsgraph):
+            self.sync.update(depsgraph)
+        bpy.app.handlers.depsgraph_update_post.append(updated)
+        try:
+            edit()
+            bpy.context.view_layer.update()
+        finally:
+            bpy.app.handlers.depsgraph_update_post.remove(updated)
+        return self.watched.calls
+
+    def test_nothing(self):
+        self.assertEqual(self.after(lambda: None), [])
+
+    def test_a_move_is_a_transform(self):
+        self.assertEqual(self.after(lambda: setattr(self.ball.location, "x", 1)), [("set_transform", "/mesh/own")])
+
+    def test_a_colour_is_a_material(self):
+        def edit():
+            self.ball.data.materials[0].node_tree.nodes["Diffuse BSDF"].inputs["Color"].default_value = (0.1, 0.9, 0.1, 1)
+        self.assertEqual(self.after(edit), [("set_material", "/material/own")])
+
+    def test_a_light_is_a_light(self):
+        self.assertEqual(self.after(lambda: setattr(bpy.data.objects["SUN"].data, "energy", 9)), [("set_light", "/light/SUN")])
+        self.assertEqual(self.after(lambda: setattr(bpy.data.objects["SUN"].location, "x", 3)), [("set_light", "/light/SUN")])
+
+    def test_points_are_a_mesh(self):
+        def edit():
+            self.ball.data.vertices[0].co.z += 1
+            self.ball.data.update()
+        self.assertEqual(self.after(edit), [("set_mesh", "/mesh/own")])
+
+    def test_an_instancer_that_moves_is_its_instancers(self):
+        calls = self.after(lambda: setattr(bpy.data.objects["place4"].location, "z", 2))
+        self.assertEqual({name for name, _ in calls}, {"set_instancer"})
+        self.assertEqual(len(calls), 2)  # of the cubes and of the balls
+
+    def test_removed_and_added(self):
+        self.assertEqual(self.after(lambda: bpy.data.objects.remove(self.ball)), [("remove", "/mesh/own")])
+        calls = self.after(lambda: scenes.ball(scenes.diffuse("new"), (0, 0, 3), name="new"))
+        self.assertEqual(calls, [("set_material", "/material/new"), ("set_mesh", "/mesh/new")])
+
+    def test_world(self):
+        def edit():
+            bpy.context.scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 2
+        self.assertEqual(self.after(edit), [("set_light", "/world")])
+
+    def test_instances_share_their_mesh(self):
+        meshes_set = [path for path, kind in self.watched.scene.prims.items() if kind == "mesh"]
+        self.assertEqual(sorted(meshes_set), ["/mesh/ball", "/mesh/cube", "/mesh/floor", "/mesh/own"])
+
+    def test_subsurface_set(self):
+        def edit():
+            held = bpy.data.collections.new("skin")
+            bpy.context.scene.collection.children.link(held)
+            held.objects.link(self.ball)
+            held.alabaster.subsurface_set = True
+            self.ball.data.materials[0] = scenes.principled("wax", Subsurface=1.0)
+        self.assertIn(("set_mesh", "/mesh/own"), self.after(edit))
+        self.assertTrue("subsurfaceSet named skin" in dump(self.watched.scene))
+
+
+def dump(scene):
+    renderer = alabaster.Renderer(scene, samples=1)
+    renderer.start(width=8, height=8, camera={"focalLength": 1.0})
+    text = renderer.command("dumpScene")
+    renderer.stop()
+    return text
+
+
+class Meshes(unittest.TestCase):
+    def setUp(self):
+        fresh()
+
+    def extract(self, ob, viewport=False):
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return meshes.extract(ob.evaluated_get(depsgraph), depsgraph, True, viewport, materials.Wanted())
+
+    def test_subdivision_at_the_end_of_the_stack_is_refinement(self):
+        scenes.subdivision_with_creases()
+        cage = self.extract(bpy.data.objects["cage"], True)
+        self.assertEqual((cage["scheme"], cage["refine_level"]), ("catmullClark", 3))
+        self.assertEqual(len(cage["counts"]), 10)  # mirrored, and not subdivided
+        self.assertAlmostEqual(float(cage["subdiv_tags"]["crease_weights"].max()), 6.4, places=4)
+        self.assertTrue(bpy.data.objects["cage"].modifiers["refine"].show_viewport)
+
+    def test_flat_faces_and_modifiers_after_it_are_applied(self):
+        scenes.subdivision_with_creases()
+        ob = bpy.data.objects["cage"]
+        ob.modifiers.new("after", "TRIANGULATE")
+        self.assertNotIn("scheme", self.extract(ob, True))
+        ob.modifiers.remove(ob.modifiers["after"])
+        ob.data.polygons.foreach_set("use_smooth", [False] * len(ob.data.polygons))
+        ob.data.update()
+        self.assertGreater(len(self.extract(ob, True)["counts"]), 100)
+
+    def test_arrays_are_lent(self):
+        mesh = self.extract(scenes.ball(None))
+        self.assertFalse(mesh["points"].flags.writeable)
+        self.assertEqual((mesh["points"].dtype, mesh["indices"].dtype), (numpy.float32, numpy.int32))
+
+    def test_other_kinds_of_objects(self):
+        data = bpy.data.curves.new("text", "FONT")
+        data.body, data.extrude = "A", 0.1
+        self.assertGreater(len(self.extract(scenes.link("text", data))["counts"]), 4)
+
+
+class Materials(unittest.TestCase):
+    def setUp(self):
+        fresh()
+        self.notes = []
+
+    def translate(self, material):
+        return materials.translate(material, self.notes.append)
+
+    def test_group_has_the_schema_s_ranges(self):
+        tree = disney_group.tree()
+        sockets = ([one for one in tree.interface.items_tree if one.in_out == "INPUT"] if disney_group.MODERN else tree.inputs)
+        held = {one.name: one for one in sockets}
+        for name, p in schema.parameters("disney_material").items():
+            self.assertEqual(held[name].description[:60], p.description[:60])  # Blender 3 keeps 63 bytes
+            if p.kind == "float":
+                self.assertAlmostEqual(held[name].default_value, p.default, places=5)
+                self.assertAlmostEqual(held[name].min_value, p.minimum, places=5)
+                if p.maximum is not None:
+                    self.assertAlmostEqual(held[name].max_value, p.maximum, places=5)
+        self.assertIs(disney_group.tree(), tree)
+
+    def test_group_becomes_its_parameters(self):
+        material = bpy.data.materials.new("ours")
+        node = disney_group.assign(material)
+        self.assertEqual(self.translate(material).nodes["surface"], {"thin": False, "priority": 0})
+        node.inputs["scatterDistance"].default_value = (0.5, 0.25, 0.125)
+        node.inputs["roughness"].default_value = 0.25
+        node.inputs["thin"].default_value = True
+        surface = self.translate(material).nodes["surface"]
+        self.assertEqual((surface["scatterDistance"], surface["roughness"], surface["thin"]), ((0.5, 0.25, 0.125), 0.25, True))
+
+    def test_what_is_not_translated_is_noted(self):
+        material = scenes.principled("noisy")
+        tree = material.node_tree
+        noise = tree.nodes.new("ShaderNodeTexNoise")
+        tree.links.new(noise.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        self.translate(material)
+        self.assertEqual(len(self.notes), 1)
+        self.assertIn("Noise Texture", self.notes[0])
+
+    def test_arithmetic_of_textures(self):
+        material = scenes.principled("inverted")
+        tree = material.node_tree
+        texture, invert, times = (tree.nodes.new(kind) for kind in ("ShaderNodeTexImage", "ShaderNodeInvert", "ShaderNodeMath"))
+        texture.image = scenes.picture("grey", 4, 4, lambda u, v: (u, u, u), space="Non-Color")
+        times.operation = "MULTIPLY"
+        times.inputs[1].default_value = 0.5
+        tree.links.new(texture.outputs["Color"], invert.inputs["Color"])
+        tree.links.new(invert.outputs[0], times.inputs[0])
+        tree.links.new(times.outputs[0], tree.nodes["Principled BSDF"].inputs["Roughness"])
+        network = self.translate(material)
+        (name, channel), = network.nodes["surface"]["roughness"]
+        node = network.nodes[name]
+        self.assertEqual((node["scale"][:3], node["bias"][:3], node["sourceColorSpace"]), ((-0.5,) * 3, (0.5,) * 3, "raw"))
+        self.assertTrue(pathlib.Path(node["file"]).stat().st_size > 4 * 4 * 16)
+        self.assertEqual(channel, "g")
+
+    def test_subsurface_radius(self):
+        fixed = subsurface.mean_free_path("RANDOM_WALK_FIXED_RADIUS", 1.0, 0.8, 1.4)
+        self.assertAlmostEqual(fixed, 0.0795775, places=6)
+        # A = 0.8 makes the factor of Chiang, Kutz and Burley 1.1.
+        self.assertAlmostEqual(subsurface.scatter_distance(1.1, 0.8), 1.0, places=6)
+
+
+class Frames(unittest.TestCase):
+    def setUp(self):
+        fresh()
+        scenes.principled_diffuse()
+        scene = bpy.context.scene
+        scene.alabaster.samples = 2
+        scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 40, 30, 100
+
+    def test_passes(self):
+        layer = bpy.context.view_layer
+        layer.use_pass_z = layer.use_pass_normal = layer.use_pass_vector = True
+        for aov in ("diffuse", "albedo", "sampleCount"):
+            setattr(layer.alabaster, aov, True)
+        render = bpy.context.scene.render
+        if hasattr(render.image_settings, "media_type"):
+            render.image_settings.media_type = "MULTI_LAYER_IMAGE"  # Blender 5
+        render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
+        with tempfile.TemporaryDirectory() as folder:
+            render.filepath = folder + "/layers.exr"
+            bpy.ops.render.render(write_still=True)
+            header = (pathlib.Path(folder) / "layers.exr").read_bytes()[:4000]
+        for name in ("Combined.R", "Depth.Z", "Normal.X", "Vector.X", "Diffuse.R", "Albedo.G", "Sample Count.X"):
+            self.assertTrue(name.encode() in header, name)
+
+    def test_passes_have_their_values(self):
+        held = types.SimpleNamespace(channels=1, rect=types.SimpleNamespace(foreach_set=lambda values: kept.append(values.copy())))
+        kept = []
+        passes.fill(held, numpy.array([[0.0, 2.0]], numpy.float32), "cameraDepth")
+        self.assertEqual(kept[0].reshape(-1).tolist(), [numpy.float32(passes.FAR), 2.0])
+
+    def test_border(self):
+        render = bpy.context.scene.render
+        render.use_border, render.use_crop_to_border = True, True
+        render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.25, 0.75, 0.5, 1.0
+        render.image_settings.file_format = "OPEN_EXR"
+        with tempfile.TemporaryDirectory() as folder:
+            render.filepath = folder + "/part.exr"
+            bpy.ops.render.render(write_still=True)
+            image = bpy.data.images.load(folder + "/part.exr")
+            self.assertEqual(tuple(image.size), (20, 15))
+
+    def test_cancel_is_prompt(self):
+        scene = alabaster.Scene()
+        scene.set_light("/dome", "domeLight", intensity=1)
+        renderer = alabaster.Renderer(scene, samples=1 << 20)
+        render = renderer.start(width=256, height=256, camera={"focalLength": 1.0})
+        pressed = time.monotonic() + 0.5
+        shown = []
+        fake = types.SimpleNamespace(test_break=lambda: time.monotonic() > pressed, update_stats=lambda *_: None,
+                                     update_progress=lambda _: None, show=lambda *rest: shown.append(rest[-1]))
+        engine.AlabasterRenderEngine.refine(fake, renderer, render, None, [], (0, 0, 256, 256))
+        self.assertLess(time.monotonic() - pressed, 1.0)
+        self.assertEqual((render.state, shown[-1]), ("stopped", True))
+
+    def test_errors_reach_the_panel(self):
+        bpy.context.scene.camera = None
+        with self.assertRaises(RuntimeError) as raised:
+            bpy.ops.render.render()
+        self.assertIn("camera", str(raised.exception))
+
+
+class Installation(unittest.TestCase):
+    @unittest.skipUnless(job.get("zip"), "no zip")
+    def test_zip(self):
+        """As a new user: the zip goes into the preferences, the engine is there and renders."""
+        alabaster_render.unregister()
+        before = {name: sys.modules.pop(name) for name in list(sys.modules) if name.split(".")[0] == "alabaster_render"}
+        path = list(sys.path)
+        sys.path[:] = [one for one in path if one not in (job["addon"], job["module"])]
+        try:
+            bpy.ops.preferences.addon_install(filepath=job["zip"], overwrite=True)
+            bpy.ops.preferences.addon_enable(module="alabaster_render")
+            held = sys.modules["alabaster_render"]
+            self.assertIn(os.environ["BLENDER_USER_SCRIPTS"], held.__file__)
+            self.assertEqual(pathlib.Path(sys.modules["alabaster_render.library"].folders()[0]), pathlib.Path(job["module"]))
+            scenes.stage()
+            bpy.context.scene.render.engine = "ALABASTER"
+            bpy.ops.preferences.addon_disable(module="alabaster_render")
+        finally:
+            sys.path[:] = path
+            for name in [one for one in sys.modules if one.split(".")[0] == "alabaster_render"]:
+                del sys.modules[name]
+            sys.modules.update(before)
+            alabaster_render.register()
+
+
+alabaster_render.register()
+done = unittest.main(argv=["addon_test", *arguments[1:]], exit=False, verbosity=1)
+alabaster_render.unregister()
+sys.stdout.flush()
+sys.stderr.flush()
+os._exit(0 if done.result.wasSuccessful() else 1)

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Tests the Blender add-on in Blender, and compares its pictures with those of Cycles.
+
+  run_blender.py --build build/release                     the tests, as ctest runs them; skipped where Blender is missing
+  run_blender.py --build build/release --results           larger pictures, into testenv/blender/results
+  run_blender.py --build build/release --python PYTHON     with the module bpy of that Python instead of the program blender
+
+apt-get install blender installs Debian's. Exit code 77: skipped.
+"""
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOP = HERE.parents[1]
+SKIPPED = 77
+COLUMNS = 3
+
+
+def command(options, script, job):
+    if options.python:
+        return [options.python, script, job]
+    return ["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "3", "-P", script, "--", job]
+
+
+def run(options, script, job, folder, echo=False):
+    """The output of a script inside Blender; exits where it fails."""
+    file = pathlib.Path(folder) / "job.json"
+    file.write_text(json.dumps(job))
+    scripts = pathlib.Path(folder) / "scripts"
+    # Debian's Blender takes its modules from the first Python in the path, which must be Debian's, too.
+    path = os.environ["PATH"] if options.python else "/usr/bin:/bin"
+    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts), "PATH": path}
+    (scripts / "addons").mkdir(parents=True, exist_ok=True)
+    done = subprocess.run([str(part) for part in command(options, HERE / script, file)], capture_output=True, text=True,
+                          env=environment)
+    text = done.stdout + done.stderr
+    if done.returncode != 0 or echo:
+        print("\n".join(line for line in text.splitlines() if not line.startswith("Fra:")))
+    if done.returncode != 0:
+        sys.exit(1)
+    return text
+
+
+def compare(options, base, folder):
+    """Each scene's means, ours over Cycles'."""
+    width, height, samples = (240, 180, 256) if options.results else (96, 72, 48)
+    job = {**base, "scenes": options.scene, "width": width, "height": height, "samples": samples, "out": str(folder)}
+    lines = run(options, "render_scenes.py", job, folder).splitlines()
+    version = next(line[8:] for line in lines if line.startswith("VERSION "))
+    return version, [json.loads(line[6:]) for line in lines if line.startswith("SCENE ")], job
+
+
+def judge(rows, slack):
+    failed = []
+    for row in rows:
+        off = 100 * max(abs(c - 1) for c in row["channels"])
+        verdict = "" if off <= row["within"] + slack else f"  MORE THAN {row['within']} %"
+        failed += [row["name"]] if verdict else []
+        print(f"{row['name']:28} {row['ratio']:.4f}  off by {off:.1f} %{verdict}")
+    return failed
+
+
+def table(version, rows, job):
+    lines = [f"## Blender {version}", "",
+             f"{job['width']} x {job['height']}, {job['samples']} samples, by `run_blender.py --results`. Ours over Cycles': the mean of the "
+             "picture, its channels; and the RMS difference of means of 8 x 8 pixels over the mean.", "",
+             "| scene | mean | red, green, blue | blocks | why |", "| --- | --- | --- | --- | --- |"]
+    for row in rows:
+        channels = ", ".join(f"{c:.3f}" for c in row["channels"])
+        lines.append(f"| {row['name'].replace('_', ' ')} | {row['ratio']:.3f} | {channels} | {100 * row['blocks']:.1f} % | {row['why']} |")
+    return "\n".join(lines) + "\n"
+
+
+def sheet(rows, folder, out):
+    """Ours and Cycles' of each scene, side by side."""
+    if not shutil.which("oiiotool"):
+        print("no picture: oiiotool is missing (apt-get install openimageio-tools)")
+        return
+    pairs = []
+    for row in rows:
+        pair = pathlib.Path(folder) / f"{row['name']}.pair.exr"
+        files = [pathlib.Path(folder) / f"{row['name']}.{engine}.exr" for engine in ("alabaster", "cycles")]
+        subprocess.run(["oiiotool", *files, "--mosaic:pad=2", "2x1", "--ch", "R,G,B", "-o", pair], check=True)
+        pairs.append(pair)
+    subprocess.run(["oiiotool", *pairs, "--mosaic:pad=8", f"{COLUMNS}x{-(-len(pairs) // COLUMNS)}", "--colorconvert", "linear", "sRGB",
+                    "--compression", "jpeg:85", "-o", out], check=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--python")
+    parser.add_argument("--results", action="store_true")
+    parser.add_argument("--scene", action="append", default=[])
+    options = parser.parse_args()
+    if not options.python and not shutil.which("blender"):
+        print("skipped: no program 'blender' (apt-get install blender)")
+        return SKIPPED
+    module = options.build.resolve() / "python"
+    zipped = options.build.resolve() / "blender/alabaster_render.zip"
+    base = {"addon": str(TOP / "delegate/blender"), "module": str(module), "zip": str(zipped) if zipped.is_file() else ""}
+    with tempfile.TemporaryDirectory() as folder:
+        if not options.results and not options.scene:
+            print(run(options, "addon_test.py", base, folder).strip().splitlines()[-1])
+        version, rows, job = compare(options, base, folder)
+        failed = judge(rows, 0.0 if options.results else 0.7)  # noise of few samples
+        if options.results:
+            name = "_".join(version.split(".")[:2])
+            (HERE / f"results/blender_{name}.md").write_text(table(version, rows, job))
+            sheet(rows, folder, HERE / f"results/blender_{name}.jpg")
+    if failed:
+        print(f"means differ more than expected: {', '.join(failed)}")
+    return 1 if failed else 0
+
+
+sys.exit(main())

@@ -1,0 +1,182 @@
+"""Drives Blender's window as a user would: viewport, edits, camera, Escape. Runs inside Blender with a display.
+
+Arguments: a JSON file with addon, module (folders), out (folder for screenshots), edits (their number). Prints "WINDOW {json}".
+"""
+import collections
+import json
+import pathlib
+import subprocess
+import sys
+import time
+
+import bpy
+import mathutils
+import numpy
+
+job = json.loads(pathlib.Path(sys.argv[sys.argv.index("--") + 1]).read_text())
+sys.path[:0] = [job["addon"], job["module"]]
+bpy.context.preferences.view.show_splash = False
+import alabaster_render  # noqa: E402
+from alabaster_render import viewport  # noqa: E402
+
+alabaster_render.register()
+told = {}
+Picture = collections.namedtuple("Picture", "time middle covered ms blank")  # middle: the mean colour there, where the cube is
+drawn = []
+current = []  # the viewport
+
+
+def middle(pixels):
+    if pixels is None:
+        return numpy.zeros(3)
+    height, width = pixels.shape[:2]
+    return pixels[height // 2 - 12:height // 2 + 12, width // 2 - 12:width // 2 + 12, :3].mean(axis=(0, 1))
+
+
+def watched(draw):
+    def timed(self, context, depsgraph):
+        begun = time.monotonic()
+        draw(self, context, depsgraph)
+        stats = self.renderer.stats()
+        current[:] = [self]
+        blank = self.pixels is None or not self.pixels[..., 3].any()
+        drawn.append(Picture(time.monotonic(), middle(self.pixels), stats.get("covered", 0.0), 1e3 * (time.monotonic() - begun), blank))
+    return timed
+
+
+viewport.Viewport.draw = watched(viewport.Viewport.draw)
+
+
+def resident():
+    """MB that the process holds."""
+    lines = pathlib.Path("/proc/self/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("VmRSS")).split()[1]) / 1024
+
+
+def space():
+    return next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "VIEW_3D").spaces[0]
+
+
+def screenshot(name):
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen, area=window.screen.areas[0]):
+        bpy.ops.screen.screenshot(filepath=str(pathlib.Path(job["out"]) / f"{name}.png"))
+
+
+def wait_for(name, since, done, timeout=60.0):
+    """Yields until a picture is drawn for which done(picture); tells how many milliseconds after `since`."""
+    while time.monotonic() - since < timeout:
+        found = next((p for p in drawn if p.time >= since and done(p)), None)
+        if found:
+            told[name] = round(1e3 * (found.time - since))
+            return
+        yield 0.01
+    told[name] = None
+
+
+def rest(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        yield 0.05
+
+
+def set_colour(color):
+    material = bpy.data.objects["Cube"].data.materials[0]
+    material.use_nodes = True
+    material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (*color, 1)
+
+
+def viewport_story():
+    bpy.context.scene.render.engine = "ALABASTER"
+    bpy.context.scene.alabaster.viewport_samples = 1000
+    begun = time.monotonic()
+    space().shading.type = "RENDERED"
+    yield from wait_for("first_picture_ms", begun, lambda p: p.covered >= 1 and not p.blank)
+    yield from rest(4)
+    screenshot("viewport")
+    for name, edit in (("material", lambda: set_colour((0.9, 0.2, 0.05))),
+                       ("transform", lambda: setattr(bpy.data.objects["Cube"].location, "x", -4))):
+        before, begun = drawn[-1].middle, time.monotonic()
+        edit()
+        yield from wait_for(f"{name}_edit_ms", begun, lambda p, b=before: abs(p.middle - b).max() > 0.2 * b.max())
+        yield from rest(3)
+        screenshot(f"after_{name}")
+    waits = []
+    for i in range(20):
+        begun = time.monotonic()
+        region = space().region_3d
+        region.view_rotation = region.view_rotation @ mathutils.Quaternion((0, 1, 0), 0.06)
+        yield from wait_for("camera", begun, lambda p: True)
+        waits.append(told.pop("camera"))
+        if i == 10:
+            screenshot("during_a_camera_move")
+    told["camera_move_ms"] = {"median": sorted(waits)[10], "largest": max(waits)}
+    told["blank_pictures_in_camera_moves"] = sum(p.blank for p in drawn[-20:])
+    yield from rest(2)
+    screenshot("after_camera_moves")
+
+
+def edit_story():
+    yield from rest(0.5)
+    before = [resident()]
+    for i in range(job["edits"]):
+        if i % 2:
+            set_colour((0.2 + 0.6 * (i % 10) / 10, 0.3, 0.5))
+        else:
+            bpy.data.objects["Cube"].location.x = 0.01 * (i % 50)
+        yield 0.02
+        if i == job["edits"] // 5:
+            yield from rest(1)
+            before.append(resident())
+    yield from rest(2)
+    told["edits"] = {"number": job["edits"], "MB_at_first": round(before[0]), "MB_after_a_fifth": round(before[-1]),
+                     "MB_at_last": round(resident())}
+
+
+def escape_story():
+    ended = []
+    bpy.app.handlers.render_cancel.append(lambda *_: ended.append(time.monotonic()))
+    bpy.app.handlers.render_complete.append(lambda *_: ended.append(time.monotonic()))
+    space().shading.type = "SOLID"
+    scene = bpy.context.scene
+    scene.alabaster.samples, scene.render.resolution_percentage = 100000, 50
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    yield from rest(4)
+    screenshot("final_frame") if len(bpy.context.window_manager.windows) == 1 else None
+    keys = subprocess.run(["xdotool", "getactivewindow"], capture_output=True, text=True)
+    target = ["--window", keys.stdout.strip()] if keys.returncode == 0 else []
+    begun = time.monotonic()
+    subprocess.run(["xdotool", "key", *target, "Escape"])
+    while not ended and time.monotonic() - begun < 20:
+        yield 0.01
+    told["escape_ms"] = round(1e3 * (ended[0] - begun)) if ended else None
+
+
+def stories():
+    yield from viewport_story()
+    yield from edit_story()
+    draws = [p.ms for p in drawn]
+    told["draw_ms"] = {"median": round(sorted(draws)[len(draws) // 2], 1), "largest": round(max(draws), 1)}
+    window = bpy.context.window_manager.windows[0]
+    told["version"] = bpy.app.version_string
+    told["window"] = [window.width, window.height]
+    yield from escape_story()
+
+
+running = stories()
+
+
+def step():
+    try:
+        return next(running)
+    except StopIteration:
+        print("\nWINDOW " + json.dumps(told), flush=True)
+    except Exception as error:
+        print(f"\nFAILED {type(error).__name__}: {error}", flush=True)
+    bpy.ops.wm.quit_blender()
+    return None
+
+
+bpy.app.timers.register(step, first_interval=1.5)
