@@ -47,7 +47,7 @@ def fresh():
 
 
 class Edits(unittest.TestCase):
-    """What an edit sends to the renderer, and no more."""
+    """The calls that an edit makes, and no more."""
 
     def setUp(self):
         fresh()

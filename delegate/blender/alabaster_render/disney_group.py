@@ -7,7 +7,7 @@ NAME = "Alabaster Material"
 MODERN = bpy.app.version >= (4, 0, 0)
 PARAMETERS = schema.parameters("disney_material")
 KINDS = {"float": "NodeSocketFloat", "int": "NodeSocketInt", "bool": "NodeSocketBool", "color": "NodeSocketColor"}
-# What the Principled BSDF inside shows in other engines: an input of the group, and the inputs of both generations.
+# The Principled BSDF inside stands in for ours in other engines: an input of the group, and its inputs of both generations.
 PREVIEW = {"baseColor": ("Base Color",), "metallic": ("Metallic",), "roughness": ("Roughness",), "opacity": ("Alpha",),
            "specTrans": ("Transmission", "Transmission Weight"), "ior": ("IOR",), "emission": ("Emission", "Emission Color")}
 SOFT_MAXIMUM = {"scatterDistance": 1.0, "attenuationDistance": 10.0, "iridescenceThickness": 1000.0}

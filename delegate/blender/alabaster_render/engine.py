@@ -18,7 +18,7 @@ def clock(seconds):
 
 
 def status(renderer):
-    """What the status line of a picture says: samples, noise, time left."""
+    """The status line of a picture, with samples, noise and time left; and the fraction that is done."""
     now, stats = renderer.progress(), renderer.stats()
     parts = [f"Sample {now['samples_done']}/{now['samples_total']}"] if now["samples_total"] else ["Preparing"]
     if "error.relativeRmse" in stats:
@@ -111,7 +111,7 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
                 "camera": {"transform": names.matrix(camera.placement(eye)), "motion": moved, **parameters}}
 
     def refine(self, renderer, render, layer, wanted, window):
-        """Shows pictures until the render is over or Escape is pressed; what has been rendered stays."""
+        """Shows pictures until the render is over or Escape is pressed. The picture so far stays."""
         size = window[2] - window[0], window[3] - window[1]
         shown = time.monotonic()
         over = False

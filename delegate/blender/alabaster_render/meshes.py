@@ -141,7 +141,7 @@ def tags(mesh, modifier):
 
 
 def creases(mesh):
-    """Of edges and of vertices, 0 to 1."""
+    """Creases of edges and of vertices, 0 to 1."""
     named = [mesh.attributes.get(name) for name in ("crease_edge", "crease_vert")]
     if bpy.app.version >= (4, 0, 0):
         return [array(one.data, "value", numpy.float32) if one else numpy.zeros(0, numpy.float32) for one in named]

@@ -3,7 +3,7 @@ import bpy
 
 from . import schema
 
-# What Blender itself has: the frame, threads, and the parts of a farm.
+# Blender itself has these: the frame, threads, and the parts of a farm.
 LEFT_TO_BLENDER = {"frame", "firstSample", "threads"}
 SETTINGS = {name: p for name, p in schema.parameters("render_settings").items() if name not in LEFT_TO_BLENDER}
 LARGEST_INT = 2 ** 31 - 1

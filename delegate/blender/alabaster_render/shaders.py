@@ -8,7 +8,7 @@ LAMBERT = {"specular": 0.0, "ior": 1.0, "roughness": 0.43}
 
 
 def translate(reader, source):
-    """Inputs of the surface node. source: what is linked to a socket of shaders."""
+    """Inputs of the surface node. `source` is linked to a socket of shaders."""
     if not isinstance(source, Source):
         return dict(BLACK)
     if disney_group.is_ours(source.node):
@@ -128,7 +128,7 @@ def transparent(reader, source):
 
 
 def mix(reader, source):
-    """With transparency: opacity. Of two surfaces with numbers alone: the means of their parameters. Else the heavier."""
+    """With transparency: opacity. Two surfaces without textures: the means of their parameters. Else the heavier one."""
     node = source.node
     a, b = (reader.source(node.inputs[i], source.groups) for i in (1, 2))
     factor = reader.value(node.inputs[0], source.groups)

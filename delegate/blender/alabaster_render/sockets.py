@@ -1,4 +1,4 @@
-"""What a socket of a node tree is worth: a constant times textures, each of them scaled and biased."""
+"""The value of a socket of a node tree: a constant times textures, each of them scaled and biased."""
 import math
 
 from . import images
@@ -65,7 +65,7 @@ class Reader:
 
     # Following links ------------------------------------------------------------------------------
     def source(self, socket, groups=()):
-        """What is linked to a socket, through reroutes, groups and muted nodes; a socket where nothing is."""
+        """The output that is linked to a socket, through reroutes, groups and muted nodes; a socket where none is."""
         while True:
             link = next((one for one in socket.links if not getattr(one, "is_muted", False)), None) if socket.is_linked else None
             if link is None:

@@ -22,7 +22,7 @@ def _transport_albedo(albedo, bounce):
 
 
 def mean_free_path(method, radius, albedo, ior):
-    """What Cycles walks with (bssrdf_setup_radius). Christensen and Burley's profile has none; a walk that looks like it has."""
+    """The mean free path that Cycles walks with (bssrdf_setup_radius). Christensen and Burley's profile has none; a walk that looks like it has."""
     skin = method == "RANDOM_WALK_SKIN" if MODERN else method == "RANDOM_WALK"
     if method in {"BURLEY", "RANDOM_WALK_FIXED_RADIUS"}:
         return radius / (4 * math.pi)

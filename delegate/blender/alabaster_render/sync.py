@@ -17,7 +17,7 @@ class Group:
 
 
 def mesh_key(ob, depsgraph):
-    """What tells a mesh from others, and whether it is the object's own. Objects without modifiers share that of their data."""
+    """A name that tells a mesh from others, and whether it is the object's own. Objects without modifiers share that of their data."""
     original = ob.original
     data = ob.data
     if original.evaluated_get(depsgraph).data != data:
@@ -47,7 +47,7 @@ class SceneSync:
         self.meshes = {}      # by key: arguments of set_mesh, or None where there are no faces
         self.stale = {}       # meshes that have to be read again
         self.paths = {}       # of groups, by what they are
-        self.set_groups = {}  # by path: what the scene has of it
+        self.set_groups = {}  # by path: look, matrices and mesh as the scene has them
         self.set_lights, self.set_materials = {}, {}
         self.wanted = materials.Wanted()
         self.own_path = {}    # by an object's name: the mesh that it alone places
@@ -192,7 +192,7 @@ class SceneSync:
 
     # Edits ----------------------------------------------------------------------------------------
     def update(self, depsgraph, space=None):
-        """What the depsgraph's updates name, and no more."""
+        """Sends the parts that the depsgraph's updates name, and no more."""
         everything, moved = False, []
         for change in depsgraph.updates:
             one = change.id
