@@ -10,6 +10,13 @@ Vec3f axis(const Matrix4d& m, int row) {
   return Vec3f(normalize(a));
 }
 
+// The squares of directions and of points on the lens stay below the largest float.
+constexpr float kLargest = 1e18f;
+
+float representable(float x) {
+  return std::clamp(x, -kLargest, kLargest);
+}
+
 }  // namespace
 
 std::span<const Parameter<CameraParameters>> camera_parameters() {
@@ -47,11 +54,13 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
   origin_ = Vec3f(Vec3d(m[3][0], m[3][1], m[3][2]) - render_origin);
   // Aperture -> tangent plane at distance one; an orthographic aperture is the view's size itself.
   const float unit = orthographic_ ? 1.0f : 1.0f / p.focal_length;
-  const float w = p.horizontal_aperture * unit, h = p.vertical_aperture * unit;
+  const float w = representable(p.horizontal_aperture * unit), h = representable(p.vertical_aperture * unit);
   film_scale_ = {w / static_cast<float>(width), -h / static_cast<float>(height)};
-  film_offset_ = {p.horizontal_aperture_offset * unit - 0.5f * w, p.vertical_aperture_offset * unit + 0.5f * h};
+  film_offset_ = {representable(p.horizontal_aperture_offset * unit) - 0.5f * w,
+                  representable(p.vertical_aperture_offset * unit) + 0.5f * h};
   const bool has_lens = p.f_stop > 0 && focus_distance_ > 0 && !orthographic_;
-  lens_radius_ = has_lens ? p.focal_length / (2 * p.f_stop) : 0;
+  lens_radius_ = has_lens ? representable(p.focal_length / (2 * p.f_stop)) : 0;
+  focus_distance_ = std::clamp(focus_distance_, lens_radius_ / kLargest, kLargest);
 }
 
 // A regular polygon as large as the disk: a blade less or more changes the shape of what is out of focus, not how much

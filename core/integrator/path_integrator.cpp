@@ -22,7 +22,7 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   const Placement& placement = v.instance->at(triangle.time, &v.moved);
   const Mesh& mesh = v.instance->prototype->mesh;
   v.hit = surface_on_side(*v.instance, placement, triangle, wo);
-  const Vec3f surface = bend_towards(v.hit.ns, wo);
+  const Vec3f surface = bend_towards(v.hit.ns, v.hit.ng, wo);
   v.departure = depart(mesh, placement.object_to_world, triangle, v.hit, surface);
   const DisneyMaterial& material = v.instance->material(triangle.triangle);
   v.mapped = material.normal_map.has_value();

@@ -6,11 +6,15 @@
 
 namespace alabaster {
 
-/// `ns` bent until `wo` is just above it: an interpolated normal may turn away from the viewer at a silhouette.
-inline Vec3f bend_towards(const Vec3f& ns, const Vec3f& wo) {
-  constexpr float kLeastCosine = 0.01f;
+/// `ns` bent until `wo` is just above it: an interpolated normal may turn away from the viewer at a silhouette. It need
+/// not be farther above it than above the facet of normal `ng`: a flat surface that is seen at a grazing angle is not
+/// bent, down to where the rounding of normals counts.
+inline Vec3f bend_towards(const Vec3f& ns, const Vec3f& ng, const Vec3f& wo) {
+  constexpr float kLeastCosine = 0.01f, kLeastOfFacet = 1e-4f;
   const float cosine = dot(ns, wo);
-  return cosine >= kLeastCosine ? ns : normalize(ns + wo * (kLeastCosine - cosine));
+  if (cosine >= kLeastCosine) return ns;
+  const float least = std::clamp(dot(ng, wo), kLeastOfFacet, kLeastCosine);
+  return cosine >= least ? ns : normalize(ns + wo * (least - cosine));
 }
 
 /// The normal of a normal or bump map at a hit, on the side of `side`, whose normals have been turned to the viewer (or

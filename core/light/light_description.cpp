@@ -32,12 +32,15 @@ std::span<const Parameter<LightDescription>> light_parameters() {
   return kTable;
 }
 
+// Sums over the lights and the vertices of a path stay finite.
+constexpr double kMostRadiance = 1e35;
+
 Rgb finite_or_black(const Rgb& color, double scale) {
   Rgb scaled;
   for (int i = 0; i < 3; ++i) {
     const double channel = std::max(0.0, color[i] * scale);
     if (!(channel <= std::numeric_limits<float>::max()) || !std::isfinite(color[i] * scale)) return Rgb(0.0f);
-    scaled[i] = static_cast<float>(channel);
+    scaled[i] = static_cast<float>(std::min(channel, kMostRadiance));
   }
   return scaled;
 }

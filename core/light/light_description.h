@@ -108,7 +108,8 @@ std::span<const Parameter<LightDescription>> light_parameters();
 /// finite.
 Rgb emission(const LightDescription& description);
 
-/// Light given as double to the float that is stored: black if any channel is not finite.
+/// Light given as double to the float that is stored: black if any channel is not finite or beyond float, else at most
+/// 1e35.
 Rgb finite_or_black(const Rgb& color, double scale);
 
 /// Luminance of radiance * scale for the choice of light: 0 where either is 0 or the scale is NaN, else positive. Where

@@ -70,7 +70,7 @@ void DisneyBsdf::set_probabilities(const Rgb& walked) {
   for (float w : weight) total += w;
   if (!(total > 0)) return;
   weight_ = total;
-  for (int i = 0; i < kLobes; ++i) probability_[i] = weight[i] / total;
+  for (int i = 0; i < kLobes; ++i) probability_[i] = chance_of(weight[i], total);
 }
 
 float DisneyBsdf::Layers::passed(const Vec3f& w) const {

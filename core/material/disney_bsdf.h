@@ -139,7 +139,7 @@ class DisneyBsdf {
   Rgb several_{0.0f};         // f of several_facets() per lost_among_facets() of both directions; black: there is none
   Rgb several_albedo_{0.0f};  // the directional albedo of several_facets() per lost_among_facets()
   float lost_ = 0;            // along wo
-  // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero in every direction.
+  // Indexed by Lobe; sum to one, or are all zero. Zero only for a lobe that is zero, or next to it, in every direction.
   float probability_[kLobes] = {0, 0, 0, 0, 0};
   float weight_ = 0;
 };

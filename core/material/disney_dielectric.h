@@ -38,7 +38,8 @@ struct DisneyDielectric {
     if (!(cosine > 0)) return std::nullopt;
     const bool reflects = u_choice < boundary.shares(cosine).chance;
     const float inv_eta = 1 / boundary.eta;
-    const Vec3f wi = reflects ? reflect_about(wo, wm) : wm * (cosine * inv_eta - cos_refracted(cosine)) - wo * inv_eta;
+    const Vec3f wi = reflects ? reflect_about(wo, wm)
+                              : wm * (cosine * inv_eta - cosine_refracted(cosine, boundary.eta)) - wo * inv_eta;
     if (!(reflects ? wi.z > 0 : wi.z < 0)) return std::nullopt;
     return normalize(wi);
   }
@@ -47,10 +48,6 @@ struct DisneyDielectric {
   Rgb albedo(const Vec3f& wo) const { return boundary.albedo(wo.z); }
 
  private:
-  float cos_refracted(float cosine) const {
-    return std::sqrt(std::max(0.0f, 1 - (1 - sqr(cosine)) / sqr(boundary.eta)));
-  }
-
   BsdfValue reflected(const Vec3f& wo, const Vec3f& wi) const {
     const auto facet = mirror_facet(wo, wi);
     if (!facet) return {};

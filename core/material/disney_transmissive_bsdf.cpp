@@ -41,9 +41,9 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyPara
               clear = clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
               beyond = choice_weight(diffuse_beyond_), total = near + clear + beyond;
   if (!(total > 0)) return;
-  p_near_ = near / total;
-  p_beyond_ = beyond / total;
-  p_clear_ = beyond > 0 ? clear / total : 1 - p_near_;
+  p_near_ = chance_of(near, total);
+  p_beyond_ = chance_of(beyond, total);
+  p_clear_ = p_beyond_ > 0 ? chance_of(clear, total) : 1 - p_near_;
 }
 
 bool DisneyTransmissiveBsdf::scatters_beyond() const {

@@ -26,12 +26,17 @@ inline float f0_from_ior(float ior) {
   return sqr((ior - 1) / (ior + 1));
 }
 
+/// Snell's law: the cosine of the refracted direction, 0 under total reflection. Arguments as below. In this form
+/// nothing cancels where a boundary of eta near 1 is seen at a grazing angle.
+inline float cosine_refracted(float cosine, float eta) {
+  return std::sqrt(std::max(0.0f, (eta - 1) * (eta + 1) + sqr(cosine))) / eta;
+}
+
 /// Reflectance of a smooth dielectric surface for unpolarised light: Fresnel's equations. `eta`: the index of the far
 /// side over that of the side that the light comes from; `cosine` > 0 of incidence. 1 under total reflection.
 inline float fresnel_dielectric(float cosine, float eta) {
-  const float sin2_t = (1 - sqr(cosine)) / sqr(eta);
-  if (!(sin2_t < 1)) return 1;
-  const float cos_t = std::sqrt(1 - std::max(0.0f, sin2_t));
+  const float cos_t = cosine_refracted(cosine, eta);
+  if (!(cos_t > 0)) return 1;
   const float parallel = (eta * cosine - cos_t) / (eta * cosine + cos_t);
   const float perpendicular = (cosine - eta * cos_t) / (cosine + eta * cos_t);
   return 0.5f * (sqr(parallel) + sqr(perpendicular));
@@ -52,6 +57,13 @@ inline Rgb clamp01(const Rgb& c) {
 /// with samples fourteen times too heavy.
 inline float choice_weight(const Rgb& c) {
   return (c.r + c.g + c.b) * (1.0f / 3.0f);
+}
+
+/// The probability of choosing a lobe of this weight. 0 where the inverse of a pdf of it could overflow: the random
+/// number 0 chooses a lobe of any positive probability.
+inline float chance_of(float weight, float total) {
+  constexpr float kLeast = 1e-30f;
+  return weight >= kLeast * total ? weight / total : 0;
 }
 
 }  // namespace alabaster

@@ -281,7 +281,7 @@ struct SnapshotCompiler::Compilation {
   // Rays come from the scene itself, and from a camera that sees it from some radii away.
   bool is_seen_traceably(const InstanceDescription& d) const {
     constexpr float kFarthestCamera = 1000;
-    const float farthest = kFarthestCamera * snapshot->radius;
+    const float farthest = std::min(kFarthestCamera * snapshot->radius, kTraceLimit / 4);
     const auto placed = [&](const Matrix4d& m) { return to_affine(moved_to_render_space(m, snapshot->origin)); };
     std::vector<Affine> poses;
     for (const Matrix4d& pose : d.poses) poses.push_back(placed(pose));
