@@ -178,6 +178,32 @@ bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, const Hit
   return true;
 }
 
+// Embree takes a hit for one of the first corner where twice the triangle's area is below 1e-18 (its min_rcp_input):
+// scenes a nanometre wide in metres. The coordinates in its place; `to_world` carries the mesh to the ray's space.
+void mend_corner(RTCScene mesh, const Affine& to_world, const Ray& ray, TriangleHit* hit) {
+  const RTCGeometry geometry = rtcGetGeometry(mesh, 0);
+  const auto* points = static_cast<const Vec3f*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+  const auto* triangles = static_cast<const Corners*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0));
+  const Corners& c = triangles[hit->triangle];
+  const Vec3d e1 = Vec3d(points[c[1]]) - Vec3d(points[c[0]]), e2 = Vec3d(points[c[2]]) - Vec3d(points[c[0]]);
+  if (length(cross(e1, e2)) > 1e-17) return;
+  // Moeller and Trumbore 1997, in double.
+  const auto carried = [&](const Vec3d& v) {
+    return Vec3d(to_world.x) * v.x + Vec3d(to_world.y) * v.y + Vec3d(to_world.z) * v.z;
+  };
+  const Vec3d a = carried(e1), b = carried(e2), d(ray.dir);
+  const Vec3d s = Vec3d(ray.org) - Vec3d(to_world.t) - carried(Vec3d(points[c[0]])), p = cross(d, b);
+  const double determinant = dot(a, p);
+  if (determinant == 0) return;
+  const double u = std::clamp(dot(s, p) / determinant, 0.0, 1.0);
+  hit->u = static_cast<float>(u);
+  hit->v = static_cast<float>(std::clamp(dot(d, cross(s, a)) / determinant, 0.0, 1 - u));
+}
+
+bool is_at_first_corner(const TriangleHit& hit) {
+  return hit.u == 0 && hit.v == 0;
+}
+
 // Embree hands the context back to the filter, so it must begin with Embree's.
 struct CollectContext {
   RTCIntersectContext embree;
@@ -238,7 +264,16 @@ class EmbreeObjectScene final : public ObjectScene {
     return filled;
   }
 
-  bool intersect(const Ray& ray, TriangleHit* hit) const override { return intersect_scene(scene_.get(), ray, hit); }
+  bool intersect(const Ray& ray, TriangleHit* hit) const override {
+    if (!intersect_scene(scene_.get(), ray, hit)) return false;
+    if (is_at_first_corner(*hit)) [[unlikely]]
+      mend(Affine(), ray, hit);
+    return true;
+  }
+  /// A mesh that deforms is left as it is.
+  void mend(const Affine& to_world, const Ray& ray, TriangleHit* hit) const {
+    if (poses_ == 1) mend_corner(scene_.get(), to_world, ray, hit);
+  }
   void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const override {
     intersect_all_in_scene(scene_.get(), ray, hits);
   }
@@ -302,7 +337,7 @@ class EmbreeInstancedScene final : public InstancedScene {
                        const std::function<bool()>& cancelled)
       : scene_(std::move(device)) {
     if (!scene_.get()) return;
-    objects_.reserve(instances.size());
+    objects_.resize(instances.size());
     for (size_t i = 0; i < instances.size() && !failed_; ++i)
       failed_ = (i % 1024 == 0 && cancelled && cancelled()) || !add(instances[i], static_cast<unsigned>(i));
     if (!failed_) failed_ = !commit(scene_.get(), cancelled);
@@ -310,7 +345,14 @@ class EmbreeInstancedScene final : public InstancedScene {
   bool take_error() const { return scene_.take_error() || failed_; }
 
   bool intersect(const Ray& ray, TriangleHit* hit, const HitFilter* filter) const override {
-    return growth_.allows(ray) && intersect_scene(scene_.get(), ray, hit, filter);
+    if (!growth_.allows(ray) || !intersect_scene(scene_.get(), ray, hit, filter)) return false;
+    if (is_at_first_corner(*hit)) [[unlikely]] {
+      Affine to_world;
+      rtcGetGeometryTransform(rtcGetGeometry(scene_.get(), hit->instance), ray.time, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                              &to_world);
+      static_cast<const EmbreeObjectScene&>(*objects_[hit->instance]).mend(to_world, ray, hit);
+    }
+    return true;
   }
 
   bool occluded(const Ray& ray, const HitFilter* filter) const override {
@@ -341,7 +383,7 @@ class EmbreeInstancedScene final : public InstancedScene {
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene_.get(), geometry, index);
     rtcReleaseGeometry(geometry);
-    objects_.push_back(placement.object);
+    objects_[index] = placement.object;
     growth_.include(growth);
     return !scene_.take_error();
   }
@@ -353,7 +395,7 @@ class EmbreeInstancedScene final : public InstancedScene {
   }
 
   Growth growth_;                                            // of all instances together
-  std::vector<std::shared_ptr<const ObjectScene>> objects_;  // keep-alive: outlive the scene that refers to them
+  std::vector<std::shared_ptr<const ObjectScene>> objects_;  // by instance, keep-alive; null: never hit
   SceneHandle scene_;
   bool failed_ = false;
 };

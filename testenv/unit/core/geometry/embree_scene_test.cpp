@@ -54,6 +54,28 @@ TEST_F(EmbreeScene, HitIsTheTriangleWithItsBarycentrics) {
   EXPECT_GT(object->memory_bytes(), 0u);
 }
 
+// Embree itself says that every hit of a triangle this small is at its first corner.
+TEST_F(EmbreeScene, HitsOfTheSmallestTrianglesHaveTheirBarycentricsToo) {
+  for (const int exponent : {-20, -30, -36, -40}) {
+    const float s = std::ldexp(1.0f, exponent);
+    Mesh mesh;
+    mesh.points = {Vec3f(0, 0, 2) * s, Vec3f(4, 0, 2) * s, Vec3f(0, 4, 2) * s};
+    mesh.triangles = {{0, 1, 2}};
+    const auto object = build(mesh);
+    TriangleHit hit;
+    ASSERT_TRUE(object->intersect({Vec3f(1, 2, 5) * s, {0, 0, -0.5f}}, &hit)) << exponent;
+    EXPECT_FLOAT_EQ(hit.u, 0.25f) << exponent;
+    EXPECT_FLOAT_EQ(hit.v, 0.5f) << exponent;
+    // Turned about z, twice as large, and moved.
+    const Affine placement{{0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, Vec3f(3, 1, 0) * s};
+    const auto top = build_instanced_scene(device_, {{nullptr, Affine()}, {object, placement}});
+    ASSERT_TRUE(top->intersect({placement.point(Vec3f(1, 2, 2) * s) + Vec3f(0, 0, 3) * s, {0, 0, -1}}, &hit));
+    EXPECT_EQ(hit.instance, 1u);
+    EXPECT_FLOAT_EQ(hit.u, 0.25f) << exponent;
+    EXPECT_FLOAT_EQ(hit.v, 0.5f) << exponent;
+  }
+}
+
 TEST_F(EmbreeScene, AllHitsComeInOrderAndOnce) {
   Mesh mesh;
   for (const float z : {3.0f, 1.0f, 2.0f, 1.0f}) {  // two coincide
