@@ -22,7 +22,7 @@ import numpy  # noqa: E402
 import alabaster  # noqa: E402
 import alabaster_render  # noqa: E402
 import scenes  # noqa: E402
-from alabaster_render import disney_group, engine, materials, meshes, passes, schema, subsurface, sync  # noqa: E402
+from alabaster_render import disney_group, engine, images, materials, meshes, passes, schema, subsurface, sync  # noqa: E402
 
 
 class Watched:
@@ -223,6 +223,27 @@ class Materials(unittest.TestCase):
         self.assertEqual((node["scale"][:3], node["bias"][:3], node["sourceColorSpace"]), ((-0.5,) * 3, (0.5,) * 3, "raw"))
         self.assertTrue(pathlib.Path(node["file"]).stat().st_size > 4 * 4 * 16)
         self.assertEqual(channel, "g")
+
+    def test_bump(self):
+        material = scenes.principled("bumpy")
+        tree = material.node_tree
+        texture, bump = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeBump")
+        texture.image = scenes.picture("height", 4, 4, lambda u, v: (u, u, u))
+        bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = 0.5, 0.25
+        tree.links.new(texture.outputs["Color"], bump.inputs["Height"])
+        tree.links.new(bump.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+        network = self.translate(material)
+        (name, channel), = network.nodes["surface"]["bump"]
+        self.assertEqual((network.nodes[name]["scale"][0], channel, self.notes), (0.125, "r", []))
+
+    def test_a_painted_image_is_another_file(self):
+        image = scenes.picture("painted", 4, 4, lambda u, v: (u, v, 0))
+        first = images.file_of(image, 1, self.notes.append)
+        self.assertEqual(images.file_of(image, 1, self.notes.append), first)
+        image.pixels[0] = 0.75
+        second = images.file_of(image, 1, self.notes.append)
+        self.assertNotEqual(second, first)
+        self.assertFalse(pathlib.Path(first).exists())
 
     def test_subsurface_radius(self):
         fixed = subsurface.mean_free_path("RANDOM_WALK_FIXED_RADIUS", 1.0, 0.8, 1.4)

@@ -3,6 +3,7 @@
 
   run_blender.py --build build/release                     the tests, as ctest runs them; skipped where Blender is missing
   run_blender.py --build build/release --results           larger pictures, into testenv/blender/results
+  run_blender.py --build build/release --window            a real window under Xvfb, into testenv/blender/results/window.*
   run_blender.py --build build/release --python PYTHON     with the module bpy of that Python instead of the program blender
 
 apt-get install blender installs Debian's. Exit code 77: skipped.
@@ -20,6 +21,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[1]
 SKIPPED = 77
 COLUMNS = 3
+ANONYMOUS = ["--nosoftwareattrib", "--eraseattrib", ".*"]  # no paths of this machine in a picture
 
 
 def command(options, script, job):
@@ -49,7 +51,7 @@ def run(options, script, job, folder, echo=False):
 
 def compare(options, base, folder):
     """Each scene's means, ours over Cycles'."""
-    width, height, samples = (240, 180, 256) if options.results else (96, 72, 48)
+    width, height, samples = (160, 120, 128) if options.results else (96, 72, 48)
     job = {**base, "scenes": options.scene, "width": width, "height": height, "samples": samples, "out": str(folder)}
     lines = run(options, "render_scenes.py", job, folder).splitlines()
     version = next(line[8:] for line in lines if line.startswith("VERSION "))
@@ -89,7 +91,50 @@ def sheet(rows, folder, out):
         subprocess.run(["oiiotool", *files, "--mosaic:pad=2", "2x1", "--ch", "R,G,B", "-o", pair], check=True)
         pairs.append(pair)
     subprocess.run(["oiiotool", *pairs, "--mosaic:pad=8", f"{COLUMNS}x{-(-len(pairs) // COLUMNS)}", "--colorconvert", "linear", "sRGB",
-                    "--compression", "jpeg:85", "-o", out], check=True)
+                    "--compression", "jpeg:85", *ANONYMOUS, "-o", out], check=True)
+
+
+SENTENCES = {
+    "first_picture_ms": "from Rendered to a picture that covers the viewport, export included",
+    "material_edit_ms": "from a new base colour to a picture with it",
+    "transform_edit_ms": "from a moved object to a picture with it",
+    "camera_move_ms": "from a new view to the next whole picture: median and largest of 20",
+    "blank_pictures_in_camera_moves": "pictures without content among these 20",
+    "edits": "resident memory over edits, by turns a colour and a move",
+    "draw_ms": "view_draw: median and largest",
+    "beat_of_the_window_ms": "between two turns of Blender's main loop during F12: median and largest",
+    "escape_ms": "from the Escape key in F12 until Blender tells the engine, and from there until its job is over",
+}
+
+
+def window(options, base, folder):
+    """Drives a window, and writes the table and the screenshots."""
+    display = ":78"
+    server = subprocess.Popen(["Xvfb", display, "-screen", "0", "1280x800x24"])
+    try:
+        file = pathlib.Path(folder) / "job.json"
+        file.write_text(json.dumps({**base, "out": folder, "edits": 500}))
+        environment = {**os.environ, "DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1", "PATH": "/usr/bin:/bin",
+                       "BLENDER_USER_SCRIPTS": folder}
+        done = subprocess.run(["blender", "--factory-startup", "-noaudio", "--window-geometry", "0", "0", "1280", "800", "-P",
+                               HERE / "window.py", "--", file], env=environment, capture_output=True, text=True)
+    finally:
+        server.terminate()
+    line = next((one for one in done.stdout.splitlines() if one.startswith("WINDOW ")), None)
+    if line is None:
+        print(done.stdout[-2000:])
+        return 1
+    told = json.loads(line[7:])
+    rows = [f"| {sentence} | {json.dumps(told[name]).strip('{}').replace(chr(34), '')} |" for name, sentence in SENTENCES.items()]
+    load = os.getloadavg()[0]
+    (HERE / "results/window.md").write_text(
+        f"# A window\n\nBlender {told['version']}, {told['window'][0]} x {told['window'][1]} under Xvfb with Mesa's software GL, "
+        f"{os.cpu_count()} cores at a load of {load:.0f}, by `run_blender.py --window`. Milliseconds unless another unit is named.\n\n"
+        "| | |\n| --- | --- |\n" + "\n".join(rows) + "\n")
+    shots = [f"{folder}/{name}.png" for name in ("viewport", "after_material", "during_a_camera_move", "after_camera_moves")]
+    subprocess.run(["oiiotool", *shots, "--mosaic:pad=4", "2x2", "--ch", "R,G,B", "--resize", "1280x800", "--compression", "jpeg:85",
+                    *ANONYMOUS, "-o", HERE / "results/window.jpg"], check=True)
+    return 0
 
 
 def main():
@@ -97,6 +142,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--python")
     parser.add_argument("--results", action="store_true")
+    parser.add_argument("--window", action="store_true")
     parser.add_argument("--scene", action="append", default=[])
     options = parser.parse_args()
     if not options.python and not shutil.which("blender"):
@@ -106,6 +152,8 @@ def main():
     zipped = options.build.resolve() / "blender/alabaster_render.zip"
     base = {"addon": str(TOP / "delegate/blender"), "module": str(module), "zip": str(zipped) if zipped.is_file() else ""}
     with tempfile.TemporaryDirectory() as folder:
+        if options.window:
+            return window(options, base, folder)
         if not options.results and not options.scene:
             print(run(options, "addon_test.py", base, folder).strip().splitlines()[-1])
         version, rows, job = compare(options, base, folder)

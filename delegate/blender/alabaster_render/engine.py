@@ -9,6 +9,7 @@ from .viewport import Viewport
 
 SECONDS_BETWEEN_PICTURES = 1.0
 SECONDS_BETWEEN_LOOKS = 0.1  # for Escape
+SECONDS_BETWEEN_LINES = 0.5  # each makes Blender draw its window
 
 
 def clock(seconds):
@@ -113,14 +114,17 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
     def refine(self, renderer, render, layer, wanted, window):
         """Shows pictures until the render is over or Escape is pressed. The picture so far stays."""
         size = window[2] - window[0], window[3] - window[1]
-        shown = time.monotonic()
+        shown = told = time.monotonic()
         over = False
         while not over and not self.test_break():
             over = render.wait(SECONDS_BETWEEN_LOOKS)
+            if not over and time.monotonic() - told < SECONDS_BETWEEN_LINES:
+                continue
+            told = time.monotonic()
             text, fraction = status(renderer)
             self.update_stats("", text)
             self.update_progress(fraction)
-            if not over and time.monotonic() - shown > SECONDS_BETWEEN_PICTURES and fraction > 0:
+            if not over and told - shown > SECONDS_BETWEEN_PICTURES and fraction > 0:
                 self.show(render, layer, size, [], False)
                 shown = time.monotonic()
         render.cancel()

@@ -1,4 +1,5 @@
 """Images of Blender as files that the renderer reads."""
+import itertools
 import pathlib
 import struct
 import tempfile
@@ -7,6 +8,7 @@ import bpy
 import numpy
 
 _folder = None
+_numbers = itertools.count()  # a file that is written again has another name, so that the renderer reads it
 _written = {}  # what has been written, by the image's name: (stamp, file)
 
 COLOR_SPACES = {"Non-Color": "raw", "Raw": "raw", "Generic Data": "raw", "sRGB": "sRGB", "Linear": "linear",
@@ -18,11 +20,11 @@ def color_space(image):
     return COLOR_SPACES.get(name, name)
 
 
-def _scratch(image, suffix):
+def _scratch(suffix):
     global _folder
     if _folder is None:
         _folder = tempfile.TemporaryDirectory(prefix="alabaster_blender_")
-    return pathlib.Path(_folder.name) / f"{len(_written)}_{abs(hash(image.name_full)):x}{suffix}"
+    return pathlib.Path(_folder.name) / f"{next(_numbers)}{suffix}"
 
 
 def _write_tiff(file, image):
@@ -44,8 +46,10 @@ def _known(image, stamp, write, suffix):
     key = image.name_full
     if key in _written and _written[key][0] == stamp:
         return _written[key][1]
-    file = _scratch(image, suffix)
+    file = _scratch(suffix)
     write(file)
+    if key in _written:
+        pathlib.Path(_written[key][1]).unlink(missing_ok=True)
     _written[key] = (stamp, str(file))
     return str(file)
 

@@ -102,13 +102,11 @@ def _layers(reader, source, surface):
     coat = _value(reader, source, "Clearcoat", "Coat Weight")
     roughness = _value(reader, source, "Clearcoat Roughness", "Coat Roughness")
     if coat.textures or coat.number > 0:
-        if MODERN:
-            surface["coat"], surface["coatRoughness"] = reader.number(coat), reader.number(roughness)
-            if min(_value(reader, source, "Coat Tint").constant) < 1:
-                reader.note("the tint of a coat is not translated")
-        else:
-            surface["clearcoat"] = reader.number(coat)
-            surface["clearcoatGloss"] = min(max((0.1 - roughness.number ** 2) / 0.099, 0.0), 1.0)
+        # Until 3.6 Blender's coat is a quarter as strong, as Disney's is, but a layer of GGX already.
+        share = coat if MODERN else reader.changed(coat, (0.25,) * 3, (0.0,) * 3)
+        surface["coat"], surface["coatRoughness"] = reader.number(share), reader.number(roughness)
+        if MODERN and min(_value(reader, source, "Coat Tint").constant) < 1:
+            reader.note("the tint of a coat is not translated")
     sheen = _value(reader, source, "Sheen", "Sheen Weight")
     if sheen.textures or sheen.number > 0:
         surface["sheen"] = reader.number(sheen)

@@ -53,7 +53,7 @@ def relief(reader, source, surface, into="normal"):
         if not height.textures:
             return
         surface["bump"] = reader.number(reader.changed(height, (-scale if node.invert else scale,) * 3, (0.0, 0.0, 0.0)))[:1]
-        if reader.source(source.input("Normal"), source.groups) is not source.input("Normal"):
+        if isinstance(reader.source(source.input("Normal"), source.groups), Source):
             reader.note(f"node '{node.name}': a normal map below a bump map is not translated")
     else:
         reader.note(f"node '{node.name}' at a normal is not translated")
