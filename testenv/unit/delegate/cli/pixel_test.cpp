@@ -79,7 +79,7 @@ TEST_F(PixelTest, ASampleThatIsNotFiniteIsShownByTheCommandThatIsPrinted) {
   write("it's $HOME.json", R"({"gltf": [{"file": "patch.gltf"}], "settings": {"resolution": [16, 12]},
     "camera": {"lookAt": {"eye": [0, 0, 2], "target": [0, 0, 0]}},
     "lights": [{"name": "sky", "type": "domeLight", "color": [3e38, 3e38, 3e38]}],
-    "materials": [{"match": "*", "set": {"emission": [3e38, 3e38, 3e38]}}]})");
+    "materials": [{"match": "*", "set": {"emission": [3.4028234e38, 3.4028234e38, 3.4028234e38]}}]})");
   std::filesystem::create_symlink(ALABASTER_PROGRAM, folder_ / "alabaster");
   for (const char* crop : {"0,0,16,12", "-6,-5,3,3"}) {  // the frame; overscan
     Program frame(folder_, {"render", "-o", "a.exr", "--spp", "2", "--crop", crop, "--", "it's $HOME.json"});

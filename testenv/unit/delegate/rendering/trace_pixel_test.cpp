@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "testenv/support/stage.h"
 
@@ -54,16 +55,22 @@ TEST(TracePixel, AnswersForPixelsOfTheDataWindowAndWholeNumbers) {
     EXPECT_EQ(f.trace(bad), "") << Value(std::make_shared<const Dictionary>(bad)).to_string();
 }
 
-// Two domes whose sum no float can hold light the quad, which pixels 2 to 5 of the display window see.
+// The quad, which pixels 2 to 5 of the display window see, shines as brightly as a float can, and a sky lights it.
 TEST(TracePixel, TheStatNamesTheFirstSampleThatIsNotFinite) {
   Frame f;
   f.state.framing.displayMin = {1, 1};
   f.state.framing.displayMax = {9, 9};
   ASSERT_TRUE(Stage::finish(*f.pass, f.state));
   EXPECT_EQ(f.stage.text_stat("suspectSample"), "") << "every sample is finite";
-  const Vec3f bright(3e38f);
-  for (const char* path : {"/dome", "/sky"})
-    f.stage.scene.SetLight(path, {.type = "domeLight", .transform = {}, .parameters = {{"color", bright}}});
+  const Vec3f bright(std::numeric_limits<float>::max());
+  f.stage.scene.SetLight("/dome", {.type = "domeLight", .transform = {}, .parameters = {{"color", bright}}});
+  MaterialNetwork shining;
+  shining.nodes["surface"] = {"AlabasterDisney", {{"emission", bright}}, {}};
+  shining.terminals["surface"] = {"surface", "out"};
+  f.stage.scene.SetMaterial("/shining", shining);
+  host::MeshDescription quad = Stage::quad();
+  quad.material = "/shining";
+  f.stage.scene.SetMesh("/quad", quad);
   f.stage.index->SyncAll();
   ASSERT_TRUE(Stage::finish(*f.pass, f.state));
   EXPECT_EQ(f.stage.text_stat("suspectSample"), "2,2,0");
