@@ -73,7 +73,7 @@ EdgeRates wanted_rates(const Cage& cage, const Far::TopologyRefiner& refiner, co
 }
 
 // An upper estimate.
-size_t bytes_of(const Cage& cage, const Far::TopologyLevel& base, const EdgeRates& rates) {
+double triangle_count(const Far::TopologyLevel& base, const EdgeRates& rates) {
   double triangles = 0;
   for (int face = 0; face < base.GetNumFaces(); ++face) {
     const auto edges = base.GetFaceEdges(face);
@@ -81,7 +81,7 @@ size_t bytes_of(const Cage& cage, const Far::TopologyLevel& base, const EdgeRate
     for (const int edge : edges) sum += rates.of(edge);
     triangles += sum * sum / (2 * edges.size()) + sum;
   }
-  return static_cast<size_t>(triangles * double(bytes_per_triangle(cage)));
+  return triangles;
 }
 
 }  // namespace
@@ -96,19 +96,10 @@ SurfaceFactory::Options surface_options(int level) {
   return options;
 }
 
-EdgeRates adaptive_rates(const Cage& cage, const Far::TopologyRefiner& refiner, const RefinementOptions& options,
-                         const DiagnosticSink& sink) {
+EdgeRates adaptive_rates(const Cage& cage, const Far::TopologyRefiner& refiner, const RefinementOptions& options) {
   EdgeRates rates = wanted_rates(cage, refiner, options);
-  const Far::TopologyLevel& base = refiner.GetLevel(0);
-  const size_t wanted = bytes_of(cage, base, rates);
-  size_t bytes = wanted;
-  for (; bytes > options.memory_limit && rates.level() > 0; bytes = bytes_of(cage, base, rates))
-    for (uint32_t& rate : rates.edges) rate = std::max(1u, rate / 2);
-  if (bytes != wanted)
-    report(sink, Severity::warning, "mesh.subdivision.memory", options.where,
-           "the edge length asked for would need " + std::to_string(wanted >> 20) + " MiB, more than " +
-               std::to_string(options.memory_limit >> 20) +
-               " MiB; longer edges are used: ask for longer ones, or split the mesh");
+  const double triangles = triangle_count(refiner.GetLevel(0), rates);
+  hold_build(options, triangles, triangles * double(bytes_per_triangle(cage)));
   return rates;
 }
 

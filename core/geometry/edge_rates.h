@@ -31,9 +31,9 @@ struct EdgeRates {
   }
 };
 
-/// As many as options.segments asks for and options.memory_limit allows. The limit surface is measured at five points
-/// of each edge.
+/// As many as options.segments asks for; options.memory then holds the mesh (MemoryRefused). The limit surface is
+/// measured at five points of each edge.
 EdgeRates adaptive_rates(const Cage& cage, const OpenSubdiv::Far::TopologyRefiner& refiner,
-                         const RefinementOptions& options, const DiagnosticSink& sink);
+                         const RefinementOptions& options);
 
 }  // namespace alabaster

@@ -1,6 +1,5 @@
 #include "core/geometry/embree_scene.h"
 
-#include <embree3/rtcore.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -12,48 +11,9 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/trace_device.h"
+
 namespace alabaster {
-
-class TraceDevice {
- public:
-  explicit TraceDevice(DiagnosticSink sink) : sink_(std::move(sink)), device_(rtcNewDevice(nullptr)) {
-    if (device_)
-      rtcSetDeviceErrorFunction(device_, &TraceDevice::on_error, this);
-    else
-      report(sink_, Severity::error, "trace.device", "Embree",
-             "the ray tracing device could not be made (code " +
-                 std::to_string(static_cast<int>(rtcGetDeviceError(nullptr))) +
-                 "); this processor may lack SSE4.2, or memory ran out");
-  }
-  ~TraceDevice() {
-    if (device_) rtcReleaseDevice(device_);
-  }
-  TraceDevice(const TraceDevice&) = delete;
-  TraceDevice& operator=(const TraceDevice&) = delete;
-
-  RTCDevice get() const { return device_; }
-  /// True if Embree refused anything that this thread asked of it since the last call, which the call forgets. The
-  /// refusal itself has been reported. Embree keeps one error per thread; work that the thread takes up while it waits
-  /// for a build asks for its own.
-  bool take_error() const { return rtcGetDeviceError(device_) != RTC_ERROR_NONE; }
-
- private:
-  // Called from within Embree, which no exception may cross.
-  static void on_error(void* self, RTCError code, const char* text) noexcept {
-    // A build that its caller stopped is not a fault.
-    if (code == RTC_ERROR_CANCELLED) return;
-    try {
-      report(static_cast<TraceDevice*>(self)->sink_, Severity::error,
-             code == RTC_ERROR_OUT_OF_MEMORY ? "trace.memory" : "trace.embree", "Embree",
-             std::string(text ? text : "unknown error") + " (code " + std::to_string(static_cast<int>(code)) + ")");
-    } catch (...) {
-      // Memory has run out altogether; the build still ends in null.
-    }
-  }
-
-  DiagnosticSink sink_;
-  RTCDevice device_;
-};
 
 namespace {
 
@@ -410,9 +370,13 @@ bool is_traceable(const std::vector<Affine>& poses, float distance) {
   return Growth::of(poses).allows(distance, 1);
 }
 
-std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink) {
-  auto device = std::make_shared<TraceDevice>(sink);
+std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink, std::shared_ptr<MemoryBudget> memory) {
+  auto device = std::make_shared<TraceDevice>(sink, std::move(memory));
   return device->get() ? device : nullptr;
+}
+
+const std::shared_ptr<MemoryBudget>& memory_of(const TraceDevice& device) {
+  return device.memory();
 }
 
 std::shared_ptr<const ObjectScene> build_object_scene(const std::shared_ptr<TraceDevice>& device, const Mesh& mesh,

@@ -17,8 +17,12 @@ namespace alabaster {
 
 /// Owns the Embree device. One per delegate; outlives what is built with it (held by shared_ptr inside).
 class TraceDevice;
-/// Null if Embree has none to give (reported).
-std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink);
+/// Null if Embree has none to give (reported). All memory that Embree takes for it is counted in the budget, which may
+/// be null: a build that would exceed it stops, with the same report as one that runs out of memory.
+std::shared_ptr<TraceDevice> make_trace_device(const DiagnosticSink& sink,
+                                               std::shared_ptr<MemoryBudget> memory = nullptr);
+/// The budget of the device; may be null.
+const std::shared_ptr<MemoryBudget>& memory_of(const TraceDevice& device);
 
 struct TriangleHit {
   float t = 0;         // in units of the ray's |dir|

@@ -81,6 +81,8 @@ class FlatBuilder {
   Mesh build() {
     mesh_.points = cage_.points;
     mesh_.normals = cage_.normals.values;
+    const size_t triangles = cage_.face_vertex_indices.size() - 2 * hole_.size();
+    mesh_.triangles.reserve(triangles), face_corners_.reserve(triangles), mesh_.triangle_face.reserve(triangles);
     size_t first = 0;
     for (size_t face = 0; face < hole_.size(); ++face) {
       const size_t count = static_cast<size_t>(cage_.face_vertex_counts[face]);
@@ -206,21 +208,20 @@ size_t index_bytes(const Cage& cage) {
   return (2 + primvar_bytes(cage).seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
 }
 
-int affordable_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
-  const int wanted = options.level;
-  int level = std::clamp(wanted, 0, kMaxLevel);
+int checked_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   if (cage.scheme == SubdivisionScheme::none) return 0;
-  if (level != wanted)
+  const int level = std::clamp(options.level, 0, kMaxLevel);
+  if (level != options.level)
     report(sink, Severity::warning, "mesh.subdivision.level", options.where,
-           "subdivision level " + std::to_string(wanted) + " is outside 0 to 8; using " + std::to_string(level));
-  const int capped = level;
-  while (level > 0 && estimate_mesh_bytes(cage, level) > options.memory_limit) --level;
-  if (level != capped)
-    report(sink, Severity::warning, "mesh.subdivision.memory", options.where,
-           "subdivision level " + std::to_string(capped) + " wanted, level " + std::to_string(level) +
-               " used: the next would need more than " + std::to_string(options.memory_limit >> 20) +
-               " MiB; lower refineLevel to silence this, or split the mesh to refine it further");
+           "subdivision level " + std::to_string(options.level) + " is outside 0 to 8; using " + std::to_string(level));
   return level;
+}
+
+size_t triangle_count(const Cage& cage, int level) {
+  size_t triangles = 0;
+  for (const int count : cage.face_vertex_counts)
+    triangles += tessellated_face(cage, static_cast<size_t>(count), level).triangles;
+  return triangles;
 }
 
 }  // namespace
@@ -280,10 +281,26 @@ size_t bytes_per_triangle(const Cage& cage) {
   return 2 * sizeof(Vec3f) + primvar_bytes(cage).all + index_bytes(cage);
 }
 
+void hold_mesh(const RefinementOptions& options, double triangles, double bytes) {
+  if (!options.memory) return;
+  constexpr double kMost = 0x1p60;
+  options.memory->resize(static_cast<size_t>(std::min(bytes, kMost)),
+                         "a mesh of " + std::to_string(static_cast<size_t>(std::min(triangles, kMost))) + " triangles");
+}
+
+// Displacement sorts and sums over corners while it runs. A mesh is built to be traced: one that cannot be is refused
+// before the work, and the tracer counts for itself what it takes then.
+void hold_build(const RefinementOptions& options, double triangles, double bytes) {
+  constexpr double kDisplacementBytes = 240, kTracingBytes = 100;  // of a triangle
+  hold_mesh(options, triangles, bytes + triangles * (kTracingBytes + (options.displace ? kDisplacementBytes : 0)));
+}
+
 Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   RefinementOptions fitting = options;
-  if (!options.segments || cage.scheme == SubdivisionScheme::none)
-    fitting.level = affordable_level(cage, options, sink);
+  fitting.level = checked_level(cage, options, sink);
+  if (!options.segments || fitting.level == 0)
+    hold_build(options, static_cast<double>(triangle_count(cage, fitting.level)),
+               static_cast<double>(estimate_mesh_bytes(cage, fitting.level)));
   std::optional<Mesh> refined;
   if (fitting.level > 0) refined = tessellate_limit_surface(cage, fitting, sink);
   Mesh mesh = refined ? std::move(*refined) : FlatBuilder(cage).build();
@@ -293,6 +310,7 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
     for (uint32_t i : t) mesh.bounds.extend(mesh.points[i]);
   mesh.closed = is_closed(mesh, options.cancel);
   mesh.outward = mesh.closed && encloses_positive_volume(mesh);
+  hold_mesh(options, static_cast<double>(mesh.triangles.size()), static_cast<double>(mesh.memory_bytes()));
   return mesh;
 }
 
@@ -305,7 +323,7 @@ MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose 
     return {std::move(displaced.points), std::move(displaced.normals)};
   }
   RefinementOptions fitting = options;
-  fitting.level = affordable_level(cage, options, {});
+  fitting.level = checked_level(cage, options, {});
   if (fitting.level > 0) {
     moved.uvs.clear();
     moved.colors = {}, moved.opacities = {};

@@ -12,6 +12,7 @@
 #include "core/geometry/cage.h"
 #include "core/math/bounds.h"
 #include "core/math/motion.h"
+#include "core/memory/memory_budget.h"
 
 namespace alabaster {
 
@@ -107,12 +108,13 @@ struct Mesh {
 };
 
 struct RefinementOptions {
-  int level = 0;                          // 0..8; 0 draws the cage itself
-  size_t memory_limit = size_t(2) << 30;  // bytes; the level is lowered (and reported) until the estimate fits
-  std::string where;                      // for reports
+  int level = 0;      // 0..8; 0 draws the cage itself
+  std::string where;  // for reports
+  /// Holds what build_mesh() takes at most, by arithmetic, before it does (MemoryRefused), and in the end what the mesh
+  /// keeps. Null: nobody counts.
+  MemoryReservation* memory = nullptr;
   /// Adaptive refinement: how many segments a straight piece of the limit surface from a to b asks for. An edge of the
-  /// cage gets the sum over its limit curve, rounded up, 256 at most; where memory runs short all edges get fewer
-  /// (reported). Asked on any thread. Empty: 2^level for each.
+  /// cage gets the sum over its limit curve, rounded up, 256 at most. Asked on any thread. Empty: 2^level for each.
   std::function<float(const Vec3f& a, const Vec3f& b)> segments;
   std::function<void(Mesh*)> displace;  // moves the points of the finished surface; empty: none
   CancelToken cancel = {};              // build_mesh() and pose_mesh() throw BuildCancelled
@@ -130,7 +132,7 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
 /// it has authored ones) are these. As many of them as the cage has. Not for adaptive refinement.
 MeshPose pose_mesh(const Cage& cage, const RefinementOptions& options, MeshPose posed);
 
-/// Bytes that build_mesh would need at this level (an upper estimate), without building it.
+/// Bytes that build_mesh takes at most at this level (an upper estimate), without building it.
 size_t estimate_mesh_bytes(const Cage& cage, int level);
 
 /// Vertices at the same position become one where a file had to split them (uv seams): returns for each point the index

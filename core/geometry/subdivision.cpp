@@ -443,7 +443,7 @@ std::optional<Mesh> tessellate_limit_surface(const Cage& cage, const RefinementO
   }
   if (!messages.empty()) report(sink, Severity::warning, "mesh.subdivision.topology", where, "OpenSubdiv: " + messages);
   const EdgeRates rates =
-      options.segments ? adaptive_rates(cage, *refiner, options, sink) : EdgeRates{1u << options.level, {}};
+      options.segments ? adaptive_rates(cage, *refiner, options) : EdgeRates{1u << options.level, {}};
   return LimitTessellator(cage, *refiner, rates, options.cancel).run();
 }
 

@@ -30,6 +30,7 @@ struct ImageLayout {
   bool bytes = false;           // a channel is a multiple of 1/255
   bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
   bool flat = true;             // neither a volume nor deep samples
+  size_t working_bytes = 0;     // that the decoder and the rows of one read_rows() take, roughly
 };
 
 class ImageInput {

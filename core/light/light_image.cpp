@@ -64,7 +64,17 @@ std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const 
                                                     LightImage::Shape shape, const LightImages& images) {
   for (const auto& image : images.known)
     if (image->is_of(texture.get(), scale, shape)) return image;
-  return std::make_shared<const LightImage>(texture, scale, shape, images.cancel);
+  MemoryReservation memory(images.memory, MemoryUse::lights, LightImage::build_bytes(*texture),
+                           "the light of an image of " + std::to_string(texture->width()) + " x " +
+                               std::to_string(texture->height()) + " pixels");
+  const auto image = std::make_shared<LightImage>(texture, scale, shape, images.cancel);
+  image->hold(std::move(memory));
+  return image;
+}
+
+// Two arrays of luminances, and the density: a cumulative one and a guide.
+size_t LightImage::build_bytes(const Texture& texture) {
+  return 4 * sizeof(float) * static_cast<size_t>(texture.width()) * static_cast<size_t>(texture.height());
 }
 
 Rgb LightImage::lookup(double u, double v) const {

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "core/color/rgb.h"
+#include "core/memory/memory_budget.h"
 #include "core/sampling/distribution.h"
 #include "core/texture/texture.h"
 
@@ -23,6 +24,13 @@ class LightImage {
   };
   /// The image times `scale`. The texture has texels. Throws BuildCancelled.
   LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel = {});
+  /// Bytes that the constructor takes at most.
+  static size_t build_bytes(const Texture& texture);
+  /// Keeps what counts its memory.
+  void hold(MemoryReservation memory) {
+    memory_ = std::move(memory);
+    memory_.shrink(memory_bytes());
+  }
 
   Rgb lookup(double u, double v) const;
   /// A place and its density per unit square.
@@ -46,15 +54,18 @@ class LightImage {
   Shape shape_;
   Rgb mean_{0.0f};
   Distribution2D distribution_;
+  MemoryReservation memory_;
 };
 
-/// Images that exist already, and the token that those to be made ask.
+/// Images that exist already; the token that those to be made ask, and the budget that counts them (may be null).
 struct LightImages {
   std::span<const std::shared_ptr<const LightImage>> known = {};
   CancelToken cancel = {};
+  std::shared_ptr<MemoryBudget> memory = nullptr;
 };
 
-/// The known one that is made of the same, or a new one: its density takes 0.2 s for 4096 x 2048 texels.
+/// The known one that is made of the same, or a new one: its density takes 0.2 s for 4096 x 2048 texels. Throws
+/// MemoryRefused and BuildCancelled.
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
                                                     LightImage::Shape shape, const LightImages& images);
 

@@ -70,9 +70,22 @@ MeshLight make_mesh_light(const Instance& instance, uint32_t index, const Cancel
                    [instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); });
 }
 
-bool emit_alike(const Instance& a, const Instance& b) {
-  return a.prototype == b.prototype && a.object_to_world == b.object_to_world && a.materials == b.materials &&
-         a.single_sided == b.single_sided;
+KnownMeshLights::KnownMeshLights(const SceneSnapshot* snapshot) : snapshot_(snapshot) {
+  if (!snapshot) return;
+  for (const Light& light : snapshot->lights.lights())
+    if (const auto* mesh = std::get_if<MeshLight>(&light))
+      lights_.emplace(key(snapshot->instances[mesh->instance()]), mesh);
+}
+
+const MeshLight* KnownMeshLights::find(const Instance& instance) const {
+  const auto emits_alike = [&](const Instance& other) {
+    return other.prototype == instance.prototype && other.object_to_world == instance.object_to_world &&
+           other.materials == instance.materials && other.single_sided == instance.single_sided;
+  };
+  const auto [first, last] = lights_.equal_range(key(instance));
+  const auto found = std::find_if(
+      first, last, [&](const auto& held) { return emits_alike(snapshot_->instances[held.second->instance()]); });
+  return found == last ? nullptr : found->second;
 }
 
 }  // namespace alabaster

@@ -1,6 +1,9 @@
 // Instances that emit, as lights.
 #pragma once
 
+#include <map>
+#include <utility>
+
 #include "core/scene/scene.h"
 
 namespace alabaster {
@@ -12,7 +15,19 @@ bool emits(const Instance& instance);
 /// BuildCancelled.
 MeshLight make_mesh_light(const Instance& instance, uint32_t index, const CancelToken& cancel);
 
-/// True if both emit alike at the same place: a light of one is that of the other, but for its index.
-bool emit_alike(const Instance& a, const Instance& b);
+/// The emissive meshes of a snapshot, which must outlive it.
+class KnownMeshLights {
+ public:
+  /// `snapshot` may be null.
+  explicit KnownMeshLights(const SceneSnapshot* snapshot);
+  /// One that emits alike at the same place: its light is that of the instance, but for the index. Null: there is none.
+  const MeshLight* find(const Instance& instance) const;
+
+ private:
+  const SceneSnapshot* snapshot_;
+  using Key = std::pair<const MeshPrototype*, float>;
+  static Key key(const Instance& instance) { return {instance.prototype, instance.object_to_world.t.x}; }
+  std::multimap<Key, const MeshLight*> lights_;
+};
 
 }  // namespace alabaster

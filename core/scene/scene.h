@@ -25,8 +25,9 @@ struct MeshPrototype {
   std::shared_ptr<const ObjectScene> object;
 
   const MeshShells& shells(const CancelToken& cancel = {}) const { return interior.shells(mesh, *object, cancel); }
-  MeshInterior interior = {};  // only light below the surface asks for it
-  TangentCache tangents = {};  // only normal maps ask for them
+  MeshInterior interior = {};     // only light below the surface asks for it
+  TangentCache tangents = {};     // only normal maps ask for them
+  MemoryReservation memory = {};  // of the mesh
 };
 
 /// The faces that camera rays pass.
@@ -127,6 +128,7 @@ struct SceneSnapshot {
   std::vector<std::string> left_out;  // names of instances and lights that are too far away, too large or not finite
   std::vector<std::string> faults;    // of textures: sets of images without one where it is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
+  std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own
 
   /// Those that light an instance: its surfaces, and where light enters its body.
   const LightSet& lights_of(const Instance& instance) const {
@@ -141,7 +143,7 @@ struct SceneSnapshot {
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
 };
 
-/// One that shares nothing with others (SnapshotCompiler). Null when memory runs out or Embree refuses (reported).
+/// One that shares nothing with others (SnapshotCompiler). Null when Embree refuses (reported). Throws std::bad_alloc.
 std::shared_ptr<const SceneSnapshot> compile_snapshot(const SceneDescription& description, uint64_t number,
                                                       const std::shared_ptr<TraceDevice>& device,
                                                       const DiagnosticSink& sink);

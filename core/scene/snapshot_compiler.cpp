@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -164,9 +165,10 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
   for (const Light& light : snapshot.lights.lights())
     if (const auto image = image_of(light)) textures.insert(image->texture());
   textures.erase(nullptr);
-  size_t bytes = 0;
-  for (const Texture* texture : textures) bytes += texture->memory_bytes();
-  return bytes;
+  std::map<const void*, size_t> bytes;  // by texels
+  for (const Texture* texture : textures) bytes[texture->texels()] = texture->memory_bytes();
+  return std::accumulate(bytes.begin(), bytes.end(), size_t(0),
+                         [](size_t sum, const auto& one) { return sum + one.second; });
 }
 
 // The first middle of a triangle for which the lookup's set of images has none.
@@ -212,30 +214,6 @@ class MissingTiles {
   const DiagnosticSink& sink_;
   std::vector<std::string>* faults_;
   std::set<std::pair<const MeshPrototype*, const DisneyMaterial*>> seen_;  // instances share both
-};
-
-// The emissive meshes of a snapshot.
-class KnownMeshLights {
- public:
-  explicit KnownMeshLights(const SceneSnapshot* snapshot) : snapshot_(snapshot) {
-    if (!snapshot) return;
-    for (const Light& light : snapshot->lights.lights())
-      if (const auto* mesh = std::get_if<MeshLight>(&light))
-        lights_.emplace(key(snapshot->instances[mesh->instance()]), mesh);
-  }
-  /// The one that emits as this instance does, or null.
-  const MeshLight* find(const Instance& instance) const {
-    const auto [first, last] = lights_.equal_range(key(instance));
-    for (auto it = first; it != last; ++it)
-      if (emit_alike(snapshot_->instances[it->second->instance()], instance)) return it->second;
-    return nullptr;
-  }
-
- private:
-  const SceneSnapshot* snapshot_;
-  using Key = std::pair<const MeshPrototype*, float>;
-  static Key key(const Instance& instance) { return {instance.prototype, instance.object_to_world.t.x}; }
-  std::multimap<Key, const MeshLight*> lights_;
 };
 
 bool stands_alike(const Instance& a, const Instance& b) {
@@ -288,8 +266,17 @@ struct SnapshotCompiler::Compilation {
     return is_traceable(placed(d.object_to_world), farthest) && (poses.empty() || is_traceable(poses, farthest));
   }
 
+  // The instances, and so many bytes of lights.
+  void hold(size_t light_bytes) {
+    snapshot->memory->resize(drawn.size() * sizeof(Instance) + light_bytes,
+                             "a scene of " + std::to_string(drawn.size()) + " instances and " +
+                                 std::to_string(description.lights.size()) + " lights");
+  }
+
   void place_all() {
+    snapshot->memory = std::make_shared<MemoryReservation>(memory_of(*compiler.device_), MemoryUse::scene);
     MissingTiles missing_tiles(compiler.sink_, &snapshot->faults);
+    hold(0);
     snapshot->instances.reserve(drawn.size());
     for (const InstanceDescription* d : drawn) {
       snapshot->instances.push_back(place(*d, snapshot->origin));
@@ -329,7 +316,7 @@ struct SnapshotCompiler::Compilation {
     std::vector<uint32_t> light_links;
     for (const auto& d : description.lights) {
       if (!is_usable(d, compiler.sink_, &snapshot->left_out)) continue;
-      lights.push_back(make_light(d, snapshot->origin, {images, cancel}));
+      lights.push_back(make_light(d, snapshot->origin, {images, cancel, memory_of(*compiler.device_)}));
       traits.visible_to_camera.push_back(d.visible_to_camera);
       traits.shadow_links.push_back(d.shadow_link);
       light_links.push_back(d.light_link);
@@ -342,6 +329,10 @@ struct SnapshotCompiler::Compilation {
     light_links.resize(lights.size(), 0);
     link_lights(lights, traits, light_links);
     snapshot->lights = LightSet(std::move(lights), std::move(traits), kSampleAllUpTo);
+    size_t bytes = snapshot->lights.memory_bytes();
+    for (const Light& light : snapshot->lights.lights())
+      if (const auto image = image_of(light)) bytes -= image->memory_bytes();
+    hold(bytes);
   }
 
   // Category sets that the same lights light share them.

@@ -22,6 +22,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"walkSphereSteps", &S::walk_sphere_steps},
       {"energy", &S::energy, 0, 0, {"burley2015", "bounded", "conserving"}},
       {"textureMemory", &S::texture_memory, 1, 16777216},
+      {"memoryLimit", &S::memory_limit, 0, 16777216},
       {"textureFilter", &S::texture_filter, 0, 8},
       {"refineEdgeLength", &S::refine_edge_length, 0, 1024},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},

@@ -30,6 +30,7 @@ struct RenderSettings {
   bool walk_guiding = WalkSettings().guiding;
   bool walk_sphere_steps = WalkSettings().sphere_steps;
   uint32_t texture_memory = 4096;  // MiB of texels in memory (core/texture/texel_store.h); read by who loads textures
+  uint32_t memory_limit = 0;       // MiB (core/memory/memory_budget.h), read by who makes the budget; 0: it chooses
   EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // see IntegratorSettings; above 0 it blurs
   PixelFilter filter = PixelFilter::blackman_harris;

@@ -31,12 +31,14 @@ void keep_one_of_three(std::vector<T>* elements) {
 }  // namespace
 
 // Memory is reserved at once but touched only as rows arrive: a small file that claims to be huge costs nothing.
-TexelPacker::TexelPacker(const ImageLayout& layout) : layout_(layout) {
-  const size_t elements = 3 * size_t(layout.width) * size_t(layout.height);
+TexelPacker::TexelPacker(const ImageLayout& layout, MemoryReservation* memory) : layout_(layout), memory_(*memory) {
+  const size_t element = layout.bytes ? sizeof(uint8_t) : sizeof(uint16_t);
+  const size_t alpha = layout.alpha ? sizeof(uint16_t) + (layout.bytes ? sizeof(uint8_t) : 0) : 0;
+  hold(texels() * (3 * element + alpha));
   if (layout.bytes)
-    palette_.emplace(), bytes_.reserve(elements);
+    palette_.emplace(), bytes_.reserve(3 * texels());
   else
-    halves_.reserve(elements);
+    halves_.reserve(3 * texels());
 }
 
 void TexelPacker::add(std::span<const float> pixels, std::span<const float> rgba) {
@@ -75,7 +77,8 @@ bool TexelPacker::fits_palette(const std::array<uint8_t, 3>& bytes, const Color&
 }
 
 void TexelPacker::leave_palette() {
-  halves_.reserve(3 * size_t(layout_.width) * size_t(layout_.height));
+  hold(3 * texels() * sizeof(uint16_t));
+  halves_.reserve(3 * texels());
   is_grey_ = true;
   for (size_t i = 0; i < bytes_.size(); i += 3) {
     const auto value = [&](size_t c) { return palette_->values[c][bytes_[i + c]]; };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/images/image_file.h"
+#include "core/memory/memory_budget.h"
 #include "core/texture/texel_plane.h"
 
 namespace alabaster {
@@ -23,7 +24,8 @@ struct PackedImage {
 /// Everything else becomes halves; the palette's values are halves, too. Non-finite alpha is 1.
 class TexelPacker {
  public:
-  explicit TexelPacker(const ImageLayout& layout);
+  /// `memory` outlives it, and holds what it takes in addition to what the caller has it hold. Throws MemoryRefused.
+  TexelPacker(const ImageLayout& layout, MemoryReservation* memory);
   /// `pixels`: the next rows as the layout has them; `rgba`: their colours.
   void add(std::span<const float> pixels, std::span<const float> rgba);
   /// After the last row, once.
@@ -39,8 +41,14 @@ class TexelPacker {
   bool fits_palette(const std::array<uint8_t, 3>& bytes, const Color& color);
   void leave_palette();
   void add_alpha(size_t texel, float alpha);
+  size_t texels() const { return size_t(layout_.width) * size_t(layout_.height); }
+  void hold(size_t bytes) {
+    memory_.resize(memory_.bytes() + bytes,
+                   "an image of " + std::to_string(layout_.width) + " x " + std::to_string(layout_.height) + " pixels");
+  }
 
   const ImageLayout layout_;
+  MemoryReservation& memory_;
   size_t count_ = 0;  // texels so far
   bool is_grey_ = true;
   std::optional<Palette> palette_;

@@ -39,14 +39,20 @@ bool TexelStore::reserve(size_t bytes) {
   do
     if (bytes > limit || lent > limit - bytes) return false;
   while (!lent_.compare_exchange_weak(lent, lent + bytes));
-  return true;
+  if (!memory_ || memory_->take(MemoryUse::textures, bytes)) return true;
+  lent_ -= bytes;
+  return false;
 }
 
 // Before the first tile is written, so that a thread that has a tile to read sees the cache.
 bool TexelStore::open_file() {
   if (file_ < 0 && (file_ = open_unnamed()) < 0) return false;
   if (slots_) return true;
-  size_ = static_cast<uint32_t>(std::clamp(budget_ / 2 / kTileBytes, kLeastTiles, size_t(UINT32_MAX)));
+  size_t bytes = budget_ / 2;
+  if (memory_) bytes = std::min(bytes, memory_->left() / 4);
+  size_ = static_cast<uint32_t>(std::clamp(bytes / kTileBytes, kLeastTiles, size_t(UINT32_MAX)));
+  cache_memory_ = MemoryReservation(memory_, MemoryUse::textures, size_ * (kTileBytes + sizeof(Slot)),
+                                    "the cache of texels, of " + std::to_string(size_) + " tiles,");
   // Pages that hold no tile yet take no memory.
   cache_ = std::make_unique_for_overwrite<std::byte[]>(size_ * kTileBytes);
   slots_ = std::make_unique<Slot[]>(size_);

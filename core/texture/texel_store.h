@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/diagnostics/report.h"
+#include "core/memory/memory_budget.h"
 
 namespace alabaster {
 
@@ -22,7 +23,9 @@ class TexelStore {
   static constexpr size_t kTileBytes = 16384;
 
   /// `sink` hears, once, of tiles that could not be read back; they are black.
-  explicit TexelStore(DiagnosticSink sink = {}) : sink_(std::move(sink)) {}
+  /// `memory` (may be null) counts what the store lends and its cache: both take less where the limit leaves less.
+  explicit TexelStore(DiagnosticSink sink = {}, std::shared_ptr<MemoryBudget> memory = nullptr)
+      : sink_(std::move(sink)), memory_(std::move(memory)) {}
   ~TexelStore();
   TexelStore(const TexelStore&) = delete;
   TexelStore& operator=(const TexelStore&) = delete;
@@ -32,7 +35,12 @@ class TexelStore {
 
   /// True: `bytes` are lent, to be given back by release().
   bool reserve(size_t bytes);
-  void release(size_t bytes) { lent_ -= bytes; }
+  void release(size_t bytes) {
+    lent_ -= bytes;
+    if (memory_) memory_->give_back(MemoryUse::textures, bytes);
+  }
+  /// The memory that counts what is taken to read and convert images; may be null.
+  const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
 
   /// Makes place in the file for tiles and returns the number of the first.
   uint64_t allocate(uint64_t count) { return tiles_.fetch_add(count); }
@@ -87,11 +95,13 @@ class TexelStore {
   std::atomic<uint64_t> tiles_{0};  // in the file
   std::atomic<bool> failed_{false};
   DiagnosticSink sink_;
+  std::shared_ptr<MemoryBudget> memory_;
   std::mutex mutex_;  // guards all that follows; its owner changes the slots
   int file_ = -1;
   uint32_t size_ = 0, hand_ = 0;
   std::unique_ptr<Slot[]> slots_;
   std::unique_ptr<std::byte[]> cache_;
+  MemoryReservation cache_memory_;
 };
 
 }  // namespace alabaster

@@ -58,59 +58,105 @@ Taps taps_of(float u, int size, Wrap wrap, TextureFilter filter) {
   return {wrap_index(i, size, wrap), wrap_index(i + 1, size, wrap), x - cell};
 }
 
-/// `Element` and `kCount`: see TexelPlane.
+/// The texels of an image. `Element` and `kCount`: see TexelPlane.
+template <class Element, int kCount>
+struct StoredImage {
+  using Level = TexelPlane<uint16_t, kCount>;  // of halves: means are not in a palette
+
+  /// `alpha`: without elements where all texels are opaque. False, with errno as the reason, if there is no place.
+  bool keep(PackedTexels<Element> packed_colors, PackedTexels<Element> packed_alpha,
+            const std::shared_ptr<TexelStore>& in) {
+    store = in;
+    return colors.keep(std::move(packed_colors), store) &&
+           (packed_alpha.elements.empty() || alpha.keep(std::move(packed_alpha), store));
+  }
+  bool prepare_levels() const {
+    const std::scoped_lock lock(mutex);
+    return !levels.empty() || make_levels();
+  }
+  size_t memory_bytes() const {
+    const std::scoped_lock lock(mutex);
+    size_t bytes = colors.memory_bytes() + alpha.memory_bytes();
+    for (const auto& level : levels) bytes += level->memory_bytes();
+    return bytes;
+  }
+
+  TexelPlane<Element, kCount> colors;
+  TexelPlane<Element, 1> alpha;  // empty: 1
+  std::shared_ptr<TexelStore> store;
+  mutable std::mutex mutex;                                  // of making levels: no lookup filters before that
+  mutable std::vector<std::unique_ptr<const Level>> levels;  // from half the size down to one texel
+
+ private:
+  bool make_levels() const {
+    const auto texel = [this](int x, int y) {
+      return TexelMeans::sum_of(colors.color(x, y), alpha.empty() ? 1.0f : alpha.number(x, y));
+    };
+    const auto texels = static_cast<size_t>(colors.width()) * static_cast<size_t>(colors.height());
+    const MemoryReservation memory(  // the first level's means, those of the next, and one level packed
+        store ? store->memory() : nullptr, MemoryUse::textures,
+        texels / 4 * (sizeof(Vec4f) + sizeof(Vec4f) / 4 + kCount * sizeof(uint16_t)),
+        "filtering an image of " + std::to_string(colors.width()) + " x " + std::to_string(colors.height()) +
+            " pixels");
+    std::vector<std::unique_ptr<const Level>> made;
+    TexelMeans means;
+    for (Vec2i size(colors.width(), colors.height()); std::max(size.x, size.y) > 1; size = means.size) {
+      means = made.empty() ? halved(size, texel)
+                           : halved(size, [held = std::move(means)](int x, int y) { return held.at(x, y); });
+      auto level = std::make_unique<Level>();
+      if (!level->keep(packed(means, kCount), store)) return false;
+      made.push_back(std::move(level));
+    }
+    levels = std::move(made);
+    return true;
+  }
+};
+
+/// An image as one source asks for it; several may share it.
 template <class Element, int kCount>
 class StoredTexture final : public Texture {
  public:
-  explicit StoredTexture(const TextureSource& source)
-      : wrap_s_(source.wrap_s), wrap_t_(source.wrap_t), filter_(source.filter) {}
-  /// `alpha`: without elements where all texels are opaque. False, with errno as the reason, if there is no place.
-  bool keep(PackedTexels<Element> colors, PackedTexels<Element> alpha, const std::shared_ptr<TexelStore>& store) {
-    store_ = store;
-    return colors_.keep(std::move(colors), store) && (alpha.elements.empty() || alpha_.keep(std::move(alpha), store));
-  }
+  using Image = StoredImage<Element, kCount>;
+  StoredTexture(const TextureSource& source, std::shared_ptr<const Image> image)
+      : wrap_s_(source.wrap_s), wrap_t_(source.wrap_t), filter_(source.filter), image_(std::move(image)) {}
 
-  Rgb rgb(const Vec2f& uv) const override { return color(colors_, uv, filter_); }
+  Rgb rgb(const Vec2f& uv) const override { return color(image_->colors, uv, filter_); }
   Rgb filtered(const Vec2f& uv, float width) const override {
-    if (!(width > 1) || levels_.empty()) return rgb(uv);
-    const float level = std::min(std::log2(width), static_cast<float>(levels_.size()));
+    const auto& levels = image_->levels;
+    if (!(width > 1) || levels.empty() || filter_ == TextureFilter::nearest) return rgb(uv);
+    const float level = std::min(std::log2(width), static_cast<float>(levels.size()));
     const auto finer = static_cast<size_t>(level);
-    const Rgb fine = finer == 0 ? rgb(uv) : color(*levels_[finer - 1], uv, TextureFilter::linear);
+    const Rgb fine = finer == 0 ? rgb(uv) : color(*levels[finer - 1], uv, TextureFilter::linear);
     const float share = level - static_cast<float>(finer);
-    return share > 0 ? lerp(fine, color(*levels_[finer], uv, TextureFilter::linear), share) : fine;
+    return share > 0 ? lerp(fine, color(*levels[finer], uv, TextureFilter::linear), share) : fine;
   }
-  bool prepare_filtering() const override {
-    const std::scoped_lock lock(mutex_);
-    return filter_ == TextureFilter::nearest || !levels_.empty() || make_levels();
+  bool prepare_filtering() const override { return filter_ == TextureFilter::nearest || image_->prepare_levels(); }
+  std::shared_ptr<const Texture> placed(const TextureSource& source) const override {
+    return std::make_shared<StoredTexture>(source, image_);
   }
+  const void* texels() const override { return image_.get(); }
   float alpha(const Vec2f& uv) const override {
     float sum = 0;
-    for_each_tap(colors_, uv, filter_,
-                 [&](int x, int y, float weight) { sum += (alpha_.empty() ? 1.0f : alpha_.number(x, y)) * weight; });
+    for_each_tap(image_->colors, uv, filter_, [&](int x, int y, float weight) {
+      sum += (image_->alpha.empty() ? 1.0f : image_->alpha.number(x, y)) * weight;
+    });
     return sum;
   }
-  int width() const override { return colors_.width(); }
-  int height() const override { return colors_.height(); }
-  size_t memory_bytes() const override {
-    const std::scoped_lock lock(mutex_);
-    size_t bytes = colors_.memory_bytes() + alpha_.memory_bytes();
-    for (const auto& level : levels_) bytes += level->memory_bytes();
-    return bytes;
-  }
+  int width() const override { return image_->colors.width(); }
+  int height() const override { return image_->colors.height(); }
+  size_t memory_bytes() const override { return image_->memory_bytes(); }
   Rgb texel(int x, int y) const override {
-    return colors_.color(std::clamp(x, 0, width() - 1), std::clamp(y, 0, height() - 1));
+    return image_->colors.color(std::clamp(x, 0, width() - 1), std::clamp(y, 0, height() - 1));
   }
   void add_to(Digest* digest) const override {
     digest->add(wrap_s_);
     digest->add(wrap_t_);
     digest->add(filter_);
-    colors_.add_to(digest);
-    alpha_.add_to(digest);
+    image_->colors.add_to(digest);
+    image_->alpha.add_to(digest);
   }
 
  private:
-  using Level = TexelPlane<uint16_t, kCount>;  // of halves: means are not in a palette
-
   template <class Plane>
   Rgb color(const Plane& plane, const Vec2f& uv, TextureFilter filter) const {
     Rgb sum;
@@ -132,37 +178,17 @@ class StoredTexture final : public Texture {
     add(s.i1, t.i1, s.weight * t.weight);
   }
 
-  bool make_levels() const {
-    const auto texel = [this](int x, int y) {
-      return TexelMeans::sum_of(colors_.color(x, y), alpha_.empty() ? 1.0f : alpha_.number(x, y));
-    };
-    std::vector<std::unique_ptr<const Level>> levels;
-    TexelMeans means;
-    for (Vec2i size(width(), height()); std::max(size.x, size.y) > 1; size = means.size) {
-      means = levels.empty() ? halved(size, texel)
-                             : halved(size, [held = std::move(means)](int x, int y) { return held.at(x, y); });
-      auto level = std::make_unique<Level>();
-      if (!level->keep(packed(means, kCount), store_)) return false;
-      levels.push_back(std::move(level));
-    }
-    levels_ = std::move(levels);
-    return true;
-  }
-
   Wrap wrap_s_, wrap_t_;
   TextureFilter filter_;
-  TexelPlane<Element, kCount> colors_;
-  TexelPlane<Element, 1> alpha_;  // empty: 1
-  std::shared_ptr<TexelStore> store_;
-  mutable std::mutex mutex_;                                  // of making levels: no lookup filters before that
-  mutable std::vector<std::unique_ptr<const Level>> levels_;  // from half the size down to one texel
+  std::shared_ptr<const Image> image_;
 };
 
 template <class Element, int kCount>
 std::shared_ptr<const Texture> store(PackedTexels<Element> colors, PackedTexels<Element> alpha,
                                      const TextureSource& source, const std::shared_ptr<TexelStore>& store) {
-  const auto texture = std::make_shared<StoredTexture<Element, kCount>>(source);
-  return texture->keep(std::move(colors), std::move(alpha), store) ? texture : nullptr;
+  auto image = std::make_shared<StoredImage<Element, kCount>>();
+  if (!image->keep(std::move(colors), std::move(alpha), store)) return nullptr;
+  return std::make_shared<StoredTexture<Element, kCount>>(source, std::move(image));
 }
 
 /// Null, with errno as the reason, if there is no place for it.
@@ -239,7 +265,9 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
     if (!transform) return nullptr;
 
     const ImageLayout& layout = reader.layout();
-    TexelPacker packer(layout);
+    MemoryReservation memory(store ? store->memory() : nullptr, MemoryUse::textures);
+    memory.resize(layout.working_bytes * 2, "decoding an image of " + std::to_string(layout.width) + " pixels a row");
+    TexelPacker packer(layout, &memory);
     std::vector<float> pixels, rgba;
     for (int y = 0; y < layout.height;) {
       const int rows = reader.read_rows(y, pixels, sink);
@@ -249,10 +277,14 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
       packer.add(pixels, rgba);
       y += rows;
     }
-    if (auto texture = make_texture(packer.take(), source, store)) return texture;
+    PackedImage packed = packer.take();
+    memory.shrink(0);  // the store holds what it keeps in memory
+    if (auto texture = make_texture(std::move(packed), source, store)) return texture;
     report(sink, Severity::error, "texture.memory", source.path,
            std::string("textureMemory is spent, and the image cannot be written to a temporary file: ") +
                std::strerror(errno) + "; free disk space, set TMPDIR to another folder, or raise textureMemory");
+  } catch (const MemoryRefused& e) {
+    report(sink, Severity::error, "texture.memory", source.path, e.what());
   } catch (const std::bad_alloc&) {
     report(sink, Severity::error, "texture.memory", source.path, "not enough memory for this image; make it smaller");
   } catch (const std::exception& e) {

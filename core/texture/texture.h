@@ -28,6 +28,10 @@ struct TextureSource {
   TextureFilter filter = TextureFilter::linear;
   bool may_be_set = false;  // "<UDIM>" in the path names a set of files (core/texture/udim.h)
   bool operator==(const TextureSource&) const = default;
+  /// True if both have the same texels: wrap modes and the filter do not count.
+  bool is_same_image(const TextureSource& o) const {
+    return path == o.path && bytes == o.bytes && color_space == o.color_space && may_be_set == o.may_be_set;
+  }
 };
 
 /// An immutable decoded image. uv: u to the right, v UP (v = 0 is the bottom row). Texel centres at half integers,
@@ -41,6 +45,10 @@ class Texture {
   virtual Rgb filtered(const Vec2f& uv, float /*width*/) const { return rgb(uv); }
   /// Makes the pyramid, once; any thread. False, with errno as the reason, if there is no place for it.
   virtual bool prepare_filtering() const { return true; }
+  /// The same texels, looked up as this source of the same image asks. Null: they cannot be shared.
+  virtual std::shared_ptr<const Texture> placed(const TextureSource&) const { return nullptr; }
+  /// The same for all textures that share texels.
+  virtual const void* texels() const { return this; }
   /// 1 for an image without alpha, 0 beyond a black border.
   virtual float alpha(const Vec2f&) const { return 1; }
   /// A set of images, each for a unit square of uv. False: it covers all uv.
@@ -58,7 +66,8 @@ class Texture {
 };
 
 /// Reads, converts and keeps an image, in the store if one is given. Null + a report (file, reason, remedy) on failure.
-/// Images above `max_pixels` are refused before memory is allocated.
+/// Images above `max_pixels`, and those that the store's memory does not hold while they are converted, are refused
+/// before memory is allocated.
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
                                             const DiagnosticSink& sink,
                                             const std::shared_ptr<TexelStore>& store = nullptr,

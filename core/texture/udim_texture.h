@@ -38,6 +38,13 @@ class UdimTexture final : public Texture {
       if (!tile->prepare_filtering()) return false;
     return true;
   }
+  std::shared_ptr<const Texture> placed(const TextureSource& source) const override {
+    TextureSource one = source;
+    one.wrap_s = one.wrap_t = Wrap::clamp;
+    std::map<std::pair<int, int>, std::shared_ptr<const Texture>> tiles;
+    for (const auto& [place, tile] : tiles_) tiles[place] = tile->placed(one);
+    return std::make_shared<UdimTexture>(std::move(tiles));
+  }
   // The size of the largest tile.
   int width() const override { return width_; }
   int height() const override { return height_; }

@@ -40,6 +40,9 @@ constexpr SettingFlag kSettingFlags[] = {
      "backdrop only if it has no camera either; on replaces the scene's lights; off adds a soft dome to a scene "
      "without light"},
     {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
+    {"--memory-limit", "memoryLimit", "MIB",
+     "Memory for the scene and the frame: more is refused. Default: three quarters of what the program "
+     "may use"},
     {"--texture-memory", "textureMemory", "MIB",
      "Memory for the texels of images; more texels are read from a temporary file as they are needed. Default: 4096"},
 };

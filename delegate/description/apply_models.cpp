@@ -71,6 +71,7 @@ bool apply_models(const Reader& reader) {
     gltf::GltfOptions options = options_of(model, asked);
     options.root = root_for(file.resolved, &taken);
     sample_shutter(described_shutter(reader), &options);
+    options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
     if (model.contains("transform")) {
       const auto transform = to_transform(model["transform"]);
       if (!transform)
@@ -92,6 +93,8 @@ bool apply_models(const Reader& reader) {
         gltf::LoadGltf(file.resolved, options, &reader.scene(), *reader.state().sink));
     const gltf::GltfSummary& loaded = reader.state().result->gltf.back();
     ok = ok && loaded.ok;
+    MemoryReservation& held = reader.state().held;
+    held.resize(held.bytes() + loaded.memory_bytes, file.resolved);
     if (!loaded.ok || motion.values.empty()) continue;
     move_prims(loaded.meshes, motion, &reader.scene());
     move_prims(loaded.cameras, motion, &reader.scene());

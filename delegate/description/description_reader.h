@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "core/memory/memory_budget.h"
 #include "delegate/description/json_document.h"
 #include "delegate/description/render_description.h"
 
@@ -41,6 +42,8 @@ struct LoadState {
   RenderSettingsDescription settings;
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
+  std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
+  MemoryReservation held;                // by what is loaded already
 };
 
 /// One document being applied.

@@ -8,11 +8,14 @@
 #include "delegate/description/description_reader.h"
 #include "delegate/description/render_description.h"
 #include "delegate/description/schema_check.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::description {
 namespace {
 
 constexpr uintmax_t kMaxDescriptionBytes = 64u << 20;
+// A value takes a node of the document, and one of the table of its lines.
+constexpr size_t kValueBytes = 300;
 
 std::string lower_extension(const std::string& file) {
   std::string extension = std::filesystem::path(file).extension();
@@ -42,10 +45,18 @@ class Loader {
     state_.scene = scene;
     state_.sink = &sink_;
     state_.result = result;
+    state_.memory = std::make_shared<MemoryBudget>(support::default_memory_limit());
+    state_.held = MemoryReservation(state_.memory, MemoryUse::scene);
   }
 
   bool run(const std::string& file, const LoadOptions& options) {
     state_.options = options;
+    for (const std::string& assignment : options.overrides) {
+      JsonDocument document;
+      std::string problem;  // reported when it is applied
+      if (assignment.starts_with("memoryLimit=") && override_document(assignment, &document, &problem))
+        limit_memory(document.value, true);
+    }
     if (!load_file(file)) return false;
     for (const std::string& assignment : options.overrides)
       if (!apply_override(assignment)) return false;
@@ -84,10 +95,21 @@ class Loader {
       options.variant = o.variant;
       options.time = o.time;
       sample_shutter(o, &options);
+      options.memory_limit = state_.memory->left();
       state_.result->gltf.push_back(gltf::LoadGltf(file, options, state_.scene, sink_));
       return state_.result->gltf.back().ok;
     }
     return fail("scene.kind", file, "This is not a scene file: use .gltf, .glb or .json (a render description).");
+  }
+
+  // As the setting of a description or an override says, which counts before any description.
+  void limit_memory(const nlohmann::json& description, bool overrides) {
+    const auto settings = description.find("settings");
+    if (settings == description.end() || !settings->contains("memoryLimit") || limit_is_given_) return;
+    limit_is_given_ = overrides;
+    const nlohmann::json& mib = (*settings)["memoryLimit"];
+    if (mib.is_number() && mib.get<double>() >= 1 && mib.get<double>() < 0x1p40)
+      state_.memory->set_limit(mib.get<size_t>() << 20);
   }
 
   bool load_description(const std::string& file) {
@@ -100,10 +122,16 @@ class Loader {
     std::ostringstream text;
     text << stream.rdbuf();
     if (!stream) return fail("scene.read", file, "The file could not be read. Check its permissions.");
+    const std::string json = std::move(text).str();
+    const auto values = static_cast<size_t>(
+        std::count_if(json.begin(), json.end(), [](char c) { return c == ',' || c == '[' || c == '{'; }));
+    const MemoryReservation memory(state_.memory, MemoryUse::scene, 2 * json.size() + values * kValueBytes,
+                                   "JSON of " + std::to_string(values) + " values");
     JsonDocument document;
     std::string problem;
-    if (!parse_json(text.str(), file, &document, &problem)) return fail("description.json", file, problem);
+    if (!parse_json(json, file, &document, &problem)) return fail("description.json", file, problem);
     if (!check_schema(document, schema_, sink_)) return false;
+    limit_memory(document.value, false);
     return apply(document, std::filesystem::path(file).parent_path());
   }
 
@@ -142,6 +170,7 @@ class Loader {
   const nlohmann::json schema_;
   const DiagnosticSink& sink_;
   LoadState state_;
+  bool limit_is_given_ = false;  // by an override
 };
 
 }  // namespace
@@ -151,6 +180,8 @@ SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
   SceneFile result;
   try {
     result.ok = Loader(scene, sink, &result).run(file, options);
+  } catch (const MemoryRefused& e) {
+    if (sink) sink({Severity::error, "scene.memory", file, e.what()});
   } catch (const std::bad_alloc&) {
     if (sink) sink({Severity::error, "scene.memory", file, "Not enough memory to load the scene."});
   } catch (const std::exception& e) {

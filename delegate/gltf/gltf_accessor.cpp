@@ -5,8 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "delegate/support/process_usage.h"
-
 namespace alabaster::hd::gltf {
 namespace {
 
@@ -67,12 +65,6 @@ size_t component_size(int component_type) {
     default:
       return 0;
   }
-}
-
-uint64_t most_decoded_bytes() {
-  constexpr uint64_t kMost = uint64_t(16) << 30;
-  const uint64_t physical = support::physical_memory_bytes();
-  return physical > 0 ? std::min(kMost, physical / 8) : kMost;
 }
 
 uint32_t read_index(const uint8_t* p, int component_type) {

@@ -29,10 +29,6 @@ struct AccessorView {
   const uint8_t* sparse_values = nullptr;  // tightly packed
 };
 
-/// The limit on the bytes of geometry, and on those of animations, when decoded. It keeps many elements over one
-/// accessor from filling the memory: reading them and building what is traced takes up to eight times as much.
-uint64_t most_decoded_bytes();
-
 /// One integer component at `p`, which need not be aligned.
 uint32_t read_index(const uint8_t* p, int component_type);
 

@@ -28,8 +28,8 @@ Json find_extension(const Json& object, const char* name) {
 
 class BufferLoader {
  public:
-  BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, const std::string& folder)
-      : chunk_(chunk), left_(max_bytes), report_(report), folder_(folder) {}
+  BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, Document* document)
+      : chunk_(chunk), left_(max_bytes), report_(report), folder_(document->folder), memory_(document->memory) {}
 
   /// Many buffers may be one file, which is read once.
   const std::map<std::string, Bytes>& files() const { return files_; }
@@ -72,7 +72,7 @@ class BufferLoader {
       const auto file = resolve_uri(folder_, uri, reason);
       if (!file) return nullptr;
       if (const auto known = files_.find(*file); known != files_.end()) return known->second;
-      const Bytes bytes = read_file(*file, left_, reason);
+      const Bytes bytes = read_file(*file, left_, &memory_, reason);
       if (!bytes) {
         *reason = "'" + *file + "': " + *reason;
         return nullptr;
@@ -80,6 +80,7 @@ class BufferLoader {
       left_ -= bytes->size();
       return files_[*file] = bytes;
     }
+    hold_more(&memory_, uri.size() / 4 * 3, element);
     auto data = decode_data_uri(uri, reason);
     if (!data) return nullptr;
     if (data->media_type != "application/octet-stream" && data->media_type != "application/gltf-buffer")
@@ -93,6 +94,7 @@ class BufferLoader {
   size_t left_;
   Report& report_;
   const std::string& folder_;
+  MemoryReservation& memory_;
   std::map<std::string, Bytes> files_;  // by name
 };
 
@@ -170,9 +172,10 @@ class AccessorLoader {
     if (!document_->buffers[index] || offset > available || length > available - offset)
       return report_.error("bufferView.range", place, "lies outside its buffer; compress the file again");
     std::string reason;
+    hold_more(&document_->memory, json["count"].get<uint64_t>() * json["byteStride"].get<uint64_t>(), place);
     const Bytes bytes = decode_meshopt(json, {document_->buffers[index]->data() + offset, size_t(length)}, &reason);
     if (!bytes) return report_.error("bufferView.meshopt", place, reason);
-    if (!keep(bytes, place)) return;
+    document_->decoded.push_back(bytes);
     if (bytes->size() < view->length)
       return report_.error("bufferView.meshopt", place,
                            "decodes to " + std::to_string(bytes->size()) + " bytes, but the view has " +
@@ -197,25 +200,15 @@ class AccessorLoader {
     if (!needed) return;
     const std::string place = element + ".extensions.KHR_draco_mesh_compression";
     const View& view = views_[compressed["bufferView"].get<size_t>()];
-    if (declared > most_decoded_bytes())
-      return report_.error("mesh.size", place, "declares more than this machine can hold; split the file");
+    hold_more(&document_->memory, declared, place);
     AccessorBytes accessors;
     std::string reason;
     if (!decode_draco(root_, primitive, {view.data, size_t(view.length)}, &accessors, &reason))
       return report_.error("mesh.draco", place, reason);
     for (const auto& [index, bytes] : accessors) {
       if (root_["accessors"][index].contains("bufferView") || !draco_.emplace(index, bytes).second) continue;
-      if (!keep(bytes, place)) return;
+      document_->decoded.push_back(bytes);
     }
-  }
-
-  // Keeps decoded bytes for as long as the document.
-  bool keep(const Bytes& bytes, const std::string& place) {
-    decoded_bytes_ += bytes->size();
-    document_->decoded.push_back(bytes);
-    if (decoded_bytes_ <= most_decoded_bytes()) return true;
-    report_.error("mesh.size", place, "the file decodes to more than this machine can hold; split it");
-    return false;
   }
 
   void load_accessor(const Json& json, const std::string& element, AccessorView* accessor) {
@@ -331,14 +324,14 @@ class AccessorLoader {
   Document* document_;
   std::vector<View> views_;
   AccessorBytes draco_;
-  uint64_t zero_bytes_ = 0, bounds_bytes_ = 0, decoded_bytes_ = 0;
+  uint64_t zero_bytes_ = 0, bounds_bytes_ = 0;
 };
 
 }  // namespace
 
 void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes, Report& report, Document* document) {
   if (!root.contains("buffers")) return;
-  BufferLoader loader(binary_chunk, max_bytes, report, document->folder);
+  BufferLoader loader(binary_chunk, max_bytes, report, document);
   for (size_t i = 0; i < root["buffers"].size(); ++i) document->buffers.push_back(loader.load(root["buffers"][i], i));
   for (const auto& [file, bytes] : loader.files()) document->files.push_back(file);
 }

@@ -11,7 +11,7 @@ namespace {
 
 class AnimationCheck {
  public:
-  AnimationCheck(const Json& root, const Document& document, Report& report)
+  AnimationCheck(const Json& root, Document& document, Report& report)
       : root_(root), document_(document), report_(report) {}
 
   // Removes channels that change nothing. Returns the time of the last key.
@@ -53,7 +53,7 @@ class AnimationCheck {
     const auto [last, is_new] = last_time_.try_emplace(index.get<size_t>(), 0);
     if (!is_new) return last->second;
     if (view.type != "SCALAR" || view.component_type != kFloat) return fault(place, "must be scalars of floats");
-    if (!count_bytes(view, place)) return 0;
+    count_bytes(view, place);
     const std::vector<float> times = read_floats(view);
     for (size_t k = 0; k < times.size(); ++k)
       if (!std::isfinite(times[k]) || times[k] < 0 || (k > 0 && times[k] <= times[k - 1]))
@@ -61,11 +61,8 @@ class AnimationCheck {
     return last->second = double(times.back());
   }
 
-  bool count_bytes(const AccessorView& view, const std::string& place) {
-    decoded_bytes_ += view.count * view.components * sizeof(float);
-    if (decoded_bytes_ <= most_decoded_bytes()) return true;
-    report_.error("animation.size", place, "the animations are too long for this machine; split the file");
-    return false;
+  void count_bytes(const AccessorView& view, const std::string& place) {
+    hold_more(&document_.memory, view.count * view.components * sizeof(float), place);
   }
 
   bool moves_something(const Json& channel, const std::string& place) {
@@ -118,19 +115,18 @@ class AnimationCheck {
     if (sampler.value("interpolation", "LINEAR") == "CUBICSPLINE" && times.count < 2)
       report_.warning("animation", output, "a spline needs two keys; the value of the only one is held");
     if (!checked_values_.insert(&values).second) return true;
-    if (!count_bytes(values, output)) return false;
+    count_bytes(values, output);
     if (const auto element = first_not_finite(values))
       return fault(output, "value " + std::to_string(*element) + " is not a finite number");
     return true;
   }
 
   const Json& root_;
-  const Document& document_;
+  Document& document_;
   Report& report_;
   bool used_ = false;
   std::map<size_t, double> last_time_;  // by accessor
   std::set<const AccessorView*> checked_values_;
-  uint64_t decoded_bytes_ = 0;
 };
 
 }  // namespace

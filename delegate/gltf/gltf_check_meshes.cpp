@@ -75,7 +75,8 @@ class MeshCheck {
           ++copies_[node["mesh"].get<size_t>()];
   }
 
-  void run() {
+  /// Bytes of all meshes when decoded.
+  double run() {
     double total_bytes = 0;
     for (size_t m = 0; m < root_["meshes"].size(); ++m) {
       const Json& mesh = root_["meshes"][m];
@@ -87,11 +88,7 @@ class MeshCheck {
       total_bytes += double(decoded_bytes_) * double(copies_[m] + 1);
       decoded_bytes_ = 0;
     }
-    if (const uint64_t most = most_decoded_bytes(); total_bytes > double(most))
-      report_.error("mesh.size", "meshes",
-                    "contain " + std::to_string(uint64_t(total_bytes / (1 << 20))) +
-                        " MiB of geometry, and the limit on this machine is " + std::to_string(most >> 20) +
-                        " MiB; split the file, or share meshes by nodes");
+    return total_bytes;
   }
 
  private:
@@ -306,8 +303,12 @@ class MeshCheck {
 
 }  // namespace
 
-void check_meshes(const Json& root, const Document& document, Report& report) {
-  if (root.contains("meshes")) MeshCheck(root, document, report).run();
+// Reading a mesh takes its vectors beside its arrays.
+void check_meshes(const Json& root, Report& report, Document* document) {
+  if (!root.contains("meshes")) return;
+  constexpr double kMost = 0x1p60;
+  document->geometry_bytes = static_cast<size_t>(std::min(MeshCheck(root, *document, report).run(), kMost));
+  hold_more(&document->memory, 2 * document->geometry_bytes, "the geometry of its meshes");
 }
 
 }  // namespace alabaster::hd::gltf

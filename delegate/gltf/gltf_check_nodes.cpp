@@ -12,10 +12,11 @@ class NodeMeshCheck {
   NodeMeshCheck(const Json& root, const Document& document, Report& report)
       : root_(root), document_(document), report_(report) {}
 
-  void run() {
+  /// The number of instances.
+  size_t run() {
     if (root_.contains("skins"))
       for (size_t s = 0; s < root_["skins"].size(); ++s) check_skin(root_["skins"][s], element_name("skins", s));
-    if (!root_.contains("nodes")) return;
+    if (!root_.contains("nodes")) return 0;
     for (size_t n = 0; n < root_["nodes"].size() && !report_.failed(); ++n) {
       const Json& node = root_["nodes"][n];
       const std::string element = element_name("nodes", n);
@@ -32,9 +33,7 @@ class NodeMeshCheck {
         report_.warning("node.instances", element,
                         "has a skin, which places the mesh, and instances, which are ignored; remove one");
     }
-    if (double(instances_) * sizeof(Matrix4d) > double(most_decoded_bytes()))
-      report_.error("node.instances", "nodes",
-                    "have " + std::to_string(instances_) + " instances, too many for this machine; split the file");
+    return instances_;
   }
 
  private:
@@ -178,8 +177,9 @@ class NodeMeshCheck {
 
 }  // namespace
 
-void check_node_meshes(const Json& root, const Document& document, Report& report) {
-  NodeMeshCheck(root, document, report).run();
+void check_node_meshes(const Json& root, Report& report, Document* document) {
+  const size_t instances = NodeMeshCheck(root, *document, report).run();
+  hold_more(&document->memory, instances * sizeof(Matrix4d), std::to_string(instances) + " instances of nodes");
 }
 
 }  // namespace alabaster::hd::gltf

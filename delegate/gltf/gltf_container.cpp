@@ -9,7 +9,8 @@ namespace {
 
 // Deeper JSON would overflow the stack of recursive readers. glTF itself needs about ten levels, extras rarely more.
 constexpr size_t kMostDepth = 128;
-// A parsed JSON value takes up to three hundred bytes while the document is read, so this limits it to about 3 GB.
+// A parsed JSON value takes up to three hundred bytes while the document is read, beside three copies of its text.
+constexpr size_t kValueBytes = 300;
 constexpr size_t kMostValues = 10'000'000;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // glTF 2.0, section 4.4
@@ -19,7 +20,7 @@ uint32_t read_u32(const uint8_t* p) {
 }
 
 // Limits depth and size before any parser sees the text. It knows only strings and brackets of JSON.
-bool json_is_bounded(std::string_view text, Report& report) {
+bool json_is_bounded(std::string_view text, MemoryReservation* memory, Report& report) {
   size_t depth = 0, values = 0;
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -44,10 +45,11 @@ bool json_is_bounded(std::string_view text, Report& report) {
       return false;
     }
   }
+  hold_more(memory, values * kValueBytes + 3 * text.size(), "JSON of " + std::to_string(values) + " values");
   return true;
 }
 
-bool parse_json(std::string_view text, Report& report, Json* root) {
+bool parse_json(std::string_view text, MemoryReservation* memory, Report& report, Json* root) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") {
     report.warning("json.bom", "", "the JSON begins with a byte order mark, which glTF forbids; remove it");
     text.remove_prefix(3);
@@ -57,7 +59,7 @@ bool parse_json(std::string_view text, Report& report, Json* root) {
     report.error("json.root", "", "begins with neither '{' nor 'glTF', so this is no glTF document; export it again");
     return false;
   }
-  if (!json_is_bounded(text, report)) return false;
+  if (!json_is_bounded(text, memory, report)) return false;
   try {
     *root = Json::parse(text.begin(), text.end());
   } catch (const Json::exception& e) {
@@ -104,7 +106,7 @@ std::vector<Chunk> glb_chunks(const std::vector<uint8_t>& file, Report& report) 
   return chunks;
 }
 
-bool read_glb(const std::vector<uint8_t>& file, Report& report, Container* container) {
+bool read_glb(const std::vector<uint8_t>& file, MemoryReservation* memory, Report& report, Container* container) {
   const std::vector<Chunk> chunks = glb_chunks(file, report);
   if (chunks.empty()) return false;
   for (size_t i = 1; i < chunks.size(); ++i) {
@@ -119,16 +121,17 @@ bool read_glb(const std::vector<uint8_t>& file, Report& report, Container* conta
       report.warning("glb.chunk", "", "GLB chunk " + std::to_string(i) + " has an unknown type and is ignored");
       continue;
     }
+    hold_more(memory, chunk.size, "the binary chunk");
     const auto begin = file.begin() + std::ptrdiff_t(chunk.begin);
     container->binary_chunk = std::make_shared<const std::vector<uint8_t>>(begin, begin + std::ptrdiff_t(chunk.size));
   }
   const auto* text = reinterpret_cast<const char*>(file.data()) + chunks[0].begin;
-  return parse_json({text, chunks[0].size}, report, &container->root);
+  return parse_json({text, chunks[0].size}, memory, report, &container->root);
 }
 
 }  // namespace
 
-Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason) {
+Bytes read_file(const std::string& file, size_t max_bytes, MemoryReservation* memory, std::string* reason) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     *reason = "the file is missing or not a regular file; check the path";
@@ -139,6 +142,7 @@ Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason) 
     *reason = "the file is larger than the limit of " + std::to_string(max_bytes) + " bytes; raise max_file_bytes";
     return nullptr;
   }
+  hold_more(memory, size, "'" + file + "'");
   auto bytes = std::make_shared<std::vector<uint8_t>>(size);
   std::ifstream stream(file, std::ios::binary);
   stream.read(reinterpret_cast<char*>(bytes->data()), std::streamsize(size));
@@ -149,20 +153,24 @@ Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason) 
   return bytes;
 }
 
-bool read_container(const std::string& file, size_t max_bytes, Report& report, Container* container) {
+bool read_container(const std::string& file, size_t max_bytes, MemoryReservation* memory, Report& report,
+                    Container* container) {
   std::string reason;
-  const Bytes bytes = read_file(file, max_bytes, &reason);
+  const Bytes bytes = read_file(file, max_bytes, memory, &reason);
   if (!bytes) {
     report.error("file", "", reason);
     return false;
   }
   container->is_glb = bytes->size() >= 4 && read_u32(bytes->data()) == kMagic;
-  if (container->is_glb) return read_glb(*bytes, report, container);
   if (bytes->empty()) {
     report.error("json.syntax", "", "the file is empty; export it again");
     return false;
   }
-  return parse_json({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, report, &container->root);
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const bool good = container->is_glb ? read_glb(*bytes, memory, report, container)
+                                      : parse_json(text, memory, report, &container->root);
+  memory->shrink(memory->bytes() - bytes->size());
+  return good;
 }
 
 }  // namespace alabaster::hd::gltf

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string_view>
 
+#include "core/memory/memory_budget.h"
 #include "delegate/gltf/gltf_report.h"
 
 namespace alabaster::hd::gltf {
@@ -19,11 +20,19 @@ struct Container {
   Bytes binary_chunk;  // null: none
 };
 
-/// Reads .gltf or .glb, which it distinguishes by content. Reports faults; false if nothing is usable.
-bool read_container(const std::string& file, size_t max_bytes, Report& report, Container* container);
+/// Throws MemoryRefused.
+inline void hold_more(MemoryReservation* memory, size_t bytes, const std::string& what) {
+  memory->resize(memory->bytes() + bytes, what);
+}
 
-/// Reads a whole regular file. Null and `reason` if it cannot be read or is longer than `max_bytes`.
-Bytes read_file(const std::string& file, size_t max_bytes, std::string* reason);
+/// Reads .gltf or .glb, which it distinguishes by content, and has `memory` hold it in addition (MemoryRefused).
+/// Reports faults; false if nothing is usable.
+bool read_container(const std::string& file, size_t max_bytes, MemoryReservation* memory, Report& report,
+                    Container* container);
+
+/// Reads a whole regular file, which `memory` then holds in addition (MemoryRefused). Null and `reason` if it cannot be
+/// read or is longer than `max_bytes`.
+Bytes read_file(const std::string& file, size_t max_bytes, MemoryReservation* memory, std::string* reason);
 
 struct DataUri {
   std::string media_type;  // lower case

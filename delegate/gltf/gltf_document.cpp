@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "delegate/gltf/gltf_schema.h"
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -75,8 +76,10 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   const size_t max_bytes = options.max_file_bytes;
   document->file = file;
   document->folder = std::filesystem::path(file).parent_path().string();
+  const size_t limit = options.memory_limit ? options.memory_limit : support::default_memory_limit();
+  document->memory = MemoryReservation(std::make_shared<MemoryBudget>(limit), MemoryUse::scene);
   Container container;
-  if (!read_container(file, max_bytes, report, &container)) return false;
+  if (!read_container(file, max_bytes, &document->memory, report, &container)) return false;
   Json& root = container.root;
   check_structure(root, report);
   if (report.failed()) return false;
@@ -91,10 +94,10 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   if (report.failed()) return false;
   load_accessors(root, report, document);
   if (report.failed()) return false;
-  check_meshes(root, *document, report);
+  check_meshes(root, report, document);
   check_scene(root, report);
   if (report.failed()) return false;
-  check_node_meshes(root, *document, report);
+  check_node_meshes(root, report, document);
   check_animations(root, report, document);
   if (report.failed()) return false;
   choose_images(&root);

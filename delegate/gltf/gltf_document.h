@@ -21,9 +21,11 @@ struct Document {
   std::vector<std::string> scenes, variants;  // names
   std::vector<GltfAnimation> animations;
   int scene = -1, variant = -1, animation = -1;  // that GltfOptions choose; -1: none
+  MemoryReservation memory;                      // of all that is read, and of what it becomes
+  size_t geometry_bytes = 0;                     // of meshes, decoded
 };
 
-/// False if an error was reported; the document must not be used then.
+/// False if an error was reported; the document must not be used then. Throws MemoryRefused.
 bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document);
 
 // The steps of read_document, in order. Each reports faults; the steps after an error are not run.
@@ -35,11 +37,11 @@ void load_buffers(const Json& root, const Bytes& binary_chunk, size_t max_bytes,
 /// Checks buffer views and accessors against the buffers.
 void load_accessors(const Json& root, Report& report, Document* document);
 /// Checks attributes against their semantics and each other, and indices against vertex counts.
-void check_meshes(const Json& root, const Document& document, Report& report);
+void check_meshes(const Json& root, Report& report, Document* document);
 /// Checks node trees, transforms, scenes, cameras and lights.
 void check_scene(const Json& root, Report& report);
 /// Checks skins, morph weights and instances of nodes.
-void check_node_meshes(const Json& root, const Document& document, Report& report);
+void check_node_meshes(const Json& root, Report& report, Document* document);
 /// Checks animations, and removes those that are not used and channels that change nothing.
 void check_animations(Json& root, Report& report, Document* document);
 /// Gives every texture the source that is used: EXT_texture_webp's, else its own, else KHR_texture_basisu's, which is

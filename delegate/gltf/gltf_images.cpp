@@ -30,7 +30,7 @@ const char* kind_fault(const uint8_t* data, size_t size) {
 
 class ImageLoader {
  public:
-  ImageLoader(const Json& root, size_t max_bytes, Report& report, const Document& document)
+  ImageLoader(const Json& root, size_t max_bytes, Report& report, Document& document)
       : root_(root), left_(max_bytes), report_(report), document_(document) {
     if (root.contains("extensionsUsed"))
       for (const Json& name : root["extensionsUsed"]) allows_webp_ |= name == "EXT_texture_webp";
@@ -76,11 +76,13 @@ class ImageLoader {
     if (!buffer) return unusable("lies in a buffer without data; export the file again");
     const size_t offset = view.value("byteOffset", size_t(0)), length = view["byteLength"].get<size_t>();
     if (length > left_) return unusable("exceeds the memory limit for embedded images; raise max_file_bytes");
+    hold_more(&document_.memory, length, element_);
     return embedded({buffer->data() + offset, buffer->data() + offset + length});
   }
 
   AssetPath from_data(const std::string& uri) {
     std::string reason;
+    hold_more(&document_.memory, uri.size() / 4 * 3, element_);
     auto data = decode_data_uri(uri, &reason);
     return data ? embedded(std::move(data->bytes)) : unusable(reason);
   }
@@ -105,7 +107,7 @@ class ImageLoader {
   const Json& root_;
   size_t left_;
   Report& report_;
-  const Document& document_;
+  Document& document_;
   bool allows_webp_ = false;
   std::string element_, name_;  // of the image that is loaded
 };

@@ -138,6 +138,7 @@ class MotionSampler {
 
   void run(Document* document, Report& report) {
     constexpr int kSamples = 5;
+    hold_more(&document->memory, kSamples * document->geometry_bytes, "the geometry over the shutter");
     Report silent({}, {});
     for (int i = 0; i < kSamples; ++i) {
       const double open = options_.shutter_open, length = options_.shutter_close - open;
@@ -249,6 +250,7 @@ void load(const std::string& file, const GltfOptions& options, host::RetainedSce
   if (document.variant >= 0) apply_variant(size_t(document.variant), &document.model);
   Prims prims = SceneTranslator(document, options, report).run();
   if (report.failed()) return;
+  summary->memory_bytes = document.geometry_bytes;
   if (document.animation >= 0 && options.shutter_close > options.shutter_open)
     MotionSampler(options, &prims).run(&document, report);
   if (prims.meshes.empty()) report.warning("scene.empty", "", "the scene has nothing to draw");
@@ -264,6 +266,8 @@ GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::
   GltfSummary summary;
   try {
     load(file, options, scene, report, &summary);
+  } catch (const MemoryRefused& e) {
+    report.error("memory", "", e.what());
   } catch (const std::bad_alloc&) {
     report.error("memory", "", "not enough memory; split the file or lower max_file_bytes");
   } catch (const std::exception& e) {

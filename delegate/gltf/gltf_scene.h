@@ -18,7 +18,8 @@ struct GltfOptions {
   Path root = "/";     // prims are created below it
   Matrix4d transform;  // applied after the node transforms
   size_t max_file_bytes = size_t(4) << 30;
-  int refine_level = 2;  // of meshes with FB_ngon_encoding (cages); other meshes are drawn as they are
+  size_t memory_limit = 0;  // bytes that reading may take; 0: three quarters of what the process may use
+  int refine_level = 2;     // of meshes with FB_ngon_encoding (cages); other meshes are drawn as they are
   // Each of these is a name, or an index as a whole number.
   std::string scene;      // empty: the file's default, else the first
   std::string animation;  // empty: the first
@@ -42,6 +43,7 @@ struct GltfSummary {
   std::vector<Path> meshes, materials, cameras, lights;
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
   std::vector<std::string> files;             // that were read: the document and its buffers
+  size_t memory_bytes = 0;                    // of the geometry that was added
   std::vector<std::string> scenes, variants;  // names, empty where the file gives none
   std::vector<GltfAnimation> animations;
 };

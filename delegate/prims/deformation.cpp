@@ -26,10 +26,16 @@ MeshPose pose_at(const Deformation& deformation, double time) {
 }
 
 // Without its BVH.
-std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& deformation, const Shutter& shutter) {
+std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& deformation, const Shutter& shutter,
+                                        const std::shared_ptr<MemoryBudget>& budget) {
   auto prototype = std::make_shared<MeshPrototype>();
-  Mesh& out = prototype->mesh = mesh;
   const size_t count = even_pose_count(deformation.times, shutter, kMostMeshPoses);
+  prototype->memory =
+      MemoryReservation(budget, MemoryUse::meshes,
+                        mesh.memory_bytes() + (count - 1) * (mesh.points.size() + mesh.normals.size()) * sizeof(Vec3f),
+                        "a mesh in " + std::to_string(count) + " poses");
+  prototype->interior.count_in(budget);
+  Mesh& out = prototype->mesh = mesh;
   for (size_t i = 0; i < count; ++i) {
     const double share = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0;
     MeshPose pose = pose_at(deformation, shutter.time(share));
@@ -57,7 +63,7 @@ DeformedMeshes Deformations::in(const Shutter& shutter, const BuiltMeshes& meshe
       cancel.check();
       built = {mesh.deformation, shutter, nullptr};
       param->run([&] {
-        auto prototype = deformed(mesh.prototype->mesh, *mesh.deformation, shutter);
+        auto prototype = deformed(mesh.prototype->mesh, *mesh.deformation, shutter, param->memory());
         prototype->object =
             build_object_scene(param->device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
         if (prototype->object) built.prototype = std::move(prototype);

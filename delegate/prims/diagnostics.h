@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/diagnostics/report.h"
+#include "core/memory/memory_budget.h"
 #include "delegate/api/types.h"
 
 namespace alabaster::hd::prims {
@@ -34,6 +35,8 @@ bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& 
   try {
     body();
     return true;
+  } catch (const MemoryRefused& e) {
+    report_exception(sink, where, e.what());
   } catch (const std::bad_alloc&) {
     report_exception(sink, where, "not enough memory");
   } catch (const std::exception& e) {

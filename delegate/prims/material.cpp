@@ -294,7 +294,7 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
 }
 
 void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, SceneParam& param) {
-  param.post_unread(GetId(), [&param, id = GetId(), network, faults = faults_] {
+  auto read = [&param, id = GetId(), network, faults = faults_]() -> Record {
     std::vector<alabaster::Diagnostic> found;
     const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) { found.push_back(d); };
     const auto warn = [&](const char* code, const std::string& text) {
@@ -304,8 +304,10 @@ void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, S
     record.material = MaterialReader(id, translate_preview_surface(*network, warn), param, sink).read(&record.fault);
     faults->report(param.sink(), std::move(found));
     return record;
-  });
-  if (!has_images(*network)) return;
+  };
+  const bool reads_images = has_images(*network);
+  param.post_unread(GetId(), std::move(read), reads_images);
+  if (!reads_images) return;
   param.set_reread(GetId(), [this, &param](const std::string& file) {
     if (network_ && has_images(*network_, file)) post(network_, param);
   });

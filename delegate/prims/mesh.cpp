@@ -85,6 +85,7 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
   if (bits & dirty::kTopology) {
     MeshTopology topology = frozen(scene.GetMeshTopology(GetId()));
     shape_changed_ |= !same_shape(pulled_.topology, topology);
+    pulled_.topology_memory = {};
     pulled_.topology = std::move(topology);
   }
   if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
@@ -97,8 +98,10 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
     update(&pulled_.points, std::move(points), &shape_changed_);
     update(&pulled_.point_samples, pull_samples(scene, GetId(), "points"), &shape_changed_);
   }
-  if (bits & (dirty::kPoints | dirty::kNormals))
+  if (bits & (dirty::kPoints | dirty::kNormals)) {
+    pulled_.samples_memory = {};
     update(&pulled_.normal_samples, pull_samples(scene, GetId(), "normals"), &shape_changed_);
+  }
 }
 
 // Those that no material reads are held beside the shape: they do not count as a change of it.
@@ -150,6 +153,7 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, bits, param.sink());
+  hold_arrays(&pulled_, param.memory(), GetId().str());
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;
   record_.double_sided = shows_both_sides(cull_style_, double_sided_);

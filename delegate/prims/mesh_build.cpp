@@ -91,10 +91,9 @@ bool is_usable_point(const Vec3f& p) {
 }
 
 // The shape at each sample. Null if nothing deforms, or the samples are faulty (reported).
-std::shared_ptr<const Deformation> deform(const PulledMesh& pulled, const Cage& cage, const RefinementOptions& options,
-                                          const Mesh& mesh, const alabaster::DiagnosticSink& sink) {
+std::shared_ptr<Deformation> deform(const PulledMesh& pulled, const Cage& cage, const RefinementOptions& options,
+                                    const Mesh& mesh, const alabaster::DiagnosticSink& sink) {
   const auto& [times, values] = pulled.point_samples;
-  if (times.size() < 2 && values.size() < 2) return nullptr;
   std::string fault = times_fault(times, values.size());
   const bool has_normals = !cage.normals.empty() && pulled.normal_samples.times == times &&
                            pulled.normal_samples.values.size() == values.size();
@@ -139,7 +138,13 @@ class MeshBuilder {
       : mesh_(mesh), where_(id.str()), param_(param), cancel_(cancel) {}
 
   MeshBuild build(const MeshRequest& request, KnownFaults* known) {
-    MeshBuild out = build_silently(request);
+    MeshBuild out;
+    try {
+      out = build_silently(request);
+    } catch (const MemoryRefused& e) {
+      out.fault = SceneFault{false, e.what()};
+      sink_({alabaster::Severity::error, "mesh.memory", where_, out.fault->text});
+    }
     for (const alabaster::Diagnostic& d : reports_)
       if (d.severity == alabaster::Severity::error && !out.fault) out.fault = SceneFault{true, d.text};
     known->report(param_.sink(), std::move(reports_));
@@ -149,6 +154,7 @@ class MeshBuilder {
  private:
   MeshBuild build_silently(const MeshRequest& request) {
     MeshBuild out;
+    const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes, memory_bytes(mesh_), "a copy of its cage");
     Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
     cancel_.check();
@@ -157,13 +163,25 @@ class MeshBuilder {
     options.level = std::clamp(mesh_.style.refineLevel, 0, 8);
     options.where = where_;
     options.cancel = cancel_;
+    options.memory = &(prototype->memory = MemoryReservation(param_.memory(), MemoryUse::meshes));
+    prototype->interior.count_in(param_.memory());
     if (!request.displacements.empty())
       options.displace = [&](Mesh* refined) { displace(request.displacements, where_, sink_, refined, cancel_); };
     if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
     {
       const SyncClock::Running running(&param_.clock, SyncPhase::refine);
       prototype->mesh = build_mesh(cage, options, sink_);
-      out.deformation = deform(mesh_, cage, options, prototype->mesh, sink_);
+      const auto& [times, values] = mesh_.point_samples;
+      if (const size_t samples = std::max(times.size(), values.size()); samples > 1) {
+        const Mesh& mesh = prototype->mesh;
+        const size_t pose = (mesh.points.capacity() + mesh.normals.capacity()) * sizeof(Vec3f);
+        MemoryReservation memory(param_.memory(), MemoryUse::meshes, samples * pose,
+                                 "its shape at " + std::to_string(samples) + " times");
+        options.memory = nullptr;
+        const auto deformation = deform(mesh_, cage, options, mesh, sink_);
+        if (deformation) deformation->memory = std::move(memory);
+        out.deformation = deformation;
+      }
     }
     cancel_.check();
     if (!prototype->mesh.triangles.empty()) add_bvh(std::move(prototype), &out);
@@ -184,7 +202,7 @@ class MeshBuilder {
     out->fault = SceneFault{
         false, "not enough memory to trace " + std::to_string(prototype->mesh.triangles.size()) + " triangles"};
     sink_({alabaster::Severity::error, "mesh.memory", where_,
-           out->fault->text + "; lower its refineLevel, or render on a machine with more memory"});
+           out->fault->text + "; raise memoryLimit, lower its refineLevel, or render on a machine with more memory"});
   }
 
   const PulledMesh& mesh_;
@@ -268,7 +286,8 @@ void BuiltMeshes::build(const Records& records, const std::vector<Selection>& se
         cancelled = true;
       }
     });
-    held.done = built && !cancelled;
+    const bool refused = held.built.fault && !held.built.fault->input;
+    held.done = built && !cancelled && !refused;
     if (!built) held.built.fault = SceneFault{false, "the mesh could not be built"};
   };
   param.run([&] { tbb::parallel_for(size_t(0), to_build.size(), [&](size_t i) { build_one(to_build[i]); }); });

@@ -12,6 +12,7 @@ namespace alabaster::hd::prims {
 struct Deformation {
   std::vector<double> times;
   std::vector<MeshPose> poses;
+  MemoryReservation memory = {};
 };
 
 struct MeshBuild {
@@ -48,8 +49,9 @@ struct MeshRequest {
 /// dicing changes, and kept until then, also while no selection includes it. One thread at a time.
 class BuiltMeshes {
  public:
-  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn.
-  /// Meshes that are done when the build is cancelled (BuildCancelled) are kept.
+  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
+  /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
+  /// kept.
   void build(const Records& records, const std::vector<Selection>& selections, const MeshView& view, SceneParam& param,
              const CancelToken& cancel);
   /// Null: it has not been built.

@@ -141,6 +141,42 @@ alabaster::Primvar<Rgb> to_colors(alabaster::Primvar<Vec3f> vectors) {
   return colors;
 }
 
+template <class... T>
+size_t bytes_in(const Array<T>&... arrays) {
+  return ((arrays.size() * sizeof(T)) + ... + 0);
+}
+
+size_t bytes_in(const Value& value) {
+  const auto in = [](const auto* array) { return array ? bytes_in(*array) : 0; };
+  return in(value.get<Array<float>>()) + in(value.get<Array<Vec2f>>()) + in(value.get<Array<Vec3f>>()) +
+         in(value.get<Array<Vec4f>>());
+}
+
+size_t bytes_in(const PulledPrimvar& primvar) {
+  return bytes_in(primvar.value) + bytes_in(primvar.indices);
+}
+
+size_t bytes_in(const TimeSamples<Value>& samples) {
+  size_t bytes = 0;
+  for (const Value& value : samples.values) bytes += bytes_in(value);
+  return bytes;
+}
+
+// Calls visit(bytes, reservation).
+template <class Mesh, class Visit>
+void for_each_part(Mesh& mesh, const Visit& visit) {
+  for (auto* primvar : {&mesh.points, &mesh.normals, &mesh.tangents, &mesh.display_color, &mesh.display_opacity})
+    visit(bytes_in(*primvar), &primvar->memory);
+  for (auto& [name, uv] : mesh.uvs) visit(bytes_in(uv), &uv.memory);
+  const MeshTopology& t = mesh.topology;
+  size_t topology = bytes_in(t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces) +
+                    bytes_in(mesh.tags.creaseIndices, mesh.tags.creaseLengths, mesh.tags.cornerIndices) +
+                    bytes_in(mesh.tags.creaseWeights, mesh.tags.cornerWeights);
+  for (const GeomSubset& subset : t.geomSubsets) topology += bytes_in(subset.indices);
+  visit(topology, &mesh.topology_memory);
+  visit(bytes_in(mesh.point_samples) + bytes_in(mesh.normal_samples), &mesh.samples_memory);
+}
+
 // Where subsets overlap, the later one wins.
 std::vector<int> face_materials(const MeshTopology& topology, const Reporter& reporter) {
   std::vector<int> slots;
@@ -188,6 +224,19 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
     if (const PulledPrimvar* const found = find_primvar(mesh, named, name))
       cage.primvars.push_back({vectors(*found, name.str().c_str(), reporter), name.str()});
   return cage;
+}
+
+size_t memory_bytes(const PulledMesh& mesh) {
+  size_t all = 0;
+  for_each_part(mesh, [&](size_t bytes, const SharedReservation*) { all += bytes; });
+  return all;
+}
+
+void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, const std::string& where) {
+  for_each_part(*mesh, [&](size_t bytes, SharedReservation* memory) {
+    if (bytes > 0 && !memory->held)
+      memory->held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
+  });
 }
 
 std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material) {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/geometry/cage.h"
+#include "core/memory/memory_budget.h"
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::hd::prims {
@@ -13,6 +14,7 @@ struct PulledPrimvar {
   hd::Interpolation interpolation = hd::Interpolation::vertex;
   Value value;
   Array<int32_t> indices;
+  SharedReservation memory = {};
   bool operator==(const PulledPrimvar&) const = default;
 };
 
@@ -25,7 +27,14 @@ struct PulledMesh {
   PulledPrimvar points, normals, tangents, display_color, display_opacity;
   TimeSamples<Value> point_samples, normal_samples;
   std::map<Token, PulledPrimvar> uvs;  // texture coordinates by name
+  SharedReservation topology_memory, samples_memory;
 };
+
+/// Bytes of all its arrays, its own and those of the host.
+size_t memory_bytes(const PulledMesh& mesh);
+/// Has the budget hold the arrays that it does not hold yet: a mesh and its copies hold each once. Throws
+/// MemoryRefused.
+void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
 
 /// Primvars that no material reads, by name.
 using OtherPrimvars = std::map<Token, PulledPrimvar>;

@@ -2,50 +2,70 @@
 
 #include <algorithm>
 
+#include "delegate/support/process_usage.h"
+
 namespace alabaster::hd::prims {
 
 SceneParam::SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
-                       std::shared_ptr<const ColorConfig> colors)
+                       std::shared_ptr<const ColorConfig> colors, std::shared_ptr<MemoryBudget> memory)
     : sink_(std::move(sink)),
       device_(std::move(device)),
       colors_(std::move(colors)),
-      texels_(std::make_shared<TexelStore>(sink_)) {}
+      memory_(std::move(memory)),
+      texels_(std::make_shared<TexelStore>(sink_, memory_)) {}
 
 SceneParam::~SceneParam() = default;
 
-// Two materials that ask for one image at the same moment both decode it, and one copy is kept: waiting for each other
-// could make a thread wait for work that it has itself put aside.
+// Under mutex_. The texture of that source; with `any`, one of the same image.
+std::shared_ptr<const Texture> SceneParam::held_texture(const TextureSource& source, bool any) const {
+  const auto [first, last] = textures_.equal_range(source.path);
+  for (auto it = first; it != last; ++it)
+    if (any ? it->second.source.is_same_image(source) : it->second.source == source)
+      if (auto texture = it->second.texture.lock()) return texture;
+  return nullptr;
+}
+
+// One at a time decodes an image, which others may wait for. It takes up no other task meanwhile: that might wait for
+// this very image.
 std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                                    const alabaster::DiagnosticSink& sink) {
-  const auto held = [&]() -> std::shared_ptr<const Texture> {
-    const auto [first, last] = textures_.equal_range(source.path);
-    for (auto it = first; it != last; ++it)
-      if (it->second.source == source)
-        if (auto texture = it->second.texture.lock()) return texture;
-    return nullptr;
-  };
-  uint64_t reloads = 0;
+  std::shared_ptr<std::mutex> decoding;
   {
     const std::lock_guard lock(mutex_);
-    if (auto texture = held()) return texture;
+    if (auto texture = held_texture(source, false)) return texture;
+    std::weak_ptr<std::mutex>& known = decoding_[source.path];
+    if (!(decoding = known.lock())) known = decoding = std::make_shared<std::mutex>();
+  }
+  const std::lock_guard turn(*decoding);
+  uint64_t reloads = 0;
+  std::shared_ptr<const Texture> same;
+  {
+    const std::lock_guard lock(mutex_);
+    if (auto texture = held_texture(source, false)) return texture;
+    same = held_texture(source, true);
     reloads = reloads_;
   }
-  std::shared_ptr<const Texture> loaded;
+  std::shared_ptr<const Texture> loaded = same ? same->placed(source) : nullptr;
+  if (!loaded) loaded = load(source, fault, sink);
+  if (!loaded) return nullptr;
+  const std::lock_guard lock(mutex_);
+  if (reloads != reloads_) return loaded;  // it may be the file before its edit, which nobody else should get
+  std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
+  std::erase_if(decoding_, [](const auto& entry) { return entry.second.expired(); });
+  textures_.emplace(source.path, HeldTexture{source, loaded});
+  return loaded;
+}
+
+std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<SceneFault>* fault,
+                                                const alabaster::DiagnosticSink& sink) {
   bool input = true;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
     if (sink) sink(d);
   };
-  run([&] { loaded = load_texture(source, *colors_, watched, texels_); });
-  if (!loaded) {
-    *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
-    return nullptr;
-  }
-  const std::lock_guard lock(mutex_);
-  if (reloads != reloads_) return loaded;  // it may be the file before its edit, which nobody else should get
-  if (auto texture = held()) return texture;
-  std::erase_if(textures_, [](const auto& entry) { return entry.second.texture.expired(); });
-  textures_.emplace(source.path, HeldTexture{source, loaded});
+  std::shared_ptr<const Texture> loaded;
+  run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, texels_); }); });
+  if (!loaded) *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
   return loaded;
 }
 
@@ -78,6 +98,11 @@ void SceneParam::reload(const std::string& file) {
 void SceneParam::set_texture_memory(uint32_t mib, bool by_host) {
   if (by_host) host_set_texels_ = true;
   if (by_host || !host_set_texels_) texels_->set_budget(size_t(mib) << 20);
+}
+
+void SceneParam::set_memory_limit(uint32_t mib, bool by_host) {
+  if (by_host) host_set_limit_ = true;
+  if (by_host || !host_set_limit_) memory_->set_limit(mib ? size_t(mib) << 20 : support::default_memory_limit());
 }
 
 std::shared_ptr<tbb::task_arena> SceneParam::arena() {

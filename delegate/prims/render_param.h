@@ -25,6 +25,7 @@ struct Edit {
   Path id;
   Record record;                 // monostate: the prim is gone
   std::function<Record()> read;  // unless empty: makes the record. It reads files, and so is the builder's to call
+  bool waits_for_use = false;    // a material: `read` is called once a visible mesh has it
 };
 
 /// True if `file` is the image of that name, or one of a set (`name` with "<UDIM>"), or empty.
@@ -32,8 +33,9 @@ bool names_image(const std::string& name, const std::string& file);
 
 class SceneParam final : public RenderParam {
  public:
+  /// `memory` counts what `device` takes, too.
   SceneParam(alabaster::DiagnosticSink sink, std::shared_ptr<TraceDevice> device,
-             std::shared_ptr<const ColorConfig> colors);
+             std::shared_ptr<const ColorConfig> colors, std::shared_ptr<MemoryBudget> memory);
   ~SceneParam() override;
   static SceneParam& of(RenderParam* param) { return *static_cast<SceneParam*>(param); }
 
@@ -41,7 +43,9 @@ class SceneParam final : public RenderParam {
   const alabaster::DiagnosticSink& sink() const { return sink_; }
   const std::shared_ptr<TraceDevice>& device() const { return device_; }
   const ColorConfig& colors() const { return *colors_; }
-  /// Shared by all materials and lights that name the same image; null (reported, and in *fault) if it cannot be had.
+  const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
+  /// Shared by all materials and lights that name the same image, whatever their wrap modes and filters; null
+  /// (reported, and in *fault) if it cannot be had. Within run() only.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink);
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
@@ -57,12 +61,16 @@ class SceneParam final : public RenderParam {
   void set_threads(uint32_t threads) { threads_ = threads; }
   /// MiB, for images that are read from then on. A value of the host counts before that of a settings prim.
   void set_texture_memory(uint32_t mib, bool by_host);
+  /// The same for the memory limit; 0: default_memory_limit(). The next commit builds the meshes that were refused.
+  void set_memory_limit(uint32_t mib, bool by_host);
 
   // The edit transaction.
-  void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}}); }
+  void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}, false}); }
   /// The same for a record whose files are read by the builder, unless a later edit comes before that. `read` is called
   /// once, or again after an exception.
-  void post_unread(const Path& id, std::function<Record()> read) { post(Edit{id, {}, std::move(read)}); }
+  void post_unread(const Path& id, std::function<Record()> read, bool waits_for_use = false) {
+    post(Edit{id, {}, std::move(read), waits_for_use});
+  }
   /// Posts that the prim is gone. Never throws: no call of the prim follows Finalize.
   void remove(const Path& id) noexcept;
   bool has_edits() const { return edits_.load() != 0; }
@@ -90,20 +98,25 @@ class SceneParam final : public RenderParam {
     TextureSource source;
     std::weak_ptr<const Texture> texture;
   };
+  std::shared_ptr<const Texture> held_texture(const TextureSource& source, bool any) const;
+  std::shared_ptr<const Texture> load(const TextureSource& source, std::optional<SceneFault>* fault,
+                                      const alabaster::DiagnosticSink& sink);
   std::shared_ptr<tbb::task_arena> arena();
   void post(Edit edit);
 
   alabaster::DiagnosticSink sink_;
   std::shared_ptr<TraceDevice> device_;
   std::shared_ptr<const ColorConfig> colors_;
+  std::shared_ptr<MemoryBudget> memory_;
   std::shared_ptr<TexelStore> texels_;
-  std::atomic<bool> host_set_texels_{false};
+  std::atomic<bool> host_set_texels_{false}, host_set_limit_{false};
   std::atomic<uint32_t> threads_{0};
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
+  std::map<std::string, std::weak_ptr<std::mutex>> decoding_;  // by path
   std::map<Path, Reread> rereads_;
   uint64_t reloads_ = 0;
   std::shared_ptr<tbb::task_arena> arena_;

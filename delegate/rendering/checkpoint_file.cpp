@@ -28,7 +28,8 @@ struct BlockHead {
 /// Settings that change no pixel, or only how many samples there are.
 bool is_compared(const std::string& setting, const RenderSettings& settings) {
   if (setting == "samples") return settings.adaptive || settings.target_error > 0;
-  for (const char* name : {"firstSample", "timeLimit", "threads", "textureMemory", "denoise", "interactive"})
+  for (const char* name :
+       {"firstSample", "timeLimit", "threads", "textureMemory", "memoryLimit", "denoise", "interactive"})
     if (setting == name) return false;
   return true;
 }

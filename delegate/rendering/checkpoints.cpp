@@ -70,7 +70,7 @@ std::string Checkpoints::resume(const std::string& file) {
   if (file.empty()) return {};
   CheckpointReader reader(file);
   auto state = std::make_shared<RenderState>();
-  if (reader.fault().empty()) reader.finish(read_state(reader.source(), support::physical_memory_bytes(), state.get()));
+  if (reader.fault().empty()) reader.finish(read_state(reader.source(), support::usable_memory_bytes(), state.get()));
   if (!reader.fault().empty()) return reader.fault();
   pending_ = Pending{file, reader.header(), std::move(state)};
   return {};
@@ -136,7 +136,7 @@ std::string Checkpoints::show(const Array<std::string>& files) {
   auto state = std::make_shared<RenderState>();
   for (const Part& part : parts) {
     CheckpointReader& reader = *part.reader;
-    reader.finish(&part == &parts[0] ? read_state(reader.source(), support::physical_memory_bytes(), state.get())
+    reader.finish(&part == &parts[0] ? read_state(reader.source(), support::usable_memory_bytes(), state.get())
                                      : append_state(reader.source(), state.get()));
     if (!reader.fault().empty()) return in_quotes(part.file) + ": " + reader.fault();
   }

@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "delegate/rendering/render_delegate_impl.h"
+#include "delegate/support/process_usage.h"
 
 namespace {
 
@@ -28,9 +29,10 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   const auto ocio = settings.find("ocio");
   const std::string config = ocio == settings.end() ? std::string() : ocio->second.text_or("");
   auto colors = ColorConfig::load(config, sink);
-  auto device = colors ? make_trace_device(sink) : nullptr;
+  auto memory = std::make_shared<MemoryBudget>(hd::support::default_memory_limit());
+  auto device = colors ? make_trace_device(sink, memory) : nullptr;
   if (!device) return nullptr;  // both have reported why
-  auto param = std::make_shared<hd::prims::SceneParam>(sink, std::move(device), std::move(colors));
+  auto param = std::make_shared<hd::prims::SceneParam>(sink, std::move(device), std::move(colors), std::move(memory));
   auto delegate = std::make_unique<hd::rendering::RenderDelegateImpl>(
       std::make_shared<hd::rendering::RenderCore>(std::move(param), settings));
   // These make their lists at the first call: made here, a failure can still be answered with null.

@@ -44,6 +44,7 @@ void RenderCore::set_setting(const Token& key, const Value& value) {
     prims::report_fault(param->sink(), "render settings", key.str(), prims::set_parameter(*parameter, value, &unused),
                         value);
   if (key == Token("textureMemory")) param->set_texture_memory(render_settings().texture_memory, true);
+  if (key == Token("memoryLimit")) param->set_memory_limit(render_settings().memory_limit, true);
   if (key == Token("refineEdgeLength")) dicing_changed_ = true;
   if (key == Token("threads")) param->set_threads(render_settings().threads);
 }
@@ -247,7 +248,8 @@ std::vector<std::string> RenderCore::scene_faults(bool* input) const {
     texts.push_back(prim.str() + ": " + fault.text);
     *input = *input && fault.input;
   }
-  if (const int failed = param->failed() + builder_.has_failed(); failed > 0) {
+  // The builder fails, too, where memory does not hold what a line has named.
+  if (const int failed = param->failed() + (builder_.has_failed() && *input); failed > 0) {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
   }

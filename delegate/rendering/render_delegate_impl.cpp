@@ -83,7 +83,7 @@ namespace {
 SettingEffect effect_of(std::string_view setting) {
   for (const char* name : {"samples", "timeLimit", "threads"})
     if (setting == name) return SettingEffect::continues;
-  if (setting == "textureMemory") return SettingEffect::live;
+  if (setting == "textureMemory" || setting == "memoryLimit") return SettingEffect::live;
   if (setting == "refineEdgeLength") return SettingEffect::resyncs;
   return SettingEffect::restarts;
 }

@@ -7,7 +7,6 @@
 #include "core/denoise/denoise_film.h"
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
-#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::rendering {
 
@@ -18,7 +17,8 @@ constexpr const char* kFreeCamera = "free camera";  // in reports
 // The film (twice where an error ends the render: pixels that ended early are kept aside), the memory that an estimate
 // of its error and the denoiser take for a moment, and each bound buffer twice: as shown and as being resolved (or as
 // the host's copy).
-double frame_bytes(const PassInputs& in) {
+size_t frame_bytes(const PassInputs& in) {
+  constexpr double kMost = 0x1p60;
   uint32_t aovs = 0;
   double bytes = 0;
   for (const auto& binding : in.bindings) {
@@ -27,21 +27,16 @@ double frame_bytes(const PassInputs& in) {
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
   const double films = in.settings.target_error > 0 ? 2 : 1;
-  if (!aovs) return bytes;
-  if (in.denoiser) bytes += denoise_bytes(in.framed.data_window);
-  return bytes + films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) +
-         static_cast<double>(frame_error_bytes(in.framed.data_window));
+  if (aovs && in.denoiser) bytes += denoise_bytes(in.framed.data_window);
+  if (aovs)
+    bytes += films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) +
+             static_cast<double>(frame_error_bytes(in.framed.data_window));
+  return static_cast<size_t>(std::min(bytes, kMost));
 }
 
-// Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
-std::string memory_fault(const PassInputs& in) {
-  const double needed = frame_bytes(in), physical = static_cast<double>(support::physical_memory_bytes());
-  if (physical <= 0 || needed <= physical) return {};
-  const auto gigabytes = [](double bytes) { return std::to_string(static_cast<int64_t>(std::ceil(bytes / 1e9))); };
+std::string frame_text(const PassInputs& in) {
   return "a frame of " + std::to_string(in.framed.data_window.width()) + " x " +
-         std::to_string(in.framed.data_window.height()) + " pixels needs " + gigabytes(needed) +
-         " GB of memory, but this machine has " + gigabytes(physical) +
-         " GB: choose a smaller size or fewer AOVs, or render it in parts with a data window (crop)";
+         std::to_string(in.framed.data_window.height()) + " pixels";
 }
 
 RenderRequest request_of(const PassInputs& in) {
@@ -128,6 +123,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   in.settings = core_->render_settings();
   // A picture depends on these by its scene alone.
   in.settings.texture_memory = {};
+  in.settings.memory_limit = {};
   in.settings.refine_edge_length = {};
   in.restarts = core_->restarts();
   add_bindings(state, &in, faults);
@@ -157,7 +153,11 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
       !(in.error = core_->checkpoints.fault(scene.get(), request_of(in))).empty())
     in.refused = true;
   if (in.error.empty()) {
-    in.error = memory_fault(in);
+    // Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
+    const size_t needed = frame_bytes(in), held = frame_memory_.bytes();
+    const MemoryBudget& memory = *core_->param->memory();
+    if (needed > held && needed - held > memory.left())
+      in.error = memory.refusal(MemoryUse::frames, needed - held, frame_text(in));
     in.refused = !in.error.empty();
   }
   if (!in.error.empty()) faults->push_back({alabaster::Severity::error, "pass.failed", camera.str(), in.error});
@@ -206,6 +206,7 @@ void PassControl::start(PassInputs next) {
   }
   set_converged(false);
   if (!running_.error.empty()) return fail(running_.error);
+  frame_memory_.resize(frame_bytes(running_), frame_text(running_));
   if (running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0)
     return set_converged(true);  // nothing to draw
 

@@ -41,7 +41,8 @@ struct PassInputs {
 /// The part of a pass that Stop, Pause, Resume and GetRenderStats reach from any thread.
 class PassControl {
  public:
-  explicit PassControl(std::shared_ptr<RenderCore> core) : core_(std::move(core)) {}
+  explicit PassControl(std::shared_ptr<RenderCore> core)
+      : core_(std::move(core)), frame_memory_(core_->param->memory(), MemoryUse::frames) {}
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
@@ -59,7 +60,7 @@ class PassControl {
 
   PassState state() const;
   bool is_converged() const { return converged_ && !stale_; }
-  /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the machine has.
+  /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the limit leaves.
   bool is_refused() const { return refused_; }
   RenderProgress progress() const { return session_->progress(); }
   /// RenderSession::save().
@@ -98,6 +99,7 @@ class PassControl {
   std::mutex executing_;  // one at a time executes: the host, or who waits for the scene
   std::vector<std::pair<std::string, std::string>> reported_;  // faults of the last Execute
   std::optional<RenderPassState> awaiting_;                    // what Execute was to draw when the scene was not there
+  MemoryReservation frame_memory_;                             // of the frame that is or was drawn last
   std::atomic<bool> executed_{false};
   std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it
 };

@@ -110,6 +110,8 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     stats["rendererName"] = std::string("Alabaster");
     stats["state"] = std::string("idle");
     stats["peakMemory"] = count(support::peak_memory_bytes());
+    stats["memoryLimit"] = count(core_->param->memory()->limit());
+    stats["memoryInUse"] = count(core_->param->memory()->in_use());
     const auto snapshot = core_->snapshot();
     if (const std::string error = core_->commit_error(snapshot.get()); !error.empty()) stats["error"] = error;
     stats["sceneNumber"] = count(snapshot ? snapshot->number : 0);

@@ -128,14 +128,30 @@ void SnapshotBuilder::build() {
   rested_.notify_all();
 }
 
+// The materials of visible meshes, as they are once these edits are applied.
+std::set<Path> SnapshotBuilder::used_materials(const std::map<Path, prims::Edit*>& edits) const {
+  std::set<Path> used;
+  const auto add = [&](const prims::Record& record) {
+    const auto* mesh = std::get_if<prims::MeshRecord>(&record);
+    if (mesh && mesh->visible) used.insert(mesh->materials.begin(), mesh->materials.end());
+  };
+  for (const auto& [path, record] : records_)
+    if (!edits.contains(path)) add(record);
+  for (const auto& [path, edit] : edits) add(edit->record);
+  return used;
+}
+
 // Makes the records of edits that have files to read: of those of one prim the last alone. Images are decoded on all
-// threads. Records that are made when the build is cancelled stay.
+// threads. Records that are made when the build is cancelled stay. So do edits of materials that no mesh uses, unread.
 void SnapshotBuilder::read_files(const CancelToken& cancel) {
   std::map<Path, prims::Edit*> last;
   for (prims::Edit& edit : edits_) last[edit.id] = &edit;
+  std::set<Path> used;
+  if (std::any_of(edits_.begin(), edits_.end(), [](const prims::Edit& edit) { return edit.waits_for_use; }))
+    used = used_materials(last);
   std::vector<prims::Edit*> unread;
   for (const auto& [id, edit] : last)
-    if (edit->read) unread.push_back(edit);
+    if (edit->read && (!edit->waits_for_use || used.contains(id))) unread.push_back(edit);
   const auto read_one = [&](prims::Edit* edit) {
     if (cancel.is_cancelled()) return;
     edit->record = edit->read();
@@ -143,7 +159,7 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
   };
   param_->run([&] { tbb::parallel_for(size_t(0), unread.size(), [&](size_t i) { read_one(unread[i]); }); });
   cancel.check();
-  edits_.remove_if([](const prims::Edit& edit) { return edit.read != nullptr; });
+  edits_.remove_if([&](const prims::Edit& edit) { return edit.read && last.at(edit.id) != &edit; });
 }
 
 prims::SceneFaults SnapshotBuilder::faults(const prims::Selection& selection) const {
@@ -159,12 +175,16 @@ prims::SceneFaults SnapshotBuilder::faults(const prims::Selection& selection) co
 
 // Memory may run out at any step: an edit leaves the list once it is applied whole.
 void SnapshotBuilder::apply_edits() {
-  for (; !edits_.empty(); edits_.pop_front()) {
-    prims::Edit& edit = edits_.front();
-    prims::Record& held = records_[edit.id];
-    stale_ |= held != edit.record;
-    held = std::move(edit.record);
-    if (std::holds_alternative<std::monostate>(held)) records_.erase(edit.id);
+  for (auto edit = edits_.begin(); edit != edits_.end();) {
+    if (edit->read) {
+      ++edit;
+      continue;
+    }
+    prims::Record& held = records_[edit->id];
+    stale_ |= held != edit->record;
+    held = std::move(edit->record);
+    if (std::holds_alternative<std::monostate>(held)) records_.erase(edit->id);
+    edit = edits_.erase(edit);
   }
 }
 

@@ -64,6 +64,7 @@ class SnapshotBuilder {
   void run();
   bool take_work();
   void build();
+  std::set<Path> used_materials(const std::map<Path, prims::Edit*>& edits) const;
   void read_files(const CancelToken& cancel);
   void apply_edits();
   prims::SceneFaults faults(const prims::Selection& selection) const;
@@ -97,7 +98,7 @@ class SnapshotBuilder {
   std::atomic<double> compile_seconds_{0};
 
   // The builder's thread only.
-  std::list<prims::Edit> edits_;  // taken, but not applied yet
+  std::list<prims::Edit> edits_;  // taken, but not applied yet, or of materials that no mesh uses
   std::shared_ptr<const View> view_;
   prims::Records records_;
   prims::BuiltMeshes meshes_;

@@ -10,7 +10,7 @@ import pathlib
 import re
 import sys
 
-CORE_ROOMS = ["diagnostics", "digest", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
+CORE_ROOMS = ["diagnostics", "memory", "digest", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
               "denoise", "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
 CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
@@ -30,8 +30,8 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
     "host": ["color", "film", "images", "math"],
-    "gltf": ["material", "subsurface"],
-    "description": ["math", "texture"],
+    "gltf": ["material", "memory", "subsurface"],
+    "description": ["math", "memory", "texture"],
 }
 OWNERS = {  # pattern of an include -> files that may have it
     r"embree3/": ["core/geometry/"],

@@ -8,6 +8,27 @@ namespace {
 constexpr int kRowsAtOnce = 64;
 constexpr size_t kStripBytes = size_t(64) << 20;  // fewer rows at once where they are very long
 
+/// The rows that are read at once.
+int rows_at_once(const OIIO::ImageSpec& spec) {
+  if (spec.tile_width > 0) return spec.tile_height;
+  const size_t row_bytes = size_t(spec.width) * size_t(std::max(spec.nchannels, 1)) * sizeof(float);
+  return int(std::clamp(kStripBytes / row_bytes, size_t(1), size_t(kRowsAtOnce)));
+}
+
+/// PNG, section 11.2.2: the last byte of the header.
+bool is_interlaced_png(std::span<const uint8_t> file) {
+  constexpr size_t kInterlace = 28;
+  return file.size() > kInterlace && file[kInterlace] != 0;
+}
+
+/// The rows as floats and in the file's type; and all of the image in that, where a reader decodes it as a whole: WebP,
+/// BMP and TGA that are compressed, PNG that is interlaced, TIFF of one strip.
+size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format, bool interlaced) {
+  const size_t row = size_t(spec.width) * size_t(std::max(spec.nchannels, 1)) * (sizeof(float) + spec.format.size());
+  const bool by_rows = format == "jpeg" || format == "openexr" || format == "hdr" || (format == "png" && !interlaced);
+  return row * size_t(std::max(rows_at_once(spec), 1)) + (by_rows ? 0 : spec.image_bytes(true));
+}
+
 ImageLayout layout_of(const OIIO::ImageSpec& spec) {
   ImageLayout layout;
   layout.width = spec.width;
@@ -57,15 +78,14 @@ class Input final : public ImageInput {
       return false;
     }
     layout_ = layout_of(input_->spec());
+    layout_.working_bytes = working_bytes(input_->spec(), source.format, is_interlaced_png(source.bytes));
     return true;
   }
 
   int read_rows(int y, std::vector<float>& pixels, std::string& fault) override {
     const OIIO::ImageSpec& spec = input_->spec();
     const bool tiled = spec.tile_width > 0;
-    const size_t row_bytes = size_t(spec.width) * layout_.channels * sizeof(float);
-    const int strip = int(std::clamp(kStripBytes / std::max(row_bytes, size_t(1)), size_t(1), size_t(kRowsAtOnce)));
-    const int rows = std::min(tiled ? spec.tile_height : strip, spec.height - y);
+    const int rows = std::min(rows_at_once(spec), spec.height - y);
     pixels.resize(size_t(rows) * size_t(spec.width) * layout_.channels);
     const int begin = spec.y + y, end = begin + rows;
     const bool good =

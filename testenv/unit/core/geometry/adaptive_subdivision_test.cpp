@@ -116,19 +116,21 @@ TEST(AdaptiveSubdivision, WithEqualRatesIsUniformRefinement) {
   for (size_t i = 0; i < uniform.points.size(); ++i) EXPECT_LT(length(adaptive.points[i] - uniform.points[i]), 1e-6f);
 }
 
-TEST(AdaptiveSubdivision, UsesLongerEdgesWhereMemoryRunsShortAndSaysSo) {
+TEST(AdaptiveSubdivision, AMeshBeyondTheMemoryLimitIsRefusedBeforeItIsBuilt) {
+  const auto budget = std::make_shared<MemoryBudget>(size_t(2) << 20);
+  MemoryReservation memory(budget, MemoryUse::meshes);
   RefinementOptions options;
   options.level = 1;
-  options.memory_limit = 200 << 10;
+  options.memory = &memory;
   options.segments = [](const Vec3f&, const Vec3f&) { return std::numeric_limits<float>::infinity(); };
-  test::RecordingSink reports;
-  const Mesh mesh = build_mesh(test::cube_cage(SubdivisionScheme::catmull_clark), options, reports.sink());
-  EXPECT_TRUE(reports.has("mesh.subdivision.memory"));
-  EXPECT_TRUE(mesh.closed);
-  EXPECT_LT(mesh.memory_bytes(), options.memory_limit);
-  EXPECT_GT(mesh.triangles.size(), 100u);
+  const Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
+  EXPECT_THROW(build_mesh(cage, options, {}), MemoryRefused);
+  EXPECT_EQ(budget->in_use(), 0u);
+  options.segments = [](const Vec3f&, const Vec3f&) { return 4.0f; };
+  const Mesh mesh = build_mesh(cage, options, {});
+  EXPECT_EQ(budget->in_use(), mesh.memory_bytes());
   options.segments = [](const Vec3f&, const Vec3f&) { return std::numeric_limits<float>::quiet_NaN(); };
-  EXPECT_EQ(build_mesh(test::cube_cage(SubdivisionScheme::catmull_clark), options, {}).triangles.size(), 12u);
+  EXPECT_EQ(build_mesh(cage, options, {}).triangles.size(), 12u);
 }
 
 }  // namespace

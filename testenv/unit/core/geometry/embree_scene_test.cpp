@@ -285,6 +285,35 @@ TEST_F(EmbreeScene, ABuildThatMemoryDoesNotSufficeForIsNullAndReported) {
 #endif
 }
 
+// Four threads, so that some are at work when the budget refuses one.
+TEST_F(EmbreeScene, ABuildStopsAtTheMemoryLimitAndTheDeviceGoesOn) {
+  const Mesh mesh = build_mesh(test::grid_cage(256), {}, {});  // 131072 triangles
+  const auto budget = std::make_shared<MemoryBudget>();
+  const auto device = make_trace_device(sink_.sink(), budget);
+  tbb::task_arena arena(4);
+  const auto build_one = [&] {
+    std::shared_ptr<const ObjectScene> object;
+    arena.execute([&] { object = build_object_scene(device, mesh, {}); });
+    return object;
+  };
+  auto object = build_one();
+  const size_t held = budget->in_use(MemoryUse::tracing);
+  EXPECT_GT(held, object->memory_bytes() / 2);
+  EXPECT_LT(held, object->memory_bytes() * 2);
+  object = nullptr;
+  const size_t idle = budget->in_use();
+  EXPECT_LT(idle, held / 10);
+  for (size_t limit = idle + (held - idle) / 8; limit < held; limit += (held - idle) / 8) {
+    budget->set_limit(limit);
+    EXPECT_EQ(build_one(), nullptr) << limit << " of " << held;
+    EXPECT_TRUE(sink_.has("trace.memory"));
+    EXPECT_NE(sink_.all().back().text.find("of the memory limit of"), std::string::npos) << sink_.all().back().text;
+    EXPECT_LE(budget->in_use(), idle + (size_t(1) << 20)) << "what was built is given back";
+  }
+  budget->set_limit(MemoryBudget::kUnlimited);
+  EXPECT_NE(build_one(), nullptr) << "with memory enough";
+}
+
 TEST_F(EmbreeScene, LeavesTheFloatingPointModeOfTheHostAlone) {
   const unsigned before = _mm_getcsr() & ~0x3fu;  // without the sticky exception flags
   const auto scene = build_instanced_scene(device_, {{cube(), {}}});

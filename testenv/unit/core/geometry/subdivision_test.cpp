@@ -341,25 +341,36 @@ TEST(Subdivision, VertexUvsFollowTheSurface) {
   }
 }
 
-TEST(Subdivision, LevelsAreClampedAndLoweredToTheMemoryAllowed) {
+TEST(Subdivision, LevelsAreClamped) {
   const Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
   test::RecordingSink sink;
   RefinementOptions options;
-  options.where = "/cube";
-  options.level = 5;
-  options.memory_limit = estimate_mesh_bytes(cage, 3);
-  const Mesh mesh = build_mesh(cage, options, sink.sink());
-  EXPECT_EQ(mesh.triangles.size(), 6u * 128u);
-  ASSERT_EQ(sink.all().size(), 1u);
-  EXPECT_EQ(sink.all()[0].where, "/cube");
-  EXPECT_NE(sink.all()[0].text.find("level 5 wanted, level 3 used"), std::string::npos);
-  EXPECT_NE(sink.all()[0].text.find("lower refineLevel"), std::string::npos) << "what a user can do";
-  options.memory_limit = estimate_mesh_bytes(cage, 2);
   options.level = 99;
-  EXPECT_EQ(build_mesh(cage, options, sink.sink()).triangles.size(), 6u * 32u);
+  EXPECT_EQ(build_mesh(cage, options, sink.sink()).triangles.size(), 6u << 17);
   EXPECT_TRUE(sink.has("mesh.subdivision.level"));
   options.level = -3;
   EXPECT_EQ(build_mesh(cage, options, sink.sink()).triangles.size(), 12u);
+}
+
+TEST(Subdivision, AMeshBeyondTheMemoryLimitIsRefusedBeforeItIsBuilt) {
+  const Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
+  const auto budget = std::make_shared<MemoryBudget>(3 * estimate_mesh_bytes(cage, 3));
+  MemoryReservation memory(budget, MemoryUse::meshes);
+  RefinementOptions options;
+  options.level = 4;
+  options.memory = &memory;
+  try {
+    build_mesh(cage, options, {});
+    FAIL() << "a level too much";
+  } catch (const MemoryRefused& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("a mesh of 3072 triangles needs "), std::string::npos) << text;
+    EXPECT_NE(text.find("lower refineLevel"), std::string::npos) << "what a user can do: " << text;
+  }
+  EXPECT_EQ(budget->in_use(), 0u);
+  options.level = 3;
+  const Mesh mesh = build_mesh(cage, options, {});
+  EXPECT_EQ(budget->in_use(MemoryUse::meshes), mesh.memory_bytes()) << "in the end what the mesh keeps";
 }
 
 TEST(Subdivision, EstimateIsAnUpperBound) {

@@ -156,6 +156,41 @@ TEST_F(FaultsTest, AMeshThatMemoryDoesNotHoldIsNoPicture) {
   EXPECT_GT(ended_badly, 0);
 }
 
+// Each by arithmetic, so the machine's memory does not matter.
+TEST_F(FaultsTest, TheMemoryLimitIsNamedByWhatWouldExceedIt) {
+  write("fine.json", R"({"gltf": [{"file": "patch.gltf"}],
+                         "meshes": [{"match": "*", "scheme": "catmullClark", "refineLevel": 8}]})");
+  const Outcome fine = render("fine.json", {"--memory-limit", "16"});
+  EXPECT_EQ(fine.code, 4) << fine.err;
+  EXPECT_HAS(fine.err, "a mesh of 196608 triangles needs ");
+  EXPECT_HAS(fine.err, "of the memory limit of 16 MiB ");
+  EXPECT_HAS(fine.err, "raise memoryLimit (--memory-limit)");
+  EXPECT_FALSE(exists("a.exr"));
+  EXPECT_EQ(render("fine.json", {"--memory-limit", "512"}).code, 0);
+
+  const Outcome large =
+      run({"render", "patch.gltf", "--size", "4096x4096", "--spp", "1", "-o", "a.exr", "--memory-limit", "64"});
+  EXPECT_EQ(large.code, 3) << large.err;
+  EXPECT_HAS(large.err, "a frame of 4096 x 4096 pixels needs ");
+
+  // One accessor that costs the file nothing, decoded again for each primitive that uses it.
+  std::string zeros = R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+      "accessors": [{"componentType": 5126, "type": "VEC3", "count": 1300000}], "meshes": [{"primitives": [)";
+  for (int i = 0; i < 60; ++i) zeros += R"({"attributes": {"POSITION": 0}},)";
+  zeros.back() = ']';
+  write("zeros.gltf", zeros + "}]}");
+  const Outcome decoded = render("zeros.gltf", {"--memory-limit", "512"});
+  EXPECT_EQ(decoded.code, 3) << decoded.err;
+  EXPECT_HAS(decoded.err, "the geometry of its meshes needs 1786 MiB more");
+
+  std::string values = R"({"settings": {"memoryLimit": 100}, "gltf": [0)";
+  for (int i = 0; i < 1000000; ++i) values += ",0";
+  write("values.json", values + "]}");
+  const Outcome listed = render("values.json", {"--memory-limit", "100"});
+  EXPECT_EQ(listed.code, 3) << listed.err;
+  EXPECT_HAS(listed.err, "JSON of 1000004 values needs ");
+}
+
 TEST_F(FaultsTest, UsageIsTwoAndInputIsThree) {
   EXPECT_EQ(render("patch.gltf", {"-o", "b.png", "--view", "Flim"}).code, 2);
   EXPECT_EQ(render("patch.gltf", {"--time-limit", "1e-300"}).code, 2);

@@ -333,6 +333,33 @@ TEST(GltfInvalid, EveryInvalidAssetIsRefusedOrWarnedOf) {
   EXPECT_GE(refused, 80u);
 }
 
+TEST(GltfInvalid, ReadingStaysBelowTheMemoryLimitByArithmetic) {
+  const TemporaryFolder folder;
+  GltfOptions options;
+  options.memory_limit = size_t(8) << 20;
+  const auto refused = [&](const Json& document, const std::string& what) {
+    const Loaded loaded = load(folder.write("case.glb", make_glb(document.dump(), sound_binary())), options);
+    EXPECT_FALSE(loaded.summary.ok);
+    EXPECT_TRUE(loaded.says(Severity::error, what)) << loaded.said();
+    EXPECT_TRUE(loaded.says(Severity::error, "of the memory limit of 8 MiB")) << loaded.said();
+  };
+  Json values = sound_document();
+  for (int i = 0; i < 50000; ++i) values["extras"].push_back({{"", 0}});
+  refused(values, "JSON of 100");
+  Json buffers = sound_document();
+  folder.write("large.bin", std::string(size_t(9) << 20, 'x'));
+  buffers["buffers"].push_back({{"uri", "large.bin"}, {"byteLength", 1000}});
+  refused(buffers, "large.bin' needs ");
+  // Zeros cost the file nothing, and each primitive decodes them again.
+  Json zeros = sound_document();
+  zeros["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", 100000}});
+  for (int i = 0; i < 10; ++i)
+    zeros["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", zeros["accessors"].size() - 1}}}});
+  refused(zeros, "the geometry of its meshes needs ");
+  options.memory_limit = size_t(256) << 20;
+  EXPECT_TRUE(load(folder.write("case.glb", make_glb(zeros.dump(), sound_binary())), options).summary.ok);
+}
+
 TEST(GltfInvalid, AFileOfManyBuffersIsReadOnce) {
   const TemporaryFolder folder;
   folder.write("many.bin", std::string(1000, 'x'));

@@ -193,6 +193,9 @@ TEST(Edits, FilesAreReadByTheBuilder) {
   stage.index->SyncAll();
   stage.wait_for_scene();
   stage.delegate->Stop();  // and with it the builder
+  host::MeshDescription waxen = Stage::quad();
+  waxen.material = "/wax";
+  stage.scene.SetMesh("/quad", waxen);
   for (const char* file : {"first.png", "second.png"}) {
     MaterialNetwork network = wax(0.5f);
     MaterialNode& texture = network.nodes["texture"];

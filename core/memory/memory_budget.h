@@ -1,0 +1,100 @@
+// One limit for the memory of one renderer, and how much of it each use holds. Two renderers in a process have two.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <string>
+
+namespace alabaster {
+
+/// Named in errors, each with its own remedy.
+enum class MemoryUse { scene, meshes, tracing, subsurface, lights, textures, frames };
+
+/// Thrown before memory is taken that would exceed the limit. what(): who asked for how much, how much is in use and by
+/// what, and the remedy.
+class MemoryRefused : public std::bad_alloc {
+ public:
+  explicit MemoryRefused(std::string text) : text_(std::make_shared<const std::string>(std::move(text))) {}
+  const char* what() const noexcept override { return text_->c_str(); }
+
+ private:
+  std::shared_ptr<const std::string> text_;  // copies must not throw
+};
+
+/// Counts bytes; it allocates nothing itself. Any thread.
+class MemoryBudget {
+ public:
+  static constexpr size_t kUnlimited = ~size_t(0);
+  explicit MemoryBudget(size_t limit = kUnlimited) : limit_(limit) {}
+  MemoryBudget(const MemoryBudget&) = delete;
+  MemoryBudget& operator=(const MemoryBudget&) = delete;
+
+  /// Bytes. Reservations that exist stay, even above it.
+  void set_limit(size_t limit) { limit_ = limit; }
+  size_t limit() const { return limit_; }
+  size_t in_use() const { return total_; }
+  size_t in_use(MemoryUse use) const { return used_[static_cast<size_t>(use)]; }
+  /// Bytes up to the limit.
+  size_t left() const;
+
+  /// False, with nothing counted, if it would exceed the limit.
+  bool take(MemoryUse use, size_t bytes);
+  /// Counts what is held already.
+  void add(MemoryUse use, size_t bytes);
+  void give_back(MemoryUse use, size_t bytes);
+
+  /// The text of a refusal. `what` asks: "mesh /head, refined to 8000 triangles,".
+  std::string refusal(MemoryUse use, size_t bytes, const std::string& what) const;
+
+ private:
+  std::atomic<size_t> limit_, total_{0};
+  std::array<std::atomic<size_t>, 7> used_{};
+};
+
+/// A part of a budget, held as long as it lives: it is kept with what it counts. Without a budget it counts nothing.
+/// One thread at a time.
+class MemoryReservation {
+ public:
+  MemoryReservation() = default;
+  MemoryReservation(std::shared_ptr<MemoryBudget> budget, MemoryUse use) : budget_(std::move(budget)), use_(use) {}
+  /// Throws MemoryRefused.
+  MemoryReservation(std::shared_ptr<MemoryBudget> budget, MemoryUse use, size_t bytes, const std::string& what)
+      : MemoryReservation(std::move(budget), use) {
+    resize(bytes, what);
+  }
+  MemoryReservation(MemoryReservation&& other) noexcept { swap(other); }
+  MemoryReservation& operator=(MemoryReservation&& other) noexcept {
+    MemoryReservation(std::move(other)).swap(*this);
+    return *this;
+  }
+  ~MemoryReservation() { shrink(0); }
+
+  size_t bytes() const { return bytes_; }
+  /// Throws MemoryRefused where it grows, and then holds what it did.
+  void resize(size_t bytes, const std::string& what);
+  /// False where resize() would throw.
+  bool try_resize(size_t bytes);
+  /// To `bytes`, unless it holds less already.
+  void shrink(size_t bytes) noexcept;
+
+ private:
+  void swap(MemoryReservation& other) noexcept {
+    std::swap(budget_, other.budget_);
+    std::swap(use_, other.use_);
+    std::swap(bytes_, other.bytes_);
+  }
+  std::shared_ptr<MemoryBudget> budget_;
+  MemoryUse use_ = MemoryUse::scene;
+  size_t bytes_ = 0;
+};
+
+/// A reservation that copies of a value share. It takes no part in comparisons of these values.
+struct SharedReservation {
+  std::shared_ptr<const MemoryReservation> held;
+  bool operator==(const SharedReservation&) const { return true; }
+};
+
+}  // namespace alabaster

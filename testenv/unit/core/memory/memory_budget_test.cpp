@@ -1,0 +1,72 @@
+#include "core/memory/memory_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+#include <vector>
+
+namespace alabaster {
+namespace {
+
+constexpr size_t kMiB = size_t(1) << 20;
+
+TEST(MemoryBudget, RefusesBeforeTheLimitIsExceededAndSaysWhoHoldsWhat) {
+  const auto budget = std::make_shared<MemoryBudget>(10 * kMiB);
+  const MemoryReservation meshes(budget, MemoryUse::meshes, 6 * kMiB, "mesh /a");
+  MemoryReservation textures(budget, MemoryUse::textures, kMiB, "image a.png");
+  try {
+    textures.resize(5 * kMiB, "image b.png, 2048 x 2048 pixels,");
+    FAIL() << "11 of 10";
+  } catch (const std::bad_alloc& e) {
+    EXPECT_STREQ(
+        e.what(),
+        "image b.png, 2048 x 2048 pixels, needs 4 MiB more, but of the memory limit of 10 MiB 7 MiB are in use "
+        "by meshes 6 MiB, textures 1 MiB: raise memoryLimit (--memory-limit), or make the image smaller");
+  }
+  EXPECT_EQ(budget->in_use(), 7 * kMiB) << "a refusal changes nothing";
+  EXPECT_EQ(textures.bytes(), kMiB);
+  EXPECT_EQ(budget->left(), 3 * kMiB);
+  textures.resize(4 * kMiB, "all of it");
+  EXPECT_EQ(budget->left(), 0u);
+  EXPECT_THROW(MemoryReservation(budget, MemoryUse::lights, ~size_t(0), "no sum overflows"), MemoryRefused);
+}
+
+TEST(MemoryBudget, ReservationsGiveBackWhatTheyHold) {
+  const auto budget = std::make_shared<MemoryBudget>(100);
+  {
+    MemoryReservation a(budget, MemoryUse::scene, 60, "a");
+    MemoryReservation b = std::move(a);
+    EXPECT_EQ(budget->in_use(), 60u) << "moved, not copied";
+    b = MemoryReservation(budget, MemoryUse::frames, 30, "c");
+    EXPECT_EQ(budget->in_use(MemoryUse::scene), 0u);
+    EXPECT_EQ(budget->in_use(MemoryUse::frames), 30u);
+    b.shrink(50);
+    EXPECT_EQ(budget->in_use(), 30u) << "shrink() never grows";
+    b.resize(10, "b");
+    EXPECT_EQ(budget->in_use(), 10u);
+    budget->set_limit(5);
+    EXPECT_FALSE(b.try_resize(11));
+    EXPECT_TRUE(b.try_resize(10)) << "what is held stays";
+    EXPECT_EQ(budget->left(), 0u);
+  }
+  EXPECT_EQ(budget->in_use(), 0u);
+  MemoryReservation uncounted;
+  uncounted.resize(~size_t(0), "nobody counts");
+}
+
+TEST(MemoryBudget, ThreadsTogetherStayWithinTheLimit) {
+  const auto budget = std::make_shared<MemoryBudget>(1000);
+  std::atomic<size_t> granted{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 1000; ++i)
+        if (budget->take(MemoryUse::tracing, 1)) ++granted;
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(granted, 1000u);
+  EXPECT_EQ(budget->in_use(), 1000u);
+}
+
+}  // namespace
+}  // namespace alabaster
