@@ -172,7 +172,9 @@ class AccessorLoader {
     if (!document_->buffers[index] || offset > available || length > available - offset)
       return report_.error("bufferView.range", place, "lies outside its buffer; compress the file again");
     std::string reason;
-    hold_more(&document_->memory, json["count"].get<uint64_t>() * json["byteStride"].get<uint64_t>(), place);
+    hold_more(&document_->memory,
+              std::min(json["count"].get<uint64_t>() * json["byteStride"].get<uint64_t>(), kMostMeshoptGrowth * length),
+              place);
     const Bytes bytes = decode_meshopt(json, {document_->buffers[index]->data() + offset, size_t(length)}, &reason);
     if (!bytes) return report_.error("bufferView.meshopt", place, reason);
     document_->decoded.push_back(bytes);

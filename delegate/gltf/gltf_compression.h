@@ -13,6 +13,10 @@ struct ByteRange {
   size_t size = 0;
 };
 
+/// Decoded bytes for each compressed one, at most. The vertex codec needs at least a bit for two bytes of a vertex's
+/// neighbours: 4 bytes for 256 (its version 0). The index codecs need a byte for each triangle or index.
+inline constexpr uint64_t kMostMeshoptGrowth = 64;
+
 /// Decodes the buffer view that an EXT_meshopt_compression object describes. Null and `reason` if the bytes are not
 /// what the object says, or if it declares more than they can hold.
 Bytes decode_meshopt(const Json& extension, ByteRange compressed, std::string* reason);

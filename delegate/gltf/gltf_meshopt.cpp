@@ -5,10 +5,6 @@
 namespace alabaster::hd::gltf {
 namespace {
 
-// The vertex codec needs at least a bit for two bytes of a vertex's neighbours: 4 bytes for 256 (its version 0). The
-// index codecs need a byte for each triangle or index.
-constexpr uint64_t kMostGrowth = 64;
-
 struct View {
   std::string mode, filter;
   size_t count = 0, stride = 0;
@@ -46,7 +42,7 @@ Bytes decode_meshopt(const Json& extension, ByteRange compressed, std::string* r
     *reason = "its mode, filter, count and byteStride do not agree; compress the file again";
     return nullptr;
   }
-  if (uint64_t(view.count) * view.stride > kMostGrowth * compressed.size) {
+  if (uint64_t(view.count) * view.stride > kMostMeshoptGrowth * compressed.size) {
     *reason = "declares more elements than its bytes can hold; compress the file again";
     return nullptr;
   }
