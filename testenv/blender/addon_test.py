@@ -2,6 +2,7 @@
 
 Arguments: a JSON file with addon, module and zip.
 """
+import gc
 import json
 import os
 import pathlib
@@ -10,6 +11,8 @@ import tempfile
 import time
 import types
 import unittest
+import unittest.mock
+import weakref
 
 HERE = pathlib.Path(__file__).resolve().parent
 arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
@@ -22,7 +25,8 @@ import numpy  # noqa: E402
 import alabaster  # noqa: E402
 import alabaster_render  # noqa: E402
 import scenes  # noqa: E402
-from alabaster_render import disney_group, engine, images, materials, meshes, passes, schema, subsurface, sync  # noqa: E402
+from alabaster_render import (disney_group, engine, images, library, materials, meshes, motion, passes, schema,  # noqa: E402
+                              settings, subsurface, sync, world)
 
 
 class Watched:
@@ -110,6 +114,23 @@ class Edits(unittest.TestCase):
     def test_instances_share_their_mesh(self):
         meshes_set = [path for path, kind in self.watched.scene.prims.items() if kind == "mesh"]
         self.assertEqual(sorted(meshes_set), ["/mesh/ball", "/mesh/cube", "/mesh/floor", "/mesh/own"])
+
+    def test_lights_of_two_instancers_are_two(self):
+        held = bpy.data.collections.new("lamps")
+        lamp = scenes.light("POINT", 10, (0, 0, 1))
+        bpy.context.scene.collection.objects.unlink(lamp)
+        held.objects.link(lamp)
+        parents = [scenes.link(name, None, (x, 0, 0)) for name, x in (("left", -1), ("right", 1))]
+        for parent in parents:
+            parent.instance_type, parent.instance_collection = "COLLECTION", held
+        self.sync.sync(bpy.context.evaluated_depsgraph_get())
+        lamps = [transform for path, (_, transform, _) in
+                 ((path, made) for path, made in self.sync.set_lights.items() if path.startswith("/light/POINT/"))]
+        self.assertEqual(sorted(transform[3][0] for transform in lamps), [-1, 1])
+
+    def test_places_of_two_instancers_are_two(self):
+        owners = [owner for owner, _ in motion.places(bpy.context.evaluated_depsgraph_get())]
+        self.assertEqual(len(owners), len(set(owners)))
 
     def test_subsurface_set(self):
         def edit():
@@ -245,6 +266,60 @@ class Materials(unittest.TestCase):
         self.assertNotEqual(second, first)
         self.assertFalse(pathlib.Path(first).exists())
 
+    def test_a_packed_image_of_the_same_size_is_another_file(self):
+        def packed(data):
+            file = types.SimpleNamespace(size=len(data), data=data)
+            image = types.SimpleNamespace(name_full="packed", source="FILE", packed_file=file, is_dirty=False, filepath_raw="a.png")
+            return pathlib.Path(images.file_of(image, 1, self.notes.append)).read_bytes()
+        self.assertEqual([packed(b"one"), packed(b"two")], [b"one", b"two"])
+
+    def math(self, operation, *numbers, clamp=False):
+        """The roughness of a surface that a Math node of constants is linked to."""
+        material = scenes.principled("math")
+        tree = material.node_tree
+        node = tree.nodes.new("ShaderNodeMath")
+        node.operation, node.use_clamp = operation, clamp
+        for socket, number in zip(node.inputs, numbers):
+            socket.default_value = number
+        tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Roughness"])
+        return self.translate(material).nodes["surface"]["roughness"]
+
+    def test_powers_without_a_value_are_noted(self):
+        self.math("POWER", 1e30, 1e30)
+        self.math("POWER", 0, -1)
+        self.assertEqual(["is not translated" in note for note in self.notes], [True, True])
+
+    def test_clamped_math(self):
+        self.assertEqual((self.math("ADD", 0.75, 0.5, clamp=True), self.notes), (1.0, []))
+        material = scenes.principled("clamped")
+        tree = material.node_tree
+        texture, twice = (tree.nodes.new(kind) for kind in ("ShaderNodeTexImage", "ShaderNodeMath"))
+        texture.image = scenes.picture("clamped", 4, 4, lambda u, v: (u, u, u))
+        twice.operation, twice.use_clamp = "MULTIPLY", True
+        twice.inputs[1].default_value = 2
+        tree.links.new(texture.outputs["Color"], twice.inputs[0])
+        tree.links.new(twice.outputs[0], tree.nodes["Principled BSDF"].inputs["Roughness"])
+        self.translate(material)
+        self.assertEqual(["clamp" in note for note in self.notes], [True])
+
+    def test_sum_of_two_emissions(self):
+        material = bpy.data.materials.new("sum")
+        material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        one, two, both, output, texture = (tree.nodes.new(f"ShaderNode{kind}") for kind in (
+            "Emission", "Emission", "AddShader", "OutputMaterial", "TexImage"))
+        for node, strength in ((one, 1), (two, 2)):
+            node.inputs["Color"].default_value, node.inputs["Strength"].default_value = (0.5, 0.25, 0.0, 1), strength
+        tree.links.new(one.outputs[0], both.inputs[0])
+        tree.links.new(two.outputs[0], both.inputs[1])
+        tree.links.new(both.outputs[0], output.inputs["Surface"])
+        self.assertEqual((self.translate(material).nodes["surface"]["emission"], self.notes), ((1.5, 0.75, 0.0), []))
+        texture.image = scenes.picture("glow", 4, 4, lambda u, v: (u, u, u))
+        tree.links.new(texture.outputs["Color"], one.inputs["Color"])
+        self.translate(material)
+        self.assertEqual(["two emissions" in note for note in self.notes], [True])
+
     def test_subsurface_radius(self):
         fixed = subsurface.mean_free_path("RANDOM_WALK_FIXED_RADIUS", 1.0, 0.8, 1.4)
         self.assertAlmostEqual(fixed, 0.0795775, places=6)
@@ -306,6 +381,63 @@ class Frames(unittest.TestCase):
         self.assertLess(time.monotonic() - pressed, 1.0)
         self.assertEqual((render.state, shown[-1]), ("stopped", True))
 
+    def test_keyed_settings_and_world_move(self):
+        scene = bpy.context.scene
+        strength = scene.world.node_tree.nodes["Background"].inputs["Strength"]
+        for frame in (1, 2):
+            scene.alabaster.samples, strength.default_value = frame, 0.25 * frame
+            scene.alabaster.keyframe_insert("samples", frame=frame)
+            strength.keyframe_insert("default_value", frame=frame)
+        scene.frame_start, scene.frame_end = 1, 2
+        scene.frame_set(1)
+        heard = []
+
+        def told(function, name):
+            def call(*args):
+                made = function(*args)
+                heard.append((made[1] if isinstance(made, tuple) else made)[name])
+                if name == "samples":
+                    heard.append(made["frame"])
+                return made
+            return call
+        with tempfile.TemporaryDirectory() as folder, \
+                unittest.mock.patch.object(settings, "delegate_settings", told(settings.delegate_settings, "samples")), \
+                unittest.mock.patch.object(world, "translate", told(world.translate, "intensity")):
+            scene.render.filepath = folder + "/"
+            bpy.ops.render.render(animation=True)
+        self.assertEqual(heard, [0.25, 1, 1, 0.5, 2, 2])
+
+    def test_a_viewport_goes_with_its_engine(self):
+        fake = type("Engine", (), {})()
+        view = engine.AlabasterRenderEngine.viewport(fake)
+        view.begin(bpy.context.evaluated_depsgraph_get(), None)
+        held = weakref.ref(fake)
+        del fake, view
+        gc.collect()
+        self.assertIsNone(held())
+
+    def test_a_picture_that_comes_while_one_is_shown_is_shown_next(self):
+        class Render:
+            """A second picture comes right after the first was copied."""
+            generation = 1
+
+            def __getitem__(self, _):
+                return self
+
+            def show(self, _, pixels, **__):
+                pixels[:] = self.generation
+                self.generation = 2
+                return True
+        view = engine.Viewport(types.SimpleNamespace.__class__, None, None)
+        view.render, view.frame = Render(), {"width": 2, "height": 2}
+        drawn = []
+        with unittest.mock.patch.object(view.take.__globals__["gpu"], "types", types.SimpleNamespace(
+                Buffer=lambda _, __, data: data.copy(), GPUTexture=lambda *_, data, **__: drawn.append(data[0]) or data)):
+            view.take()
+            view.take()
+            view.take()
+        self.assertEqual(drawn, [1, 2])
+
     def test_errors_reach_the_panel(self):
         bpy.context.scene.camera = None
         with self.assertRaises(RuntimeError) as raised:
@@ -314,6 +446,23 @@ class Frames(unittest.TestCase):
 
 
 class Installation(unittest.TestCase):
+    def test_another_package_of_this_name_is_passed_over(self):
+        """The theme of Sphinx is called alabaster, too."""
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(sys.modules), \
+                unittest.mock.patch.object(sys, "path", [folder + "/theme", *sys.path]), \
+                unittest.mock.patch.object(library, "HERE", pathlib.Path(folder)):
+            for name, text in (("theme", ""), ("ours", "Renderer = object")):
+                package = pathlib.Path(folder) / name / "alabaster"
+                package.mkdir(parents=True)
+                (package / "__init__.py").write_text(text)
+            for name in [one for one in sys.modules if one.split(".")[0] == "alabaster"]:
+                del sys.modules[name]
+            with self.assertRaisesRegex(ImportError, "another package"):
+                library.load()
+            sys.modules["alabaster"] = types.ModuleType("alabaster")
+            (pathlib.Path(folder) / "module_folder.txt").write_text(folder + "/ours")
+            self.assertIn("/ours/", library.load().__file__)
+
     @unittest.skipUnless(job.get("zip"), "no zip")
     def test_zip(self):
         """As a new user: the zip goes into the preferences, the engine is there and renders."""

@@ -1,5 +1,6 @@
 """The render engine: final frames, and the viewport."""
 import time
+import weakref
 
 import bpy
 import numpy
@@ -32,10 +33,14 @@ def status(renderer):
 
 
 class Notes:
-    """Tells the info panel of each thing once."""
+    """Tells the info panel of each thing once.
+
+    An alabaster.Scene holds its Notes, a viewport's engine holds the scene, and Python's collector does not see through the
+    scene. So the engine is held weakly.
+    """
 
     def __init__(self, engine):
-        self.engine, self.told = engine, set()
+        self.engine, self.told = weakref.ref(engine), set()
 
     def note(self, text):
         self.tell("WARNING", text)
@@ -44,7 +49,9 @@ class Notes:
         if text not in self.told:
             self.told.add(text)
             print(f"Alabaster: {text}")
-            self.engine.report({severity}, f"Alabaster: {text}")
+            engine = self.engine()
+            if engine is not None:
+                engine.report({severity}, f"Alabaster: {text}")
 
     def hear(self, severity, _code, where, text):
         """As alabaster.Renderer reports."""
@@ -83,12 +90,13 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", "Alabaster: reading the scene")
         held = alabaster.Scene(report=notes.hear)
         exporter = sync.SceneSync(held, False, notes.note)
-        shutter = motion.Shutter(scene)
+        shutter = motion.Shutter(depsgraph.scene_eval)
         if shutter.moves:
             motion.sample(self, depsgraph, shutter, exporter)
         exporter.sync(depsgraph)
         frame = self.frame_of(depsgraph, shutter, exporter)
-        renderer = alabaster.Renderer(held, report=notes.hear, **settings.delegate_settings(scene, self.is_preview))
+        values = settings.delegate_settings(depsgraph.scene_eval, self.is_preview)
+        renderer = alabaster.Renderer(held, report=notes.hear, **values)
         wanted = passes.wanted(layer)
         render = renderer.start(aovs=["color", *(aov for aov, *_ in wanted)], **frame)
         self.refine(renderer, render, layer, wanted, frame["window"])

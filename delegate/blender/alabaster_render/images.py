@@ -61,7 +61,7 @@ def file_of(image, frame, note):
         return ""
     if image.packed_file and not image.is_dirty:
         suffix = pathlib.Path(image.filepath_raw).suffix or ".png"
-        return _known(image, image.packed_file.size, lambda file: file.write_bytes(image.packed_file.data), suffix)
+        return _known(image, hash(image.packed_file.data), lambda file: file.write_bytes(image.packed_file.data), suffix)
     if image.source == "GENERATED" or image.is_dirty:
         return _known(image, _stamp(image), lambda file: _write_tiff(file, image), ".tif")
     name = bpy.path.abspath(image.filepath_raw, library=image.library)

@@ -4,32 +4,47 @@ import pathlib
 import sys
 
 HERE = pathlib.Path(__file__).parent
-_folder = ""  # that the preferences name
+_folder = ""  # the preferences set it
 
 
 def set_folder(folder):
-    """The folder that holds `alabaster`; empty: Python's path, then the folder that the add-on was installed with."""
+    """The folder that holds `alabaster`; it comes before that of the installation, which comes before Python's path."""
     global _folder
     _folder = folder
 
 
 def folders():
-    """Where the module is looked for besides Python's own path, first to last."""
+    """Where the module is looked for before Python's own path, first to last."""
     recorded = HERE / "module_folder.txt"
     named = [_folder] if _folder else []
     return named + ([recorded.read_text().strip()] if recorded.is_file() else [])
 
 
+def is_ours(module):
+    """False for other packages of this name, such as the theme of Sphinx."""
+    return hasattr(module, "Renderer")
+
+
+def forget():
+    """Python imports a name again only after this."""
+    for name in [one for one in sys.modules if one.split(".")[0] == "alabaster"]:
+        del sys.modules[name]
+
+
 def load():
     """The module. ImportError says where it was looked for."""
-    if "alabaster" in sys.modules:
+    if is_ours(sys.modules.get("alabaster")):
         return sys.modules["alabaster"]
     before = list(sys.path)
     errors = []
-    for folder in ([] if _folder else [None]) + folders():
+    for folder in [*folders(), None]:
+        forget()
         sys.path[:] = ([folder] if folder else []) + before
         try:
-            return importlib.import_module("alabaster")
+            module = importlib.import_module("alabaster")
+            if is_ours(module):
+                return module
+            errors.append(f"{folder or 'the path of Python'}: {module.__file__} is another package of this name")
         except ImportError as error:
             errors.append(f"{folder or 'the path of Python'}: {error}")
         finally:

@@ -84,7 +84,7 @@ class Cage:
 def extract(ob, depsgraph, is_real, viewport, wanted):
     """Arguments of set_mesh, without material, transform and instancer; None: there are no faces. is_real: the object's own
     data, and not what geometry nodes put in its place."""
-    scene = depsgraph.scene
+    scene = depsgraph.scene_eval
     modifiers = subdivision(ob, viewport) if is_real and ob.type == "MESH" and ob.mode == "OBJECT" else []
     levels = sum(level(modifier, scene, viewport) for modifier in modifiers)
     if not is_real and ob.type == "MESH":

@@ -166,8 +166,12 @@ def add(reader, source):
     surface = translate(reader, rest)
     if glow is None:
         reader.note(f"shader '{source.node.name}': of a sum only the first surface is translated")
-    else:
-        surface["emission"] = emission(reader, glow)["emission"]
+        return surface
+    held, light = surface.get("emission", (0.0, 0.0, 0.0)), emission(reader, glow)["emission"]
+    both_constant = not isinstance(held, list) and not isinstance(light, list)
+    if any(held) and not both_constant:
+        reader.note(f"shader '{source.node.name}': of two emissions with textures only one is translated")
+    surface["emission"] = tuple(x + y for x, y in zip(held, light)) if both_constant else light
     return surface
 
 

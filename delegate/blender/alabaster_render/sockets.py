@@ -229,6 +229,17 @@ def mapped(reader, node):
 
 
 def math_node(reader, source):
+    value = math_value(reader, source)
+    if value is None or not source.node.use_clamp:
+        return value
+    if value.textures:
+        reader.note(f"node '{source.node.name}': the clamp of a texture is not translated")
+        return value
+    return Value(tuple(min(max(c, 0.0), 1.0) for c in value.constant))
+
+
+def math_value(reader, source):
+    """The result before the clamp."""
     node = source.node
     a, b, c = ([reader.value(socket, source.groups) for socket in node.inputs] + [Value(ONE)] * 3)[:3]
     kind = node.operation
@@ -246,7 +257,10 @@ def math_node(reader, source):
     x, y = a.number, b.number
     simple = {"DIVIDE": lambda: x / y if y else 0.0, "POWER": lambda: x ** y if x >= 0 else 0.0, "MAXIMUM": lambda: max(x, y),
               "MINIMUM": lambda: min(x, y), "SQRT": lambda: math.sqrt(max(x, 0.0)), "ABSOLUTE": lambda: abs(x)}
-    return Value((simple[kind](),) * 3) if kind in simple else None
+    try:
+        return Value((simple[kind](),) * 3) if kind in simple else None
+    except (OverflowError, ZeroDivisionError):  # a power may have no finite value
+        return None
 
 
 def mix_parts(node):

@@ -27,7 +27,8 @@ def mesh_key(ob, depsgraph):
 
 
 def owner_of(instance):
-    return instance.object.name_full, tuple(instance.persistent_id) if instance.is_instance else ()
+    """The object's name, and for an instance its parent and number: two parents count alike."""
+    return instance.object.name_full, (instance.parent.name_full, *instance.persistent_id) if instance.is_instance else ()
 
 
 def subsurface_sets(depsgraph):
@@ -74,7 +75,7 @@ class SceneSync:
         for gone in set(self.set_lights) - seen_lights:
             del self.set_lights[gone]
             self.scene.remove(gone)
-        self.sync_world(depsgraph.scene)
+        self.sync_world(depsgraph.scene_eval)
         self.push(groups)
         self.stale.clear()
 
@@ -156,7 +157,7 @@ class SceneSync:
 
     # Parts ----------------------------------------------------------------------------------------
     def sync_light(self, ob, matrix, owner):
-        path = names.path("light", owner[0], *(["_".join(map(str, owner[1]))] if owner[1] else []))
+        path = names.path("light", owner[0], *map(str, owner[1]))
         made = lights.translate(ob.data, matrix, ob.visible_camera, self.note)
         if made is None:
             return None
@@ -166,6 +167,7 @@ class SceneSync:
         return path
 
     def sync_world(self, scene):
+        """scene: the evaluated one. The original has the values of keys of another frame."""
         made = world.translate(scene, scene.world, self.note) if scene.world else None
         if made is None:
             made = None, {"intensity": 0.0, "visibleToCamera": not scene.render.film_transparent}
@@ -207,10 +209,10 @@ class SceneSync:
                 self.material(one.evaluated_get(depsgraph), again=True)
                 everything |= materials.Wanted.of([one]) - self.wanted
             elif isinstance(one, bpy.types.World):
-                self.sync_world(depsgraph.scene)
+                self.sync_world(depsgraph.scene_eval)
             elif isinstance(one, (bpy.types.NodeTree, bpy.types.Image)):
                 self.all_materials(depsgraph)
-                self.sync_world(depsgraph.scene)
+                self.sync_world(depsgraph.scene_eval)
             elif not isinstance(one, bpy.types.Camera):
                 everything = True
                 self.drop_data(one)

@@ -36,7 +36,7 @@ class Viewport:
                 self.begin(depsgraph, context.space_data)
             else:
                 self.exporter.update(depsgraph, context.space_data)
-                self.renderer.set(**settings.delegate_settings(depsgraph.scene, True))
+                self.renderer.set(**settings.delegate_settings(depsgraph.scene_eval, True))
             if self.render is not None:
                 self.render.update()
             self.changed = time.monotonic()
@@ -52,7 +52,7 @@ class Viewport:
         self.exporter = sync.SceneSync(self.scene, True, self.notes.note)
         self.exporter.sync(depsgraph, space)
         self.renderer = alabaster.Renderer(self.scene, report=self.notes.hear,
-                                           **settings.delegate_settings(depsgraph.scene, True))
+                                           **settings.delegate_settings(depsgraph.scene_eval, True))
 
     # Pictures -------------------------------------------------------------------------------------
     def draw(self, context, depsgraph):
@@ -76,15 +76,15 @@ class Viewport:
     def take(self):
         """Brings the texture up to date. Where the renderer has no picture of this size yet, the old one stays."""
         width, height = self.frame["width"], self.frame["height"]
+        generation = self.render["color"].generation  # before show, which may copy a later picture: that is then copied again
+        if self.texture is not None and (generation, width, height) == self.shown:
+            return
         pixels = self.pixels
         if pixels is None or pixels.shape[:2] != (height, width):
             pixels = numpy.zeros((height, width, 4), numpy.float32)
         if not self.render.show("color", pixels, top_down=False):
             return
         self.pixels = pixels
-        generation = self.render["color"].generation
-        if self.texture is not None and (generation, width, height) == self.shown:
-            return
         self.shown = generation, width, height
         data = gpu.types.Buffer("FLOAT", width * height * 4, pixels.reshape(-1))
         self.texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
