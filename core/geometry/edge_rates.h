@@ -27,7 +27,7 @@ struct EdgeRates {
   /// The level of uniform refinement that has as many segments as the longest edge, rounded up.
   int level() const {
     const uint32_t most = uniform ? uniform : *std::max_element(edges.begin(), edges.end());
-    return std::bit_width(most - 1);
+    return static_cast<int>(std::bit_width(most - 1));
   }
 };
 

@@ -235,7 +235,11 @@ class EmbreeObjectScene final : public ObjectScene {
     if (poses_ == 1) mend_corner(scene_.get(), to_world, ray, hit);
   }
   void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const override {
+    const size_t before = hits->size();
     intersect_all_in_scene(scene_.get(), ray, hits);
+    for (size_t i = before; i < hits->size(); ++i)
+      if (is_at_first_corner((*hits)[i])) [[unlikely]]
+        mend(Affine(), ray, &(*hits)[i]);
   }
 
   size_t memory_bytes() const override {

@@ -108,9 +108,10 @@ const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const UvSetName& 
   if (!uvs) return nullptr;
   const std::scoped_lock lock(mutex_);
   const auto [found, is_new] = computed_.try_emplace(uv_set.text());
+  MeshAttribute<Vec4f>& tangents = found->second;
   // A thread that waits for the sort must not take up a task that asks for this lock.
-  if (is_new) tbb::this_task_arena::isolate([&] { found->second = compute_tangents(mesh, *uvs); });
-  return &found->second;
+  if (is_new) tbb::this_task_arena::isolate([&] { tangents = compute_tangents(mesh, *uvs); });
+  return &tangents;
 }
 
 size_t TangentCache::memory_bytes() const {

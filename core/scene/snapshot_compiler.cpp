@@ -246,8 +246,9 @@ struct SnapshotCompiler::Compilation {
     if (!chosen.too_far.empty())
       report(compiler.sink_, Severity::warning, "scene.far", chosen.too_far.front()->name,
              std::to_string(chosen.too_far.size()) +
-                 " of the scene's instances, this one first, stand a million times their size away from the others: "
-                 "their shapes are lost to rounding; move them nearer, or render them by themselves");
+                 " of the scene's instances, this one first, stand a million times their size away from the scene's "
+                 "middle: "
+                 "their shapes lose detail to rounding; move them nearer, or render them by themselves");
     std::erase_if(drawn, [&](const InstanceDescription* d) {
       if (is_seen_traceably(*d)) return false;
       leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",

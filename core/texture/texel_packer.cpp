@@ -36,7 +36,7 @@ TexelPacker::TexelPacker(const ImageLayout& layout, MemoryReservation* memory) :
   const size_t alpha = layout.alpha ? sizeof(uint16_t) + (layout.bytes ? sizeof(uint8_t) : 0) : 0;
   hold(texels() * (3 * element + alpha));
   if (layout.bytes)
-    palette_.emplace(), bytes_.reserve(3 * texels());
+    palette_ = Palette(), bytes_.reserve(3 * texels());
   else
     halves_.reserve(3 * texels());
 }

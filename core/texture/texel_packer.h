@@ -34,7 +34,7 @@ class TexelPacker {
  private:
   using Color = std::array<uint16_t, 3>;  // bits of halves
   struct Palette {
-    std::array<std::array<uint16_t, 256>, 3> values;
+    std::array<std::array<uint16_t, 256>, 3> values{};
     std::array<std::array<bool, 256>, 3> known{};
   };
   void add_color(const float* pixel, const Color& color);

@@ -259,7 +259,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, co
       continue;
     }
     if (std::none_of(selections.begin(), selections.end(),
-                     [&](const Selection& selection) { return selection.includes(path, *mesh); }))
+                     [&id = path, &shown = *mesh](const Selection& s) { return s.includes(id, shown); }))
       continue;
     KnownFaults faults;
     if (held != held_.end()) faults = held->second.faults;

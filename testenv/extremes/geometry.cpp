@@ -206,7 +206,7 @@ void print_crossing_faces(Rows& rows) {
   size_t right = 0;
   for (size_t y = 0; y < 16; ++y)
     for (size_t x = 0; x < 16; ++x) {
-      // Which side is which depends on the sign of the film's x.
+      // The order of the sides depends on the sign of the film's x.
       const float v = p.color[4 * (16 * y + x) + 1], edge = p.color[1];
       right += v == (x < 8 ? edge : 4 - edge);
     }
