@@ -133,7 +133,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 7;
+inline constexpr uint32_t kAbiVersion = 8;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

@@ -263,6 +263,8 @@ typedef struct AlabasterLoadOptions { /* as the program's options of these names
   const double* time;    /* seconds; null: the pose in which models are authored */
   const double* shutter; /* two numbers: open and close, in frames */
   int32_t keep_going;    /* leaves images that are missing to the renderer */
+  int64_t allow_outside; /* files may be named that lie outside the folder of the file that names them; of 64 bits, so
+                            that the structs of hosts that do not know it are shorter */
 } AlabasterLoadOptions;
 
 typedef struct AlabasterLoaded { /* strings live until the next load, or until the scene is destroyed */

@@ -39,6 +39,7 @@ description::LoadOptions read_options(const AlabasterLoadOptions* given) {
   if (in.time) options.time = *in.time;
   if (in.shutter) options.shutter = description::LoadOptions::Shutter{in.shutter[0], in.shutter[1]};
   options.keep_going = in.keep_going != 0;
+  options.allow_outside = in.allow_outside != 0;
   return options;
 }
 

@@ -24,6 +24,7 @@ std::string chosen(const nlohmann::json& model, const char* key, const std::stri
 gltf::GltfOptions options_of(const nlohmann::json& model, const LoadOptions& asked) {
   gltf::GltfOptions options;
   options.refine_level = model.value("refineLevel", options.refine_level);
+  options.allow_outside = asked.allow_outside;
   options.scene = chosen(model, "scene", asked.scene);
   options.animation = chosen(model, "animation", asked.animation);
   options.variant = chosen(model, "variant", asked.variant);

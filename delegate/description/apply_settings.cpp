@@ -86,7 +86,8 @@ bool apply_products(const Reader& reader) {
     plan.frame.resolution = resolution_of(entry);
     if (!read_crop(reader, pointer, entry, &plan.frame.crop)) return false;
     RenderProduct& product = plan.product;
-    product.file = reader.resolve(entry["file"]);
+    product.file = reader.resolve(pointer + "/file", entry["file"]);
+    if (product.file.empty()) return false;
     const std::string data_type = entry.value("dataType", "");
     product.dataType = data_type;
     for (const json& aov : entry.value("aovs", json::array())) product.vars.push_back(var_of(aov, data_type));

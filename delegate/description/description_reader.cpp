@@ -6,6 +6,7 @@
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
 #include "delegate/description/name_match.h"
+#include "delegate/support/allowed_file.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -49,13 +50,23 @@ void Reader::warn(const std::string& pointer, const std::string& text) const {
   if (*state_.sink) (*state_.sink)({Severity::warning, "description.doubtful", place(pointer), text});
 }
 
-std::string Reader::resolve(const std::string& file) const {
-  const std::filesystem::path path(file);
-  return (path.is_absolute() || folder_.empty() ? path : std::filesystem::path(folder_) / path).lexically_normal();
+std::string Reader::resolve(const std::string& pointer, const std::string& file) const {
+  const std::filesystem::path path = std::filesystem::path(folder_) / file;
+  std::string resolved = path.lexically_normal();
+  if (folder_.empty() || state_.options.allow_outside) return resolved;
+  std::vector<std::string> files{resolved};
+  for (const UdimTile& tile : udim_tiles(resolved)) files.push_back(tile.path);
+  for (const std::string& one : files)
+    if (const std::string fault = support::OutsideFault(folder_, one); !fault.empty()) {
+      if (*state_.sink) (*state_.sink)({Severity::error, "asset.outside", place(pointer), fault + "."});
+      return {};
+    }
+  return resolved;
 }
 
 AssetPath Reader::asset(const std::string& pointer, const std::string& file) const {
-  const std::string resolved = resolve(file);
+  const std::string resolved = resolve(pointer, file);
+  if (resolved.empty()) return {};
   std::error_code error;
   if (!std::filesystem::is_regular_file(resolved, error)) {
     if (*state_.sink)
@@ -68,8 +79,8 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
 }
 
 AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
-  if (state_.options.keep_going) return {file, resolve(file), nullptr};
-  AssetPath found{file, resolve(file), nullptr};
+  AssetPath found{file, resolve(pointer, file), nullptr};
+  if (state_.options.keep_going || found.resolved.empty()) return found;
   TextureSource source;
   source.path = found.resolved;
   source.may_be_set = !udim_tiles(found.resolved).empty();

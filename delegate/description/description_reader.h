@@ -49,6 +49,7 @@ struct LoadState {
 /// One document being applied.
 class Reader {
  public:
+  /// `folder` is that of the description; empty for the words of the command line.
   Reader(const JsonDocument& document, std::string folder, LoadState* state)
       : document_(document), folder_(std::move(folder)), state_(*state) {}
 
@@ -59,8 +60,8 @@ class Reader {
   /// Reports an error; returns false.
   bool fail(const std::string& pointer, const std::string& text) const;
   void warn(const std::string& pointer, const std::string& text) const;
-  /// The path of a file that the description names.
-  std::string resolve(const std::string& file) const;
+  /// The path of a file that the description names for reading or writing; empty after an error: it must not name it.
+  std::string resolve(const std::string& pointer, const std::string& file) const;
   /// An existing file; empty after an error.
   AssetPath asset(const std::string& pointer, const std::string& file) const;
   /// An existing image of a kind that can be read; empty after an error. With keep_going any name will do.

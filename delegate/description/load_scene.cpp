@@ -94,6 +94,7 @@ class Loader {
       options.animation = o.animation;
       options.variant = o.variant;
       options.time = o.time;
+      options.allow_outside = o.allow_outside;
       sample_shutter(o, &options);
       options.memory_limit = state_.memory->left();
       state_.result->gltf.push_back(gltf::LoadGltf(file, options, state_.scene, sink_));
@@ -132,7 +133,8 @@ class Loader {
     if (!parse_json(json, file, &document, &problem)) return fail("description.json", file, problem);
     if (!check_schema(document, schema_, sink_)) return false;
     limit_memory(document.value, false);
-    return apply(document, std::filesystem::path(file).parent_path());
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    return apply(document, folder.empty() ? "." : folder.string());
   }
 
   bool apply(const JsonDocument& document, const std::string& folder) {

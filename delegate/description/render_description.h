@@ -18,6 +18,9 @@ struct LoadOptions {
   /// Leaves images that are missing or damaged to the renderer, which reports them and can go on without. Else they are
   /// errors at once.
   bool keep_going = false;
+  /// A description names files in its own folder or below only, symbolic links followed, for reading and for writing,
+  /// and so does a glTF file. True lifts this. Overrides and the dome are the user's own words, and name any file.
+  bool allow_outside = false;
   /// Seconds of the models' animations, added to each description's `time`. Empty: models without a `time` keep the
   /// pose in which they are authored.
   std::optional<double> time;

@@ -29,7 +29,7 @@ Json find_extension(const Json& object, const char* name) {
 class BufferLoader {
  public:
   BufferLoader(const Bytes& chunk, size_t max_bytes, Report& report, Document* document)
-      : chunk_(chunk), left_(max_bytes), report_(report), folder_(document->folder), memory_(document->memory) {}
+      : chunk_(chunk), left_(max_bytes), report_(report), base_(document->base), memory_(document->memory) {}
 
   /// Many buffers may be one file, which is read once.
   const std::map<std::string, Bytes>& files() const { return files_; }
@@ -69,7 +69,7 @@ class BufferLoader {
 
   Bytes from_uri(const std::string& uri, const std::string& element, std::string* reason) {
     if (!is_data_uri(uri)) {
-      const auto file = resolve_uri(folder_, uri, reason);
+      const auto file = resolve_uri(base_, uri, reason);
       if (!file) return nullptr;
       if (const auto known = files_.find(*file); known != files_.end()) return known->second;
       const Bytes bytes = read_file(*file, left_, &memory_, reason);
@@ -93,7 +93,7 @@ class BufferLoader {
   Bytes chunk_;
   size_t left_;
   Report& report_;
-  const std::string& folder_;
+  const UriBase& base_;
   MemoryReservation& memory_;
   std::map<std::string, Bytes> files_;  // by name
 };

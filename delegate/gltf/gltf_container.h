@@ -45,8 +45,15 @@ inline bool is_data_uri(std::string_view uri) {
 /// Decodes "data:[type][;parameter]...;base64,...". Empty and `reason` if malformed.
 std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason);
 
-/// Percent-decodes a relative URI and joins it to `folder`. Empty and `reason` if it is malformed, has a scheme, is
-/// absolute, or leaves the folder: a document must not reach files its author could not have shipped with it.
-std::optional<std::string> resolve_uri(const std::string& folder, std::string_view uri, std::string* reason);
+/// The folder that the names of a document are relative to, and whether its files may lie elsewhere.
+struct UriBase {
+  std::string folder;
+  bool allow_outside = false;
+};
+
+/// Percent-decodes a relative URI and joins it to the folder. Empty and `reason` if it is malformed or has a scheme,
+/// and unless it is allowed, if it is absolute or leaves the folder: a document must not reach files that its author
+/// could not have shipped with it.
+std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri, std::string* reason);
 
 }  // namespace alabaster::hd::gltf

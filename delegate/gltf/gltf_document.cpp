@@ -75,7 +75,7 @@ bool parse_model(Json root, Report& report, Document* document) {
 bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document) {
   const size_t max_bytes = options.max_file_bytes;
   document->file = file;
-  document->folder = std::filesystem::path(file).parent_path().string();
+  document->base = {std::filesystem::path(file).parent_path().string(), options.allow_outside};
   const size_t limit = options.memory_limit ? options.memory_limit : support::default_memory_limit();
   document->memory = MemoryReservation(std::make_shared<MemoryBudget>(limit), MemoryUse::scene);
   Container container;

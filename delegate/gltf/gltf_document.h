@@ -10,7 +10,8 @@
 namespace alabaster::hd::gltf {
 
 struct Document {
-  std::string file, folder;
+  std::string file;
+  UriBase base;
   tinygltf::Model model;           // without images and buffers; of the animations only the one that is used
   std::vector<Bytes> buffers;      // null: its data is stored compressed
   std::vector<Bytes> decoded;      // from compressed buffer views and primitives

@@ -89,7 +89,7 @@ class ImageLoader {
 
   AssetPath from_file(const std::string& uri) {
     std::string reason;
-    const auto file = resolve_uri(document_.folder, uri, &reason);
+    const auto file = resolve_uri(document_.base, uri, &reason);
     if (!file) return unusable(reason);
     const AssetPath asset{uri, *file, nullptr};
     std::error_code ignored;

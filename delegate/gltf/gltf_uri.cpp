@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "delegate/gltf/gltf_container.h"
+#include "delegate/support/allowed_file.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -93,7 +94,7 @@ std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason
   return data;
 }
 
-std::optional<std::string> resolve_uri(const std::string& folder, std::string_view uri, std::string* reason) {
+std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri, std::string* reason) {
   std::string path;
   if (uri.empty() || !percent_decode(uri, &path) || path.find('\0') != std::string::npos) {
     *reason = "the URI is malformed; write a relative path, with % only as part of %XX";
@@ -106,11 +107,11 @@ std::optional<std::string> resolve_uri(const std::string& folder, std::string_vi
   }
   std::replace(path.begin(), path.end(), '\\', '/');
   const std::filesystem::path relative = std::filesystem::path(path).lexically_normal();
-  if (relative.is_absolute() || (!relative.empty() && *relative.begin() == "..")) {
-    *reason = "the path '" + path + "' leaves the folder of the file; store the resource beside or below the file";
-    return {};
-  }
-  return (std::filesystem::path(folder) / relative).string();
+  std::string file = (std::filesystem::path(base.folder) / relative).string();
+  if (base.allow_outside) return file;
+  *reason = support::OutsideFault(base.folder, file);
+  if (!reason->empty()) return {};
+  return file;
 }
 
 }  // namespace alabaster::hd::gltf

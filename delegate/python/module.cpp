@@ -31,7 +31,8 @@ py::class_<Scene> add_files(py::module_& module) {
           py::arg("file"),
           "Adds a scene file (.gltf, .glb, .json) and completes it with a camera and lights where it has none. Options "
           "are the program's: overrides=['materials/skin.roughness=0.3'], camera, dome, scene, animation, variant, "
-          "time, keep_going. Returns settings (the path of the render settings), color_config and notes.")
+          "time, keep_going, allow_outside. Returns settings (the path of the render settings), color_config and "
+          "notes.")
       .def(
           "clear",
           [](Scene& s) { s.run([](const AlabasterApi& api, AlabasterScene* h) { return api.scene_clear(h); }); },

@@ -168,7 +168,8 @@ Scene::~Scene() {
 }
 
 py::dict Scene::load(const py::object& file, const py::dict& options) {
-  check_options(options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "keep_going"});
+  check_options(
+      options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "keep_going", "allow_outside"});
   std::vector<std::string> overrides;
   if (options.contains("overrides"))
     for (const py::handle one : options["overrides"]) overrides.push_back(one.cast<std::string>());
@@ -183,6 +184,7 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   double time = 0;
   if (const py::object given = option(options, "time"); !given.is_none()) time = given.cast<double>(), in.time = &time;
   in.keep_going = option(options, "keep_going").is_none() ? 0 : options["keep_going"].cast<bool>();
+  in.allow_outside = option(options, "allow_outside").is_none() ? 0 : options["allow_outside"].cast<bool>();
   const auto name = py::str(file).cast<std::string>();
   auto loaded = door::sized<AlabasterLoaded>();
   run([&](const AlabasterApi& api, AlabasterScene* held) { return api.scene_load(held, name.c_str(), &in, &loaded); });

@@ -74,7 +74,7 @@ def render(options, scene, name, output):
     """Runs the program; `name` is what the sheet calls the model."""
     library = options.program.parent.parent / "lib"
     environment = {**os.environ, "LD_LIBRARY_PATH": f"{library}:{os.environ.get('LD_LIBRARY_PATH', '')}"}
-    command = [options.program, "render", scene, "--size", options.size, "--spp", str(options.spp), "--threads",
+    command = [options.program, "render", scene, "--allow-outside", "--size", options.size, "--spp", str(options.spp), "--threads",
                str(options.threads), "--quiet", *options.flags, "-o", output]
     output.unlink(missing_ok=True)
     start = time.monotonic()

@@ -15,10 +15,10 @@ libraries=$(dirname "$library")
 
 # A scene that hosts and the program render alike.
 python3 - "$here/../scenes/thick_thin" "$scratch" <<'PYTHON'
-import json, sys
+import json, shutil, sys
 folder, scratch = sys.argv[1:]
 scene = json.load(open(folder + "/thick_thin.json"))
-scene["gltf"][0]["file"] = folder + "/thick_thin.glb"
+shutil.copy(folder + "/thick_thin.glb", scratch)  # a scene names files in its own folder
 scene["settings"] = {"samples": 4, "resolution": [48, 32]}
 scene["products"] = [{"file": scratch + "/program.exr", "dataType": "float"}]
 json.dump(scene, open(scratch + "/scene.json", "w"))

@@ -144,10 +144,10 @@ const std::vector<Case> kCases = {
     {"version 9.9", [](Json& d) { d["asset"]["version"] = "9.9"; }, "asset.version"},
     {"newer than we read", [](Json& d) { d["asset"]["minVersion"] = "2.1"; }, "asset.minVersion"},
     {"buffer longer than its data", [](Json& d) { d["buffers"][0]["byteLength"] = 64; }, "buffers[0].byteLength"},
-    {"buffer above the folder", [](Json& d) { d["buffers"][0]["uri"] = "../x.bin"; }, "leaves the folder"},
+    {"buffer above the folder", [](Json& d) { d["buffers"][0]["uri"] = "../x.bin"; }, "outside the folder"},
     {"buffer above the folder, encoded", [](Json& d) { d["buffers"][0]["uri"] = "a/%2e%2E/%2e./x.bin"; },
-     "leaves the folder"},
-    {"buffer by absolute path", [](Json& d) { d["buffers"][0]["uri"] = "/etc/passwd"; }, "leaves the folder"},
+     "outside the folder"},
+    {"buffer by absolute path", [](Json& d) { d["buffers"][0]["uri"] = "/etc/passwd"; }, "outside the folder"},
     {"buffer by scheme", [](Json& d) { d["buffers"][0]["uri"] = "file:///etc/passwd"; }, "scheme"},
     {"buffer missing", [](Json& d) { d["buffers"][0]["uri"] = "none.bin"; }, "none.bin"},
     {"buffer is a folder", [](Json& d) { d["buffers"][0]["uri"] = "."; }, "buffers[0]"},
@@ -176,7 +176,7 @@ const std::vector<Case> kCases = {
      [](Json& d) {
        d["images"][0] = {{"uri", "../secret.png"}};
      },
-     "leaves the folder", false},
+     "outside the folder", false},
     {"image of another kind", [](Json& d) { d["images"][0]["bufferView"] = 0; }, "images[0]", false},
     {"bounds that lie",
      [](Json& d) {
