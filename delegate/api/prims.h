@@ -100,8 +100,8 @@ class ALABASTER_API RenderBuffer : public Bprim {
   /// Makes Map show what has been rendered so far. Any thread.
   virtual void Resolve() = 0;
   /// The pixels as last resolved, alive until the matching Unmap whatever happens to the buffer meanwhile. Null if
-  /// nothing is allocated. Any thread; nests. Unmap before destroying: pixels that are still mapped then
-  /// live until the delegate dies.
+  /// nothing is allocated, or if memory ran out in Resolve and does so again. Any thread; nests. Unmap before
+  /// destroying: pixels that are still mapped then live until the delegate dies.
   virtual const void* Map() = 0;
   virtual void Unmap() = 0;
   virtual bool IsMapped() const = 0;

@@ -57,6 +57,7 @@ std::vector<Path> paths_of(const std::vector<Token>& names) {
   return paths;
 }
 
+/// Comes before everything that may fail, since it takes the values that the host lends.
 void select(const AlabasterFrame& in, RenderPassState& state) {
   ValueReader reader;
   if (in.free_camera) state.freeCamera = read_camera(in.free_camera);
@@ -67,8 +68,9 @@ void select(const AlabasterFrame& in, RenderPassState& state) {
 
 void start(PassData& pass, const AlabasterFrame& in) {
   DelegateData& owner = *pass.owner;
-  if (!owner.scene) throw bad_argument("the delegate draws no scene");
   RenderPassState state;
+  select(in, state);
+  if (!owner.scene) throw bad_argument("the delegate draws no scene");
   std::vector<std::shared_ptr<BufferData>> bound;
   for (size_t i = 0; i < in.binding_count; ++i) {
     const AlabasterBinding& binding = in.bindings[i];
@@ -77,7 +79,6 @@ void start(PassData& pass, const AlabasterFrame& in) {
     state.aovBindings.push_back({text_or(binding.aov, ""), bound.back()->buffer, {}});
   }
   const Path settings = frame_pass(in, owner.scene->scene, state);
-  select(in, state);
   if (!settings.empty()) owner.delegate->SetRenderSetting("renderSettingsPrimPath", settings);
   if (!owner.index->SyncAll())
     throw Failure(ALABASTER_OUT_OF_MEMORY, "the scene could not be synced: memory or threads ran out");
@@ -140,8 +141,9 @@ AlabasterStatus frame_size(AlabasterDelegate* handle, const AlabasterFrame* fram
     DelegateData& data = *required(handle, "delegate").data;
     const auto in = sized(frame, "frame");
     const HostLock lock(data);
-    if (!data.scene) throw bad_argument("the delegate draws no scene");
     RenderPassState state;
+    select(in, state);
+    if (!data.scene) throw bad_argument("the delegate draws no scene");
     frame_pass(in, data.scene->scene, state);
     required(width, "width") = state.framing.dataWindow.width();
     required(height, "height") = state.framing.dataWindow.height();

@@ -225,7 +225,7 @@ class Recording {
   bool sync() {
     const Phase phase(&phases_, "sync");
     const CancelWatch watch(options_.cancel, delegate_);
-    if (!index_->SyncAll())
+    if (!scene_->PopulateRest() || !index_->SyncAll())
       return refuse(RecordStatus::render_failed, "record.sync",
                     "the scene could not be synced: memory or threads ran out");
     delegate_->InvokeCommand("waitForScene", {});  // its faults are known then; the watch ends it
@@ -247,6 +247,7 @@ class Recording {
   // A picture without its texture or light looks finished: nobody gets one without having asked for it.
   bool scene_is_whole() {
     const Dictionary stats = delegate_->GetRenderStats();
+    if (stats.empty()) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
     const auto faults = static_cast<uint64_t>(stat(stats, "scene.faultCount"));
     if (faults == 0 || options_.keep_going) return true;
     const bool memory = stat(stats, "scene.outOfMemory") != 0;
@@ -321,6 +322,7 @@ class Recording {
       if (buffers_.contains("denoised")) buffer(buffers_["denoised"])->Resolve();  // denoises the samples so far
     }
     result_.stats = delegate_->GetRenderStats();
+    if (result_.stats.empty()) refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
     if (pass->GetState() == PassState::failed)
       result_.status = stat(result_.stats, "refused") != 0 ? RecordStatus::input_failed : RecordStatus::render_failed;
     else if (result_.status == RecordStatus::done && result_.stats.contains("scene.faults"))

@@ -1,5 +1,7 @@
 #include "delegate/host/retained_scene_delegate.h"
 
+#include <algorithm>
+
 namespace alabaster::hd::host {
 namespace {
 
@@ -213,14 +215,29 @@ void RetainedSceneDelegate::Populate(RenderIndex* index) {
   Depopulate();
   State& s = *state_;
   s.index = index;
-  if (!index) return;
-  for (const auto& [id, value] : s.settings) index->InsertBprim("renderSettings", this, id);
-  for (const auto& [id, value] : s.buffers) index->InsertBprim("renderBuffer", this, id);
-  for (const auto& [id, value] : s.cameras) index->InsertSprim("camera", this, id);
-  for (const auto& [id, value] : s.materials) index->InsertSprim("material", this, id);
-  for (const auto& [id, value] : s.lights) index->InsertSprim(value.type, this, id);
-  for (const auto& [id, value] : s.instancers) index->InsertInstancer(this, id);
-  for (const auto& [id, value] : s.meshes) index->InsertRprim("mesh", this, id);
+  if (index) PopulateRest();
+}
+
+bool RetainedSceneDelegate::PopulateRest() {
+  State& s = *state_;
+  if (!s.index) return true;
+  bool whole = true;
+  const auto insert = [&](const auto& map, const auto& insert_one) {
+    for (const auto& [id, value] : map)
+      if (!s.index->Has(id)) whole = insert_one(id, value) && whole;
+  };
+  insert(s.settings, [&](const Path& id, const auto&) { return s.index->InsertBprim("renderSettings", this, id); });
+  insert(s.buffers, [&](const Path& id, const auto&) { return s.index->InsertBprim("renderBuffer", this, id); });
+  insert(s.cameras, [&](const Path& id, const auto&) { return s.index->InsertSprim("camera", this, id); });
+  insert(s.materials, [&](const Path& id, const auto&) { return s.index->InsertSprim("material", this, id); });
+  const std::vector<Token> known = s.index->GetRenderDelegate()->GetSupportedSprimTypes();
+  insert(s.lights, [&](const Path& id, const LightDescription& light) {
+    const bool is_known = std::find(known.begin(), known.end(), light.type) != known.end();
+    return !is_known || s.index->InsertSprim(light.type, this, id);
+  });
+  insert(s.instancers, [&](const Path& id, const auto&) { return s.index->InsertInstancer(this, id); });
+  insert(s.meshes, [&](const Path& id, const auto&) { return s.index->InsertRprim("mesh", this, id); });
+  return whole;
 }
 
 void RetainedSceneDelegate::Depopulate() {

@@ -86,6 +86,8 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
 
   /// Inserts everything into `index` and keeps it informed. The index must outlive this, or Depopulate comes first.
   void Populate(RenderIndex* index);
+  /// Makes the prims that the index lacks because memory ran out when they were to be made. False if it does again.
+  bool PopulateRest();
   void Depopulate();
 
   // SceneDelegate

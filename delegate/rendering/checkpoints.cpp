@@ -24,6 +24,11 @@ SampleRange range_of(const CheckpointHeader& header) {
   return {(*samples)[0].get<uint32_t>(), (*samples)[1].get<uint32_t>()};
 }
 
+// Without samples a part would lie before itself.
+std::string range_fault(const SampleRange& range) {
+  return range.begin < range.end ? "" : "it does not say which samples it has; render its part again";
+}
+
 std::string text_of(const SampleRange& range) {
   return std::to_string(range.begin) + ":" + std::to_string(range.end);
 }
@@ -53,15 +58,15 @@ const std::map<std::string, std::string>& Checkpoints::digests_of(const BuiltSce
 
 std::string Checkpoints::write(const RenderCore& core, const std::string& file, const std::string& note) const {
   const auto request = core.last_request();
-  const auto passes = core.passes();
-  if (!request || !request->scene || passes.empty()) return "nothing has been rendered";
+  const auto pass = core.last_pass();
+  if (!request || !request->scene || !pass) return "nothing has been rendered";
   const auto scene = core.scene(request->scene);
   if (!scene) return "the scene has changed since it was rendered";
   CheckpointHeader header = checkpoint_header(*request, digests_of(*scene));
   header["samples"] = samples_of(*request);
-  header["complete"] = passes.back()->progress().state == SessionState::finished;
+  header["complete"] = pass->progress().state == SessionState::finished;
   header["note"] = note;
-  return write_checkpoint(file, header, [&](const BlockSink& sink) { return passes.back()->save(sink); });
+  return write_checkpoint(file, header, [&](const BlockSink& sink) { return pass->save(sink); });
 }
 
 std::string Checkpoints::resume(const std::string& file) {
@@ -80,6 +85,7 @@ std::string Checkpoints::describe(const std::string& file, Dictionary* descripti
   const CheckpointReader reader(file);
   if (!reader.fault().empty()) return reader.fault();
   const SampleRange range = range_of(reader.header());
+  if (const std::string fault = range_fault(range); !fault.empty()) return fault;
   (*description)["firstSample"] = static_cast<int64_t>(range.begin);
   (*description)["samples"] = static_cast<int64_t>(range.end);
   (*description)["complete"] = is_complete(reader.header());
@@ -103,8 +109,10 @@ std::vector<Part> open_parts(const Array<std::string>& files, std::string* fault
     *fault = reader->fault();
     if (fault->empty() && !is_complete(reader->header()))
       *fault = "it does not have all samples of its part yet; let its render end first (--resume)";
+    const SampleRange range = range_of(reader->header());
+    if (fault->empty()) *fault = range_fault(range);
     if (!fault->empty()) return *fault = in_quotes(file) + ": " + *fault, std::vector<Part>();
-    parts.push_back({file, range_of(reader->header()), std::move(reader)});
+    parts.push_back({file, range, std::move(reader)});
   }
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Part& a, const Part& b) { return a.range.begin < b.range.begin; });

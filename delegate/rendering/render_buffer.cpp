@@ -189,11 +189,14 @@ bool RenderBufferPrim::Allocate(const RenderBufferDescriptor& description) {
 }
 
 void RenderBufferPrim::Resolve() {
-  prims::guarded(param_->sink(), GetId().str(), [&] { state_->resolve(); });
+  unresolved_ = !prims::guarded(param_->sink(), GetId().str(), [&] { state_->resolve(); });
 }
 
+// Pixels of an earlier Resolve would pass for those of the one that failed.
 const void* RenderBufferPrim::Map() {
   const void* pixels = nullptr;
+  if (unresolved_) Resolve();
+  if (unresolved_) return nullptr;
   prims::guarded(param_->sink(), GetId().str(), [&] { pixels = state_->map(); });
   return pixels;
 }

@@ -79,6 +79,7 @@ class RenderBufferPrim final : public RenderBuffer {
  private:
   std::shared_ptr<prims::SceneParam> param_;
   std::shared_ptr<BufferState> state_ = std::make_shared<BufferState>();
+  std::atomic<bool> unresolved_{false};  // memory ran out in the last Resolve
 };
 
 }  // namespace alabaster::hd::rendering

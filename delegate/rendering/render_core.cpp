@@ -20,10 +20,7 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 }  // namespace
 
 RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
-    : param(std::move(scene_param)), builder_(param, [this] {
-        const std::lock_guard lock(mutex_);
-        last_request_.reset();  // it holds the old snapshot
-      }) {
+    : param(std::move(scene_param)), builder_(param, [this] { drop_old_request(); }) {
   for (const auto& [key, value] : initial_settings) set_setting(key, value);
 }
 
@@ -106,10 +103,28 @@ std::optional<CameraParameters> RenderCore::camera(const Path& path, const Shutt
   return prims::posed_camera(*record, scene);
 }
 
-void RenderCore::set_last_request(const RenderRequest& request) {
+void RenderCore::set_last_request(const RenderRequest& request, std::weak_ptr<PassControl> pass) {
   auto last = std::make_shared<const RenderRequest>(request);
   const std::lock_guard lock(mutex_);
   last_request_.swap(last);
+  last_pass_ = std::move(pass);
+}
+
+std::shared_ptr<PassControl> RenderCore::last_pass() const {
+  const std::lock_guard lock(mutex_);
+  return last_pass_.lock();
+}
+
+// If its scene is no longer one of those that passes draw.
+void RenderCore::drop_old_request() {
+  std::shared_ptr<const RenderRequest> last;
+  {
+    const std::lock_guard lock(mutex_);
+    last = last_request_;
+  }
+  if (!last || scene(last->scene)) return;
+  const std::lock_guard lock(mutex_);
+  if (last_request_ == last) last_request_.reset();
 }
 
 std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
@@ -198,9 +213,16 @@ void RenderCore::hand_over() {
     alabaster::report(param->sink(), alabaster::Severity::warning, "settings.refineEdgeLength", "render settings",
                       "refineEdgeLength needs a RenderSettings prim with a camera; refineLevel is used");
   if (drawn_.empty() && view_ == view && !builder_.has_failed()) return;
+  const bool same_scenes = drawn_.empty() && !builder_.has_failed() && view_ && view_->shutter == view.shutter &&
+                           view_->meshes == view.meshes;
+  const std::vector<prims::Selection> built = same_scenes ? view_->selections : std::vector<prims::Selection>();
   builder_.post(&drawn_, view);
   view_ = view;
-  for (const auto& pass : passes()) pass->expect_new_scene();
+  // Another selection that some pass asks for changes nothing for the others.
+  for (const auto& pass : passes()) {
+    const std::optional<PassView> seen = pass->view();
+    if (!seen || std::find(built.begin(), built.end(), seen->selection) == built.end()) pass->expect_new_scene();
+  }
 }
 
 void RenderCore::commit() {

@@ -66,8 +66,10 @@ class RenderCore {
   double commit_seconds() const { return commit_seconds_ + builder_.compile_seconds(); }
 
   /// The frame that was started last; null: none of a snapshot that is current.
-  void set_last_request(const RenderRequest& request);
+  void set_last_request(const RenderRequest& request, std::weak_ptr<PassControl> pass);
   std::shared_ptr<const RenderRequest> last_request() const;
+  /// The pass that started it; null: it is gone.
+  std::shared_ptr<PassControl> last_pass() const;
 
   Checkpoints checkpoints;  // host thread
 
@@ -86,6 +88,7 @@ class RenderCore {
 
  private:
   void apply_stops();
+  void drop_old_request();
   const prims::SettingsRecord* settings_prim() const;  // under mutex_
   prims::Dicing dicing(const Shutter& shutter) const;
   void apply_edits();
@@ -97,6 +100,7 @@ class RenderCore {
   uint32_t settings_version_ = 0;
   prims::Records views_;  // cameras and settings prims
   std::shared_ptr<const RenderRequest> last_request_;
+  std::weak_ptr<PassControl> last_pass_;
   std::vector<std::weak_ptr<PassControl>> passes_;
 
   // Host thread only.

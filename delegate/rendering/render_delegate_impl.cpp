@@ -87,31 +87,37 @@ SettingEffect effect_of(std::string_view setting) {
   if (setting == "refineEdgeLength") return SettingEffect::resyncs;
   return SettingEffect::restarts;
 }
+std::vector<RenderSettingDescriptor> make_setting_descriptors() {
+  const nlohmann::json properties = nlohmann::json::parse(support::schema_text("render_settings")).at("properties");
+  const RenderSettings defaults;
+  std::vector<RenderSettingDescriptor> descriptors;
+  for (const SettingParameter& parameter : setting_parameters()) {
+    RenderSettingDescriptor d;
+    d.name = parameter.name;
+    d.key = parameter.name;
+    d.effect = effect_of(parameter.name);
+    d.defaultValue = prims::get_parameter(parameter, defaults);
+    if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
+      const bool real = d.defaultValue.get<float>() != nullptr;
+      const auto bound = [&](double n) { return real ? Value(static_cast<float>(n)) : Value(static_cast<int64_t>(n)); };
+      d.minimum = bound(parameter.minimum);
+      d.maximum = bound(parameter.maximum);
+    }
+    for (const char* word : parameter.words)
+      if (word) d.choices.emplace_back(word);
+    d.documentation = properties.at(parameter.name).at("description");
+    descriptors.push_back(std::move(d));
+  }
+  return descriptors;
+}
+
 }  // namespace
 
+// They are made once, because destructors of nlohmann::json allocate: where memory runs out in one, the program ends.
 std::vector<RenderSettingDescriptor> RenderDelegateImpl::GetRenderSettingDescriptors() const {
-  return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [&](auto& descriptors) {
-    const nlohmann::json properties = nlohmann::json::parse(support::schema_text("render_settings")).at("properties");
-    const RenderSettings defaults;
-    for (const SettingParameter& parameter : setting_parameters()) {
-      RenderSettingDescriptor d;
-      d.name = parameter.name;
-      d.key = parameter.name;
-      d.effect = effect_of(parameter.name);
-      d.defaultValue = prims::get_parameter(parameter, defaults);
-      if (parameter.maximum > parameter.minimum && parameter.maximum < kUnbounded) {
-        const bool real = d.defaultValue.get<float>() != nullptr;
-        const auto bound = [&](double n) {
-          return real ? Value(static_cast<float>(n)) : Value(static_cast<int64_t>(n));
-        };
-        d.minimum = bound(parameter.minimum);
-        d.maximum = bound(parameter.maximum);
-      }
-      for (const char* word : parameter.words)
-        if (word) d.choices.emplace_back(word);
-      d.documentation = properties.at(parameter.name).at("description");
-      descriptors.push_back(std::move(d));
-    }
+  return answer<std::vector<RenderSettingDescriptor>>("GetRenderSettingDescriptors", [](auto& descriptors) {
+    static const std::vector<RenderSettingDescriptor> all = make_setting_descriptors();
+    descriptors = all;
   });
 }
 

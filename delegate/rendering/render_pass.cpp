@@ -211,7 +211,7 @@ void PassControl::start(PassInputs next) {
     return set_converged(true);  // nothing to draw
 
   RenderRequest request = request_of(running_);
-  core_->set_last_request(request);
+  core_->set_last_request(request, weak_from_this());
   request.resumed = core_->checkpoints.take();
   for (const auto& binding : running_.bindings) binding.buffer->release_film();
   session_->start(request);

@@ -39,7 +39,7 @@ struct PassInputs {
 };
 
 /// The part of a pass that Stop, Pause, Resume and GetRenderStats reach from any thread.
-class PassControl {
+class PassControl : public std::enable_shared_from_this<PassControl> {
  public:
   explicit PassControl(std::shared_ptr<RenderCore> core)
       : core_(std::move(core)), frame_memory_(core_->param->memory(), MemoryUse::frames) {}

@@ -8,7 +8,7 @@
 namespace {
 
 constexpr size_t kUnlimited = ~size_t(0);
-thread_local size_t allowed_allocations = kUnlimited;
+thread_local size_t allowed_allocations = kUnlimited, refusals_left = 0;
 thread_local bool refused = false;
 std::atomic<int> refusals_elsewhere{0};
 std::atomic<int64_t> granted_elsewhere{0};
@@ -18,7 +18,8 @@ thread_local bool is_elsewhere = true;
 
 namespace alabaster::testing {
 
-FailingMemory::FailingMemory(size_t allowed) {
+FailingMemory::FailingMemory(size_t allowed, size_t refusals) {
+  refusals_left = refusals;
   allowed_allocations = allowed;
   refused = false;
 }
@@ -48,11 +49,13 @@ void* operator new(size_t size) {
   if (is_elsewhere && refusals_elsewhere > 0 && granted_elsewhere-- <= 0 && refusals_elsewhere-- > 0)
     throw std::bad_alloc();
   if (allowed_allocations != kUnlimited) {
-    if (allowed_allocations == 0) {
+    if (allowed_allocations > 0) {
+      --allowed_allocations;
+    } else if (refusals_left > 0) {
+      if (refusals_left != kUnlimited) --refusals_left;
       refused = true;
       throw std::bad_alloc();
     }
-    --allowed_allocations;
   }
   if (void* memory = std::malloc(size ? size : 1)) return memory;
   throw std::bad_alloc();

@@ -5,11 +5,11 @@
 
 namespace alabaster::testing {
 
-/// While it lives, operator new grants this thread `allowed` allocations and throws std::bad_alloc for all further
-/// ones. Other threads, and what is allocated aligned or by malloc, go untouched.
+/// While it lives, operator new grants this thread `allowed` allocations and throws std::bad_alloc for the next
+/// `refusals`, or for all further ones. Other threads, and what is allocated aligned or by malloc, go untouched.
 class FailingMemory {
  public:
-  explicit FailingMemory(size_t allowed);
+  explicit FailingMemory(size_t allowed, size_t refusals = ~size_t(0));
   ~FailingMemory();
   FailingMemory(const FailingMemory&) = delete;
   FailingMemory& operator=(const FailingMemory&) = delete;

@@ -207,6 +207,21 @@ TEST_F(Door, LentArraysAreGivenBackOnce) {
   EXPECT_EQ(released, 2);
 }
 
+TEST_F(Door, ValuesLentWithAFrameComeBackFromCallsThatFail) {
+  int released = 0;
+  const char* const tags[] = {"render"};
+  frame_.size = sizeof frame_;
+  frame_.render_tags = array(ALABASTER_TOKEN, tags, 1);
+  frame_.render_tags.release = &count_release, frame_.render_tags.owner = &released;
+  AlabasterBinding wrong = {};
+  frame_.bindings = &wrong, frame_.binding_count = 1;
+  EXPECT_EQ(api().pass_start(pass_, &frame_), ALABASTER_INVALID_ARGUMENT) << "no buffer";
+  EXPECT_EQ(released, 1);
+  int32_t width = 0, height = 0;
+  EXPECT_EQ(api().frame_size(delegate_, &frame_, &width, &height), ALABASTER_OK);
+  EXPECT_EQ(released, 2);
+}
+
 // Memory that the host writes into: it counts as edited each time it is lent, and is read by a start alone.
 TEST_F(Door, EditedArraysAreReadAtEachStart) {
   int released = 0;

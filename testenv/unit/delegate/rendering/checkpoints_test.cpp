@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <sstream>
 
+#include "core/digest/digest.h"
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -212,6 +215,44 @@ TEST_F(Checkpoints, APartOfAFrameThatDecidesIsRefused) {
     EXPECT_NE(frame.refusal("").find("firstSample cannot be given with " + name), std::string::npos);
   }
   EXPECT_NE(Frame({{"firstSample", 8}, {"samples", 8}}).refusal("").find("must be below samples"), std::string::npos);
+}
+
+// With a right checksum, as somebody can make it.
+TEST_F(Checkpoints, APartWithoutSamplesIsRefused) {
+  constexpr size_t kMagic = 23, kHead = 2 * sizeof(uint64_t);
+  std::string bytes;
+  {
+    std::ifstream in(written(), std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  const std::string range = "\"samples\":[0,3]";
+  const size_t at = bytes.find(range);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at, range.size(), "\"samples\":[3,3]");
+  uint64_t size = 0;
+  std::memcpy(&size, bytes.data() + kMagic, sizeof size);
+  const uint64_t sum = checksum(std::as_bytes(std::span(bytes).subspan(kMagic + kHead, size)), 0);
+  std::memcpy(bytes.data() + kMagic + sizeof size, &sum, sizeof sum);
+  std::ofstream(file_, std::ios::binary) << bytes;
+  Frame frame;
+  EXPECT_NE(frame.command("describeCheckpoint", {{"file", file_}}).find("does not say which samples"),
+            std::string::npos);
+  EXPECT_NE(frame.command("showCheckpoints", {{"files", Array<std::string>{file_}}}).find("does not say which samples"),
+            std::string::npos);
+}
+
+// A scene that is built for another pass takes nothing from the frame that was drawn last.
+TEST_F(Checkpoints, AnotherPassThatBeginsLeavesTheLastFrame) {
+  Frame frame;
+  frame.picture();
+  const std::unique_ptr<RenderPass> other = frame.stage.delegate->CreateRenderPass();
+  RenderBuffer* const buffer = frame.stage.add_buffer("/other", 20, 10, Format::float32vec4);
+  frame.stage.index->SyncAll();
+  RenderPassState state = Stage::state_for(20, 10, "color", buffer);
+  state.renderTags = {"proxy"};
+  other->Execute(state);
+  frame.stage.delegate->InvokeCommand("waitForScene", {});
+  EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}}), "");
 }
 
 }  // namespace

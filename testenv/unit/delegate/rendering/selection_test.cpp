@@ -141,6 +141,19 @@ TEST(Selection, PassesOfOneDelegateMayDiffer) {
   EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render", "more"}));
 }
 
+// The picture of one pass stays while a scene is built for another.
+TEST(Selection, AnotherSelectionLeavesAConvergedPassAlone) {
+  Tagged stage;
+  Tagged::View a = stage.view("/a"), b = stage.view("/b");
+  EXPECT_EQ(stage.drawn(a), (Names{"geometry", "render"}));
+  b.state.renderTags = {"proxy"};
+  b.pass->Execute(b.state);
+  EXPECT_EQ(a.pass->GetState(), PassState::converged);
+  EXPECT_TRUE(a.buffer->IsConverged());
+  EXPECT_EQ(stage.drawn(b), (Names{"proxy"}));
+  EXPECT_EQ(a.pass->GetState(), PassState::converged);
+}
+
 TEST(Selection, APassWithTheDefaultMayComeLast) {
   Tagged stage;
   Tagged::View a = stage.view("/a");

@@ -1,0 +1,134 @@
+// Allocations that fail at any place of syncing and rendering a scene: the run ends with an error or as if nothing had
+// happened, and the next one is whole. Loading is left out: the destructor of nlohmann::json allocates, and ends the
+// program where it cannot.
+#include <random>
+
+#include "delegate/host/frame_recorder.h"
+#include "testenv/support/failing_memory.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::hd {
+namespace {
+
+using host::RecordStatus;
+
+class MemoryStorm : public description::SceneFiles {
+ protected:
+  struct Outcome {
+    bool done = false;
+    bool failed = false;  // memory did
+    int errors = 0;
+    std::string error;  // the last
+    std::vector<float> pixels;
+  };
+
+  void SetUp() override {
+    SceneFiles::SetUp();
+    scene_file_ = write("scene.json", R"({"gltf": [{"file": "patch.gltf"}],
+      "materials": [{"match": "skin", "set": {"scatterDistance": [0.1, 0.1, 0.1]}}],
+      "meshes": [{"match": "patch", "refineLevel": 2}],
+      "lights": [{"name": "sky", "type": "domeLight"},
+                 {"name": "key", "type": "rectLight", "position": [0, 0, 3], "target": [0, 0, 0]}],
+      "camera": {"transform": {"translate": [0, 0, 5]}}, "settings": {"samples": 1, "threads": 2, "resolution": [8, 8]}})");
+  }
+
+  /// As a host does: makes a delegate, records a frame, and destroys the delegate.
+  static void record(host::RetainedSceneDelegate* scene, const Path& settings, const DiagnosticSink& sink,
+                     Outcome* outcome) {
+    DelegateOptions options;
+    options.diagnostics = sink;
+    RenderDelegate* const delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
+    if (!delegate) return;
+    {
+      host::RenderIndex index(delegate);
+      try {
+        scene->Populate(&index);
+        host::RecordOptions record;
+        record.diagnostics = sink;
+        record.picture = [outcome](const host::ProductImage& image) {
+          const auto& color = image.aovs.at("color").floats;
+          outcome->pixels.assign(color.begin(), color.end());
+        };
+        outcome->done = host::RecordFrame(&index, scene, settings, record).status == RecordStatus::done;
+      } catch (const std::bad_alloc&) {  // of calls that may throw it: Populate, and what the host allocates itself
+        ++outcome->errors;
+      }
+      scene->Depopulate();
+    }
+    DestroyAlabasterRenderDelegate(delegate);
+  }
+
+  /// Records while memory fails: `fail` makes an object that has it fail for as long as it lives.
+  template <class Fail>
+  Outcome run(const Fail& fail) const {
+    Outcome outcome;
+    std::mutex mutex;
+    const DiagnosticSink sink = [&](const Diagnostic& d) {
+      const std::lock_guard lock(mutex);
+      if (d.severity != Severity::error) return;
+      ++outcome.errors;
+      outcome.error = d.where + ": " + d.text;
+    };
+    host::RetainedSceneDelegate scene;
+    const description::SceneFile file = description::LoadScene(scene_file_, &scene, sink);
+    EXPECT_TRUE(file.ok);
+    const auto failing = fail();
+    record(&scene, file.settings, sink, &outcome);
+    outcome.failed = failing.failed();
+    return outcome;
+  }
+  Outcome run_whole() const {
+    struct Nothing {
+      bool failed() const { return false; }
+    };
+    return run([] { return Nothing(); });
+  }
+
+  /// An error may be mended by a later step of the same recording. A report needs memory itself: where several
+  /// allocations fail, it may be lost, but not the status.
+  static void expect_honest(const Outcome& outcome, const Outcome& whole, bool is_told, size_t allowed) {
+    if (outcome.done)
+      EXPECT_EQ(outcome.pixels, whole.pixels) << "after " << allowed << " allocations: " << outcome.error;
+    else
+      EXPECT_TRUE(outcome.failed) << "after " << allowed << " allocations";
+    EXPECT_TRUE(!is_told || outcome.done || outcome.errors > 0)
+        << (outcome.done ? "done" : "not done") << " with " << outcome.errors << " errors after " << allowed
+        << " allocations: " << outcome.error;
+  }
+
+  std::string scene_file_;
+};
+
+TEST_F(MemoryStorm, OnTheHostsThread) {
+  const Outcome whole = run_whole();
+  ASSERT_TRUE(whole.done);
+  std::mt19937 random(1);
+  int failed = 0;
+  for (size_t i = 0; i < 150; ++i) {
+    const size_t allowed = random() % 1500;
+    const size_t refusals = i % 2 == 0 ? 1 : 50;
+    const Outcome outcome = run([&] { return testing::FailingMemory(allowed, refusals); });
+    expect_honest(outcome, whole, refusals == 1, allowed);
+    failed += outcome.failed;
+  }
+  EXPECT_GT(failed, 100) << "the storm is over too soon: a recording allocates less than it did";
+  EXPECT_EQ(run_whole().pixels, whole.pixels);
+}
+
+TEST_F(MemoryStorm, OnAllOtherThreads) {
+  const Outcome whole = run_whole();
+  ASSERT_TRUE(whole.done);
+  std::mt19937 random(2);
+  int failed = 0;
+  for (int i = 0; i < 150; ++i) {
+    const size_t allowed = random() % 400;
+    const Outcome outcome = run([&] { return testing::FailingMemoryElsewhere(1 + i % 3, allowed); });
+    expect_honest(outcome, whole, i % 3 == 0, allowed);
+    failed += outcome.failed;
+  }
+  EXPECT_GT(failed, 50) << "the storm is over too soon: a recording allocates less than it did";
+  EXPECT_EQ(run_whole().pixels, whole.pixels);
+}
+
+}  // namespace
+}  // namespace alabaster::hd
