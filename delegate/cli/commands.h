@@ -34,7 +34,7 @@ struct RenderArguments {
   std::string samples;              // "256:512"
   std::string checkpoint;           // file
   std::string checkpoint_interval;  // seconds
-  bool denoise = false, quiet = false, keep_going = false, resume = false;
+  bool denoise = false, quiet = false, keep_going = false, resume = false, allow_outside = false;
 };
 int run_render(const RenderArguments& arguments);
 
@@ -43,9 +43,26 @@ struct InfoArguments {
   std::string scene;
   std::vector<std::string> overrides;
   std::string predict, size, threads;
+  bool allow_outside = false;
 };
 int run_info(const InfoArguments& arguments);
 
+struct CheckArguments {
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::string time_limit, memory_limit;  // seconds, MiB
+  bool allow_outside = false, quiet = false;
+};
+int run_check(const CheckArguments& arguments);
+
+struct FarmArguments {
+  RenderArguments render;
+  std::string tasks, engine = "script", folder;
+  std::string render_words, merge_words;  // options of each task and of the merge, quoted, each after a space
+};
+int run_farm(const FarmArguments& arguments);
+
+/// Without outputs, tells how far the parts are.
 struct MergeArguments {
   std::vector<std::string> parts, outputs;
   std::string display, view, look, ocio;
@@ -61,7 +78,7 @@ struct TradeoffArguments {
   std::string size;    // "320x180"
   std::string only;    // regular expression
   std::vector<std::string> overrides;
-  bool denoise = false, restart = false, quiet = false;
+  bool denoise = false, restart = false, quiet = false, allow_outside = false;
 };
 int run_tradeoff(const TradeoffArguments& arguments);
 

@@ -115,6 +115,7 @@ int check_arguments(const InfoArguments& a, Console* console) {
 
 hd::description::LoadOptions load_options(const InfoArguments& a) {
   hd::description::LoadOptions options;
+  options.allow_outside = a.allow_outside;
   if (const auto size = parse_size(a.size))
     options.overrides.push_back("resolution=[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
   if (!a.threads.empty()) options.overrides.push_back("threads=" + a.threads);

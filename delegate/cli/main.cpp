@@ -1,7 +1,11 @@
 // The program alabaster: the first host. It uses the public contract and the kit, nothing else.
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
+#include <set>
 #include <tuple>
 
 #include "delegate/api/render_delegate.h"
@@ -77,6 +81,11 @@ void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+void add_allow_outside(CLI::App* c, bool* allowed) {
+  c->add_flag("--allow-outside", *allowed,
+              "Let scene files name files that lie outside their own folders, for reading and for writing");
+}
+
 void add_checkpoint(CLI::App* c, RenderArguments* a) {
   c->add_option(
        "--checkpoint", a->checkpoint,
@@ -95,8 +104,8 @@ void add_checkpoint(CLI::App* c, RenderArguments* a) {
       ->type_name("A:B");
 }
 
-CLI::App* add_render(CLI::App& app, RenderArguments* a) {
-  CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
+/// The options of render but for those of checkpoints.
+void add_render_options(CLI::App* c, RenderArguments* a) {
   c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
   add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
   c->add_option("--camera", a->camera, "Camera to render from")->type_name("NAME");
@@ -132,7 +141,6 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
        "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
        "the brightest")
       ->type_name("X,Y[,SAMPLE]");
-  add_checkpoint(c, a);
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE",
                "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
                "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
@@ -140,16 +148,41 @@ CLI::App* add_render(CLI::App& app, RenderArguments* a) {
   c->add_flag("--keep-going", a->keep_going,
               "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
               "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
+  add_allow_outside(c, &a->allow_outside);
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
+}
+
+CLI::App* add_render(CLI::App& app, RenderArguments* a) {
+  CLI::App* c = app.add_subcommand("render", "Renders a scene (.gltf, .glb or a render description .json) to files.");
+  add_render_options(c, a);
+  add_checkpoint(c, a);
+  return c;
+}
+
+CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
+  CLI::App* c = app.add_subcommand(
+      "farm",
+      "Writes the jobs that render a frame on several machines, each a part of its samples, and merge the parts to the "
+      "bytes of one machine's frame. Takes the options of render; renders nothing itself.");
+  add_render_options(c, &a->render);
+  c->add_option("--tasks", a->tasks, "Number of parts")->required()->type_name("N");
+  c->add_option(
+       "--engine", a->engine,
+       "slurm: a job array and its merge; script: a command line for each task, for any other engine. Default: "
+       "script")
+      ->type_name("NAME");
+  c->add_option("--folder", a->folder,
+                "Folder for the jobs and the parts, which all machines must see; default: SCENE_farm")
+      ->type_name("DIR");
   return c;
 }
 
 CLI::App* add_merge(CLI::App& app, MergeArguments* a) {
-  CLI::App* c = app.add_subcommand(
-      "merge",
-      "Adds up the checkpoints of parts of a frame's samples. The files are those of one render of all of them: "
-      "denoised, too, if the parts were rendered with --denoise.");
+  CLI::App* c = app.add_subcommand("merge",
+                                   "Adds up the checkpoints of parts of a frame's samples; without -o, tells how far "
+                                   "they are. The files are those of one render of all of them: "
+                                   "denoised, too, if the parts were rendered with --denoise.");
   c->add_option("parts", a->parts, "Checkpoints of 'alabaster render --samples A:B', in any order")
       ->required()
       ->type_name("PART...");
@@ -184,10 +217,36 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
       ->type_name("REGEX");
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_flag("--denoise", a->denoise, "Measure each picture denoised, too (Open Image Denoise 2, if installed)");
+  add_allow_outside(c, &a->allow_outside);
   c->add_flag("--restart", a->restart, "Discard an earlier study in the folder and start afresh");
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
   return c;
+}
+
+/// The options that were given, quoted, each after a space: all but those of `left_out`.
+std::string given_words(const CLI::App* c, const std::set<std::string>& left_out) {
+  std::string words;
+  for (const CLI::Option* option : c->get_options()) {
+    if (option->count() == 0 || option->get_positional() || left_out.contains(option->get_name())) continue;
+    if (option->get_expected_max() == 0) words += " " + option->get_name();
+    if (option->get_expected_max() > 0)
+      for (const std::string& value : option->results()) words += " " + option->get_name() + " " + shell_word(value);
+  }
+  return words;
+}
+
+// A task renders without outputs, and the merge needs only what makes files of pixels.
+void split_words(const CLI::App* c, FarmArguments* a) {
+  const std::set<std::string> of_farm{"--tasks", "--engine", "--folder", "--quiet", "--spp"};
+  const std::set<std::string> of_files{"--output", "--display", "--view", "--look", "--exposure"};
+  std::set<std::string> not_of_task = of_farm, not_of_merge;
+  not_of_task.insert(of_files.begin(), of_files.end());
+  for (const CLI::Option* option : c->get_options())
+    if (const std::string name = option->get_name(); !of_files.contains(name) && name != "--aov" && name != "--ocio")
+      not_of_merge.insert(name);
+  a->render_words = given_words(c, not_of_task);
+  a->merge_words = given_words(c, not_of_merge);
 }
 
 /// An argument that a script left empty. Taken as not given, it would silently mean the default.
@@ -202,6 +261,35 @@ std::string empty_argument(int argc, char** argv) {
   return {};
 }
 
+CLI::App* add_check(CLI::App& app, CheckArguments* a) {
+  CLI::App* c = app.add_subcommand(
+      "check",
+      "Checks a scene without rendering it: reads it and all files that it names, builds what would be rendered, and "
+      "reports every fault that a render would. Writes nothing.");
+  c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
+  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
+  c->add_option("--time-limit", a->time_limit, "Give up after this many seconds; default: 60")->type_name("S");
+  c->add_option("--memory-limit", a->memory_limit, "Memory for the scene, as in render")->type_name("MIB");
+  add_allow_outside(c, &a->allow_outside);
+  c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
+  c->footer(kExitCodes);
+  return c;
+}
+
+CLI::App* add_info(CLI::App& app, InfoArguments* a) {
+  CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
+  c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
+  add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
+  c->add_option("--predict", a->predict,
+                "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "
+                "seconds")
+      ->type_name("E");
+  c->add_option("--size", a->size, "Resolution in pixels, for --predict")->type_name("WxH");
+  c->add_option("--threads", a->threads, "Render threads, for --predict; 0 uses all cores")->type_name("N");
+  add_allow_outside(c, &a->allow_outside);
+  return c;
+}
+
 int run(int argc, char** argv) {
   if (const std::string fault = empty_argument(argc, argv); !fault.empty())
     return Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
@@ -211,24 +299,18 @@ int run(int argc, char** argv) {
   app.footer(kExitCodes);
   RenderArguments render;
   InfoArguments info;
+  CheckArguments check;
   OcioArguments ocio;
   TradeoffArguments tradeoff;
   MergeArguments merge;
+  FarmArguments farm;
   std::string schema;
   const CLI::App* render_command = add_render(app, &render);
   const CLI::App* merge_command = add_merge(app, &merge);
+  const CLI::App* farm_command = add_farm(app, &farm);
   const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
-  CLI::App* info_command = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
-  info_command->add_option("scene", info.scene, "Scene file")->required()->type_name("SCENE");
-  add_repeated(info_command, "--set", &info.overrides, "KEY=VALUE", "Override a value, as in render");
-  info_command
-      ->add_option(
-          "--predict", info.predict,
-          "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few seconds")
-      ->type_name("E");
-  info_command->add_option("--size", info.size, "Resolution in pixels, for --predict")->type_name("WxH");
-  info_command->add_option("--threads", info.threads, "Render threads, for --predict; 0 uses all cores")
-      ->type_name("N");
+  const CLI::App* info_command = add_info(app, &info);
+  const CLI::App* check_command = add_check(app, &check);
   CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
   schema_command
       ->add_option("name", schema,
@@ -246,8 +328,13 @@ int run(int argc, char** argv) {
   for (int i = 2; i < argc; ++i) render.words += " " + shell_word(argv[i]);
   if (render_command->parsed()) return run_render(render);
   if (merge_command->parsed()) return run_merge(merge);
+  if (farm_command->parsed()) {
+    split_words(farm_command, &farm);
+    return run_farm(farm);
+  }
   if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);
   if (info_command->parsed()) return run_info(info);
+  if (check_command->parsed()) return run_check(check);
   if (schema_command->parsed()) return run_schema(schema);
   return run_ocio(ocio);
 }
@@ -261,10 +348,18 @@ int flushed(int code) {
   return kOutput;
 }
 
+// A descriptor that was closed would become that of a file of ours, which would then get the messages. Standard output
+// stays one that cannot be written, so that lost output is an error.
+void take_closed_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(descriptor, F_GETFD) < 0) open("/dev/null", descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 }  // namespace
 }  // namespace alabaster::cli
 
 int main(int argc, char** argv) {
+  alabaster::cli::take_closed_descriptors();
   try {
     return alabaster::cli::flushed(alabaster::cli::run(argc, argv));
   } catch (const std::bad_alloc&) {

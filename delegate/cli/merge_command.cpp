@@ -1,10 +1,14 @@
 #include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/render_options.h"
 
 namespace alabaster::cli {
 namespace {
@@ -47,12 +51,12 @@ class MergeCommand {
 
   int run() {
     catch_interrupts();
-    if (a_.outputs.empty()) return console_.usage_error("merge", "There is nothing to write: add -o FILE.");
     if (!session_.choose_colors(a_.ocio, console_.sink())) return kUsage;
     int code = plan();
     if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
-    code = describe();
+    if (a_.outputs.empty()) return tell();
+    code = describe(a_.parts);
     return code == kDone ? write() : code;
   }
 
@@ -69,7 +73,7 @@ class MergeCommand {
       files.push_back(part);
       if (problem.empty()) problem = same_file_twice(files);
     }
-    if (problem.empty()) products_ = make_products(products, {}, &problem);
+    if (problem.empty() && !a_.outputs.empty()) products_ = make_products(products, {}, &problem);
     if (!problem.empty()) return console_.usage_error("merge", problem);
     for (const hd::RenderProduct& product : products_)
       if (!hd::host::CheckProduct(product, session_.colors(), console_.sink()))
@@ -77,11 +81,46 @@ class MergeCommand {
     return kDone;
   }
 
+  // How far the parts are, and the noise of as many as make a frame: those from sample 0 on without a gap.
+  int tell() {
+    std::map<int64_t, std::pair<int64_t, std::string>> whole;  // by first sample: the end and the file
+    for (const std::string& part : a_.parts) {
+      if (!std::filesystem::exists(part)) {
+        std::printf("%s: not begun\n", printable(part).c_str());
+        continue;
+      }
+      const hd::Value described = session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", part}});
+      const auto dictionary = described.get_or(std::shared_ptr<const hd::Dictionary>());
+      if (!dictionary) return fail(part, described.text_or(""));
+      const int64_t first = dictionary->at("firstSample").get_or(int64_t(0));
+      const int64_t end = dictionary->at("samples").get_or(int64_t(0));
+      const bool is_whole = dictionary->at("complete").get_or(false);
+      if (is_whole) whole[first] = {end, part};
+      std::printf("%s: samples %lld to %lld, %s\n", printable(part).c_str(), static_cast<long long>(first),
+                  static_cast<long long>(end - 1), is_whole ? "whole" : "not whole yet");
+    }
+    std::printf("%zu of %zu parts are whole\n", whole.size(), a_.parts.size());
+    std::vector<std::string> joined;
+    int64_t end = 0;
+    for (auto next = whole.find(0); next != whole.end(); next = whole.find(end)) {
+      joined.push_back(next->second.second);
+      end = next->second.first;
+    }
+    if (joined.empty()) return kDone;
+    if (const int code = describe(joined); code != kDone) return code;
+    hd::host::RecordOptions options;
+    options.cancel = &interrupted();
+    options.diagnostics = console_.sink();
+    const hd::host::RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
+    std::printf("%s\n", noise_text(result.stats).c_str());
+    return exit_code(result.status);
+  }
+
   // Reads from the parts what frame they are of. showCheckpoints finds out if they belong together.
-  int describe() {
+  int describe(const std::vector<std::string>& parts) {
     std::optional<hd::RenderSettingsDescription> frame;
     int64_t samples = 0;
-    for (const std::string& part : a_.parts) {
+    for (const std::string& part : parts) {
       const hd::Value described = session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", part}});
       const auto dictionary = described.get_or(std::shared_ptr<const hd::Dictionary>());
       if (!dictionary) return fail(part, described.text_or(""));
@@ -96,7 +135,7 @@ class MergeCommand {
     frame->settings["firstSample"] = int64_t(0);
     frame->products = products_;
     session_.scene.SetRenderSettings(path_, std::move(*frame));
-    const hd::Dictionary files{{"files", hd::Array<std::string>(a_.parts)}};
+    const hd::Dictionary files{{"files", hd::Array<std::string>(parts)}};
     const std::string fault = session_.delegate()->InvokeCommand("showCheckpoints", files).text_or("");
     return fault.empty() ? kDone : fail("merge", fault);
   }

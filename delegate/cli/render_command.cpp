@@ -6,6 +6,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
+#include "delegate/cli/render_options.h"
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/description/quality_presets.h"
@@ -104,8 +105,6 @@ class RenderCommand {
     return kDone;
   }
 
-  double seconds_at(uint32_t frame) const { return frame / parse_nonnegative(a_.fps).value_or(24); }
-
   // An invalid product is a fault of the command line or of the description; one that cannot be written is one of
   // output.
   int product_failure() const {
@@ -115,52 +114,9 @@ class RenderCommand {
     return named ? kUsage : kInput;
   }
 
-  // The bound on samples where an error or a time ends the render. It is never below the preset's own.
-  int most_samples() const {
-    const auto* preset = hd::description::FindQualityPreset(a_.quality);
-    if (!preset) return kMostSamplesToAnError;
-    const double own = preset->settings.at("samples").number_or(0);
-    return std::max(kMostSamplesToAnError, static_cast<int>(own));
-  }
-
-  hd::description::LoadOptions load_options() const {
-    hd::description::LoadOptions options;
-    const auto add = [&](const std::string& key, const std::string& value) {
-      if (!value.empty()) options.overrides.push_back(key + "=" + value);
-    };
-    options.time = frames_.empty() ? parse_nonnegative(a_.time) : std::optional(seconds_at(frames_[0]));
-    if (const auto shutter = parse_interval(a_.shutter)) options.shutter = {shutter->first, shutter->second};
-    options.frames_per_second = 1 / seconds_at(1);
-    options.scene = a_.model_scene;
-    options.animation = a_.animation;
-    options.variant = a_.variant;
-    if (const auto size = parse_size(a_.size))
-      add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
-    if (parse_crop(a_.crop)) add("crop", "[" + a_.crop + "]");
-    add("quality", a_.quality);  // first, so that all others override it
-    std::map<std::string, std::string> settings = a_.settings;
-    if (a_.denoise) settings["denoise"] = "true";
-    if (!a_.pixel.empty()) {
-      settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
-      settings["denoise"] = "false";
-    }
-    const bool decided = a_.pixel.empty() && (!settings["targetError"].empty() || !settings["timeLimit"].empty());
-    if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples());
-    if (const auto range = parse_samples(a_.samples)) {
-      settings["firstSample"] = std::to_string(range->first);
-      settings["samples"] = std::to_string(range->second);
-    }
-    for (const auto& [name, value] : settings) add(name, value);
-    options.overrides.insert(options.overrides.end(), a_.overrides.begin(), a_.overrides.end());
-    options.camera = a_.camera;
-    options.dome = a_.dome;
-    options.keep_going = a_.keep_going;
-    return options;
-  }
-
   int load() {
     const Stopwatch watch;
-    const hd::description::LoadOptions options = load_options();
+    const hd::description::LoadOptions options = load_options(a_);
     const bool ok = session_.load(a_.scene, options, console_.sink());
     stats_.set_load(watch.wall(), watch.cpu());
     if (!ok) return load_failure(console_.last_error(), options);
@@ -270,12 +226,12 @@ class RenderCommand {
   // Ends at the first frame that fails or is interrupted; those before it are done.
   int render_frames() {
     const auto described = session_.scene.GetAllRenderSettings();
-    hd::description::LoadOptions options = load_options();
+    hd::description::LoadOptions options = load_options(a_);
     int code = kDone;
     for (size_t i = 0; i < frames_.size(); ++i) {
       if (interrupted()) return kInterrupted;
       const uint32_t frame = frames_[i];
-      options.time = seconds_at(frame);
+      options.time = seconds_at(a_, frame);
       if (i > 0 && !session_.pose(a_.scene, options, console_.sink())) return kInput;
       for (const hd::Path& path : settings_paths()) {
         hd::RenderSettingsDescription settings = described.at(path);
@@ -388,18 +344,7 @@ class RenderCommand {
   }
 
   void say_error(const hd::Dictionary& stats) {
-    const auto percent = [&](const char* key) {
-      const auto found = stats.find(key);
-      return found == stats.end() ? -1 : 100 * found->second.number_or(-1);
-    };
-    const double error = percent("error.relativeRmse");
-    if (!(error >= 0) || std::isinf(error)) return;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel%s", error,
-                  percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0),
-                  stats.contains("denoiser") ? ", before denoising" : "");
-    console_.note(text);
+    if (const std::string text = noise_text(stats); !text.empty()) console_.note(text);
   }
 
   int write_stats(int code) {

@@ -120,6 +120,7 @@ class TradeoffCommand {
   int load() {
     hd::description::LoadOptions options;
     options.overrides = a_.overrides;
+    options.allow_outside = a_.allow_outside;
     if (!session_.load(a_.scene, options, console_.sink())) return load_failure(console_.last_error(), options);
     if (!session_.choose_colors("", console_.sink())) return kInput;
     for (const std::string& note : session_.file.notes) console_.note("note: " + note);

@@ -289,6 +289,26 @@ TEST_F(FaultsTest, StandardOutputIsChecked) {
   EXPECT_EQ(run({"schema", "lights"}, [&] { dup2(open(full.c_str(), O_WRONLY), STDOUT_FILENO); }).code, 5);
 }
 
+// Else an output file could get the number of standard error, and the messages.
+TEST_F(FaultsTest, ClosedDescriptorsAreTakenBeforeAnyFileIs) {
+  Program program(folder_, {"render", "patch.gltf", "--size", "64x48", "--time-limit", "60", "-o", "a.exr"}, [] {
+    close(STDIN_FILENO);
+    close(STDERR_FILENO);
+  });
+  const auto place_of = [&](int descriptor) {
+    std::error_code none;
+    return std::filesystem::read_symlink("/proc/" + std::to_string(program.pid()) + "/fd/" + std::to_string(descriptor),
+                                         none);
+  };
+  bool taken = false;
+  for (int i = 0; i < 500 && !taken; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    taken = place_of(STDERR_FILENO) == "/dev/null" && place_of(STDIN_FILENO) == "/dev/null";
+  }
+  EXPECT_TRUE(taken) << place_of(STDERR_FILENO);
+  program.send(SIGKILL);
+}
+
 TEST_F(FaultsTest, EverySignalThatEndsTheProgramKeepsThePicture) {
   for (const int number : {SIGHUP, SIGTERM, SIGPIPE, SIGXCPU, SIGXFSZ}) {
     std::filesystem::remove(folder_ / "a.exr");

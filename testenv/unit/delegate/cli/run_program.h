@@ -51,6 +51,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
+  pid_t pid() const { return pid_; }
   void interrupt() const { send(SIGINT); }
   void send(int signal) const { kill(pid_, signal); }
   /// The exit code; -1 if a signal ended it.

@@ -1,0 +1,78 @@
+#include "delegate/cli/render_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "delegate/cli/outputs.h"
+#include "delegate/description/quality_presets.h"
+
+namespace alabaster::cli {
+namespace {
+
+// The bound on samples where an error or a time ends the render. It is never below the preset's own.
+int most_samples(const RenderArguments& a) {
+  const auto* preset = hd::description::FindQualityPreset(a.quality);
+  if (!preset) return kMostSamplesToAnError;
+  const double own = preset->settings.at("samples").number_or(0);
+  return std::max(kMostSamplesToAnError, static_cast<int>(own));
+}
+
+}  // namespace
+
+double seconds_at(const RenderArguments& a, uint32_t frame) {
+  return frame / parse_nonnegative(a.fps).value_or(24);
+}
+
+hd::description::LoadOptions load_options(const RenderArguments& a) {
+  hd::description::LoadOptions options;
+  const auto add = [&](const std::string& key, const std::string& value) {
+    if (!value.empty()) options.overrides.push_back(key + "=" + value);
+  };
+  const std::vector<uint32_t> frames = parse_frames(a.frames);
+  options.time = frames.empty() ? parse_nonnegative(a.time) : std::optional(seconds_at(a, frames[0]));
+  if (const auto shutter = parse_interval(a.shutter)) options.shutter = {shutter->first, shutter->second};
+  options.frames_per_second = 1 / seconds_at(a, 1);
+  options.scene = a.model_scene;
+  options.animation = a.animation;
+  options.variant = a.variant;
+  if (const auto size = parse_size(a.size))
+    add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
+  if (parse_crop(a.crop)) add("crop", "[" + a.crop + "]");
+  add("quality", a.quality);  // first, so that all others override it
+  std::map<std::string, std::string> settings = a.settings;
+  if (a.denoise) settings["denoise"] = "true";
+  if (!a.pixel.empty()) {
+    settings["targetError"] = settings["timeLimit"] = "0";  // the samples of an even frame
+    settings["denoise"] = "false";
+  }
+  const bool decided = a.pixel.empty() && (!settings["targetError"].empty() || !settings["timeLimit"].empty());
+  if (decided && settings["samples"].empty()) settings["samples"] = std::to_string(most_samples(a));
+  for (const auto& [name, value] : settings) add(name, value);
+  options.overrides.insert(options.overrides.end(), a.overrides.begin(), a.overrides.end());
+  if (const auto range = parse_samples(a.samples)) {  // last: no override may change a part's samples
+    add("firstSample", std::to_string(range->first));
+    add("samples", std::to_string(range->second));
+  }
+  options.camera = a.camera;
+  options.dome = a.dome;
+  options.keep_going = a.keep_going;
+  options.allow_outside = a.allow_outside;
+  return options;
+}
+
+std::string noise_text(const hd::Dictionary& stats) {
+  const auto percent = [&](const char* key) {
+    const auto found = stats.find(key);
+    return found == stats.end() ? -1 : 100 * found->second.number_or(-1);
+  };
+  const double error = percent("error.relativeRmse");
+  if (!(error >= 0) || std::isinf(error)) return {};
+  char text[160];
+  std::snprintf(text, sizeof text, "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel%s",
+                error, percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0),
+                stats.contains("denoiser") ? ", before denoising" : "");
+  return text;
+}
+
+}  // namespace alabaster::cli

@@ -1,0 +1,99 @@
+// Frames in parts on several machines: the jobs that are written, run as an engine would run them.
+#include <OpenImageIO/imageio.h>
+
+#include "testenv/unit/delegate/cli/run_program.h"
+#include "testenv/unit/delegate/description/scene_fixture.h"
+
+namespace alabaster::cli {
+namespace {
+
+class Farm : public hd::description::SceneFiles {
+ protected:
+  struct Outcome {
+    int code;
+    std::string out, err;
+  };
+  Outcome run(const std::vector<std::string>& arguments) const {
+    Program program(folder_, arguments);
+    const int code = program.wait();
+    return {code, program.out(), program.err()};
+  }
+  int shell(const std::string& line) const {
+    return std::system(("cd " + folder_.string() + " && " + line + " >shell.txt 2>&1").c_str());
+  }
+  std::string read(const std::string& name) const {
+    std::ifstream in(folder_ / name);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::vector<float> pixels(const std::string& name) const {
+    const auto image = OIIO::ImageInput::open(folder_ / name);
+    EXPECT_TRUE(image) << name;
+    if (!image) return {};
+    const OIIO::ImageSpec& spec = image->spec();
+    std::vector<float> all(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
+                           static_cast<size_t>(spec.nchannels));
+    EXPECT_TRUE(image->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, all.data()));
+    return all;
+  }
+};
+
+TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
+  const std::vector<std::string> frame{"--size", "20x12", "--set", "samples=10", "--aov", "depth", "--set", "seed=7"};
+  std::vector<std::string> alone{"render", "patch.gltf", "-o", "alone.exr"},
+      farm{"farm", "patch.gltf", "-o", "a b.exr"};
+  alone.insert(alone.end(), frame.begin(), frame.end());
+  farm.insert(farm.end(), frame.begin(), frame.end());
+  farm.insert(farm.end(), {"--tasks", "3"});
+  ASSERT_EQ(run(alone).code, 0);
+  const Outcome wrote = run(farm);
+  ASSERT_EQ(wrote.code, 0) << wrote.err;
+  std::istringstream tasks(read("patch_farm/tasks.txt"));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(tasks, line);) lines.push_back(line);
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(shell(lines[0]), 0) << read("shell.txt");
+  EXPECT_EQ(shell(lines[2]), 0) << read("shell.txt");
+  EXPECT_EQ(shell("sh patch_farm/status.sh"), 0) << read("shell.txt");
+  EXPECT_NE(read("shell.txt").find("2 of 3 parts are whole"), std::string::npos) << read("shell.txt");
+  EXPECT_NE(read("shell.txt").find("noise: "), std::string::npos) << read("shell.txt");
+  EXPECT_NE(shell("sh patch_farm/merge.sh"), 0) << "the second part is missing";
+  EXPECT_EQ(shell(lines[1]), 0) << read("shell.txt");
+  std::filesystem::rename(folder_ / "patch_farm/part.00002.checkpoint", folder_ / "lost");
+  EXPECT_NE(shell("sh patch_farm/merge.sh"), 0) << "the last part is missing";
+  std::filesystem::rename(folder_ / "lost", folder_ / "patch_farm/part.00002.checkpoint");
+  EXPECT_EQ(run(farm).code, 2) << "the folder holds parts";
+  EXPECT_EQ(shell(lines[1]), 0) << "run again: " << read("shell.txt");
+  EXPECT_EQ(shell("sh patch_farm/merge.sh"), 0) << read("shell.txt");
+  EXPECT_EQ(pixels("a b.exr"), pixels("alone.exr"));
+}
+
+TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
+  ASSERT_EQ(
+      run({"farm", "patch.gltf", "-o", "a.exr", "--spp", "8", "--tasks", "4", "--engine", "slurm", "--folder", "jobs"})
+          .code,
+      0);
+  const std::string job = read("jobs/job.sbatch");
+  EXPECT_NE(job.find("#SBATCH --array=0-3\n"), std::string::npos) << job;
+  for (const char* name : {"task.sh", "merge.sh", "status.sh", "submit.sh", "job.sbatch"})
+    EXPECT_EQ(shell(std::string("sh -n jobs/") + name), 0) << name;
+}
+
+TEST_F(Farm, WrongArgumentsAreRefused) {
+  const auto refused = [&](const std::vector<std::string>& more, const char* said) {
+    std::vector<std::string> all{"farm", "patch.gltf", "--spp", "4"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome outcome = run(all);
+    EXPECT_EQ(outcome.code, 2) << said;
+    EXPECT_NE(outcome.err.find(said), std::string::npos) << outcome.err;
+  };
+  refused({"-o", "a.exr", "--tasks", "0"}, "--tasks");
+  refused({"-o", "a.exr", "--tasks", "5"}, "cannot be shared");
+  refused({"--tasks", "2"}, "add -o");
+  refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose slurm or script");
+  refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "--frames");
+  refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "targetError");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "patch_farm"));
+}
+
+}  // namespace
+}  // namespace alabaster::cli
