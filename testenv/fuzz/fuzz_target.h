@@ -1,0 +1,33 @@
+// The functions that libFuzzer and the replay of kept inputs call. A target does what a host would do with a file or a
+// call made of the bytes; it aborts where the library breaks a promise (delegate/README.md, "Hostile input").
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace alabaster::fuzz {
+
+using Bytes = std::span<const uint8_t>;
+
+struct Target {
+  const char* name;
+  void (*run)(Bytes input);
+};
+
+void run_gltf(Bytes input);         // a .gltf or .glb
+void run_description(Bytes input);  // a render description beside a model and an image
+void run_override(Bytes input);     // the text of --set
+void run_mesh(Bytes input);         // topology, primvars and instances through the contract
+void run_material(Bytes input);     // parameters of a material, lights and camera through the contract
+void run_image(Bytes input);        // an image of any kind, as texture and as dome
+void run_ocio(Bytes input);         // an OpenColorIO config
+void run_checkpoint(Bytes input);   // edits of a checkpoint, whose checksums are then made right
+
+inline constexpr Target kTargets[] = {
+    {"gltf", run_gltf}, {"description", run_description}, {"override", run_override},
+    {"mesh", run_mesh}, {"material", run_material},       {"image", run_image},
+    {"ocio", run_ocio}, {"checkpoint", run_checkpoint},
+};
+
+}  // namespace alabaster::fuzz
