@@ -78,6 +78,7 @@ void run_checkpoint(Bytes input) {
   SmallRender render;
   render.options.checkpoint = scratch_file("fuzzed.checkpoint", file);
   render.options.resume = true;
+  render.counts_are_ours = false;
   render_small(&scene, render);
 }
 

@@ -19,6 +19,7 @@ std::string scratch_file(const std::string& name, Bytes bytes);
 
 struct SmallRender {
   hd::Path settings = "/settings";
+  bool counts_are_ours = true;  // else a file brings counts of its own
   hd::host::RecordOptions options;
 };
 
