@@ -9,15 +9,7 @@ namespace {
 
 class Farm : public hd::description::SceneFiles {
  protected:
-  struct Outcome {
-    int code;
-    std::string out, err;
-  };
-  Outcome run(const std::vector<std::string>& arguments) const {
-    Program program(folder_, arguments);
-    const int code = program.wait();
-    return {code, program.out(), program.err()};
-  }
+  Outcome run(const std::vector<std::string>& arguments) const { return run_program(folder_, arguments); }
   int shell(const std::string& line) const {
     return std::system(("cd " + folder_.string() + " && " + line + " >shell.txt 2>&1").c_str());
   }

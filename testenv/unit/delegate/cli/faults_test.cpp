@@ -16,14 +16,8 @@ namespace {
 
 class FaultsTest : public hd::description::SceneFiles {
  protected:
-  struct Outcome {
-    int code;
-    std::string out, err;
-  };
   Outcome run(const std::vector<std::string>& arguments, const std::function<void()>& prepare = {}) const {
-    Program program(folder_, arguments, prepare);
-    const int code = program.wait();
-    return {code, program.out(), program.err()};
+    return run_program(folder_, arguments, prepare);
   }
   Outcome render(const std::string& scene, const std::vector<std::string>& more = {}) const {
     std::vector<std::string> all{"render", scene, "--size", "16x12", "--spp", "1", "-o", "a.exr", "--stats", "s.json"};

@@ -13,15 +13,7 @@ namespace {
 
 class ProgramTest : public hd::description::SceneFiles {
  protected:
-  struct Outcome {
-    int code;
-    std::string out, err;
-  };
-  Outcome run(const std::vector<std::string>& arguments) const {
-    Program program(folder_, arguments);
-    const int code = program.wait();
-    return {code, program.out(), program.err()};
-  }
+  Outcome run(const std::vector<std::string>& arguments) const { return run_program(folder_, arguments); }
   void expect_error(int code, const std::vector<std::string>& arguments, const std::string& said) const {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, code) << outcome.err;

@@ -87,4 +87,17 @@ class Program {
   bool waited_ = false;
 };
 
+struct Outcome {
+  int code;
+  std::string out, err;
+};
+
+/// Runs `alabaster ARGUMENTS` to its end.
+inline Outcome run_program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+                           const std::function<void()>& prepare = {}) {
+  Program program(folder, arguments, prepare);
+  const int code = program.wait();
+  return {code, program.out(), program.err()};
+}
+
 }  // namespace alabaster::cli

@@ -96,38 +96,43 @@ class MemoryStorm : public description::SceneFiles {
         << " allocations: " << outcome.error;
   }
 
+  struct Storm {
+    size_t allowed_below;  // allocations before the first that is refused
+    int least_failures;    // of 150 recordings: with fewer, it is over before they begin to matter
+  };
+  /// `fail` makes the object that has memory fail, and says if a single allocation does.
+  template <class Fail>
+  void storm(const Storm& s, const Fail& fail) const {
+    const Outcome whole = run_whole();
+    ASSERT_TRUE(whole.done);
+    std::mt19937 random(1);
+    int failed = 0;
+    for (size_t i = 0; i < 150; ++i) {
+      const size_t allowed = random() % s.allowed_below;
+      bool is_told = false;
+      const Outcome outcome = run([&] { return fail(i, allowed, &is_told); });
+      expect_honest(outcome, whole, is_told, allowed);
+      failed += outcome.failed;
+    }
+    EXPECT_GE(failed, s.least_failures);
+    EXPECT_EQ(run_whole().pixels, whole.pixels);
+  }
+
   std::string scene_file_;
 };
 
 TEST_F(MemoryStorm, OnTheHostsThread) {
-  const Outcome whole = run_whole();
-  ASSERT_TRUE(whole.done);
-  std::mt19937 random(1);
-  int failed = 0;
-  for (size_t i = 0; i < 150; ++i) {
-    const size_t allowed = random() % 1500;
-    const size_t refusals = i % 2 == 0 ? 1 : 50;
-    const Outcome outcome = run([&] { return testing::FailingMemory(allowed, refusals); });
-    expect_honest(outcome, whole, refusals == 1, allowed);
-    failed += outcome.failed;
-  }
-  EXPECT_GT(failed, 100) << "the storm is over too soon: a recording allocates less than it did";
-  EXPECT_EQ(run_whole().pixels, whole.pixels);
+  storm({.allowed_below = 1500, .least_failures = 100}, [](size_t i, size_t allowed, bool* is_told) {
+    *is_told = i % 2 == 0;
+    return testing::FailingMemory(allowed, *is_told ? 1 : 50);
+  });
 }
 
 TEST_F(MemoryStorm, OnAllOtherThreads) {
-  const Outcome whole = run_whole();
-  ASSERT_TRUE(whole.done);
-  std::mt19937 random(2);
-  int failed = 0;
-  for (int i = 0; i < 150; ++i) {
-    const size_t allowed = random() % 400;
-    const Outcome outcome = run([&] { return testing::FailingMemoryElsewhere(1 + i % 3, allowed); });
-    expect_honest(outcome, whole, i % 3 == 0, allowed);
-    failed += outcome.failed;
-  }
-  EXPECT_GT(failed, 50) << "the storm is over too soon: a recording allocates less than it did";
-  EXPECT_EQ(run_whole().pixels, whole.pixels);
+  storm({.allowed_below = 400, .least_failures = 50}, [](size_t i, size_t allowed, bool* is_told) {
+    *is_told = i % 3 == 0;
+    return testing::FailingMemoryElsewhere(static_cast<int>(1 + i % 3), allowed);
+  });
 }
 
 }  // namespace
