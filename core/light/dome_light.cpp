@@ -19,13 +19,6 @@ DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_
   radiance_ = image_->mean();
 }
 
-// From density over the unit square of texels to solid angle: a texel has area 1/(w h) there, and fills
-// 2 pi / w * row_height on the sphere.
-float DomeLight::pdf_of_cell(double pdf_uv, int row) const {
-  const int rows = image_->height();
-  return static_cast<float>(pdf_uv / (2 * kPiDouble * rows * row_height(row, rows)));
-}
-
 std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
   if (is_black(radiance_)) return std::nullopt;
   LightSample s;
@@ -36,19 +29,13 @@ std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u)
     s.radiance = radiance_;
     return s;
   }
-  float pdf = 0;
-  const Vec2f cell = image_->sample(u, &pdf);
-  const int rows = image_->height();
-  // Within a row: uniform in cos(colatitude), which is uniform in solid angle.
-  const double y = static_cast<double>(cell.y) * rows;
-  const int row = std::min(static_cast<int>(y), rows - 1);
-  const double top = kPiDouble * row / rows;
-  const double one_minus_cos = 2 * std::sin(0.5 * top) * std::sin(0.5 * top) + (y - row) * row_height(row, rows);
-  const double sine = std::sqrt(std::max(0.0, one_minus_cos * (2 - one_minus_cos))), cosine = 1 - one_minus_cos;
-  const double longitude = 2 * kPiDouble * (0.5 - static_cast<double>(cell.x));
+  const LightImage::Place place = image_->sample(u);
+  const double colatitude = kPiDouble * place.v, longitude = 2 * kPiDouble * (0.5 - place.u);
+  const double sine = std::sin(colatitude), cosine = std::cos(colatitude);
   s.wi = to_float(x_ * (sine * std::sin(longitude)) + y_ * cosine + z_ * (sine * std::cos(longitude)));
-  s.pdf = pdf_of_cell(pdf, row);
-  s.radiance = image_->lookup(cell.x, std::atan2(sine, cosine) / kPiDouble);
+  const LightImage::Look look = image_->look(place);
+  s.pdf = static_cast<float>(look.density);
+  s.radiance = look.radiance;
   if (is_black(s.radiance) || !(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
   return s;
 }
@@ -63,12 +50,10 @@ std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
   const double v = std::atan2(across, y) / kPiDouble;
   LightHit hit;
   hit.t = kInfinity;
-  hit.radiance = image_->lookup(u, v);
+  const LightImage::Look look = image_->look({u, v});
+  hit.radiance = look.radiance;
+  hit.pdf = static_cast<float>(look.density);
   if (is_black(hit.radiance)) return std::nullopt;
-  const int rows = image_->height(), row = std::min(static_cast<int>(v * rows), rows - 1);
-  // The middle of the row: rounding v to float must not leave it.
-  const Vec2f cell(static_cast<float>(u), (static_cast<float>(row) + 0.5f) / static_cast<float>(rows));
-  hit.pdf = pdf_of_cell(image_->pdf(cell), row);
   return hit;
 }
 

@@ -15,7 +15,7 @@ namespace alabaster {
 /// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Only the transform's rotation
 /// and mirroring count.
 ///
-/// Directions are drawn from the image's density (light_image.h), which is constant per texel and solid angle.
+/// Directions are drawn from the image's density (light_image.h).
 class DomeLight {
  public:
   DomeLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
@@ -28,8 +28,6 @@ class DomeLight {
   const std::shared_ptr<const LightImage>& image() const { return image_; }
 
  private:
-  float pdf_of_cell(double pdf_uv, int row) const;
-
   Vec3d x_{1, 0, 0}, y_{0, 1, 0}, z_{0, 0, 1};  // the light's axes in render space: orthonormal, perhaps left-handed
   Rgb radiance_{0.0f};                          // of an image: its mean
   std::shared_ptr<const LightImage> image_;     // null: constant; shared, for lights are copied

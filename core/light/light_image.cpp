@@ -10,16 +10,32 @@ float clean(float channel) {
   return std::isinf(channel) ? kLargestHalf : channel;
 }
 
-// Mean over a texel of the bilinear interpolation of it and its neighbours: 1/8, 6/8, 1/8 along each axis.
-double filtered(double before, double here, double after) {
-  return 0.125 * (before + after) + 0.75 * here;
+Rgb relative(const Rgb& scale) {
+  const float largest = max_component(scale);
+  return {scale.r / largest, scale.g / largest, scale.b / largest};
+}
+
+// The measure of rows: v, or 1 - cos(colatitude), which is even in solid angle and precise at the upper pole.
+double measure(double v, bool lat_long) {
+  const double s = std::sin(0.5 * kPiDouble * v);
+  return lat_long ? 2 * s * s : v;
+}
+
+double inverse_measure(double m, bool lat_long) {
+  return lat_long ? 2 * std::asin(std::min(1.0, std::sqrt(0.5 * m))) / kPiDouble : m;
+}
+
+// Draws x from a density over [0, 1) that is linear from a at 0 to b at 1.
+double sample_linear(double u, double a, double b) {
+  const double sum = a + std::sqrt(std::lerp(a * a, b * b, u));
+  return sum > 0 ? u * (a + b) / sum : u;
+}
+
+double bilinear(const float (&corners)[4], double s, double t) {
+  return std::lerp(std::lerp(corners[0], corners[1], s), std::lerp(corners[2], corners[3], s), t);
 }
 
 }  // namespace
-
-double row_height(int row, int rows) {
-  return 2 * std::sin(kPiDouble * (row + 0.5) / rows) * std::sin(kPiDouble * 0.5 / rows);
-}
 
 Rgb LightImage::texel(int x, int y) const {
   const Rgb c = texture_->texel(x, y);
@@ -27,37 +43,52 @@ Rgb LightImage::texel(int x, int y) const {
 }
 
 LightImage::LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel)
-    : texture_(std::move(texture)), scale_(scale), shape_(shape) {
+    : texture_(std::move(texture)), scale_(scale), tint_(relative(scale)), shape_(shape) {
   const int width = texture_->width(), height = texture_->height();
-  const auto w = static_cast<size_t>(width), h = static_cast<size_t>(height);
-  const bool around = shape_ == Shape::lat_long;
-  std::vector<float> along_rows(w * h), weights(w * h), row(w);
+  for (int y = 0; y <= height + 1; ++y)
+    row_bounds_.push_back(measure(std::clamp(y - 0.5, 0.0, 1.0 * height) / height, wraps()));
+
+  const auto w = static_cast<size_t>(width);
+  std::vector<float> above(w), here(w), weights;
+  weights.reserve(columns() * rows());
   double mean[3] = {0, 0, 0};
-  for (int y = 0; y < height; ++y) {
+  for (int y = 0; y <= height; ++y) {
     cancel.check();
-    const double solid_angle = 2 * kPiDouble / width * row_height(y, height);
-    const double share = around ? solid_angle / (4 * kPiDouble) : 1 / (static_cast<double>(width) * height);
-    for (int x = 0; x < width; ++x) {
+    const double top = measure(1.0 * y / height, wraps()), bottom = measure((y + 1.0) / height, wraps());
+    const double share = (bottom - top) / (measure(1, wraps()) * width);
+    for (int x = 0; x < width && y < height; ++x) {
       const Rgb c = texel(x, y);
-      row[static_cast<size_t>(x)] = luminance(c * scale_);
+      here[static_cast<size_t>(x)] = luminance(c * tint_);
       for (int i = 0; i < 3; ++i) mean[i] += c[i] * share;
     }
-    float* out = &along_rows[static_cast<size_t>(y) * w];
-    for (size_t x = 0; x < w; ++x) {
-      const size_t before = x > 0 ? x - 1 : around ? w - 1 : 0, after = x + 1 < w ? x + 1 : around ? 0 : x;
-      out[x] = static_cast<float>(filtered(row[before], row[x], row[after]));
+    if (y == 0) above = here;
+    for (size_t column = 0; column < columns(); ++column) {
+      const Cell at = cell(column, static_cast<size_t>(y));
+      const auto x0 = static_cast<size_t>(at.x0), x1 = static_cast<size_t>(at.x1);
+      const double corners = (1.0 * above[x0] + above[x1]) + (1.0 * here[x0] + here[x1]);
+      weights.push_back(static_cast<float>(0.25 * corners * (at.width * width) * (at.height * height)));
     }
-  }
-  for (size_t y = 0; y < h; ++y) {
-    cancel.check();
-    const float *above = &along_rows[(y > 0 ? y - 1 : 0) * w], *here = &along_rows[y * w],
-                *below = &along_rows[std::min(y + 1, h - 1) * w];
-    const double weight = around ? row_height(static_cast<int>(y), height) : 1;
-    for (size_t x = 0; x < w; ++x)
-      weights[y * w + x] = static_cast<float>(filtered(above[x], here[x], below[x]) * weight);
+    std::swap(above, here);
+    if (y + 1 == height) here = above;
   }
   for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]) * scale_[i];
-  distribution_ = Distribution2D(weights, w, h, cancel);
+  distribution_ = Distribution2D(weights, columns(), rows(), cancel);
+}
+
+LightImage::Cell LightImage::cell(size_t column, size_t row) const {
+  const int width = texture_->width(), height = texture_->height();
+  const int right = static_cast<int>(column), below = static_cast<int>(row);
+  Cell c{column, row};
+  c.x0 = right > 0 ? right - 1 : wraps() ? width - 1 : 0;
+  c.x1 = std::min(right, width - 1);
+  c.y0 = std::max(below - 1, 0);
+  c.y1 = std::min(below, height - 1);
+  const double begin = wraps() ? right - 0.5 : std::max(right - 0.5, 0.0);
+  c.left = begin / width;
+  c.width = ((wraps() ? right + 0.5 : std::min(right + 0.5, 1.0 * width)) - begin) / width;
+  c.top = row_bounds_[row];
+  c.height = row_bounds_[row + 1] - c.top;
+  return c;
 }
 
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
@@ -72,22 +103,43 @@ std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const 
   return image;
 }
 
-// Two arrays of luminances, and the density: a cumulative one and a guide.
+// The weights, and the density: a cumulative array and a guide.
 size_t LightImage::build_bytes(const Texture& texture) {
-  return 4 * sizeof(float) * static_cast<size_t>(texture.width()) * static_cast<size_t>(texture.height());
+  return 3 * sizeof(float) * (static_cast<size_t>(texture.width()) + 1) * (static_cast<size_t>(texture.height()) + 1);
 }
 
-Rgb LightImage::lookup(double u, double v) const {
+// Farin's bilinear patch, drawn row first: Pharr, Jakob, Humphreys, Physically Based Rendering, 4th edition, 2.4.2.
+LightImage::Place LightImage::sample(const Vec2f& u) const {
+  const Distribution2D::Cell drawn = distribution_.sample(u);
+  const Cell at = cell(drawn.x, drawn.y);
+  const float c[4] = {brightness(at.x0, at.y0), brightness(at.x1, at.y0), brightness(at.x0, at.y1),
+                      brightness(at.x1, at.y1)};
+  const double t = sample_linear(drawn.remapped.y, 1.0 * c[0] + c[1], 1.0 * c[2] + c[3]);
+  const double s = sample_linear(drawn.remapped.x, std::lerp(c[0], c[2], t), std::lerp(c[1], c[3], t));
+  const double left = at.left + s * at.width;
+  return {left < 0 ? left + 1 : left, inverse_measure(at.top + t * at.height, wraps())};
+}
+
+LightImage::Look LightImage::look(const Place& place) const {
   const int width = texture_->width(), height = texture_->height();
-  const double x = u * width - 0.5, y = v * height - 0.5;
-  const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
-  const auto fx = static_cast<float>(x - column), fy = static_cast<float>(y - row);
-  const auto in_row = [&](int i) {
-    return shape_ == Shape::lat_long ? (i + width) % width : std::clamp(i, 0, width - 1);
-  };
-  const int x0 = in_row(column), x1 = in_row(column + 1);
-  const int y0 = std::clamp(row, 0, height - 1), y1 = std::clamp(row + 1, 0, height - 1);
-  return scale_ * lerp(lerp(texel(x0, y0), texel(x1, y0), fx), lerp(texel(x0, y1), texel(x1, y1), fx), fy);
+  const double x = place.u * width + 0.5, y = place.v * height + 0.5;
+  const auto column = static_cast<size_t>(std::clamp(x, 0.0, 1.0 * width));
+  const Cell at = cell(column % columns(), static_cast<size_t>(std::clamp(y, 0.0, 1.0 * height)));
+  const Rgb c[4] = {texel(at.x0, at.y0), texel(at.x1, at.y0), texel(at.x0, at.y1), texel(at.x1, at.y1)};
+  const double s = x - static_cast<double>(column);
+  const auto across = static_cast<float>(s), down = static_cast<float>(y - static_cast<double>(at.row));
+  Look look{scale_ * lerp(lerp(c[0], c[1], across), lerp(c[2], c[3], across), down)};
+  if (is_black(look.radiance)) return look;
+
+  float brightness[4];
+  for (int i = 0; i < 4; ++i) brightness[i] = luminance(c[i] * tint_);
+  const double mean = bilinear(brightness, 0.5, 0.5);
+  if (!(mean > 0)) return look;
+  const double t = std::clamp((measure(place.v, wraps()) - at.top) / at.height, 0.0, 1.0);
+  const double in_cell = bilinear(brightness, s, t) / mean;
+  look.density = distribution_.probability(at.column, at.row) * in_cell / (at.width * at.height);
+  if (wraps()) look.density /= 2 * kPiDouble;
+  return look;
 }
 
 }  // namespace alabaster

@@ -11,16 +11,16 @@
 
 namespace alabaster {
 
-/// An image filtered bilinearly, and a density over it that is constant per texel, proportional to the mean of the
-/// FILTERED luminance over the texel: it is positive wherever the filtered image is. Negative and NaN texels count as
-/// black, infinite ones as the largest half float. The texture's own wrap modes do not count.
+/// An image filtered bilinearly, and a density over it that is bilinear too, proportional to the luminance: light of one
+/// colour over its density is the same at all places, so an image of a sun gives no noise of its own. Negative and NaN
+/// texels count as black, infinite ones as the largest half float. The texture's own wrap modes do not count.
 ///
 /// Places are (u to the right, v DOWN) in the unit square.
 class LightImage {
  public:
   enum class Shape {
-    flat,     // clamped at its edges, a texel counts by its area
-    lat_long  // wraps around in u, is clamped at the poles, and a texel counts by its solid angle
+    flat,     // clamped at its edges; densities per unit square
+    lat_long  // wraps around in u, is clamped at the poles; densities per solid angle
   };
   /// The image times `scale`. The texture has texels. Throws BuildCancelled.
   LightImage(std::shared_ptr<const Texture> texture, const Rgb& scale, Shape shape, const CancelToken& cancel = {});
@@ -32,13 +32,17 @@ class LightImage {
     memory_.shrink(memory_bytes());
   }
 
-  Rgb lookup(double u, double v) const;
-  /// A place and its density per unit square.
-  Vec2f sample(const Vec2f& u, float* pdf) const { return distribution_.sample(u, pdf); }
-  float pdf(const Vec2f& place) const { return distribution_.pdf(place); }
+  struct Place {
+    double u = 0, v = 0;
+  };
+  struct Look {
+    Rgb radiance;
+    double density = 0;  // with which sample() gives this place; positive wherever there is radiance
+  };
+  Look look(const Place& place) const;
+  Place sample(const Vec2f& u) const;
   /// By area, or over the sphere.
   const Rgb& mean() const { return mean_; }
-  int height() const { return texture_->height(); }
   const Texture* texture() const { return texture_.get(); }
   bool is_of(const Texture* texture, const Rgb& scale, Shape shape) const {
     return texture_.get() == texture && scale_ == scale && shape_ == shape;
@@ -47,13 +51,26 @@ class LightImage {
   size_t memory_bytes() const { return sizeof(*this) + distribution_.memory_bytes(); }
 
  private:
+  /// The rectangle between the centres of four texels; at a clamped edge, half of one.
+  struct Cell {
+    size_t column = 0, row = 0;          // column 0 lies at and left of the centres of the first texels
+    int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  // the texels of its corners
+    double left = 0, width = 0;          // in u
+    double top = 0, height = 0;          // in the measure of rows
+  };
+  Cell cell(size_t column, size_t row) const;
+  bool wraps() const { return shape_ == Shape::lat_long; }
+  size_t columns() const { return static_cast<size_t>(texture_->width()) + (wraps() ? 0 : 1); }
+  size_t rows() const { return static_cast<size_t>(texture_->height()) + 1; }
   Rgb texel(int x, int y) const;
+  float brightness(int x, int y) const { return luminance(texel(x, y) * tint_); }
 
   std::shared_ptr<const Texture> texture_;
-  Rgb scale_;
+  Rgb scale_, tint_;  // tint: scale over its largest channel
   Shape shape_;
   Rgb mean_{0.0f};
-  Distribution2D distribution_;
+  std::vector<double> row_bounds_;  // of cells, in the measure of rows
+  Distribution2D distribution_;     // over cells
   MemoryReservation memory_;
 };
 
@@ -68,9 +85,5 @@ struct LightImages {
 /// MemoryRefused and BuildCancelled.
 std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const Texture>& texture, const Rgb& scale,
                                                     LightImage::Shape shape, const LightImages& images);
-
-/// cos(a) - cos(b) of the colatitudes over one row of texels of a lat-long image, without cancellation:
-/// 2 sin(middle) sin(half the height).
-double row_height(int row, int rows);
 
 }  // namespace alabaster

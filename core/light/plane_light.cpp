@@ -95,22 +95,26 @@ std::optional<LightSample> PlaneLight::sample_as(const Vec3d& to_center, double 
     to_light = (x_ * point.x + y_ * point.y - n_) * height;
     if (disk && solid_angle > 0 && !place_of(to_light - to_center)) return std::nullopt;
   }
-  float density = 1;
-  Vec2f place;
+  LightImage::Look look{radiance_, 1};
   if (!(solid_angle > 0)) {
-    if (shows) place = image_->sample(u, &density);
-    const Vec2f at = disk    ? sample_concentric_disk(u)
-                     : shows ? Vec2f(1 - 2 * place.x, 1 - 2 * place.y)
-                             : Vec2f(2 * u.x - 1, 2 * u.y - 1);
+    Place at{2.0 * u.x - 1, 2.0 * u.y - 1};
+    if (disk) {
+      const Vec2f drawn = sample_concentric_disk(u);
+      at = {drawn.x, drawn.y};
+    } else if (shows) {
+      const LightImage::Place place = image_->sample(u);
+      look = image_->look(place);
+      at = {1 - 2 * place.u, 1 - 2 * place.v};
+    }
     to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
   }
   const double distance = length(to_light);
-  const double pdf = solid_angle > 0 ? 1 / solid_angle : pdf_by_area(density, distance, height);
+  const double pdf = solid_angle > 0 ? 1 / solid_angle : pdf_by_area(look.density, distance, height);
   const Vec3d wi = to_light * (1 / distance);
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);
-  s.radiance = kPlain ? radiance_ : shaped(shows ? image_->lookup(place.x, place.y) : radiance_, shaping_, -wi);
+  s.radiance = kPlain ? radiance_ : shaped(look.radiance, shaping_, -wi);
   s.pdf = static_cast<float>(pdf);
   if (!(s.pdf > 0) || !std::isfinite(s.pdf)) return std::nullopt;
   if (!(s.distance > 0) || !std::isfinite(s.distance)) return std::nullopt;
@@ -130,10 +134,9 @@ std::optional<LightHit> PlaneLight::intersect(const Ray& ray) const {
   const double speed = length(direction), distance = t * speed;
   LightHit hit;
   hit.t = static_cast<float>(t);
-  const Vec2f at = place->image_place();
-  hit.radiance = shaped(image_ ? image_->lookup(at.x, at.y) : radiance_, shaping_, direction * (-1 / speed));
-  const double density = image_ ? static_cast<double>(image_->pdf(at)) : 1;
-  hit.pdf = static_cast<float>(angle > 0 ? 1 / angle : pdf_by_area(density, distance, height));
+  const LightImage::Look look = image_ ? image_->look(place->image_place()) : LightImage::Look{radiance_, 1};
+  hit.radiance = shaped(look.radiance, shaping_, direction * (-1 / speed));
+  hit.pdf = static_cast<float>(angle > 0 ? 1 / angle : pdf_by_area(look.density, distance, height));
   if (!(hit.t > 0) || !std::isfinite(hit.t) || !(hit.pdf > 0) || !std::isfinite(hit.pdf)) return std::nullopt;
   if (is_black(hit.radiance)) return std::nullopt;
   return hit;

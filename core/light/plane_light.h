@@ -45,7 +45,7 @@ class PlaneLight {
   /// Where on the light a point of its plane lies, given from the centre: in half edges along x and y, each in [-1, 1].
   struct Place {
     double x, y;
-    Vec2f image_place() const { return {static_cast<float>(0.5 - 0.5 * x), static_cast<float>(0.5 - 0.5 * y)}; }
+    LightImage::Place image_place() const { return {0.5 - 0.5 * x, 0.5 - 0.5 * y}; }
   };
   std::optional<Place> place_of(const Vec3d& from_center) const;
   template <bool kPlain>

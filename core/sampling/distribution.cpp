@@ -105,17 +105,14 @@ Distribution2D::Distribution2D(const std::vector<float>& weights, size_t width, 
   marginal_ = Distribution1D(marginal);
 }
 
-Vec2f Distribution2D::sample(const Vec2f& u, float* pdf) const {
+Distribution2D::Cell Distribution2D::sample(const Vec2f& u) const {
   const auto y = marginal_.sample(u.y);
   const auto x = rows_[y.index].sample(u.x);
-  *pdf = x.pdf * y.pdf;
-  return {x.x, y.x};
+  return {x.index, y.index, {x.remapped, y.remapped}};
 }
 
-float Distribution2D::pdf(const Vec2f& p) const {
-  const auto rows = static_cast<float>(rows_.size());
-  const auto row = std::min(static_cast<size_t>(std::max(0.0f, p.y * rows)), rows_.size() - 1);
-  return marginal_.pdf(p.y) * rows_[row].pdf(p.x);
+float Distribution2D::probability(size_t x, size_t y) const {
+  return marginal_.probability(y) * rows_[y].probability(x);
 }
 
 size_t Distribution2D::memory_bytes() const {

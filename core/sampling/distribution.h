@@ -54,8 +54,13 @@ class Distribution2D {
   Distribution2D() = default;
   Distribution2D(const std::vector<float>& weights, size_t width, size_t height, const CancelToken& cancel = {});
 
-  Vec2f sample(const Vec2f& u, float* pdf) const;  // pdf per unit square
-  float pdf(const Vec2f& p) const;
+  struct Cell {
+    size_t x = 0, y = 0;
+    Vec2f remapped;  // u rescaled within the cell, in [0,1)^2: may be used again
+  };
+  Cell sample(const Vec2f& u) const;
+  /// Probability of a cell.
+  float probability(size_t x, size_t y) const;
   bool empty() const { return rows_.empty(); }
   /// On the heap.
   size_t memory_bytes() const;

@@ -52,7 +52,7 @@ void pull_parameters(const GetParameter& get, const Path& id, const alabaster::D
                       "projection '" + projection + "' is not known; perspective is used");
   pull_clipping(get, id, sink, camera);
   if (camera->shutter_close >= camera->shutter_open) return;
-  alabaster::report(sink, alabaster::Severity::error, "camera.shutter", id.str(),
+  alabaster::report(sink, alabaster::Severity::warning, "camera.shutter", id.str(),
                     "the shutter closes before it opens (shutterOpen " + std::to_string(camera->shutter_open) +
                         ", shutterClose " + std::to_string(camera->shutter_close) + "); it is drawn as at shutterOpen");
   camera->shutter_close = camera->shutter_open;

@@ -21,7 +21,7 @@ alabaster::TimeSamples<Matrix4d> checked_motion(const hd::TimeSamples<Matrix4d>&
   if (fault.empty() && !std::all_of(samples.values.begin(), samples.values.end(), is_valid_affine))
     fault = "a transform is not finite, not affine or not invertible";
   if (fault.empty()) return {samples.times, samples.values};
-  alabaster::report(sink, alabaster::Severity::error, "motion.transform", where.str(),
+  alabaster::report(sink, alabaster::Severity::warning, "motion.transform", where.str(),
                     "the samples of the transform cannot be used: " + fault + "; it is drawn without motion blur");
   return {};
 }
