@@ -11,9 +11,9 @@
 
 namespace alabaster {
 
-/// An image filtered bilinearly, and a density over it that is bilinear too, proportional to the luminance: light of one
-/// colour over its density is the same at all places, so an image of a sun gives no noise of its own. Negative and NaN
-/// texels count as black, infinite ones as the largest half float. The texture's own wrap modes do not count.
+/// An image filtered bilinearly, and a density over it that is bilinear too, proportional to the luminance: light of
+/// one colour over its density is the same at all places, so an image of a sun gives no noise of its own. Negative and
+/// NaN texels count as black, infinite ones as the largest half float. The texture's own wrap modes do not count.
 ///
 /// Places are (u to the right, v DOWN) in the unit square.
 class LightImage {

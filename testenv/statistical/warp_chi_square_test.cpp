@@ -86,7 +86,8 @@ TEST(WarpChiSquare, PiecewiseConstantDistributions) {
   const Distribution2D d({0, 1, 2, 0.25f, 0, 0, 0, 0, 5, 0, 1, 1, 0, 0, 0, 9}, 4, 4);
   const auto sample = [&](Rng& rng) -> std::optional<Vec2f> {
     const auto cell = d.sample(uniform2(rng));
-    return Vec2f((static_cast<float>(cell.x) + cell.remapped.x) / 4, (static_cast<float>(cell.y) + cell.remapped.y) / 4);
+    return Vec2f((static_cast<float>(cell.x) + cell.remapped.x) / 4,
+                 (static_cast<float>(cell.y) + cell.remapped.y) / 4);
   };
   const auto pdf = [&](const Vec2f& p) {
     const auto in = [](float x) { return static_cast<size_t>(std::min(x * 4, 3.0f)); };
