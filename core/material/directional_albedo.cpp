@@ -31,13 +31,14 @@ auto mean_over_square(const F& f) {
   return sum * (1.0f / (kColumns * kRows));
 }
 
-// Int f wi.z dwi over the hemisphere, of a lobe that is symmetric about the plane of incidence: f(wo, wi).
+// Int f wi.z dwi over the hemisphere, of a lobe that is symmetric about the plane of incidence: f(wo, wi). Points are
+// dense near the horizon: wi.z is u.x^2.
 template <class F>
 float cosine_weighted(float cosine, const F& f) {
   const Vec3f wo = direction(cosine);
   return kPi * mean_over_square<48, 48>([&](const Vec2f& u) {
-           const float r = std::sqrt(u.x), phi = kPi * u.y;
-           return f(wo, Vec3f(r * std::cos(phi), r * std::sin(phi), safe_sqrt(1 - u.x)));
+           const float z = sqr(u.x), r = safe_sqrt(1 - sqr(z)), phi = kPi * u.y;
+           return f(wo, Vec3f(r * std::cos(phi), r * std::sin(phi), z)) * (4 * u.x * z);
          });
 }
 
@@ -146,7 +147,7 @@ float flat_albedo(float cosine, float roughness) {
   static const AlbedoTable<float, 64, 8> table([](const std::array<float, 2>& at) {
     const float cosine = cosine_at(at[0]);
     const auto flat = [&](const Vec3f& wo, const Vec3f& wi) { return DisneyDiffuse::flat(wo, wi, at[1]); };
-    return raised(cosine_weighted(cosine, flat), cosine, 0.015f);
+    return raised(cosine_weighted(cosine, flat), cosine, 0.003f);
   });
   return table.at({place_of(cosine), roughness});
 }

@@ -86,8 +86,11 @@ Rgb DisneyBsdf::base_albedo(const Vec3f& w) const {
 Rgb DisneyBsdf::specular_albedo(const Vec3f& w) const {
   Rgb albedo = albedo_of(specular_, w);
   if (!is_black(several_)) albedo += several_albedo_ * lost_among_facets(w);
-  if (clearcoat_.strength > 0 && !coated())
-    albedo += Rgb(clearcoat_.strength * clearcoat_albedo(w.z, clearcoat_.gtr1.alpha));
+  if (clearcoat_.strength > 0 && !coated()) {
+    // It lies over the fibres, which dim all else that is counted here.
+    const float passed = fibrous() ? std::max(1e-6f, layers_->fibres.passed(w.z)) : 1;
+    albedo += Rgb(clearcoat_.strength * clearcoat_albedo(w.z, clearcoat_.gtr1.alpha) / passed);
+  }
   if (!coated()) return albedo;
   // DisneyCoat::over_specular() is at most this much above what coat.passed(w) leaves.
   return albedo * std::sqrt(layers_->coat.passed(1.0f) / std::max(1e-6f, layers_->coat.passed(w)));

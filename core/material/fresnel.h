@@ -62,7 +62,7 @@ inline float choice_weight(const Rgb& c) {
 /// The probability of choosing a lobe of this weight. 0 where the inverse of a pdf of it could overflow: the random
 /// number 0 chooses a lobe of any positive probability.
 inline float chance_of(float weight, float total) {
-  constexpr float kLeast = 1e-30f;
+  constexpr float kLeast = 1e-20f;
   return weight >= kLeast * total ? weight / total : 0;
 }
 
