@@ -139,9 +139,11 @@ class FarmCommand {
                              "\n#SBATCH --requeue\nexec sh " + shell_word(place_ + "/task.sh") +
                              " \"$SLURM_ARRAY_TASK_ID\"\n";
     (*files)["submit.sh"] =
-        "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole.\nset -eu\njob=$(sbatch --parsable " +
+        "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole. Run again after tasks were lost: parts "
+        "that are\n"
+        "# whole stay as they are.\nset -eu\njob=$(sbatch --parsable " +
         shell_word(place_ + "/job.sbatch") +
-        ")\nsbatch --dependency=afterok:\"${job%%;*}\" --job-name=alabaster-merge --output=" +
+        ")\nsbatch --dependency=afterok:\"${job%%;*}\" --kill-on-invalid-dep=yes --job-name=alabaster-merge --output=" +
         shell_word(logs + "/merge.log") + " " + shell_word(place_ + "/merge.sh") + "\n";
   }
 

@@ -1,0 +1,92 @@
+"""A Slurm of one machine, for tests: a controller and a node in a folder of its own, on free ports."""
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import time
+
+PROGRAMS = ("slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "scancel")
+SEARCHED = os.environ["PATH"] + ":/usr/sbin:/sbin"
+
+
+def missing():
+    """Why there can be no cluster here, or nothing."""
+    absent = [program for program in PROGRAMS if not shutil.which(program, path=SEARCHED)]
+    if absent:
+        return f"{', '.join(absent)} not found: apt-get install slurm-wlm"
+    return "" if os.geteuid() == 0 else "Slurm's daemons start tasks as their users, so they need to be root"
+
+
+def free_ports(count):
+    held = [socket.socket() for _ in range(count)]
+    for one in held:
+        one.bind(("127.0.0.1", 0))
+    ports = [one.getsockname()[1] for one in held]
+    for one in held:
+        one.close()
+    return ports
+
+
+class SlurmCluster:
+    """Runs from enter to exit. No cgroups, no accounting, no authentication: nothing of the machine is changed."""
+
+    def __init__(self, folder, cores):
+        self.folder = pathlib.Path(folder)
+        self.daemons = []
+        for name in ("state", "spool"):
+            (self.folder / name).mkdir(parents=True)
+        controller, node = free_ports(2)
+        host = socket.gethostname().split(".")[0]
+        lines = [
+            "ClusterName=test", f"SlurmctldHost={host}(127.0.0.1)", f"SlurmctldPort={controller}", f"SlurmdPort={node}",
+            "SlurmUser=root", "AuthType=auth/none", "CredType=cred/none", "ProctrackType=proctrack/linuxproc",
+            "TaskPlugin=task/none", "JobAcctGatherType=jobacct_gather/none", "MpiDefault=none", "ReturnToService=2",
+            "SelectType=select/cons_tres", "SelectTypeParameters=CR_Core", "SchedulerParameters=sched_interval=1",
+            f"StateSaveLocation={self.folder}/state", f"SlurmdSpoolDir={self.folder}/spool",
+            f"SlurmctldPidFile={self.folder}/controller.pid", f"SlurmdPidFile={self.folder}/node.pid",
+            f"SlurmctldLogFile={self.folder}/controller.log", f"SlurmdLogFile={self.folder}/node.log",
+            f"NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} State=UNKNOWN",
+            "PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP",
+        ]
+        (self.folder / "slurm.conf").write_text("\n".join(lines) + "\n")
+        self.environment = {**os.environ, "PATH": SEARCHED, "SLURM_CONF": str(self.folder / "slurm.conf")}
+
+    def __enter__(self):
+        try:
+            for program in ("slurmctld", "slurmd"):
+                self.daemons.append(subprocess.Popen([shutil.which(program, path=SEARCHED), "-D"], env=self.environment,
+                                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+            self.wait(lambda: "idle" in self.ask("sinfo", "--noheader", "--format=%T"), 60, "the node to be idle")
+        except BaseException:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_):
+        if self.daemons:
+            subprocess.run(["scancel", "--user=root"], env=self.environment, capture_output=True)
+        for daemon in reversed(self.daemons):
+            daemon.send_signal(signal.SIGTERM)
+            try:
+                daemon.wait(20)
+            except subprocess.TimeoutExpired:
+                daemon.kill()
+                daemon.wait()
+
+    def ask(self, *command):
+        return subprocess.run(command, env=self.environment, capture_output=True, text=True).stdout.strip()
+
+    def state(self, job):
+        """Of a job, or of a task of an array: "12_3"."""
+        words = self.ask("scontrol", "show", "job", job).split()
+        return next((word[9:] for word in words if word.startswith("JobState=")), "")
+
+    def wait(self, condition, seconds, what):
+        end = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > end:
+                logs = "".join(log.read_text()[-2000:] for log in self.folder.glob("*.log"))
+                raise SystemExit(f"waited {seconds} s for {what}\n{self.ask('squeue')}\n{logs}")
+            time.sleep(0.2)
