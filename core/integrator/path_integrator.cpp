@@ -296,6 +296,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (record) record->follow(path->ray, path->throughput, path->scatter_pdf);
     ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
+    const float reach = path->ray.tmax;  // of a camera's ray, its far plane
     const bool found = intersect(context, sampler, *path, &hit);
     const Mesh* const mesh = found ? &context.scene.instances[hit.instance].prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
@@ -327,6 +328,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
       drop_unresolved_distances(&vertex);
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, &numbers.bsdf[0])) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
+      path->ray.tmax = reach - hit.t;
       is_vertex = false;
       continue;
     }

@@ -18,12 +18,15 @@ class PathTracer {
   IntegratorSettings settings = integrator_settings({});
   uint32_t aovs = aov_bit(Aov::color);
   RenderCounters counters;
+  float reach = std::numeric_limits<float>::infinity();  // of the camera's rays
 
   PathContext context(LightLayers* layers = nullptr) { return {*scene_, camera_, settings, counters, layers, aovs}; }
   /// Sample `index` of the only pixel, through its centre. Fills `layers` unless null.
   FilmSample trace(uint32_t index, LightLayers* layers = nullptr) {
     const PathIntegrator integrator = select_path_integrator(scene_->features, settings, layers != nullptr);
-    return integrator(context(layers), camera_.generate_ray({0.5f, 0.5f}, {0, 0}), PixelSampler(kPixelSeed, index));
+    Ray ray = camera_.generate_ray({0.5f, 0.5f}, {0, 0});
+    ray.tmax = reach;
+    return integrator(context(layers), ray, PixelSampler(kPixelSeed, index));
   }
 
  private:

@@ -353,5 +353,21 @@ TEST(Boundary, LightsBehindAreSampled) {
   }
 }
 
+// The camera stands in a body that lets the inner one's boundary be no boundary: its far plane counts behind it, too.
+TEST(Boundary, TheFarPlaneCountsBehindAHiddenBoundary) {
+  SceneBuilder b;
+  DisneyParameters outer = clear(1), inner = clear(1.5f);
+  outer.priority = 2;
+  inner.priority = 1;
+  b.add(b.prototype(slab_mesh(-20, 20, 30)), b.material(outer));
+  b.add(b.prototype(slab_mesh(-1, 1, 3)), b.material(inner));
+  PathTracer tracer = look_down(&b);
+  EXPECT_EQ(tracer.trace(0).color, Rgb(1.0f)) << "the lamp is at 15";
+  tracer.reach = 15.5f;
+  EXPECT_EQ(tracer.trace(0).color, Rgb(1.0f));
+  tracer.reach = 14.5f;
+  EXPECT_EQ(tracer.trace(0).color, Rgb(0.0f));
+}
+
 }  // namespace
 }  // namespace alabaster
