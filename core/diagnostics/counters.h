@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <tuple>
@@ -18,6 +19,12 @@ struct SampleAddress {
   bool operator==(const SampleAddress&) const = default;
 };
 
+/// Where on its path a sample ceased to be finite.
+enum class NonfiniteCause { emission, light, lobe, walk, other };
+/// By cause: light that a ray met; a light that was sampled; a lobe and its pdf; a walk below a surface; a sum of
+/// finite numbers, or what no vertex shows.
+inline constexpr const char* kNonfiniteCauses[] = {"emission", "light", "lobe", "walk", "other"};
+
 struct RenderCounters {
   uint64_t camera_rays = 0;
   uint64_t bounce_rays = 0;
@@ -31,11 +38,12 @@ struct RenderCounters {
   uint64_t walk_sphere_steps = 0;  // jumps through the interior: each stands for many events
   uint64_t walk_exits = 0;
   uint64_t walk_roulette_ends = 0;
-  uint64_t walk_lost = 0;                        // walks that left an open mesh through a hole: their energy is lost
-  uint64_t walk_safety_cap = 0;                  // walks ended by the safety cap: must stay zero
-  uint64_t rejected_rays = 0;                    // rays that were not finite and never reached Embree
-  uint64_t nonfinite_samples = 0;                // samples whose radiance was not finite: dropped, and counted here
-  std::optional<SampleAddress> first_nonfinite;  // the first of those
+  uint64_t walk_lost = 0;          // walks that left an open mesh through a hole: their energy is lost
+  uint64_t walk_safety_cap = 0;    // walks ended by the safety cap: must stay zero
+  uint64_t rejected_rays = 0;      // rays that were not finite and never reached Embree
+  uint64_t nonfinite_samples = 0;  // samples whose radiance was not finite: dropped, and counted here
+  std::array<uint64_t, std::size(kNonfiniteCauses)> nonfinite_causes{};  // of those
+  std::optional<SampleAddress> first_nonfinite;                          // the first of those
   uint64_t samples = 0;
   double max_walk_weight = 0;
   double walk_lost_energy = 0;  // of what was lost in walks, each walk counting 1: over walks, the share that is lost
@@ -43,7 +51,9 @@ struct RenderCounters {
   uint64_t rays() const { return camera_rays + bounce_rays + shadow_rays + walk_rays + probe_rays; }
 
   /// The first stays, whichever thread meets it when.
-  void note_nonfinite(const SampleAddress& at) {
+  void note_nonfinite(const SampleAddress& at, NonfiniteCause cause) {
+    ++nonfinite_samples;
+    ++nonfinite_causes[static_cast<size_t>(cause)];
     if (!first_nonfinite || at < *first_nonfinite) first_nonfinite = at;
   }
 
@@ -64,7 +74,9 @@ struct RenderCounters {
     walk_safety_cap += o.walk_safety_cap;
     rejected_rays += o.rejected_rays;
     nonfinite_samples += o.nonfinite_samples;
-    if (o.first_nonfinite) note_nonfinite(*o.first_nonfinite);
+    for (size_t i = 0; i < nonfinite_causes.size(); ++i) nonfinite_causes[i] += o.nonfinite_causes[i];
+    if (o.first_nonfinite && (!first_nonfinite || *o.first_nonfinite < *first_nonfinite))
+      first_nonfinite = o.first_nonfinite;
     samples += o.samples;
     max_walk_weight = std::max(max_walk_weight, o.max_walk_weight);
     walk_lost_energy += o.walk_lost_energy;

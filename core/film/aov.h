@@ -26,6 +26,7 @@ enum class Aov {
   specular,
   emission,
   error,         // of color: PixelNoise::deviation()
+  nonfinite,     // samples whose colour was not finite: black in color
   denoised,      // color without its noise (core/denoise)
   eye_point,     // Hydra's Peye
   eye_normal,    // Hydra's Neye
@@ -89,6 +90,7 @@ inline constexpr AovInfo kAovs[] = {
     {Aov::specular, "specular", AovSource::layer, AovValue::color, 0, "specular", "RGB"},
     {Aov::emission, "emission", AovSource::layer, AovValue::color, 0, "emission", "RGB"},
     {Aov::error, "error", AovSource::samples, AovValue::exact, 0, "error", ""},
+    {Aov::nonfinite, "nonfiniteSamples", AovSource::samples, AovValue::integer, 0, "nonfiniteSamples", ""},
     {Aov::denoised, "denoised", AovSource::frame, AovValue::color, 0, "denoised", "RGBA"},
     {Aov::eye_point, "Peye", AovSource::closest, AovValue::exact, 0, "Peye", "XYZ"},
     {Aov::eye_normal, "Neye", AovSource::closest, AovValue::number, 0, "Neye", "XYZ"},

@@ -54,6 +54,7 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
   if (aovs & kClosestAovs) closest_.resize(pixels);
+  if (aovs & aov_bit(Aov::nonfinite)) nonfinite_.resize(pixels);
   for (const AovInfo& info : kAovs)
     if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
   for (uint32_t a = static_cast<uint32_t>(Aov::eye_point); a < 32; ++a)
@@ -68,7 +69,7 @@ void FilmTile::clear() {
     std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
   };
   blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(closest_);
-  blank(rays_), blank(marks_);
+  blank(rays_), blank(nonfinite_), blank(marks_);
   for (LayerPlane& layer : layers_) blank(layer.sums);
   for (VectorPlane& plane : vectors_) blank(plane.closest);
 }
@@ -101,6 +102,7 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   for (LayerPlane& layer : layers_) add(layer.sums);
   for (VectorPlane& plane : vectors_) add(plane.closest);
   add(rays_);
+  add(nonfinite_);
   add(marks_);
   return all;
 }
@@ -135,6 +137,7 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
   if (layers)
     for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
   if (!rays_.empty()) rays_[pixel] += rays;
+  if (!nonfinite_.empty() && s.nonfinite) ++nonfinite_[pixel];
   if (!closest_.empty() && s.distance < closest_[pixel].distance) {
     closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
     if (s.vectors)
@@ -151,6 +154,7 @@ void FilmTile::append(const FilmTile& next) {
       for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = next.vectors_[i].closest[pixel];
     }
     if (!rays_.empty()) rays_[pixel] += next.rays_[pixel];
+    if (!nonfinite_.empty()) nonfinite_[pixel] += next.nonfinite_[pixel];
   }
   append_plane(next.color_, &color_);
   append_plane(next.alpha_, &alpha_);
@@ -223,6 +227,7 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
   if (!closest_.empty()) closest_[pixel] = from.closest_[pixel];
+  if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
   for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = from.vectors_[i].closest[pixel];
 }
@@ -287,8 +292,9 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
 }
 
 void FilmTile::resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count) const {
-  if (aov == Aov::sample_count) {
-    for (size_t i = 0; i < count; ++i) out[i] = static_cast<int32_t>(samples_[pixel + i]);
+  if (aov == Aov::sample_count || aov == Aov::nonfinite) {
+    const std::vector<uint32_t>& counts = aov == Aov::nonfinite ? nonfinite_ : samples_;
+    for (size_t i = 0; i < count; ++i) out[i] = counts.empty() ? 0 : static_cast<int32_t>(counts[pixel + i]);
   } else if (closest_.empty()) {
     std::fill_n(out, count, static_cast<int32_t>(aov_info(aov).background));
   } else {

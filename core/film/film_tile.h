@@ -51,6 +51,7 @@ struct FilmSample {
   Vec3f normal{0, 0, 0};   // world, shading; 0 if no hit
   Rgb albedo{0.0f};
   int32_t prim_id = -1, instance_id = -1, element_id = -1;
+  bool nonfinite = false;               // the colour was not finite, and was made black
   const HitVectors* vectors = nullptr;  // of a hit, where any of kVectorAovs is drawn
 };
 
@@ -144,7 +145,7 @@ class FilmTile {
   std::vector<LayerPlane> layers_;    // those that are requested
   std::vector<VectorPlane> vectors_;  // the same
   std::vector<Closest> closest_;
-  std::vector<uint32_t> rays_;
+  std::vector<uint32_t> rays_, nonfinite_;
   std::vector<RgbSum> marks_;
 };
 

@@ -286,6 +286,15 @@ bool continue_path(const PathContext& context, const PixelSampler& sampler, cons
   return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, numbers, path, split);
 }
 
+// Draws the vertex's random numbers while its triangle comes from memory.
+inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, const Mesh& mesh, uint32_t triangle) {
+  VertexNumbers numbers;
+  numbers.light = sampler.draw(Dimension::light, depth);
+  prefetch_corners(mesh, triangle, Attributes::normals_and_uvs);
+  numbers.bsdf = sampler.draw(Dimension::bsdf, depth);
+  return numbers;
+}
+
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split) {
@@ -311,11 +320,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (!found) return;
     if (!path->interiors.empty()) path->throughput *= path->interiors.transmittance(hit.t);
 
-    // Draw the vertex's random numbers while its triangle comes from memory.
-    VertexNumbers numbers;
-    numbers.light = sampler.draw(Dimension::light, path->depth);
-    prefetch_corners(*mesh, hit.triangle, Attributes::normals_and_uvs);
-    numbers.bsdf = sampler.draw(Dimension::bsdf, path->depth);
+    VertexNumbers numbers = draw_numbers(sampler, path->depth, *mesh, hit.triangle);
 
     // Find the surface and the material at the vertex.
     if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);

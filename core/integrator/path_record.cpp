@@ -61,19 +61,25 @@ std::string PathRecord::surface(const Instance& instance, const TriangleHit& tri
 }
 
 void PathRecord::follow(const Ray& ray, const Rgb& throughput, float pdf) {
+  check(throughput, NonfiniteCause::lobe);
+  if (!is_written_) return;
   line(0, "ray from " + position(ray.org) + " towards " + three(ray.dir) + ", throughput " + three(throughput) +
               (pdf > 0 ? format(", pdf %.9g", double(pdf)) : std::string()));
 }
 
 void PathRecord::meet_light(const Rgb& light) {
-  if (!is_black(light)) line(2, "meets light, adds " + three(light));
+  check(light, NonfiniteCause::emission);
+  if (is_written_ && !is_black(light)) line(2, "meets light, adds " + three(light));
 }
 
 void PathRecord::meet_surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) {
+  if (!is_written_) return;
   line(0, format("vertex %d, distance %.9g: ", vertices_++, double(triangle.t)) + surface(instance, triangle, hit));
 }
 
 void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
+  check(f_cos, NonfiniteCause::lobe);
+  if (!is_written_) return;
   finish_light();
   text_ += "  light towards " + three(wi) + ": f cos " + three(f_cos) + format(", lobe pdf %.9g", double(pdf));
   light_is_open_ = !is_black(f_cos);
@@ -81,12 +87,16 @@ void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
 }
 
 void PathRecord::light_arrives(const Rgb& light, const LightWeight& weight) {
+  check(light, NonfiniteCause::light);
+  if (!is_written_) return;
   text_ +=
       format(", light pdf %.9g, weight %.9g", double(weight.pdf), double(weight.mis)) + "; adds " + three(light) + "\n";
   light_is_open_ = false;
 }
 
 void PathRecord::sample_lobe(const char* lobe, const Rgb& f, float pdf) {
+  check(f, NonfiniteCause::lobe);
+  if (!is_written_) return;
   line(2, std::string("samples the lobe ") + lobe + ": f " + three(f) + format(", pdf %.9g", double(pdf)));
 }
 
@@ -98,17 +108,21 @@ void PathRecord::write_walk() {
 
 void PathRecord::leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit,
                             const Rgb& throughput) {
+  check(throughput, NonfiniteCause::walk);
+  if (!is_written_) return;
   write_walk();
   line(2, "leaves the body at " + surface(instance, triangle, hit) + ", throughput " + three(throughput));
 }
 
 void PathRecord::branch(uint32_t index, uint32_t count) {
+  if (!is_written_) return;
   if (index == 0) vertices_before_split_ = vertices_;
   vertices_ = vertices_before_split_;
   line(0, format("walk %u of %u, which counts 1/%u:", index + 1, count, count));
 }
 
 void PathRecord::end(const char* reason) {
+  if (!is_written_) return;
   write_walk();
   line(0, std::string("ends: ") + reason);
 }

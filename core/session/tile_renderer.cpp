@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/diagnostics/check.h"
+#include "core/integrator/path_record.h"
 
 namespace alabaster {
 
@@ -88,12 +89,24 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
 
   // One bad number would spoil every later sum of its pixel.
   if (!is_finite(result.color)) {
-    ++counters->nonfinite_samples;
-    counters->note_nonfinite(at);
+    counters->note_nonfinite(at, nonfinite_cause(context, ray, sampler));
     result.color = Rgb(0.0f);
+    result.nonfinite = true;
     *parts.layers = {};
   }
   return result;
+}
+
+// Traces the path again, with a record that only looks for the cause.
+NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray& ray,
+                                             const PixelSampler& sampler) const {
+  PathRecord record;
+  RenderCounters counters;
+  LightLayers layers;
+  const PathContext context{*request_.scene, path.camera, integrator_settings_, counters, &layers, request_.aovs,
+                            &record,         path.time};
+  select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
+  return record.cause();
 }
 
 }  // namespace alabaster

@@ -78,6 +78,8 @@ class TileRenderer {
   FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                           const SampleParts& parts) const;
 
+  NonfiniteCause nonfinite_cause(const PathContext& path, const Ray& ray, const PixelSampler& sampler) const;
+
   const RenderRequest& request_;
   MovingCamera camera_;
   bool has_motion_;  // of the scene or the camera: rays have a time

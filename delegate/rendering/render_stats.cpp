@@ -46,6 +46,8 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["walk.safetyCap"] = count(c.walk_safety_cap);
   s["walk.maxWeight"] = c.max_walk_weight;
   s["nonfiniteSamples"] = count(c.nonfinite_samples);
+  for (size_t i = 0; i < c.nonfinite_causes.size(); ++i)
+    s[std::string("nonfiniteSamples.") + kNonfiniteCauses[i]] = count(c.nonfinite_causes[i]);
   s["rejectedRays"] = count(c.rejected_rays);
 }
 

@@ -79,7 +79,7 @@ class SlurmCluster:
         return subprocess.run(command, env=self.environment, capture_output=True, text=True).stdout.strip()
 
     def state(self, job):
-        """Of a job, or of a task of an array: "12_3"."""
+        """A job's, or that of a task of an array: "12_3"."""
         words = self.ask("scontrol", "show", "job", job).split()
         return next((word[9:] for word in words if word.startswith("JobState=")), "")
 

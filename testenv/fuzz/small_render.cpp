@@ -96,8 +96,12 @@ hd::host::RecordResult render_small(hd::host::RetainedSceneDelegate* scene, cons
   if (result.status == RecordStatus::done && reports.errors() > 0) broken("done after an error: " + reports.last());
   if (result.status != RecordStatus::done && reports.errors() == 0) broken("a failure without an error");
   if (render.counts_are_ours && result.stats.contains("nonfiniteSamples") &&
-      result.stats.at("nonfiniteSamples").number_or(0) > 0)
-    broken("a sample was not finite");
+      result.stats.at("nonfiniteSamples").number_or(0) > 0) {
+    std::string causes;
+    for (const auto& [key, value] : result.stats)
+      if (key.starts_with("nonfiniteSamples") && value.number_or(0) > 0) causes += " " + key;
+    broken("a sample was not finite:" + causes);
+  }
   scene->Depopulate();
   return result;
 }

@@ -81,7 +81,8 @@ TEST(SampleReport, WithoutASampleAllAreListedAndTheBrightestIsFollowed) {
   EXPECT_EQ(text.substr(text.rfind("sample ")).find("sample " + std::to_string(brightest) + " of"), 0u) << text;
 }
 
-// The first sample that is not finite is known, whatever the threads; its report says so.
+// The first sample that is not finite is known, whatever the threads; its report says so. All are counted, by cause and
+// in an AOV.
 TEST(SampleReport, NonfiniteSamplesAreFound) {
   SceneBuilder b;
   RenderRequest request = wax_ball(&b);
@@ -89,9 +90,14 @@ TEST(SampleReport, NonfiniteSamplesAreFound) {
   broken->constants.emission = Rgb(std::numeric_limits<float>::infinity());  // no delegate lets that pass
   b.description.instances[0].materials = {broken};
   request.scene = b.snapshot(2);
+  request.aovs |= aov_bit(Aov::nonfinite);
   RenderProgress one, three;
   request.settings.threads = 1;
-  testing::render(request, &one);
+  const auto film = testing::render(request, &one);
+  uint64_t shown = 0;
+  for (const int32_t count : film->resolve_int(Aov::nonfinite)) shown += static_cast<uint64_t>(count);
+  EXPECT_EQ(shown, one.counters.nonfinite_samples);
+  EXPECT_EQ(one.counters.nonfinite_causes[static_cast<size_t>(NonfiniteCause::emission)], shown);
   request.settings.threads = 3;
   testing::render(request, &three);
   ASSERT_TRUE(one.counters.first_nonfinite);
