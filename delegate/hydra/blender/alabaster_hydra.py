@@ -1,0 +1,47 @@
+"""Alabaster as a Hydra engine of Blender 4.2 and later, by Blender's own Hydra export. An add-on of one file.
+
+Blender finds the plug-in by the variable PXR_PLUGINPATH_NAME, which must be set before it starts:
+    PXR_PLUGINPATH_NAME=PREFIX/lib/alabaster/hydra blender
+Settings are custom properties of the scene, named as in schemas/render_settings.json: scene["alabaster"] = {"samples": 128}.
+"""
+import bpy
+
+bl_info = {"name": "Alabaster (Hydra)", "category": "Render", "blender": (4, 2, 0), "version": (0, 1, 0),
+           "description": "Renders with Alabaster through Blender's Hydra"}
+
+
+class AlabasterHydraEngine(bpy.types.HydraRenderEngine):
+    bl_idname = "ALABASTER_HYDRA"
+    bl_label = "Alabaster (Hydra)"
+    bl_use_preview = True
+    bl_use_gpu_context = False
+    bl_use_materialx = True  # Standard Surface has subsurface scattering, UsdPreviewSurface has none
+    bl_delegate_id = "HdAlabasterRendererPlugin"
+
+    def get_render_settings(self, engine_type):
+        scene = bpy.context.scene
+        settings = {f"alabaster:{name}": value for name, value in scene.get("alabaster", {}).items()}
+        settings["aovToken:Combined"] = "color"
+        # Blender's own export changes suns and worlds; its export to USD does not pass through it.
+        settings["alabaster:host"] = "blender" if scene.hydra.export_method == "HYDRA" else "usd"
+        return settings
+
+    def update_render_passes(self, scene, render_layer):
+        self.register_pass(scene, render_layer, "Combined", 4, "RGBA", "COLOR")
+
+
+def register():
+    bpy.utils.register_class(AlabasterHydraEngine)
+    for panel in panels():
+        panel.COMPAT_ENGINES.add(AlabasterHydraEngine.bl_idname)
+
+
+def unregister():
+    for panel in panels():
+        panel.COMPAT_ENGINES.discard(AlabasterHydraEngine.bl_idname)
+    bpy.utils.unregister_class(AlabasterHydraEngine)
+
+
+def panels():
+    """Blender's panels of lights, cameras, materials and worlds, which EEVEE and Cycles share."""
+    return [panel for panel in bpy.types.Panel.__subclasses__() if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())]

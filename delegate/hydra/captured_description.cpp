@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "delegate/description/render_description.h"
+#include "delegate/hydra/captured_files.h"
+
+namespace alabaster::hydra {
+namespace {
+
+using hd::Value;
+using nlohmann::json;
+
+// A float becomes the double that it is: the reader gets the same float back.
+json to_json(const Value& value) {
+  if (const auto* held = value.get<bool>()) return *held;
+  if (const auto* held = value.get<int32_t>()) return *held;
+  if (const auto* held = value.get<int64_t>()) return *held;
+  if (const auto* held = value.get<hd::Array<hd::Vec4f>>()) {
+    json all = json::array();
+    for (const hd::Vec4f& v : *held) all.push_back({v.x, v.y, v.z, v.w});
+    return all;
+  }
+  std::array<double, 4> numbers{};
+  const size_t count = value.components(&numbers);
+  if (count == 1) return numbers[0];
+  if (count > 1) return std::vector<double>(numbers.begin(), numbers.begin() + static_cast<ptrdiff_t>(count));
+  return value.text_or("");
+}
+
+json to_json(const hd::Matrix4d& matrix) {
+  return std::vector<double>(&matrix.x[0][0], &matrix.x[0][0] + 16);
+}
+
+json texture_of(const hd::Path& material, const hd::MaterialNetwork& network, const hd::MaterialConnection& connection,
+                const Value& scale) {
+  const hd::MaterialNode& node = network.nodes.at(connection.upstreamNode);
+  for (const char* name : {"stScale", "filter", "bias", "scale"})
+    if (node.parameters.contains(name))
+      throw std::runtime_error(material.str() + " has a texture with " + name + ", which is not written");
+  json texture = {{"file", node.parameters.at("file").text_or("")},
+                  {"colorSpace", node.parameters.at("sourceColorSpace").text_or("auto")},
+                  {"wrap", node.parameters.at("wrapS").text_or("repeat")}};
+  if (const std::string channel = connection.upstreamOutput.str(); channel != "rgb") texture["channel"] = channel;
+  if (!scale.empty()) texture["scale"] = to_json(scale);
+  return texture;
+}
+
+// The parameters of its surface, connected ones as textures.
+json to_json(const hd::Path& id, const hd::MaterialNetwork& network) {
+  const auto terminal = network.terminals.find("surface");
+  const auto node = terminal == network.terminals.end() ? network.nodes.end()
+                                                        : network.nodes.find(terminal->second.upstreamNode);
+  if (node == network.nodes.end() || !(node->second.nodeTypeId == hd::Token("AlabasterDisney")))
+    throw std::runtime_error(id.str() + " is no material of AlabasterDisney nodes, which alone are written");
+  json parameters = json::object();
+  for (const auto& [name, value] : node->second.parameters) parameters[name.str()] = to_json(value);
+  for (const auto& [name, connections] : node->second.inputConnections) {
+    if (connections.empty()) continue;
+    const auto scale = node->second.parameters.find(name);
+    parameters[name.str()] = texture_of(id, network, connections.front(),
+                                        scale == node->second.parameters.end() ? Value() : scale->second);
+  }
+  return {{"match", id.str()}, {"replace", parameters}};
+}
+
+json to_json(const hd::Path& id, const hd::host::LightDescription& light) {
+  json made = {{"name", id.str()}, {"type", light.type.str()}, {"transform", to_json(light.transform)}};
+  for (const auto& [name, value] : light.parameters) made[name.str()] = to_json(value);
+  return made;
+}
+
+json camera_of(const hd::RenderPassState& state) {
+  if (!state.freeCamera) throw std::runtime_error("the pass has no camera");
+  json camera = {{"transform", to_json(state.freeCamera->transform)}};
+  for (const auto& [name, value] : state.freeCamera->parameters) camera[name.str()] = to_json(value);
+  return camera;
+}
+
+json settings_of(const hd::RenderPassState& state, const std::map<hd::Token, Value>& given) {
+  static constexpr const char* kPolicies[] = {"matchVertically", "matchHorizontally", "fit", "crop", "dontConform"};
+  const hd::Rect2i& window = state.framing.dataWindow;
+  json settings = {{"resolution", {window.width(), window.height()}},
+                   {"windowPolicy", kPolicies[static_cast<size_t>(state.windowPolicy)]},
+                   {"studio", "off"}};
+  for (const std::string& name : ParametersOf("render_settings"))
+    if (const auto found = given.find(name); found != given.end()) settings[name] = to_json(found->second);
+  return settings;
+}
+
+}  // namespace
+
+const std::vector<std::string>& ParametersOf(const char* schema) {
+  static const auto names = [](const char* which) {
+    std::vector<std::string> all;
+    for (const auto& [name, property] : json::parse(hd::description::SchemaText(which)).at("properties").items())
+      all.push_back(name);
+    return all;
+  };
+  static const std::vector<std::string> lights = names("lights"), settings = names("render_settings");
+  return std::string_view(schema) == "lights" ? lights : settings;
+}
+
+std::string MakeDescription(const CapturedScene& scene, const std::string& gltf_name) {
+  json description = {{"gltf", {{{"file", gltf_name}}}},
+                      {"camera", camera_of(scene.state)},
+                      {"settings", settings_of(scene.state, scene.settings)}};
+  for (const auto& [id, network] : scene.materials) {
+    const bool is_bound = std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                                      [&id = id](const auto& mesh) { return mesh.second.material == id; });
+    if (is_bound) description["materials"].push_back(to_json(id, network));
+  }
+  for (const auto& [id, light] : scene.lights)
+    if (light.visible) description["lights"].push_back(to_json(id, light));
+  return description.dump(1);
+}
+
+}  // namespace alabaster::hydra

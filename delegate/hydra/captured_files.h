@@ -1,0 +1,30 @@
+// The files of a captured scene as text. Internal to this room.
+#pragma once
+
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hydra {
+
+/// Names of the parameters of a schema: "lights" or "render_settings".
+const std::vector<std::string>& ParametersOf(const char* schema);
+
+struct CapturedGltf {
+  std::string document, buffer;
+};
+/// Throws std::runtime_error, which names the prim, where glTF cannot hold the meshes.
+CapturedGltf MakeGltf(const std::map<hd::Path, hd::host::MeshDescription>& meshes,
+                      const std::map<hd::Path, hd::host::InstancerDescription>& instancers,
+                      const std::string& buffer_name);
+
+struct CapturedScene {
+  const std::map<hd::Path, hd::host::MeshDescription>& meshes;
+  const std::map<hd::Path, hd::MaterialNetwork>& materials;
+  const std::map<hd::Path, hd::host::LightDescription>& lights;
+  const hd::RenderPassState& state;
+  const std::map<hd::Token, hd::Value>& settings;
+};
+/// A render description of the glTF file's meshes with the materials, lights, camera and settings of the scene. Throws
+/// std::runtime_error where it cannot hold them.
+std::string MakeDescription(const CapturedScene& scene, const std::string& gltf_name);
+
+}  // namespace alabaster::hydra

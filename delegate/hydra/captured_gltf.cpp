@@ -1,0 +1,148 @@
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "delegate/hydra/captured_files.h"
+
+namespace alabaster::hydra {
+namespace {
+
+using hd::Array;
+using hd::Vec2f;
+using hd::Vec3f;
+using hd::host::InstancerDescription;
+using hd::host::MeshDescription;
+using nlohmann::json;
+
+[[noreturn]] void refuse(const hd::Path& id, const std::string& why) {
+  throw std::runtime_error(id.str() + " " + why);
+}
+
+/// One vertex for each corner of each triangle.
+class GltfMeshes {
+ public:
+  void add(const hd::Path& id, const MeshDescription& mesh) {
+    check(id, mesh);
+    json attributes;
+    attributes["POSITION"] = write(corners<Vec3f>(id, mesh, "points"), "VEC3", true);
+    if (mesh.primvars.contains("normals"))
+      attributes["NORMAL"] = write(corners<Vec3f>(id, mesh, "normals"), "VEC3", false);
+    if (mesh.primvars.contains("st")) {
+      std::vector<Vec2f> st = corners<Vec2f>(id, mesh, "st");
+      for (Vec2f& uv : st) uv.y = 1 - uv.y;  // glTF counts v downwards
+      attributes["TEXCOORD_0"] = write(st, "VEC2", false);
+    }
+    json primitive = {{"attributes", attributes}};
+    if (!mesh.material.empty()) primitive["material"] = material(mesh.material.str());
+    document_["meshes"].push_back({{"name", id.str()}, {"primitives", {primitive}}});
+  }
+
+  void place(const hd::Path& id, size_t mesh, const hd::Matrix4d& matrix) {
+    json node = {{"name", id.str()}, {"mesh", mesh}};
+    if (matrix != hd::Matrix4d()) node["matrix"] = std::vector<double>(&matrix.x[0][0], &matrix.x[0][0] + 16);
+    document_["scenes"][0]["nodes"].push_back(document_["nodes"].size());
+    document_["nodes"].push_back(std::move(node));
+  }
+
+  CapturedGltf finish(const std::string& buffer_name) {
+    document_["asset"]["version"] = "2.0";
+    document_["scene"] = 0;
+    document_["buffers"] = {{{"uri", buffer_name}, {"byteLength", bytes_.size()}}};
+    return {document_.dump(1), std::move(bytes_)};
+  }
+
+ private:
+  static void check(const hd::Path& id, const MeshDescription& mesh) {
+    if (!(mesh.topology.scheme == hd::Token("none"))) refuse(id, "is a cage for subdivision, which glTF cannot hold");
+    for (const int32_t count : mesh.topology.faceVertexCounts)
+      if (count != 3) refuse(id, "has faces that are no triangles, which glTF cannot hold");
+    if (!mesh.topology.geomSubsets.empty()) refuse(id, "has subsets, which are not written");
+    if (!mesh.transformSamples.times.empty()) refuse(id, "moves, which is not written");
+  }
+
+  // The value of each corner of a triangle.
+  template <class T>
+  static std::vector<T> corners(const hd::Path& id, const MeshDescription& mesh, const char* name) {
+    const hd::host::PrimvarValue& primvar = mesh.primvars.at(name);
+    const auto* values = primvar.value.get<Array<T>>();
+    if (!values) refuse(id, std::string("has a primvar ") + name + " of another type, which is not written");
+    const bool by_corner = primvar.interpolation == hd::Interpolation::faceVarying;
+    const Array<int32_t>& vertices = mesh.topology.faceVertexIndices;
+    std::vector<T> all;
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      size_t at = by_corner ? i : static_cast<size_t>(vertices[i]);
+      if (!primvar.indices.empty()) at = static_cast<size_t>(primvar.indices[at]);
+      if (at >= values->size()) refuse(id, std::string("has too few ") + name);
+      all.push_back((*values)[at]);
+    }
+    return all;
+  }
+
+  template <class T>
+  size_t write(const std::vector<T>& values, const char* type, bool bounded) {
+    const size_t begin = bytes_.size(), length = values.size() * sizeof(T);
+    bytes_.append(reinterpret_cast<const char*>(values.data()), length);
+    document_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", length}});
+    json accessor = {{"bufferView", document_["bufferViews"].size() - 1},
+                     {"componentType", 5126},
+                     {"count", values.size()},
+                     {"type", type}};
+    if constexpr (std::is_same_v<T, Vec3f>)
+      if (bounded) {
+        Vec3f low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+        for (const Vec3f& p : values)
+          for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
+        accessor["min"] = {low.x, low.y, low.z}, accessor["max"] = {high.x, high.y, high.z};
+      }
+    document_["accessors"].push_back(std::move(accessor));
+    return document_["accessors"].size() - 1;
+  }
+
+  size_t material(const std::string& name) {
+    json& all = document_["materials"];
+    for (size_t i = 0; i < all.size(); ++i)
+      if (all[i]["name"] == name) return i;
+    all.push_back({{"name", name}, {"doubleSided", true}});
+    return all.size() - 1;
+  }
+
+  json document_;
+  std::string bytes_;
+};
+
+// Blender gives its instances as absolute matrices.
+std::vector<hd::Matrix4d> places_of(const hd::Path& id, const MeshDescription& mesh,
+                                    const std::map<hd::Path, InstancerDescription>& instancers) {
+  if (mesh.instancer.empty()) return {mesh.transform};
+  const auto found = instancers.find(mesh.instancer);
+  if (found == instancers.end()) refuse(id, "has an instancer that was not synced");
+  const InstancerDescription& instancer = found->second;
+  const auto matrices = instancer.primvars.find("hydra:instanceTransforms");
+  const auto* held =
+      matrices == instancer.primvars.end() ? nullptr : matrices->second.get<Array<hd::Matrix4d>>();
+  if (!held || !instancer.parent.empty())
+    refuse(mesh.instancer, "does not place its instances by hydra:instanceTransforms alone; that is not written");
+  std::vector<hd::Matrix4d> places;
+  for (const int32_t index : instancer.indices.at(id))
+    if (index >= 0 && static_cast<size_t>(index) < held->size())
+      places.push_back(mesh.transform * (*held)[static_cast<size_t>(index)] * instancer.transform);
+  return places;
+}
+
+}  // namespace
+
+CapturedGltf MakeGltf(const std::map<hd::Path, MeshDescription>& meshes,
+                      const std::map<hd::Path, InstancerDescription>& instancers, const std::string& buffer_name) {
+  GltfMeshes gltf;
+  size_t index = 0;
+  for (const auto& [id, mesh] : meshes) {
+    if (!mesh.visible || mesh.topology.faceVertexCounts.empty()) continue;
+    gltf.add(id, mesh);
+    for (const hd::Matrix4d& place : places_of(id, mesh, instancers)) gltf.place(id, index, place);
+    ++index;
+  }
+  return gltf.finish(buffer_name);
+}
+
+}  // namespace alabaster::hydra

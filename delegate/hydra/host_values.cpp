@@ -1,0 +1,76 @@
+#include "delegate/hydra/host_values.h"
+
+#include <cmath>
+
+namespace alabaster::hydra {
+namespace {
+
+struct FormatRow {
+  Component component;
+  int count;
+  hd::Format format;
+};
+constexpr FormatRow kFormats[] = {
+    {Component::unorm8, 1, hd::Format::unorm8},       {Component::unorm8, 3, hd::Format::unorm8vec3},
+    {Component::unorm8, 4, hd::Format::unorm8vec4},   {Component::float16, 1, hd::Format::float16},
+    {Component::float16, 3, hd::Format::float16vec3}, {Component::float16, 4, hd::Format::float16vec4},
+    {Component::float32, 1, hd::Format::float32},     {Component::float32, 2, hd::Format::float32vec2},
+    {Component::float32, 3, hd::Format::float32vec3}, {Component::float32, 4, hd::Format::float32vec4},
+    {Component::int32, 1, hd::Format::int32}};
+
+// The number in the type of `like`; `value` itself where that is no number, or would lose its fraction.
+hd::Value number_like(const hd::Value& like, const hd::Value& value) {
+  const double number = value.number_or(NAN);
+  if (std::isnan(number)) return value;
+  if (like.get<bool>()) return number != 0;
+  if (like.get<float>()) return static_cast<float>(number);
+  if (like.get<double>()) return number;
+  const bool is_whole = number == std::floor(number) && std::abs(number) < 9e15;
+  if (like.get<int64_t>() && is_whole) return static_cast<int64_t>(number);
+  return value;
+}
+
+}  // namespace
+
+hd::Format FormatOf(Component component, int count) {
+  for (const FormatRow& row : kFormats)
+    if (row.component == component && row.count == count) return row.format;
+  return hd::Format::invalid;
+}
+
+bool ComponentsOf(hd::Format format, Component* component, int* count) {
+  for (const FormatRow& row : kFormats) {
+    if (row.format != format) continue;
+    *component = row.component, *count = row.count;
+    return true;
+  }
+  return false;
+}
+
+hd::DirtyBits TranslateBits(uint32_t host, std::span<const BitPair> table) {
+  hd::DirtyBits ours = hd::dirty::kClean;
+  for (const BitPair& pair : table)
+    if (host & pair.host) ours |= pair.ours;
+  return ours;
+}
+
+Setting TranslateSetting(const hd::Token& key, const hd::Value& value,
+                         const std::vector<hd::RenderSettingDescriptor>& known) {
+  constexpr std::string_view kOurs = "alabaster:";
+  std::string name = key.str();
+  if (name.starts_with(kOurs)) name.erase(0, kOurs.size());
+  if (name == "convergedSamplesPerPixel") name = "samples";
+  for (const hd::RenderSettingDescriptor& setting : known)
+    if (setting.key == hd::Token(name)) return {setting.key, number_like(setting.defaultValue, value)};
+  return {name, value};
+}
+
+hd::Dictionary HostStatistics(hd::Dictionary statistics) {
+  for (const char* key : {"percentDone", "fractionDone"}) {
+    const auto found = statistics.find(key);
+    statistics[key] = found == statistics.end() ? 0.0 : found->second.number_or(0);
+  }
+  return statistics;
+}
+
+}  // namespace alabaster::hydra

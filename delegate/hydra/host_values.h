@@ -1,0 +1,39 @@
+// Small rules between a Hydra host and the contract: formats, dirty bits, settings, statistics. No type of OpenUSD.
+#pragma once
+
+#include <span>
+
+#include "delegate/api/render_delegate.h"
+
+namespace alabaster::hydra {
+
+/// The component types of HdFormat.
+enum class Component { unorm8, snorm8, float16, float32, int16, uint16, int32 };
+
+/// Invalid where the contract has no such format: the host's Allocate then fails, and it drops the AOV.
+hd::Format FormatOf(Component component, int count);
+/// The reverse. False: the format is invalid.
+bool ComponentsOf(hd::Format format, Component* component, int* count);
+
+/// A bit of the host's and those of the contract that it stands for. Hosts number theirs differently in each release.
+struct BitPair {
+  uint32_t host = 0;
+  hd::DirtyBits ours = hd::dirty::kClean;
+};
+/// Bits that the table lacks are dropped.
+hd::DirtyBits TranslateBits(uint32_t host, std::span<const BitPair> table);
+
+/// A render setting under its own name and in the type of its default.
+struct Setting {
+  hd::Token key;
+  hd::Value value;
+};
+/// Takes "alabaster:samples" for "samples", Hydra's "convergedSamplesPerPixel" too, and numbers of any type: hosts send
+/// whole numbers as long and others as double. Other keys lose that prefix, and keep their values.
+Setting TranslateSetting(const hd::Token& key, const hd::Value& value,
+                         const std::vector<hd::RenderSettingDescriptor>& known);
+
+/// The statistics, with percentDone and fractionDone as double: Blender reads them unchecked.
+hd::Dictionary HostStatistics(hd::Dictionary statistics);
+
+}  // namespace alabaster::hydra

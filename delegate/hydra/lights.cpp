@@ -1,0 +1,30 @@
+#include "delegate/hydra/lights.h"
+
+namespace alabaster::hydra {
+namespace {
+
+hd::Value scaled(const hd::Value& value, double factor) {
+  return value.empty() ? value : hd::Value(static_cast<float>(value.number_or(0) * factor));
+}
+
+// Blender 4.2 to 5.0 halves the angle of a sun and sends a quarter of its energy. Its normalized light has the
+// irradiance of the energy, as in Cycles.
+hd::Value sun_of_blender(const std::string& name, const hd::Value& value) {
+  if (name == "intensity") return scaled(value, 4);
+  return name == "angle" ? scaled(value, 2) : value;
+}
+
+}  // namespace
+
+Host HostOf(const std::string& word) {
+  return word == "blender" ? Host::blender : Host::any;
+}
+
+hd::Value LightParameter(Host host, const hd::Token& type, const hd::Token& name, const HostParameter& get) {
+  hd::Value value = get(name);
+  if (value.empty()) value = get("inputs:" + name.str());
+  if (host == Host::blender && type == hd::Token("distantLight")) return sun_of_blender(name.str(), value);
+  return value;
+}
+
+}  // namespace alabaster::hydra

@@ -1,0 +1,62 @@
+// What the plug-in's prims, buffers and passes share.
+#pragma once
+
+#include <pxr/imaging/hd/renderDelegate.h>
+
+#include <set>
+
+#include "delegate/hydra/pass_driver.h"
+#include "delegate/hydra/plugin/convert.h"
+#include "delegate/hydra/plugin/hydra_scene.h"
+#include "delegate/hydra/scene_capture.h"
+
+namespace alabaster::hydra {
+
+class HydraParam final : public pxr::HdRenderParam {
+ public:
+  /// `delegate` must outlive it.
+  HydraParam(hd::RenderDelegate* delegate, hd::DiagnosticSink sink) : delegate_(delegate), sink_(std::move(sink)) {}
+
+  hd::RenderDelegate& delegate() const { return *delegate_; }
+  /// Setting alabaster:host. Host thread, before Sync.
+  void set_host(Host host) { host_ = host; }
+
+  /// Setting alabaster:writeScene: a file that holds the scene of the last Execute. Host thread, before Sync.
+  void set_scene_file(const std::string& file) {
+    scene_file_ = file;
+    if (!file.empty() && !capture_) capture_ = std::make_unique<SceneCapture>();
+  }
+  /// Null unless the scene is written.
+  SceneCapture* capture() const { return capture_.get(); }
+  void write_scene(const hd::RenderPassState& state) const;
+
+  HydraScene scene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const pxr::TfToken& light = {}) const {
+    return {host, id, host_,
+            [this](const hd::Path& where, const char* code, const std::string& text) {
+              sink_({hd::Severity::warning, code, where.str(), text});
+            },
+            light};
+  }
+
+  /// Drivers that may hold a buffer of the host's.
+  void add(PassDriver* driver) { drivers_.insert(driver); }
+  void remove(PassDriver* driver) { drivers_.erase(driver); }
+  void forget(const hd::RenderBuffer* buffer) const {
+    for (PassDriver* driver : drivers_) driver->Forget(buffer);
+  }
+
+ private:
+  hd::RenderDelegate* delegate_;
+  hd::DiagnosticSink sink_;
+  Host host_ = Host::any;
+  std::set<PassDriver*> drivers_;
+  std::string scene_file_;
+  std::unique_ptr<SceneCapture> capture_;
+};
+
+/// The param that Hydra hands to each Sync and Finalize.
+inline HydraParam& ParamOf(pxr::HdRenderParam* param) {
+  return *static_cast<HydraParam*>(param);
+}
+
+}  // namespace alabaster::hydra

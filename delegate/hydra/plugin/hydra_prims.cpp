@@ -1,0 +1,151 @@
+#include "delegate/hydra/plugin/hydra_prims.h"
+
+#include <pxr/imaging/hd/changeTracker.h>
+#include <pxr/imaging/hd/renderIndex.h>
+
+#include "delegate/hydra/plugin/hydra_param.h"
+
+namespace alabaster::hydra {
+namespace {
+
+using Tracker = pxr::HdChangeTracker;
+
+constexpr BitPair kGeometryBits[] = {{Tracker::DirtyPrimID, hd::dirty::kPrimId},
+                                     {Tracker::DirtyDisplayStyle, hd::dirty::kDisplayStyle},
+                                     {Tracker::DirtyPoints, hd::dirty::kPoints},
+                                     {Tracker::DirtyPrimvar, hd::dirty::kPrimvar},
+                                     {Tracker::DirtyMaterialId, hd::dirty::kMaterialId},
+                                     {Tracker::DirtyTopology, hd::dirty::kTopology},
+                                     {Tracker::DirtyTransform, hd::dirty::kTransform},
+                                     {Tracker::DirtyVisibility, hd::dirty::kVisibility},
+                                     {Tracker::DirtyNormals, hd::dirty::kNormals},
+                                     {Tracker::DirtyDoubleSided, hd::dirty::kDoubleSided},
+                                     {Tracker::DirtyCullStyle, hd::dirty::kCullStyle},
+                                     {Tracker::DirtySubdivTags, hd::dirty::kSubdivTags},
+                                     {Tracker::DirtyInstancer, hd::dirty::kInstancer},
+                                     {Tracker::DirtyInstanceIndex, hd::dirty::kInstanceIndex},
+                                     {Tracker::DirtyRenderTag, hd::dirty::kRenderTag},
+                                     {Tracker::DirtyCategories, hd::dirty::kCategories}};
+// Hydra has no bit for a light's visibility: hosts send DirtyParams.
+constexpr BitPair kLightBits[] = {{pxr::HdLight::DirtyTransform, hd::dirty::kTransform},
+                                  {pxr::HdLight::DirtyParams, hd::dirty::kParams | hd::dirty::kVisibility},
+                                  {pxr::HdLight::DirtyShadowParams, hd::dirty::kParams},
+                                  {pxr::HdLight::DirtyCollection, hd::dirty::kParams},
+                                  {pxr::HdLight::DirtyResource, hd::dirty::kResource}};
+constexpr BitPair kMaterialBits[] = {{pxr::HdMaterial::DirtyParams, hd::dirty::kParams},
+                                     {pxr::HdMaterial::DirtyResource, hd::dirty::kResource}};
+
+/// Syncs a prim of the contract. True if nothing is left dirty.
+template <class Prim>
+bool sync(Prim* prim, HydraScene scene, HydraParam& param, hd::DirtyBits bits) {
+  if (!prim || bits == hd::dirty::kClean) return true;
+  prim->Sync(&scene, param.delegate().GetRenderParam(), &bits);
+  return bits == hd::dirty::kClean;
+}
+
+template <class Prim>
+void finalize(Prim* prim, pxr::HdRenderParam* param) {
+  if (prim && ParamOf(param).capture()) ParamOf(param).capture()->Remove(prim->GetId());
+  if (prim) prim->Finalize(ParamOf(param).delegate().GetRenderParam());
+}
+
+}  // namespace
+
+pxr::HdDirtyBits HydraMesh::GetInitialDirtyBitsMask() const {
+  pxr::HdDirtyBits bits = Tracker::InitRepr;
+  for (const BitPair& pair : kGeometryBits) bits |= pair.host;
+  return bits;
+}
+
+void HydraMesh::_InitRepr(const pxr::TfToken& repr, pxr::HdDirtyBits*) {
+  for (const auto& [name, held] : _reprs)
+    if (name == repr) return;
+  _reprs.emplace_back(repr, pxr::HdReprSharedPtr());
+}
+
+void HydraMesh::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits,
+                     const pxr::TfToken&) {
+  _UpdateVisibility(scene, bits);
+  _UpdateInstancer(scene, bits);
+  pxr::HdInstancer::_SyncInstancerAndParents(scene->GetRenderIndex(), GetInstancerId());
+  HydraParam& shared = ParamOf(param);
+  if (prim_) prim_->SetPrimId(GetPrimId());
+  if (SceneCapture* const capture = shared.capture()) {
+    HydraScene all = shared.scene(scene, GetId());
+    capture->TakeMesh(all, ToPath(GetId()));
+  }
+  if (sync(prim_, shared.scene(scene, GetId()), shared, TranslateBits(*bits, kGeometryBits)))
+    *bits &= ~Tracker::AllSceneDirtyBits;
+}
+
+void HydraMesh::Finalize(pxr::HdRenderParam* param) {
+  finalize(prim_, param);
+}
+
+void HydraInstancer::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
+  _UpdateInstancer(scene, bits);
+  HydraParam& shared = ParamOf(param);
+  if (SceneCapture* const capture = shared.capture()) {
+    HydraScene all = shared.scene(scene, GetId());
+    capture->TakeInstancer(all, ToPath(GetId()));
+  }
+  sync(instancer_, shared.scene(scene, GetId()), shared, TranslateBits(*bits, kGeometryBits));
+}
+
+void HydraInstancer::Finalize(pxr::HdRenderParam* param) {
+  finalize(instancer_, param);
+}
+
+void HydraMaterial::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
+  HydraParam& shared = ParamOf(param);
+  if (SceneCapture* const capture = shared.capture()) {
+    HydraScene all = shared.scene(scene, GetId());
+    capture->TakeMaterial(all, ToPath(GetId()));
+  }
+  if (sync(prim_, shared.scene(scene, GetId()), shared, TranslateBits(*bits, kMaterialBits))) *bits = Clean;
+}
+
+void HydraMaterial::Finalize(pxr::HdRenderParam* param) {
+  finalize(prim_, param);
+}
+
+void HydraLight::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
+  HydraParam& shared = ParamOf(param);
+  if (SceneCapture* const capture = shared.capture()) {
+    HydraScene all = shared.scene(scene, GetId(), type_);
+    capture->TakeLight(all, ToPath(GetId()), ToToken(type_));
+  }
+  if (sync(prim_, shared.scene(scene, GetId(), type_), shared, TranslateBits(*bits, kLightBits))) *bits = Clean;
+}
+
+void HydraLight::Finalize(pxr::HdRenderParam* param) {
+  finalize(prim_, param);
+}
+
+void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
+  const bool moved = *bits & DirtyTransform;
+  HdCamera::Sync(scene, param, bits);
+  description_.transform = ToMatrix(GetTransform());
+  const hd::Path id = ToPath(GetId());
+  if (moved) description_.transformSamples = ParamOf(param).scene(scene, GetId()).SampleTransform(id);
+  auto& parameters = description_.parameters;
+  parameters = {{"projection", hd::Token(GetProjection() == Orthographic ? "orthographic" : "perspective")},
+                {"focalLength", GetFocalLength()},
+                {"horizontalAperture", GetHorizontalAperture()},
+                {"verticalAperture", GetVerticalAperture()},
+                {"horizontalApertureOffset", GetHorizontalApertureOffset()},
+                {"verticalApertureOffset", GetVerticalApertureOffset()},
+                {"fStop", GetFocusOn() ? GetFStop() : 0.0f},
+                {"focusDistance", GetFocusDistance()},
+                {"shutterOpen", GetShutterOpen()},
+                {"shutterClose", GetShutterClose()}};
+  if (!GetClippingRange().IsEmpty())
+    parameters["clippingRange"] = hd::Vec2f(GetClippingRange().GetMin(), GetClippingRange().GetMax());
+  std::vector<hd::Vec4f> planes;
+  for (const pxr::GfVec4d& p : GetClipPlanes())
+    planes.emplace_back(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]),
+                        static_cast<float>(p[3]));
+  if (!planes.empty()) parameters["clipPlanes"] = hd::Array<hd::Vec4f>(std::move(planes));
+}
+
+}  // namespace alabaster::hydra

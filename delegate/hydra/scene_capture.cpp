@@ -1,0 +1,102 @@
+#include "delegate/hydra/scene_capture.h"
+
+#include <cstdio>
+#include <fstream>
+
+#include "delegate/hydra/captured_files.h"
+
+namespace alabaster::hydra {
+namespace {
+
+// Removes what an earlier call left behind under the temporary name.
+std::string write_whole(const std::string& file, const std::string& bytes) {
+  const std::string temporary = file + ".partial";
+  {
+    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!out.flush()) return std::remove(temporary.c_str()), "cannot write " + temporary + "; is the folder writable?";
+  }
+  if (std::rename(temporary.c_str(), file.c_str()) == 0) return {};
+  std::remove(temporary.c_str());
+  return "cannot rename " + temporary + " to " + file;
+}
+
+}  // namespace
+
+void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
+  hd::host::MeshDescription mesh;
+  mesh.topology = scene.GetMeshTopology(id);
+  mesh.displayStyle = scene.GetDisplayStyle(id);
+  for (const hd::PrimvarDescriptor& primvar : scene.GetPrimvarDescriptors(id)) {
+    auto& held = mesh.primvars[primvar.name];
+    held.interpolation = primvar.interpolation;
+    held.role = primvar.role;
+    held.value = scene.GetPrimvar(id, primvar.name, &held.indices);
+  }
+  hd::Array<int32_t> none;
+  mesh.primvars["points"].value = scene.GetPrimvar(id, "points", &none);
+  mesh.transform = scene.GetTransform(id);
+  mesh.transformSamples = scene.SampleTransform(id);
+  mesh.visible = scene.GetVisible(id);
+  mesh.doubleSided = scene.GetDoubleSided(id);
+  mesh.material = scene.GetMaterialId(id);
+  mesh.instancer = scene.GetInstancerId(id);
+  const auto indices = mesh.instancer.empty() ? hd::Array<int32_t>() : scene.GetInstanceIndices(mesh.instancer, id);
+  const std::lock_guard lock(mutex_);
+  if (!mesh.instancer.empty()) instancers_[mesh.instancer].indices[id] = indices;
+  meshes_[id] = std::move(mesh);
+}
+
+void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
+  std::map<hd::Token, hd::Value> primvars;
+  for (const hd::PrimvarDescriptor& primvar : scene.GetPrimvarDescriptors(id)) {
+    hd::Array<int32_t> none;
+    primvars[primvar.name] = scene.GetPrimvar(id, primvar.name, &none);
+  }
+  const hd::Matrix4d transform = scene.GetInstancerTransform(id);
+  const hd::Path parent = scene.GetInstancerId(id);
+  const std::lock_guard lock(mutex_);
+  auto& held = instancers_[id];
+  held.transform = transform, held.parent = parent, held.primvars = std::move(primvars);
+}
+
+void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
+  auto network = scene.GetMaterialResource(id);
+  const std::lock_guard lock(mutex_);
+  materials_[id] = std::move(network);
+}
+
+void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type) {
+  hd::host::LightDescription light{.type = type, .transform = scene.GetTransform(id), .parameters = {}};
+  for (const std::string& name : ParametersOf("lights"))
+    if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
+  light.visible = scene.GetVisible(id);
+  const std::lock_guard lock(mutex_);
+  lights_[id] = std::move(light);
+}
+
+void SceneCapture::Remove(const hd::Path& id) {
+  const std::lock_guard lock(mutex_);
+  meshes_.erase(id), instancers_.erase(id), materials_.erase(id), lights_.erase(id);
+  for (auto& [instancer, held] : instancers_) held.indices.erase(id);
+}
+
+std::string SceneCapture::Write(const std::string& file, const hd::RenderPassState& state,
+                                const std::map<hd::Token, hd::Value>& settings) const {
+  const std::lock_guard lock(mutex_);
+  if (!file.ends_with(".json")) return file + " must end in .json";
+  const std::string stem = file.substr(0, file.size() - 5);
+  const std::string name = stem.substr(stem.rfind('/') + 1);
+  try {
+    const CapturedGltf gltf = MakeGltf(meshes_, instancers_, name + ".bin");
+    const std::string description = MakeDescription({meshes_, materials_, lights_, state, settings}, name + ".gltf");
+    for (const auto& [ending, text] :
+         {std::pair{".bin", &gltf.buffer}, std::pair{".gltf", &gltf.document}, std::pair{".json", &description}})
+      if (std::string fault = write_whole(stem + ending, *text); !fault.empty()) return fault;
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+  return {};
+}
+
+}  // namespace alabaster::hydra

@@ -1,0 +1,33 @@
+// The scene as the renderer was given it, as files that the program renders: to report a picture, or to compare.
+#pragma once
+
+#include <mutex>
+
+#include "delegate/host/retained_scene_delegate.h"
+
+namespace alabaster::hydra {
+
+/// Takes each prim when it is synced for the first time, or again. Prims may be taken by several threads at once.
+class SceneCapture {
+ public:
+  void TakeMesh(hd::SceneDelegate& scene, const hd::Path& id);
+  void TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id);
+  void TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id);
+  void TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type);
+  void Remove(const hd::Path& id);
+
+  /// Writes a render description, which `file` names (.json), and beside it the meshes as .gltf and .bin. They are
+  /// renamed from temporary names once they are complete. Returns the reason if that fails, or if the scene holds what
+  /// these files cannot: cages, meshes that are no triangles, UsdPreviewSurface, instancers in instancers, motion.
+  std::string Write(const std::string& file, const hd::RenderPassState& state,
+                    const std::map<hd::Token, hd::Value>& settings) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<hd::Path, hd::host::MeshDescription> meshes_;
+  std::map<hd::Path, hd::host::InstancerDescription> instancers_;
+  std::map<hd::Path, hd::MaterialNetwork> materials_;
+  std::map<hd::Path, hd::host::LightDescription> lights_;
+};
+
+}  // namespace alabaster::hydra

@@ -1,0 +1,36 @@
+// The pull side of the contract over a Hydra host: what the host answers, put into the contract's terms.
+#pragma once
+
+#include "delegate/api/scene_delegate.h"
+#include "delegate/hydra/lights.h"
+#include "delegate/hydra/materials.h"
+
+namespace alabaster::hydra {
+
+/// Geometry means the same in Hydra and here. Lights and materials are translated.
+class TranslatedScene : public hd::SceneDelegate {
+ public:
+  /// `report`: the prim, then a diagnostic's code and text.
+  using Report = std::function<void(const hd::Path& id, const char* code, const std::string& text)>;
+  TranslatedScene(Host host, Report report) : host_(host), report_(std::move(report)) {}
+
+  hd::Value GetLightParamValue(const hd::Path& id, const hd::Token& name) final {
+    return LightParameter(host_, GetHostLightType(id), name,
+                          [&](const hd::Token& asked) { return GetHostLightParameter(id, asked); });
+  }
+  hd::MaterialNetwork GetMaterialResource(const hd::Path& id) final {
+    return TranslateMaterial(GetHostMaterial(id),
+                             [&](const char* code, const std::string& text) { report_(id, code, text); });
+  }
+
+ protected:
+  virtual hd::Token GetHostLightType(const hd::Path& id) = 0;
+  virtual hd::Value GetHostLightParameter(const hd::Path& id, const hd::Token& name) = 0;
+  virtual hd::MaterialNetwork GetHostMaterial(const hd::Path& id) = 0;
+
+ private:
+  Host host_;
+  Report report_;
+};
+
+}  // namespace alabaster::hydra
