@@ -49,8 +49,8 @@ json texture_of(const hd::Path& material, const hd::MaterialNetwork& network, co
 // The parameters of its surface, connected ones as textures.
 json to_json(const hd::Path& id, const hd::MaterialNetwork& network) {
   const auto terminal = network.terminals.find("surface");
-  const auto node = terminal == network.terminals.end() ? network.nodes.end()
-                                                        : network.nodes.find(terminal->second.upstreamNode);
+  const auto node =
+      terminal == network.terminals.end() ? network.nodes.end() : network.nodes.find(terminal->second.upstreamNode);
   if (node == network.nodes.end() || !(node->second.nodeTypeId == hd::Token("AlabasterDisney")))
     throw std::runtime_error(id.str() + " is no material of AlabasterDisney nodes, which alone are written");
   json parameters = json::object();
@@ -58,14 +58,14 @@ json to_json(const hd::Path& id, const hd::MaterialNetwork& network) {
   for (const auto& [name, connections] : node->second.inputConnections) {
     if (connections.empty()) continue;
     const auto scale = node->second.parameters.find(name);
-    parameters[name.str()] = texture_of(id, network, connections.front(),
-                                        scale == node->second.parameters.end() ? Value() : scale->second);
+    parameters[name.str()] =
+        texture_of(id, network, connections.front(), scale == node->second.parameters.end() ? Value() : scale->second);
   }
-  return {{"match", id.str()}, {"replace", parameters}};
+  return {{"match", PlainName(id)}, {"replace", parameters}};
 }
 
 json to_json(const hd::Path& id, const hd::host::LightDescription& light) {
-  json made = {{"name", id.str()}, {"type", light.type.str()}, {"transform", to_json(light.transform)}};
+  json made = {{"name", PlainName(id)}, {"type", light.type.str()}, {"transform", to_json(light.transform)}};
   for (const auto& [name, value] : light.parameters) made[name.str()] = to_json(value);
   return made;
 }
@@ -90,19 +90,26 @@ json settings_of(const hd::RenderPassState& state, const std::map<hd::Token, Val
 
 }  // namespace
 
+std::string PlainName(const hd::Path& id) {
+  std::string name = id.str();
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+}
+
 const std::vector<std::string>& ParametersOf(const char* schema) {
   static const auto names = [](const char* which) {
+    const json schema = json::parse(hd::description::SchemaText(which));
     std::vector<std::string> all;
-    for (const auto& [name, property] : json::parse(hd::description::SchemaText(which)).at("properties").items())
-      all.push_back(name);
+    for (const auto& [name, property] : schema.at("properties").items()) all.push_back(name);
     return all;
   };
   static const std::vector<std::string> lights = names("lights"), settings = names("render_settings");
   return std::string_view(schema) == "lights" ? lights : settings;
 }
 
-std::string MakeDescription(const CapturedScene& scene, const std::string& gltf_name) {
-  json description = {{"gltf", {{{"file", gltf_name}}}},
+std::string MakeDescription(const CapturedScene& scene, const std::string& stem) {
+  json description = {{"gltf", {{{"file", stem + ".gltf"}}}},
+                      {"products", {{{"file", stem + ".exr"}, {"dataType", "float"}}}},
                       {"camera", camera_of(scene.state)},
                       {"settings", settings_of(scene.state, scene.settings)}};
   for (const auto& [id, network] : scene.materials) {

@@ -8,6 +8,9 @@ namespace alabaster::hydra {
 /// Names of the parameters of a schema: "lights" or "render_settings".
 const std::vector<std::string>& ParametersOf(const char* schema);
 
+/// The name of a prim in these files: names of glTF hold no '/'.
+std::string PlainName(const hd::Path& id);
+
 struct CapturedGltf {
   std::string document, buffer;
 };
@@ -23,8 +26,8 @@ struct CapturedScene {
   const hd::RenderPassState& state;
   const std::map<hd::Token, hd::Value>& settings;
 };
-/// A render description of the glTF file's meshes with the materials, lights, camera and settings of the scene. Throws
-/// std::runtime_error where it cannot hold them.
-std::string MakeDescription(const CapturedScene& scene, const std::string& gltf_name);
+/// A render description of the meshes of `stem`.gltf, which writes `stem`.exr, with the materials, lights, camera and
+/// settings of the scene. Throws std::runtime_error where it cannot hold them.
+std::string MakeDescription(const CapturedScene& scene, const std::string& stem);
 
 }  // namespace alabaster::hydra

@@ -34,12 +34,12 @@ class GltfMeshes {
       attributes["TEXCOORD_0"] = write(st, "VEC2", false);
     }
     json primitive = {{"attributes", attributes}};
-    if (!mesh.material.empty()) primitive["material"] = material(mesh.material.str());
-    document_["meshes"].push_back({{"name", id.str()}, {"primitives", {primitive}}});
+    if (!mesh.material.empty()) primitive["material"] = material(PlainName(mesh.material));
+    document_["meshes"].push_back({{"name", PlainName(id)}, {"primitives", {primitive}}});
   }
 
   void place(const hd::Path& id, size_t mesh, const hd::Matrix4d& matrix) {
-    json node = {{"name", id.str()}, {"mesh", mesh}};
+    json node = {{"name", PlainName(id)}, {"mesh", mesh}};
     if (matrix != hd::Matrix4d()) node["matrix"] = std::vector<double>(&matrix.x[0][0], &matrix.x[0][0] + 16);
     document_["scenes"][0]["nodes"].push_back(document_["nodes"].size());
     document_["nodes"].push_back(std::move(node));
@@ -119,8 +119,7 @@ std::vector<hd::Matrix4d> places_of(const hd::Path& id, const MeshDescription& m
   if (found == instancers.end()) refuse(id, "has an instancer that was not synced");
   const InstancerDescription& instancer = found->second;
   const auto matrices = instancer.primvars.find("hydra:instanceTransforms");
-  const auto* held =
-      matrices == instancer.primvars.end() ? nullptr : matrices->second.get<Array<hd::Matrix4d>>();
+  const auto* held = matrices == instancer.primvars.end() ? nullptr : matrices->second.get<Array<hd::Matrix4d>>();
   if (!held || !instancer.parent.empty())
     refuse(mesh.instancer, "does not place its instances by hydra:instanceTransforms alone; that is not written");
   std::vector<hd::Matrix4d> places;

@@ -14,6 +14,14 @@ hd::Value sun_of_blender(const std::string& name, const hd::Value& value) {
   return name == "angle" ? scaled(value, 2) : value;
 }
 
+// Blender 4.2 to 5.0 sends a world of one colour as an image of it, too, and the two would multiply.
+hd::Value world_of_blender(const std::string& name, const hd::Value& value) {
+  if (name != "texture:file") return value;
+  const std::string file = value.text_or("");
+  const std::string word = file.substr(file.rfind('/') + 1);
+  return word.starts_with("color_") && file.find("/image_cache/") != std::string::npos ? hd::Value() : value;
+}
+
 }  // namespace
 
 Host HostOf(const std::string& word) {
@@ -24,6 +32,7 @@ hd::Value LightParameter(Host host, const hd::Token& type, const hd::Token& name
   hd::Value value = get(name);
   if (value.empty()) value = get("inputs:" + name.str());
   if (host == Host::blender && type == hd::Token("distantLight")) return sun_of_blender(name.str(), value);
+  if (host == Host::blender && type == hd::Token("domeLight")) return world_of_blender(name.str(), value);
   return value;
 }
 

@@ -1,5 +1,6 @@
 #include "delegate/hydra/material_images.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +13,7 @@ using hd::Path;
 using hd::Value;
 using hd::Vec2f;
 
-constexpr int kLongest = 32;  // nodes on the way to an image: networks may be circles
+constexpr size_t kLongest = 32;  // nodes on the way to an image: networks may be circles
 
 bool starts_with(const MaterialNode& node, const char* prefix) {
   return node.nodeTypeId.str().starts_with(prefix);
@@ -31,23 +32,64 @@ Vec2f pair_or(const MaterialNode& node, const char* name, const Vec2f& otherwise
 const char* wrap_of(const Value& mode) {
   const std::string word = mode.text_or("periodic");
   if (word == "constant") return "black";
-  return word == "clamp" || word == "mirror" ? word.c_str()[0] == 'c' ? "clamp" : "mirror" : "repeat";
+  if (word == "clamp") return "clamp";
+  return word == "mirror" ? "mirror" : "repeat";
 }
 
-// The name of a colour space in MaterialX's words; images of colours without one are left to their type.
+// Blender writes the images that it holds in memory as EXR files of linear colours and calls them srgb_texture, too:
+// auto reads these as linear and files of 8 or 16 bits as sRGB. Without a space MaterialX converts nothing.
 const char* space_of(const Value& space) {
   const std::string word = space.text_or("");
-  if (word == "srgb_texture" || word == "sRGB") return "sRGB";
-  if (word == "raw" || word == "Raw" || word == "none") return "raw";
-  return word == "lin_rec709" ? "linear" : "auto";
+  if (word == "srgb_texture" || word == "sRGB") return "auto";
+  return word == "lin_rec709" ? "linear" : "raw";
 }
 
-// AlabasterTexture places coordinates with v down, from the upper left corner; MaterialX with v up.
-void place(const Vec2f& scale, float angle, const Vec2f& translation, MaterialNode* texture) {
-  const float c = std::cos(angle), s = std::sin(angle);
-  texture->parameters["stScale"] = scale;
-  texture->parameters["stRotation"] = angle;
-  texture->parameters["stOffset"] = Vec2f(translation.x - s * scale.y, 1 - translation.y - c * scale.y);
+/// Coordinates uv' = R (scale uv) + offset, with v up.
+struct Placement {
+  Vec2f scale{1, 1}, offset{0, 0};
+  float angle = 0;  // radians, counterclockwise
+
+  bool is_identity() const { return scale == Vec2f(1, 1) && offset == Vec2f(0, 0) && angle == 0; }
+  /// False where the result is none of these: uneven scale after a rotation.
+  bool multiply(const Vec2f& factor) {
+    if (angle != 0 && factor.x != factor.y) return false;
+    scale *= factor, offset *= factor;
+    return true;
+  }
+  void rotate(float radians) {
+    const float c = std::cos(radians), s = std::sin(radians);
+    offset = Vec2f(c * offset.x - s * offset.y, s * offset.x + c * offset.y);
+    angle += radians;
+  }
+};
+
+Vec2f operand(const MaterialNode& node) {
+  std::array<double, 4> numbers{};
+  const Value value = parameter(node, "in2");
+  const size_t count = value.components(&numbers);
+  return {static_cast<float>(numbers[0]), static_cast<float>(numbers[count == 1 ? 0 : 1])};
+}
+
+/// Applies one node of arithmetic. False if it is none that places coordinates.
+bool apply(const MaterialNode& node, Placement* placement) {
+  if (starts_with(node, "ND_convert_")) return true;
+  if (starts_with(node, "ND_multiply_")) return placement->multiply(operand(node));
+  if (starts_with(node, "ND_add_")) return placement->offset += operand(node), true;
+  if (!starts_with(node, "ND_rotate3d_")) return false;
+  const auto degrees = static_cast<float>(parameter(node, "amount").number_or(0));
+  if (degrees == 0) return true;
+  if (parameter(node, "axis").get_or(hd::Vec3f(0)) != hd::Vec3f(0, 0, 1)) return false;
+  placement->rotate(degrees * std::numbers::pi_v<float> / 180);
+  return true;
+}
+
+// AlabasterTexture places coordinates with v down, from the upper left corner.
+void write(const Placement& p, MaterialNode* texture) {
+  if (p.is_identity()) return;
+  const float c = std::cos(p.angle), s = std::sin(p.angle);
+  texture->parameters["stScale"] = p.scale;
+  texture->parameters["stRotation"] = p.angle;
+  texture->parameters["stOffset"] = Vec2f(p.offset.x - s * p.scale.y, 1 - p.offset.y - c * p.scale.y);
 }
 
 }  // namespace
@@ -67,7 +109,7 @@ std::optional<MaterialImages::Found> MaterialImages::find_image(const char* inpu
                                                                 const MaterialConnection& connection) {
   const MaterialConnection* at = &connection;
   std::string channel;
-  for (int i = 0; at && i < kLongest; ++i) {
+  for (size_t i = 0; at && i < kLongest; ++i) {
     const MaterialNode* const node = find(at->upstreamNode);
     if (!node) break;
     if (starts_with(*node, "ND_image_") || starts_with(*node, "ND_tiledimage_")) {
@@ -99,7 +141,8 @@ std::optional<MaterialConnection> MaterialImages::read(const char* input, const 
 }
 
 // Texels from 0 to 1 are normals from -1 to 1; `scale` of the node steepens what lies in the plane.
-std::optional<MaterialConnection> MaterialImages::read_normals(const char* input, const MaterialConnection& connection) {
+std::optional<MaterialConnection> MaterialImages::read_normals(const char* input,
+                                                               const MaterialConnection& connection) {
   const MaterialNode* const map = find(connection.upstreamNode);
   if (!map || !starts_with(*map, "ND_normalmap")) {
     warn_("material.node", std::string(input) + " is connected to no ND_normalmap; the mesh's normals are used");
@@ -133,29 +176,30 @@ MaterialNode* MaterialImages::add(const Found& found, const char* use, Path* id)
   return &(to_->nodes[*id] = std::move(texture));
 }
 
-// Input `texcoord` comes from a primvar, maybe through ND_place2d.
+// Input `texcoord` comes from a primvar, maybe through arithmetic. Nodes are met from the image to the primvar, and
+// applied the other way round.
 void MaterialImages::read_coordinates(const MaterialNode& image, MaterialNode* texture) {
-  if (starts_with(image, "ND_tiledimage_"))
-    place(pair_or(image, "uvtiling", Vec2f(1)), 0, pair_or(image, "uvoffset", Vec2f(0)) * -1, texture);
+  std::vector<const MaterialNode*> steps;
   const MaterialConnection* at = upstream(image, "texcoord");
   const MaterialNode* node = at ? find(at->upstreamNode) : nullptr;
-  if (node && starts_with(*node, "ND_place2d")) {
-    // uv' = R (uv - pivot - offset) / scale + pivot, with a rotation clockwise
-    const Vec2f scale = pair_or(*node, "scale", Vec2f(1)), offset = pair_or(*node, "offset", Vec2f(0));
-    const auto degrees = static_cast<float>(parameter(*node, "rotate").number_or(0));
-    if (pair_or(*node, "pivot", Vec2f(0)) != Vec2f(0) || scale.x == 0 || scale.y == 0 || degrees != 0)
-      warn_("material.place2d", "the pivot and the rotation of ND_place2d are not read");
-    const Vec2f inverse(scale.x == 0 ? 1 : 1 / scale.x, scale.y == 0 ? 1 : 1 / scale.y);
-    place(inverse, 0, offset * inverse * -1.0f, texture);
-    at = upstream(*node, "texcoord");
+  while (node && !starts_with(*node, "ND_geompropvalue_") && !starts_with(*node, "ND_texcoord_") &&
+         steps.size() < kLongest) {
+    steps.push_back(node);
+    at = upstream(*node, starts_with(*node, "ND_multiply_") || starts_with(*node, "ND_add_") ? "in1" : "in");
     node = at ? find(at->upstreamNode) : nullptr;
   }
-  if (node && starts_with(*node, "ND_geompropvalue_")) {
+  if (node && starts_with(*node, "ND_geompropvalue_"))
     texture->parameters["st"] = parameter(*node, "geomprop").text_or("st");
-  } else if (node && !starts_with(*node, "ND_texcoord_")) {
-    warn_("material.texture.st", "texture coordinates come from a node of type '" + node->nodeTypeId.str() +
-                                     "', which is not read; primvar st is used");
+  Placement placement;
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step)
+    if (!apply(**step, &placement))
+      warn_("material.texture.st",
+            "texture coordinates pass a node of type '" + (*step)->nodeTypeId.str() + "', which is not read");
+  if (starts_with(image, "ND_tiledimage_")) {
+    placement.multiply(pair_or(image, "uvtiling", Vec2f(1)));
+    placement.offset -= pair_or(image, "uvoffset", Vec2f(0));
   }
+  write(placement, texture);
 }
 
 }  // namespace alabaster::hydra

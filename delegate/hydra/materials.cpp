@@ -17,6 +17,8 @@ using hd::Value;
 using hd::Vec3f;
 
 constexpr const char* kStandardSurface = "ND_standard_surface_surfaceshader";
+constexpr const char* kLambert = "ND_oren_nayar_diffuse_bsdf";
+constexpr const char* kGlow = "ND_uniform_edf";
 
 /// An input that is a parameter of AlabasterDisney as it stands, with its default.
 struct Input {
@@ -41,11 +43,15 @@ struct Unread {
   const char* name;
   Vec3f initial;
 };
-const Unread kUnread[] = {{"diffuse_roughness", Vec3f(0)},         {"specular_rotation", Vec3f(0)},
-                          {"transmission_scatter", Vec3f(0)},      {"transmission_dispersion", Vec3f(0)},
-                          {"transmission_extra_roughness", Vec3f(0)}, {"coat_color", Vec3f(1)},
-                          {"coat_anisotropy", Vec3f(0)},           {"coat_affect_color", Vec3f(0)},
-                          {"coat_affect_roughness", Vec3f(0)}};
+const Unread kUnread[] = {
+    {"diffuse_roughness", Vec3f(0)},
+    {"specular_rotation", Vec3f(0)},
+};
+const Unread kUnreadOfTransmission[] = {{"transmission_scatter", Vec3f(0)}, {"transmission_dispersion", Vec3f(0)}};
+const Unread kUnreadOfCoat[] = {{"coat_color", Vec3f(1)},
+                                {"coat_anisotropy", Vec3f(0)},
+                                {"coat_affect_color", Vec3f(0)},
+                                {"coat_affect_roughness", Vec3f(0)}};
 
 Vec3f color_of(const Value& value, const Vec3f& otherwise) {
   std::array<double, 4> c{};
@@ -69,8 +75,10 @@ class StandardSurface {
       for (const Input& input : kSheen) read(input);
       disney_.parameters["sheenTint"] = 0.0f;
     }
-    if (is_used("coat"))
+    if (is_used("coat")) {
       for (const Input& input : kCoat) read(input);
+      for (const Unread& input : kUnreadOfCoat) warn_of(input);
+    }
     if (const float thickness = number("thin_film_thickness", 0); thickness > 0) {
       disney_.parameters["iridescence"] = 1.0f;
       disney_.parameters["iridescenceThickness"] = thickness;
@@ -155,6 +163,7 @@ class StandardSurface {
   // With a depth the colour is that of the interior, else that of the light which passes.
   void read_transmission() {
     if (!is_used("transmission")) return;
+    for (const Unread& input : kUnreadOfTransmission) warn_of(input);
     const float depth = number("transmission_depth", 0);
     const Vec3f color = color_of(constant("transmission_color"), Vec3f(1));
     if (is_connected("transmission_color")) {
@@ -194,6 +203,51 @@ class StandardSurface {
   MaterialImages images_;
 };
 
+/// ND_surface of a BSDF and an EDF, as Blender exports its nodes Diffuse BSDF and Emission.
+class PlainSurface {
+ public:
+  PlainSurface(const MaterialNetwork& from, const MaterialNode& surface, const WarnMaterial& warn)
+      : from_(from), surface_(surface), warn_(warn), images_(from, &to_, warn) {}
+
+  MaterialNetwork run(const Path& id) {
+    disney_.nodeTypeId = "AlabasterDisney";
+    disney_.parameters = {{"baseColor", Vec3f(0)}, {"specular", 0.0f}, {"roughness", 0.0f}};
+    to_.terminals["surface"] = {id, "out"};
+    read_color("bsdf", kLambert, "baseColor");
+    read_color("edf", kGlow, "emission");
+    to_.nodes[id] = std::move(disney_);
+    return std::move(to_);
+  }
+
+ private:
+  // The input `color` of the node of that type.
+  void read_color(const char* input, const char* type, const char* parameter) {
+    const auto connection = surface_.inputConnections.find(input);
+    if (connection == surface_.inputConnections.end() || connection->second.empty()) return;
+    const auto node = from_.nodes.find(connection->second.front().upstreamNode);
+    if (node == from_.nodes.end()) return;
+    if (!(node->second.nodeTypeId == hd::Token(type)))
+      return warn_("material.surface", std::string(input) + " of ND_surface is a node of type '" +
+                                           node->second.nodeTypeId.str() + "', but " + type + " alone is read");
+    const auto constant = node->second.parameters.find("color");
+    disney_.parameters[parameter] =
+        color_of(constant == node->second.parameters.end() ? Value() : constant->second, Vec3f(0.18f));
+    const auto texture = node->second.inputConnections.find("color");
+    if (texture == node->second.inputConnections.end() || texture->second.empty()) return;
+    if (const auto image = images_.read(parameter, texture->second.front())) {
+      disney_.inputConnections[parameter] = {*image};
+      disney_.parameters[parameter] = Vec3f(1);
+    }
+  }
+
+  const MaterialNetwork& from_;
+  const MaterialNode& surface_;
+  const WarnMaterial& warn_;
+  MaterialNetwork to_;
+  MaterialNode disney_;
+  MaterialImages images_;
+};
+
 }  // namespace
 
 Vec3f ScatterDistance(const Vec3f& mean_free_path, const Vec3f& albedo) {
@@ -209,8 +263,10 @@ MaterialNetwork TranslateMaterial(const MaterialNetwork& network, const WarnMate
   const auto terminal = network.terminals.find("surface");
   if (terminal == network.terminals.end()) return network;
   const auto surface = network.nodes.find(terminal->second.upstreamNode);
-  if (surface == network.nodes.end() || !(surface->second.nodeTypeId == hd::Token(kStandardSurface))) return network;
-  return StandardSurface(network, surface->second, warn).run(surface->first);
+  if (surface == network.nodes.end()) return network;
+  const auto& [id, node] = *surface;
+  if (node.nodeTypeId == hd::Token(kStandardSurface)) return StandardSurface(network, node, warn).run(id);
+  return node.nodeTypeId == hd::Token("ND_surface") ? PlainSurface(network, node, warn).run(id) : network;
 }
 
 }  // namespace alabaster::hydra

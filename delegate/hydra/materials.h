@@ -11,8 +11,9 @@ namespace alabaster::hydra {
 /// Receives a diagnostic's code and text.
 using WarnMaterial = std::function<void(const char* code, const std::string& text)>;
 
-/// The network itself unless its terminal "surface" names a node ND_standard_surface_surfaceshader: UsdPreviewSurface
-/// is the delegate's own business. Warns once of each input that is left out. README.md has the table.
+/// The network itself unless its terminal "surface" names a node ND_standard_surface_surfaceshader or ND_surface:
+/// UsdPreviewSurface is the delegate's own business. Warns once of each input that is left out. README.md has the
+/// table.
 hd::MaterialNetwork TranslateMaterial(const hd::MaterialNetwork& network, const WarnMaterial& warn);
 
 /// The distance of AlabasterDisney that walks with these mean free paths below a surface of that albedo: Chiang, Kutz,

@@ -89,7 +89,7 @@ std::string SceneCapture::Write(const std::string& file, const hd::RenderPassSta
   const std::string name = stem.substr(stem.rfind('/') + 1);
   try {
     const CapturedGltf gltf = MakeGltf(meshes_, instancers_, name + ".bin");
-    const std::string description = MakeDescription({meshes_, materials_, lights_, state, settings}, name + ".gltf");
+    const std::string description = MakeDescription({meshes_, materials_, lights_, state, settings}, name);
     for (const auto& [ending, text] :
          {std::pair{".bin", &gltf.buffer}, std::pair{".gltf", &gltf.document}, std::pair{".json", &description}})
       if (std::string fault = write_whole(stem + ending, *text); !fault.empty()) return fault;

@@ -47,7 +47,8 @@ bool take_first(const pxr::VtValue& value, hd::Value* out) {
 template <class Quaternion>
 hd::Quatf quaternion(const Quaternion& q) {
   const auto& v = q.GetImaginary();
-  return {static_cast<float>(q.GetReal()), static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+  return {static_cast<float>(q.GetReal()), static_cast<float>(v[0]), static_cast<float>(v[1]),
+          static_cast<float>(v[2])};
 }
 
 template <class Quaternion>

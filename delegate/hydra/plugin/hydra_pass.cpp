@@ -30,11 +30,16 @@ hd::Framing to_framing(const pxr::HdRenderPassState& state) {
 
 hd::WindowPolicy to_policy(pxr::CameraUtilConformWindowPolicy policy) {
   switch (policy) {
-    case pxr::CameraUtilMatchHorizontally: return hd::WindowPolicy::matchHorizontally;
-    case pxr::CameraUtilFit: return hd::WindowPolicy::fit;
-    case pxr::CameraUtilCrop: return hd::WindowPolicy::crop;
-    case pxr::CameraUtilDontConform: return hd::WindowPolicy::dontConform;
-    default: return hd::WindowPolicy::matchVertically;
+    case pxr::CameraUtilMatchHorizontally:
+      return hd::WindowPolicy::matchHorizontally;
+    case pxr::CameraUtilFit:
+      return hd::WindowPolicy::fit;
+    case pxr::CameraUtilCrop:
+      return hd::WindowPolicy::crop;
+    case pxr::CameraUtilDontConform:
+      return hd::WindowPolicy::dontConform;
+    default:
+      return hd::WindowPolicy::matchVertically;
   }
 }
 

@@ -10,8 +10,8 @@ namespace alabaster::hydra {
 class HydraPass final : public pxr::HdRenderPass {
  public:
   /// `param` must outlive it.
-  HydraPass(pxr::HdRenderIndex* index, const pxr::HdRprimCollection& collection,
-            std::unique_ptr<hd::RenderPass> pass, HydraParam* param);
+  HydraPass(pxr::HdRenderIndex* index, const pxr::HdRprimCollection& collection, std::unique_ptr<hd::RenderPass> pass,
+            HydraParam* param);
   ~HydraPass() override;
   bool IsConverged() const override;
 

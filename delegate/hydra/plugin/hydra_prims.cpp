@@ -10,22 +10,15 @@ namespace {
 
 using Tracker = pxr::HdChangeTracker;
 
-constexpr BitPair kGeometryBits[] = {{Tracker::DirtyPrimID, hd::dirty::kPrimId},
-                                     {Tracker::DirtyDisplayStyle, hd::dirty::kDisplayStyle},
-                                     {Tracker::DirtyPoints, hd::dirty::kPoints},
-                                     {Tracker::DirtyPrimvar, hd::dirty::kPrimvar},
-                                     {Tracker::DirtyMaterialId, hd::dirty::kMaterialId},
-                                     {Tracker::DirtyTopology, hd::dirty::kTopology},
-                                     {Tracker::DirtyTransform, hd::dirty::kTransform},
-                                     {Tracker::DirtyVisibility, hd::dirty::kVisibility},
-                                     {Tracker::DirtyNormals, hd::dirty::kNormals},
-                                     {Tracker::DirtyDoubleSided, hd::dirty::kDoubleSided},
-                                     {Tracker::DirtyCullStyle, hd::dirty::kCullStyle},
-                                     {Tracker::DirtySubdivTags, hd::dirty::kSubdivTags},
-                                     {Tracker::DirtyInstancer, hd::dirty::kInstancer},
-                                     {Tracker::DirtyInstanceIndex, hd::dirty::kInstanceIndex},
-                                     {Tracker::DirtyRenderTag, hd::dirty::kRenderTag},
-                                     {Tracker::DirtyCategories, hd::dirty::kCategories}};
+constexpr BitPair kGeometryBits[] = {
+    {Tracker::DirtyPrimID, hd::dirty::kPrimId},         {Tracker::DirtyDisplayStyle, hd::dirty::kDisplayStyle},
+    {Tracker::DirtyPoints, hd::dirty::kPoints},         {Tracker::DirtyPrimvar, hd::dirty::kPrimvar},
+    {Tracker::DirtyMaterialId, hd::dirty::kMaterialId}, {Tracker::DirtyTopology, hd::dirty::kTopology},
+    {Tracker::DirtyTransform, hd::dirty::kTransform},   {Tracker::DirtyVisibility, hd::dirty::kVisibility},
+    {Tracker::DirtyNormals, hd::dirty::kNormals},       {Tracker::DirtyDoubleSided, hd::dirty::kDoubleSided},
+    {Tracker::DirtyCullStyle, hd::dirty::kCullStyle},   {Tracker::DirtySubdivTags, hd::dirty::kSubdivTags},
+    {Tracker::DirtyInstancer, hd::dirty::kInstancer},   {Tracker::DirtyInstanceIndex, hd::dirty::kInstanceIndex},
+    {Tracker::DirtyRenderTag, hd::dirty::kRenderTag},   {Tracker::DirtyCategories, hd::dirty::kCategories}};
 // Hydra has no bit for a light's visibility: hosts send DirtyParams.
 constexpr BitPair kLightBits[] = {{pxr::HdLight::DirtyTransform, hd::dirty::kTransform},
                                   {pxr::HdLight::DirtyParams, hd::dirty::kParams | hd::dirty::kVisibility},

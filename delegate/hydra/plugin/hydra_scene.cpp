@@ -11,23 +11,35 @@ namespace {
 
 hd::Interpolation to_interpolation(pxr::HdInterpolation interpolation) {
   switch (interpolation) {
-    case pxr::HdInterpolationConstant: return hd::Interpolation::constant;
-    case pxr::HdInterpolationUniform: return hd::Interpolation::uniform;
-    case pxr::HdInterpolationVarying: return hd::Interpolation::varying;
-    case pxr::HdInterpolationFaceVarying: return hd::Interpolation::faceVarying;
-    case pxr::HdInterpolationInstance: return hd::Interpolation::instance;
-    default: return hd::Interpolation::vertex;
+    case pxr::HdInterpolationConstant:
+      return hd::Interpolation::constant;
+    case pxr::HdInterpolationUniform:
+      return hd::Interpolation::uniform;
+    case pxr::HdInterpolationVarying:
+      return hd::Interpolation::varying;
+    case pxr::HdInterpolationFaceVarying:
+      return hd::Interpolation::faceVarying;
+    case pxr::HdInterpolationInstance:
+      return hd::Interpolation::instance;
+    default:
+      return hd::Interpolation::vertex;
   }
 }
 
 hd::CullStyle to_cull_style(pxr::HdCullStyle style) {
   switch (style) {
-    case pxr::HdCullStyleNothing: return hd::CullStyle::nothing;
-    case pxr::HdCullStyleBack: return hd::CullStyle::back;
-    case pxr::HdCullStyleFront: return hd::CullStyle::front;
-    case pxr::HdCullStyleBackUnlessDoubleSided: return hd::CullStyle::backUnlessDoubleSided;
-    case pxr::HdCullStyleFrontUnlessDoubleSided: return hd::CullStyle::frontUnlessDoubleSided;
-    default: return hd::CullStyle::dontCare;
+    case pxr::HdCullStyleNothing:
+      return hd::CullStyle::nothing;
+    case pxr::HdCullStyleBack:
+      return hd::CullStyle::back;
+    case pxr::HdCullStyleFront:
+      return hd::CullStyle::front;
+    case pxr::HdCullStyleBackUnlessDoubleSided:
+      return hd::CullStyle::backUnlessDoubleSided;
+    case pxr::HdCullStyleFrontUnlessDoubleSided:
+      return hd::CullStyle::frontUnlessDoubleSided;
+    default:
+      return hd::CullStyle::dontCare;
   }
 }
 
@@ -135,8 +147,8 @@ std::vector<hd::PrimvarDescriptor> HydraScene::GetPrimvarDescriptors(const hd::P
 
 // Hosts without indexed primvars need not answer to GetIndexedPrimvar.
 hd::Value HydraScene::GetPrimvar(const hd::Path& id, const hd::Token& name, hd::Array<int32_t>* indices) {
-  const bool is_indexed = std::any_of(descriptors_.begin(), descriptors_.end(),
-                                      [&](const auto& d) { return d.name == name && d.indexed; });
+  const bool is_indexed =
+      std::any_of(descriptors_.begin(), descriptors_.end(), [&](const auto& d) { return d.name == name && d.indexed; });
   const pxr::TfToken key(name.str());
   if (!is_indexed) return ToValue(host_->Get(path(id), key));
   pxr::VtIntArray found;

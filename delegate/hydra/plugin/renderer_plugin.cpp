@@ -25,8 +25,10 @@ using MakeDelegate = HdRenderDelegate* (*)(const HdRenderSettingsMap*);
 void* load(const std::string& file) {
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library)
-    TF_WARN("Alabaster cannot be loaded: %s. Install it again, or set LD_LIBRARY_PATH to the folder of the library "
-            "that is missing.", dlerror());
+    TF_WARN(
+        "Alabaster cannot be loaded: %s. Install it again, or set LD_LIBRARY_PATH to the folder of the library "
+        "that is missing.",
+        dlerror());
   return library;
 }
 
