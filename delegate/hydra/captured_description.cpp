@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -70,10 +71,25 @@ json to_json(const hd::Path& id, const hd::host::LightDescription& light) {
   return made;
 }
 
+// Descriptions hold the film in millimetres: the number that the reader multiplies to just this length, if there is
+// one.
+float millimetres_of(float length) {
+  constexpr float kMetresPerMillimetre = 0.001f;
+  float low = length / kMetresPerMillimetre, high = low;
+  for (int i = 0; i < 4; ++i, low = std::nextafter(low, 0.0f), high = std::nextafter(high, 2 * high)) {
+    if (low * kMetresPerMillimetre == length) return low;
+    if (high * kMetresPerMillimetre == length) return high;
+  }
+  return length / kMetresPerMillimetre;
+}
+
 json camera_of(const hd::RenderPassState& state) {
   if (!state.freeCamera) throw std::runtime_error("the pass has no camera");
   json camera = {{"transform", to_json(state.freeCamera->transform)}};
-  for (const auto& [name, value] : state.freeCamera->parameters) camera[name.str()] = to_json(value);
+  for (const auto& [name, value] : state.freeCamera->parameters) {
+    const bool is_film = name == hd::Token("focalLength") || name.str().find("Aperture") != std::string::npos;
+    camera[name.str()] = is_film ? json(millimetres_of(value.get_or(0.0f))) : to_json(value);
+  }
   return camera;
 }
 
