@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <tuple>
 
 #include "delegate/hydra/captured_files.h"
 
@@ -19,21 +21,41 @@ using nlohmann::json;
   throw std::runtime_error(id.str() + " " + why);
 }
 
-/// One vertex for each corner of each triangle.
+/// A corner of a triangle: its point, and what else it carries. glTF has one vertex for all that are alike.
+struct Corner {
+  int32_t point = 0;
+  Vec3f normal{0};
+  Vec2f st{0};
+  auto key() const { return std::tie(point, normal.x, normal.y, normal.z, st.x, st.y); }
+  bool operator<(const Corner& o) const { return key() < o.key(); }
+};
+
 class GltfMeshes {
  public:
   void add(const hd::Path& id, const MeshDescription& mesh) {
     check(id, mesh);
-    json attributes;
-    attributes["POSITION"] = write(corners<Vec3f>(id, mesh, "points"), "VEC3", true);
-    if (mesh.primvars.contains("normals"))
-      attributes["NORMAL"] = write(corners<Vec3f>(id, mesh, "normals"), "VEC3", false);
-    if (mesh.primvars.contains("st")) {
-      std::vector<Vec2f> st = corners<Vec2f>(id, mesh, "st");
-      for (Vec2f& uv : st) uv.y = 1 - uv.y;  // glTF counts v downwards
-      attributes["TEXCOORD_0"] = write(st, "VEC2", false);
+    const bool has_normals = mesh.primvars.contains("normals"), has_st = mesh.primvars.contains("st");
+    const std::vector<Vec3f> points = corners<Vec3f>(id, mesh, "points");
+    const auto normals = has_normals ? corners<Vec3f>(id, mesh, "normals") : std::vector<Vec3f>();
+    const auto st = has_st ? corners<Vec2f>(id, mesh, "st") : std::vector<Vec2f>();
+    std::map<Corner, uint32_t> vertex_of;
+    std::vector<uint32_t> indices;
+    std::vector<Vec3f> vertex_points, vertex_normals;
+    std::vector<Vec2f> vertex_st;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Corner corner{mesh.topology.faceVertexIndices[i], has_normals ? normals[i] : Vec3f(0),
+                          has_st ? Vec2f(st[i].x, 1 - st[i].y) : Vec2f(0)};  // glTF counts v downwards
+      const auto [vertex, is_new] = vertex_of.emplace(corner, static_cast<uint32_t>(vertex_points.size()));
+      indices.push_back(vertex->second);
+      if (!is_new) continue;
+      vertex_points.push_back(points[i]);
+      if (has_normals) vertex_normals.push_back(corner.normal);
+      if (has_st) vertex_st.push_back(corner.st);
     }
-    json primitive = {{"attributes", attributes}};
+    json attributes = {{"POSITION", write(vertex_points, "VEC3", true)}};
+    if (has_normals) attributes["NORMAL"] = write(vertex_normals, "VEC3", false);
+    if (has_st) attributes["TEXCOORD_0"] = write(vertex_st, "VEC2", false);
+    json primitive = {{"attributes", attributes}, {"indices", write(indices, "SCALAR", false)}};
     if (!mesh.material.empty()) primitive["material"] = material(PlainName(mesh.material));
     document_["meshes"].push_back({{"name", PlainName(id)}, {"primitives", {primitive}}});
   }
@@ -85,7 +107,7 @@ class GltfMeshes {
     bytes_.append(reinterpret_cast<const char*>(values.data()), length);
     document_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", begin}, {"byteLength", length}});
     json accessor = {{"bufferView", document_["bufferViews"].size() - 1},
-                     {"componentType", 5126},
+                     {"componentType", std::is_same_v<T, uint32_t> ? 5125 : 5126},
                      {"count", values.size()},
                      {"type", type}};
     if constexpr (std::is_same_v<T, Vec3f>)

@@ -1,5 +1,6 @@
 #include "delegate/hydra/scene_capture.h"
 
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 
@@ -22,6 +23,31 @@ std::string write_whole(const std::string& file, const std::string& bytes) {
 }
 
 }  // namespace
+
+namespace {
+
+// A direction that normalizing leaves as it is. To normalize once is not enough, because the rounded result may have
+// another length than 1, and some results follow each other in a circle.
+hd::Vec3f settled(hd::Vec3f n) {
+  constexpr int kAttempts = 64;
+  for (int i = 0; i < kAttempts; ++i) {
+    const hd::Vec3f once = n.normalized();
+    if (once == n) break;
+    n = once;
+    if (i % 4 == 3) n[i / 4 % 3] = std::nextafter(n[i / 4 % 3], 0.0f);
+  }
+  return n;
+}
+
+}  // namespace
+
+hd::Value UnitNormals(const hd::Value& normals) {
+  const auto* const given = normals.get<hd::Array<hd::Vec3f>>();
+  if (!given) return normals;
+  std::vector<hd::Vec3f> unit(given->begin(), given->end());
+  for (hd::Vec3f& n : unit) n = settled(n);
+  return hd::Array<hd::Vec3f>(std::move(unit));
+}
 
 void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   hd::host::MeshDescription mesh;

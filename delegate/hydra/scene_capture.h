@@ -7,6 +7,10 @@
 
 namespace alabaster::hydra {
 
+/// Normals of unit length to the last bit, as readers of glTF make them. The renderer is given these while a scene is
+/// captured, so that the files hold just what it has.
+hd::Value UnitNormals(const hd::Value& normals);
+
 /// Takes each prim when it is synced for the first time, or again. Prims may be taken by several threads at once.
 class SceneCapture {
  public:

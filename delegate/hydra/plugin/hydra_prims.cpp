@@ -30,9 +30,9 @@ constexpr BitPair kMaterialBits[] = {{pxr::HdMaterial::DirtyParams, hd::dirty::k
 
 /// Syncs a prim of the contract. True if nothing is left dirty.
 template <class Prim>
-bool sync(Prim* prim, HydraScene scene, HydraParam& param, hd::DirtyBits bits) {
+bool sync(Prim* prim, HydraScene* scene, const HydraParam& param, hd::DirtyBits bits) {
   if (!prim || bits == hd::dirty::kClean) return true;
-  prim->Sync(&scene, param.delegate().GetRenderParam(), &bits);
+  prim->Sync(scene, param.delegate().GetRenderParam(), &bits);
   return bits == hd::dirty::kClean;
 }
 
@@ -63,12 +63,12 @@ void HydraMesh::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr
   pxr::HdInstancer::_SyncInstancerAndParents(scene->GetRenderIndex(), GetInstancerId());
   HydraParam& shared = ParamOf(param);
   if (prim_) prim_->SetPrimId(GetPrimId());
+  HydraScene pulled = shared.scene(scene, GetId());
   if (SceneCapture* const capture = shared.capture()) {
-    HydraScene all = shared.scene(scene, GetId());
-    capture->TakeMesh(all, ToPath(GetId()));
+    pulled.set_unit_normals();
+    capture->TakeMesh(pulled, ToPath(GetId()));
   }
-  if (sync(prim_, shared.scene(scene, GetId()), shared, TranslateBits(*bits, kGeometryBits)))
-    *bits &= ~Tracker::AllSceneDirtyBits;
+  if (sync(prim_, &pulled, shared, TranslateBits(*bits, kGeometryBits))) *bits &= ~Tracker::AllSceneDirtyBits;
 }
 
 void HydraMesh::Finalize(pxr::HdRenderParam* param) {
@@ -78,11 +78,9 @@ void HydraMesh::Finalize(pxr::HdRenderParam* param) {
 void HydraInstancer::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   _UpdateInstancer(scene, bits);
   HydraParam& shared = ParamOf(param);
-  if (SceneCapture* const capture = shared.capture()) {
-    HydraScene all = shared.scene(scene, GetId());
-    capture->TakeInstancer(all, ToPath(GetId()));
-  }
-  sync(instancer_, shared.scene(scene, GetId()), shared, TranslateBits(*bits, kGeometryBits));
+  HydraScene pulled = shared.scene(scene, GetId());
+  if (SceneCapture* const capture = shared.capture()) capture->TakeInstancer(pulled, ToPath(GetId()));
+  sync(instancer_, &pulled, shared, TranslateBits(*bits, kGeometryBits));
 }
 
 void HydraInstancer::Finalize(pxr::HdRenderParam* param) {
@@ -91,11 +89,9 @@ void HydraInstancer::Finalize(pxr::HdRenderParam* param) {
 
 void HydraMaterial::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   HydraParam& shared = ParamOf(param);
-  if (SceneCapture* const capture = shared.capture()) {
-    HydraScene all = shared.scene(scene, GetId());
-    capture->TakeMaterial(all, ToPath(GetId()));
-  }
-  if (sync(prim_, shared.scene(scene, GetId()), shared, TranslateBits(*bits, kMaterialBits))) *bits = Clean;
+  HydraScene pulled = shared.scene(scene, GetId());
+  if (SceneCapture* const capture = shared.capture()) capture->TakeMaterial(pulled, ToPath(GetId()));
+  if (sync(prim_, &pulled, shared, TranslateBits(*bits, kMaterialBits))) *bits = Clean;
 }
 
 void HydraMaterial::Finalize(pxr::HdRenderParam* param) {
@@ -104,11 +100,9 @@ void HydraMaterial::Finalize(pxr::HdRenderParam* param) {
 
 void HydraLight::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   HydraParam& shared = ParamOf(param);
-  if (SceneCapture* const capture = shared.capture()) {
-    HydraScene all = shared.scene(scene, GetId(), type_);
-    capture->TakeLight(all, ToPath(GetId()), ToToken(type_));
-  }
-  if (sync(prim_, shared.scene(scene, GetId(), type_), shared, TranslateBits(*bits, kLightBits))) *bits = Clean;
+  HydraScene pulled = shared.scene(scene, GetId(), type_);
+  if (SceneCapture* const capture = shared.capture()) capture->TakeLight(pulled, ToPath(GetId()), ToToken(type_));
+  if (sync(prim_, &pulled, shared, TranslateBits(*bits, kLightBits))) *bits = Clean;
 }
 
 void HydraLight::Finalize(pxr::HdRenderParam* param) {

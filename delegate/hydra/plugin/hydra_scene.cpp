@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "delegate/hydra/plugin/convert.h"
+#include "delegate/hydra/scene_capture.h"
 
 namespace alabaster::hydra {
 namespace {
@@ -150,11 +151,15 @@ hd::Value HydraScene::GetPrimvar(const hd::Path& id, const hd::Token& name, hd::
   const bool is_indexed =
       std::any_of(descriptors_.begin(), descriptors_.end(), [&](const auto& d) { return d.name == name && d.indexed; });
   const pxr::TfToken key(name.str());
-  if (!is_indexed) return ToValue(host_->Get(path(id), key));
+  const bool is_unit = unit_normals_ && name == hd::Token("normals");
+  if (!is_indexed) {
+    const hd::Value value = ToValue(host_->Get(path(id), key));
+    return is_unit ? UnitNormals(value) : value;
+  }
   pxr::VtIntArray found;
   const pxr::VtValue value = host_->GetIndexedPrimvar(path(id), key, &found);
   *indices = ToArray<int32_t>(found);
-  return ToValue(value);
+  return is_unit ? UnitNormals(ToValue(value)) : ToValue(value);
 }
 
 hd::TimeSamples<hd::Matrix4d> HydraScene::SampleTransform(const hd::Path& id) {

@@ -15,6 +15,9 @@ class HydraScene final : public TranslatedScene {
              const pxr::TfToken& light = {})
       : TranslatedScene(kind, std::move(report)), host_(host), id_(id), light_(light) {}
 
+  /// Normals come as UnitNormals makes them.
+  void set_unit_normals() { unit_normals_ = true; }
+
   hd::MeshTopology GetMeshTopology(const hd::Path& id) override;
   hd::SubdivTags GetSubdivTags(const hd::Path& id) override;
   hd::DisplayStyle GetDisplayStyle(const hd::Path& id) override;
@@ -50,6 +53,7 @@ class HydraScene final : public TranslatedScene {
   pxr::HdSceneDelegate* host_;
   pxr::SdfPath id_;
   pxr::TfToken light_;
+  bool unit_normals_ = false;
   std::vector<hd::PrimvarDescriptor> descriptors_;  // as asked for last
 };
 

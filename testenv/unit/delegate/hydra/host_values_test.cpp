@@ -1,0 +1,71 @@
+#include "delegate/hydra/host_values.h"
+
+#include <gtest/gtest.h>
+
+namespace alabaster::hydra {
+namespace {
+
+TEST(HostValues, FormatsGoThereAndBack) {
+  for (int i = static_cast<int>(hd::Format::unorm8); i <= static_cast<int>(hd::Format::int32); ++i) {
+    const auto format = static_cast<hd::Format>(i);
+    Component component{};
+    int count = 0;
+    ASSERT_TRUE(ComponentsOf(format, &component, &count)) << i;
+    EXPECT_EQ(FormatOf(component, count), format) << i;
+    EXPECT_EQ(count, hd::FormatComponents(format)) << i;
+  }
+  EXPECT_EQ(FormatOf(Component::float16, 2), hd::Format::invalid);
+  EXPECT_EQ(FormatOf(Component::uint16, 1), hd::Format::invalid);
+  EXPECT_EQ(FormatOf(Component::float32, 5), hd::Format::invalid);
+}
+
+TEST(HostValues, BitsAreThoseOfTheTable) {
+  constexpr BitPair table[] = {{1u << 9, hd::dirty::kTransform},
+                               {1u << 1, hd::dirty::kParams | hd::dirty::kVisibility}};
+  EXPECT_EQ(TranslateBits(1u << 9, table), hd::dirty::kTransform);
+  EXPECT_EQ(TranslateBits(1u << 1 | 1u << 9, table),
+            hd::dirty::kTransform | hd::dirty::kParams | hd::dirty::kVisibility);
+  EXPECT_EQ(TranslateBits(1u << 20, table), hd::dirty::kClean) << "a bit that the table lacks";
+}
+
+class Settings : public ::testing::Test {
+ protected:
+  const std::vector<hd::RenderSettingDescriptor> known_ = [] {
+    std::vector<hd::RenderSettingDescriptor> all(4);
+    all[0].key = "samples", all[0].defaultValue = int64_t(64);
+    all[1].key = "targetError", all[1].defaultValue = 0.0f;
+    all[2].key = "denoise", all[2].defaultValue = false;
+    all[3].key = "filter", all[3].defaultValue = std::string("box");
+    return all;
+  }();
+};
+
+TEST_F(Settings, HaveTheTypeOfTheirDefault) {
+  EXPECT_EQ(TranslateSetting("alabaster:samples", int32_t(16), known_).value, hd::Value(int64_t(16)));
+  EXPECT_EQ(TranslateSetting("samples", 16.0, known_).value, hd::Value(int64_t(16)));
+  EXPECT_EQ(TranslateSetting("targetError", 0.25, known_).value, hd::Value(0.25f)) << "Blender sends double";
+  EXPECT_EQ(TranslateSetting("denoise", int64_t(1), known_).value, hd::Value(true)) << "and long";
+  EXPECT_EQ(TranslateSetting("filter", "triangle", known_).value, hd::Value("triangle"));
+}
+
+TEST_F(Settings, WhatDoesNotFitStaysForTheDelegateToReport) {
+  EXPECT_EQ(TranslateSetting("samples", 2.5, known_).value, hd::Value(2.5));
+  EXPECT_EQ(TranslateSetting("samples", "many", known_).value, hd::Value("many"));
+}
+
+TEST_F(Settings, HaveNamesOfSeveralHosts) {
+  EXPECT_EQ(TranslateSetting("alabaster:filter", "box", known_).key, hd::Token("filter"));
+  EXPECT_EQ(TranslateSetting("convergedSamplesPerPixel", int32_t(8), known_).key, hd::Token("samples"));
+  EXPECT_EQ(TranslateSetting("alabaster:host", "blender", known_).key, hd::Token("host"));
+  EXPECT_EQ(TranslateSetting("houdini:interactive", "x", known_).key, hd::Token("houdini:interactive"));
+}
+
+TEST(HostValues, ProgressIsADouble) {
+  const hd::Dictionary made = HostStatistics({{"percentDone", 12.5f}, {"samplesTotal", int64_t(4)}});
+  EXPECT_EQ(made.at("percentDone"), hd::Value(12.5));
+  EXPECT_EQ(made.at("samplesTotal"), hd::Value(int64_t(4)));
+  EXPECT_EQ(made.at("fractionDone"), hd::Value(0.0)) << "Blender reads it before anything is rendered";
+}
+
+}  // namespace
+}  // namespace alabaster::hydra

@@ -1,0 +1,55 @@
+#include "delegate/hydra/lights.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace alabaster::hydra {
+namespace {
+
+using Parameters = std::map<hd::Token, hd::Value>;
+
+hd::Value ask(Host host, const char* type, const char* name, const Parameters& held) {
+  return LightParameter(host, type, name, [&](const hd::Token& asked) {
+    const auto found = held.find(asked);
+    return found == held.end() ? hd::Value() : found->second;
+  });
+}
+
+TEST(HydraLights, ParametersMayHaveAPrefix) {
+  const Parameters spot{{"inputs:shaping:cone:angle", 35.0f}, {"radius", 0.5f}};
+  EXPECT_EQ(ask(Host::any, "sphereLight", "shaping:cone:angle", spot), hd::Value(35.0f));
+  EXPECT_EQ(ask(Host::any, "sphereLight", "radius", spot), hd::Value(0.5f));
+  EXPECT_TRUE(ask(Host::any, "sphereLight", "length", spot).empty());
+}
+
+TEST(HydraLights, ASunOfBlenderGetsItsEnergyAndAngleBack) {
+  const Parameters sun{{"intensity", 0.75f}, {"angle", 2.0f}, {"exposure", 1.0f}};
+  EXPECT_EQ(ask(Host::blender, "distantLight", "intensity", sun), hd::Value(3.0f));
+  EXPECT_EQ(ask(Host::blender, "distantLight", "angle", sun), hd::Value(4.0f));
+  EXPECT_EQ(ask(Host::blender, "distantLight", "exposure", sun), hd::Value(1.0f));
+  EXPECT_EQ(ask(Host::any, "distantLight", "intensity", sun), hd::Value(0.75f));
+  EXPECT_EQ(ask(Host::blender, "sphereLight", "intensity", sun), hd::Value(0.75f)) << "suns alone";
+  EXPECT_TRUE(ask(Host::blender, "distantLight", "intensity", {}).empty()) << "the delegate's default stays";
+}
+
+TEST(HydraLights, AWorldOfOneColourIsSentOnce) {
+  const auto image = [](const char* file) {
+    return Parameters{{"texture:file", hd::AssetPath{file, file, nullptr}}, {"color", hd::Vec3f(1, 0, 0)}};
+  };
+  const Parameters plain = image("/tmp/b/usd/image_cache/color_2550255.hdr");
+  EXPECT_TRUE(ask(Host::blender, "domeLight", "texture:file", plain).empty());
+  EXPECT_EQ(ask(Host::blender, "domeLight", "color", plain), hd::Value(hd::Vec3f(1, 0, 0)));
+  EXPECT_FALSE(ask(Host::any, "domeLight", "texture:file", plain).empty());
+  for (const char* file : {"/tmp/b/usd/image_cache/img_0x1.exr", "/pictures/color_sky.hdr"})
+    EXPECT_FALSE(ask(Host::blender, "domeLight", "texture:file", image(file)).empty()) << file;
+}
+
+TEST(HydraLights, HostsHaveNames) {
+  EXPECT_EQ(HostOf("blender"), Host::blender);
+  EXPECT_EQ(HostOf("usd"), Host::any);
+  EXPECT_EQ(HostOf(""), Host::any);
+}
+
+}  // namespace
+}  // namespace alabaster::hydra

@@ -1,0 +1,215 @@
+#include "delegate/hydra/materials.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/texture/uv_transform.h"
+
+namespace alabaster::hydra {
+namespace {
+
+using hd::MaterialNetwork;
+using hd::Value;
+using hd::Vec3f;
+
+MaterialNetwork standard(std::map<hd::Token, Value> parameters) {
+  MaterialNetwork network;
+  network.nodes["/m/s"] = {"ND_standard_surface_surfaceshader", std::move(parameters), {}};
+  network.terminals["surface"] = {"/m/s", ""};
+  return network;
+}
+
+struct Translated {
+  explicit Translated(const MaterialNetwork& from) {
+    network = TranslateMaterial(from, [this](const char*, const std::string& text) { warnings.push_back(text); });
+  }
+  const hd::MaterialNode& node(const char* path) const { return network.nodes.at(path); }
+  const Value& parameter(const char* name) const { return node("/m/s").parameters.at(name); }
+  Vec3f color(const char* name) const { return parameter(name).get_or(Vec3f(-1)); }
+  bool has(const char* name) const { return node("/m/s").parameters.contains(name); }
+
+  MaterialNetwork network;
+  std::vector<std::string> warnings;
+};
+
+TEST(StandardSurface, HasItsOwnDefaults) {
+  const Translated t(standard({}));
+  EXPECT_EQ(t.node("/m/s").nodeTypeId, hd::Token("AlabasterDisney"));
+  EXPECT_EQ(t.color("baseColor"), Vec3f(0.8f));
+  EXPECT_EQ(t.parameter("roughness"), Value(0.2f));
+  EXPECT_EQ(t.parameter("ior"), Value(1.5f));
+  for (const char* name : {"scatterDistance", "coat", "sheen", "emission", "opacity", "iridescence"})
+    EXPECT_FALSE(t.has(name)) << name;
+  EXPECT_TRUE(t.warnings.empty());
+}
+
+TEST(StandardSurface, WeightsMultiplyTheirColours) {
+  const Translated t(standard(
+      {{"base", 0.5f}, {"base_color", Vec3f(1, 0.5f, 0)}, {"emission", 2.0f}, {"emission_color", Vec3f(1, 0, 0.5f)}}));
+  EXPECT_EQ(t.color("baseColor"), Vec3f(0.5f, 0.25f, 0));
+  EXPECT_EQ(t.color("emission"), Vec3f(2, 0, 1));
+}
+
+TEST(StandardSurface, SubsurfaceWalksWithTheRadiusAsMeanFreePath) {
+  const Vec3f color(0.8f, 0.6f, 0.4f);
+  const Translated t(standard({{"subsurface", 1.0f},
+                               {"subsurface_color", color},
+                               {"base_color", Vec3f(0)},
+                               {"subsurface_radius", Vec3f(1, 0.5f, 0.25f)},
+                               {"subsurface_scale", 0.5f},
+                               {"subsurface_anisotropy", 0.3f}}));
+  EXPECT_EQ(t.color("baseColor"), color);
+  EXPECT_EQ(t.parameter("scatterAnisotropy"), Value(0.3f));
+  const Vec3f d = t.color("scatterDistance");
+  EXPECT_NEAR(d.x, 0.5 / (1.9 - 0.8), 1e-6) << "eq. 2 and 3 of Chiang, Kutz, Burley 2016";
+  EXPECT_NEAR(d.z, 0.125 / (1.9 - 0.4 + 3.5 * 0.16), 1e-6);
+}
+
+TEST(StandardSurface, AShareOfSubsurfaceMixesColoursAndShortensTheDistance) {
+  const std::map<hd::Token, Value> half{{"subsurface", 0.5f},
+                                        {"subsurface_color", Vec3f(1, 0, 0)},
+                                        {"base_color", Vec3f(0, 0, 1)},
+                                        {"subsurface_radius", Vec3f(1)}};
+  const Translated t(standard(half));
+  EXPECT_EQ(t.color("baseColor"), Vec3f(0.5f, 0, 0.5f));
+  const Vec3f expected = ScatterDistance(Vec3f(0.5f), Vec3f(0.5f, 0, 0.5f));
+  EXPECT_EQ(t.color("scatterDistance"), expected);
+}
+
+TEST(StandardSurface, TransmissionTintsTheSurfaceOrWithADepthTheInterior) {
+  const Translated surface(standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}}));
+  EXPECT_EQ(surface.parameter("specTrans"), Value(1.0f));
+  EXPECT_EQ(surface.color("baseColor"), Vec3f(1, 0.5f, 0));
+  const Translated interior(
+      standard({{"transmission", 1.0f}, {"transmission_color", Vec3f(1, 0.5f, 0)}, {"transmission_depth", 2.0f}}));
+  EXPECT_EQ(interior.color("attenuationColor"), Vec3f(1, 0.5f, 0));
+  EXPECT_EQ(interior.parameter("attenuationDistance"), Value(2.0f));
+  EXPECT_EQ(interior.color("baseColor"), Vec3f(0.8f));
+}
+
+TEST(StandardSurface, LayersAreThereOnlyWithAWeight) {
+  const Translated t(standard({{"coat", 0.5f},
+                               {"sheen", 0.25f},
+                               {"sheen_color", Vec3f(1, 0, 0)},
+                               {"thin_film_thickness", 300.0f},
+                               {"opacity", Vec3f(0.5f)}}));
+  EXPECT_EQ(t.parameter("coat"), Value(0.5f));
+  EXPECT_EQ(t.parameter("coatRoughness"), Value(0.1f));
+  EXPECT_EQ(t.parameter("sheenTint"), Value(0.0f));
+  EXPECT_EQ(t.color("sheenColor"), Vec3f(1, 0, 0));
+  EXPECT_EQ(t.parameter("iridescenceThickness"), Value(300.0f));
+  EXPECT_EQ(t.parameter("opacity"), Value(0.5f));
+}
+
+TEST(StandardSurface, WhatIsLeftOutIsReported) {
+  const Translated t(standard({{"diffuse_roughness", 0.5f}, {"coat", 1.0f}, {"coat_color", Vec3f(1, 0, 0)}}));
+  ASSERT_EQ(t.warnings.size(), 2u);
+  EXPECT_NE((t.warnings[0] + t.warnings[1]).find("diffuse_roughness"), std::string::npos);
+  const Translated unused(standard({{"coat_color", Vec3f(1, 0, 0)}, {"transmission_dispersion", 3.0f}}));
+  EXPECT_TRUE(unused.warnings.empty()) << "of layers that have no weight";
+}
+
+// An image of colours through a conversion, as Blender exports it, with its coordinates scaled, turned and moved.
+MaterialNetwork textured() {
+  MaterialNetwork network = standard({{"base", 0.5f}});
+  network.nodes["/m/uv"] = {"ND_geompropvalue_vector2", {{"geomprop", "map1"}}, {}};
+  network.nodes["/m/1"] = {"ND_convert_vector2_vector3", {}, {{"in", {{"/m/uv", "out"}}}}};
+  network.nodes["/m/2"] = {"ND_multiply_vector3", {{"in2", Vec3f(2, 3, 1)}}, {{"in1", {{"/m/1", "out"}}}}};
+  network.nodes["/m/3"] = {
+      "ND_rotate3d_vector3", {{"amount", 30.0f}, {"axis", Vec3f(0, 0, 1)}}, {{"in", {{"/m/2", "out"}}}}};
+  network.nodes["/m/4"] = {"ND_add_vector3", {{"in2", Vec3f(0.25f, 0.5f, 0)}}, {{"in1", {{"/m/3", "out"}}}}};
+  network.nodes["/m/5"] = {"ND_convert_vector3_vector2", {}, {{"in", {{"/m/4", "out"}}}}};
+  network.nodes["/m/image"] = {"ND_image_color4",
+                               {{"file", hd::AssetPath{"a.png", "/a.png", nullptr}},
+                                {"colorSpace:file", hd::Token("srgb_texture")},
+                                {"uaddressmode", "clamp"},
+                                {"vaddressmode", "constant"},
+                                {"filtertype", "closest"}},
+                               {{"texcoord", {{"/m/5", "out"}}}}};
+  network.nodes["/m/color"] = {"ND_convert_color4_color3", {}, {{"in", {{"/m/image", "out"}}}}};
+  network.nodes["/m/alpha"] = {"ND_extract_color4", {{"index", 3}}, {{"in", {{"/m/image", "out"}}}}};
+  auto& inputs = network.nodes["/m/s"].inputConnections;
+  inputs["base_color"] = {{"/m/color", "out"}};
+  inputs["opacity"] = {{"/m/alpha", "out"}};
+  return network;
+}
+
+TEST(StandardSurface, ImagesAreTextures) {
+  const Translated t(textured());
+  const hd::MaterialNode& image = t.node("/m/image");
+  EXPECT_EQ(image.nodeTypeId, hd::Token("AlabasterTexture"));
+  EXPECT_EQ(image.parameters.at("sourceColorSpace").text_or(""), "auto");
+  EXPECT_EQ(image.parameters.at("wrapS").text_or(""), "clamp");
+  EXPECT_EQ(image.parameters.at("wrapT").text_or(""), "black");
+  EXPECT_EQ(image.parameters.at("filter").text_or(""), "nearest");
+  EXPECT_EQ(image.parameters.at("st").text_or(""), "map1");
+  const auto& inputs = t.node("/m/s").inputConnections;
+  EXPECT_EQ(inputs.at("baseColor").front().upstreamOutput, hd::Token("rgb"));
+  EXPECT_EQ(inputs.at("opacity").front().upstreamOutput, hd::Token("a"));
+  EXPECT_EQ(t.color("baseColor"), Vec3f(0.5f)) << "base multiplies the image";
+  EXPECT_TRUE(t.warnings.empty());
+}
+
+TEST(StandardSurface, CoordinatesAreScaledTurnedAndMoved) {
+  const Translated t(textured());
+  const auto& placed = t.node("/m/image").parameters;
+  const UvTransform ours(placed.at("stOffset").get_or(hd::Vec2f(0)),
+                         static_cast<float>(placed.at("stRotation").number_or(0)),
+                         placed.at("stScale").get_or(hd::Vec2f(0)));
+  for (const hd::Vec2f uv : {hd::Vec2f(0, 0), hd::Vec2f(1, 0), hd::Vec2f(0.3f, 0.7f)}) {
+    const double x = 2 * double(uv.x), y = 3 * double(uv.y), c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
+    const hd::Vec2f expected(static_cast<float>(c * x - s * y + 0.25), static_cast<float>(s * x + c * y + 0.5));
+    const hd::Vec2f found = ours(uv);
+    EXPECT_NEAR(found.x, expected.x, 1e-5);
+    EXPECT_NEAR(found.y, expected.y, 1e-5);
+  }
+}
+
+TEST(StandardSurface, NormalMapsAreUnpacked) {
+  MaterialNetwork network = standard({});
+  network.nodes["/m/relief"] = {"ND_image_vector3", {{"file", hd::AssetPath{"n.png", "/n.png", nullptr}}}, {}};
+  network.nodes["/m/map"] = {"ND_normalmap", {{"scale", 0.5f}}, {{"in", {{"/m/relief", "out"}}}}};
+  network.nodes["/m/s"].inputConnections["normal"] = {{"/m/map", "out"}};
+  const Translated t(network);
+  const auto& image = t.node(t.node("/m/s").inputConnections.at("normal").front().upstreamNode.str().c_str());
+  EXPECT_EQ(image.parameters.at("scale"), Value(hd::Vec4f(1, 1, 2, 1)));
+  EXPECT_EQ(image.parameters.at("bias"), Value(hd::Vec4f(-0.5f, -0.5f, -1, 0)));
+  EXPECT_EQ(image.parameters.at("sourceColorSpace").text_or(""), "raw");
+}
+
+TEST(StandardSurface, ConnectionsThatCannotBeReadLeaveTheConstant) {
+  MaterialNetwork network = standard({{"base_color", Vec3f(0.25f)}});
+  network.nodes["/m/noise"] = {"ND_noise3d_color3", {}, {}};
+  network.nodes["/m/a"] = {"ND_convert_color4_color3", {}, {{"in", {{"/m/a", "out"}}}}};  // a circle
+  network.nodes["/m/s"].inputConnections["base_color"] = {{"/m/noise", "out"}};
+  network.nodes["/m/s"].inputConnections["metalness"] = {{"/m/a", "out"}};
+  network.nodes["/m/s"].inputConnections["specular"] = {{"/m/gone", "out"}};
+  const Translated t(network);
+  EXPECT_EQ(t.color("baseColor"), Vec3f(0.25f));
+  EXPECT_EQ(t.warnings.size(), 3u);
+  EXPECT_TRUE(t.node("/m/s").inputConnections.empty());
+}
+
+TEST(PlainSurface, IsALambertianThatMayGlow) {
+  MaterialNetwork network;
+  network.nodes["/m/s"] = {"ND_surface", {}, {{"bsdf", {{"/m/d", "out"}}}, {"edf", {{"/m/e", "out"}}}}};
+  network.nodes["/m/d"] = {"ND_oren_nayar_diffuse_bsdf", {{"color", Vec3f(0.6f, 0.5f, 0.4f)}}, {}};
+  network.nodes["/m/e"] = {"ND_uniform_edf", {{"color", Vec3f(2, 1, 0)}}, {}};
+  network.terminals["surface"] = {"/m/s", ""};
+  const Translated t(network);
+  EXPECT_EQ(t.color("baseColor"), Vec3f(0.6f, 0.5f, 0.4f));
+  EXPECT_EQ(t.color("emission"), Vec3f(2, 1, 0));
+  EXPECT_EQ(t.parameter("specular"), Value(0.0f));
+}
+
+TEST(HydraMaterials, OtherNetworksAreTheDelegatesBusiness) {
+  MaterialNetwork network;
+  network.nodes["/m/s"] = {"UsdPreviewSurface", {{"roughness", 0.5f}}, {}};
+  network.terminals["surface"] = {"/m/s", "surface"};
+  EXPECT_EQ(Translated(network).network, network);
+  EXPECT_EQ(Translated(MaterialNetwork()).network, MaterialNetwork());
+}
+
+}  // namespace
+}  // namespace alabaster::hydra
