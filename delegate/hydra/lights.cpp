@@ -28,12 +28,15 @@ Host HostOf(const std::string& word) {
   return word == "blender" ? Host::blender : Host::any;
 }
 
-hd::Value LightParameter(Host host, const hd::Token& type, const hd::Token& name, const HostParameter& get) {
+hd::Value LightParameter(const LightRules& rules, const hd::Token& type, const hd::Token& name,
+                         const HostParameter& get) {
   hd::Value value = get(name);
   if (value.empty()) value = get("inputs:" + name.str());
-  if (host == Host::blender && type == hd::Token("distantLight")) return sun_of_blender(name.str(), value);
-  if (host == Host::blender && type == hd::Token("domeLight")) return world_of_blender(name.str(), value);
-  return value;
+  const bool is_dome = type == hd::Token("domeLight");
+  if (is_dome && value.empty() && name == hd::Token("visibleToCamera")) return rules.domes_are_seen;
+  if (rules.host != Host::blender) return value;
+  if (type == hd::Token("distantLight")) return sun_of_blender(name.str(), value);
+  return is_dome ? world_of_blender(name.str(), value) : value;
 }
 
 }  // namespace alabaster::hydra

@@ -15,11 +15,17 @@ enum class Host {
 /// "blender" (setting alabaster:host); any for all other words.
 Host HostOf(const std::string& word);
 
+struct LightRules {
+  Host host = Host::any;
+  bool domes_are_seen = true;  // by the camera: Hydra's setting domeLightCameraVisibility
+};
+
 /// A parameter of a light of the host's; empty if it has none of that name.
 using HostParameter = std::function<hd::Value(const hd::Token& name)>;
 
 /// Parameter `name` of a light of type `type` (distantLight, ...). Hosts name parameters as UsdLux's schema does, with
 /// or without "inputs:".
-hd::Value LightParameter(Host host, const hd::Token& type, const hd::Token& name, const HostParameter& get);
+hd::Value LightParameter(const LightRules& rules, const hd::Token& type, const hd::Token& name,
+                         const HostParameter& get);
 
 }  // namespace alabaster::hydra

@@ -12,10 +12,10 @@ class TranslatedScene : public hd::SceneDelegate {
  public:
   /// `report`: the prim, then a diagnostic's code and text.
   using Report = std::function<void(const hd::Path& id, const char* code, const std::string& text)>;
-  TranslatedScene(Host host, Report report) : host_(host), report_(std::move(report)) {}
+  TranslatedScene(const LightRules& rules, Report report) : rules_(rules), report_(std::move(report)) {}
 
   hd::Value GetLightParamValue(const hd::Path& id, const hd::Token& name) final {
-    return LightParameter(host_, GetHostLightType(id), name,
+    return LightParameter(rules_, GetHostLightType(id), name,
                           [&](const hd::Token& asked) { return GetHostLightParameter(id, asked); });
   }
   hd::MaterialNetwork GetMaterialResource(const hd::Path& id) final {
@@ -29,7 +29,7 @@ class TranslatedScene : public hd::SceneDelegate {
   virtual hd::MaterialNetwork GetHostMaterial(const hd::Path& id) = 0;
 
  private:
-  Host host_;
+  LightRules rules_;
   Report report_;
 };
 

@@ -8,171 +8,172 @@
 #include "delegate/hydra/plugin/hydra_pass.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
 
-PXR_NAMESPACE_USING_DIRECTIVE  // the macros of diagnostics name its types
+using namespace pxr;  // the macros of diagnostics name its types
 
-    namespace alabaster::hydra {
-  namespace {
+namespace alabaster::hydra {
+namespace {
 
-  // Settings of the plug-in's own.
-  constexpr const char *kHostSetting = "host", *kSceneSetting = "writeScene";
+// Settings of the plug-in's own, and one of Hydra's.
+constexpr const char *kHostSetting = "host", *kSceneSetting = "writeScene", *kDomeSetting = "domeLightCameraVisibility";
 
-  // Errors, too, are warnings for OpenUSD: its own become exceptions in hosts in Python, which end their render.
-  void tell(const hd::Diagnostic& d) {
-    if (d.severity == hd::Severity::info) return;
-    const char* const word = d.severity == hd::Severity::error ? "error: " : "";
-    TF_WARN("Alabaster: %s%s: %s [%s]", word, d.where.c_str(), d.text.c_str(), d.code.c_str());
+// Errors, too, are warnings for OpenUSD: its own become exceptions in hosts in Python, which end their render.
+void tell(const hd::Diagnostic& d) {
+  if (d.severity == hd::Severity::info) return;
+  const char* const word = d.severity == hd::Severity::error ? "error: " : "";
+  TF_WARN("Alabaster: %s%s: %s [%s]", word, d.where.c_str(), d.text.c_str(), d.code.c_str());
+}
+
+pxr::TfTokenVector to_tokens(const std::vector<hd::Token>& types) {
+  pxr::TfTokenVector theirs;
+  for (const hd::Token& type : types) theirs.emplace_back(type.str());
+  return theirs;
+}
+
+/// Reads an image again that was edited on disk.
+class Registry final : public pxr::HdResourceRegistry {
+ public:
+  explicit Registry(hd::RenderDelegate* delegate) : delegate_(delegate) {}
+  void ReloadResource(const pxr::TfToken&, const std::string& path) override {
+    delegate_->InvokeCommand("reloadResource", {{"file", path}});
   }
 
-  pxr::TfTokenVector to_tokens(const std::vector<hd::Token>& types) {
-    pxr::TfTokenVector theirs;
-    for (const hd::Token& type : types) theirs.emplace_back(type.str());
-    return theirs;
+ private:
+  hd::RenderDelegate* delegate_;
+};
+
+}  // namespace
+
+std::unique_ptr<HydraDelegate> HydraDelegate::Create(const pxr::HdRenderSettingsMap& settings) {
+  hd::DelegateOptions options;
+  options.diagnostics = tell;
+  hd::RenderDelegate* const delegate = CreateAlabasterRenderDelegate(hd::kAbiVersion, &options);
+  if (!delegate) {
+    TF_WARN("Alabaster: the renderer cannot start. libhdAlabaster may be of another version than the plug-in.");
+    return nullptr;
   }
+  std::unique_ptr<HydraDelegate> made(new HydraDelegate(delegate, options.diagnostics));
+  for (const auto& [key, value] : settings) made->SetRenderSetting(key, value);
+  return made;
+}
 
-  /// Reads an image again that was edited on disk.
-  class Registry final : public pxr::HdResourceRegistry {
-   public:
-    explicit Registry(hd::RenderDelegate* delegate) : delegate_(delegate) {}
-    void ReloadResource(const pxr::TfToken&, const std::string& path) override {
-      delegate_->InvokeCommand("reloadResource", {{"file", path}});
-    }
+HydraDelegate::HydraDelegate(hd::RenderDelegate* delegate, const hd::DiagnosticSink& sink)
+    : delegate_(delegate),
+      param_(std::make_unique<HydraParam>(delegate, sink)),
+      settings_(delegate->GetRenderSettingDescriptors()),
+      rprims_(to_tokens(delegate->GetSupportedRprimTypes())),
+      sprims_(to_tokens(delegate->GetSupportedSprimTypes())),
+      bprims_{pxr::HdPrimTypeTokens->renderBuffer},
+      registry_(std::make_shared<Registry>(delegate)) {}
 
-   private:
-    hd::RenderDelegate* delegate_;
-  };
+HydraDelegate::~HydraDelegate() {
+  param_.reset();
+  DestroyAlabasterRenderDelegate(delegate_);
+}
 
-  }  // namespace
+void HydraDelegate::SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue& value) {
+  HdRenderDelegate::SetRenderSetting(key, value);
+  const Setting setting = TranslateSetting(ToToken(key), ToValue(value), settings_);
+  if (setting.key == hd::Token(kHostSetting)) param_->light_rules().host = HostOf(setting.value.text_or(""));
+  if (setting.key == hd::Token(kDomeSetting)) param_->light_rules().domes_are_seen = setting.value.number_or(1) != 0;
+  if (setting.key == hd::Token(kSceneSetting)) param_->set_scene_file(setting.value.text_or(""));
+  delegate_->SetRenderSetting(setting.key, setting.value);
+}
 
-  std::unique_ptr<HydraDelegate> HydraDelegate::Create(const pxr::HdRenderSettingsMap& settings) {
-    hd::DelegateOptions options;
-    options.diagnostics = tell;
-    hd::RenderDelegate* const delegate = CreateAlabasterRenderDelegate(hd::kAbiVersion, &options);
-    if (!delegate) {
-      TF_WARN("Alabaster: the renderer cannot start. libhdAlabaster may be of another version than the plug-in.");
-      return nullptr;
-    }
-    std::unique_ptr<HydraDelegate> made(new HydraDelegate(delegate, options.diagnostics));
-    for (const auto& [key, value] : settings) made->SetRenderSetting(key, value);
-    return made;
-  }
+pxr::HdRenderSettingDescriptorList HydraDelegate::GetRenderSettingDescriptors() const {
+  pxr::HdRenderSettingDescriptorList theirs;
+  for (const hd::RenderSettingDescriptor& setting : settings_)
+    theirs.push_back({setting.name, pxr::TfToken("alabaster:" + setting.key.str()), FromValue(setting.defaultValue)});
+  return theirs;
+}
 
-  HydraDelegate::HydraDelegate(hd::RenderDelegate * delegate, const hd::DiagnosticSink& sink)
-      : delegate_(delegate),
-        param_(std::make_unique<HydraParam>(delegate, sink)),
-        settings_(delegate->GetRenderSettingDescriptors()),
-        rprims_(to_tokens(delegate->GetSupportedRprimTypes())),
-        sprims_(to_tokens(delegate->GetSupportedSprimTypes())),
-        bprims_{pxr::HdPrimTypeTokens->renderBuffer},
-        registry_(std::make_shared<Registry>(delegate)) {}
+pxr::VtDictionary HydraDelegate::GetRenderStats() const {
+  return FromDictionary(HostStatistics(delegate_->GetRenderStats()));
+}
 
-  HydraDelegate::~HydraDelegate() {
-    param_.reset();
-    DestroyAlabasterRenderDelegate(delegate_);
-  }
+bool HydraDelegate::Stop(bool) {
+  delegate_->Stop();
+  return true;
+}
 
-  void HydraDelegate::SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue& value) {
-    HdRenderDelegate::SetRenderSetting(key, value);
-    const Setting setting = TranslateSetting(ToToken(key), ToValue(value), settings_);
-    if (setting.key == hd::Token(kHostSetting)) param_->set_host(HostOf(setting.value.text_or("")));
-    if (setting.key == hd::Token(kSceneSetting)) param_->set_scene_file(setting.value.text_or(""));
-    delegate_->SetRenderSetting(setting.key, setting.value);
-  }
+pxr::HdRenderPassSharedPtr HydraDelegate::CreateRenderPass(pxr::HdRenderIndex* index,
+                                                           const pxr::HdRprimCollection& collection) {
+  auto pass = delegate_->CreateRenderPass();
+  return pass ? std::make_shared<HydraPass>(index, collection, std::move(pass), param_.get()) : nullptr;
+}
 
-  pxr::HdRenderSettingDescriptorList HydraDelegate::GetRenderSettingDescriptors() const {
-    pxr::HdRenderSettingDescriptorList theirs;
-    for (const hd::RenderSettingDescriptor& setting : settings_)
-      theirs.push_back({setting.name, pxr::TfToken("alabaster:" + setting.key.str()), FromValue(setting.defaultValue)});
-    return theirs;
-  }
+pxr::HdInstancer* HydraDelegate::CreateInstancer(pxr::HdSceneDelegate* scene, const pxr::SdfPath& id) {
+  return new HydraInstancer(scene, id, delegate_->CreateInstancer(ToPath(id)));
+}
 
-  pxr::VtDictionary HydraDelegate::GetRenderStats() const {
-    return FromDictionary(HostStatistics(delegate_->GetRenderStats()));
-  }
+void HydraDelegate::DestroyInstancer(pxr::HdInstancer* instancer) {
+  delegate_->DestroyInstancer(static_cast<HydraInstancer*>(instancer)->instancer());
+  delete instancer;
+}
 
-  bool HydraDelegate::Stop(bool) {
-    delegate_->Stop();
-    return true;
-  }
+pxr::HdRprim* HydraDelegate::CreateRprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
+  hd::Rprim* const prim = delegate_->CreateRprim(ToToken(type), ToPath(id));
+  return prim ? new HydraMesh(id, prim) : nullptr;
+}
 
-  pxr::HdRenderPassSharedPtr HydraDelegate::CreateRenderPass(pxr::HdRenderIndex * index,
-                                                             const pxr::HdRprimCollection& collection) {
-    auto pass = delegate_->CreateRenderPass();
-    return pass ? std::make_shared<HydraPass>(index, collection, std::move(pass), param_.get()) : nullptr;
-  }
+void HydraDelegate::DestroyRprim(pxr::HdRprim* prim) {
+  delegate_->DestroyRprim(static_cast<HydraMesh*>(prim)->prim());
+  delete prim;
+}
 
-  pxr::HdInstancer* HydraDelegate::CreateInstancer(pxr::HdSceneDelegate * scene, const pxr::SdfPath& id) {
-    return new HydraInstancer(scene, id, delegate_->CreateInstancer(ToPath(id)));
-  }
+pxr::HdSprim* HydraDelegate::CreateSprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
+  if (type == pxr::HdPrimTypeTokens->camera) return new HydraCamera(id);
+  hd::Sprim* const prim = delegate_->CreateSprim(ToToken(type), ToPath(id));
+  if (!prim) return nullptr;
+  if (type == pxr::HdPrimTypeTokens->material) return new HydraMaterial(id, prim);
+  return new HydraLight(type, id, prim);
+}
 
-  void HydraDelegate::DestroyInstancer(pxr::HdInstancer * instancer) {
-    delegate_->DestroyInstancer(static_cast<HydraInstancer*>(instancer)->instancer());
-    delete instancer;
-  }
+pxr::HdSprim* HydraDelegate::CreateFallbackSprim(const pxr::TfToken& type) {
+  return CreateSprim(type, pxr::SdfPath::EmptyPath());
+}
 
-  pxr::HdRprim* HydraDelegate::CreateRprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
-    hd::Rprim* const prim = delegate_->CreateRprim(ToToken(type), ToPath(id));
-    return prim ? new HydraMesh(id, prim) : nullptr;
-  }
+void HydraDelegate::DestroySprim(pxr::HdSprim* prim) {
+  if (const auto* material = dynamic_cast<HydraMaterial*>(prim)) delegate_->DestroySprim(material->prim());
+  if (const auto* light = dynamic_cast<HydraLight*>(prim)) delegate_->DestroySprim(light->prim());
+  delete prim;
+}
 
-  void HydraDelegate::DestroyRprim(pxr::HdRprim * prim) {
-    delegate_->DestroyRprim(static_cast<HydraMesh*>(prim)->prim());
-    delete prim;
-  }
+pxr::HdBprim* HydraDelegate::CreateBprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
+  if (type != pxr::HdPrimTypeTokens->renderBuffer) return nullptr;
+  hd::Bprim* const prim = delegate_->CreateBprim("renderBuffer", ToPath(id));
+  return prim ? new HydraBuffer(id, static_cast<hd::RenderBuffer*>(prim)) : nullptr;
+}
 
-  pxr::HdSprim* HydraDelegate::CreateSprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
-    if (type == pxr::HdPrimTypeTokens->camera) return new HydraCamera(id);
-    hd::Sprim* const prim = delegate_->CreateSprim(ToToken(type), ToPath(id));
-    if (!prim) return nullptr;
-    if (type == pxr::HdPrimTypeTokens->material) return new HydraMaterial(id, prim);
-    return new HydraLight(type, id, prim);
-  }
+pxr::HdBprim* HydraDelegate::CreateFallbackBprim(const pxr::TfToken& type) {
+  return CreateBprim(type, pxr::SdfPath::EmptyPath());
+}
 
-  pxr::HdSprim* HydraDelegate::CreateFallbackSprim(const pxr::TfToken& type) {
-    return CreateSprim(type, pxr::SdfPath::EmptyPath());
-  }
+void HydraDelegate::DestroyBprim(pxr::HdBprim* prim) {
+  delegate_->DestroyBprim(static_cast<HydraBuffer*>(prim)->buffer());
+  delete prim;
+}
 
-  void HydraDelegate::DestroySprim(pxr::HdSprim * prim) {
-    if (const auto* material = dynamic_cast<HydraMaterial*>(prim)) delegate_->DestroySprim(material->prim());
-    if (const auto* light = dynamic_cast<HydraLight*>(prim)) delegate_->DestroySprim(light->prim());
-    delete prim;
-  }
+void HydraDelegate::CommitResources(pxr::HdChangeTracker*) {
+  delegate_->CommitResources();
+}
 
-  pxr::HdBprim* HydraDelegate::CreateBprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
-    if (type != pxr::HdPrimTypeTokens->renderBuffer) return nullptr;
-    hd::Bprim* const prim = delegate_->CreateBprim("renderBuffer", ToPath(id));
-    return prim ? new HydraBuffer(id, static_cast<hd::RenderBuffer*>(prim)) : nullptr;
-  }
+pxr::TfToken HydraDelegate::GetMaterialBindingPurpose() const {
+  return pxr::HdTokens->full;
+}
 
-  pxr::HdBprim* HydraDelegate::CreateFallbackBprim(const pxr::TfToken& type) {
-    return CreateBprim(type, pxr::SdfPath::EmptyPath());
-  }
+// MaterialX says more than UsdPreviewSurface, which has no subsurface scattering.
+pxr::TfTokenVector HydraDelegate::GetMaterialRenderContexts() const {
+  return {pxr::TfToken("mtlx"), pxr::TfToken()};
+}
 
-  void HydraDelegate::DestroyBprim(pxr::HdBprim * prim) {
-    delegate_->DestroyBprim(static_cast<HydraBuffer*>(prim)->buffer());
-    delete prim;
-  }
+pxr::TfTokenVector HydraDelegate::GetRenderSettingsNamespaces() const {
+  return {pxr::TfToken("alabaster")};
+}
 
-  void HydraDelegate::CommitResources(pxr::HdChangeTracker*) {
-    delegate_->CommitResources();
-  }
-
-  pxr::TfToken HydraDelegate::GetMaterialBindingPurpose() const {
-    return pxr::HdTokens->full;
-  }
-
-  // MaterialX says more than UsdPreviewSurface, which has no subsurface scattering.
-  pxr::TfTokenVector HydraDelegate::GetMaterialRenderContexts() const {
-    return {pxr::TfToken("mtlx"), pxr::TfToken()};
-  }
-
-  pxr::TfTokenVector HydraDelegate::GetRenderSettingsNamespaces() const {
-    return {pxr::TfToken("alabaster")};
-  }
-
-  pxr::HdAovDescriptor HydraDelegate::GetDefaultAovDescriptor(const pxr::TfToken& aov) const {
-    const hd::AovDescriptor ours = delegate_->GetDefaultAovDescriptor(ToToken(aov));
-    return {FromFormat(ours.format), false, FromValue(ours.clearValue)};
-  }
+pxr::HdAovDescriptor HydraDelegate::GetDefaultAovDescriptor(const pxr::TfToken& aov) const {
+  const hd::AovDescriptor ours = delegate_->GetDefaultAovDescriptor(ToToken(aov));
+  return {FromFormat(ours.format), false, FromValue(ours.clearValue)};
+}
 
 }  // namespace alabaster::hydra
 

@@ -18,8 +18,8 @@ class HydraParam final : public pxr::HdRenderParam {
   HydraParam(hd::RenderDelegate* delegate, hd::DiagnosticSink sink) : delegate_(delegate), sink_(std::move(sink)) {}
 
   hd::RenderDelegate& delegate() const { return *delegate_; }
-  /// Setting alabaster:host. Host thread, before Sync.
-  void set_host(Host host) { host_ = host; }
+  /// For lights that are synced from then on. Host thread.
+  LightRules& light_rules() { return light_rules_; }
 
   /// Setting alabaster:writeScene: a file that holds the scene of the last Execute. Host thread, before Sync.
   void set_scene_file(const std::string& file) {
@@ -31,7 +31,7 @@ class HydraParam final : public pxr::HdRenderParam {
   void write_scene(const hd::RenderPassState& state) const;
 
   HydraScene scene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const pxr::TfToken& light = {}) const {
-    return {host, id, host_,
+    return {host, id, light_rules_,
             [this](const hd::Path& where, const char* code, const std::string& text) {
               sink_({hd::Severity::warning, code, where.str(), text});
             },
@@ -48,7 +48,7 @@ class HydraParam final : public pxr::HdRenderParam {
  private:
   hd::RenderDelegate* delegate_;
   hd::DiagnosticSink sink_;
-  Host host_ = Host::any;
+  LightRules light_rules_;
   std::set<PassDriver*> drivers_;
   std::string scene_file_;
   std::unique_ptr<SceneCapture> capture_;

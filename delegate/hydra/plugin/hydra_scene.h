@@ -11,9 +11,9 @@ namespace alabaster::hydra {
 class HydraScene final : public TranslatedScene {
  public:
   /// `light`: the prim's type, for lights.
-  HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, Host kind, Report report,
+  HydraScene(pxr::HdSceneDelegate* host, const pxr::SdfPath& id, const LightRules& rules, Report report,
              const pxr::TfToken& light = {})
-      : TranslatedScene(kind, std::move(report)), host_(host), id_(id), light_(light) {}
+      : TranslatedScene(rules, std::move(report)), host_(host), id_(id), light_(light) {}
 
   /// Normals come as UnitNormals makes them.
   void set_unit_normals() { unit_normals_ = true; }

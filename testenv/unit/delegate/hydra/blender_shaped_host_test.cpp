@@ -25,7 +25,7 @@ constexpr int kSize = 32;
 /// energy, a world twice.
 class BlenderScene final : public TranslatedScene {
  public:
-  BlenderScene() : TranslatedScene(Host::blender, [](const Path&, const char*, const std::string&) {}) {}
+  BlenderScene() : TranslatedScene({Host::blender, true}, [](const Path&, const char*, const std::string&) {}) {}
 
   hd::MeshTopology GetMeshTopology(const Path&) override {
     hd::MeshTopology topology;
@@ -181,8 +181,9 @@ std::vector<float> expected_picture() {
   stage.scene.SetLight("/sun", {.type = "distantLight",
                                 .transform = {},
                                 .parameters = {{"intensity", 2.0f}, {"angle", 2.0f}, {"normalize", true}}});
-  stage.scene.SetLight("/world",
-                       {.type = "domeLight", .transform = {}, .parameters = {{"color", Vec3f(0.2f, 0.4f, 0.6f)}}});
+  stage.scene.SetLight("/world", {.type = "domeLight",
+                                  .transform = {},
+                                  .parameters = {{"color", Vec3f(0.2f, 0.4f, 0.6f)}, {"visibleToCamera", true}}});
   hd::RenderBuffer* const buffer = stage.add_buffer("/color", kSize, kSize, hd::Format::float32vec4);
   stage.index->SyncAll();
   auto pass = stage.delegate->CreateRenderPass();

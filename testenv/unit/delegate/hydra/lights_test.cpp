@@ -10,7 +10,7 @@ namespace {
 using Parameters = std::map<hd::Token, hd::Value>;
 
 hd::Value ask(Host host, const char* type, const char* name, const Parameters& held) {
-  return LightParameter(host, type, name, [&](const hd::Token& asked) {
+  return LightParameter({host, true}, type, name, [&](const hd::Token& asked) {
     const auto found = held.find(asked);
     return found == held.end() ? hd::Value() : found->second;
   });
@@ -43,6 +43,19 @@ TEST(HydraLights, AWorldOfOneColourIsSentOnce) {
   EXPECT_FALSE(ask(Host::any, "domeLight", "texture:file", plain).empty());
   for (const char* file : {"/tmp/b/usd/image_cache/img_0x1.exr", "/pictures/color_sky.hdr"})
     EXPECT_FALSE(ask(Host::blender, "domeLight", "texture:file", image(file)).empty()) << file;
+}
+
+TEST(HydraLights, TheCameraSeesDomesUnlessTheHostSaysOtherwise) {
+  const auto seen = [](const LightRules& rules, const char* type, const Parameters& held) {
+    return LightParameter(rules, type, "visibleToCamera", [&](const hd::Token& asked) {
+      const auto found = held.find(asked);
+      return found == held.end() ? hd::Value() : found->second;
+    });
+  };
+  EXPECT_EQ(seen({}, "domeLight", {}), hd::Value(true));
+  EXPECT_EQ(seen({Host::blender, false}, "domeLight", {}), hd::Value(false));
+  EXPECT_EQ(seen({}, "domeLight", {{"visibleToCamera", false}}), hd::Value(false));
+  EXPECT_TRUE(seen({}, "rectLight", {}).empty());
 }
 
 TEST(HydraLights, HostsHaveNames) {

@@ -157,7 +157,7 @@ TEST(StandardSurface, CoordinatesAreScaledTurnedAndMoved) {
   const UvTransform ours(placed.at("stOffset").get_or(hd::Vec2f(0)),
                          static_cast<float>(placed.at("stRotation").number_or(0)),
                          placed.at("stScale").get_or(hd::Vec2f(0)));
-  for (const hd::Vec2f uv : {hd::Vec2f(0, 0), hd::Vec2f(1, 0), hd::Vec2f(0.3f, 0.7f)}) {
+  for (const hd::Vec2f& uv : {hd::Vec2f(0, 0), hd::Vec2f(1, 0), hd::Vec2f(0.3f, 0.7f)}) {
     const double x = 2 * double(uv.x), y = 3 * double(uv.y), c = std::cos(M_PI / 6), s = std::sin(M_PI / 6);
     const hd::Vec2f expected(static_cast<float>(c * x - s * y + 0.25), static_cast<float>(s * x + c * y + 0.5));
     const hd::Vec2f found = ours(uv);
