@@ -1,4 +1,4 @@
-// The pull side of the contract over a Hydra host: what the host answers, put into the contract's terms.
+// The pull side of the contract over a Hydra host, whose answers it puts into the contract's terms.
 #pragma once
 
 #include "delegate/api/scene_delegate.h"

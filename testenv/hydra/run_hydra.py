@@ -2,6 +2,7 @@
 """Renders scenes through the Hydra plug-in in Blender, and compares each pixel with the program's for the same data.
 
   run_hydra.py --build build/release              six scenes, as ctest runs them; skipped where the plug-in or bpy is missing
+  run_hydra.py --build build/release --bindings   counts the symbols of our libraries that are bound to bpy's
   run_hydra.py --build build/release --results    all scenes of testenv/blender/scenes.py, into testenv/hydra/results/
 
 The Python that has bpy is found beside the library that the plug-in was built for (CMake's ALABASTER_USD_LIBRARY), or named by
@@ -45,6 +46,8 @@ def run(options, folder, program, python, bpy):
     libraries = next(iter(sorted(bpy.rglob("materialx/libraries"))), "")
     environment = {**os.environ, "PXR_PLUGINPATH_NAME": str(options.build / "lib/alabaster/hydra"),
                    "PXR_MTLX_STDLIB_SEARCH_PATHS": str(libraries)}
+    if options.bindings:
+        environment.update({"LD_DEBUG": "bindings", "LD_DEBUG_OUTPUT": str(folder / "bindings")})
     done = subprocess.run([str(python), str(HERE / "render_in_blender.py"), str(file)], capture_output=True, text=True, env=environment)
     text = done.stdout + done.stderr
     if done.returncode != 0 or options.echo:
@@ -53,6 +56,23 @@ def run(options, folder, program, python, bpy):
         sys.exit(1)
     lines = text.splitlines()
     return next(line[8:] for line in lines if line.startswith("VERSION ")), [json.loads(line[6:]) for line in lines if line.startswith("SCENE ")], job
+
+
+BOUND = re.compile(r"binding file (\S+) \[\d+\] to (\S+) \[\d+\]: \w+ symbol `([^']+)'")
+
+
+def bindings(folder, bpy):
+    """By library of bpy: how many symbols of the renderer's libraries were bound to it. The plug-in's own two files must be."""
+    counts = {}
+    for log in folder.glob("bindings.*"):
+        for line in log.read_text(errors="replace").splitlines():
+            found = BOUND.search(line)
+            if not found:
+                continue
+            of, to = found.group(1), found.group(2)
+            if to.startswith(str(bpy)) and not of.startswith(str(bpy)) and "python" not in of and "/alabaster/hydra/" not in of:
+                counts[pathlib.Path(to).name] = counts.get(pathlib.Path(to).name, 0) + 1
+    print(f"{sum(counts.values())} symbols: " + ", ".join(f"{name} {n}" for name, n in sorted(counts.items(), key=lambda one: -one[1])))
 
 
 def judge(rows):
@@ -96,6 +116,7 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--python", type=pathlib.Path)
     parser.add_argument("--results", action="store_true")
+    parser.add_argument("--bindings", action="store_true")
     parser.add_argument("--echo", action="store_true", help="print what Blender prints")
     parser.add_argument("--scene", action="append", default=[])
     options = parser.parse_args()
@@ -111,6 +132,8 @@ def main():
         program = options.build / "bin/alabaster"
         version, rows, job = run(options, pathlib.Path(folder), program, options.python or found[1], found[0])
         failed = judge(rows)
+        if options.bindings:
+            bindings(pathlib.Path(folder), found[0])
         if options.results:
             results = HERE / "results"
             results.mkdir(exist_ok=True)

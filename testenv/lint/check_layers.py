@@ -23,6 +23,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "description": ["api", "support", "host", "gltf"],
     "c_api": CONTRACT + ["support"],
     "python": ["c_api"],
+    "hydra": CONTRACT,
     "tradeoff": CONTRACT + ["support"],
     "cli": CONTRACT + ["support", "tradeoff"],
 }
@@ -42,7 +43,8 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"valijson/": ["delegate/description/"],
     r"CLI/": ["delegate/cli/"],
     r"xxhash": ["core/digest/"],
-    r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory"],
+    r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory", "delegate/hydra/plugin/renderer_plugin"],
+    r"pxr/": ["delegate/hydra/plugin/"],
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTERNAL = re.compile(r"^//.*\bInternal to this room\b")

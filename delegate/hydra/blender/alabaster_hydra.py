@@ -4,6 +4,9 @@ Blender finds the plug-in by the variable PXR_PLUGINPATH_NAME, which must be set
     PXR_PLUGINPATH_NAME=PREFIX/lib/alabaster/hydra blender
 Settings are custom properties of the scene, named as in schemas/render_settings.json: scene["alabaster"] = {"samples": 128}.
 """
+import os
+import pathlib
+
 import bpy
 
 bl_info = {"name": "Alabaster (Hydra)", "category": "Render", "blender": (4, 2, 0), "version": (0, 1, 0),
@@ -30,7 +33,16 @@ class AlabasterHydraEngine(bpy.types.HydraRenderEngine):
         self.register_pass(scene, render_layer, "Combined", 4, "RGBA", "COLOR")
 
 
+def plugin_folders():
+    """Folders of PXR_PLUGINPATH_NAME that hold the plug-in."""
+    named = os.environ.get("PXR_PLUGINPATH_NAME", "").split(os.pathsep)
+    return [folder for folder in named if folder and (pathlib.Path(folder) / "hdAlabasterPlugin.so").is_file()]
+
+
 def register():
+    if not plugin_folders():  # Blender ends with a segmentation fault where it finds no plug-in of an engine's name
+        raise RuntimeError("PXR_PLUGINPATH_NAME names no folder with hdAlabasterPlugin.so. Set it to PREFIX/lib/alabaster/hydra before "
+                           "Blender starts (delegate/hydra/README.md)")
     bpy.utils.register_class(AlabasterHydraEngine)
     for panel in panels():
         panel.COMPAT_ENGINES.add(AlabasterHydraEngine.bl_idname)

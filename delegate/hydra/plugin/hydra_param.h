@@ -1,4 +1,4 @@
-// What the plug-in's prims, buffers and passes share.
+// The delegate, the rules and the drivers that the plug-in's prims, buffers and passes share.
 #pragma once
 
 #include <pxr/imaging/hd/renderDelegate.h>

@@ -37,7 +37,7 @@ MakeDelegate find_maker() {
   if (!dladdr(reinterpret_cast<const void*>(&find_maker), &self)) return nullptr;
   const std::string file = self.dli_fname;
   const std::string folder = file.substr(0, file.rfind('/') + 1);
-  // The renderer comes first: what it needs is then found among its own libraries, not among the adaptor's.
+  // The renderer comes first: its symbols are then found among its own libraries, not among the adaptor's.
   if (!load(folder + ALABASTER_RENDERER_FILE)) return nullptr;
   void* const adaptor = load(folder + ALABASTER_ADAPTOR_FILE);
   return adaptor ? reinterpret_cast<MakeDelegate>(dlsym(adaptor, "AlabasterCreateHydraDelegate")) : nullptr;
