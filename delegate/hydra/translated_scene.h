@@ -19,8 +19,10 @@ class TranslatedScene : public hd::SceneDelegate {
                           [&](const hd::Token& asked) { return GetHostLightParameter(id, asked); });
   }
   hd::MaterialNetwork GetMaterialResource(const hd::Path& id) final {
-    return TranslateMaterial(GetHostMaterial(id),
-                             [&](const char* code, const std::string& text) { report_(id, code, text); });
+    const WarnMaterial warn = [&](const char* code, const std::string& text) { report_(id, code, text); };
+    hd::MaterialNetwork network = TranslateMaterial(GetHostMaterial(id), warn);
+    if (rules_.host == Host::blender) UseTheOnlyMap(&network, warn);
+    return network;
   }
 
  protected:

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 
 namespace alabaster::hydra {
 namespace {
@@ -31,6 +34,29 @@ TEST(HydraLights, ASunOfBlenderGetsItsEnergyAndAngleBack) {
   EXPECT_EQ(ask(Host::any, "distantLight", "intensity", sun), hd::Value(0.75f));
   EXPECT_EQ(ask(Host::blender, "sphereLight", "intensity", sun), hd::Value(0.75f)) << "suns alone";
   EXPECT_TRUE(ask(Host::blender, "distantLight", "intensity", {}).empty()) << "the delegate's default stays";
+}
+
+// Cycles: a smoothstep of the cosine from the cone's to that at (1 - blend) of the rest of the cap.
+TEST(HydraLights, ASpotOfBlenderKeepsItsFlux) {
+  const double outer = 35 * std::numbers::pi / 180;
+  for (const float blend : {0.2f, 0.6f, 1.0f}) {
+    const Parameters spot{{"inputs:shaping:cone:angle", 35.0f}, {"inputs:shaping:cone:softness", blend}};
+    const hd::Value softness = ask(Host::blender, "sphereLight", "shaping:cone:softness", spot);
+    const double inner = outer * (1 - softness.number_or(-1));
+    double ours = 0, theirs = 0;
+    constexpr int kSteps = 4000;
+    const auto smoothstep = [](double t) { return t = std::clamp(t, 0.0, 1.0), t * t * (3 - 2 * t); };
+    for (int i = 0; i < kSteps; ++i) {
+      const double angle = (i + 0.5) / kSteps * outer;
+      const double cap = (std::cos(angle) - std::cos(outer)) / (1 - std::cos(outer));
+      ours += smoothstep((outer - angle) / (outer - inner)) * std::sin(angle);
+      theirs += smoothstep(cap / double(blend)) * std::sin(angle);
+    }
+    EXPECT_NEAR(ours / theirs, 1, 2e-3) << blend;
+    EXPECT_EQ(ask(Host::any, "sphereLight", "shaping:cone:softness", spot), hd::Value(blend));
+  }
+  const Parameters sharp{{"shaping:cone:angle", 35.0f}, {"shaping:cone:softness", 0.0f}};
+  EXPECT_EQ(ask(Host::blender, "sphereLight", "shaping:cone:softness", sharp), hd::Value(0.0f));
 }
 
 TEST(HydraLights, AWorldOfOneColourIsSentOnce) {

@@ -203,6 +203,17 @@ TEST(PlainSurface, IsALambertianThatMayGlow) {
   EXPECT_EQ(t.parameter("specular"), Value(0.0f));
 }
 
+TEST(HydraMaterials, BlendersExportHasOneMapOfCoordinates) {
+  Translated t(textured());
+  std::vector<std::string> warnings;
+  UseTheOnlyMap(&t.network, [&](const char*, const std::string& text) { warnings.push_back(text); });
+  EXPECT_EQ(t.node("/m/image").parameters.at("st").text_or(""), "st");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("map1"), std::string::npos);
+  UseTheOnlyMap(&t.network, [&](const char*, const std::string& text) { warnings.push_back(text); });
+  EXPECT_EQ(warnings.size(), 1u) << "st itself is not reported";
+}
+
 TEST(HydraMaterials, OtherNetworksAreTheDelegatesBusiness) {
   MaterialNetwork network;
   network.nodes["/m/s"] = {"UsdPreviewSurface", {{"roughness", 0.5f}}, {}};
