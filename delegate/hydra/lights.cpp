@@ -55,6 +55,7 @@ hd::Value world_of_blender(const std::string& name, const hd::Value& value) {
 }  // namespace
 
 Host HostOf(const std::string& word) {
+  if (word == "blender_usd") return Host::blender_usd;
   return word == "blender" ? Host::blender : Host::any;
 }
 
@@ -67,10 +68,10 @@ hd::Value LightParameter(const LightRules& rules, const hd::Token& type, const h
   hd::Value value = find(name);
   const bool is_dome = type == hd::Token("domeLight");
   if (is_dome && value.empty() && name == hd::Token("visibleToCamera")) return rules.domes_are_seen;
-  if (rules.host != Host::blender) return value;
+  if (rules.host == Host::any) return value;
   if (name == hd::Token("shaping:cone:softness")) return softness_of_blender(value, find("shaping:cone:angle"));
   if (type == hd::Token("distantLight")) return sun_of_blender(name.str(), value);
-  return is_dome ? world_of_blender(name.str(), value) : value;
+  return is_dome && rules.host == Host::blender ? world_of_blender(name.str(), value) : value;
 }
 
 }  // namespace alabaster::hydra

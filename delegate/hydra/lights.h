@@ -10,9 +10,10 @@ namespace alabaster::hydra {
 /// The program that fills the scene, where its lights need mending. README.md has the table.
 enum class Host {
   any,
-  blender,  // HydraRenderEngine with export method HYDRA
+  blender,      // HydraRenderEngine with export method HYDRA
+  blender_usd,  // the same with export method USD
 };
-/// "blender" (setting alabaster:host); any for all other words.
+/// "blender" or "blender_usd" (setting alabaster:host); any for all other words.
 Host HostOf(const std::string& word);
 
 struct LightRules {

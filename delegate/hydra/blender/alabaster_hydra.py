@@ -25,8 +25,8 @@ class AlabasterHydraEngine(bpy.types.HydraRenderEngine):
         scene = bpy.context.scene
         settings = {f"alabaster:{name}": value for name, value in scene.get("alabaster", {}).items()}
         settings["aovToken:Combined"] = "color"
-        # Blender's own export changes suns and worlds; its export to USD does not pass through it.
-        settings["alabaster:host"] = "blender" if scene.hydra.export_method == "HYDRA" else "usd"
+        # Blender changes its lights for Hydra, in another way for each export; the plug-in takes that back.
+        settings["alabaster:host"] = "blender" if scene.hydra.export_method == "HYDRA" else "blender_usd"
         return settings
 
     def update_render_passes(self, scene, render_layer):

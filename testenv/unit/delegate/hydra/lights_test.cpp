@@ -31,6 +31,7 @@ TEST(HydraLights, ASunOfBlenderGetsItsEnergyAndAngleBack) {
   EXPECT_EQ(ask(Host::blender, "distantLight", "intensity", sun), hd::Value(3.0f));
   EXPECT_EQ(ask(Host::blender, "distantLight", "angle", sun), hd::Value(4.0f));
   EXPECT_EQ(ask(Host::blender, "distantLight", "exposure", sun), hd::Value(1.0f));
+  EXPECT_EQ(ask(Host::blender_usd, "distantLight", "intensity", sun), hd::Value(3.0f)) << "in either export";
   EXPECT_EQ(ask(Host::any, "distantLight", "intensity", sun), hd::Value(0.75f));
   EXPECT_EQ(ask(Host::blender, "sphereLight", "intensity", sun), hd::Value(0.75f)) << "suns alone";
   EXPECT_TRUE(ask(Host::blender, "distantLight", "intensity", {}).empty()) << "the delegate's default stays";
@@ -66,7 +67,8 @@ TEST(HydraLights, AWorldOfOneColourIsSentOnce) {
   const Parameters plain = image("/tmp/b/usd/image_cache/color_2550255.hdr");
   EXPECT_TRUE(ask(Host::blender, "domeLight", "texture:file", plain).empty());
   EXPECT_EQ(ask(Host::blender, "domeLight", "color", plain), hd::Value(hd::Vec3f(1, 0, 0)));
-  EXPECT_FALSE(ask(Host::any, "domeLight", "texture:file", plain).empty());
+  for (const Host host : {Host::any, Host::blender_usd})
+    EXPECT_FALSE(ask(host, "domeLight", "texture:file", plain).empty()) << "export to USD sends the image alone";
   for (const char* file : {"/tmp/b/usd/image_cache/img_0x1.exr", "/pictures/color_sky.hdr"})
     EXPECT_FALSE(ask(Host::blender, "domeLight", "texture:file", image(file)).empty()) << file;
 }
@@ -86,7 +88,8 @@ TEST(HydraLights, TheCameraSeesDomesUnlessTheHostSaysOtherwise) {
 
 TEST(HydraLights, HostsHaveNames) {
   EXPECT_EQ(HostOf("blender"), Host::blender);
-  EXPECT_EQ(HostOf("usd"), Host::any);
+  EXPECT_EQ(HostOf("blender_usd"), Host::blender_usd);
+  EXPECT_EQ(HostOf("usdview"), Host::any);
   EXPECT_EQ(HostOf(""), Host::any);
 }
 
