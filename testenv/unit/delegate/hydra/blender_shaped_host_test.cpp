@@ -1,9 +1,13 @@
 // A host that behaves as Blender's HydraRenderEngine does in a final render, on the plain door: it executes once, and
 // then asks for progress and convergence and maps without a pause.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cmath>
+#include <filesystem>
 
+#include "delegate/description/render_description.h"
 #include "delegate/hydra/host_values.h"
 #include "delegate/hydra/pass_driver.h"
 #include "delegate/hydra/scene_capture.h"
@@ -202,6 +206,77 @@ TEST_F(BlenderShapedHost, GetsThePictureOfTheSameData) {
   EXPECT_EQ(pixels, expected_picture());
   EXPECT_GT(pixels[4 * (kSize / 2 * kSize + kSize / 2)], 0.1f) << "the sun shines on the mesh";
   EXPECT_TRUE(stage_.take_diagnostics().empty());
+}
+
+std::vector<float> picture_of_file(const std::string& file) {
+  hd::Stage stage({{"samples", int64_t(16)}, {"threads", 2}});
+  const auto loaded = hd::description::LoadScene(
+      file, &stage.scene, [](const hd::Diagnostic& d) { ADD_FAILURE() << d.where << ": " << d.text; });
+  if (!loaded.ok) return {};
+  hd::RenderBuffer* const buffer = stage.add_buffer("/color", kSize, kSize, hd::Format::float32vec4);
+  stage.index->SyncAll();
+  auto pass = stage.delegate->CreateRenderPass();
+  hd::RenderPassState state = hd::Stage::state_for(kSize, kSize, "color", buffer);
+  state.camera = stage.scene.GetRenderSettings(loaded.settings).camera;
+  EXPECT_TRUE(hd::Stage::finish(*pass, state));
+  buffer->Resolve();
+  const auto* const pixels = static_cast<const float*>(buffer->Map());
+  std::vector<float> copied(pixels, pixels + 4 * kSize * kSize);
+  buffer->Unmap();
+  pass.reset();
+  return copied;
+}
+
+class Folder {
+ public:
+  Folder() : path_(::testing::TempDir() + "captured_" + std::to_string(getpid())) {
+    std::filesystem::create_directory(path_);
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string file(const char* name) const { return path_ + "/" + name; }
+  bool is_empty() const { return std::filesystem::is_empty(path_); }
+
+ private:
+  std::string path_;
+};
+
+TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
+  SceneCapture capture;
+  capture.TakeMesh(scene_, "/scene/O_mesh");
+  capture.TakeMesh(scene_, "/scene/O_gone");
+  capture.TakeMaterial(scene_, "/scene/M_wax");
+  capture.TakeLight(scene_, "/scene/O_sun", "distantLight");
+  capture.TakeLight(scene_, "/scene/World", "domeLight");
+  capture.Remove("/scene/O_gone");
+  const Folder folder;
+  EXPECT_EQ(capture.Write(folder.file("held.json"), state_of(buffer_), {{"samples", int64_t(16)}}), "");
+  EXPECT_EQ(picture_of_file(folder.file("held.json")), picture());
+}
+
+TEST_F(BlenderShapedHost, ScenesThatFilesCannotHoldAreRefusedByName) {
+  hd::Stage stage;
+  stage.scene.SetMesh("/quad", hd::Stage::quad());
+  SceneCapture capture;
+  capture.TakeMesh(stage.scene, "/quad");
+  const Folder folder;
+  const std::string fault = capture.Write(folder.file("held.json"), state_of(buffer_), {});
+  EXPECT_NE(fault.find("/quad has faces that are no triangles"), std::string::npos) << fault;
+  EXPECT_TRUE(folder.is_empty());
+  EXPECT_NE(SceneCapture().Write(folder.file("held.txt"), state_of(buffer_), {}), "");
+  EXPECT_NE(SceneCapture().Write("/gone/held.json", state_of(buffer_), {}).find("/gone"), std::string::npos);
+}
+
+TEST(UnitNormals, AreWhatNormalizingLeavesAlone) {
+  std::vector<Vec3f> normals;
+  for (int i = 1; i < 2000; ++i)
+    normals.emplace_back(std::sin(0.37f * float(i)), std::cos(0.61f * float(i)), std::sin(0.11f * float(i)));
+  const Value unit = UnitNormals(Array<Vec3f>(normals));
+  const auto* const held = unit.get<Array<Vec3f>>();
+  ASSERT_NE(held, nullptr);
+  for (size_t i = 0; i < normals.size(); ++i) {
+    EXPECT_EQ((*held)[i].normalized(), (*held)[i]) << i;
+    EXPECT_NEAR((*held)[i].dot(normals[i].normalized()), 1, 1e-5) << i;
+  }
 }
 
 TEST_F(BlenderShapedHost, WaitsBetweenItsQuestions) {
