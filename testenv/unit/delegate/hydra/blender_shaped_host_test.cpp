@@ -297,6 +297,40 @@ TEST_F(BlenderShapedHost, GetsAnEndWhereTheRenderFails) {
   EXPECT_LT(questions, 500);
 }
 
+/// A pass that never ends and counts its executions.
+class EndlessPass final : public hd::RenderPass {
+ public:
+  explicit EndlessPass(int* executed) : executed_(executed) {}
+  void Execute(const hd::RenderPassState&) override { ++*executed_; }
+  bool IsConverged() const override { return false; }
+  hd::PassState GetState() const override { return hd::PassState::rendering; }
+  bool WaitForConvergence(double) override { return false; }
+
+ private:
+  int* executed_;
+};
+
+TEST(PassDriver, DoesNotExecuteAgainWithABufferThatIsGone) {
+  hd::Stage stage;
+  hd::RenderBuffer* const held = stage.add_buffer("/held", kSize, kSize, hd::Format::float32);
+  hd::RenderBuffer* const other = stage.add_buffer("/other", kSize, kSize, hd::Format::float32);
+  int executed = 0;
+  PassDriver driver(std::make_unique<EndlessPass>(&executed));
+  const auto ask_twice = [&] { return driver.IsConverged() || driver.IsConverged(); };
+  driver.Execute(state_of(held));
+  EXPECT_FALSE(ask_twice());
+  EXPECT_EQ(executed, 2) << "once by the host, once by its second question";
+  driver.Forget(other);
+  driver.IsConverged();
+  EXPECT_EQ(executed, 3);
+  driver.Forget(held);
+  ask_twice();
+  EXPECT_EQ(executed, 3);
+  driver.Execute(state_of(other));
+  ask_twice();
+  EXPECT_EQ(executed, 5);
+}
+
 TEST_F(BlenderShapedHost, MayDestroyABufferBeforeItAsksAgain) {
   driver_ = std::make_unique<PassDriver>(stage_.delegate->CreateRenderPass());
   sync();
