@@ -82,6 +82,10 @@ struct TradeoffArguments {
 };
 int run_tradeoff(const TradeoffArguments& arguments);
 
+/// Runs the program alabaster-view beside this one in its place. `arguments` begin with the name of the program and end
+/// with null. Returns only if that fails, with the exit code.
+int run_view(char** arguments);
+
 int run_schema(const std::string& name);
 
 struct OcioArguments {

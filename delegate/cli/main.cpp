@@ -276,6 +276,12 @@ CLI::App* add_check(CLI::App& app, CheckArguments* a) {
   return c;
 }
 
+// All that follows `view` belongs to the window's program, --help included.
+void add_view(CLI::App& app) {
+  app.add_subcommand(
+      "view", "Opens a window on a scene: look around, pick, edit, save. 'alabaster view --help' lists its options.");
+}
+
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
   c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
@@ -293,6 +299,7 @@ CLI::App* add_info(CLI::App& app, InfoArguments* a) {
 int run(int argc, char** argv) {
   if (const std::string fault = empty_argument(argc, argv); !fault.empty())
     return Console(false).usage_error("command line", fault + ": give a value, or leave it out.");
+  if (argc > 1 && std::string(argv[1]) == "view") return run_view(argv + 1);
   CLI::App app("Alabaster, a path tracer for translucent materials.", "alabaster");
   app.set_version_flag("--version", std::string(AlabasterVersions()));
   app.require_subcommand(1);
@@ -311,6 +318,7 @@ int run(int argc, char** argv) {
   const CLI::App* tradeoff_command = add_tradeoff(app, &tradeoff);
   const CLI::App* info_command = add_info(app, &info);
   const CLI::App* check_command = add_check(app, &check);
+  add_view(app);
   CLI::App* schema_command = app.add_subcommand("schema", "Prints a JSON schema, which lists every parameter.");
   schema_command
       ->add_option("name", schema,

@@ -26,6 +26,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "hydra": CONTRACT,
     "tradeoff": CONTRACT + ["support"],
     "cli": CONTRACT + ["support", "tradeoff"],
+    "view": CONTRACT + ["support", "cli"],
 }
 CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
@@ -41,7 +42,8 @@ OWNERS = {  # pattern of an include -> files that may have it
     r"OpenImageIO/": ["core/images/open_image_io/"],
     r"tiny_gltf": ["delegate/gltf/"],
     r"valijson/": ["delegate/description/"],
-    r"CLI/": ["delegate/cli/"],
+    r"CLI/": ["delegate/cli/", "delegate/view/main"],
+    r"imgui|GLFW/": ["delegate/view/"],
     r"xxhash": ["core/digest/"],
     r"dlfcn\.h": ["core/denoise/", "core/images/", "delegate/rendering/factory", "delegate/hydra/plugin/renderer_plugin"],
     r"pxr/": ["delegate/hydra/plugin/"],

@@ -1,0 +1,28 @@
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "delegate/cli/commands.h"
+#include "delegate/cli/console.h"
+#include "delegate/cli/exit_codes.h"
+
+namespace alabaster::cli {
+
+// The window is a program of its own, so that this one runs where there is no OpenGL.
+int run_view(char** arguments) {
+  Console console(false);
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::string program = (self.parent_path() / "alabaster-view").string();
+  if (error || !std::filesystem::exists(program, error))
+    return console.usage_error("view",
+                               "This build has no window. Install libglfw3-dev and libimgui-dev, and configure and "
+                               "build again.");
+  execv(program.c_str(), arguments);
+  console.error(program, std::string("It could not be started: ") + std::strerror(errno) + ".");
+  return kRender;
+}
+
+}  // namespace alabaster::cli

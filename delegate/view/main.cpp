@@ -1,0 +1,91 @@
+// The program alabaster-view: a window on a scene. It uses the public contract and the kit, nothing else.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "delegate/cli/exit_codes.h"
+#include "delegate/view/window.h"
+
+namespace alabaster::view {
+namespace {
+
+struct Arguments {
+  std::string scene, ocio, script;
+  bool allow_outside = false, quiet = false;
+};
+
+// Reads the script; an exit code.
+int load_script(const std::string& file, Script* script, cli::Console* console) {
+  if (file.empty()) return cli::kDone;
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) return console->usage_error(file, "The script could not be read. Check the name.");
+  *script = read_script(text.str());
+  if (!script->problem.empty()) return console->usage_error(file, script->problem + ".");
+  return cli::kDone;
+}
+
+int view(const Arguments& a) {
+  cli::Console console(a.quiet);
+  Messages messages;
+  const hd::DiagnosticSink print = console.sink();
+  const hd::DiagnosticSink sink = [&](const hd::Diagnostic& d) {
+    print(d);
+    messages.add(d);
+  };
+  WindowOptions options;
+  if (const int code = load_script(a.script, &options.script, &console); code != cli::kDone) return code;
+  hd::description::LoadOptions load;
+  load.allow_outside = a.allow_outside;
+  load.keep_going = true;  // an image that is missing is a message in the window, and may appear
+  cli::SceneSession session;
+  if (!session.load(a.scene, load, sink)) return cli::kInput;
+  if (!session.choose_colors(a.ocio, sink)) return a.ocio.empty() ? cli::kInput : cli::kUsage;
+  for (const std::string& note : session.file.notes) {
+    console.note("note: " + note);
+    messages.add({hd::Severity::info, "scene.note", "", note});
+  }
+  if (!session.start(sink)) return cli::kRender;
+  options.scene_file = a.scene;
+  options.title = std::filesystem::path(a.scene).filename().string() + " - Alabaster";
+  ViewSession shown(&session, sink);
+  return run_window(&shown, &messages, options, &console);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("A window on a scene: look around, pick, edit, save.", "alabaster view");
+  Arguments a;
+  app.add_option("scene", a.scene, "Scene file (.gltf, .glb or a render description .json)")
+      ->required()
+      ->type_name("SCENE");
+  app.add_option("--ocio", a.ocio, "OpenColorIO config; default: the scene's, else $OCIO, else the built-in one")
+      ->type_name("FILE");
+  app.add_option("--script", a.script, "Acts as the lines of this file say, as a user would (delegate/view/script.h)")
+      ->type_name("FILE");
+  app.add_flag("--allow-outside", a.allow_outside,
+               "Let scene files name files that lie outside their own folders, for reading and for writing");
+  app.add_flag("--quiet", a.quiet, "Print errors and warnings only");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? cli::kDone : cli::kUsage;
+  }
+  return view(a);
+}
+
+}  // namespace
+}  // namespace alabaster::view
+
+int main(int argc, char** argv) {
+  try {
+    return alabaster::view::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("error: not enough memory\n", stderr);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "error: %s\n", e.what());
+  }
+  return alabaster::cli::kRender;
+}

@@ -1,0 +1,84 @@
+#include "delegate/view/orbit_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "delegate/support/window_policy.h"
+
+namespace alabaster::view {
+namespace {
+
+using hd::Matrix4d;
+using hd::Vec3d;
+
+constexpr double kHighestElevation = 89.5 * std::numbers::pi / 180;
+
+Vec3d axis(const Matrix4d& m, int row) {
+  return {m[row][0], m[row][1], m[row][2]};
+}
+
+Matrix4d rotated_about(const Matrix4d& camera, const Vec3d& pivot, const Vec3d& around, double angle) {
+  Matrix4d turn;
+  turn.setAxisAngle(around, angle);
+  return camera * Matrix4d().setTranslation(-pivot) * turn * Matrix4d().setTranslation(pivot);
+}
+
+double number(const hd::CameraDescription& camera, const char* name, double otherwise) {
+  const auto found = camera.parameters.find(name);
+  return found == camera.parameters.end() ? otherwise : found->second.number_or(otherwise);
+}
+
+}  // namespace
+
+Matrix4d orbited(const Matrix4d& camera, const Vec3d& pivot, double yaw, double pitch) {
+  const Matrix4d turned = rotated_about(camera, pivot, {0, 1, 0}, yaw);
+  const Vec3d right = axis(turned, 0).normalized(), back = axis(turned, 2).normalized();
+  const double elevation = std::asin(std::clamp(back.y, -1.0, 1.0));
+  const double most = std::max(kHighestElevation, std::abs(elevation));
+  const double wanted = std::clamp(elevation + pitch, -most, most);
+  return rotated_about(turned, pivot, right, elevation - wanted);
+}
+
+Matrix4d panned(const Matrix4d& camera, double right, double up) {
+  return camera * Matrix4d().setTranslation(axis(camera, 0).normalized() * right + axis(camera, 1).normalized() * up);
+}
+
+Matrix4d dollied(const Matrix4d& camera, const Vec3d& pivot, double factor) {
+  return camera * Matrix4d().setTranslation((camera.translation() - pivot) * (factor - 1));
+}
+
+Sight sight_of(const hd::CameraDescription& camera, const hd::Framing& framing, hd::WindowPolicy policy) {
+  const auto projection = camera.parameters.find("projection");
+  Sight sight;
+  sight.orthographic = projection != camera.parameters.end() && projection->second.text_or("") == "orthographic";
+  // The contract's defaults, as schemas/camera.json has them.
+  const double focal = sight.orthographic ? 1 : number(camera, "focalLength", 50);
+  const hd::Vec2f size = framing.displayMax - framing.displayMin;
+  const double aspect = double(size.x) / double(size.y) * double(framing.pixelAspectRatio);
+  const hd::support::CameraWindow seen = hd::support::conform_window(
+      {number(camera, "horizontalAperture", 36) / focal, number(camera, "verticalAperture", 24) / focal}, aspect,
+      policy);
+  sight.width = seen.width, sight.height = seen.height;
+  return sight;
+}
+
+Vec3d point_at(const Matrix4d& camera, const Sight& sight, double x, double y, double depth) {
+  const double scale = sight.orthographic ? 1 : depth;
+  const Vec3d local((x - 0.5) * sight.width * scale, (0.5 - y) * sight.height * scale, -depth);
+  Vec3d world;
+  camera.multVecMatrix(local, world);
+  return world;
+}
+
+void zoom(hd::CameraDescription* camera, const Vec3d& pivot, double factor) {
+  const auto projection = camera->parameters.find("projection");
+  if (projection == camera->parameters.end() || projection->second.text_or("") != "orthographic") {
+    camera->transform = dollied(camera->transform, pivot, factor);
+    return;
+  }
+  camera->parameters["horizontalAperture"] = float(number(*camera, "horizontalAperture", 36) * factor);
+  camera->parameters["verticalAperture"] = float(number(*camera, "verticalAperture", 24) * factor);
+}
+
+}  // namespace alabaster::view

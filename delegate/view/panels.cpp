@@ -1,0 +1,255 @@
+#include "delegate/view/panels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "delegate/host/product_writer.h"
+
+namespace alabaster::view {
+namespace {
+
+// Those that an artist reaches for first.
+const std::vector<std::string> kFirstOfMaterial{"baseColor", "scatterDistance", "scatterAnisotropy", "roughness",
+                                                "ior",       "specular",        "metallic",          "specTrans"};
+const std::vector<std::string> kFirstOfLight{"intensity", "exposure", "color", "visibleToCamera"};
+const std::vector<std::string> kFirstOfCamera{"focalLength", "fStop", "focusDistance"};
+const std::vector<std::string> kFirstOfSettings{"samples",  "targetError", "timeLimit",
+                                                "adaptive", "subsurface",  "maxDepth"};
+// Parts of a frame's samples belong to a farm, and memory to the command line.
+const std::vector<std::string> kNoSettings{"firstSample", "frame",         "denoise",
+                                           "memoryLimit", "textureMemory", "refineEdgeLength"};
+
+std::vector<ParameterRow> setting_rows() {
+  std::vector<ParameterRow> rows = parameter_rows("render_settings", kFirstOfSettings);
+  std::erase_if(rows, [](const ParameterRow& row) {
+    return std::find(kNoSettings.begin(), kNoSettings.end(), row.name) != kNoSettings.end();
+  });
+  return rows;
+}
+
+std::vector<std::string> shown_aovs() {
+  std::vector<std::string> all = hd::host::ProductAovs();
+  std::erase(all, "denoised");
+  return all;
+}
+
+std::string short_name(const hd::Path& path) {
+  const std::string& text = path.str();
+  const size_t slash = text.rfind('/');
+  std::string name = slash == std::string::npos ? text : text.substr(slash + 1);
+  const size_t digits = name.find_first_not_of("0123456789");
+  return digits != 0 && digits != std::string::npos && name[digits] == '_' ? name.substr(digits + 1) : name;
+}
+
+}  // namespace
+
+Panels::Panels(ViewSession* session, Widgets* widgets, Messages* messages, const std::string& scene_file)
+    : session_(session),
+      widgets_(widgets),
+      messages_(messages),
+      scene_file_(scene_file),
+      material_rows_(parameter_rows("disney_material", kFirstOfMaterial)),
+      light_rows_(parameter_rows("lights", kFirstOfLight)),
+      camera_rows_(parameter_rows("camera", kFirstOfCamera)),
+      setting_rows_(setting_rows()),
+      aovs_(shown_aovs()) {
+  const std::filesystem::path file(scene_file);
+  const std::string stem = (file.parent_path() / file.stem()).string();
+  picture_file_ = stem + "_view.png";
+  description_file_ = stem + "_view.json";
+  if (!session_->edits().materials().empty()) material_ = session_->edits().materials()[0];
+  if (!session_->edits().lights().empty()) light_ = session_->edits().lights()[0];
+}
+
+void Panels::show(const std::optional<Picked>& picked) {
+  picked_ = picked;
+  picked_nothing_ = !picked;
+  if (!picked || picked->material.empty()) return;
+  const auto& all = session_->edits().materials();
+  if (std::find(all.begin(), all.end(), picked->material) == all.end()) return;
+  material_ = picked->material;
+  select_material_tab_ = true;
+}
+
+void Panels::handle_keys() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (io.WantTextInput) return;
+  const auto pressed = [&](char letter) {
+    return std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(), ImWchar(letter)) !=
+           io.InputQueueCharacters.end();
+  };
+  if (pressed(' ')) session_->pause(!session_->paused());
+  if (pressed('r')) session_->reset_camera();
+  if (pressed('h')) side_shown_ = !side_shown_;
+  if (pressed('d')) session_->compare(Compare((int(session_->compared()) + 1) % 3));
+  if (pressed('[')) session_->set_exposure(session_->exposure() - 0.5f);
+  if (pressed(']')) session_->set_exposure(session_->exposure() + 0.5f);
+  if (pressed('s')) save_picture();
+}
+
+bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Value* value) {
+  ImGui::AlignTextToFramePadding();
+  if (changed) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 0.72f, 0.30f, 1.0f));
+  ImGui::TextUnformatted(row.label.c_str());
+  if (changed) ImGui::PopStyleColor();
+  help(row.description);
+  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
+  const auto shown = [this](hd::Vec3f color) { return session_->shown(color); };
+  const bool edited = edit_parameter(widgets_, row, session_->scene_size(), shown, value);
+  if (changed) {
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::GetFrameHeight());
+    *reset = ImGui::Button(("x##reset " + row.name).c_str(), {ImGui::GetFrameHeight(), 0});
+    widgets_->mark("reset " + row.name);
+    help("Back to the scene's own value.");
+  }
+  return edited;
+}
+
+void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& rows) {
+  SceneEdits& edits = session_->edits();
+  const std::string type = edits.light_type(prim);
+  for (const ParameterRow& row : rows) {
+    if (!type.empty() && !row.applies_to.empty() &&
+        std::find(row.applies_to.begin(), row.applies_to.end(), type) == row.applies_to.end())
+      continue;
+    const std::string texture = type.empty() ? edits.texture(prim, row.name) : std::string();
+    if (!texture.empty()) {
+      ImGui::AlignTextToFramePadding();
+      ImGui::TextUnformatted(row.label.c_str());
+      help(row.description);
+      ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+      if (widgets_->button("constant##" + row.name, "Use one value in place of the image."))
+        session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
+      ImGui::SameLine();
+      ImGui::TextDisabled("%s", std::filesystem::path(texture).filename().c_str());
+      continue;
+    }
+    bool reset = false;
+    hd::Value value = edits.value(prim, row);
+    if (draw_row(row, edits.is_changed(prim, row.name), &reset, &value))
+      session_->edit([&] { edits.set(prim, row, value); });
+    if (reset) session_->edit([&] { edits.reset(prim, row.name); });
+  }
+}
+
+void Panels::pick_prim(const char* name, const std::vector<hd::Path>& prims, hd::Path* chosen) {
+  std::vector<std::string> items;
+  std::string present = chosen->str();
+  for (const hd::Path& path : prims) items.push_back(path.str());
+  ImGui::SetNextItemWidth(-1);
+  if (widgets_->menu(name, items, &present)) *chosen = hd::Path(present);
+}
+
+void Panels::draw_picked() {
+  if (!picked_) {
+    ImGui::TextDisabled(
+        "%s", picked_nothing_ ? "Nothing is there: the background." : "Click on the picture to pick an object.");
+    return;
+  }
+  const hd::host::PickHit& hit = picked_->hit;
+  ImGui::TextWrapped("%s", hit.path.str().c_str());
+  std::string where = "face " + std::to_string(hit.face);
+  for (const auto& instance : hit.instances)
+    where += ", instance " + std::to_string(instance.index) + " of " + instance.instancer.str();
+  ImGui::TextDisabled("%s, material %s", where.c_str(), short_name(picked_->material).c_str());
+}
+
+void Panels::draw_materials() {
+  draw_picked();
+  ImGui::Separator();
+  if (session_->edits().materials().empty()) return ImGui::TextDisabled("The scene has no material to edit.");
+  pick_prim("material", session_->edits().materials(), &material_);
+  ImGui::BeginChild("parameters");
+  draw_prim(material_, material_rows_);
+  ImGui::EndChild();
+}
+
+void Panels::draw_lights() {
+  if (session_->edits().lights().empty())
+    return ImGui::TextWrapped("The scene has no light prims: its materials emit.");
+  pick_prim("light", session_->edits().lights(), &light_);
+  ImGui::TextDisabled("%s", session_->edits().light_type(light_).c_str());
+  ImGui::BeginChild("parameters");
+  draw_prim(light_, light_rows_);
+  ImGui::EndChild();
+}
+
+void Panels::draw_camera() {
+  if (widgets_->button("Back to the scene's camera", "Key R")) session_->reset_camera();
+  if (picked_) {
+    ImGui::SameLine();
+    if (widgets_->button("Focus on the pick")) {
+      const hd::Vec2d at((picked_->hit.x + 0.5) / session_->size().x, (picked_->hit.y + 0.5) / session_->size().y);
+      hd::CameraDescription camera = session_->camera();
+      if (const auto depth = session_->depth_at(at.x, at.y)) {
+        camera.parameters["focusDistance"] = float(*depth);
+        session_->set_camera(camera);
+      }
+    }
+  }
+  ImGui::BeginChild("parameters");
+  for (const ParameterRow& row : camera_rows_) {
+    hd::CameraDescription camera = session_->camera();
+    const auto found = camera.parameters.find(row.name);
+    hd::Value value = found == camera.parameters.end() ? row.default_value : found->second;
+    bool reset = false;
+    if (!draw_row(row, false, &reset, &value)) continue;
+    camera.parameters[row.name] =
+        row.kind == RowKind::choice ? hd::Value(hd::Token(value.text_or(""))) : stored_value(row, value);
+    session_->set_camera(camera);
+  }
+  ImGui::EndChild();
+}
+
+void Panels::draw_side() {
+  if (!ImGui::BeginTabBar("tabs")) return;
+  const ImGuiTabItemFlags flags = select_material_tab_ ? ImGuiTabItemFlags_SetSelected : 0;
+  select_material_tab_ = false;
+  const bool material = ImGui::BeginTabItem("Material", nullptr, flags);
+  widgets_->mark("Material");
+  if (material) {
+    draw_materials();
+    ImGui::EndTabItem();
+  }
+  const std::string messages = "Messages";
+  using Draw = void (Panels::*)();
+  for (const auto& [name, draw] : {std::pair<std::string, Draw>{"Light", &Panels::draw_lights},
+                                   {"Camera", &Panels::draw_camera},
+                                   {"Render", &Panels::draw_render},
+                                   {"Save", &Panels::draw_save},
+                                   {messages, &Panels::draw_messages}}) {
+    const bool alarm = name == messages && messages_->alarms() > seen_alarms_;
+    if (alarm) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 0.5f, 0.4f, 1.0f));
+    const bool open = widgets_->tab(name);
+    if (alarm) ImGui::PopStyleColor();
+    if (!open) continue;
+    (this->*draw)();
+    ImGui::EndTabItem();
+  }
+  ImGui::EndTabBar();
+}
+
+void Panels::draw_messages() {
+  seen_alarms_ = messages_->alarms();
+  const auto all = messages_->all();
+  if (all.empty()) return ImGui::TextDisabled("No messages.");
+  if (widgets_->button("Clear")) messages_->clear();
+  ImGui::BeginChild("messages");
+  for (const Messages::Entry& entry : all) {
+    const hd::Diagnostic& d = entry.diagnostic;
+    const ImVec4 color = d.severity == hd::Severity::error     ? ImVec4(1.0f, 0.45f, 0.4f, 1.0f)
+                         : d.severity == hd::Severity::warning ? ImVec4(1.0f, 0.8f, 0.35f, 1.0f)
+                                                               : ImVec4(0.75f, 0.75f, 0.75f, 1.0f);
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
+    const std::string times = entry.count > 1 ? " (" + std::to_string(entry.count) + " times)" : "";
+    ImGui::TextWrapped("%s%s%s%s", d.where.c_str(), d.where.empty() ? "" : ": ", d.text.c_str(), times.c_str());
+    ImGui::PopStyleColor();
+    ImGui::Spacing();
+  }
+  ImGui::EndChild();
+}
+
+}  // namespace alabaster::view

@@ -1,0 +1,106 @@
+#include "delegate/view/parameter_rows.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "delegate/description/render_description.h"
+
+namespace alabaster::view {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kDecades = 1000;  // beyond this ratio of values a slider is logarithmic
+
+// "scatterDistance" as "Scatter distance", "shaping:cone:angle" as "Shaping cone angle".
+std::string label_of(const std::string& name) {
+  std::string label;
+  for (const char c : name) {
+    if (c == ':') {
+      label += ' ';
+    } else if (std::isupper(static_cast<unsigned char>(c))) {
+      label += ' ';
+      label += char(std::tolower(static_cast<unsigned char>(c)));
+    } else {
+      label += c;
+    }
+  }
+  if (!label.empty()) label[0] = char(std::toupper(static_cast<unsigned char>(label[0])));
+  return label;
+}
+
+void read_limits(const json& schema, ParameterRow* row) {
+  row->minimum = schema.value("minimum", schema.value("exclusiveMinimum", -kInfinite));
+  row->maximum = schema.value("maximum", kInfinite);
+}
+
+// False for what no row can show.
+bool read_type(const json& schema, const json& entry, ParameterRow* row) {
+  const std::string type = schema.value("type", "");
+  const json& value = entry["default"];
+  if (type == "boolean") {
+    row->kind = RowKind::toggle, row->default_value = value.get<bool>();
+  } else if (type == "string") {
+    row->kind = schema.contains("enum") ? RowKind::choice : RowKind::text;
+    row->choices = schema.value("enum", std::vector<std::string>());
+    row->default_value = value.get<std::string>();
+  } else if (type == "array") {
+    if (!value.is_array() || value.size() != 3) return false;
+    row->kind = RowKind::color;
+    row->default_value = hd::Vec3f(value[0].get<float>(), value[1].get<float>(), value[2].get<float>());
+    read_limits(schema["items"], row);
+  } else {
+    row->kind = type == "integer" ? RowKind::integer : RowKind::number;
+    row->default_value = value.get<double>();
+    read_limits(schema, row);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<ParameterRow> parameter_rows(const std::string& schema, const std::vector<std::string>& first) {
+  std::vector<ParameterRow> rows;
+  const char* const text = hd::description::SchemaText(schema);
+  if (!text) return rows;
+  const json document = json::parse(text);
+  for (const auto& [name, entry] : document["properties"].items()) {
+    ParameterRow row;
+    row.name = name, row.label = label_of(name);
+    row.unit = entry.value("unit", "none");
+    if (row.unit == "none") row.unit.clear();
+    row.description = entry.value("description", "");
+    row.applies_to = entry.value("appliesTo", std::vector<std::string>());
+    if (read_type(entry.contains("anyOf") ? entry["anyOf"][0] : entry, entry, &row)) rows.push_back(std::move(row));
+  }
+  const auto place = [&](const ParameterRow& row) { return std::find(first.begin(), first.end(), row.name); };
+  std::stable_sort(rows.begin(), rows.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  return rows;
+}
+
+SoftRange soft_range(const ParameterRow& row, double value, double scene_size) {
+  const bool length = row.unit == "scene unit";
+  double usual = 10;
+  if (const double given = row.default_value.number_or(0); given > 0) usual = 10 * given;
+  if (length) usual = scene_size;
+  SoftRange range;
+  range.low = std::isfinite(row.minimum) ? row.minimum : -usual;
+  range.high = std::min(row.maximum, row.maximum / kDecades > usual ? usual : row.maximum);
+  // A slider up to 1,048,576 is of no use to somebody who wants 64.
+  if (row.kind == RowKind::integer && row.maximum > 4096) range.high = std::min(row.maximum, std::max(usual, 4096.0));
+  if (length) range.high = std::min(row.maximum, usual);
+  if (value > range.high) range.high = std::min(row.maximum, 2 * value);
+  if (value < range.low) range.low = std::max(row.minimum, 2 * value);
+  range.logarithmic = row.minimum >= 0 && (length || !std::isfinite(row.maximum) || range.high >= kDecades);
+  return range;
+}
+
+double limited(const ParameterRow& row, double value) {
+  return std::isnan(value) ? row.default_value.number_or(0) : std::clamp(value, row.minimum, row.maximum);
+}
+
+}  // namespace alabaster::view

@@ -1,0 +1,42 @@
+// Rows of a panel, one for each parameter of a schema: names, units, ranges and sentences come from the schemas alone.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "delegate/api/types.h"
+
+namespace alabaster::view {
+
+enum class RowKind { number, integer, toggle, color, choice, text };
+
+struct ParameterRow {
+  std::string name;         // as the schema has it
+  std::string label;        // "Scatter distance"
+  std::string unit;         // empty: none
+  std::string description;  // a sentence or two
+  RowKind kind = RowKind::number;
+  hd::Value default_value;              // double, bool, Vec3f or string
+  double minimum = 0, maximum = 0;      // infinite where the schema has no limit
+  std::vector<std::string> choices;     // of kind choice
+  std::vector<std::string> applies_to;  // types of lights; empty: all
+};
+
+/// The rows of a schema that alabaster::hd::description::SchemaText knows, in alphabetical order but for those that
+/// `first` names. Parameters that are lists of other things than three numbers are left out.
+std::vector<ParameterRow> parameter_rows(const std::string& schema, const std::vector<std::string>& first = {});
+
+/// The range of a slider: a typed number may go beyond, up to the row's own limits.
+struct SoftRange {
+  double low = 0, high = 1;
+  bool logarithmic = false;
+};
+
+/// The schema's range where it has both limits and a slider can cover them. Else up to ten times the default, or for
+/// lengths up to `scene_size`; a value beyond that is always in the range.
+SoftRange soft_range(const ParameterRow& row, double value, double scene_size);
+
+/// `value` within the row's limits.
+double limited(const ParameterRow& row, double value);
+
+}  // namespace alabaster::view

@@ -1,0 +1,63 @@
+// Brings pixels of render buffers into memory that can be drawn, in a thread of its own: the thread of the window never
+// waits for a picture or for the denoiser.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "delegate/view/data_view.h"
+
+namespace alabaster::view {
+
+/// Eight bits RGBA for a display, the uppermost row first.
+struct Picture {
+  hd::Vec2i size{0, 0};
+  std::vector<uint8_t> rgba;
+  uint64_t number = 0;  // rises when pixels change
+};
+
+/// The buffer to show, and how.
+struct PictureRequest {
+  hd::RenderBuffer* buffer = nullptr;  // null: none
+  DataKind kind = DataKind::light;
+  std::shared_ptr<const hd::PixelTransform> display;  // of kind light
+  uint64_t version = 0;                               // another one writes all pixels again
+  bool operator==(const PictureRequest&) const = default;
+};
+
+class PictureFetcher {
+ public:
+  PictureFetcher();
+  ~PictureFetcher();  // waits for the picture that is being made
+  PictureFetcher(const PictureFetcher&) = delete;
+  PictureFetcher& operator=(const PictureFetcher&) = delete;
+
+  /// Begins to bring the pictures of both requests up to date, unless that is going on. Buffers must outlive this.
+  void fetch(const PictureRequest& left, const PictureRequest& right);
+  /// Exchanges *picture for the newest one of the request; false if it is the newest already. Never waits long.
+  bool take(bool right, Picture* picture);
+  bool busy() const;
+
+ private:
+  struct Side {
+    PictureRequest request;
+    hd::PixelMemory memory;
+    std::unique_ptr<hd::PixelTransform> data;
+    std::array<float, 2> range{0, 0};
+    Picture made;   // by the thread alone
+    Picture ready;  // under the lock
+  };
+  void run();
+  void make(Side* side, const PictureRequest& request);
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  bool asked_ = false, busy_ = false, end_ = false;
+  PictureRequest requests_[2];
+  Side sides_[2];
+  std::thread thread_;
+};
+
+}  // namespace alabaster::view

@@ -1,0 +1,214 @@
+// The panels of a render: toolbar, quality and settings, files, status.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "delegate/description/quality_presets.h"
+#include "delegate/view/panels.h"
+
+namespace alabaster::view {
+namespace {
+
+constexpr double kReadAgain = 0.2;  // seconds between two looks at the pixel under the mouse
+
+std::string percent(double share) {
+  char text[32];
+  std::snprintf(text, sizeof text, share < 0.0995 ? "%.2g %%" : "%.0f %%", 100 * share);
+  return text;
+}
+
+std::string duration(double seconds) {
+  char text[32];
+  if (seconds < 0) return "unknown";
+  if (seconds < 120)
+    std::snprintf(text, sizeof text, seconds < 10 ? "%.1f s" : "%.0f s", seconds);
+  else if (seconds < 7200)
+    std::snprintf(text, sizeof text, "%.0f min", seconds / 60);
+  else
+    std::snprintf(text, sizeof text, "%.1f h", seconds / 3600);
+  return text;
+}
+
+std::string noise_text(const ViewStatus& s) {
+  if (s.noise < 0) return "noise not known yet";
+  return "noise " + percent(s.noise) + " (" + percent(s.noise_low) + " to " + percent(s.noise_high) + ")";
+}
+
+const char* state_text(const ViewStatus& s, bool paused) {
+  if (s.state == hd::PassState::failed) return "failed";
+  if (paused) return "paused";
+  if (s.denoised >= 0 && s.denoised < 1) return "denoising";
+  switch (s.state) {
+    case hd::PassState::preparing:
+      return "preparing";
+    case hd::PassState::converged:
+      return "done";
+    case hd::PassState::stopped:
+      return "stopped";
+    default:
+      return "rendering";
+  }
+}
+
+}  // namespace
+
+void Panels::draw_toolbar() {
+  if (widgets_->button(session_->paused() ? "Continue" : "Pause", "Space bar", session_->paused()))
+    session_->pause(!session_->paused());
+  ImGui::SameLine();
+  const float em = ImGui::GetFontSize();
+  std::string aov = session_->aov();
+  ImGui::SetNextItemWidth(em * 9);
+  if (widgets_->menu("AOV", aovs_, &aov)) session_->show_aov(aov);
+  help("Layer that is shown. Light and colours are shown by the display's view, other numbers as colours.");
+
+  std::vector<std::string> displays, views;
+  for (const DisplayChoice& choice : session_->displays()) {
+    displays.push_back(choice.name);
+    if (choice.name == session_->display()) views = choice.views;
+  }
+  std::string display = session_->display(), view = session_->display_view();
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(em * 8);
+  if (widgets_->menu("Display", displays, &display)) session_->set_display(display, "");
+  help("Display of the OpenColorIO configuration.");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(em * 8);
+  if (widgets_->menu("View", views, &view)) session_->set_display(display, view);
+  help("View of that display.");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(em * 10);
+  float exposure = session_->exposure();
+  if (widgets_->slider("Exposure", &exposure, -6, 6, "%+.2f stops")) session_->set_exposure(exposure);
+  help("Exposure of the display: nothing is rendered again. Keys [ and ]. A click with Ctrl types a number.");
+
+  constexpr std::pair<const char*, Compare> kChoices[] = {
+      {"Rendered", Compare::rendered}, {"Denoised", Compare::denoised}, {"Side by side", Compare::side_by_side}};
+  for (const auto& [name, how] : kChoices) {
+    ImGui::SameLine();
+    if (widgets_->button(name, "The picture is denoised after its last sample, or when it is paused. Key D",
+                         session_->compared() == how))
+      session_->compare(how);
+  }
+}
+
+void Panels::draw_quality() {
+  std::vector<std::string> names{"as the scene says"};
+  for (const auto& preset : hd::description::QualityPresets()) names.push_back(preset.name);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Quality");
+  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::SetNextItemWidth(-1);
+  if (widgets_->menu("Quality", names, &quality_)) {
+    for (const ParameterRow& row : setting_rows_)
+      if (session_->is_setting_changed(row.name)) session_->reset_setting(row.name);
+    session_->apply_quality(quality_);
+  }
+  ImGui::TextWrapped("Now: %s after %u samples, %s", noise_text(status_).c_str(), status_.samples,
+                     duration(status_.seconds).c_str());
+  if (ImGui::BeginTable("presets", 3, ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_SizingStretchProp)) {
+    for (const char* heading : {"preset", "noise", "time from now on"}) ImGui::TableSetupColumn(heading);
+    ImGui::TableHeadersRow();
+    for (const auto& preset : hd::description::QualityPresets()) {
+      const auto target = preset.settings.find("targetError");
+      const double noise = target == preset.settings.end() ? 0 : target->second.number_or(0);
+      const double left = seconds_to(status_, noise);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(preset.name.c_str());
+      help(preset.description);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(noise > 0 ? percent(noise).c_str() : "-");
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(left == 0 ? "reached" : duration(left).c_str());
+    }
+    ImGui::EndTable();
+  }
+  ImGui::TextDisabled("Times are those of the present settings and size.");
+}
+
+void Panels::draw_render() {
+  draw_quality();
+  std::string size = reduction_ == 1 ? "as large as shown" : "1/" + std::to_string(reduction_) + " of that";
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Pixels");
+  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::SetNextItemWidth(-1);
+  if (widgets_->menu("Pixels", {"as large as shown", "1/2 of that", "1/4 of that"}, &size))
+    reduction_ = size[0] == 'a' ? 1 : size[2] - '0';
+  ImGui::Separator();
+  ImGui::BeginChild("settings");
+  for (const ParameterRow& row : setting_rows_) {
+    bool reset = false;
+    hd::Value value = session_->setting(row.name);
+    if (value.empty()) value = row.default_value;
+    if (draw_row(row, session_->is_setting_changed(row.name), &reset, &value)) session_->set_setting(row, value);
+    if (reset) session_->reset_setting(row.name);
+  }
+  ImGui::EndChild();
+}
+
+void Panels::save_picture() {
+  saved_ =
+      session_->save_picture(picture_file_) ? "Wrote " + picture_file_ : "The picture was not written: see Messages.";
+}
+
+void Panels::save_description() {
+  saved_ = session_->save_description(description_file_, scene_file_)
+               ? "Wrote " + description_file_
+               : "The description was not written: see Messages.";
+}
+
+void Panels::draw_save() {
+  ImGui::TextWrapped(
+      "The picture, as it is now: .png, .tif and .jpg as displayed, .exr as rendered, with the layer shown.");
+  ImGui::SetNextItemWidth(-1);
+  widgets_->field("picture file", &picture_file_);
+  if (widgets_->button("Save picture", "Key S")) save_picture();
+  ImGui::Separator();
+  ImGui::TextWrapped(
+      "A render description (.json) of the scene with all that was changed here: camera, materials, "
+      "lights, settings. The scene's own files stay as they are.");
+  ImGui::SetNextItemWidth(-1);
+  widgets_->field("description file", &description_file_);
+  if (widgets_->button("Save description")) save_description();
+  ImGui::Separator();
+  ImGui::TextWrapped("%s", saved_.c_str());
+}
+
+void Panels::draw_status(const ViewStatus& status, double frames, const std::optional<hd::Vec2d>& mouse) {
+  status_ = status;
+  const char* const state = state_text(status, session_->paused());
+  char text[300];
+  std::snprintf(text, sizeof text, "%s   %u of %u samples   %s   %s", state, status.samples, status.samples_total,
+                duration(status.seconds).c_str(), noise_text(status).c_str());
+  std::string line = text;
+  const double target = session_->setting("targetError").number_or(0);
+  const double goal = target > 0 ? target : 0.02, left = seconds_to(status, goal);
+  if (left > 0) line += "   " + percent(goal) + " in about " + duration(left);
+  if (status.denoised >= 0 && status.denoised < 1) line += "   denoising " + percent(status.denoised);
+  if (!status.fault.empty()) line += "   " + status.fault;
+  if (status.scene_faults > 0) line += "   " + std::to_string(status.scene_faults) + " faults: see Messages";
+  ImGui::TextUnformatted(line.c_str());
+  if (mouse && ImGui::GetTime() - values_at_ > kReadAgain) {
+    values_ = session_->values_at(mouse->x, mouse->y);
+    values_at_ = ImGui::GetTime();
+  }
+  std::string right;
+  if (mouse && !values_.empty()) {
+    right = session_->aov();
+    for (const float value : values_) {
+      std::snprintf(text, sizeof text, " %.4g", double(value));
+      right += text;
+    }
+    std::snprintf(text, sizeof text, "  at %d, %d", int(mouse->x * session_->size().x),
+                  int(mouse->y * session_->size().y));
+    right += text;
+  }
+  std::snprintf(text, sizeof text, "   %d x %d   %3.0f fps", session_->size().x, session_->size().y, frames);
+  right += text;
+  const float at = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x;
+  ImGui::SameLine(std::max(at, ImGui::CalcTextSize(line.c_str()).x + 30));
+  ImGui::TextDisabled("%s", right.c_str());
+}
+
+}  // namespace alabaster::view

@@ -1,0 +1,248 @@
+#include "delegate/view/saved_description.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "delegate/support/output_file.h"
+#include "delegate/view/backdrop_model.h"
+
+namespace alabaster::view {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kBackdrop = "/studio/backdrop";
+
+// The shortest decimal that reads back as the same float.
+double decimal(float value) {
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  double read = 0;
+  std::from_chars(text, end.ptr, read);
+  return read;
+}
+
+json json_of(const hd::Value& value) {
+  if (const auto* v = value.get<float>()) return decimal(*v);
+  if (const auto* v = value.get<bool>()) return *v;
+  if (const auto* v = value.get<int32_t>()) return *v;
+  if (const auto* v = value.get<int64_t>()) return *v;
+  if (const auto* v = value.get<uint32_t>()) return *v;
+  if (const auto* v = value.get<double>()) return *v;
+  std::array<double, 4> parts{};
+  if (const size_t count = value.components(&parts); count > 1) {
+    json list = json::array();
+    for (size_t i = 0; i < count; ++i) list.push_back(decimal(float(parts[i])));
+    return list;
+  }
+  return value.text_or("");
+}
+
+json json_of(const hd::Matrix4d& m) {
+  json list = json::array();
+  for (int i = 0; i < 16; ++i) list.push_back(m[i / 4][i % 4]);
+  return list;
+}
+
+// Paths as patterns that match nothing else.
+std::string literal(const hd::Path& path) {
+  std::string pattern;
+  for (const char c : path.str()) {
+    if (std::string("*?[\\").find(c) != std::string::npos) pattern += '\\';
+    pattern += c;
+  }
+  return pattern;
+}
+
+std::string last_name(const hd::Path& path) {
+  return path.str().substr(path.str().rfind('/') + 1);
+}
+
+// Millimetres that a description's reader turns into just this length in metres.
+double millimetres(float metres) {
+  float guess = metres * 1000;
+  for (int i = 0; i < 4 && guess * 0.001f != metres; ++i)
+    guess = std::nextafter(guess, guess * 0.001f < metres ? INFINITY : -INFINITY);
+  return decimal(guess);
+}
+
+json camera_of(const hd::CameraDescription& camera) {
+  static const json schema = json::parse(hd::description::SchemaText("camera"))["properties"];
+  json entry{{"transform", json_of(camera.transform)}};
+  for (const auto& [token, value] : camera.parameters) {
+    const std::string& name = token.str();
+    if (!schema.contains(name)) continue;
+    const bool in_millimetres = schema[name].value("unitInDescription", "") == "mm";
+    entry[name] = in_millimetres ? json(millimetres(float(value.number_or(0)))) : json_of(value);
+    if (const auto* planes = value.get<hd::Array<hd::Vec4f>>()) {
+      entry[name] = json::array();
+      for (const hd::Vec4f& p : *planes) entry[name].push_back({p.x, p.y, p.z, p.w});
+    }
+  }
+  return entry;
+}
+
+class Description {
+ public:
+  Description(const ViewChanges& changes, const std::string& file, const hd::DiagnosticSink& sink)
+      : c_(changes), file_(file), folder_(fs::absolute(file).lexically_normal().parent_path()), sink_(sink) {}
+
+  bool write() {
+    if (!file_.ends_with(".json")) return fail("A render description is a .json file: give it such a name.");
+    if (!read_base()) return false;
+    add_backdrop();
+    for (const auto& [path, values] : c_.materials)
+      if (!is_backdrop(path)) add("materials", path, values, true);
+    add_lights();
+    if (c_.camera) document_["camera"] = camera_of(*c_.camera);
+    for (const auto& [name, value] : c_.settings) document_["settings"][name] = json_of(value);
+    for (const auto& [name, bytes] : companions_)
+      if (!write_file((folder_ / name).string(), bytes)) return false;
+    const std::string text = document_.dump(2) + "\n";
+    if (!write_file(file_, {text.begin(), text.end()})) return false;
+    if (outside_ && sink_)
+      sink_({hd::Severity::info, "view.outside", file_,
+             "It names files outside of its folder: render it with --allow-outside."});
+    return true;
+  }
+
+ private:
+  bool fail(const std::string& text) {
+    if (sink_) sink_({hd::Severity::error, "view.description", file_, text});
+    return false;
+  }
+
+  bool write_file(const std::string& name, const std::vector<uint8_t>& bytes) {
+    const std::string problem = hd::support::WriteOutputFile(name, bytes);
+    return problem.empty() || fail(name + " could not be written: " + problem + ".");
+  }
+
+  bool read_base() {
+    base_ = fs::absolute(c_.scene_file).lexically_normal();
+    std::error_code error;
+    if (fs::equivalent(base_, file_, error))
+      return fail("That is the scene itself, which must stay as it is: choose another name.");
+    if (!base_.string().ends_with(".json")) {
+      document_ = {{"gltf", {{{"file", placed(base_.filename().string())}}}}};
+      return true;
+    }
+    std::ifstream stream(base_);
+    document_ = json::parse(stream, nullptr, false);
+    if (!document_.is_object())
+      return fail("The scene's description, " + base_.string() + ", is gone or no longer whole: restore it.");
+    place_files(&document_);
+    return true;
+  }
+
+  // A name beside the scene as one beside the new description, or an absolute one.
+  std::string placed(const std::string& name) {
+    const fs::path full = (base_.parent_path() / name).lexically_normal();
+    const fs::path inside = full.lexically_relative(folder_);
+    if (!inside.empty() && *inside.begin() != "..") return inside.string();
+    outside_ = true;
+    return full.string();
+  }
+
+  // All names of files that are read. Those of products stay: they are written beside the description.
+  void place_files(json* value) {
+    for (auto& [key, child] : value->items()) {
+      const bool named =
+          value->is_object() && (key == "file" || key == "texture:file" || key == "shaping:ies:file" || key == "ocio");
+      if (named && child.is_string() && !child.get<std::string>().empty())
+        child = placed(child.get<std::string>());
+      else if (child.is_structured() && !(value == &document_ && key == "products"))
+        place_files(&child);
+    }
+  }
+
+  void add(const char* kind, const hd::Path& path, const std::map<std::string, hd::Value>& values, bool set) {
+    json entry{{"match", literal(path)}};
+    for (const auto& [name, value] : values) (set ? entry["set"] : entry)[name] = json_of(value);
+    document_[kind].push_back(std::move(entry));
+  }
+
+  std::string companion(const std::string& suffix, std::vector<uint8_t> bytes) {
+    const std::string name = fs::path(file_).stem().string() + suffix;
+    companions_.emplace_back(name, std::move(bytes));
+    return name;
+  }
+
+  bool is_backdrop(const hd::Path& material) const {
+    const auto mesh = c_.scene->GetMeshes().find(kBackdrop);
+    return mesh != c_.scene->GetMeshes().end() && mesh->second.material == material;
+  }
+
+  void add_backdrop() {
+    const auto mesh = c_.scene->GetMeshes().find(kBackdrop);
+    if (mesh == c_.scene->GetMeshes().end()) return;
+    const std::string material = last_name(mesh->second.material);
+    document_["gltf"].push_back({{"file", companion("_backdrop.glb", model_of_mesh(mesh->second, material))}});
+    json entry{{"match", material}, {"replace", json::object()}};
+    for (const auto& [path, node] : c_.scene->GetMaterials().at(mesh->second.material).nodes)
+      for (const auto& [name, value] : node.parameters) entry["replace"][name.str()] = json_of(value);
+    document_["materials"].push_back(std::move(entry));
+  }
+
+  // The paths of the lights that the scene's own files bring.
+  std::set<hd::Path> own_lights() const {
+    std::set<hd::Path> own;
+    for (const auto& model : c_.loaded->gltf) own.insert(model.lights.begin(), model.lights.end());
+    if (document_.contains("lights"))
+      for (const json& light : document_["lights"])
+        if (light.contains("name")) own.insert(hd::Path("/lights").append(light["name"].get<std::string>()));
+    return own;
+  }
+
+  void add_lights() {
+    const std::set<hd::Path> own = own_lights();
+    const auto& lights = c_.scene->GetLights();
+    bool replaced = false;
+    for (const hd::Path& path : own)
+      if (!lights.contains(path)) replaced = true, add("lights", path, {{"intensity", 0.0f}}, false);
+    for (const auto& [path, light] : lights) {
+      if (own.contains(path)) continue;
+      replaced = true;
+      json entry{{"name", last_name(path)}, {"type", light.type.str()}, {"transform", json_of(light.transform)}};
+      for (const auto& [name, value] : light.parameters) {
+        const auto* const image = value.get<hd::AssetPath>();
+        if (image && image->bytes)
+          entry[name.str()] = companion("_dome.hdr", *image->bytes);
+        else
+          entry[name.str()] = json_of(value);
+      }
+      document_["lights"].push_back(std::move(entry));
+    }
+    for (const auto& [path, values] : c_.lights)
+      if (own.contains(path)) add("lights", path, values, false);
+    if (replaced) document_["settings"]["studio"] = "off";
+  }
+
+  const ViewChanges& c_;
+  const std::string file_;
+  const fs::path folder_;
+  const hd::DiagnosticSink& sink_;
+  fs::path base_;
+  json document_;
+  std::vector<std::pair<std::string, std::vector<uint8_t>>> companions_;
+  bool outside_ = false;
+};
+
+}  // namespace
+
+bool WriteDescription(const ViewChanges& changes, const std::string& file, const hd::DiagnosticSink& sink) {
+  try {
+    return Description(changes, file, sink).write();
+  } catch (const std::exception& e) {
+    if (sink)
+      sink({hd::Severity::error, "view.description", file, std::string("It could not be written: ") + e.what()});
+    return false;
+  }
+}
+
+}  // namespace alabaster::view

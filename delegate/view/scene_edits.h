@@ -1,0 +1,51 @@
+// Parameters of a scene's materials and lights, as panels show and change them, and a record of what was changed.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "delegate/host/retained_scene_delegate.h"
+#include "delegate/view/parameter_rows.h"
+
+namespace alabaster::view {
+
+using Changes = std::map<hd::Path, std::map<std::string, hd::Value>>;  // by prim and parameter
+
+/// The numbers of a Vec3f and all else in the types that the renderer takes: floats, bools, strings.
+hd::Value stored_value(const ParameterRow& row, const hd::Value& shown);
+
+/// One thread. Each set is one edit of the scene; the next sync takes it up.
+class SceneEdits {
+ public:
+  explicit SceneEdits(hd::host::RetainedSceneDelegate* scene);
+
+  /// Those with a Disney surface, and all lights; in the order of their paths.
+  const std::vector<hd::Path>& materials() const { return materials_; }
+  const std::vector<hd::Path>& lights() const { return lights_; }
+  std::string light_type(const hd::Path& light) const;
+
+  /// The value that is in force: the row's default where the prim has none.
+  hd::Value value(const hd::Path& prim, const ParameterRow& row) const;
+  /// The image that a material's parameter is read from; empty if it is a constant.
+  std::string texture(const hd::Path& material, const std::string& parameter) const;
+  /// A constant. A material's parameter loses its image.
+  void set(const hd::Path& prim, const ParameterRow& row, const hd::Value& value);
+  /// Takes the changes of a parameter back.
+  void reset(const hd::Path& prim, const std::string& parameter);
+  bool is_changed(const hd::Path& prim, const std::string& parameter) const;
+
+  const Changes& changed_materials() const { return changed_materials_; }
+  const Changes& changed_lights() const { return changed_lights_; }
+
+ private:
+  const hd::MaterialNode* surface(const hd::Path& material) const;
+
+  hd::host::RetainedSceneDelegate* scene_;
+  std::vector<hd::Path> materials_, lights_;
+  std::map<hd::Path, hd::MaterialNetwork> first_materials_;  // as they were loaded
+  std::map<hd::Path, hd::host::LightDescription> first_lights_;
+  Changes changed_materials_, changed_lights_;
+};
+
+}  // namespace alabaster::view

@@ -1,0 +1,339 @@
+#include "delegate/view/view_session.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "delegate/description/quality_presets.h"
+#include "delegate/host/snapshot.h"
+#include "delegate/view/saved_description.h"
+
+namespace alabaster::view {
+namespace {
+
+using hd::Path;
+using hd::Value;
+using hd::Vec2i;
+
+// Always bound: what picks need, and the distance that a drag needs.
+constexpr const char* kBoundAovs[] = {"color", "primId", "instanceId", "elementId", "cameraDepth"};
+
+Path buffer_path(const std::string& aov) {
+  return Path("/view/buffers").append(aov);
+}
+
+double size_of(const hd::host::RetainedSceneDelegate& scene) {
+  hd::Vec3d low(1e300), high(-1e300);
+  for (const auto& [path, mesh] : scene.GetMeshes()) {
+    const auto points = mesh.primvars.find("points");
+    const auto* array = points == mesh.primvars.end() ? nullptr : points->second.value.get<hd::Array<hd::Vec3f>>();
+    if (!array || path.str().starts_with("/studio/")) continue;
+    for (const hd::Vec3f& p : *array) {
+      const hd::Vec3d world = hd::Vec3d(p) * mesh.transform;
+      for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], world[i]), high[i] = std::max(high[i], world[i]);
+    }
+  }
+  const double size = (high - low).length();
+  return size > 0 && std::isfinite(size) && size < 1e200 ? size : 1;
+}
+
+double stat(const hd::Dictionary& stats, const char* key, double otherwise) {
+  const auto found = stats.find(key);
+  return found == stats.end() ? otherwise : found->second.number_or(otherwise);
+}
+
+std::string text(const hd::Dictionary& stats, const char* key) {
+  const auto found = stats.find(key);
+  return found == stats.end() ? std::string() : found->second.text_or("");
+}
+
+// A setting in the type that the renderer has it in.
+Value as_type_of(const Value& type, const ParameterRow& row, const Value& shown) {
+  if (type.get<bool>()) return shown.number_or(0) != 0;
+  if (type.get<std::string>() || type.get<hd::Token>()) return shown.text_or("");
+  const double number = limited(row, shown.number_or(0));
+  if (type.get<int32_t>()) return int32_t(std::lround(number));
+  if (type.get<int64_t>()) return int64_t(std::llround(number));
+  if (type.get<uint32_t>()) return uint32_t(std::llround(number));
+  if (type.get<float>()) return float(number);
+  return number;
+}
+
+}  // namespace
+
+double seconds_to(const ViewStatus& status, double target) {
+  if (status.noise <= 0 || target <= 0) return -1;
+  const double ratio = status.noise / target;
+  return std::max(0.0, status.seconds * (ratio * ratio - 1));
+}
+
+std::vector<float> PixelReader::values(hd::RenderBuffer* buffer, double x, double y) {
+  if (!buffer) return {};
+  const auto components = size_t(std::clamp(hd::FormatComponents(buffer->GetFormat()), 1, 4));
+  constexpr hd::Format kFormats[] = {hd::Format::float32, hd::Format::float32vec2, hd::Format::float32vec3,
+                                     hd::Format::float32vec4};
+  const hd::Format format = kFormats[components - 1];
+  if (buffer != buffer_ || memory_.format != format) memory_ = {}, memory_.format = format, buffer_ = buffer;
+  for (int tries = 0; tries < 2 && !buffer->ResolveTo(&memory_); ++tries) {
+    pixels_.resize(size_t(memory_.size.x) * size_t(memory_.size.y) * components);
+    memory_.pixels = pixels_.data();
+    memory_.rowBytes = size_t(memory_.size.x) * components * sizeof(float);
+    memory_.shown = 0;
+  }
+  if (pixels_.empty() || memory_.shown == 0) return {};
+  const int column = std::clamp(int(x * memory_.size.x), 0, memory_.size.x - 1);
+  const int row = std::clamp(int(y * memory_.size.y), 0, memory_.size.y - 1);
+  const size_t at = (size_t(row) * size_t(memory_.size.x) + size_t(column)) * components;
+  return {pixels_.begin() + std::ptrdiff_t(at), pixels_.begin() + std::ptrdiff_t(at + components)};
+}
+
+ViewSession::ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink)
+    : loaded_(loaded), sink_(std::move(sink)), edits_(&loaded->scene) {
+  settings_ = loaded_->scene.GetAllRenderSettings().at(loaded_->file.settings);
+  camera_ = first_camera_ = loaded_->scene.GetCameras().at(settings_.camera);
+  scene_size_ = size_of(loaded_->scene);
+  pass_ = loaded_->delegate()->CreateRenderPass();
+  state_.camera = settings_.camera;
+  state_.windowPolicy = settings_.windowPolicy;
+  displays_ = read_displays(hd::host::DescribeColors(loaded_->colors(), sink_));
+  // AOV color is shown as it was rendered; AOV denoised has the other picture.
+  const auto denoise = settings_.settings.find("denoise");
+  loaded_->delegate()->SetRenderSetting("denoise", false);
+  set_size({settings_.width, settings_.height});
+  for (const char* aov : kBoundAovs) bind(aov);
+  set_display("", "");
+  if (denoise != settings_.settings.end() && denoise->second.number_or(0) != 0) compare(Compare::denoised);
+}
+
+ViewSession::~ViewSession() {
+  loaded_->delegate()->Stop();
+  pass_.reset();
+}
+
+void ViewSession::update() {
+  if (dirty_) {
+    dirty_ = false;
+    if (!loaded_->index()->SyncAll()) dirty_ = true;
+    state_.aovBindings.clear();
+    for (const std::string& aov : bound_)
+      if (hd::RenderBuffer* const b = buffer(aov)) state_.aovBindings.push_back({aov, b, {}});
+  }
+  state_.framing = {{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, settings_.pixelAspectRatio};
+  state_.freeCamera = camera_;
+  if (pass_) pass_->Execute(state_);
+}
+
+ViewStatus ViewSession::status() const {
+  const hd::Dictionary stats = loaded_->delegate()->GetRenderStats();
+  ViewStatus s;
+  if (pass_) s.state = pass_->GetState();
+  s.samples = uint32_t(stat(stats, "numCompletedSamples", 0));
+  s.samples_total = uint32_t(stat(stats, "samplesTotal", 0));
+  s.seconds = stat(stats, "totalClockTime", 0);
+  s.covered = stat(stats, "covered", 0) != 0;
+  s.noise = stat(stats, "error.relativeRmse", -1);
+  s.noise_low = stat(stats, "error.low", -1);
+  s.noise_high = stat(stats, "error.high", -1);
+  s.denoised = stat(stats, "denoise.fraction", -1);
+  s.denoiser = text(stats, "denoiser");
+  s.fault = text(stats, "error");
+  if (s.fault.empty()) s.fault = text(stats, "denoise.error");
+  s.scene_faults = int(stat(stats, "scene.faultCount", 0));
+  return s;
+}
+
+double ViewSession::aspect() const {
+  return double(settings_.width) / settings_.height * double(settings_.pixelAspectRatio);
+}
+
+hd::RenderBuffer* ViewSession::buffer(const std::string& aov) const {
+  return static_cast<hd::RenderBuffer*>(loaded_->index()->GetBprim(buffer_path(aov)));
+}
+
+bool ViewSession::set_buffer(const std::string& aov) {
+  const hd::Format format = loaded_->delegate()->GetDefaultAovDescriptor(aov).format;
+  if (format == hd::Format::invalid) return false;
+  loaded_->scene.SetRenderBuffer(buffer_path(aov), {{size_.x, size_.y, 1}, format});
+  return true;
+}
+
+void ViewSession::bind(const std::string& aov) {
+  if (std::find(bound_.begin(), bound_.end(), aov) != bound_.end() || !set_buffer(aov)) return;
+  bound_.push_back(aov);
+  changed();
+}
+
+void ViewSession::set_size(Vec2i size) {
+  size = {std::clamp(size.x, 1, 16384), std::clamp(size.y, 1, 16384)};
+  if (size == size_) return;
+  size_ = size;
+  for (const std::string& aov : bound_) set_buffer(aov);
+  changed();
+}
+
+void ViewSession::changed() {
+  dirty_ = true;
+  pause(false);
+}
+
+void ViewSession::show_aov(const std::string& aov) {
+  bind(aov);
+  aov_ = aov;
+}
+
+void ViewSession::compare(Compare how) {
+  if (how == compare_) return;
+  compare_ = how;
+  if (how != Compare::rendered) {
+    bind("denoised");
+  } else if (std::erase(bound_, "denoised") > 0) {
+    changed();
+  }
+}
+
+bool ViewSession::set_display(const std::string& display, const std::string& view) {
+  hd::RenderProduct product;
+  product.display = display, product.view = view, product.exposure = exposure_;
+  std::shared_ptr<hd::host::DisplayTransform> made =
+      hd::host::DisplayTransform::Create(product, loaded_->colors(), sink_);
+  if (!made) return false;
+  display_ = std::move(made);
+  ++display_version_;
+  display_name_ = display, view_name_ = view;
+  if (display_name_.empty() && !displays_.empty()) display_name_ = displays_[0].name;
+  for (const DisplayChoice& choice : displays_)
+    if (choice.name == display_name_ && view_name_.empty() && !choice.views.empty()) view_name_ = choice.views[0];
+  return true;
+}
+
+void ViewSession::set_exposure(float stops) {
+  if (stops == exposure_ || !display_ || !display_->SetExposure(stops)) return;
+  exposure_ = stops;
+  ++display_version_;
+}
+
+hd::Vec3f ViewSession::shown(hd::Vec3f color) const {
+  float rgba[4] = {color.x, color.y, color.z, 1};
+  if (display_) display_->Apply(rgba);
+  return {rgba[0], rgba[1], rgba[2]};
+}
+
+void ViewSession::pause(bool paused) {
+  if (paused == paused_) return;
+  paused_ = paused;
+  if (paused) {
+    loaded_->delegate()->Stop();
+  } else {
+    loaded_->delegate()->Restart();
+  }
+}
+
+void ViewSession::set_camera(hd::CameraDescription camera) {
+  camera_ = std::move(camera);
+  camera_.transformSamples = {};
+  pause(false);
+}
+
+void ViewSession::reset_camera() {
+  camera_ = first_camera_;
+  pause(false);
+}
+
+Sight ViewSession::sight() const {
+  const hd::Framing framing{{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, settings_.pixelAspectRatio};
+  return sight_of(camera_, framing, settings_.windowPolicy);
+}
+
+Value ViewSession::setting(const std::string& key) const {
+  return loaded_->delegate()->GetRenderSetting(key);
+}
+
+void ViewSession::set_setting(const ParameterRow& row, const Value& value) {
+  const Value typed = as_type_of(setting(row.name), row, value);
+  loaded_->delegate()->SetRenderSetting(row.name, typed);
+  changed_settings_[row.name] = typed;
+  changed();
+}
+
+void ViewSession::reset_setting(const std::string& key) {
+  loaded_->delegate()->SetRenderSetting(key, {});
+  changed_settings_.erase(key);
+  changed();
+}
+
+void ViewSession::apply_quality(const std::string& name) {
+  const hd::description::QualityPreset* const preset = hd::description::FindQualityPreset(name);
+  if (!preset) return;
+  for (const auto& [key, value] : preset->settings) {
+    loaded_->delegate()->SetRenderSetting(key, value);
+    changed_settings_[key] = value;
+  }
+  changed();
+}
+
+std::optional<Picked> ViewSession::pick(double x, double y) {
+  const Vec2i pixel(std::clamp(int(x * size_.x), 0, size_.x - 1), std::clamp(int(y * size_.y), 0, size_.y - 1));
+  const auto hits =
+      hd::host::Pick(*loaded_->index(), loaded_->scene, state_, {pixel.x, pixel.y, pixel.x + 1, pixel.y + 1});
+  if (hits.empty()) return std::nullopt;
+  Picked picked{hits[0], {}};
+  const auto mesh = loaded_->scene.GetMeshes().find(picked.hit.path);
+  if (mesh == loaded_->scene.GetMeshes().end()) return picked;
+  picked.material = mesh->second.material;
+  for (const hd::GeomSubset& subset : mesh->second.topology.geomSubsets)
+    if (std::find(subset.indices.begin(), subset.indices.end(), picked.hit.face) != subset.indices.end())
+      picked.material = subset.materialId;
+  return picked;
+}
+
+std::optional<double> ViewSession::depth_at(double x, double y) {
+  const std::vector<float> depth = depths_.values(buffer("cameraDepth"), x, y);
+  if (depth.empty() || !(depth[0] > 0) || depth[0] > 1e30f) return std::nullopt;
+  return double(depth[0]);
+}
+
+std::vector<float> ViewSession::values_at(double x, double y) {
+  return values_.values(buffer(aov_), x, y);
+}
+
+PictureRequest ViewSession::request(const std::string& aov) const {
+  PictureRequest r;
+  r.buffer = buffer(aov);
+  r.kind = data_kind(aov);
+  r.display = display_;
+  r.version = display_version_;
+  return r;
+}
+
+PictureRequest ViewSession::left() const {
+  return request(compare_ == Compare::denoised && aov_ == "color" ? "denoised" : aov_);
+}
+
+PictureRequest ViewSession::right() const {
+  return compare_ == Compare::side_by_side && aov_ == "color" ? request("denoised") : PictureRequest();
+}
+
+bool ViewSession::save_picture(const std::string& file) {
+  hd::RenderProduct product;
+  product.file = file;
+  product.display = display_name_, product.view = view_name_, product.exposure = exposure_;
+  if (compare_ != Compare::rendered) product.denoise = true;
+  if (file.ends_with(".exr")) {
+    product.display.clear(), product.view.clear(), product.exposure = 0;
+    product.vars = {hd::host::UsualRenderVar("color")};
+    if (aov_ != "color") product.vars.push_back(hd::host::UsualRenderVar(aov_));
+  }
+  return hd::host::CheckProduct(product, loaded_->colors(), sink_) &&
+         hd::host::WriteSnapshot(*loaded_->delegate(), *pass_, state_, product, loaded_->colors(), sink_);
+}
+
+bool ViewSession::save_description(const std::string& file, const std::string& scene_file) {
+  ViewChanges changes;
+  changes.scene = &loaded_->scene, changes.loaded = &loaded_->file, changes.scene_file = scene_file;
+  changes.materials = edits_.changed_materials(), changes.lights = edits_.changed_lights();
+  changes.settings = changed_settings_;
+  if (compare_ != Compare::rendered) changes.settings["denoise"] = true;
+  if (loaded_->file.framed || !(camera_ == first_camera_)) changes.camera = camera_;
+  return WriteDescription(changes, file, sink_);
+}
+
+}  // namespace alabaster::view

@@ -1,0 +1,154 @@
+// A scene on show: a pass that is always running, its buffers, the camera, the edits. Knows neither window nor widgets.
+#pragma once
+
+#include <optional>
+
+#include "delegate/cli/scene_session.h"
+#include "delegate/host/display_transform.h"
+#include "delegate/host/picker.h"
+#include "delegate/view/display_list.h"
+#include "delegate/view/orbit_camera.h"
+#include "delegate/view/picture_fetcher.h"
+#include "delegate/view/scene_edits.h"
+
+namespace alabaster::view {
+
+struct ViewStatus {
+  hd::PassState state = hd::PassState::idle;
+  uint32_t samples = 0, samples_total = 0;  // per pixel
+  double seconds = 0;                       // of rendering
+  bool covered = false;                     // the picture covers the frame
+  /// Relative RMSE of the picture as rendered, and its 95 % interval; below 0: not known yet.
+  double noise = -1, noise_low = -1, noise_high = -1;
+  double denoised = -1;  // share of the denoising that is done; below 0: not begun
+  std::string denoiser;  // name and version, once its picture is there
+  std::string fault;     // of a render or denoiser that failed
+  int scene_faults = 0;
+};
+
+/// Seconds of rendering from now on until the noise is `target`, if it goes on falling with the root of time; below 0
+/// if nothing is known yet.
+double seconds_to(const ViewStatus& status, double target);
+
+struct Picked {
+  hd::host::PickHit hit;
+  hd::Path material;  // of the face
+};
+
+/// Keeps what a buffer holds as numbers, for single pixels.
+class PixelReader {
+ public:
+  /// The values of the pixel at a place from 0 to 1, y down, as many as the buffer has; empty if it shows nothing yet.
+  std::vector<float> values(hd::RenderBuffer* buffer, double x, double y);
+
+ private:
+  hd::RenderBuffer* buffer_ = nullptr;
+  hd::PixelMemory memory_;
+  std::vector<float> pixels_;
+};
+
+enum class Compare { rendered, denoised, side_by_side };
+
+/// One thread, but for the diagnostics sink.
+class ViewSession {
+ public:
+  /// `loaded` has been loaded and started, and outlives this.
+  explicit ViewSession(cli::SceneSession* loaded, hd::DiagnosticSink sink);
+  ~ViewSession();
+
+  /// Syncs what was edited and restarts what it changes; to be called for each picture of the window. Never renders.
+  void update();
+  ViewStatus status() const;
+
+  const hd::RenderSettingsDescription& frame() const { return settings_; }
+  /// Width over height of the frame as a screen shows it.
+  double aspect() const;
+  void set_size(hd::Vec2i size);
+  hd::Vec2i size() const { return size_; }
+
+  /// AOVs that were shown once stay bound, so that looking at them again renders nothing.
+  void show_aov(const std::string& aov);
+  const std::string& aov() const { return aov_; }
+  void compare(Compare how);
+  Compare compared() const { return compare_; }
+
+  const std::vector<DisplayChoice>& displays() const { return displays_; }
+  /// False after a report. Empty names: the configuration's defaults.
+  bool set_display(const std::string& display, const std::string& view);
+  const std::string& display() const { return display_name_; }
+  const std::string& display_view() const { return view_name_; }
+  void set_exposure(float stops);
+  float exposure() const { return exposure_; }
+  /// A colour of the rendering space as the display shows it.
+  hd::Vec3f shown(hd::Vec3f color) const;
+
+  /// Ends rendering until it is resumed, and then denoises the samples so far if the denoised picture is shown.
+  void pause(bool paused);
+  bool paused() const { return paused_; }
+
+  SceneEdits& edits() { return edits_; }
+  /// Makes an edit of edits(), and has the picture follow.
+  template <class Edit>
+  void edit(const Edit& make) {
+    make();
+    changed();
+  }
+  const hd::CameraDescription& camera() const { return camera_; }
+  void set_camera(hd::CameraDescription camera);
+  void reset_camera();
+  Sight sight() const;
+  /// Length of the diagonal of the meshes' points; 1 if they have none.
+  double scene_size() const { return scene_size_; }
+
+  hd::Value setting(const std::string& key) const;
+  void set_setting(const ParameterRow& row, const hd::Value& value);
+  void reset_setting(const std::string& key);
+  bool is_setting_changed(const std::string& key) const { return changed_settings_.contains(key); }
+  /// Takes the settings of schemas/quality_presets.json.
+  void apply_quality(const std::string& preset);
+
+  /// Places are those of the picture, from 0 to 1, with y down.
+  std::optional<Picked> pick(double x, double y);
+  /// Distance along the view axis; empty where the background is.
+  std::optional<double> depth_at(double x, double y);
+  /// The values of the shown AOV, as rendered.
+  std::vector<float> values_at(double x, double y);
+
+  /// The picture left of the divider, and the one right of it (null buffer: none).
+  PictureRequest left() const;
+  PictureRequest right() const;
+
+  /// Files appear whole. False after a report.
+  bool save_picture(const std::string& file);
+  bool save_description(const std::string& file, const std::string& scene_file);
+
+ private:
+  hd::RenderBuffer* buffer(const std::string& aov) const;
+  void bind(const std::string& aov);
+  bool set_buffer(const std::string& aov);
+  PictureRequest request(const std::string& aov) const;
+  void changed();
+
+  cli::SceneSession* loaded_;
+  hd::DiagnosticSink sink_;
+  SceneEdits edits_;
+  hd::RenderSettingsDescription settings_;
+  hd::CameraDescription camera_, first_camera_;
+  double scene_size_ = 1;
+  std::unique_ptr<hd::RenderPass> pass_;
+  hd::RenderPassState state_;
+  std::vector<std::string> bound_;
+  hd::Vec2i size_{0, 0};
+  std::string aov_ = "color";
+  Compare compare_ = Compare::rendered;
+  bool paused_ = false, dirty_ = true;
+  std::vector<DisplayChoice> displays_;
+  std::string display_name_, view_name_;
+  float exposure_ = 0;
+  std::shared_ptr<hd::host::DisplayTransform> display_;
+  uint64_t display_version_ = 0;
+  std::map<std::string, hd::Value> changed_settings_;
+  PixelReader depths_, values_;
+};
+
+}  // namespace alabaster::view

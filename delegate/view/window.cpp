@@ -1,0 +1,300 @@
+#include "delegate/view/window.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui_impl_glfw.h>
+#include <imgui_impl_opengl3.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "delegate/cli/exit_codes.h"
+#include "delegate/support/output_file.h"
+#include "delegate/view/frame_times.h"
+#include "delegate/view/panels.h"
+#include "delegate/view/picture_panel.h"
+#include "delegate/view/script_player.h"
+#include "delegate/view/window_state.h"
+
+namespace alabaster::view {
+namespace {
+
+constexpr double kFrame = 1.0 / 60;   // seconds
+constexpr double kResizeRest = 0.15;  // seconds that a size must last before it is rendered
+constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                  "/usr/share/fonts/TTF/DejaVuSans.ttf"};
+constexpr float kFontSize = 15, kSideWidth = 27;  // the width in letters
+
+std::string g_glfw_error;  // GLFW reports through a function without an argument of ours
+
+/// GLFW and ImGui, ended in the right order.
+class Screen {
+ public:
+  ~Screen() {
+    if (begun_) {
+      ImGui_ImplOpenGL3_Shutdown();
+      ImGui_ImplGlfw_Shutdown();
+      ImGui::DestroyContext();
+    }
+    if (window) glfwDestroyWindow(window);
+    glfwTerminate();
+  }
+
+  bool open(const WindowOptions& options) {
+    glfwSetErrorCallback([](int, const char* text) { g_glfw_error = text; });
+    if (glfwInit() != GLFW_TRUE) return false;
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 0);
+    window = glfwCreateWindow(options.size.x, options.size.y, options.title.c_str(), nullptr, nullptr);
+    if (!window) return false;
+    glfwMakeContextCurrent(window);
+    glfwSwapInterval(1);
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;  // the layout is fixed, and no file of it is left behind
+    float scale = 1;
+    glfwGetWindowContentScale(window, &scale, nullptr);
+    load_font(scale);
+    ImGui::StyleColorsDark();
+    set_style(scale);
+    begun_ = ImGui_ImplGlfw_InitForOpenGL(window, true) && ImGui_ImplOpenGL3_Init("#version 130");
+    return begun_;
+  }
+
+  GLFWwindow* window = nullptr;
+
+ private:
+  static void load_font(float scale) {
+    for (const char* file : kFonts)
+      if (std::filesystem::exists(file) &&
+          ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::floor(kFontSize * scale)))
+        return;
+    ImGui::GetIO().Fonts->AddFontDefault();
+  }
+
+  static void set_style(float scale) {
+    ImGuiStyle& style = ImGui::GetStyle();
+    style.WindowRounding = 0;
+    style.FrameRounding = 3;
+    style.GrabRounding = 3;
+    style.WindowBorderSize = 0;
+    style.Colors[ImGuiCol_WindowBg] = ImVec4(0.11f, 0.11f, 0.12f, 1);
+    style.ScaleAllSizes(scale);
+  }
+
+  bool begun_ = false;
+};
+
+/// A texture that shows a picture.
+class PictureTexture {
+ public:
+  void show(const Picture& picture) {
+    if (id_ == 0) glGenTextures(1, &id_);
+    glBindTexture(GL_TEXTURE_2D, id_);
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+      glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    if (picture.size == size_)
+      glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, picture.rgba.data());
+    else
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, picture.size.x, picture.size.y, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                   picture.rgba.data());
+    size_ = picture.size;
+  }
+  unsigned id() const { return id_; }
+  hd::Vec2i size() const { return size_; }
+
+ private:
+  unsigned id_ = 0;
+  hd::Vec2i size_{0, 0};
+};
+
+class Window {
+ public:
+  Window(ViewSession* session, Messages* messages, const WindowOptions& options, cli::Console* console)
+      : session_(session),
+        messages_(messages),
+        console_(console),
+        scripted_(!options.script.actions.empty()),
+        player_(options.script),
+        panels_(session, &widgets_, messages, options.scene_file),
+        picture_(session) {}
+
+  int run(GLFWwindow* window) {
+    window_ = window;
+    while (!glfwWindowShouldClose(window_)) {
+      const double begun = glfwGetTime();
+      glfwPollEvents();
+      int width = 0, height = 0;
+      glfwGetFramebufferSize(window_, &width, &height);
+      if (width < 1 || height < 1) {  // iconified
+        glfwWaitEventsTimeout(0.1);
+        continue;
+      }
+      session_->update();
+      status_ = session_->status();
+      heed_failure();
+      bring_pictures();
+      draw(width, height);
+      const double drawn = glfwGetTime();
+      if (const int code = grant_wishes(width, height); code >= 0) return code;
+      glfwSwapBuffers(window_);
+      times_.add(glfwGetTime(), 1e3 * (drawn - begun));
+      const double left = kFrame - (glfwGetTime() - begun);
+      if (left > 0.001) std::this_thread::sleep_for(std::chrono::duration<double>(left));
+    }
+    return cli::kDone;
+  }
+
+ private:
+  // Without the library of the denoiser, or where it fails, the picture as rendered is shown.
+  void heed_failure() {
+    if (status_.state != hd::PassState::failed || session_->compared() == Compare::rendered) return;
+    session_->compare(Compare::rendered);
+  }
+
+  void bring_pictures() {
+    fetcher_.fetch(session_->left(), session_->right());
+    for (int side = 0; side < 2; ++side)
+      if (fetcher_.take(side == 1, &pictures_[side])) textures_[side].show(pictures_[side]), quiet_ = 0;
+    ++quiet_;
+  }
+
+  void draw(int width, int height) {
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    if (scripted_) player_.feed({window_, &picture_, &widgets_, status_, settled(), glfwGetTime()});
+    ImGui::NewFrame();
+    widgets_.begin_frame();
+    panels_.handle_keys();
+    draw_layout();
+    if (picture_.take_click()) panels_.show(picture_.picked());
+    follow_size(float(width) / ImGui::GetIO().DisplaySize.x);
+    ImGui::Render();
+    glViewport(0, 0, width, height);
+    glClearColor(0, 0, 0, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  }
+
+  void draw_layout() {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float bar = ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().WindowPadding.y;
+    const float side = panels_.side_is_shown() ? std::min(kSideWidth * ImGui::GetFontSize(), size.x / 2) : 0;
+    begin("toolbar", {0, 0}, {size.x, bar});
+    panels_.draw_toolbar();
+    ImGui::End();
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
+    ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.06f, 0.06f, 0.06f, 1));
+    begin("picture", {0, bar}, {size.x - side, size.y - 2 * bar});
+    ImGui::PopStyleVar();
+    picture_.draw({textures_[0].id(), textures_[1].id()});
+    ImGui::End();
+    ImGui::PopStyleColor();
+    if (side > 0) {
+      begin("side", {size.x - side, bar}, {side, size.y - 2 * bar});
+      panels_.draw_side();
+      ImGui::End();
+    }
+    begin("status", {0, size.y - bar}, {size.x, bar});
+    panels_.draw_status(status_, times_.per_second(), picture_.hovered());
+    ImGui::End();
+  }
+
+  static void begin(const char* name, ImVec2 at, ImVec2 size) {
+    ImGui::SetNextWindowPos(at);
+    ImGui::SetNextWindowSize(size);
+    ImGui::Begin(name, nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
+  }
+
+  // `scale`: pixels of the framebuffer for each of the window's units.
+  hd::Vec2i pixels(float scale) const {
+    const hd::Vec2i wanted = picture_.wanted_size();
+    const auto reduction = float(panels_.reduction());
+    return {std::max(1, int(float(wanted.x) * scale / reduction)),
+            std::max(1, int(float(wanted.y) * scale / reduction))};
+  }
+
+  // A window that is being resized renders once it rests.
+  void follow_size(float scale) {
+    const hd::Vec2i size = pixels(scale);
+    if (!(size == asked_size_)) asked_size_ = size, asked_at_ = glfwGetTime();
+    if (!(size == session_->size()) && (glfwGetTime() - asked_at_ > kResizeRest)) session_->set_size(size);
+  }
+
+  // The newest pixels are on the screen, or are renewed faster than anybody waits.
+  bool settled() const {
+    return asked_size_ == session_->size() && textures_[0].size() == session_->size() && quiet_ < 100000 &&
+           (status_.state != hd::PassState::converged || (quiet_ > 5 && !fetcher_.busy()));
+  }
+
+  int grant_wishes(int width, int height) {
+    if (!scripted_) return -1;
+    const ScriptPlayer::Wish wish = player_.take_wish();
+    if (!wish.screenshot.empty() && !save_screenshot(wish.screenshot, width, height)) return cli::kOutput;
+    if (wish.state) {
+      std::puts(window_state(*session_, status_, picture_.picked(), *messages_, &times_).c_str());
+      std::fflush(stdout);
+    }
+    if (!player_.problem().empty()) {
+      console_->error("--script", player_.problem());
+      return cli::kRender;
+    }
+    return wish.quit ? int(cli::kDone) : -1;
+  }
+
+  // As PPM, the uppermost row first.
+  bool save_screenshot(const std::string& file, int width, int height) {
+    const size_t row = size_t(width) * 3;
+    std::vector<uint8_t> pixels(row * size_t(height));
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
+    const std::string header = "P6\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
+    std::vector<uint8_t> bytes(header.begin(), header.end());
+    for (int y = height - 1; y >= 0; --y) {
+      const auto first = pixels.begin() + std::ptrdiff_t(row * size_t(y));
+      bytes.insert(bytes.end(), first, first + std::ptrdiff_t(row));
+    }
+    const std::string problem = hd::support::WriteOutputFile(file, bytes);
+    if (!problem.empty()) console_->error(file, "The screenshot could not be written: " + problem + ".");
+    return problem.empty();
+  }
+
+  ViewSession* session_;
+  Messages* messages_;
+  cli::Console* console_;
+  const bool scripted_;
+  ScriptPlayer player_;
+  Widgets widgets_;
+  Panels panels_;
+  PicturePanel picture_;
+  PictureFetcher fetcher_;
+  Picture pictures_[2];
+  PictureTexture textures_[2];
+  GLFWwindow* window_ = nullptr;
+  ViewStatus status_;
+  FrameTimes times_;
+  hd::Vec2i asked_size_{0, 0};
+  double asked_at_ = 0;
+  int quiet_ = 0;  // pictures of the window since the last new pixels
+};
+
+}  // namespace
+
+int run_window(ViewSession* session, Messages* messages, const WindowOptions& options, cli::Console* console) {
+  Screen screen;
+  if (!screen.open(options)) {
+    console->error("window", "It could not be opened: " + (g_glfw_error.empty() ? "no OpenGL 3" : g_glfw_error) +
+                                 ". A display with OpenGL 3 is needed: run it in a desktop session, or with xvfb-run.");
+    return cli::kRender;
+  }
+  return Window(session, messages, options, console).run(screen.window);
+}
+
+}  // namespace alabaster::view

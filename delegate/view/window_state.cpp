@@ -1,0 +1,37 @@
+#include "delegate/view/window_state.h"
+
+#include <nlohmann/json.hpp>
+
+namespace alabaster::view {
+
+using nlohmann::json;
+
+std::string window_state(const ViewSession& session, const ViewStatus& status, const std::optional<Picked>& picked,
+                         const Messages& messages, FrameTimes* times) {
+  json state{{"samples", status.samples},     {"samplesTotal", status.samples_total}, {"noise", status.noise},
+             {"seconds", status.seconds},     {"state", int(status.state)},           {"paused", session.paused()},
+             {"aov", session.aov()},          {"exposure", session.exposure()},       {"display", session.display()},
+             {"view", session.display_view()}};
+  state["size"] = {session.size().x, session.size().y};
+  state["denoiser"] = status.denoiser;
+  for (int i = 0; i < 16; ++i) state["camera"].push_back(session.camera().transform[i / 4][i % 4]);
+  if (picked) {
+    state["picked"] = {{"mesh", picked->hit.path.str()},
+                       {"material", picked->material.str()},
+                       {"face", picked->hit.face},
+                       {"instances", picked->hit.instances.size()}};
+  }
+  state["messages"] = json::array();
+  for (const Messages::Entry& entry : messages.all())
+    state["messages"].push_back(entry.diagnostic.where + ": " + entry.diagnostic.text);
+  const FrameTimes::Summary frames = times->take();
+  state["frames"] = {{"count", frames.frames},
+                     {"perSecond", frames.per_second},
+                     {"workMedianMs", frames.work_median},
+                     {"workP95Ms", frames.work_p95},
+                     {"intervalP95Ms", frames.interval_p95},
+                     {"intervalWorstMs", frames.interval_worst}};
+  return state.dump();
+}
+
+}  // namespace alabaster::view
