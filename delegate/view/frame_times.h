@@ -17,7 +17,7 @@ class FrameTimes {
     double per_second = 0;
     double work_median = 0, work_p95 = 0, interval_p95 = 0, interval_worst = 0;  // milliseconds
   };
-  /// Of all pictures since the last call.
+  /// Covers all pictures since the last call.
   Summary take();
 
  private:

@@ -1,4 +1,4 @@
-// What the renderer reports while a window is open, for its panel.
+// Reports of the renderer while a window is open, for its panel.
 #pragma once
 
 #include <mutex>

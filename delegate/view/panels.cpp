@@ -94,7 +94,7 @@ bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Va
   ImGui::TextUnformatted(row.label.c_str());
   if (changed) ImGui::PopStyleColor();
   help(row.description);
-  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
   const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
   const auto shown = [this](hd::Vec3f color) { return session_->shown(color); };
@@ -120,7 +120,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
       ImGui::AlignTextToFramePadding();
       ImGui::TextUnformatted(row.label.c_str());
       help(row.description);
-      ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+      ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
       if (widgets_->button("constant##" + row.name, "Use one value in place of the image."))
         session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
       ImGui::SameLine();
@@ -154,7 +154,9 @@ void Panels::draw_picked() {
   std::string where = "face " + std::to_string(hit.face);
   for (const auto& instance : hit.instances)
     where += ", instance " + std::to_string(instance.index) + " of " + instance.instancer.str();
-  ImGui::TextDisabled("%s, material %s", where.c_str(), short_name(picked_->material).c_str());
+  ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+  ImGui::TextWrapped("%s, material %s", where.c_str(), short_name(picked_->material).c_str());
+  ImGui::PopStyleColor();
 }
 
 void Panels::draw_materials() {
@@ -195,8 +197,10 @@ void Panels::draw_camera() {
     hd::CameraDescription camera = session_->camera();
     const auto found = camera.parameters.find(row.name);
     hd::Value value = found == camera.parameters.end() ? row.default_value : found->second;
+    if (row.scale != 1 && found != camera.parameters.end()) value = found->second.number_or(0) / row.scale;
     bool reset = false;
     if (!draw_row(row, false, &reset, &value)) continue;
+    if (row.scale != 1) value = value.number_or(0) * row.scale;
     camera.parameters[row.name] =
         row.kind == RowKind::choice ? hd::Value(hd::Token(value.text_or(""))) : stored_value(row, value);
     session_->set_camera(camera);

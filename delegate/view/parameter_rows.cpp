@@ -73,6 +73,7 @@ std::vector<ParameterRow> parameter_rows(const std::string& schema, const std::v
     row.name = name, row.label = label_of(name);
     row.unit = entry.value("unit", "none");
     if (row.unit == "none") row.unit.clear();
+    if (entry.value("unitInDescription", "") == "mm") row.unit = "mm", row.scale = 0.001;
     row.description = entry.value("description", "");
     row.applies_to = entry.value("appliesTo", std::vector<std::string>());
     if (read_type(entry.contains("anyOf") ? entry["anyOf"][0] : entry, entry, &row)) rows.push_back(std::move(row));

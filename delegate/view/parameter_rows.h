@@ -16,6 +16,7 @@ struct ParameterRow {
   std::string unit;         // empty: none
   std::string description;  // a sentence or two
   RowKind kind = RowKind::number;
+  double scale = 1;                     // of the unit: 0.001 where the renderer has metres and a row millimetres
   hd::Value default_value;              // double, bool, Vec3f or string
   double minimum = 0, maximum = 0;      // infinite where the schema has no limit
   std::vector<std::string> choices;     // of kind choice

@@ -58,6 +58,13 @@ void Panels::draw_toolbar() {
   ImGui::SameLine();
   const float em = ImGui::GetFontSize();
   std::string aov = session_->aov();
+  const auto name_next = [](const char* name) {
+    ImGui::SameLine(0, ImGui::GetFontSize());
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("%s", name);
+    ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+  };
+  name_next("AOV");
   ImGui::SetNextItemWidth(em * 9);
   if (widgets_->menu("AOV", aovs_, &aov)) session_->show_aov(aov);
   help("Layer that is shown. Light and colours are shown by the display's view, other numbers as colours.");
@@ -68,16 +75,16 @@ void Panels::draw_toolbar() {
     if (choice.name == session_->display()) views = choice.views;
   }
   std::string display = session_->display(), view = session_->display_view();
-  ImGui::SameLine();
+  name_next("Display");
   ImGui::SetNextItemWidth(em * 8);
   if (widgets_->menu("Display", displays, &display)) session_->set_display(display, "");
   help("Display of the OpenColorIO configuration.");
-  ImGui::SameLine();
+  name_next("View");
   ImGui::SetNextItemWidth(em * 8);
   if (widgets_->menu("View", views, &view)) session_->set_display(display, view);
   help("View of that display.");
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(em * 10);
+  name_next("Exposure");
+  ImGui::SetNextItemWidth(em * 9);
   float exposure = session_->exposure();
   if (widgets_->slider("Exposure", &exposure, -6, 6, "%+.2f stops")) session_->set_exposure(exposure);
   help("Exposure of the display: nothing is rendered again. Keys [ and ]. A click with Ctrl types a number.");
@@ -97,7 +104,7 @@ void Panels::draw_quality() {
   for (const auto& preset : hd::description::QualityPresets()) names.push_back(preset.name);
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Quality");
-  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Quality", names, &quality_)) {
     for (const ParameterRow& row : setting_rows_)
@@ -131,7 +138,7 @@ void Panels::draw_render() {
   std::string size = reduction_ == 1 ? "as large as shown" : "1/" + std::to_string(reduction_) + " of that";
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Pixels");
-  ImGui::SameLine(ImGui::GetFontSize() * 9.5f);
+  ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Pixels", {"as large as shown", "1/2 of that", "1/4 of that"}, &size))
     reduction_ = size[0] == 'a' ? 1 : size[2] - '0';

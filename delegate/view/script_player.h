@@ -37,7 +37,7 @@ class ScriptPlayer {
  public:
   explicit ScriptPlayer(Script script) : script_(std::move(script)) {}
 
-  /// What is asked of the window, by the time that it has been drawn.
+  /// Wishes for the window, to be met once it has been drawn.
   struct Wish {
     std::string screenshot;  // file; empty: none
     bool state = false, quit = false;

@@ -14,7 +14,7 @@ using hd::Path;
 using hd::Value;
 using hd::Vec2i;
 
-// Always bound: what picks need, and the distance that a drag needs.
+// Always bound: picks need the ids, and a drag needs the distance.
 constexpr const char* kBoundAovs[] = {"color", "primId", "instanceId", "elementId", "cameraDepth"};
 
 Path buffer_path(const std::string& aov) {

@@ -15,9 +15,10 @@ float decoded(float c) {
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
-// Digits enough for a thousandth of the range, and the unit.
-std::string number_format(const SoftRange& range, const std::string& unit) {
-  const double size = std::max(std::abs(range.high), 1e-9);
+// Digits enough for a thousandth of the range or of the value, and the unit.
+std::string number_format(const SoftRange& range, double value, const std::string& unit) {
+  double size = std::max(std::abs(range.high), 1e-9);
+  if (range.logarithmic && value > 0) size = std::clamp(value * 10, 1e-9, size);
   const int digits = std::clamp(int(std::ceil(3 - std::log10(size))), 0, 9);
   return "%." + std::to_string(digits) + "f" + (unit.empty() ? "" : " " + unit);
 }
@@ -36,8 +37,8 @@ bool edit_number(Widgets* widgets, const ParameterRow& row, double scene_size, h
     return moved;
   }
   auto number = float(before);
-  if (!widgets->slider(row.name, &number, float(range.low), float(range.high), number_format(range, row.unit).c_str(),
-                       flags))
+  if (!widgets->slider(row.name, &number, float(range.low), float(range.high),
+                       number_format(range, before, row.unit).c_str(), flags))
     return false;
   *value = limited(row, double(number));
   return true;
@@ -69,7 +70,7 @@ bool edit_color(Widgets* widgets, const ParameterRow& row, double scene_size,
   const SoftRange range = soft_range(row, largest, scene_size);
   const float swatch = length ? 0 : ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   const float width = (ImGui::CalcItemWidth() - swatch - 2 * ImGui::GetStyle().ItemInnerSpacing.x) / 3;
-  const std::string format = length ? number_format(range, "") : "%.3f";
+  const std::string format = length ? number_format(range, largest, "") : "%.3f";
   for (int i = 0; i < 3; ++i) {
     if (i > 0) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     ImGui::SetNextItemWidth(width);

@@ -25,7 +25,7 @@ constexpr double kFrame = 1.0 / 60;   // seconds
 constexpr double kResizeRest = 0.15;  // seconds that a size must last before it is rendered
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/TTF/DejaVuSans.ttf"};
-constexpr float kFontSize = 15, kSideWidth = 27;  // the width in letters
+constexpr float kFontSize = 15, kSideWidth = 29;  // the width in letters
 
 std::string g_glfw_error;  // GLFW reports through a function without an argument of ours
 
