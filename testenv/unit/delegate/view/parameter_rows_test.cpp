@@ -1,0 +1,113 @@
+// Panels made from the schemas.
+#include "delegate/view/parameter_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "delegate/description/render_description.h"
+
+namespace alabaster::view {
+namespace {
+
+const ParameterRow& find(const std::vector<ParameterRow>& rows, const std::string& name) {
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name == name; });
+  EXPECT_NE(row, rows.end()) << name;
+  return *row;
+}
+
+// A row for everything that a person can set: only the camera's lists of planes and ranges have none.
+TEST(ParameterRows, EveryParameterOfTheSchemasHasARow) {
+  const std::set<std::string> lists{"clippingRange", "clipPlanes"};
+  for (const char* schema : {"disney_material", "lights", "camera", "render_settings"}) {
+    const auto rows = parameter_rows(schema);
+    const auto document = nlohmann::json::parse(hd::description::SchemaText(schema));
+    for (const auto& [name, entry] : document["properties"].items()) {
+      const bool found = std::any_of(rows.begin(), rows.end(), [&](const auto& r) { return r.name == name; });
+      EXPECT_EQ(found, !lists.contains(name)) << schema << " " << name;
+    }
+    for (const ParameterRow& row : rows) {
+      EXPECT_FALSE(row.description.empty()) << row.name;
+      EXPECT_FALSE(row.label.empty()) << row.name;
+      EXPECT_LE(row.minimum, row.maximum) << row.name;
+      EXPECT_FALSE(row.default_value.empty()) << row.name;
+    }
+  }
+  EXPECT_TRUE(parameter_rows("no such schema").empty());
+}
+
+TEST(ParameterRows, ARowHasTheSchemasWords) {
+  const auto rows = parameter_rows("disney_material");
+  const ParameterRow& distance = find(rows, "scatterDistance");
+  EXPECT_EQ(distance.label, "Scatter distance");
+  EXPECT_EQ(distance.unit, "scene unit");
+  EXPECT_EQ(distance.kind, RowKind::color);
+  EXPECT_EQ(distance.minimum, 0);
+  EXPECT_TRUE(std::isinf(distance.maximum));
+  const ParameterRow& ior = find(rows, "ior");
+  EXPECT_EQ(ior.kind, RowKind::number);
+  EXPECT_EQ(ior.minimum, 1);
+  EXPECT_EQ(ior.maximum, 4);
+  EXPECT_EQ(ior.default_value.number_or(0), 1.5);
+  EXPECT_EQ(ior.unit, "");
+  EXPECT_EQ(find(rows, "thin").kind, RowKind::toggle);
+  EXPECT_EQ(find(rows, "priority").kind, RowKind::integer);
+  const auto settings = parameter_rows("render_settings");
+  EXPECT_EQ(find(settings, "subsurface").kind, RowKind::choice);
+  EXPECT_EQ(find(settings, "subsurface").choices.size(), 5u);
+  const auto lights = parameter_rows("lights");
+  EXPECT_EQ(find(lights, "shaping:cone:angle").label, "Shaping cone angle");
+  EXPECT_EQ(find(lights, "texture:file").kind, RowKind::text);
+  EXPECT_EQ(find(lights, "length").applies_to, std::vector<std::string>{"cylinderLight"});
+}
+
+TEST(ParameterRows, NamedRowsComeFirst) {
+  const auto rows = parameter_rows("disney_material", {"scatterDistance", "baseColor"});
+  EXPECT_EQ(rows[0].name, "scatterDistance");
+  EXPECT_EQ(rows[1].name, "baseColor");
+  EXPECT_EQ(rows.size(), parameter_rows("disney_material").size());
+}
+
+// A slider shows where its value stands, whatever a file or a keyboard has set.
+TEST(ParameterRows, ASliderCoversItsValueAndStaysWithinTheLimits) {
+  for (const char* schema : {"disney_material", "lights", "camera", "render_settings"})
+    for (const ParameterRow& row : parameter_rows(schema)) {
+      if (row.kind == RowKind::toggle || row.kind == RowKind::choice || row.kind == RowKind::text) continue;
+      for (const double scene_size : {0.01, 3.0, 5000.0})
+        for (const double asked : {row.default_value.number_or(0), 0.0, 0.3, 123456.0, -123456.0}) {
+          const double value = limited(row, asked);
+          const SoftRange range = soft_range(row, value, scene_size);
+          EXPECT_LT(range.low, range.high) << row.name << " " << value;
+          EXPECT_LE(range.low, value) << row.name;
+          EXPECT_GE(range.high, value) << row.name;
+          EXPECT_GE(range.low, row.minimum) << row.name;
+          EXPECT_LE(range.high, row.maximum) << row.name;
+          EXPECT_TRUE(std::isfinite(range.low) && std::isfinite(range.high)) << row.name;
+          if (range.logarithmic) {
+            EXPECT_GE(range.low, 0) << row.name;
+          }
+        }
+    }
+}
+
+TEST(ParameterRows, LengthsHaveTheScaleOfTheScene) {
+  const auto rows = parameter_rows("disney_material");
+  const ParameterRow& distance = find(rows, "scatterDistance");
+  EXPECT_DOUBLE_EQ(soft_range(distance, 0.001, 0.3).high, 0.3);
+  EXPECT_DOUBLE_EQ(soft_range(distance, 0.001, 40).high, 40);
+  EXPECT_TRUE(soft_range(distance, 0.001, 40).logarithmic) << "a thousandth of the scene can be set by hand";
+  EXPECT_FALSE(soft_range(find(rows, "roughness"), 0.5, 40).logarithmic);
+}
+
+TEST(ParameterRows, ValuesEndAtTheLimits) {
+  const auto rows = parameter_rows("disney_material");
+  EXPECT_EQ(limited(find(rows, "ior"), 0.2), 1);
+  EXPECT_EQ(limited(find(rows, "ior"), 9), 4);
+  EXPECT_EQ(limited(find(rows, "ior"), NAN), 1.5);
+}
+
+}  // namespace
+}  // namespace alabaster::view
