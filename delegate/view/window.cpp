@@ -101,7 +101,7 @@ class PictureTexture {
     if (picture.size == size_)
       glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, picture.rgba.data());
     else
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, picture.size.x, picture.size.y, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+      glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, picture.size.x, picture.size.y, 0, GL_RGBA, GL_UNSIGNED_BYTE,
                    picture.rgba.data());
     size_ = picture.size;
   }

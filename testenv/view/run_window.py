@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""Tests the window by its own scripts, on a screen of its own (Xvfb, software OpenGL), and looks at the pixels.
+
+  run_window.py --build build/release             the tests, as ctest runs them; skipped without the window or Xvfb
+  run_window.py --build build/release --results   frame rates and a screenshot of each panel, into testenv/view/results
+
+`sh testenv/install_packages.sh testenv/packages_window.txt` installs the packages. Exit code 77: skipped.
+"""
+import argparse
+import contextlib
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import panels
+import story
+
+SKIPPED = 77
+
+
+@contextlib.contextmanager
+def screen(width=1600, height=1000):
+    """A screen for the programs that are started within; its name."""
+    read, write = os.pipe()
+    server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"],
+                              pass_fds=[write], stderr=subprocess.DEVNULL)
+    os.close(write)
+    try:
+        with os.fdopen(read) as pipe:
+            number = pipe.readline().strip()
+        if not number:
+            raise SystemExit("error: Xvfb did not start")
+        yield ":" + number
+    finally:
+        server.terminate()
+        server.wait()
+
+
+class Window:
+    """Runs `alabaster view` in a folder. `display`: None for none."""
+
+    def __init__(self, build, folder, display, oidn):
+        self.program = pathlib.Path(build).resolve() / "bin" / "alabaster"
+        self.folder = pathlib.Path(folder)
+        self.environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "OCIO")}
+        self.environment["LIBGL_ALWAYS_SOFTWARE"] = "1"
+        if display:
+            self.environment["DISPLAY"] = display
+        if oidn:
+            self.environment["ALABASTER_OIDN"] = str(oidn)
+
+    def run(self, *arguments, timeout=300):
+        return subprocess.run([str(self.program), *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True, timeout=timeout)
+
+    def play(self, scene, lines, *arguments):
+        """The states that a script prints, one after the other; ends the test where it fails."""
+        script = self.folder / "script.txt"
+        script.write_text("\n".join(lines) + "\nquit\n")
+        done = self.run("view", scene, "--script", script, *arguments)
+        if done.returncode != 0:
+            numbered = "\n".join(f"{i:3} {line}" for i, line in enumerate(lines, 1))
+            raise SystemExit(f"error: exit code {done.returncode}\n{done.stdout}{done.stderr}\n{numbered}")
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def picture(self, name):
+        """A picture of the folder."""
+        file = self.folder / name
+        if file.suffix != ".ppm":
+            copy = file.with_suffix(".converted.ppm")
+            subprocess.run(["oiiotool", str(file), "--ch", "R,G,B", "-d", "uint8", "-o", str(copy)], check=True)
+            file = copy
+        return story.Picture(file.read_bytes())
+
+
+def why_not(build):
+    """The reason why the window cannot be tested here, or None."""
+    if not (pathlib.Path(build) / "bin" / "alabaster-view").exists():
+        return "the build has no alabaster-view: install testenv/packages_window.txt and configure again"
+    for program, package in (("Xvfb", "xvfb"), ("oiiotool", "openimageio-tools")):
+        if not shutil.which(program):
+            return f"{program} is missing: apt-get install {package}"
+    return None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--build", required=True, help="the build folder")
+    parser.add_argument("--oidn", help="the library that denoises; default: the one that the program finds")
+    parser.add_argument("--results", action="store_true")
+    options = parser.parse_args()
+    reason = why_not(options.build)
+    if reason:
+        print("skipped: " + reason)
+        return SKIPPED
+    with tempfile.TemporaryDirectory() as folder, screen() as display:
+        window = Window(options.build, folder, display, options.oidn)
+        if options.results:
+            panels.write_results(window)
+            return 0
+        story.tell(window)
+        blind = Window(options.build, folder, None, options.oidn)
+        story.refusals(blind)
+    print(f"{story.checks} checks passed")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,250 @@
+"""What a user does in the window, and what must be seen then."""
+import math
+
+import target_scene
+
+checks = 0
+MIDDLES = {"red": (0.42, 0.36), "green": (0.58, 0.36), "blue": (0.42, 0.64), "wall": (0.58, 0.64)}  # in the picture
+
+
+class Picture:
+    """A PPM of eight bits."""
+
+    def __init__(self, data):
+        kind, size, top, self.bytes = data.split(b"\n", 3)
+        assert kind == b"P6" and top == b"255"
+        self.width, self.height = map(int, size.split())
+
+    def at(self, x, y):
+        first = 3 * (y * self.width + x)
+        return tuple(self.bytes[first:first + 3])
+
+    def share(self, place):
+        """The colour at a place from 0 to 1, y down."""
+        return self.at(int(place[0] * self.width), int(place[1] * self.height))
+
+    def find(self, part):
+        """Where `part` stands in this picture, or None. Files are dithered and windows are not: levels may differ by one."""
+        def alike(x, y, step):
+            return all(abs(a - b) <= 1 for j in range(0, part.height, step) for i in range(0, part.width, step)
+                       for a, b in zip(self.at(x + i, y + j), part.at(i, j)))
+
+        places = ((x, y) for y in range(self.height - part.height + 1) for x in range(self.width - part.width + 1))
+        return next((place for place in places if alike(*place, 37) and alike(*place, 1)), None)
+
+    def differs(self, other):
+        """The share of pixels that differ."""
+        pairs = range(0, len(self.bytes), 3)
+        return sum(self.bytes[i:i + 3] != other.bytes[i:i + 3] for i in pairs) / len(pairs)
+
+
+def check(true, text):
+    global checks
+    checks += 1
+    if not true:
+        raise SystemExit("error: " + text)
+
+
+def check_near(values, wanted, tolerance, text):
+    check(len(values) == len(wanted) and all(abs(a - b) <= tolerance for a, b in zip(values, wanted)),
+          f"{text}: {tuple(values)} instead of {tuple(wanted)}")
+
+
+def srgb(linear):
+    encoded = 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+    return 255 * min(1, max(0, encoded))
+
+
+def save_picture(name):
+    return ["press Save", f'type "picture file" {name}', 'press "Save picture"']
+
+
+def save_description(name):
+    return ["press Save", f'type "description file" {name}', 'press "Save description"']
+
+
+PLAIN_VIEW = ['choose View "Un-tone-mapped"', "wait converged"]
+
+
+def tell(window):
+    for chapter in (picture_is_right, background_is_black, drags, edits, layers_and_display, pausing, denoising, saving, faults_of_scripts):
+        before = checks
+        chapter(window, target_scene.write(window.folder))
+        print(f"{chapter.__name__.replace('_', ' ')}: {checks - before} checks", flush=True)
+
+
+def picture_is_right(window, scene):
+    first, = window.play(scene, ["size 1000 640", "wait converged", *PLAIN_VIEW, *save_picture("shown.png"),
+                                 "press Material", "screenshot window.ppm", "state"])
+    shown, screenshot = window.picture("shown.png"), window.picture("window.ppm")
+    check_near([screenshot.width, screenshot.height], [1000, 640], 0, "the window's size")
+    check_near([shown.width, shown.height], first["size"], 0, "the picture's size")
+    check(abs(shown.width / shown.height - 4 / 3) < 0.01, "the picture has not the shape of the scene's frame")
+    check(screenshot.find(shown) is not None, "the window shows other pixels than it saves")
+    for name, (_, _, color) in target_scene.SQUARES.items():
+        # A dome of radiance 1 over a matte square; Disney's diffuse lobe differs from Lambert's by a few per cent.
+        check_near(shown.share(MIDDLES[name]), [srgb(c) for c in color], 14, name)
+    done = window.run("render", scene, "-o", "rendered.png", "--size", f"{shown.width}x{shown.height}",
+                      "--view", "Un-tone-mapped", "--quiet")
+    check(done.returncode == 0, done.stderr)
+    check(shown.bytes == window.picture("rendered.png").bytes, "alabaster render makes other pixels")
+
+
+def background_is_black(window, _):
+    window.play(target_scene.write(window.folder, wall=False), ["size 1000 640", "wait converged", "screenshot window.ppm"])
+    screenshot = window.picture("window.ppm")
+    check_near(screenshot.at(380, 420), (0, 0, 0), 0, "what has no alpha is shown over black")
+
+
+def place(state):
+    return [state["camera"][i] for i in (12, 13, 14)]
+
+
+def back(state):
+    return [state["camera"][i] for i in (8, 9, 10)]
+
+
+def drags(window, scene):
+    first, orbited, panned, zoomed, wheeled, returned = window.play(scene, [
+        "size 1000 640", "wait converged", "screenshot first.ppm", "state",
+        "drag left 0.45 0.45 0.55 0.40", "wait converged", "screenshot orbited.ppm", "state",
+        "drag middle 0.4 0.4 0.5 0.3", "wait converged", "state",
+        "drag right 0.45 0.45 0.45 0.35", "wait converged", "state",
+        "wheel 0.45 0.45 2", "wait converged", "state",
+        "key r", "wait converged", "screenshot returned.ppm", "state"])
+    check_near(place(first), (0, 0, 5), 1e-6, "the scene's camera")
+    check(place(orbited)[0] < -0.5 and place(orbited)[1] < -0.2,
+          f"a drag to the right and upwards moves the camera to {place(orbited)}, not to the left and downwards")
+    # The pivot is the point of the red square that was pressed.
+    across, sight = 0.48 * 4 / 3 * 5, 0.48 * 5
+    pivot = ((0.45 - 0.5) * across, (0.5 - 0.45) * sight, 0)
+    check_near([math.dist(place(first), pivot)], [math.dist(place(orbited), pivot)], 0.02, "distance to the pivot")
+    check_near(back(panned), back(orbited), 1e-9, "a pan does not turn")
+    check(math.dist(place(panned), place(orbited)) > 0.3, "a pan moves")
+    nearer = [math.dist(place(s), pivot) for s in (panned, zoomed, wheeled)]
+    check(nearer[1] < 0.95 * nearer[0] and nearer[2] < 0.95 * nearer[1], f"zooms do not come nearer: {nearer}")
+    check_near(place(returned), place(first), 0, "key R")
+    pictures = [window.picture(name) for name in ("first.ppm", "orbited.ppm")]
+    check(pictures[0].differs(pictures[1]) > 0.02, "a drag does not change the picture")
+
+
+def edits(window, scene):
+    picked, edited, typed, light = window.play(scene, [
+        "size 1000 640", "wait converged", *PLAIN_VIEW, *save_picture("before.png"),
+        "click {} {}".format(*MIDDLES["green"]), "state",
+        "slide baseColor.r 1", "wait converged", *save_picture("slid.png"), "state",
+        "press Material", "type baseColor.b 0.5", "wait converged", *save_picture("typed.png"), "state",
+        "press Light", "type intensity 0.25", "wait converged", *save_picture("light.png"), "state"])
+    check(picked["picked"]["mesh"].endswith("green/0"), f"picked {picked['picked']}")
+    check(picked["picked"]["material"].endswith("green"), f"picked {picked['picked']}")
+    check(picked["picked"]["face"] in (0, 1), f"picked {picked['picked']}")
+    before, slid, final, dim = (window.picture(f"{n}.png") for n in ("before", "slid", "typed", "light"))
+    check_near(before.share(MIDDLES["green"]), [srgb(c) for c in (0.05, 0.8, 0.05)], 14, "before the edit")
+    check_near(slid.share(MIDDLES["green"]), [srgb(c) for c in (1, 0.8, 0.05)], 14, "after the slider")
+    check_near(final.share(MIDDLES["green"]), [srgb(c) for c in (1, 0.8, 0.5)], 14, "after the typed number")
+    for other in ("red", "blue"):
+        check_near(slid.share(MIDDLES[other]), before.share(MIDDLES[other]), 3, f"{other} stays")
+    check_near(dim.share(MIDDLES["blue"]), [srgb(0.25 * c) for c in (0.05, 0.05, 0.8)], 10, "a light of a quarter")
+    check(edited["samples"] == typed["samples"] == light["samples"] == 4, "each edit is rendered to its end")
+
+
+def layers_and_display(window, scene):
+    states = window.play(scene, [
+        "size 1000 640", "wait converged", *PLAIN_VIEW, "choose AOV normal", "wait converged", "screenshot normal.ppm", "state",
+        "choose AOV primId", "wait converged", "screenshot ids.ppm", "choose AOV cameraDepth", "wait converged",
+        "screenshot depth.ppm", "choose AOV color", 'choose View "Raw"', "wait converged", *save_picture("raw.png"),
+        "type Exposure -1", "wait seconds 0.5", *save_picture("darker.png"), "press Material", "screenshot darker.ppm", "state"])
+    check(states[0]["aov"] == "normal" and states[1]["aov"] == "color" and states[1]["view"] == "Raw", str(states))
+    corner = window.picture("darker.ppm").find(window.picture("darker.png"))
+    check(corner is not None, "the window shows another exposure than it saves")
+    width, height = states[1]["size"]
+
+    def seen(name, square):
+        x, y = MIDDLES[square]
+        return window.picture(name).at(corner[0] + int(x * width), corner[1] + int(y * height))
+
+    check_near(seen("normal.ppm", "red"), (128, 128, 255), 1, "a square that faces the camera")
+    ids = {seen("ids.ppm", square) for square in MIDDLES}
+    check(len(ids) == 4, f"each object has a colour of its own: {ids}")
+    check(max(seen("depth.ppm", "red")) < 128, "what is near is dark")
+    raw, darker = window.picture("raw.png").share(MIDDLES["red"]), window.picture("darker.png").share(MIDDLES["red"])
+    check_near(raw, [255 * c for c in target_scene.SQUARES["red"][2]], 14, "view Raw")
+    check_near(darker, [c / 2 for c in raw], 1, "a stop less")
+    check(states[1]["exposure"] == -1, str(states[1]))
+
+
+def pausing(window, scene):
+    paused, later, going = window.play(target_scene.write(window.folder, samples=100000), [
+        "size 1000 640", "wait samples 2", "key space", "wait seconds 0.5", "state", "wait seconds 1", "state",
+        "press Continue", "wait samples 6", "state"])
+    check(paused["paused"] and later["paused"] and not going["paused"], "the space bar pauses")
+    check(later["samples"] == paused["samples"], "nothing is rendered while it is paused")
+    check(going["samples"] >= 6 and going["seconds"] >= later["seconds"], "it goes on where it was")
+    check(going["noise"] > 0, "the noise is known after some samples")
+
+
+def denoising(window, scene):
+    if "ALABASTER_OIDN" not in window.environment:
+        print("denoising: not tested, because no library was named (--oidn)")
+        return
+    window.environment["FAKE_OIDN"] = "color alone"  # twice the colour
+    whole, half = window.play(scene, [
+        "size 1000 640", "wait converged", *PLAIN_VIEW, 'choose View "Raw"', "type Exposure -1", "press Denoised", "wait converged",
+        "wait seconds 0.5", "screenshot denoised.ppm", "state", 'press "Side by side"', "wait converged", "wait seconds 0.5",
+        "screenshot both.ppm", "press Rendered", "wait seconds 0.5", *save_picture("plain.png"), "press Material",
+        "screenshot plain.ppm", "state"])
+    plain, shown, both = (window.picture(f"{n}.ppm") for n in ("plain", "denoised", "both"))
+    x, y = plain.find(window.picture("plain.png"))
+    width, height = half["size"]
+    red = (x + int(MIDDLES["red"][0] * width), y + int(MIDDLES["red"][1] * height))
+    green = (x + int(MIDDLES["green"][0] * width), y + int(MIDDLES["green"][1] * height))
+    twice = [min(255, 2 * c) for c in plain.at(*green)]
+    check_near(shown.at(*green), twice, 2, "the denoised picture")
+    check_near(both.at(*green), twice, 2, "right of the divider")
+    check_near(both.at(*red), plain.at(*red), 0, "left of the divider")
+
+
+def saving(window, scene):
+    before, = window.play(scene, [
+        "size 1000 640", "wait converged", "drag left 0.45 0.45 0.58 0.38", "wait converged",
+        "click 0.5 0.45", "press Material", "type roughness 0.2", "type scatterDistance.g 0.3", "press Light", "type color.b 0.4",
+        "press Render", "type samples 7", "choose subsurface diffusion", "wait converged",
+        *save_picture("shown.png"), *save_description("changed.json"), "state"])
+    done = window.run("render", "changed.json", "-o", "again.png", "--size", "{}x{}".format(*before["size"]), "--quiet")
+    check(done.returncode == 0, done.stderr)
+    shown, again = window.picture("shown.png"), window.picture("again.png")
+    check(shown.bytes == again.bytes, f"the saved description renders {100 * shown.differs(again):.1f} % other pixels")
+    untouched, = window.play(scene, ["size 1000 640", "wait converged", *save_picture("first.png"), "state"])
+    check(window.picture("first.png").differs(shown) > 0.1, "the edits do not show")
+    check(untouched["messages"] == [], str(untouched["messages"]))
+    refused, = window.play(scene, ["wait covered", *save_description("target.json"), *save_picture("target.gltf"), "state"])
+    check(len(refused["messages"]) == 2 and "choose another name" in refused["messages"][0], str(refused["messages"]))
+
+
+def faults_of_scripts(window, scene):
+    (window.folder / "lost.txt").write_text("wait covered\npress Nothing\n")
+    lost = window.run("view", scene, "--script", "lost.txt")
+    check(lost.returncode == 4 and "line 2: there is no widget 'Nothing'" in lost.stderr, f"{lost.returncode}: {lost.stderr}")
+
+
+def refusals(window):
+    """Bad words, bad files and no display are told in the terminal, by the program's exit codes."""
+    scene = target_scene.write(window.folder)
+    (window.folder / "bad.txt").write_text("fly\n")
+    (window.folder / "bad.json").write_text('{"gltf": [{"file": "target.gltf"}], "lihgts": []}')
+    for arguments, code, text in (
+            ([scene], 4, "could not be opened"), (["missing.json"], 3, "missing.json"), (["bad.json"], 3, "lights"),
+            ([scene, "--script", "bad.txt"], 2, "line 1: there is no action 'fly'"),
+            ([scene, "--script", "missing.txt"], 2, "could not be read"), ([], 2, "scene"), (["--help"], 0, "--script"),
+            ([scene, "--ocio", "missing.ocio"], 2, "missing.ocio"), ([scene, "--fly"], 2, "--fly")):
+        done = window.run("view", *arguments)
+        check(done.returncode == code and text in done.stdout + done.stderr,
+              f"view {arguments}: exit code {done.returncode} instead of {code}, {done.stdout}{done.stderr}")
+    lone = window.folder / "alabaster"
+    lone.write_bytes(window.program.read_bytes())
+    lone.chmod(0o755)
+    window.environment["LD_LIBRARY_PATH"] = str(window.program.parents[1] / "lib")
+    alone, window.program = window.program, lone
+    done = window.run("view", scene)
+    window.program = alone
+    check(done.returncode == 2 and "libglfw3-dev" in done.stderr, f"without the window: {done.returncode}, {done.stderr}")
