@@ -7,7 +7,7 @@
 set -eu
 top=$(cd "$(dirname "$0")/.." && pwd)
 . "$top/testenv/install_packages.sh"
-install_packages "$top/testenv/packages.txt" "$top/testenv/packages_tests.txt"
+install_packages "$top/testenv/packages.txt" "$top/testenv/packages_tests.txt" "$top/testenv/packages_window.txt"
 
 sanitize=""
 build="$top/build/release"

@@ -14,7 +14,8 @@ namespace {
 using nlohmann::json;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kDecades = 1000;  // beyond this ratio of values a slider is logarithmic
+constexpr double kMostInteger = 1 << 30, kMostNumber = 1e37;  // that sliders take
+constexpr double kDecades = 1000;                             // beyond this ratio of values a slider is logarithmic
 
 // "scatterDistance" as "Scatter distance", "shaping:cone:angle" as "Shaping cone angle".
 std::string label_of(const std::string& name) {
@@ -96,6 +97,8 @@ SoftRange soft_range(const ParameterRow& row, double value, double scene_size) {
   if (length) range.high = std::min(row.maximum, usual);
   if (value > range.high) range.high = std::min(row.maximum, 2 * value);
   if (value < range.low) range.low = std::max(row.minimum, 2 * value);
+  const double most = row.kind == RowKind::integer ? kMostInteger : kMostNumber;
+  range.low = std::clamp(range.low, -most, most), range.high = std::clamp(range.high, -most, most);
   range.logarithmic = row.minimum >= 0 && (length || !std::isfinite(row.maximum) || range.high >= kDecades);
   return range;
 }

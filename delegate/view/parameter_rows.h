@@ -34,7 +34,8 @@ struct SoftRange {
 };
 
 /// The schema's range where it has both limits and a slider can cover them. Else up to ten times the default, or for
-/// lengths up to `scene_size`; a value beyond that is always in the range.
+/// lengths up to `scene_size`; a value beyond that is in the range, too, unless it is
+/// beyond what sliders take (2^30 for whole numbers).
 SoftRange soft_range(const ParameterRow& row, double value, double scene_size);
 
 /// `value` within the row's limits.

@@ -17,6 +17,10 @@ using hd::Vec2i;
 // Always bound: picks need the ids, and a drag needs the distance.
 constexpr const char* kBoundAovs[] = {"color", "primId", "instanceId", "elementId", "cameraDepth"};
 
+// A target that no picture reaches: the renderer measures its noise while it goes on only if it has one.
+constexpr double kNoTarget = 1e-6;
+const hd::Token kTargetError("targetError");
+
 Path buffer_path(const std::string& aov) {
   return Path("/view/buffers").append(aov);
 }
@@ -112,6 +116,7 @@ ViewSession::~ViewSession() {
 void ViewSession::update() {
   if (dirty_) {
     dirty_ = false;
+    measure_noise();
     if (!loaded_->index()->SyncAll()) dirty_ = true;
     state_.aovBindings.clear();
     for (const std::string& aov : bound_)
@@ -243,8 +248,15 @@ Sight ViewSession::sight() const {
   return sight_of(camera_, framing, settings_.windowPolicy);
 }
 
+void ViewSession::measure_noise() {
+  const Value target = loaded_->delegate()->GetRenderSetting(kTargetError);
+  if (target.number_or(0) > 0) return;
+  loaded_->delegate()->SetRenderSetting(kTargetError, target.get<float>() ? Value(float(kNoTarget)) : Value(kNoTarget));
+}
+
 Value ViewSession::setting(const std::string& key) const {
-  return loaded_->delegate()->GetRenderSetting(key);
+  const Value value = loaded_->delegate()->GetRenderSetting(key);
+  return kTargetError == hd::Token(key) && value.number_or(0) <= 1.5 * kNoTarget ? Value(0.0f) : value;
 }
 
 void ViewSession::set_setting(const ParameterRow& row, const Value& value) {

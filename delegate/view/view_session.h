@@ -123,6 +123,7 @@ class ViewSession {
   bool save_description(const std::string& file, const std::string& scene_file);
 
  private:
+  void measure_noise();
   hd::RenderBuffer* buffer(const std::string& aov) const;
   void bind(const std::string& aov);
   bool set_buffer(const std::string& aov);

@@ -1,2 +1,59 @@
+"""Frame rates of the window and a screenshot of each panel, into testenv/view/results."""
+import os
+import pathlib
+import subprocess
+
+HERE = pathlib.Path(__file__).resolve().parent
+SCENES = HERE.parent / "scenes"
+PANELS = ["Material", "Light", "Camera", "Render", "Save", "Messages"]
+ANONYMOUS = ["--nosoftwareattrib", "--eraseattrib", ".*"]  # no paths of this machine in a picture
+MEASURED = ["hard_light", "backlit", "mixed_no_subsurface"]
+
+
+def frame_rates(window):
+    """Rows of the table: scene, what is done, frames as the window counts them."""
+    for scene in MEASURED:
+        first, refining, dragged, edited = window.play(SCENES / scene / f"{scene}.json", [
+            "size 1280 760", "wait covered 120", "state", "wait seconds 10", "state",
+            *(f"drag left 0.5 0.5 {0.5 + 0.02 * (-1) ** k} 0.5" for k in range(8)), "state",
+            "press Material", *(f"slide roughness {0.3 + 0.05 * k}" for k in range(8)), "state"])
+        for what, state in (("until it covers the frame", first), ("refining", refining), ("drags of the camera", dragged),
+                            ("drags of a slider", edited)):
+            yield scene, what, state["frames"], state["size"]
+
+
+def table(rows):
+    yield "# Frames of the window while it renders"
+    yield ""
+    yield (f"`run_window.py --results`, {os.cpu_count()} cores, all of which the renderer takes; OpenGL by software, which is slower than "
+           "any screen's. The window aims at 60 frames per second. Work: milliseconds of the window's thread for a frame, without the "
+           "wait for the screen. Interval: from a frame to the next.")
+    yield ""
+    yield "| scene | while | pixels | frames | per second | work, median | work, 95 % | interval, 95 % | longest |"
+    yield "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    for scene, what, frames, (width, height) in rows:
+        numbers = [f"{frames[name]:.1f}" for name in ("workMedianMs", "workP95Ms", "intervalP95Ms", "intervalWorstMs")]
+        yield (f"| {scene} | {what} | {width} x {height} | {frames['count']} | {frames['perSecond']:.0f} | " + " | ".join(numbers) + " |")
+
+
+def panels(window):
+    """Screenshots of all panels, and one of the denoised picture beside the plain one."""
+    scene = SCENES / "sample" / "sample.json"
+    lines = ["size 1280 760", "wait covered 200", "click 0.5 0.45"]
+    for name in PANELS:
+        lines += [f"press {name}", "wait seconds 1", f"screenshot {name}.ppm"]
+    window.play(scene, lines)
+    window.play(scene, ["size 1440 860", "press Render", "type samples 24", "press Material", 'press "Side by side"',
+                        "wait converged 1500", "click 0.5 0.45", "wait seconds 2", "screenshot side.ppm"])
+
+
 def write_results(window):
-    raise SystemExit("later")
+    out = HERE / "results"
+    out.mkdir(exist_ok=True)
+    (out / "frame_rates.md").write_text("\n".join(table(frame_rates(window))) + "\n")
+    panels(window)
+    files = [str(window.folder / f"{name}.ppm") for name in PANELS]
+    jpeg = ["--compression", "jpeg:88", *ANONYMOUS, "-o"]
+    subprocess.run(["oiiotool", *files, "--mosaic:pad=8", "2x3", *jpeg, str(out / "panels.jpg")], check=True)
+    subprocess.run(["oiiotool", str(window.folder / "side.ppm"), *jpeg, str(out / "window.jpg")], check=True)
+    print(f"wrote frame_rates.md, panels.jpg and window.jpg into {out}")

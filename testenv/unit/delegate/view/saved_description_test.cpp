@@ -1,4 +1,4 @@
-// What a window saves loads as the scene that it showed.
+// A description that the window saved loads as the scene that it showed.
 #include "delegate/view/saved_description.h"
 
 #include "testenv/unit/delegate/description/scene_fixture.h"
