@@ -51,6 +51,7 @@ class Panels {
   ViewStatus status_;
   std::vector<float> values_;  // under the mouse
   double values_at_ = 0;       // when they were read
+  double saved_at_ = -1e9;     // when `saved_` was told
   int reduction_ = 1;
   uint64_t seen_alarms_ = 0;
 };

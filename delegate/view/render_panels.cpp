@@ -10,6 +10,7 @@ namespace alabaster::view {
 namespace {
 
 constexpr double kReadAgain = 0.2;  // seconds between two looks at the pixel under the mouse
+constexpr double kTold = 5;         // seconds that the status tells of a file
 
 std::string percent(double share) {
   char text[32];
@@ -157,12 +158,14 @@ void Panels::draw_render() {
 void Panels::save_picture() {
   saved_ =
       session_->save_picture(picture_file_) ? "Wrote " + picture_file_ : "The picture was not written: see Messages.";
+  saved_at_ = ImGui::GetTime();
 }
 
 void Panels::save_description() {
   saved_ = session_->save_description(description_file_, scene_file_)
                ? "Wrote " + description_file_
                : "The description was not written: see Messages.";
+  saved_at_ = ImGui::GetTime();
 }
 
 void Panels::draw_save() {
@@ -195,6 +198,7 @@ void Panels::draw_status(const ViewStatus& status, double frames, const std::opt
   if (status.denoised >= 0 && status.denoised < 1) line += "   denoising " + percent(status.denoised);
   if (!status.fault.empty()) line += "   " + status.fault;
   if (status.scene_faults > 0) line += "   " + std::to_string(status.scene_faults) + " faults: see Messages";
+  if (ImGui::GetTime() - saved_at_ < kTold) line = saved_;
   ImGui::TextUnformatted(line.c_str());
   if (mouse && ImGui::GetTime() - values_at_ > kReadAgain) {
     values_ = session_->values_at(mouse->x, mouse->y);

@@ -22,6 +22,8 @@ namespace alabaster::view {
 namespace {
 
 constexpr double kFrame = 1.0 / 60;   // seconds
+constexpr double kRest = 0.1;         // seconds between frames while nothing moves
+constexpr int kQuietFrames = 20;      // without new pixels, before it rests
 constexpr double kResizeRest = 0.15;  // seconds that a size must last before it is rendered
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/TTF/DejaVuSans.ttf"};
@@ -145,7 +147,10 @@ class Window {
       glfwSwapBuffers(window_);
       times_.add(glfwGetTime(), 1e3 * (drawn - begun));
       const double left = kFrame - (glfwGetTime() - begun);
-      if (left > 0.001) std::this_thread::sleep_for(std::chrono::duration<double>(left));
+      if (rests())
+        glfwWaitEventsTimeout(kRest);
+      else if (left > 0.001)
+        std::this_thread::sleep_for(std::chrono::duration<double>(left));
     }
     return cli::kDone;
   }
@@ -232,6 +237,13 @@ class Window {
   bool settled() const {
     return asked_size_ == session_->size() && textures_[0].size() == session_->size() && quiet_ < 100000 &&
            (status_.state != hd::PassState::converged || (quiet_ > 5 && !fetcher_.busy()));
+  }
+
+  // Nothing moves until the user does something: no need to draw sixty times a second.
+  bool rests() const {
+    const bool over =
+        session_->paused() || status_.state == hd::PassState::converged || status_.state == hd::PassState::failed;
+    return over && !scripted_ && quiet_ > kQuietFrames && !fetcher_.busy() && !ImGui::IsAnyItemActive();
   }
 
   int grant_wishes(int width, int height) {
