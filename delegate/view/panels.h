@@ -24,6 +24,7 @@ class Panels {
   int reduction() const { return reduction_; }
 
  private:
+  void draw_compare();
   void draw_materials();
   void draw_lights();
   void draw_camera();

@@ -9,6 +9,7 @@
 namespace alabaster::view {
 namespace {
 
+constexpr float kNamedWidth = 74;   // of a toolbar with names, in letters
 constexpr double kReadAgain = 0.2;  // seconds between two looks at the pixel under the mouse
 constexpr double kTold = 5;         // seconds that the status tells of a file
 
@@ -59,7 +60,9 @@ void Panels::draw_toolbar() {
   ImGui::SameLine();
   const float em = ImGui::GetFontSize();
   std::string aov = session_->aov();
-  const auto name_next = [](const char* name) {
+  const bool named = ImGui::GetWindowWidth() > kNamedWidth * em;
+  const auto name_next = [named](const char* name) {
+    if (!named) return ImGui::SameLine();
     ImGui::SameLine(0, ImGui::GetFontSize());
     ImGui::AlignTextToFramePadding();
     ImGui::TextDisabled("%s", name);
@@ -89,7 +92,10 @@ void Panels::draw_toolbar() {
   float exposure = session_->exposure();
   if (widgets_->slider("Exposure", &exposure, -6, 6, "%+.2f stops")) session_->set_exposure(exposure);
   help("Exposure of the display: nothing is rendered again. Keys [ and ]. A click with Ctrl types a number.");
+  draw_compare();
+}
 
+void Panels::draw_compare() {
   constexpr std::pair<const char*, Compare> kChoices[] = {
       {"Rendered", Compare::rendered}, {"Denoised", Compare::denoised}, {"Side by side", Compare::side_by_side}};
   for (const auto& [name, how] : kChoices) {

@@ -204,8 +204,8 @@ def denoising(window, scene):
     window.environment["FAKE_OIDN"] = "color alone"  # twice the colour
     whole, half = window.play(scene, [
         "size 1000 640", "wait converged", *PLAIN_VIEW, 'choose View "Raw"', "type Exposure -1", "press Denoised", "wait converged",
-        "wait seconds 0.5", "screenshot denoised.ppm", "state", 'press "Side by side"', "wait converged", "wait seconds 0.5",
-        "screenshot both.ppm", "press Rendered", "wait seconds 0.5", *save_picture("plain.png"), "press Material",
+        "wait seconds 1", "screenshot denoised.ppm", "state", 'press "Side by side"', "wait converged", "wait seconds 1",
+        "screenshot both.ppm", "press Rendered", "wait seconds 1", *save_picture("plain.png"), "press Material",
         "screenshot plain.ppm", "state"])
     plain, shown, both = (window.picture(f"{n}.ppm") for n in ("plain", "denoised", "both"))
     x, y = plain.find(window.picture("plain.png"))
