@@ -10,6 +10,7 @@ cmake -S "$here" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/pref
 cmake --build "$scratch/build"
 "$scratch/build/stranger"
 "$scratch/prefix/bin/alabaster" --version | head -n 1
+[ ! -e "$scratch/prefix/bin/alabaster-view" ] || "$scratch/prefix/bin/alabaster" view --help >/dev/null
 library=$(find "$scratch/prefix" -name libhdAlabaster.so)
 libraries=$(dirname "$library")
 
