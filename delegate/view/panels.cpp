@@ -184,7 +184,7 @@ void Panels::draw_camera() {
   if (picked_) {
     ImGui::SameLine();
     if (widgets_->button("Focus on the pick")) {
-      const hd::Vec2d at((picked_->hit.x + 0.5) / session_->size().x, (picked_->hit.y + 0.5) / session_->size().y);
+      const hd::Vec2d at = picked_->place;
       hd::CameraDescription camera = session_->camera();
       if (const auto depth = session_->depth_at(at.x, at.y)) {
         camera.parameters["focusDistance"] = float(*depth);

@@ -43,9 +43,7 @@ void PicturePanel::draw(const Textures& textures) {
   if (textures.left != 0) list->AddImage(texture_id(textures.left), low_, high_);
   if (session_->compared() == Compare::side_by_side && textures.right != 0) draw_side_by_side(textures);
   if (picked_ && marked_) {
-    const auto& hit = picked_->hit;
-    const float x = low_.x + (float(hit.x) + 0.5f) / float(session_->size().x) * size.x;
-    const float y = low_.y + (float(hit.y) + 0.5f) / float(session_->size().y) * size.y;
+    const float x = low_.x + float(picked_->place.x) * size.x, y = low_.y + float(picked_->place.y) * size.y;
     list->AddCircle({x, y}, 5, IM_COL32(255, 170, 40, 255), 0, 2);
   }
 }

@@ -287,7 +287,7 @@ std::optional<Picked> ViewSession::pick(double x, double y) {
   const auto hits =
       hd::host::Pick(*loaded_->index(), loaded_->scene, state_, {pixel.x, pixel.y, pixel.x + 1, pixel.y + 1});
   if (hits.empty()) return std::nullopt;
-  Picked picked{hits[0], {}};
+  Picked picked{hits[0], {}, {(pixel.x + 0.5) / size_.x, (pixel.y + 0.5) / size_.y}};
   const auto mesh = loaded_->scene.GetMeshes().find(picked.hit.path);
   if (mesh == loaded_->scene.GetMeshes().end()) return picked;
   picked.material = mesh->second.material;

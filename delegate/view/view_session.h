@@ -32,7 +32,8 @@ double seconds_to(const ViewStatus& status, double target);
 
 struct Picked {
   hd::host::PickHit hit;
-  hd::Path material;  // of the face
+  hd::Path material;          // of the face
+  hd::Vec2d place{0.5, 0.5};  // in the picture, from 0 to 1, y down
 };
 
 /// Keeps what a buffer holds as numbers, for single pixels.

@@ -58,6 +58,6 @@ def write_results(window):
     panels(window)
     files = [str(window.folder / f"{name}.ppm") for name in PANELS]
     jpeg = ["--compression", "jpeg:88", *ANONYMOUS, "-o"]
-    subprocess.run(["oiiotool", *files, "--mosaic:pad=8", "2x3", *jpeg, str(out / "panels.jpg")], check=True)
+    subprocess.run(["oiiotool", *files, "--mosaic:pad=8", "2x3", "--resize", "1600x0", *jpeg, str(out / "panels.jpg")], check=True)
     subprocess.run(["oiiotool", str(window.folder / "side.ppm"), *jpeg, str(out / "window.jpg")], check=True)
     print(f"wrote frame_rates.md, panels.jpg and window.jpg into {out}")

@@ -98,7 +98,7 @@ def main():
         print("skipped: " + reason)
         return SKIPPED
     with tempfile.TemporaryDirectory() as folder, screen() as display:
-        window = Window(options.build, folder, display, options.oidn)
+        window = Window(options.build, folder, display, options.oidn and pathlib.Path(options.oidn).resolve())
         if options.results:
             panels.write_results(window)
             return 0
