@@ -103,9 +103,12 @@ std::shared_ptr<const LightImage> share_light_image(const std::shared_ptr<const 
   return image;
 }
 
-// The weights, and the density: a cumulative array and a guide.
+// For each cell the weight, and the density: a cumulative number and a guide. For each row its bound, its distribution
+// and its sum; two rows of luminances.
 size_t LightImage::build_bytes(const Texture& texture) {
-  return 3 * sizeof(float) * (static_cast<size_t>(texture.width()) + 1) * (static_cast<size_t>(texture.height()) + 1);
+  const size_t columns = static_cast<size_t>(texture.width()) + 1, rows = static_cast<size_t>(texture.height()) + 2;
+  return 3 * sizeof(float) * columns * rows + (2 * sizeof(Distribution1D) + 4 * sizeof(double)) * rows +
+         2 * sizeof(float) * columns;
 }
 
 // Farin's bilinear patch, drawn row first: Pharr, Jakob, Humphreys, Physically Based Rendering, 4th edition, 2.4.2.

@@ -48,7 +48,9 @@ class LightImage {
     return texture_.get() == texture && scale_ == scale && shape_ == shape;
   }
   /// On the heap, without the texture, which others may share.
-  size_t memory_bytes() const { return sizeof(*this) + distribution_.memory_bytes(); }
+  size_t memory_bytes() const {
+    return sizeof(*this) + row_bounds_.capacity() * sizeof(double) + distribution_.memory_bytes();
+  }
 
  private:
   /// The rectangle between the centres of four texels; at a clamped edge, half of one.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "delegate/cli/commands.h"
+#include "delegate/cli/scene_inputs.h"
 #include "delegate/cli/scene_session.h"
 
 namespace alabaster::cli {
@@ -37,9 +38,5 @@ std::string frame_file(const std::string& file, uint32_t frame);
 
 /// The error message if two of `files` are the same file, however they are spelt; else empty.
 std::string same_file_twice(const std::vector<std::string>& files);
-
-/// The error message if one of `outputs` is a file that the session has read, under whatever name; else empty.
-std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
-                              const std::string& scene);
 
 }  // namespace alabaster::cli

@@ -39,6 +39,8 @@ json texture_of(const hd::Path& material, const hd::MaterialNetwork& network, co
   for (const char* name : {"stScale", "filter", "bias", "scale"})
     if (node.parameters.contains(name))
       throw std::runtime_error(material.str() + " has a texture with " + name + ", which is not written");
+  if (node.parameters.at("wrapS").text_or("repeat") != node.parameters.at("wrapT").text_or("repeat"))
+    throw std::runtime_error(material.str() + " has a texture with two ways to wrap, which is not written");
   json texture = {{"file", node.parameters.at("file").text_or("")},
                   {"colorSpace", node.parameters.at("sourceColorSpace").text_or("auto")},
                   {"wrap", node.parameters.at("wrapS").text_or("repeat")}};
@@ -58,6 +60,8 @@ json to_json(const hd::Path& id, const hd::MaterialNetwork& network) {
   for (const auto& [name, value] : node->second.parameters) parameters[name.str()] = to_json(value);
   for (const auto& [name, connections] : node->second.inputConnections) {
     if (connections.empty()) continue;
+    if (connections.size() > 1)
+      throw std::runtime_error(id.str() + " has two textures for " + name.str() + ", which are not written");
     const auto scale = node->second.parameters.find(name);
     parameters[name.str()] =
         texture_of(id, network, connections.front(), scale == node->second.parameters.end() ? Value() : scale->second);
@@ -85,6 +89,8 @@ float millimetres_of(float length) {
 
 json camera_of(const hd::RenderPassState& state) {
   if (!state.freeCamera) throw std::runtime_error("the pass has no camera");
+  if (!state.freeCamera->transformSamples.times.empty())
+    throw std::runtime_error("the camera moves, which is not written");
   json camera = {{"transform", to_json(state.freeCamera->transform)}};
   for (const auto& [name, value] : state.freeCamera->parameters) {
     const bool is_film = name == hd::Token("focalLength") || name.str().find("Aperture") != std::string::npos;

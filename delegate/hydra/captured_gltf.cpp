@@ -80,7 +80,10 @@ class GltfMeshes {
     for (const int32_t count : mesh.topology.faceVertexCounts)
       if (count != 3) refuse(id, "has faces that are no triangles, which glTF cannot hold");
     if (!mesh.topology.geomSubsets.empty()) refuse(id, "has subsets, which are not written");
-    if (!mesh.transformSamples.times.empty()) refuse(id, "moves, which is not written");
+    if (!mesh.transformSamples.times.empty() || !mesh.primvarSamples.empty()) refuse(id, "moves, which is not written");
+    if (mesh.topology.orientation == hd::Token("leftHanded")) refuse(id, "is left-handed, which is not written");
+    if (!mesh.topology.holeIndices.empty() || !mesh.topology.invisibleFaces.empty())
+      refuse(id, "has faces that are not drawn, which is not written");
   }
 
   // The value of each corner of a triangle.
@@ -90,11 +93,16 @@ class GltfMeshes {
     const auto* values = primvar.value.get<Array<T>>();
     if (!values) refuse(id, std::string("has a primvar ") + name + " of another type, which is not written");
     const bool by_corner = primvar.interpolation == hd::Interpolation::faceVarying;
+    if (primvar.interpolation == hd::Interpolation::uniform || primvar.interpolation == hd::Interpolation::constant)
+      refuse(id, std::string("has ") + name + " by face or for all of it, which is not written");
     const Array<int32_t>& vertices = mesh.topology.faceVertexIndices;
     std::vector<T> all;
     for (size_t i = 0; i < vertices.size(); ++i) {
       size_t at = by_corner ? i : static_cast<size_t>(vertices[i]);
-      if (!primvar.indices.empty()) at = static_cast<size_t>(primvar.indices[at]);
+      if (!primvar.indices.empty()) {
+        if (at >= primvar.indices.size()) refuse(id, std::string("has too few indices of ") + name);
+        at = static_cast<size_t>(primvar.indices[at]);
+      }
       if (at >= values->size()) refuse(id, std::string("has too few ") + name);
       all.push_back((*values)[at]);
     }

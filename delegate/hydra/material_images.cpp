@@ -73,8 +73,10 @@ Vec2f operand(const MaterialNode& node) {
 /// Applies one node of arithmetic. False if it is none that places coordinates.
 bool apply(const MaterialNode& node, Placement* placement) {
   if (starts_with(node, "ND_convert_")) return true;
-  if (starts_with(node, "ND_multiply_")) return placement->multiply(operand(node));
-  if (starts_with(node, "ND_add_")) return placement->offset += operand(node), true;
+  const bool is_product = starts_with(node, "ND_multiply_"), is_sum = starts_with(node, "ND_add_");
+  if ((is_product || is_sum) && parameter(node, "in2").empty()) return false;  // it comes from another node
+  if (is_product) return placement->multiply(operand(node));
+  if (is_sum) return placement->offset += operand(node), true;
   if (!starts_with(node, "ND_rotate3d_")) return false;
   const auto degrees = static_cast<float>(parameter(node, "amount").number_or(0));
   if (degrees == 0) return true;
@@ -118,7 +120,10 @@ std::optional<MaterialImages::Found> MaterialImages::find_image(const char* inpu
     }
     if (starts_with(*node, "ND_separate")) {
       const std::string& output = at->upstreamOutput.str();
-      if (output.starts_with("out") && output.size() == 4) channel = output.substr(3);
+      // Vectors have outx, outy, outz and outw.
+      const std::string names = "rgbaxyzw";
+      if (const size_t at_name = names.find(output.back()); output.size() == 4 && at_name != std::string::npos)
+        channel = names[at_name % 4];
     } else if (starts_with(*node, "ND_extract_")) {
       const auto index = static_cast<int>(parameter(*node, "index").number_or(0));
       channel = std::string(1, "rgba"[std::clamp(index, 0, 3)]);
@@ -151,7 +156,7 @@ std::optional<MaterialConnection> MaterialImages::read_normals(const char* input
   const MaterialConnection* const in = upstream(*map, "in");
   const auto found = in ? find_image(input, *in) : std::nullopt;
   Path id;
-  MaterialNode* const texture = found ? add(*found, "_normals", &id) : nullptr;
+  MaterialNode* const texture = found ? add(*found, "_" + std::string(input), &id) : nullptr;
   if (!texture) return std::nullopt;
   const auto scale = static_cast<float>(parameter(*map, "scale").number_or(1));
   texture->parameters["scale"] = hd::Vec4f(2 * scale, 2 * scale, 2, 1);
@@ -160,7 +165,7 @@ std::optional<MaterialConnection> MaterialImages::read_normals(const char* input
   return MaterialConnection{id, "rgb"};
 }
 
-MaterialNode* MaterialImages::add(const Found& found, const char* use, Path* id) {
+MaterialNode* MaterialImages::add(const Found& found, const std::string& use, Path* id) {
   *id = found.id.str() + use;
   const Value file = parameter(*found.image, "file");
   if (file.text_or("").empty()) {

@@ -28,7 +28,7 @@ class MaterialImages {
   const hd::MaterialNode* find(const hd::Path& id) const;
   const hd::MaterialConnection* upstream(const hd::MaterialNode& node, const char* input) const;
   std::optional<Found> find_image(const char* input, const hd::MaterialConnection& connection);
-  hd::MaterialNode* add(const Found& found, const char* use, hd::Path* id);
+  hd::MaterialNode* add(const Found& found, const std::string& use, hd::Path* id);
   void read_coordinates(const hd::MaterialNode& image, hd::MaterialNode* texture);
 
   const hd::MaterialNetwork& from_;

@@ -82,10 +82,10 @@ class StandardSurface {
       for (const Input& input : kCoat) read(input);
       for (const Unread& input : kUnreadOfCoat) warn_of(input);
     }
-    if (const float thickness = number("thin_film_thickness", 0); thickness > 0) {
+    if (const float thickness = plain("thin_film_thickness", 0); thickness > 0) {
       disney_.parameters["iridescence"] = 1.0f;
       disney_.parameters["iridescenceThickness"] = thickness;
-      disney_.parameters["iridescenceIor"] = number("thin_film_IOR", 1.5f);
+      disney_.parameters["iridescenceIor"] = plain("thin_film_IOR", 1.5f);
     }
     if (is_used("emission")) read_weighted("emission", 0, "emission_color", Vec3f(1), "emission");
     read_opacity();
@@ -107,6 +107,12 @@ class StandardSurface {
   bool is_connected(const char* name) const {
     const auto found = surface_.inputConnections.find(name);
     return found != surface_.inputConnections.end() && !found->second.empty();
+  }
+  /// The constant of an input that has no texture here.
+  float plain(const char* name, float otherwise) const {
+    if (is_connected(name))
+      warn_("material.standard_surface", std::string("a texture of ") + name + " is not read; its constant is used");
+    return number(name, otherwise);
   }
   bool is_used(const char* weight) const { return is_connected(weight) || number(weight, 0) > 0; }
 
@@ -158,27 +164,31 @@ class StandardSurface {
     }
     if (is_connected("subsurface_radius"))
       warn_("material.subsurface", "a texture of subsurface_radius is not read; its constant is used");
-    const Vec3f radius = color_of(constant("subsurface_radius"), Vec3f(1)) * number("subsurface_scale", 1) * share;
+    const Vec3f radius = color_of(constant("subsurface_radius"), Vec3f(1)) * plain("subsurface_scale", 1) * share;
     disney_.parameters["scatterDistance"] = ScatterDistance(radius, albedo);
-    disney_.parameters["scatterAnisotropy"] = number("subsurface_anisotropy", 0);
+    disney_.parameters["scatterAnisotropy"] = plain("subsurface_anisotropy", 0);
   }
 
   // With a depth the colour is that of the interior, else that of the light which passes.
   void read_transmission() {
     if (!is_used("transmission")) return;
     for (const Unread& input : kUnreadOfTransmission) warn_of(input);
-    const float depth = number("transmission_depth", 0);
-    const Vec3f color = color_of(constant("transmission_color"), Vec3f(1));
-    if (is_connected("transmission_color")) {
-      if (depth <= 0 && connect("transmission_color", "baseColor")) disney_.parameters["baseColor"] = Vec3f(1);
-    } else if (depth > 0) {
+    const float depth = plain("transmission_depth", 0);
+    Vec3f color = color_of(constant("transmission_color"), Vec3f(1));
+    if (depth > 0) {
+      if (is_connected("transmission_color"))
+        warn_("material.standard_surface",
+              "a texture of transmission_color is not read where light is absorbed by depth; its constant is used");
       disney_.parameters["attenuationColor"] = color;
       disney_.parameters["attenuationDistance"] = depth;
-    } else {
-      const float share = is_connected("transmission") ? 1.0f : std::min(number("transmission", 0), 1.0f);
-      const Vec3f base = disney_.parameters["baseColor"].get_or(Vec3f(1));
-      disney_.parameters["baseColor"] = base * (1 - share) + color * share;
+      color = Vec3f(1);  // the surface itself takes nothing
+    } else if (connect("transmission_color", "baseColor")) {
+      disney_.parameters["baseColor"] = Vec3f(1);
+      return;
     }
+    const float share = is_connected("transmission") ? 1.0f : std::min(number("transmission", 0), 1.0f);
+    const Vec3f base = disney_.parameters["baseColor"].get_or(Vec3f(1));
+    disney_.parameters["baseColor"] = base * (1 - share) + color * share;
   }
 
   void read_opacity() {
@@ -216,6 +226,8 @@ class PlainSurface {
     disney_.nodeTypeId = "AlabasterDisney";
     disney_.parameters = {{"baseColor", Vec3f(0)}, {"specular", 0.0f}, {"ior", 1.0f}, {"roughness", kLambertRoughness}};
     to_.terminals["surface"] = {id, "out"};
+    warn_of(surface_, "opacity", 1);
+    warn_of(surface_, "thin_walled", 0);
     read_color("bsdf", kLambert, "baseColor");
     read_color("edf", kGlow, "emission");
     to_.nodes[id] = std::move(disney_);
@@ -223,6 +235,14 @@ class PlainSurface {
   }
 
  private:
+  void warn_of(const MaterialNode& node, const char* name, double initial) const {
+    const auto given = node.parameters.find(name);
+    const auto texture = node.inputConnections.find(name);
+    const bool is_connected = texture != node.inputConnections.end() && !texture->second.empty();
+    if (is_connected || (given != node.parameters.end() && given->second.number_or(initial) != initial))
+      warn_("material.surface", std::string(name) + " of " + node.nodeTypeId.str() + " is not read");
+  }
+
   // The input `color` of the node of that type.
   void read_color(const char* input, const char* type, const char* parameter) {
     const auto connection = surface_.inputConnections.find(input);
@@ -232,6 +252,8 @@ class PlainSurface {
     if (!(node->second.nodeTypeId == hd::Token(type)))
       return warn_("material.surface", std::string(input) + " of ND_surface is a node of type '" +
                                            node->second.nodeTypeId.str() + "', but " + type + " alone is read");
+    warn_of(node->second, "weight", 1);
+    warn_of(node->second, "roughness", 0);
     const auto constant = node->second.parameters.find("color");
     disney_.parameters[parameter] =
         color_of(constant == node->second.parameters.end() ? Value() : constant->second, Vec3f(0.18f));

@@ -22,7 +22,8 @@ int load_script(const std::string& file, Script* script, cli::Console* console) 
   std::ifstream stream(file);
   std::ostringstream text;
   text << stream.rdbuf();
-  if (!stream) return console->usage_error(file, "The script could not be read. Check the name.");
+  if (!stream || text.str().empty())
+    return console->usage_error(file, "The script could not be read, or is empty. Check the name.");
   *script = read_script(text.str());
   if (!script->problem.empty()) return console->usage_error(file, script->problem + ".");
   return cli::kDone;

@@ -14,8 +14,9 @@ namespace {
 using nlohmann::json;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kMostInteger = 1 << 30, kMostNumber = 1e37;  // that sliders take
-constexpr double kDecades = 1000;                             // beyond this ratio of values a slider is logarithmic
+constexpr double kMostInteger = (1 << 30) - 1, kMostNumber = 1e37;  // that sliders take
+constexpr double kLeastAbove = 1e-6;                                // above a bound that is excluded
+constexpr double kDecades = 1000;  // beyond this ratio of values a slider is logarithmic
 
 // "scatterDistance" as "Scatter distance", "shaping:cone:angle" as "Shaping cone angle".
 std::string label_of(const std::string& name) {
@@ -35,7 +36,7 @@ std::string label_of(const std::string& name) {
 }
 
 void read_limits(const json& schema, ParameterRow* row) {
-  row->minimum = schema.value("minimum", schema.value("exclusiveMinimum", -kInfinite));
+  row->minimum = schema.value("minimum", schema.value("exclusiveMinimum", -kInfinite) + kLeastAbove);
   row->maximum = schema.value("maximum", kInfinite);
 }
 
@@ -104,7 +105,8 @@ SoftRange soft_range(const ParameterRow& row, double value, double scene_size) {
 }
 
 double limited(const ParameterRow& row, double value) {
-  return std::isnan(value) ? row.default_value.number_or(0) : std::clamp(value, row.minimum, row.maximum);
+  return std::isnan(value) ? row.default_value.number_or(0)
+                           : std::clamp(value, std::max(row.minimum, -kMostNumber), std::min(row.maximum, kMostNumber));
 }
 
 }  // namespace alabaster::view

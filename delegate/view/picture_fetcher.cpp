@@ -66,8 +66,12 @@ void PictureFetcher::run() {
     asked_ = false, busy_ = true;
     const PictureRequest requests[2] = {requests_[0], requests_[1]};
     lock.unlock();
-    for (int i = 0; i < 2; ++i)
-      if (requests[i].buffer) make(&sides_[i], requests[i]);
+    try {
+      for (int i = 0; i < 2; ++i)
+        if (requests[i].buffer) make(&sides_[i], requests[i]);
+    } catch (const std::exception&) {
+      // Without memory for a picture the last one stays.
+    }
     lock.lock();
     busy_ = false;
   }

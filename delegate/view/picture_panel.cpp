@@ -28,9 +28,9 @@ void PicturePanel::draw(const Textures& textures) {
   const auto aspect = float(session_->aspect());
   ImVec2 size(std::max(room.x, 16.0f), std::max(room.y, 16.0f));
   if (size.x > size.y * aspect)
-    size.x = std::floor(size.y * aspect);
+    size.x = std::max(1.0f, std::floor(size.y * aspect));
   else
-    size.y = std::floor(size.x / aspect);
+    size.y = std::max(1.0f, std::floor(size.x / aspect));
   wanted_ = {int(size.x), int(size.y)};
   low_ = {std::floor(corner.x + (room.x - size.x) / 2), std::floor(corner.y + (room.y - size.y) / 2)};
   high_ = {low_.x + size.x, low_.y + size.y};

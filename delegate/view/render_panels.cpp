@@ -162,8 +162,8 @@ void Panels::draw_render() {
 }
 
 void Panels::save_picture() {
-  saved_ =
-      session_->save_picture(picture_file_) ? "Wrote " + picture_file_ : "The picture was not written: see Messages.";
+  saved_ = session_->save_picture(picture_file_, scene_file_) ? "Wrote " + picture_file_
+                                                              : "The picture was not written: see Messages.";
   saved_at_ = ImGui::GetTime();
 }
 

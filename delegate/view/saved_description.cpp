@@ -103,6 +103,9 @@ class Description {
     if (c_.camera) document_["camera"] = camera_of(*c_.camera);
     for (const auto& [name, value] : c_.settings) document_["settings"][name] = json_of(value);
     for (const auto& [name, bytes] : companions_)
+      if (is_input((folder_ / name).string())) return false;
+    if (is_input(file_)) return false;
+    for (const auto& [name, bytes] : companions_)
       if (!write_file((folder_ / name).string(), bytes)) return false;
     const std::string text = document_.dump(2) + "\n";
     if (!write_file(file_, {text.begin(), text.end()})) return false;
@@ -117,6 +120,8 @@ class Description {
     if (sink_) sink_({hd::Severity::error, "view.description", file_, text});
     return false;
   }
+
+  bool is_input(const std::string& name) const { return c_.is_input && c_.is_input(name); }
 
   bool write_file(const std::string& name, const std::vector<uint8_t>& bytes) {
     const std::string problem = hd::support::WriteOutputFile(name, bytes);

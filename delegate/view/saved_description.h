@@ -1,6 +1,8 @@
 // Writes what a window shows as a render description: the scene's own file or description, and the changes to it.
 #pragma once
 
+#include <functional>
+
 #include "delegate/description/render_description.h"
 #include "delegate/view/scene_edits.h"
 
@@ -12,7 +14,8 @@ struct ViewChanges {
   std::string scene_file;  // that was loaded
   Changes materials, lights;
   std::map<std::string, hd::Value> settings;
-  std::optional<hd::CameraDescription> camera;  // in place of the scene's
+  std::optional<hd::CameraDescription> camera;            // in place of the scene's
+  std::function<bool(const std::string&)> is_input = {};  // true, and reported, for a file that must stay; may be empty
 };
 
 /// Writes `file` (.json), whose render shows what the changes show. The lights and the backdrop of a studio, which

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/cli/scene_inputs.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/host/snapshot.h"
 #include "delegate/view/saved_description.h"
@@ -122,7 +123,7 @@ void ViewSession::update() {
     for (const std::string& aov : bound_)
       if (hd::RenderBuffer* const b = buffer(aov)) state_.aovBindings.push_back({aov, b, {}});
   }
-  state_.framing = {{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, settings_.pixelAspectRatio};
+  state_.framing = {{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, 1};  // the window's pixels are square
   state_.freeCamera = camera_;
   if (pass_) pass_->Execute(state_);
 }
@@ -225,11 +226,16 @@ hd::Vec3f ViewSession::shown(hd::Vec3f color) const {
 void ViewSession::pause(bool paused) {
   if (paused == paused_) return;
   paused_ = paused;
-  if (paused) {
-    loaded_->delegate()->Stop();
-  } else {
-    loaded_->delegate()->Restart();
-  }
+  // A stopped render shows its samples denoised, and begins again; a paused one goes on where it was.
+  hd::RenderDelegate& delegate = *loaded_->delegate();
+  if (paused && compare_ != Compare::rendered)
+    delegate.Stop();
+  else if (paused)
+    delegate.Pause();
+  else if (delegate.IsPaused())
+    delegate.Resume();
+  else
+    delegate.Restart();
 }
 
 void ViewSession::set_camera(hd::CameraDescription camera) {
@@ -244,7 +250,7 @@ void ViewSession::reset_camera() {
 }
 
 Sight ViewSession::sight() const {
-  const hd::Framing framing{{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, settings_.pixelAspectRatio};
+  const hd::Framing framing{{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, 1};
   return sight_of(camera_, framing, settings_.windowPolicy);
 }
 
@@ -324,7 +330,15 @@ PictureRequest ViewSession::right() const {
   return compare_ == Compare::side_by_side && aov_ == "color" ? request("denoised") : PictureRequest();
 }
 
-bool ViewSession::save_picture(const std::string& file) {
+// True, and reported, if the file is one of the scene's.
+bool ViewSession::is_input(const std::string& file, const std::string& scene_file) const {
+  const std::string problem = cli::input_overwritten({file}, *loaded_, scene_file);
+  if (!problem.empty()) sink_({hd::Severity::error, "view.input", file, problem});
+  return !problem.empty();
+}
+
+bool ViewSession::save_picture(const std::string& file, const std::string& scene_file) {
+  if (is_input(file, scene_file)) return false;
   hd::RenderProduct product;
   product.file = file;
   product.display = display_name_, product.view = view_name_, product.exposure = exposure_;
@@ -343,7 +357,11 @@ bool ViewSession::save_description(const std::string& file, const std::string& s
   changes.scene = &loaded_->scene, changes.loaded = &loaded_->file, changes.scene_file = scene_file;
   changes.materials = edits_.changed_materials(), changes.lights = edits_.changed_lights();
   changes.settings = changed_settings_;
-  if (compare_ != Compare::rendered) changes.settings["denoise"] = true;
+  const auto denoise = settings_.settings.find("denoise");
+  const bool was_denoised = denoise != settings_.settings.end() && denoise->second.number_or(0) != 0;
+  const bool is_denoised = compare_ != Compare::rendered;
+  if (is_denoised != was_denoised) changes.settings["denoise"] = is_denoised;
+  changes.is_input = [&](const std::string& output) { return is_input(output, scene_file); };
   if (loaded_->file.framed || !(camera_ == first_camera_)) changes.camera = camera_;
   return WriteDescription(changes, file, sink_);
 }

@@ -120,10 +120,12 @@ class ViewSession {
   PictureRequest right() const;
 
   /// Files appear whole. False after a report.
-  bool save_picture(const std::string& file);
+  /// `scene_file`: that was loaded. No file of the scene is overwritten.
+  bool save_picture(const std::string& file, const std::string& scene_file);
   bool save_description(const std::string& file, const std::string& scene_file);
 
  private:
+  bool is_input(const std::string& file, const std::string& scene_file) const;
   void measure_noise();
   hd::RenderBuffer* buffer(const std::string& aov) const;
   void bind(const std::string& aov);

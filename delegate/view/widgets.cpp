@@ -28,7 +28,7 @@ bool edit_number(Widgets* widgets, const ParameterRow& row, double scene_size, h
   const SoftRange range = soft_range(row, before, scene_size);
   const ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
   if (row.kind == RowKind::integer) {
-    int whole = int(std::lround(before));
+    int whole = int(std::lround(std::clamp(before, range.low, range.high)));
     const std::string format = "%d" + (row.unit.empty() ? "" : " " + row.unit);
     const bool moved =
         ImGui::SliderInt(("##" + row.name).c_str(), &whole, int(range.low), int(range.high), format.c_str(), flags);

@@ -106,6 +106,8 @@ def main():
     parser.add_argument("--threads", type=int, default=16)
     parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64])
     options = parser.parse_args()
+    if len(set(options.parts)) < 2:
+        parser.error("--parts takes two numbers at least: a line is fitted to them")
     commit = subprocess.run(["git", "-C", TOP, "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
     words = " ".join(word for word in sys.argv[2:])
     print(f"# A frame over many tasks\n\nMade by `farm_scaling.py PROGRAM{' ' + words if words else ''}` on {datetime.date.today()} at commit {commit}.")

@@ -15,7 +15,7 @@ from slurm_cluster import SlurmCluster, missing
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 SCENE = TOP / "testenv/scenes/thick_thin/thick_thin.json"
-LOOK = ["--size", "60x40", "--spp", "400", "--threads", "1", "--aov", "normal"]
+LOOK = ["--size", "60x40", "--spp", "800", "--threads", "1", "--aov", "normal"]
 SKIPPED, TASKS, LOST = 77, 4, 2
 ENDED = ("COMPLETED", "FAILED", "CANCELLED")
 
@@ -43,7 +43,8 @@ def renders_of(part):
 def submit(cluster, folder):
     """The numbers of the array and of the merge."""
     merge = run("sh", folder / "submit.sh", environment=cluster.environment).split()[-1]
-    return cluster.ask("squeue", "--noheader", "--name=alabaster", "--format=%F").split()[0], merge
+    arrays = cluster.ask("squeue", "--noheader", "--states=all", "--name=alabaster", "--format=%F").split()
+    return max(arrays, key=int), merge
 
 
 def check(holds, what):

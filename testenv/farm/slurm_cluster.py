@@ -7,7 +7,7 @@ import socket
 import subprocess
 import time
 
-PROGRAMS = ("slurmctld", "slurmd", "sbatch", "squeue", "scontrol", "scancel")
+PROGRAMS = ("slurmctld", "slurmd", "sbatch", "sinfo", "squeue", "scontrol", "scancel")
 SEARCHED = os.environ["PATH"] + ":/usr/sbin:/sbin"
 
 
@@ -43,7 +43,7 @@ class SlurmCluster:
             "ClusterName=test", f"SlurmctldHost={host}(127.0.0.1)", f"SlurmctldPort={controller}", f"SlurmdPort={node}",
             "SlurmUser=root", "AuthType=auth/none", "CredType=cred/none", "ProctrackType=proctrack/linuxproc",
             "TaskPlugin=task/none", "JobAcctGatherType=jobacct_gather/none", "MpiDefault=none", "ReturnToService=2",
-            "SelectType=select/cons_tres", "SelectTypeParameters=CR_Core", "SchedulerParameters=sched_interval=1",
+            "SelectType=select/cons_tres", "SelectTypeParameters=CR_Core", "SchedulerParameters=sched_interval=1", "MinJobAge=7200",
             f"StateSaveLocation={self.folder}/state", f"SlurmdSpoolDir={self.folder}/spool",
             f"SlurmctldPidFile={self.folder}/controller.pid", f"SlurmdPidFile={self.folder}/node.pid",
             f"SlurmctldLogFile={self.folder}/controller.log", f"SlurmdLogFile={self.folder}/node.log",

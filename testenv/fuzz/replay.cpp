@@ -62,6 +62,10 @@ int main(int argc, char** argv) {
     std::fputs("usage: fuzz_replay CORPUS [--edit SECONDS [SEED]]\n", stderr);
     return 2;
   }
+  if (edits && !(std::atof(argv[3]) > 0)) {
+    std::fputs("fuzz_replay: --edit takes a number of seconds\n", stderr);
+    return 2;
+  }
   for (const alabaster::fuzz::Target& target : alabaster::fuzz::kTargets) {
     const std::vector<fs::path> files = files_in(fs::path(argv[1]) / target.name);
     const std::vector<Input> inputs = read_all(files);

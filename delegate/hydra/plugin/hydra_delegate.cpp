@@ -63,7 +63,9 @@ HydraDelegate::HydraDelegate(hd::RenderDelegate* delegate, const hd::DiagnosticS
       rprims_(to_tokens(delegate->GetSupportedRprimTypes())),
       sprims_(to_tokens(delegate->GetSupportedSprimTypes())),
       bprims_{pxr::HdPrimTypeTokens->renderBuffer},
-      registry_(std::make_shared<Registry>(delegate)) {}
+      registry_(std::make_shared<Registry>(delegate)) {
+  _PopulateDefaultSettings(GetRenderSettingDescriptors());
+}
 
 HydraDelegate::~HydraDelegate() {
   param_.reset();

@@ -122,7 +122,7 @@ void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, p
                 {"verticalAperture", GetVerticalAperture()},
                 {"horizontalApertureOffset", GetHorizontalApertureOffset()},
                 {"verticalApertureOffset", GetVerticalApertureOffset()},
-                {"fStop", GetFocusOn() ? GetFStop() : 0.0f},
+                {"fStop", GetFStop()},
                 {"focusDistance", GetFocusDistance()},
                 {"shutterOpen", GetShutterOpen()},
                 {"shutterClose", GetShutterClose()}};

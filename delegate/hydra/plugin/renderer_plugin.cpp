@@ -40,7 +40,10 @@ MakeDelegate find_maker() {
   // The renderer comes first: its symbols are then found among its own libraries, not among the adaptor's.
   if (!load(folder + ALABASTER_RENDERER_FILE)) return nullptr;
   void* const adaptor = load(folder + ALABASTER_ADAPTOR_FILE);
-  return adaptor ? reinterpret_cast<MakeDelegate>(dlsym(adaptor, "AlabasterCreateHydraDelegate")) : nullptr;
+  if (!adaptor) return nullptr;
+  void* const maker = dlsym(adaptor, "AlabasterCreateHydraDelegate");
+  if (!maker) TF_WARN("Alabaster: %s is of another version than the plug-in.", ALABASTER_ADAPTOR_FILE);
+  return reinterpret_cast<MakeDelegate>(maker);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace alabaster::hydra {
 namespace {
 
-TEST(HostValues, FormatsGoThereAndBack) {
+TEST(HydraValues, FormatsGoThereAndBack) {
   for (int i = static_cast<int>(hd::Format::unorm8); i <= static_cast<int>(hd::Format::int32); ++i) {
     const auto format = static_cast<hd::Format>(i);
     Component component{};
@@ -19,7 +19,7 @@ TEST(HostValues, FormatsGoThereAndBack) {
   EXPECT_EQ(FormatOf(Component::float32, 5), hd::Format::invalid);
 }
 
-TEST(HostValues, BitsAreThoseOfTheTable) {
+TEST(HydraValues, BitsAreThoseOfTheTable) {
   constexpr BitPair table[] = {{1u << 9, hd::dirty::kTransform},
                                {1u << 1, hd::dirty::kParams | hd::dirty::kVisibility}};
   EXPECT_EQ(TranslateBits(1u << 9, table), hd::dirty::kTransform);
@@ -60,7 +60,7 @@ TEST_F(Settings, HaveNamesOfSeveralHosts) {
   EXPECT_EQ(TranslateSetting("houdini:interactive", "x", known_).key, hd::Token("houdini:interactive"));
 }
 
-TEST(HostValues, ProgressIsADouble) {
+TEST(HydraValues, ProgressIsADouble) {
   const hd::Dictionary made = HostStatistics({{"percentDone", 12.5f}, {"samplesTotal", int64_t(4)}});
   EXPECT_EQ(made.at("percentDone"), hd::Value(12.5));
   EXPECT_EQ(made.at("samplesTotal"), hd::Value(int64_t(4)));

@@ -180,8 +180,8 @@ TEST(Motion, PicturesDoNotDependOnThreads) {
   }
 }
 
-// A fault is reported once as an error, and the prim is drawn without blur.
-TEST(Motion, FaultySamplesAreErrors) {
+// A fault is reported once, as a warning, and the prim is drawn without blur.
+TEST(Motion, FaultySamplesAreReported) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto with = [](const TimeSamples<Matrix4d>& samples) {
     MotionStage stage;

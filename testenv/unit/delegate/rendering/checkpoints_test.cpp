@@ -144,9 +144,9 @@ TEST_F(Checkpoints, MoreSamplesThanAreAskedForAreRefused) {
 
 TEST_F(Checkpoints, AnotherVersionIsRefused) {
   std::string all = (written(), bytes());
-  const std::string format = "Alabaster checkpoint 1";
+  const std::string format = "Alabaster checkpoint 2";
   ASSERT_TRUE(all.starts_with(format));
-  all[format.size() - 1] = '2';
+  all[format.size() - 1] = '1';
   replace(all);
   EXPECT_EQ(Frame().refusal(file_), "it is a checkpoint of another version of Alabaster, in another format");
 }

@@ -1,0 +1,52 @@
+#include "delegate/cli/scene_inputs.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+namespace alabaster::cli {
+namespace {
+
+// The files of a set of images, with a number of four digits, if the path names one by "<UDIM>"; else itself.
+void add_files(const std::string& image, std::set<std::string>* inputs) {
+  inputs->insert(image);
+  const std::filesystem::path path(image);
+  const std::string name = path.filename().string(), mark = "<UDIM>";
+  const size_t at = name.find(mark);
+  if (at == std::string::npos) return;
+  std::error_code error;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string file = it->path().filename().string();
+    const bool is_named_so = file.size() == name.size() - mark.size() + 4 && file.starts_with(name.substr(0, at)) &&
+                             file.ends_with(name.substr(at + mark.size()));
+    if (is_named_so && std::all_of(&file[at], &file[at] + 4, [](char c) { return c >= '0' && c <= '9'; }))
+      inputs->insert(it->path().string());
+  }
+}
+
+}  // namespace
+
+std::string input_overwritten(const std::vector<std::string>& outputs, const SceneSession& session,
+                              const std::string& scene) {
+  std::set<std::string> inputs{scene, session.colors().ocio};
+  const auto add_images = [&](const std::map<hd::Token, hd::Value>& parameters) {
+    for (const auto& [name, value] : parameters)
+      if (const auto* image = value.get<hd::AssetPath>()) add_files(image->resolved, &inputs);
+  };
+  for (const auto& summary : session.file.gltf) inputs.insert(summary.files.begin(), summary.files.end());
+  for (const auto& [path, light] : session.scene.GetLights()) add_images(light.parameters);
+  for (const auto& [path, network] : session.scene.GetMaterials())
+    for (const auto& [node_path, node] : network.nodes) add_images(node.parameters);
+  for (const std::string& output : outputs)
+    for (const std::string& input : inputs) {
+      std::error_code error;
+      const bool regular = std::filesystem::is_regular_file(output, error);
+      if (regular && std::filesystem::equivalent(output, input, error))
+        return "'" + output + "' is an input of this scene: choose another name for the output.";
+    }
+  return "";
+}
+
+}  // namespace alabaster::cli
