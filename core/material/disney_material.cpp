@@ -28,7 +28,7 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"coatRoughness", &P::coat_roughness, 0, 1}},
     {{"scatterDistance", &P::scatter_distance, 0, kUnbounded}},
     {{"scatterAnisotropy", &P::scatter_anisotropy, -0.9, 0.9}},
-    {{"emission", &P::emission, 0, 1e35}, Texels::colors},  // so that light added up stays a float
+    {{"emission", &P::emission, 0, kUnbounded}, Texels::colors},
     {{"opacity", &P::opacity, 0, 1}},
     {{"opacityThreshold", &P::opacity_threshold, 0, 1}},
     {{"specTrans", &P::spec_trans, 0, 1}},
