@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders a frame as a Slurm job array of four tasks, one of which is killed, and compares it with one machine's.
 
-  run_slurm.py PROGRAM          as ctest runs it; skipped where Slurm is missing
+  slurm_test.py PROGRAM          as ctest runs it; skipped where Slurm is missing
 apt-get install slurm-wlm installs Debian's; the test starts its daemons itself, as root. Exit code 77: skipped.
 """
 import os
