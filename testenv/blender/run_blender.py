@@ -17,11 +17,11 @@ import subprocess
 import sys
 import tempfile
 
+from picture_sheet import ANONYMOUS, sheet
+
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[1]
 SKIPPED = 77
-COLUMNS = 3
-ANONYMOUS = ["--nosoftwareattrib", "--eraseattrib", ".*"]  # no paths of this machine in a picture
 
 
 def command(options, script, job):
@@ -77,21 +77,6 @@ def table(version, rows, job):
         channels = ", ".join(f"{c:.3f}" for c in row["channels"])
         lines.append(f"| {row['name'].replace('_', ' ')} | {row['ratio']:.3f} | {channels} | {100 * row['blocks']:.1f} % | {row['why']} |")
     return "\n".join(lines) + "\n"
-
-
-def sheet(rows, folder, out):
-    """Ours and Cycles' of each scene, side by side."""
-    if not shutil.which("oiiotool"):
-        print("no picture: oiiotool is missing (apt-get install openimageio-tools)")
-        return
-    pairs = []
-    for row in rows:
-        pair = pathlib.Path(folder) / f"{row['name']}.pair.exr"
-        files = [pathlib.Path(folder) / f"{row['name']}.{engine}.exr" for engine in ("alabaster", "cycles")]
-        subprocess.run(["oiiotool", *files, "--mosaic:pad=2", "2x1", "--ch", "R,G,B", "-o", pair], check=True)
-        pairs.append(pair)
-    subprocess.run(["oiiotool", *pairs, "--mosaic:pad=8", f"{COLUMNS}x{-(-len(pairs) // COLUMNS)}", "--colorconvert", "linear", "sRGB",
-                    "--compression", "jpeg:85", *ANONYMOUS, "-o", out], check=True)
 
 
 SENTENCES = {
@@ -161,7 +146,7 @@ def main():
         if options.results:
             name = "_".join(version.split(".")[:2])
             (HERE / f"results/blender_{name}.md").write_text(table(version, rows, job))
-            sheet(rows, folder, HERE / f"results/blender_{name}.jpg")
+            sheet([row["name"] for row in rows], "alabaster", folder, HERE / f"results/blender_{name}.jpg")
     if failed:
         print(f"means differ more than expected: {', '.join(failed)}")
     return 1 if failed else 0

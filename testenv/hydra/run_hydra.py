@@ -13,16 +13,17 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[1]
+sys.path.insert(0, str(TOP / "testenv/blender"))
+from picture_sheet import sheet  # noqa: E402
+
 SKIPPED = 77
 QUICK = ["sun_light", "world_colour", "spot_light", "subsurface", "instances", "textured_board"]
-ANONYMOUS = ["--nosoftwareattrib", "--eraseattrib", ".*"]  # no paths of this machine in a picture
 
 
 def cached(build, name):
@@ -97,20 +98,6 @@ def table(version, rows, job):
     return "\n".join(lines) + "\n"
 
 
-def sheet(rows, folder, out):
-    """Ours and Cycles' of each scene, side by side."""
-    if not shutil.which("oiiotool"):
-        print("no picture: oiiotool is missing (apt-get install openimageio-tools)")
-        return
-    pairs = []
-    for row in rows:
-        pairs.append(str(folder / f"{row['name']}.pair.exr"))
-        files = [str(folder / f"{row['name']}.{engine}.exr") for engine in ("alabaster_hydra", "cycles")]
-        subprocess.run(["oiiotool", *files, "--mosaic:pad=2", "2x1", "--ch", "R,G,B", "-o", pairs[-1]], check=True)
-    subprocess.run(["oiiotool", *pairs, "--mosaic:pad=8", f"3x{-(-len(pairs) // 3)}", "--colorconvert", "linear", "sRGB",
-                    "--compression", "jpeg:85", *ANONYMOUS, "-o", str(out)], check=True)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, required=True)
@@ -139,7 +126,7 @@ def main():
             results.mkdir(exist_ok=True)
             name = "bpy_" + "_".join(version.split(".")[:2])
             (results / f"{name}.md").write_text(table(version, rows, job))
-            sheet(rows, pathlib.Path(folder), results / f"{name}.jpg")
+            sheet([row["name"] for row in rows], "alabaster_hydra", folder, results / f"{name}.jpg")
     if failed:
         print(f"not equal to the program's: {', '.join(failed)}")
     return 1 if failed else 0

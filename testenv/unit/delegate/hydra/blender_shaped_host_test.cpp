@@ -165,6 +165,14 @@ class BlenderShapedHost : public ::testing::Test {
   int polls_ = 0;
 };
 
+std::vector<float> pixels_of(hd::RenderBuffer* buffer) {
+  buffer->Resolve();
+  const auto* const pixels = static_cast<const float*>(buffer->Map());
+  std::vector<float> copied(pixels, pixels + 4 * kSize * kSize);
+  buffer->Unmap();
+  return copied;
+}
+
 /// The same data by our own terms, rendered by a host that executes until it has converged.
 std::vector<float> expected_picture() {
   hd::Stage stage({{"samples", int64_t(16)}, {"threads", 2}});
@@ -192,12 +200,8 @@ std::vector<float> expected_picture() {
   stage.index->SyncAll();
   auto pass = stage.delegate->CreateRenderPass();
   EXPECT_TRUE(hd::Stage::finish(*pass, state_of(buffer)));
-  buffer->Resolve();
-  const auto* const pixels = static_cast<const float*>(buffer->Map());
-  std::vector<float> copied(pixels, pixels + 4 * kSize * kSize);
-  buffer->Unmap();
   pass.reset();
-  return copied;
+  return pixels_of(buffer);
 }
 
 TEST_F(BlenderShapedHost, GetsThePictureOfTheSameData) {
@@ -219,12 +223,8 @@ std::vector<float> picture_of_file(const std::string& file) {
   hd::RenderPassState state = hd::Stage::state_for(kSize, kSize, "color", buffer);
   state.camera = stage.scene.GetRenderSettings(loaded.settings).camera;
   EXPECT_TRUE(hd::Stage::finish(*pass, state));
-  buffer->Resolve();
-  const auto* const pixels = static_cast<const float*>(buffer->Map());
-  std::vector<float> copied(pixels, pixels + 4 * kSize * kSize);
-  buffer->Unmap();
   pass.reset();
-  return copied;
+  return pixels_of(buffer);
 }
 
 class Folder {
@@ -337,7 +337,9 @@ TEST_F(BlenderShapedHost, MayDestroyABufferBeforeItAsksAgain) {
   auto* const gone = static_cast<hd::RenderBuffer*>(stage_.delegate->CreateBprim("renderBuffer", "/gone"));
   gone->Allocate({.dimensions = {kSize, kSize, 1}, .format = hd::Format::float32vec4});
   driver_->Execute(state_of(gone));
-  while (!driver_->IsConverged()) continue;
+  int questions = 0;
+  while (!driver_->IsConverged() && questions < 500) ++questions;
+  ASSERT_LT(questions, 500);
   driver_->Forget(gone);
   gone->Finalize(stage_.delegate->GetRenderParam());
   stage_.delegate->DestroyBprim(gone);
@@ -356,7 +358,8 @@ TEST_F(BlenderShapedHost, AnswersAtOnceToHostsThatExecuteBeforeEachQuestion) {
     driver_->Execute(state_of(buffer_));
     EXPECT_FALSE(driver_->IsConverged());
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1)) << "a hundred waits are two seconds";
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(1900))
+      << "a hundred waits are two seconds at least";
 }
 
 }  // namespace
