@@ -10,10 +10,14 @@ static_assert(int(Severity::info) == int(alabaster::Severity::info) &&
               int(Severity::warning) == int(alabaster::Severity::warning) &&
               int(Severity::error) == int(alabaster::Severity::error));
 
+std::shared_ptr<const ColorConfig> OutputColors::config(const DiagnosticSink& sink) const {
+  return held ? held : ColorConfig::load(ocio, to_core(sink));
+}
+
 bool make_output_transform(const RenderProduct& product, const ProductPlan& plan, const OutputColors& colors,
                            const DiagnosticSink& sink, OutputTransform& out) {
   const alabaster::DiagnosticSink core_sink = to_core(sink);
-  out.config = ColorConfig::load(colors.ocio, core_sink);
+  out.config = colors.config(sink);
   if (!out.config) return false;
   if (plan.display_referred) {
     const std::string display = product.display.empty() ? out.config->default_display() : product.display;

@@ -169,10 +169,11 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
     error =
         support::WriteOutputFile(product.file, file, image.incomplete ? support::Flush::none : support::Flush::disk);
-    if (!error.empty())
-      return fail(sink, "product.write", product.file,
-                  error + "; check the folder, its permissions and the space on the disk, or write elsewhere");
-    return true;
+    if (error.empty()) return true;
+    if (const std::string kept = support::KeepElsewhere(product.file, file); !kept.empty())
+      error += "; the picture was kept as " + kept + ": move it";
+    return fail(sink, "product.write", product.file,
+                error + "; check the folder, its permissions and the space on the disk, or write elsewhere");
   } catch (const std::bad_alloc&) {
     return fail(sink, "product.memory", product.file, "not enough memory to encode the image; write a smaller crop");
   } catch (const std::exception& e) {
@@ -203,7 +204,7 @@ std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& product
 }
 
 std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sink) {
-  const auto config = ColorConfig::load(colors.ocio, to_core(sink));
+  const auto config = colors.config(sink);
   if (!config) return {};
   std::string text = "configuration: " + config->origin() + "\nrendering space: " + config->rendering_space() + "\n";
   text += lines("colour spaces", config->color_spaces());
@@ -217,7 +218,7 @@ std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sin
 }
 
 std::string SerializeColors(const OutputColors& colors, const DiagnosticSink& sink) {
-  const auto config = ColorConfig::load(colors.ocio, to_core(sink));
+  const auto config = colors.config(sink);
   return config ? config->serialize() : std::string();
 }
 

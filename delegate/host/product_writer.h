@@ -3,9 +3,14 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <span>
 
 #include "delegate/api/render_delegate.h"
+
+namespace alabaster {
+class ColorConfig;
+}
 
 namespace alabaster::hd::host {
 
@@ -32,6 +37,11 @@ struct ProductImage {
 
 struct OutputColors {
   std::string ocio;  // config path; empty: $OCIO or the built-in one
+  /// The configuration itself, held since it was read: its file may change or vanish. Null: it is read from `ocio`.
+  std::shared_ptr<const ColorConfig> held = {};
+
+  /// The configuration. Null after a report if it cannot be read.
+  std::shared_ptr<const ColorConfig> config(const DiagnosticSink& sink) const;
 };
 
 /// Names of the AOVs that products can hold.
@@ -44,7 +54,8 @@ ALABASTER_API RenderVar UsualRenderVar(const std::string& aov);
 ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
 
 /// Writes all products at once and returns the files that were written, in the order of `products`. A failure is
-/// reported (file, reason, remedy) and leaves no partial file under the final name; `sink` is called by one thread at a
+/// reported (file, reason, remedy) and leaves no partial file under the final name; a picture that its file cannot take is
+/// kept in a new folder of the temporary one, where that can, and the report names it. `sink` is called by one thread at a
 /// time. Incomplete images are written fast, because somebody waits: not compressed, and not flushed to the disk.
 ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products,
                                                      const ProductImage& image, const OutputColors& colors,

@@ -263,6 +263,16 @@ std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> by
       file, [bytes](int handle) { return write_all(handle, bytes); }, flush);
 }
 
+std::string KeepElsewhere(const std::string& file, std::span<const uint8_t> bytes) {
+  std::error_code error;
+  std::string folder = (fs::temp_directory_path(error) / "alabaster_XXXXXX").string();
+  if (error || !::mkdtemp(folder.data())) return {};
+  const fs::path kept = fs::path(folder) / fs::path(file).filename();
+  if (WriteOutputFile(kept.string(), bytes).empty()) return kept.string();
+  fs::remove(folder, error);
+  return {};
+}
+
 std::string StreamOutputFile(const std::string& file, const std::function<bool(const ByteSink&)>& write, Flush flush) {
   const auto writer = [&write](int handle) {
     int error = 0;

@@ -21,6 +21,10 @@ std::string OutputFault(const std::string& file);
 /// leaves nothing behind; elsewhere the next write into the folder removes what is left. Any thread.
 std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush = Flush::disk);
 
+/// Writes `bytes`, which `file` did not take, to a file of the same name in a new folder of the system's temporary one.
+/// Returns the path, or nothing where that fails too. Any thread.
+std::string KeepElsewhere(const std::string& file, std::span<const uint8_t> bytes);
+
 /// Takes the next bytes of a file; false: they cannot be written.
 using ByteSink = std::function<bool(std::span<const uint8_t>)>;
 /// The same for a file too large to be in memory as a whole. `write` gives its bytes to the sink, in order, and returns
