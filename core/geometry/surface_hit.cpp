@@ -105,16 +105,25 @@ struct TextureFrame {
   Vec3f dpdu{0, 0, 0};  // any length, object space; zero: none
 };
 
+// A triangle in the first set of texture coordinates.
+struct UvTriangle {
+  const Vec2f &t0, &t1, &t2;
+  Vec2f d1 = t1 - t0, d2 = t2 - t0;
+  float determinant = d1.x * d2.y - d2.x * d1.y;
+
+  static UvTriangle of(const Mesh& mesh, uint32_t triangle) {
+    const UvSet& set = mesh.uv_sets.front();
+    const Corners& c = corners_of(set, mesh, triangle);
+    return {set.values[c[0]], set.values[c[1]], set.values[c[2]]};
+  }
+};
+
 TextureFrame texture_frame(const Mesh& mesh, const TriangleHit& hit, const Vec3f& e1, const Vec3f& e2) {
   if (mesh.uv_sets.empty()) return {};
-  const UvSet& set = mesh.uv_sets.front();
-  const Corners& c = corners_of(set, mesh, hit.triangle);
-  const Vec2f &t0 = set.values[c[0]], &t1 = set.values[c[1]], &t2 = set.values[c[2]];
-  const Vec2f d1 = t1 - t0, d2 = t2 - t0;
-  const float determinant = d1.x * d2.y - d2.x * d1.y;
+  const UvTriangle t = UvTriangle::of(mesh, hit.triangle);
   TextureFrame frame;
-  frame.uv = t0 * (1 - hit.u - hit.v) + t1 * hit.u + t2 * hit.v;
-  if (determinant != 0) frame.dpdu = (e1 * d2.y - e2 * d1.y) * std::copysign(1.0f, determinant);
+  frame.uv = t.t0 * (1 - hit.u - hit.v) + t.t1 * hit.u + t.t2 * hit.v;
+  if (t.determinant != 0) frame.dpdu = (e1 * t.d2.y - e2 * t.d1.y) * std::copysign(1.0f, t.determinant);
   return frame;
 }
 
@@ -193,6 +202,10 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
   s.uv = frame.uv;
   s.dpdu = unit_or(object_to_render.vector(frame.dpdu), frame_from_normal(s.ns).s);
   return s;
+}
+
+bool has_mirrored_uvs(const Mesh& mesh, uint32_t triangle) {
+  return !mesh.uv_sets.empty() && UvTriangle::of(mesh, triangle).determinant < 0;
 }
 
 Vec2f HitPrimvars::uv(const UvSetName& set) const {

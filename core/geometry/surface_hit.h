@@ -33,6 +33,9 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
 SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                            const Affine& render_to_object);
 
+/// True if v grows clockwise from u, seen from where the triangle winds counter-clockwise, in the mesh's first set.
+bool has_mirrored_uvs(const Mesh& mesh, uint32_t triangle);
+
 /// The attribute's indices for a triangle.
 template <class T>
 const Corners& corners_of(const MeshAttribute<T>& attribute, const Mesh& mesh, uint32_t triangle) {

@@ -14,6 +14,16 @@
 
 namespace alabaster {
 
+namespace {
+
+// Counter-clockwise about the normal.
+Frame turned(const Frame& frame, float turns) {
+  const float angle = turns * 2 * float(M_PI);
+  return frame_from_normal_tangent(frame.n, frame.s * std::cos(angle) + frame.t * std::sin(angle));
+}
+
+}  // namespace
+
 PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle, float footprint) {
   PathVertex v;
   v.instance = &context.scene.instances[triangle.instance];
@@ -32,6 +42,10 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   const Vec3f n = v.mapped ? mapped(*material.normal_map) : surface;
   v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
   v.material = material.evaluate({mesh, triangle, v.hit.uv, {footprint, &placement.object_to_world}});
+  if (v.material.anisotropic_rotation != 0) [[unlikely]] {
+    const bool clockwise = winds_clockwise(*v.instance, placement, triangle, v.hit);
+    v.frame = turned(v.frame, v.material.anisotropic_rotation * (clockwise ? -1.0f : 1.0f));
+  }
   if (v.material.coat > 0 && (v.mapped || material.coat_normal_map)) {
     Vec3f coat = surface;
     if (material.coat_normal_map) coat = mapped(*material.coat_normal_map);

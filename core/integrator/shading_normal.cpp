@@ -3,6 +3,11 @@
 namespace alabaster {
 namespace {
 
+bool mirrors(const Placement& placement) {
+  const Affine& m = placement.object_to_world;
+  return dot(cross(m.x, m.y), m.z) < 0;
+}
+
 // A tangent of the mesh at rest goes with its triangle, as a combination of two edges.
 Vec3f deformed(const Vec3f& tangent, const Mesh& mesh, const TriangleHit& hit) {
   const auto edges = [&](float time) {
@@ -60,14 +65,19 @@ Vec3f mapped_normal(const Instance& instance, const Placement& placement, const 
   const Vec3f t = normalize(across);
   // Tangents wind with the object; a mirroring transform turns n x t around.
   const bool behind = is_behind(instance, triangle, -side.ng);
-  const bool mirrored = dot(cross(to_render.x, to_render.y), to_render.z) < 0;
   const Vec3f n = behind ? -side.ns : side.ns;
-  const Vec3f b = cross(n, t) * ((tangent.w < 0) != mirrored ? -1.0f : 1.0f);
+  const Vec3f b = cross(n, t) * ((tangent.w < 0) != mirrors(placement) ? -1.0f : 1.0f);
   const Rgb m = map.color(HitPrimvars(mesh, triangle, side.uv));
   const Vec3f mapped = t * m.r + b * m.g + n * m.b;
   const float l2 = dot(mapped, mapped);
   if (!(l2 > 0) || !std::isfinite(l2)) return side.ns;
   return mapped * ((behind ? -1.0f : 1.0f) / std::sqrt(l2));
+}
+
+bool winds_clockwise(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
+                     const SurfaceHit& side) {
+  const bool mirrored = has_mirrored_uvs(instance.prototype->mesh, triangle.triangle) != mirrors(placement);
+  return mirrored != is_behind(instance, triangle, -side.ng);
 }
 
 Vec3f reflecting_normal(const Vec3f& n, const Vec3f& surface, const Vec3f& wo) {

@@ -24,6 +24,11 @@ inline Vec3f bend_towards(const Vec3f& ns, const Vec3f& ng, const Vec3f& wo) {
 Vec3f mapped_normal(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
                     const SurfaceHit& side, const NormalMap& map);
 
+/// True if texture coordinates wind clockwise in a frame whose s lies along growing u and whose normal is on the side
+/// of `side`: then v grows against its t. Meshes without texture coordinates count as if v grew counter-clockwise.
+bool winds_clockwise(const Instance& instance, const Placement& placement, const TriangleHit& triangle,
+                     const SurfaceHit& side);
+
 /// The unit normal nearest to `n` about which the mirror image of `wo` lies above the plane of `surface`: else a facet
 /// of the map reflects only into its own surface, and shows black (Keller et al. 2017, "The Iray Light Transport
 /// Simulation and Rendering System", section A.3). wo above `surface`.

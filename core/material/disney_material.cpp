@@ -14,6 +14,7 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"metallic", &P::metallic, 0, 1}},
     {{"roughness", &P::roughness, 0, 1}},
     {{"anisotropic", &P::anisotropic, 0, 1.11}},
+    {{"anisotropicRotation", &P::anisotropic_rotation, 0, 1}},
     {{"specularTint", &P::specular_tint, 0, 1}},
     {{"ior", &P::ior, 1, 4}},
     {{"specular", &P::specular, 0, 1}},
@@ -69,6 +70,10 @@ void multiply(const MaterialTexture& texture, const HitPrimvars& at, DisneyParam
   std::optional<Rgb> color;
   std::optional<float> alpha;
   for (const auto& [row, channel] : texture.uses) {
+    if (channel == Channel::direction) [[unlikely]] {
+      if (const auto* number = std::get_if<float P::*>(&row->member)) p->** number *= texture.lookup.direction(at);
+      continue;
+    }
     if (channel == Channel::a && !alpha) alpha = texture.lookup.alpha(at);
     if (channel != Channel::a && !color) color = texture.lookup.color(at);
     const auto* const member = std::get_if<Rgb P::*>(&row->member);

@@ -14,6 +14,7 @@ struct DisneyParameters {
   float metallic = 0;
   float roughness = 0.5f;
   float anisotropic = 0;
+  float anisotropic_rotation = 0;  // in turns; the integrator turns the local frame, no lobe reads it
   float specular_tint = 0;
   float ior = 1.5f;          // of the dielectric specular lobe
   float specular = 1;        // scales dielectric F0 (KHR_materials_specular's specularFactor); 1: by ior alone

@@ -80,10 +80,9 @@ void set_anisotropy(MaterialBuilder* material) {
   material->set("anisotropic", (1 - std::max(b / t, 1.1e-3)) / 0.9);
   material->connect("anisotropic", texture, number_reading("b"));
   if (texture.index < 0) material->set("roughness", std::pow(t * b, 0.25));
-  const bool turned = number_or(anisotropy, "anisotropyRotation", 0, -kUnlimited, kUnlimited) != 0;
-  if (turned || texture.index >= 0)
-    material->warn("material.anisotropy", "extensions.KHR_materials_anisotropy",
-                   "has a direction, which is not supported; the highlight is stretched along the tangent");
+  const double turns = number_or(anisotropy, "anisotropyRotation", 0, -kUnlimited, kUnlimited) / (2 * M_PI);
+  material->set("anisotropicRotation", texture.index < 0 ? turns - std::floor(turns) : 1.0);
+  material->connect("anisotropicRotation", texture, {"direction", "raw", Vec4f(1), Vec4f(float(turns))});
 }
 
 }  // namespace alabaster::hd::gltf

@@ -223,13 +223,15 @@ class MaterialReader {
 
   Channel channel_of(const MaterialConnection& connection, bool color) const {
     const std::string& output = connection.upstreamOutput.str();
-    constexpr std::pair<const char*, Channel> kOutputs[] = {
-        {"rgb", Channel::rgb}, {"r", Channel::r}, {"g", Channel::g}, {"b", Channel::b}, {"a", Channel::a}};
+    constexpr std::pair<const char*, Channel> kOutputs[] = {{"rgb", Channel::rgb}, {"r", Channel::r},
+                                                            {"g", Channel::g},     {"b", Channel::b},
+                                                            {"a", Channel::a},     {"direction", Channel::direction}};
     for (const auto& [name, channel] : kOutputs)
-      if (output == name) return channel == Channel::rgb && !color ? Channel::r : channel;
+      if (output == name && !(color && channel == Channel::direction))
+        return channel == Channel::rgb && !color ? Channel::r : channel;
     const Channel used = color ? Channel::rgb : Channel::r;
     warn("material.output", connection.upstreamNode.str() + " has no output '" + output + "'; " +
-                                (color ? "rgb" : "r") + " is used (known: rgb, r, g, b, a)");
+                                (color ? "rgb" : "r") + " is used (known: rgb, r, g, b, a, and of numbers direction)");
     return used;
   }
 

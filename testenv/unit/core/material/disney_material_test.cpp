@@ -54,6 +54,23 @@ TEST(DisneyMaterial, MultipliesTexturesScaledAndBiasedAndClampsTheProduct) {
   EXPECT_EQ(testing::evaluate_at(material, {0, 0}).base_color, Rgb(1, 0.375f, 1)) << "2/2, 1.5/4 and 3";
 }
 
+// In turns, counter-clockwise from growing red; scale and bias act on the angle, which stays within one turn.
+TEST(DisneyMaterial, ReadsADirectionAsAnAngle) {
+  const std::tuple<Rgb, float, float, float> kCases[] = {
+      {{1, 0.5f, 0}, 1, 0, 0},     {{0.5f, 1, 9}, 1, 0, 0.25f},           {{0, 0.5f, 0}, 1, 0, 0.5f},
+      {{0.5f, 0, 0}, 1, 0, 0.75f}, {{0.75f, 0.75f, 0}, 1, 0.25f, 0.375f}, {{0.5f, 0, 0}, 1, 0.5f, 0.25f},
+      {{0.5f, 1, 0}, -1, 0, 0.75f}};
+  for (const auto& [texel, scale, bias, turns] : kCases) {
+    TextureLookup lookup;
+    lookup.image = std::make_shared<testing::MemoryTexture>(1, std::vector<Rgb>{texel});
+    lookup.scale = Rgb(scale), lookup.bias = Rgb(bias);
+    DisneyMaterial material;
+    material.constants.anisotropic_rotation = 1;
+    material.textures.push_back({lookup, {{find_material_parameter("anisotropicRotation"), Channel::direction}}});
+    EXPECT_NEAR(testing::evaluate_at(material, {0.5f, 0.5f}).anisotropic_rotation, turns, 1e-6f) << texel;
+  }
+}
+
 TEST(DisneyMaterial, ReadsTheMeshsColorsAndTheNamedTextureCoordinates) {
   Mesh mesh;
   mesh.triangles = {{0, 1, 2}};

@@ -98,5 +98,15 @@ TEST(GltfMaterial, AnisotropyKeepsBothAlphas) {
   EXPECT_LE(number(sharpest, "anisotropic"), 1.11) << "in the range of the parameter";
 }
 
+// Radians, counter-clockwise, of any size, as turns.
+TEST(GltfMaterial, AnisotropyHasARotation) {
+  for (const auto& [radians, turns] : {std::pair(M_PI / 2, 0.25), {-M_PI / 2, 0.75}, {5 * M_PI, 0.5}}) {
+    const MaterialNode surface = surface_of(load_material(
+        R"({"extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": )" +
+        std::to_string(radians) + "}}}"));
+    EXPECT_NEAR(number(surface, "anisotropicRotation"), turns, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace alabaster::hd::gltf::testing
