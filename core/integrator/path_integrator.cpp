@@ -116,6 +116,13 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
     record_hit_vectors(context, v, out);
 }
 
+// Ends a camera's path at a hold-out: only lights that it met on its way show.
+void hold_out(PathRecord* record, PathState* path, FilmSample* out) {
+  path->held_out = true;
+  out->alpha = 0;
+  if (record) record->end("a hold-out");
+}
+
 // The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the
 // mirrors before it, or of the last mirror if the path meets nothing else.
 void record_guides(const PathContext& context, const PathVertex& v, const PathState& path, FilmSample* out) {
@@ -352,12 +359,14 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
       continue;
     }
 
-    // Add the surface's emission and record the first hit; end at the depth limit.
+    // Record the first hit and add the surface's emission; end at a hold-out or the depth limit.
+    if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
+    if (path->seeks_guides) record_guides(context, vertex, *path, first_hit);
+    if (path->depth == 0 && vertex.instance->holdout) [[unlikely]]
+      return hold_out(record, path, first_hit);
     const Rgb before = path->radiance;
     if (kMeshLights) add_mesh_emission(vertex, hit, path);
     if (kMeshLights && record) record->meet_light(path->radiance - before);
-    if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
-    if (path->seeks_guides) record_guides(context, vertex, *path, first_hit);
     if (record && path->depth >= context.settings.max_depth) record->end("maxDepth");
     if (path->depth >= context.settings.max_depth) return;
 
@@ -385,7 +394,8 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   // Sort the light into layers; a backdrop that the camera sees is part of the picture.
   out.color = path.radiance;
   if (kLayers) *context.layers = split.finish(path.radiance);
-  if (out.alpha == 0 && (context.scene.features.visible_background || !is_black(path.radiance))) out.alpha = 1;
+  const bool has_backdrop = context.scene.features.visible_background && !path.held_out;
+  if (out.alpha == 0 && (has_backdrop || !is_black(path.radiance))) out.alpha = 1;
   return out;
 }
 

@@ -32,6 +32,7 @@ struct PathState {
   const LightSet* lights = nullptr;              // that light the last vertex; of camera rays all
   uint32_t depth = 0;
   bool seeks_guides = false;  // the next surface gives the values of kGuideAovs
+  bool held_out = false;      // the camera's ray ended at a hold-out
   uint32_t walk_events = 0;   // of the last subsurface walk; any other carrier of light counts as many
   Footprint footprint;
   Interiors interiors;  // that the ray is in

@@ -23,8 +23,9 @@ class LinkedTransmittance final : public HitFilter {
   const uint32_t shadow_link_;
 };
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
-  return instance.camera_cull != CameraCull::none &&
-         is_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back);
+  return instance.camera_cull == CameraCull::all ||
+         (instance.camera_cull != CameraCull::none &&
+          is_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
 }
 
 }  // namespace

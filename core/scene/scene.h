@@ -31,7 +31,7 @@ struct MeshPrototype {
 };
 
 /// The faces that camera rays pass.
-enum class CameraCull { none, back, front };
+enum class CameraCull { none, back, front, all };
 
 struct InstanceDescription {
   std::shared_ptr<const MeshPrototype> prototype;
@@ -45,6 +45,7 @@ struct InstanceDescription {
   std::string subsurface_set = {};
   bool double_sided = true;  // false: not there for rays from behind, but where light passes below the surface
   CameraCull camera_cull = CameraCull::none;
+  bool holdout = false;       // a hole in the picture, where the camera sees it directly
   uint32_t category_set = 0;  // of SceneDescription
   bool operator==(const InstanceDescription&) const = default;
 };
@@ -90,6 +91,7 @@ struct Instance : Placement {
   bool see_through = false;              // rays may pass some hits: partly opaque, single-sided, or culled
   bool single_sided = false;             // as far as it shows: a closed mesh is seen from its front alone
   CameraCull camera_cull = CameraCull::none;
+  bool holdout = false;                            // a camera's path that meets it first ends there, without colour
   uint32_t category_set = 0;                       // of SceneSnapshot
   const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
 

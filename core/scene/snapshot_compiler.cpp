@@ -90,6 +90,7 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   }
   instance.single_sided = !d.double_sided && !d.prototype->mesh.outward;
   instance.camera_cull = d.camera_cull;
+  instance.holdout = d.holdout;
   instance.see_through |= instance.single_sided || d.camera_cull != CameraCull::none;
   return instance;
 }

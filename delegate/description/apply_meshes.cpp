@@ -89,6 +89,8 @@ bool change_mesh(const Reader& reader, const std::string& pointer, const json& e
   if (entry.contains("subsurfaceSet"))
     mesh.primvars["subsurfaceSet"] = {
         Interpolation::constant, Token(), Token(entry["subsurfaceSet"].get<std::string>()), {}};
+  for (const char* flag : {"holdout", "visibleToCamera"})
+    if (entry.contains(flag)) mesh.primvars[flag] = {Interpolation::constant, Token(), entry[flag].get<bool>(), {}};
   mesh.visible = entry.value("visible", mesh.visible);
   if (entry.value("refineLevel", 0) > 0 && mesh.topology.scheme == Token("none"))
     reader.warn(pointer + "/refineLevel", "Has no effect on mesh '" + path.str() +

@@ -34,6 +34,19 @@ std::string pull_subsurface_set(SceneDelegate& scene, const Path& id, const std:
   return pulled.interpolation == Interpolation::constant ? name : std::string();
 }
 
+// A constant primvar that is true or false; a number is true unless it is 0.
+bool pull_flag(SceneDelegate& scene, const Path& id, const char* name, bool otherwise,
+               const std::vector<PrimvarDescriptor>& descriptors, const alabaster::DiagnosticSink& sink) {
+  const PulledPrimvar pulled = pull_primvar(scene, id, name, descriptors);
+  if (!pulled.present) return otherwise;
+  const auto* numbers = pulled.value.get<Array<float>>();
+  if (numbers && numbers->size() == 1 && pulled.interpolation == Interpolation::constant) return (*numbers)[0] != 0;
+  alabaster::report(
+      sink, alabaster::Severity::warning, "mesh." + std::string(name), id.str(),
+      "primvar " + std::string(name) + " must be a constant bool; " + (otherwise ? "true" : "false") + " is used");
+  return otherwise;
+}
+
 TimeSamples<Value> pull_samples(SceneDelegate& scene, const Path& id, const Token& name) {
   TimeSamples<Value> samples = scene.SamplePrimvar(id, name);
   for (Value& value : samples.values) value = support::FloatValues(value);
@@ -130,6 +143,8 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSi
   else if (!record_.other_primvars || !(*record_.other_primvars == others))
     record_.other_primvars = std::make_shared<const OtherPrimvars>(std::move(others));
   record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
+  record_.holdout = pull_flag(scene, GetId(), "holdout", false, descriptors, sink);
+  record_.visible_to_camera = pull_flag(scene, GetId(), "visibleToCamera", true, descriptors, sink);
 }
 
 void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {

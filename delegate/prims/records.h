@@ -36,6 +36,7 @@ struct MeshRecord {
   bool double_sided = true;
   Token render_tag = "geometry";
   std::vector<Token> categories;
+  bool holdout = false, visible_to_camera = true;
   CameraCull camera_cull = CameraCull::none;
   bool operator==(const MeshRecord&) const = default;
 };

@@ -51,8 +51,11 @@ std::string instance_text(const InstanceDescription& instance, const Translation
           std::to_string(mesh.triangles.size()) + " normals " + yes_no(!mesh.normals.empty()) + " uvs " +
           yes_no(!mesh.uv_sets.empty()) + " closed " + yes_no(mesh.closed) + "\n";
   if (!instance.double_sided) text += "  single-sided\n";
-  if (instance.camera_cull != CameraCull::none)
+  if (instance.camera_cull == CameraCull::all)
+    text += "  not visible to the camera\n";
+  else if (instance.camera_cull != CameraCull::none)
     text += instance.camera_cull == CameraCull::back ? "  back culled\n" : "  front culled\n";
+  if (instance.holdout) text += "  hold-out\n";
   if (!instance.subsurface_set.empty()) text += "  subsurfaceSet " + instance.subsurface_set + "\n";
   if (instance.category_set != 0)
     for (const uint32_t category : translation.scene.category_sets[instance.category_set])

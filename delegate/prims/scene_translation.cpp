@@ -146,7 +146,8 @@ struct SceneTranslator::Run {
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     instance.double_sided = mesh.double_sided;
-    instance.camera_cull = mesh.camera_cull;
+    instance.camera_cull = mesh.visible_to_camera ? mesh.camera_cull : CameraCull::all;
+    instance.holdout = mesh.holdout;
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
     check_closed(instance);
     instance.subsurface_set = set_of(instance, mesh);

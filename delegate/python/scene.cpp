@@ -42,7 +42,7 @@ class Primvars {
   void add(const std::string& name, const Primvar& primvar) {
     const int32_t type = type_of(name);
     Value values;
-    if (py::isinstance<py::str>(primvar.values))
+    if (py::isinstance<py::str>(primvar.values) || PyBool_Check(primvar.values.ptr()))
       values = parameter(primvar.values);
     else if (type != ALABASTER_NONE)
       values = array(type, primvar.values, name.c_str());

@@ -206,6 +206,18 @@ class Renders(unittest.TestCase):
         self.assertAlmostEqual(pixel(render, 8, 8, "albedo")[0], 0.25, delta=0.05)
         self.assertIn("subsurfaceSet named skin", renderer.command("dumpScene"))
 
+    def test_flags_of_a_mesh(self):
+        scene = square()
+        renderer = alabaster.Renderer(scene, samples=1)
+        ids = pixel(draw(renderer, aovs=["color", "primId"]), 8, 8, "primId")
+        scene.set_primvar("/square", "holdout", True, "constant")
+        render = draw(renderer, aovs=["color", "primId"])
+        self.assertEqual((pixel(render, 8, 8), pixel(render, 8, 8, "primId")), ([0, 0, 0, 0], ids))
+        scene.set_primvar("/square", "holdout", alabaster.Primvar(False, "constant"))
+        self.assertEqual(pixel(draw(renderer), 8, 8)[3], 1)
+        scene.set_primvar("/square", "visibleToCamera", False, "constant")
+        self.assertEqual(pixel(draw(renderer, aovs=["color", "primId"]), 8, 8, "primId"), -1)
+
     def test_records_files(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16, samples=2)

@@ -173,6 +173,17 @@ TEST_F(LoadSceneTest, SubsurfaceSetOfAMesh) {
   EXPECT_EQ(set.value.text_or(""), "body");
 }
 
+TEST_F(LoadSceneTest, HoldoutAndVisibleToCameraOfAMesh) {
+  const SceneFile file = describe(R"({"gltf": [{"file": "patch.gltf"}],
+    "meshes": [{"match": "patch", "holdout": true, "visibleToCamera": false}]})");
+  ASSERT_TRUE(file.ok) << errors();
+  for (const auto& [name, expected] : {std::pair("holdout", true), std::pair("visibleToCamera", false)}) {
+    const host::PrimvarValue& flag = only_mesh().primvars.at(name);
+    EXPECT_EQ(flag.interpolation, Interpolation::constant) << name;
+    EXPECT_EQ(flag.value, Value(expected)) << name;
+  }
+}
+
 TEST_F(LoadSceneTest, TransformsComposeAsWritten) {
   // (1,-1,0) scaled by 2 -> (2,-2,0); 90 degrees about z -> (2,2,0); moved -> (12,2,0).
   ASSERT_TRUE(describe(R"({"gltf": [{"file": "patch.gltf",

@@ -280,6 +280,29 @@ TEST(MeshSync, SubsurfaceSetsAreNamedOrByMaterial) {
   EXPECT_EQ(dump_with({Interpolation::constant, {}, Token("body"), {}}).find("subsurfaceSet"), std::string::npos);
 }
 
+TEST(MeshSync, HoldoutAndVisibleToCameraAreConstantFlags) {
+  Stage stage;
+  const auto dump_with = [&](const char* name, Interpolation interpolation, Value value) {
+    host::MeshDescription mesh = Stage::quad();
+    mesh.primvars[name] = {interpolation, {}, std::move(value), {}};
+    stage.scene.SetMesh("/m", mesh);
+    return stage.dump();
+  };
+  const std::string plain = dump_with("unread", Interpolation::constant, true);
+  for (const auto& [name, otherwise, line] : {std::tuple("holdout", false, "  hold-out\n"),
+                                              std::tuple("visibleToCamera", true, "  not visible to the camera\n")}) {
+    EXPECT_EQ(dump_with(name, Interpolation::constant, otherwise), plain);
+    EXPECT_NE(dump_with(name, Interpolation::constant, !otherwise).find(line), std::string::npos);
+    EXPECT_NE(dump_with(name, Interpolation::constant, otherwise ? 0.0f : 1.0f).find(line), std::string::npos);
+    EXPECT_NE(dump_with(name, Interpolation::constant, Array<int32_t>{!otherwise}).find(line), std::string::npos);
+    const std::string code = std::string("mesh.") + name;
+    EXPECT_EQ(stage.count(code.c_str()), 0u);
+    EXPECT_EQ(dump_with(name, Interpolation::vertex, !otherwise), plain);
+    EXPECT_EQ(dump_with(name, Interpolation::constant, std::string("yes")), plain);
+    EXPECT_EQ(stage.count(code.c_str()), 2u);
+  }
+}
+
 TEST(MeshSync, StopEndsBuildingAndRestartTakesItUpAgain) {
   Stage stage;
   stage.scene.SetMesh("/m", Stage::quad());
