@@ -1,8 +1,11 @@
 """Drives Blender's window as a user would: viewport, edits, camera, Escape. Runs inside Blender with a display.
 
-Arguments: a JSON file with addon, module (folders), out (folder for screenshots), edits (their number). Prints "WINDOW {json}".
+Arguments: a JSON file with addon, module (folders), out (folder for screenshots), edits (their number), patience (seconds). Prints
+"WINDOW {json}", and before it a line "AT seconds step pictures" whenever a step begins. Where Blender's main loop does not come round
+for `patience` seconds, the process ends with Python's stacks.
 """
 import collections
+import faulthandler
 import json
 import pathlib
 import subprocess
@@ -23,8 +26,9 @@ from alabaster_render import engine, viewport  # noqa: E402
 alabaster_render.register()
 told = {}
 Picture = collections.namedtuple("Picture", "time middle covered ms blank")  # middle: the mean colour there, where the cube is
+started = time.monotonic()
 drawn = []
-current = []  # the viewport
+spent = []  # seconds in calls of the add-on's viewport
 
 
 def middle(pixels):
@@ -35,17 +39,25 @@ def middle(pixels):
 
 
 def watched(draw):
-    def timed(self, context, depsgraph):
+    def seen(self, context, depsgraph):
         begun = time.monotonic()
         draw(self, context, depsgraph)
         stats = self.renderer.stats()
-        current[:] = [self]
         blank = self.pixels is None or not self.pixels[..., 3].any()
         drawn.append(Picture(time.monotonic(), middle(self.pixels), stats.get("covered", 0.0), 1e3 * (time.monotonic() - begun), blank))
-    return timed
+    return seen
 
 
-viewport.Viewport.draw = watched(viewport.Viewport.draw)
+def timed(method):
+    def call(*args):
+        begun = time.monotonic()
+        method(*args)
+        spent.append(time.monotonic() - begun)
+    return call
+
+
+viewport.Viewport.draw = watched(timed(viewport.Viewport.draw))
+viewport.Viewport.update = timed(viewport.Viewport.update)
 
 
 def resident():
@@ -75,6 +87,10 @@ def wait_for(name, since, done, timeout=60.0):
     told[name] = None
 
 
+def at(step):
+    print(f"AT {time.monotonic() - started:.1f} {step} {len(drawn)}", flush=True)
+
+
 def rest(seconds):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -90,6 +106,7 @@ def set_colour(color):
 def viewport_story():
     bpy.context.scene.render.engine = "ALABASTER"
     bpy.context.scene.alabaster.viewport_samples = 1000
+    at("viewport")
     begun = time.monotonic()
     space().shading.type = "RENDERED"
     yield from wait_for("first_picture_ms", begun, lambda p: p.covered >= 1 and not p.blank)
@@ -97,12 +114,14 @@ def viewport_story():
     screenshot("viewport")
     for name, edit in (("material", lambda: set_colour((0.9, 0.2, 0.05))),
                        ("transform", lambda: setattr(bpy.data.objects["Cube"].location, "x", -4))):
+        at(name)
         before, begun = drawn[-1].middle, time.monotonic()
         edit()
         yield from wait_for(f"{name}_edit_ms", begun, lambda p, b=before: abs(p.middle - b).max() > 0.2 * b.max())
         yield from rest(3)
         screenshot(f"after_{name}")
     waits = []
+    at("camera")
     for i in range(20):
         begun = time.monotonic()
         region = space().region_3d
@@ -119,8 +138,10 @@ def viewport_story():
 
 def edit_story():
     yield from rest(0.5)
-    before = [resident()]
+    before, begun, own = [resident()], time.monotonic(), sum(spent)
     for i in range(job["edits"]):
+        if i % 50 == 0:
+            at(f"edit {i}")
         if i % 2:
             set_colour((0.2 + 0.6 * (i % 10) / 10, 0.3, 0.5))
         else:
@@ -129,12 +150,14 @@ def edit_story():
         if i == job["edits"] // 5:
             yield from rest(1)
             before.append(resident())
+    seconds, own = time.monotonic() - begun, sum(spent) - own
     yield from rest(2)
-    told["edits"] = {"number": job["edits"], "MB_at_first": round(before[0]), "MB_after_a_fifth": round(before[-1]),
+    told["edits"] = {"number": job["edits"], "seconds": round(seconds), "of_these_in_the_add_on": round(own), "MB_at_first": round(before[0]), "MB_after_a_fifth": round(before[-1]),
                      "MB_at_last": round(resident())}
 
 
 def escape_story():
+    at("escape")
     ended, looked = [], []
     engine.time = types.SimpleNamespace(monotonic=lambda: (looked.append(time.monotonic()), looked[-1])[1])
     bpy.app.handlers.render_cancel.append(lambda *_: ended.append(time.monotonic()))
@@ -145,12 +168,14 @@ def escape_story():
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window, screen=window.screen):
         bpy.ops.render.render("INVOKE_DEFAULT")
-    beats = []
-    while len(looked) < 30:
-        beats.append(time.monotonic())
+    beats = [time.monotonic()]
+    while len(looked) < 30 or len(beats) < 5:
+        if beats[-1] - beats[0] > job["patience"]:
+            raise TimeoutError(f"F12 has asked {len(looked)} times for Escape within {job['patience']} seconds")
         yield 0.01
+        beats.append(time.monotonic())
     beats = sorted(b - a for a, b in zip(beats, beats[1:]))
-    told["beat_of_the_window_ms"] = [round(1e3 * beats[len(beats) // 2]), round(1e3 * beats[-1])] if beats else None
+    told["beat_of_the_window_ms"] = {"median": round(1e3 * beats[len(beats) // 2]), "largest": round(1e3 * beats[-1])}
     keys = subprocess.run(["xdotool", "getactivewindow"], capture_output=True, text=True)
     target = ["--window", keys.stdout.strip()] if keys.returncode == 0 else []
     begun = time.monotonic()
@@ -176,6 +201,7 @@ running = stories()
 
 
 def step():
+    faulthandler.dump_traceback_later(job["patience"], exit=True)
     try:
         return next(running)
     except StopIteration:
