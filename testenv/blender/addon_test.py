@@ -25,55 +25,14 @@ import numpy  # noqa: E402
 import alabaster  # noqa: E402
 import alabaster_render  # noqa: E402
 import scenes  # noqa: E402
+from role_test import Deformation, LightLinks, Roles  # noqa: E402, F401
+from synced_scene import SyncedScene, dump, fresh  # noqa: E402
 from alabaster_render import (disney_group, engine, images, library, materials, meshes, motion, passes, schema,  # noqa: E402
                               settings, subsurface, sync, world)
 
 
-class Watched:
-    """An alabaster.Scene that remembers its calls."""
-
-    def __init__(self):
-        self.scene, self.calls = alabaster.Scene(), []
-
-    def __getattr__(self, name):
-        method = getattr(self.scene, name)
-
-        def call(*args, **kwargs):
-            self.calls.append((name, args[0]))
-            self.last = kwargs
-            return method(*args, **kwargs)
-        return call
-
-
-def fresh():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.context.scene.render.engine = "ALABASTER"
-
-
-class Edits(unittest.TestCase):
+class Edits(SyncedScene):
     """The calls that an edit makes, and no more."""
-
-    def setUp(self):
-        fresh()
-        scenes.instances()
-        self.ball = scenes.ball(scenes.diffuse("own"), (2, -3, 1), name="own")
-        self.watched, self.notes = Watched(), []
-        self.sync = sync.SceneSync(self.watched, True, self.notes.append)
-        self.sync.sync(bpy.context.evaluated_depsgraph_get())
-
-    def after(self, edit):
-        """Calls that an edit makes, through the depsgraph's own updates."""
-        self.watched.calls.clear()
-
-        def updated(_, depsgraph):
-            self.sync.update(depsgraph)
-        bpy.app.handlers.depsgraph_update_post.append(updated)
-        try:
-            edit()
-            bpy.context.view_layer.update()
-        finally:
-            bpy.app.handlers.depsgraph_update_post.remove(updated)
-        return self.watched.calls
 
     def test_nothing(self):
         self.assertEqual(self.after(lambda: None), [])
@@ -141,14 +100,6 @@ class Edits(unittest.TestCase):
             self.ball.data.materials[0] = scenes.principled("wax", Subsurface=1.0)
         self.assertIn(("set_mesh", "/mesh/own"), self.after(edit))
         self.assertTrue("subsurfaceSet named skin" in dump(self.watched.scene))
-
-
-def dump(scene):
-    renderer = alabaster.Renderer(scene, samples=1)
-    renderer.start(width=8, height=8, camera={"focalLength": 1.0})
-    text = renderer.command("dumpScene")
-    renderer.stop()
-    return text
 
 
 class Meshes(unittest.TestCase):

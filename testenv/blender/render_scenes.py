@@ -1,7 +1,7 @@
 """Renders scenes of scenes.py with Alabaster and with Cycles. Runs inside Blender (blender -b -P) or with the module bpy.
 
 Arguments: a JSON file with addon (folder that holds alabaster_render), module (folder that holds alabaster), scenes (names; none:
-all), width, height, samples, out (folder). Prints a line "SCENE {json}" for each: mean colours, RMS difference of blocks, notes.
+all), width, height, samples, out (folder). Prints a line "SCENE {json}" for each: mean colours, RMS differences of blocks of colour and of alpha.
 """
 import json
 import pathlib
@@ -14,8 +14,10 @@ sys.path.insert(0, str(HERE))
 import bpy  # noqa: E402
 import numpy  # noqa: E402
 
+import role_scenes  # noqa: E402
 import scenes  # noqa: E402
 
+SCENES = {**scenes.SCENES, **role_scenes.SCENES}
 BLOCK = 8  # pixels: the difference of means of blocks holds little noise
 
 
@@ -54,7 +56,7 @@ def picture(job, name, engine):
 
 def blocks(pixels):
     height, width = (n // BLOCK * BLOCK for n in pixels.shape[:2])
-    return pixels[:height, :width, :3].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, 3).mean(axis=(1, 3))
+    return pixels[:height, :width].reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK, -1).mean(axis=(1, 3))
 
 
 def empty():
@@ -63,15 +65,16 @@ def empty():
 
 def compare(job, name):
     empty()
-    scenes.SCENES[name]()
+    SCENES[name]()
     ours, our_seconds = picture(job, name, "ALABASTER")
     theirs, their_seconds = picture(job, name, "CYCLES")
     means = ours[..., :3].mean(axis=(0, 1)), theirs[..., :3].mean(axis=(0, 1))
     apart = blocks(ours) - blocks(theirs)
+    color, alpha = (numpy.sqrt((one ** 2).mean()) for one in (apart[..., :3], apart[..., 3]))
     expected = scenes.DIFFERS.get(name, (2.0, ""))
     told = {"name": name, "ours": [float(x) for x in means[0]], "cycles": [float(x) for x in means[1]],
             "ratio": float(means[0].sum() / means[1].sum()), "channels": [float(a / b) for a, b in zip(*means)],
-            "blocks": float(numpy.sqrt((apart ** 2).mean()) / means[1].mean()), "within": expected[0], "why": expected[1],
+            "blocks": float(color / means[1].mean()), "alpha": float(alpha), "within": expected[0], "why": expected[1],
             "seconds": [our_seconds, their_seconds]}
     print("\nSCENE " + json.dumps(told), flush=True)
 
@@ -83,7 +86,7 @@ def main():
     empty()
     import alabaster_render
     alabaster_render.register()
-    for name in job["scenes"] or scenes.SCENES:
+    for name in job["scenes"] or SCENES:
         compare(job, name)
     alabaster_render.unregister()  # Blender 4 ends badly with an engine of Python's
     print("\nVERSION " + bpy.app.version_string, flush=True)

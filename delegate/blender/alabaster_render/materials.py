@@ -42,14 +42,16 @@ def _find(tree, maps, colors, seen):
 
 
 class Network:
-    """nodes of alabaster.Scene.set_material, and the one that displaces."""
+    """nodes of alabaster.Scene.set_material, and the one that displaces. holdout: its surface is a Holdout shader, which is a
+    property of meshes."""
 
     def __init__(self):
         self.nodes = {"surface": {}}
         self.displacement = ""
+        self.holdout = False
 
     def __eq__(self, other):
-        return isinstance(other, Network) and (self.nodes, self.displacement) == (other.nodes, other.displacement)
+        return isinstance(other, Network) and vars(self) == vars(other)
 
 
 def translate(material, note):
@@ -67,7 +69,9 @@ def translate(material, note):
     if output is None:
         surface.update(baseColor=(0, 0, 0), specular=0.0)
         return network
-    surface.update(shaders.translate(reader, reader.source(output.inputs["Surface"])))
+    source = reader.source(output.inputs["Surface"])
+    network.holdout = shaders.is_holdout(source)
+    surface.update(shaders.translate(reader, source))
     if output.inputs["Volume"].is_linked:
         reader.note("the volume is not translated")
     shaders.displace(reader, output, _displacement_method(material), surface)

@@ -19,6 +19,7 @@ class Primvar(NamedTuple):
     values: numpy.ndarray
     interpolation: str
     role: str = ""
+    motion: list = None  # [(time, values)]
 
 
 def same(a, b):
@@ -30,6 +31,11 @@ def same(a, b):
     if isinstance(a, tuple):
         return isinstance(b, tuple) and all(same(x, y) for x, y in zip(a, b))
     return a == b
+
+
+def same_topology(a, b):
+    return b is not None and all(numpy.array_equal(a[name], b[name]) for name in ("counts", "indices")) \
+        and len(a["points"]) == len(b["points"])
 
 
 def array(collection, attribute, dtype, width=1):

@@ -1,5 +1,5 @@
 """Motion blur: where things stand at times of the shutter."""
-from . import meshes, names, sync
+from . import materials, meshes, names, sync
 
 POSES = 5  # over the shutter; between them bodies turn and move evenly
 
@@ -20,18 +20,39 @@ class Shutter:
 
 
 def sample(engine, depsgraph, shutter, exporter):
-    """Fills exporter.motion. The depsgraph is that of the frame itself afterwards."""
+    """Fills exporter.motion and exporter.deformation. The depsgraph is that of the frame itself afterwards."""
     scene = depsgraph.scene
     frame, part = scene.frame_current, scene.frame_subframe
-    seen = {}
+    seen, deformed = {}, {}
     for time in shutter.times():
         at = frame + part + time
         engine.frame_set(int(at // 1), at % 1)
         for owner, matrix in places(depsgraph):
             seen.setdefault(owner, []).append((time, matrix))
+        for key, mesh in shapes(depsgraph).items():
+            deformed.setdefault(key, []).append((time, mesh))
     engine.frame_set(frame, part)
     exporter.motion = {owner: poses for owner, poses in seen.items()
                        if len(poses) == POSES and any(matrix != poses[0][1] for _, matrix in poses)}
+    exporter.deformation = {key: poses for key, poses in deformed.items() if len(poses) == POSES and deforms(poses)}
+
+
+def deforms(poses):
+    first = poses[0][1]
+    return not all(mesh is not None and meshes.same(first["points"], mesh["points"]) for _, mesh in poses)
+
+
+def shapes(depsgraph):
+    """Arguments of set_mesh of all meshes that shape keys, armatures or other modifiers may deform."""
+    made = {}
+    for instance in depsgraph.object_instances:
+        ob = instance.object
+        if ob.type not in meshes.KINDS or not instance.show_self:
+            continue
+        key, is_own = sync.mesh_key(ob, depsgraph)
+        if is_own and key not in made and ob.is_deform_modified(depsgraph.scene, "RENDER"):
+            made[key] = meshes.extract(ob, depsgraph, True, False, materials.Wanted())
+    return made
 
 
 def places(depsgraph):

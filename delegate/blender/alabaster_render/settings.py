@@ -12,6 +12,7 @@ LARGEST_INT = 2 ** 31 - 1
 PASSES = {
     "diffuse": ("Diffuse", "RGB", "COLOR"),
     "subsurface": ("Subsurface", "RGB", "COLOR"),
+    "subsurfaceUnscattered": ("Subsurface Unscattered", "RGB", "COLOR"),
     "subsurfaceSingle": ("Subsurface Single", "RGB", "COLOR"),
     "subsurfaceMultiple": ("Subsurface Multiple", "RGB", "COLOR"),
     "specular": ("Specular", "RGB", "COLOR"),
@@ -19,6 +20,7 @@ PASSES = {
     "denoised": ("Denoised", "RGBA", "COLOR"),
     "error": ("Error", "X", "VALUE"),
     "sampleCount": ("Sample Count", "X", "VALUE"),
+    "nonfiniteSamples": ("Nonfinite Samples", "X", "VALUE"),
 }
 
 

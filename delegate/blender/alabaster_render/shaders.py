@@ -20,6 +20,15 @@ def translate(reader, source):
     return known(reader, source)
 
 
+def is_holdout(source):
+    return isinstance(source, Source) and source.node.type == "HOLDOUT"
+
+
+def holdout(_reader, _source):
+    """Black to all but the camera, for which the mesh is a hold-out."""
+    return dict(BLACK)
+
+
 def _value(reader, source, *names):
     return reader.value(source.input(*names), source.groups)
 
@@ -179,5 +188,6 @@ SHADERS = {
     "BSDF_PRINCIPLED": principled.translate, "BSDF_DIFFUSE": diffuse, "BSDF_GLOSSY": glossy, "BSDF_METALLIC": glossy,
     "BSDF_GLASS": glass, "BSDF_REFRACTION": glass, "EMISSION": emission, "SUBSURFACE_SCATTERING": subsurface,
     "BSDF_TRANSLUCENT": translucent, "BSDF_TRANSPARENT": transparent, "MIX_SHADER": mix, "ADD_SHADER": add,
+    "HOLDOUT": holdout,
 }
 principled.relief = relief

@@ -2,7 +2,7 @@
 import bpy
 import numpy
 
-from . import library, lights, materials, meshes, names, world
+from . import library, lights, materials, meshes, names, roles, world
 
 NO_MATERIAL = names.path("material", "(none)")
 DOME = "/world"
@@ -11,8 +11,8 @@ DOME = "/world"
 class Group:
     """A mesh with its materials, and the places where it stands. owners tell whose the places are, for motion."""
 
-    def __init__(self, key, slots, body):
-        self.path, self.key, self.slots, self.body = None, key, slots, body
+    def __init__(self, key, slots, role):
+        self.path, self.key, self.slots, self.role = None, key, slots, role
         self.matrices, self.owners = [], []
 
 
@@ -31,15 +31,6 @@ def owner_of(instance):
     return instance.object.name_full, (instance.parent.name_full, *instance.persistent_id) if instance.is_instance else ()
 
 
-def subsurface_sets(depsgraph):
-    """The name of the set, by the name of each object that is in one."""
-    found = {}
-    for collection in bpy.data.collections:
-        if collection.alabaster.subsurface_set:
-            found.update({ob.name_full: collection.name_full for ob in collection.all_objects})
-    return found
-
-
 class SceneSync:
     """note(text) hears of what is not translated. viewport: levels and visibility are those of viewports."""
 
@@ -53,7 +44,9 @@ class SceneSync:
         self.wanted = materials.Wanted()
         self.own_path = {}    # by an object's name: the mesh that it alone places
         self.instanced = set()  # names of objects that make instances, or are made into some
+        self.roles = None     # of the depsgraph, once it is read
         self.motion = {}      # by owner: [(time, matrix)]
+        self.deformation = {}  # by key: [(time, arguments of set_mesh)]
 
     # Everything -----------------------------------------------------------------------------------
     def sync(self, depsgraph, space=None):
@@ -61,7 +54,7 @@ class SceneSync:
         self.want(depsgraph)
         groups, seen_lights = {}, {DOME}
         self.own_path, self.instanced = {}, set()
-        sets = subsurface_sets(depsgraph)
+        self.roles = roles.Roles(depsgraph, self.note)
         for instance in depsgraph.object_instances:
             ob = instance.object
             if not instance.show_self or (space and not instance.is_instance and not ob.visible_in_viewport_get(space)):
@@ -71,7 +64,7 @@ class SceneSync:
             if ob.type == "LIGHT":
                 seen_lights.add(self.sync_light(ob, instance.matrix_world, owner_of(instance)))
             elif ob.type in meshes.KINDS:
-                self.place(depsgraph, instance, groups, sets)
+                self.place(depsgraph, instance, groups)
         for gone in set(self.set_lights) - seen_lights:
             del self.set_lights[gone]
             self.scene.remove(gone)
@@ -79,7 +72,7 @@ class SceneSync:
         self.push(groups)
         self.stale.clear()
 
-    def place(self, depsgraph, instance, groups, sets):
+    def place(self, depsgraph, instance, groups):
         ob = instance.object
         key, is_own = mesh_key(ob, depsgraph)
         if key not in self.meshes:
@@ -89,7 +82,7 @@ class SceneSync:
         slots = tuple(self.material(slot.material) for slot in ob.material_slots) or (NO_MATERIAL,)
         if NO_MATERIAL in slots:
             self.material(None)
-        identity = key, slots, sets.get(ob.name_full, "")
+        identity = key, slots, self.roles.of(instance, [self.set_materials[path].holdout for path in slots])
         if identity not in groups:
             groups[identity] = Group(*identity)
         groups[identity].matrices.append(names.matrix(instance.matrix_world))
@@ -131,7 +124,7 @@ class SceneSync:
     def push_group(self, group):
         mesh = self.meshes[group.key]
         many = len(group.matrices) > 1
-        look = id(mesh), group.slots, group.body, many
+        look = id(mesh), group.slots, group.role, many
         held = self.set_groups.get(group.path)
         motions = [self.motion.get(owner) for owner in group.owners]
         if held and held[0] == look and held[1] == group.matrices:
@@ -143,15 +136,15 @@ class SceneSync:
             if not many:
                 self.scene.set_transform(group.path, group.matrices[0])
         else:
-            if held and held[0][3] and not many:
+            if held and held[0][-1] and not many:
                 self.scene.remove(instancer_of(group.path))
             placement = {"instancer": instancer_of(group.path)} if many else {
                 "transform": group.matrices[0], "motion": motions[0]}
-            set_mesh(self.scene, group, mesh, placement)
+            set_mesh(self.scene, group, {**mesh, **self.moving(group.key, mesh)}, placement)
         self.set_groups[group.path] = look, list(group.matrices), mesh  # the mesh lives as long as its id is compared
 
     def forget(self, path):
-        if self.set_groups.pop(path)[0][3]:
+        if self.set_groups.pop(path)[0][-1]:
             self.scene.remove(instancer_of(path))
         self.scene.remove(path)
 
@@ -161,6 +154,7 @@ class SceneSync:
         made = lights.translate(ob.data, matrix, ob.visible_camera, self.note)
         if made is None:
             return None
+        made[2].update(self.roles.links(ob))
         if self.set_lights.get(path) != made:
             kind, transform, parameters = self.set_lights[path] = made
             self.scene.set_light(path, kind, transform, **parameters)
@@ -185,6 +179,28 @@ class SceneSync:
                 self.scene.set_material(path, nodes=network.nodes, displacement=network.displacement)
         return path
 
+    def holdout_changes(self, material):
+        """Translates a material again. True where it became a Holdout shader, or is none any more: a property of meshes."""
+        before = self.set_materials.get(names.path("material", material.name_full))
+        after = self.set_materials[self.material(material, again=True)]
+        return before is not None and before.holdout != after.holdout
+
+    def moving(self, key, mesh):
+        """Points and normals of a mesh that deforms while the shutter is open."""
+        poses = self.deformation.get(key)
+        if not poses:
+            return {}
+        if not all(meshes.same_topology(mesh, pose) for _, pose in poses):
+            self.note(f"'{key[1]}': its faces change while the shutter is open, so its points stand still")
+            return {}
+        alabaster = library.load()
+        motion = [(time, pose["points"]) for time, pose in poses]
+        changed = {"points": alabaster.Primvar(mesh["points"], "vertex", role="point", motion=motion)}
+        normals = [(time, pose["primvars"]["normals"].values) for time, pose in poses if "normals" in pose["primvars"]]
+        if len(normals) == len(poses) and "normals" in mesh["primvars"]:
+            changed["primvars"] = {**mesh["primvars"], "normals": mesh["primvars"]["normals"]._replace(motion=normals)}
+        return changed
+
     def want(self, depsgraph):
         """Meshes are read again where materials name other maps or colours than before."""
         wanted = materials.Wanted.of(one for one in depsgraph.ids if isinstance(one, bpy.types.Material))
@@ -206,7 +222,7 @@ class SceneSync:
                 else:
                     everything = True
             elif isinstance(one, bpy.types.Material):
-                self.material(one.evaluated_get(depsgraph), again=True)
+                everything |= self.holdout_changes(one.evaluated_get(depsgraph))
                 everything |= materials.Wanted.of([one]) - self.wanted
             elif isinstance(one, bpy.types.World):
                 self.sync_world(depsgraph.scene_eval)
@@ -277,13 +293,19 @@ def set_mesh(scene, group, mesh, placement):
     alabaster = library.load()
     arguments = dict(mesh)
     index = arguments.pop("material_index")
-    primvars = {name: alabaster.Primvar(*one[:2], role=one.role) for name, one in arguments.pop("primvars").items()}
-    if group.body:
-        primvars["subsurfaceSet"] = alabaster.Primvar(group.body, "constant")
+    primvars = {name: alabaster.Primvar(one.values, one.interpolation, role=one.role, motion=one.motion)
+                for name, one in arguments.pop("primvars").items()}
+    if group.role.body:
+        primvars["subsurfaceSet"] = alabaster.Primvar(group.role.body, "constant")
+    if group.role.holdout:
+        primvars["holdout"] = alabaster.Primvar(True, "constant")
+    if not group.role.seen:
+        primvars["visibleToCamera"] = alabaster.Primvar(False, "constant")
     subsets = {}
     for number, material in enumerate(group.slots[1:], 1):
         faces = numpy.flatnonzero(index == number if number + 1 < len(group.slots) else index >= number).astype(numpy.int32)
         if len(faces):
             known = subsets.get(material)
             subsets[material] = faces if known is None else numpy.concatenate([known, faces])
-    scene.set_mesh(group.path, material=group.slots[0], subsets=subsets, primvars=primvars, **placement, **arguments)
+    scene.set_mesh(group.path, material=group.slots[0], subsets=subsets, primvars=primvars, categories=group.role.categories,
+                   **placement, **arguments)

@@ -1,0 +1,97 @@
+"""The roles of objects: in which subsurface set they are, whether they are hold-outs, what sees and what lights them."""
+from typing import NamedTuple
+
+import bpy
+
+LINKS_LIGHT = "light_linking" in bpy.types.Object.bl_rna.properties  # from Blender 4.0 on
+
+
+class Role(NamedTuple):
+    """All that tells a mesh of one object from the same mesh of another, besides its materials."""
+    body: str = ""  # the subsurface set; "": none
+    holdout: bool = False
+    seen: bool = True  # by the camera
+    categories: tuple = ()  # that the parameters lightLink and shadowLink of lights name
+
+
+class Linked(NamedTuple):
+    """Names of the objects that a light's collection includes and excludes."""
+    included: set
+    excluded: set
+
+    def holds(self, name):
+        return name not in self.excluded and (not self.included or name in self.included)
+
+    def names(self, name):
+        return name in self.included or name in self.excluded
+
+
+class Roles:
+    """The roles in a depsgraph. note(text) hears of what is not translated."""
+
+    def __init__(self, depsgraph, note):
+        self.layer, self.note = depsgraph.view_layer_eval, note
+        self.sets = subsurface_sets()
+        self.linked = light_links() if LINKS_LIGHT else {}
+
+    def of(self, instance, shaders):
+        """shaders: for each material, whether it is a Holdout shader."""
+        ob = instance.object
+        parent = instance.parent if instance.is_instance else ob  # decides for all that it places, as in Cycles
+        if any(shaders) and not all(shaders):
+            self.note(f"object '{ob.name}': a Holdout shader counts where all materials of an object have one")
+        holdout = ob.is_holdout or parent.holdout_get(view_layer=self.layer)
+        seen = ob.visible_camera and parent.visible_camera and (holdout or not parent.indirect_only_get(view_layer=self.layer))
+        return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), seen, self.categories(ob, parent))
+
+    def categories(self, ob, parent):
+        names = ob.original.name_full, parent.original.name_full
+        return tuple(category for category, linked in self.linked.items()
+                     if linked.holds(names[0] if linked.names(names[0]) else names[1]))
+
+    def links(self, light):
+        """Parameters of a light object."""
+        if not LINKS_LIGHT:
+            return {}
+        linking = light.original.light_linking
+        found = {"lightLink": linking.receiver_collection, "shadowLink": linking.blocker_collection}
+        return {name: category_of(one) for name, one in found.items() if one}
+
+
+def subsurface_sets():
+    """The name of the set, by the name of each object that is in one."""
+    found = {}
+    for collection in bpy.data.collections:
+        if collection.alabaster.subsurface_set:
+            found.update({ob.name_full: collection.name_full for ob in collection.all_objects})
+    return found
+
+
+def category_of(collection):
+    return f"collection {collection.name_full}"
+
+
+def light_links():
+    """The Linked of each category that a light names."""
+    found = {}
+    for light in bpy.data.objects:
+        if light.type == "LIGHT":
+            linking = light.light_linking
+            for collection in filter(None, (linking.receiver_collection, linking.blocker_collection)):
+                found[category_of(collection)] = linked_by(collection)
+    return found
+
+
+def linked_by(collection):
+    """The state of a collection within it counts for all objects below."""
+    linked = Linked(set(), set())
+
+    def put(state, names):
+        into, out = (linked.included, linked.excluded) if state == "INCLUDE" else (linked.excluded, linked.included)
+        into.update(names)
+        out.difference_update(names)
+    for child, entry in zip(collection.children, collection.collection_children):
+        put(entry.light_linking.link_state, [ob.name_full for ob in child.all_objects])
+    for ob, entry in zip(collection.objects, collection.collection_objects):
+        put(entry.light_linking.link_state, [ob.name_full])
+    return linked

@@ -1,0 +1,157 @@
+"""Tests of what sees and what lights objects, and of meshes that deform. addon_test.py runs them."""
+import types
+import unittest
+
+import bpy
+
+import role_scenes
+import scenes
+from alabaster_render import motion, roles, sync
+from synced_scene import SyncedScene, Watched, dump, fresh
+
+HELD_OUT, UNSEEN = "  hold-out\n", "  not visible to the camera\n"
+
+
+def instances_of(scene):
+    """Lines of the dump about each instance."""
+    return ("\n" + dump(scene)).split("\ninstance ")[1:]
+
+
+class Roles(SyncedScene):
+    def own_in(self, name, **options):
+        """The ball in a collection of the view layer with these options."""
+        held = role_scenes.held_in(name, [self.ball])
+        for option, value in options.items():
+            setattr(bpy.context.view_layer.layer_collection.children[held.name], option, value)
+
+    def shown(self):
+        """Lines of the dump about the ball."""
+        return next(part for part in instances_of(self.watched.scene) if part.startswith("/mesh/own "))
+
+    def test_a_hold_out_is_a_mesh(self):
+        self.assertNotIn(HELD_OUT, self.shown())
+        for value in (True, False):
+            calls = self.after(lambda v=value: setattr(self.ball, "is_holdout", v))
+            self.assertEqual((calls, HELD_OUT in self.shown()), ([("set_mesh", "/mesh/own")], value))
+
+    def test_a_collection_that_is_held_out(self):
+        self.assertEqual(self.after(lambda: self.own_in("held", holdout=True)), [("set_mesh", "/mesh/own")])
+        self.assertIn(HELD_OUT, self.shown())
+
+    def test_a_holdout_shader(self):
+        def assign():
+            self.ball.data.materials[0] = role_scenes.holdout_shader("hole")
+
+        def mend():
+            tree = self.ball.data.materials[0].node_tree
+            shader = tree.nodes.new("ShaderNodeBsdfDiffuse")
+            tree.links.new(shader.outputs[0], next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL").inputs["Surface"])
+        self.assertIn(("set_mesh", "/mesh/own"), self.after(assign))
+        self.assertIn(HELD_OUT, self.shown())
+        self.assertEqual(self.after(mend), [("set_material", "/material/hole"), ("set_mesh", "/mesh/own")])
+        self.assertNotIn(HELD_OUT, self.shown())
+        self.assertEqual(self.notes, [])
+
+    def test_a_holdout_shader_beside_another_is_noted(self):
+        self.ball.data.materials.append(role_scenes.holdout_shader("hole"))
+        self.sync.sync(bpy.context.evaluated_depsgraph_get())
+        self.assertNotIn(HELD_OUT, self.shown())
+        self.assertIn("Holdout", self.notes[0])
+
+    def test_what_the_camera_does_not_see(self):
+        for edit in (lambda: setattr(self.ball, "visible_camera", False), lambda: self.own_in("indirect", indirect_only=True)):
+            self.assertEqual(self.after(edit), [("set_mesh", "/mesh/own")])
+            self.assertIn(UNSEEN, self.shown())
+            self.ball.visible_camera = True
+            self.sync.sync(bpy.context.evaluated_depsgraph_get())
+
+    def test_a_hold_out_among_what_is_only_indirect_is_seen(self):
+        self.after(lambda: (self.own_in("indirect", indirect_only=True), setattr(self.ball, "is_holdout", True)))
+        self.assertEqual((HELD_OUT in self.shown(), UNSEEN in self.shown()), (True, False))
+
+    def test_what_an_instancer_places_is_seen_as_it_is(self):
+        self.after(lambda: setattr(bpy.data.objects["place4"], "visible_camera", False))
+        parts = [part for part in instances_of(self.watched.scene) if UNSEEN in part]
+        self.assertEqual(sorted({part.split()[0] for part in parts}), ["/mesh/ball#2", "/mesh/cube#2"])
+
+
+@unittest.skipUnless(roles.LINKS_LIGHT, "lights have no links before Blender 4")
+class LightLinks(SyncedScene):
+    def link(self, state, objects, kind="receiver_collection", below=False):
+        """A collection of objects, or of a collection of them, as a link of the sun."""
+        collection = held = bpy.data.collections.new("links")
+        if below:
+            held = bpy.data.collections.new("below")
+            collection.children.link(held)
+        for ob in objects:
+            held.objects.link(ob)
+        for entry in collection.collection_children if below else collection.collection_objects:
+            entry.light_linking.link_state = state
+        setattr(bpy.data.objects["SUN"].light_linking, kind, collection)
+        self.sync.sync(bpy.context.evaluated_depsgraph_get())
+
+    def linked(self):
+        return sorted({part.split()[0] for part in instances_of(self.watched.scene) if "  category collection links\n" in part})
+
+    def test_included_objects_alone(self):
+        self.link("INCLUDE", [self.ball])
+        self.assertEqual(self.linked(), ["/mesh/own"])
+
+    def test_objects_of_a_collection_that_is_included(self):
+        self.link("INCLUDE", [self.ball], below=True)
+        self.assertEqual(self.linked(), ["/mesh/own"])
+
+    def test_all_but_excluded_objects(self):
+        self.link("EXCLUDE", [self.ball])
+        self.assertEqual(self.linked(), ["/mesh/ball", "/mesh/cube", "/mesh/floor"])
+
+    def test_an_instancer_is_linked_with_what_it_places(self):
+        self.link("INCLUDE", [bpy.data.objects["place4"]], "blocker_collection")
+        self.assertEqual(self.linked(), ["/mesh/ball#2", "/mesh/cube#2"])
+
+    def test_a_link_is_a_light_and_meshes(self):
+        calls = self.after(lambda: self.link("INCLUDE", [self.ball]))
+        self.assertEqual({call for call in calls if call[0] != "set_instancer"} - {("set_mesh", "/mesh/own")}, {("set_light", "/light/SUN")})
+
+
+class Deformation(unittest.TestCase):
+    def setUp(self):
+        fresh()
+        self.notes = []
+
+    def sampled(self):
+        """The library's scene of the frame, after the shutter's poses were taken."""
+        scene, watched = bpy.context.scene, Watched()
+        made = sync.SceneSync(watched, False, self.notes.append)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        engine = types.SimpleNamespace(frame_set=lambda frame, part: scene.frame_set(frame, subframe=part))
+        motion.sample(engine, depsgraph, motion.Shutter(scene), made)
+        made.sync(bpy.context.evaluated_depsgraph_get())
+        return made
+
+    def test_shape_keys_and_armatures_have_poses(self):
+        role_scenes.deforming_meshes()
+        bpy.data.objects["soft"].modifiers["refine"].show_viewport = False  # the depsgraph at hand is a viewport's
+        made = self.sampled()
+        self.assertEqual(sorted(key[1] for key in made.deformation), ["bar", "soft", "tall"])
+        key = next(key for key in made.deformation if key[1] == "tall")
+        times, heights = zip(*((time, float(pose["points"][:, 2].max())) for time, pose in made.deformation[key]))
+        self.assertEqual(times, (-0.5, -0.25, 0.0, 0.25, 0.5))
+        for time, height in zip(times, heights):
+            self.assertAlmostEqual(height, 1.0 + 0.25 * (1 + time), places=5)
+        self.assertEqual(len(made.deformation[("object", "soft")][0][1]["counts"]), 6)  # the cage, which the library refines
+        self.assertEqual(self.notes, [])
+
+    def test_what_stands_still_has_no_poses(self):
+        role_scenes.deforming_meshes()
+        bpy.data.objects["tall"].data.shape_keys.animation_data_clear()
+        self.assertEqual(sorted(key[1] for key in self.sampled().deformation), ["bar", "soft"])
+
+    def test_new_faces_are_noted(self):
+        role_scenes.deforming_meshes()
+        bevel = bpy.data.objects["bar"].modifiers.new("array", "ARRAY")
+        for frame, count in ((0, 1), (1, 2), (2, 3)):
+            bevel.count = count
+            bevel.keyframe_insert("count", frame=frame)
+        self.sampled()
+        self.assertEqual(["'bar'" in note and "faces change" in note for note in self.notes], [True])
