@@ -108,7 +108,7 @@ def arm():
     heights = [0.25 * i for i in range(7)]
     points = [(x, y, z) for z in heights for x, y in ((-0.15, -0.15), (0.15, -0.15), (0.15, 0.15), (-0.15, 0.15))]
     faces = [(4 * i + j, 4 * i + (j + 1) % 4, 4 * i + 4 + (j + 1) % 4, 4 * i + 4 + j) for i in range(6) for j in range(4)]
-    bar = mesh("bar", points, [*faces, (3, 2, 1, 0), (24, 25, 26, 27)], diffuse("green", (0.2, 0.6, 0.2)))
+    bar = mesh("bar", points, [*faces, (3, 2, 1, 0), (24, 25, 26, 27)], diffuse("green", (0.2, 0.6, 0.2)), (0, 0, 0), True)
     skeleton = link("skeleton", bpy.data.armatures.new("skeleton"))
     bpy.context.view_layer.objects.active = skeleton
     bpy.ops.object.mode_set(mode="EDIT")

@@ -58,6 +58,11 @@ class Roles(SyncedScene):
         self.assertNotIn(HELD_OUT, self.shown())
         self.assertIn("Holdout", self.notes[0])
 
+    def test_what_is_not_translated_is_noted(self):
+        self.ball.is_shadow_catcher, self.ball.visible_glossy = True, False
+        self.sync.sync(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual(["shadow catcher" in note or "ray visibility" in note for note in self.notes], [True, True])
+
     def test_what_the_camera_does_not_see(self):
         for edit in (lambda: setattr(self.ball, "visible_camera", False), lambda: self.own_in("indirect", indirect_only=True)):
             self.assertEqual(self.after(edit), [("set_mesh", "/mesh/own")])

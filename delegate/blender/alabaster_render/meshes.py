@@ -33,6 +33,11 @@ def same(a, b):
     return a == b
 
 
+def shape(mesh):
+    """The arguments of set_mesh that a deformation changes, and those that it must not."""
+    return mesh and {**{name: mesh[name] for name in ("points", "counts", "indices")}, "normals": mesh["primvars"].get("normals")}
+
+
 def same_topology(a, b):
     return b is not None and all(numpy.array_equal(a[name], b[name]) for name in ("counts", "indices")) \
         and len(a["points"]) == len(b["points"])

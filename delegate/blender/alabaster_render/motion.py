@@ -43,7 +43,7 @@ def deforms(poses):
 
 
 def shapes(depsgraph):
-    """Arguments of set_mesh of all meshes that shape keys, armatures or other modifiers may deform."""
+    """The shapes of all meshes that shape keys, armatures or other modifiers may deform, by key."""
     made = {}
     for instance in depsgraph.object_instances:
         ob = instance.object
@@ -51,7 +51,7 @@ def shapes(depsgraph):
             continue
         key, is_own = sync.mesh_key(ob, depsgraph)
         if is_own and key not in made and ob.is_deform_modified(depsgraph.scene, "RENDER"):
-            made[key] = meshes.extract(ob, depsgraph, True, False, materials.Wanted())
+            made[key] = meshes.shape(meshes.extract(ob, depsgraph, True, False, materials.Wanted()))
     return made
 
 

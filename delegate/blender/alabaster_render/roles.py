@@ -40,6 +40,8 @@ class Roles:
         parent = instance.parent if instance.is_instance else ob  # decides for all that it places, as in Cycles
         if any(shaders) and not all(shaders):
             self.note(f"object '{ob.name}': a Holdout shader counts where all materials of an object have one")
+        for text in left_out(ob):
+            self.note(f"object '{ob.name}': {text}")
         holdout = ob.is_holdout or parent.holdout_get(view_layer=self.layer)
         seen = ob.visible_camera and parent.visible_camera and (holdout or not parent.indirect_only_get(view_layer=self.layer))
         return Role(self.sets.get(ob.name_full, ""), holdout or all(shaders), seen, self.categories(ob, parent))
@@ -56,6 +58,15 @@ class Roles:
         linking = light.original.light_linking
         found = {"lightLink": linking.receiver_collection, "shadowLink": linking.blocker_collection}
         return {name: category_of(one) for name, one in found.items() if one}
+
+
+def left_out(ob):
+    if ob.is_shadow_catcher:
+        yield "a shadow catcher is drawn as any other object"
+    if not (ob.visible_diffuse and ob.visible_glossy and ob.visible_transmission and ob.visible_shadow):
+        yield "of its ray visibility only the camera's is translated"
+    if LINKS_LIGHT and (ob.original.light_linking.receiver_collection or ob.original.light_linking.blocker_collection):
+        yield "light links of meshes that emit are not translated"
 
 
 def subsurface_sets():

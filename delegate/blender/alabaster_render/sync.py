@@ -46,7 +46,7 @@ class SceneSync:
         self.instanced = set()  # names of objects that make instances, or are made into some
         self.roles = None     # of the depsgraph, once it is read
         self.motion = {}      # by owner: [(time, matrix)]
-        self.deformation = {}  # by key: [(time, arguments of set_mesh)]
+        self.deformation = {}  # by key: [(time, shape)]
 
     # Everything -----------------------------------------------------------------------------------
     def sync(self, depsgraph, space=None):
@@ -196,9 +196,10 @@ class SceneSync:
         alabaster = library.load()
         motion = [(time, pose["points"]) for time, pose in poses]
         changed = {"points": alabaster.Primvar(mesh["points"], "vertex", role="point", motion=motion)}
-        normals = [(time, pose["primvars"]["normals"].values) for time, pose in poses if "normals" in pose["primvars"]]
-        if len(normals) == len(poses) and "normals" in mesh["primvars"]:
-            changed["primvars"] = {**mesh["primvars"], "normals": mesh["primvars"]["normals"]._replace(motion=normals)}
+        normals = mesh["primvars"].get("normals")
+        if normals and all(pose["normals"] and len(pose["normals"].values) == len(normals.values) for _, pose in poses):
+            moved = normals._replace(motion=[(time, pose["normals"].values) for time, pose in poses])
+            changed["primvars"] = {**mesh["primvars"], "normals": moved}
         return changed
 
     def want(self, depsgraph):
