@@ -140,18 +140,21 @@ FilmExtras extras_of(const RenderSettings& settings) {
   return extras;
 }
 
+bool decides(const RenderSettings& settings) {
+  return settings.adaptive || settings.target_error > 0;
+}
+
 // True if the samples of a render that has ended are the first of another. Where decisions follow from samples, they
-// depend on the settings.
+// depend on the settings, and on how many samples there will be.
 bool goes_on(const RenderRequest& last, const RenderRequest& next) {
   RenderSettings settings = last.settings;
-  if (settings.first_sample == 0) settings.samples = next.settings.samples;
+  if (settings.first_sample == 0 && !decides(settings)) settings.samples = next.settings.samples;
   settings.time_limit = next.settings.time_limit;
   settings.threads = next.settings.threads;
   settings.denoise = next.settings.denoise;
   return last.scene == next.scene && last.camera == next.camera && last.width == next.width &&
          last.height == next.height && last.data_window == next.data_window && (next.aovs & ~last.aovs) == 0 &&
-         last.primvars == next.primvars && settings == next.settings && !settings.adaptive &&
-         settings.target_error == 0;
+         last.primvars == next.primvars && settings == next.settings;
 }
 
 }  // namespace
@@ -162,9 +165,13 @@ void RenderSession::State::begin(const RenderRequest& next) {
                           static_cast<uint64_t>(std::max(0, next.data_window.height()));
   RenderProgress before;
   const FilmExtras extras = extras_of(next.settings);
-  allocation = {};
-  stopping = {};
-  round = {};
+  const bool more = film && progress.state != SessionState::failed && !restored && goes_on(request, next) &&
+                    (decides(next.settings) || film->most_samples() <= next.settings.samples);
+  if (!more || !decides(next.settings)) {
+    allocation = {};
+    stopping = {};
+    round = {};
+  }
   restored = false;
   if (next.resumed) {
     RenderState& from = *next.resumed;
@@ -176,8 +183,7 @@ void RenderSession::State::begin(const RenderRequest& next) {
     before.counters = from.counters;
     before.samples_done = from.counters.samples;
     tile_order = tiles_from_centre(*film);
-  } else if (film && progress.state != SessionState::failed && goes_on(request, next) &&
-             film->most_samples() <= next.settings.samples) {
+  } else if (more) {
     if (!progress.denoiser.empty()) film->store_denoised({});
     before = std::move(progress);
   } else if (film && film.use_count() == 1 && film->data_window() == next.data_window && film->aovs() == next.aovs &&
@@ -203,7 +209,10 @@ void RenderSession::State::begin(const RenderRequest& next) {
   progress.passes_done = before.passes_done;
   progress.cpu_seconds = before.cpu_seconds;
   progress.counters = before.counters;
+  progress.noise = before.noise, progress.noise_samples = before.noise_samples;
   noise_is_known = false;
+  noise_asked = false;
+  next_noise = {};
   started = SessionClock::now() -
             std::chrono::duration_cast<SessionClock::duration>(std::chrono::duration<double>(before.wall_seconds));
   time_limit = std::max(0.0, static_cast<double>(next.settings.time_limit));
@@ -241,6 +250,10 @@ void RenderSession::stop() {
   if (state_->driver.joinable()) state_->driver.join();
 }
 
+void RenderSession::ask_for_noise() {
+  state_->noise_asked = true;
+}
+
 bool RenderSession::wait(double seconds) {
   std::unique_lock lock(state_->mutex);
   const auto over = [this] {
@@ -267,6 +280,7 @@ void RenderSession::State::measure_stopped() {
   const std::lock_guard lock(mutex);
   if (measured != film || progress.state != SessionState::stopped) return;
   progress.noise = error;
+  progress.noise_samples = progress.samples_done;
   noise_is_known = true;
 }
 

@@ -34,7 +34,8 @@ struct RenderProgress {
   double wall_seconds = 0;
   double cpu_seconds = 0;                      // of the render workers
   RenderCounters counters;                     // of the finished tiles
-  FrameError noise;                            // measured after a pilot, at each check of target_error, and at the end
+  FrameError noise;            // measured after a pilot, at each check of target_error, when asked for, and at the end
+  uint64_t noise_samples = 0;  // samples_done when it was measured
   double denoised = -1;                        // share of the denoiser's work that is done; < 0: not begun
   double denoise_seconds = 0;                  // wall time of it; wall_seconds includes it, unless it came after a stop
   double denoise_cpu_seconds = 0;              // of the whole process meanwhile; not in cpu_seconds
@@ -63,6 +64,10 @@ class RenderSession {
   /// Blocks until no more is rendered, or `seconds` have passed; true: no more is rendered. Infinity waits without
   /// limit; a negative time and NaN do not wait.
   bool wait(double seconds);
+
+  /// The noise of the render that goes on is measured once more, at the end of a pass. A thread that renders does that,
+  /// in a twentieth of its time at most, so it may be a later pass. Nothing is measured for who does not ask.
+  void ask_for_noise();
 
   /// Writes the state of the render, from which another one may go on (RenderRequest::resumed), while workers render
   /// on. Decisions wait for it, a stop does not. False: the sink refused, a stop came, or there is nothing to go on

@@ -36,7 +36,7 @@ inline bool is_adaptive(const RenderSettings& settings) {
 
 // One render from start to end. The session holds the current one; a stopped one is joined before it is replaced.
 struct RenderSession::State {
-  mutable std::mutex mutex;  // guards the members down to denoise_threads; never held while rendering
+  mutable std::mutex mutex;  // guards the members down to next_noise; never held while rendering
   std::condition_variable changed;
   RenderProgress progress;
   std::shared_ptr<Film> film;
@@ -49,6 +49,9 @@ struct RenderSession::State {
   std::shared_ptr<const Denoiser> denoiser;  // null: none is asked for, or the film is denoised
   uint32_t denoise_threads = 0;
 
+  SessionClock::time_point next_noise;  // not measured before, while workers render
+
+  std::atomic<bool> noise_asked{false};
   std::atomic<bool> stop_requested{false};
   std::atomic<bool> out_of_time{false};
   double time_limit = 0;                     // seconds; 0: none
@@ -75,11 +78,14 @@ struct RenderSession::State {
   void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);
   void render_items(const TileRenderer& renderer);
+  bool render_item(const TileRenderer& renderer, size_t item, bool* noise_is_due);
   bool render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile, RenderCounters* counters);
   void set_paused(bool pause);
   bool wait_while_paused();
   bool time_is_over();
-  void tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds);
+  bool tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds);
+  bool takes_noise();
+  void measure_so_far();
   NoiseImage measure_noise(uint32_t samples);
   void denoise(const Film* stopped);
   void measure_stopped();

@@ -1,3 +1,4 @@
+#include <tbb/task_arena.h>
 
 #include "core/session/session_state.h"
 #include "core/session/worker_threads.h"
@@ -25,46 +26,81 @@ bool RenderSession::State::time_is_over() {
   return out_of_time.load(std::memory_order_relaxed);
 }
 
-void RenderSession::State::tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds) {
+// True: the caller is to measure the noise so far, once the tile is free.
+bool RenderSession::State::tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds) {
   const std::lock_guard lock(mutex);
   progress.counters.add(counters);
   progress.samples_done = progress.counters.samples;
   progress.cpu_seconds += cpu_seconds;
-  if (!done) return;
+  if (!done) return false;
+  const uint32_t finished_before = finished.count();
   finished.add_tile(pass);
   progress.passes_done = passes_before + count_whole_passes(schedule, finished.count());
+  return finished.count() > finished_before && takes_noise();
+}
+
+// Under the mutex, at the end of a pass. The end of a round measures the noise anyway.
+bool RenderSession::State::takes_noise() {
+  constexpr uint32_t kLeastPasses = 2;  // with less than two samples in a pixel no noise is known
+  if (!noise_asked || progress.passes_done < kLeastPasses || finished.count() == schedule.size()) return false;
+  if (request.settings.target_error > 0 || SessionClock::now() < next_noise) return false;
+  noise_asked = false;
+  next_noise = SessionClock::time_point::max();  // one at a time
+  return true;
+}
+
+// In the thread of one worker, while the others render on.
+void RenderSession::State::measure_so_far() {
+  constexpr int kRest = 20;  // times as long as a measurement took, until the next one
+  const SessionClock::time_point begun = SessionClock::now();
+  FrameError error;
+  try {
+    const CancelToken cancel(&stop_requested);
+    tbb::task_arena(1).execute([&] { error = estimate_frame_error(film_noise(*film, cancel), cancel); });
+  } catch (const BuildCancelled&) {
+    return;
+  }
+  const std::lock_guard lock(mutex);
+  const SessionClock::time_point now = SessionClock::now();
+  next_noise = now + kRest * (now - begun);
+  progress.noise = error;
+  progress.noise_samples = progress.samples_done;
 }
 
 // Work items are (pass, tile) in order. Passes overlap, so that no worker idles at the end of one. The passes of one
 // tile do not: its sums are taken in sample order, by whichever worker.
 void RenderSession::State::render_items(const TileRenderer& renderer) {
-  const size_t tiles = tile_order.size();
-  const size_t items = tiles * schedule.size();
-  while (true) {
-    // Take the next item, and wait until the tile's pass before it is done.
-    const size_t item = next_item.fetch_add(1);
-    if (item >= items) return;
-    const int tile = tile_order[item % tiles];
-    const auto pass = static_cast<uint32_t>(item / tiles);
-    std::atomic<uint32_t>& passes = tile_passes[static_cast<size_t>(tile)];
-    for (uint32_t done; (done = passes.load()) != pass && !stop_requested;) passes.wait(done);
-
-    // Render it. The tile is released also when an exception passes: nobody may wait for a tile that nobody works on.
-    const double cpu = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
-    RenderCounters counters;
-    const TileRelease release{passes, pass};
-    bool done = false;
-    try {
-      done = !stop_requested && render_tile(renderer, schedule[pass], tile, &counters);
-    } catch (...) {
-      stop_requested = true;  // before the tile is released: the other workers end, too
-      throw;
-    }
-
-    // Report it.
-    tile_done(pass, done, counters, cpu_seconds(CLOCK_THREAD_CPUTIME_ID) - cpu);
-    if (!done) return;
+  const size_t items = tile_order.size() * schedule.size();
+  for (size_t item; (item = next_item.fetch_add(1)) < items;) {
+    bool noise_is_due = false;
+    if (!render_item(renderer, item, &noise_is_due)) return;
+    if (noise_is_due) measure_so_far();
   }
+}
+
+// False: the worker ends.
+bool RenderSession::State::render_item(const TileRenderer& renderer, size_t item, bool* noise_is_due) {
+  // Wait until the tile's pass before it is done.
+  const int tile = tile_order[item % tile_order.size()];
+  const auto pass = static_cast<uint32_t>(item / tile_order.size());
+  std::atomic<uint32_t>& passes = tile_passes[static_cast<size_t>(tile)];
+  for (uint32_t done; (done = passes.load()) != pass && !stop_requested;) passes.wait(done);
+
+  // Render it. The tile is released also when an exception passes: nobody may wait for a tile that nobody works on.
+  const double cpu = cpu_seconds(CLOCK_THREAD_CPUTIME_ID);
+  RenderCounters counters;
+  const TileRelease release{passes, pass};
+  bool done = false;
+  try {
+    done = !stop_requested && render_tile(renderer, schedule[pass], tile, &counters);
+  } catch (...) {
+    stop_requested = true;  // before the tile is released: the other workers end, too
+    throw;
+  }
+
+  // Report it.
+  *noise_is_due = tile_done(pass, done, counters, cpu_seconds(CLOCK_THREAD_CPUTIME_ID) - cpu);
+  return done;
 }
 
 bool RenderSession::State::render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile,
@@ -152,6 +188,7 @@ NoiseImage RenderSession::State::measure_noise(uint32_t samples) {
   const std::lock_guard lock(mutex);
   if (stop_requested) return noise;
   progress.noise = error;
+  progress.noise_samples = progress.samples_done;
   noise_is_known = true;
   if (settings.target_error > 0 && error.known)
     progress.samples_total =

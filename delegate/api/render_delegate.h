@@ -66,17 +66,17 @@ class ALABASTER_API RenderDelegate {
   virtual uint32_t GetRenderSettingsVersion() const = 0;
 
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
-  /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone,
-  /// covered (true once samples of this render, if in blocks, are all over the frame),
-  /// cpuSeconds, filmMemory (bytes of the accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count,
-  /// walk.events, walk.exits, walk.lost, walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples with
-  /// nonfiniteSamples.emission, .light, .lobe, .walk and .other (where on the path a sample ceased to be finite),
-  /// suspectSample ("x,y,sample" for tracePixel: the sample whose failed check ended the render, which may be another
-  /// one in the next render where several fail; else the first that was not finite, by sample number, row and column,
-  /// whatever the threads), rejectedRays, error (of a failed render), refused
-  /// (true if it was refused before it began, because its camera, framing or size cannot be rendered),
-  /// error.relativeRmse with error.low and error.high (the noise that the frame estimates in itself and its 95 %
-  /// interval; absent until every pixel has two samples; of color, never of AOV denoised); where that AOV is drawn,
+  /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone, covered
+  /// (true once samples of this render, if in blocks, are all over the frame), cpuSeconds, filmMemory (bytes of the
+  /// accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
+  /// walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples with nonfiniteSamples.emission, .light, .lobe,
+  /// .walk and .other (where on the path a sample ceased to be finite), suspectSample ("x,y,sample" for tracePixel: the
+  /// sample whose failed check ended the render, which may be another one in the next render where several fail; else
+  /// the first that was not finite, by sample number, row and column, whatever the threads), rejectedRays, error (of a
+  /// failed render), refused (true if it was refused before it began, because its camera, framing or size cannot be
+  /// rendered), error.relativeRmse with error.low and error.high (the noise that the frame estimates in itself and its
+  /// 95 % interval; of color, never of AOV denoised) after error.samples per pixel: when the render is over, where the
+  /// noise decides about it (targetError, adaptive), and after command "measureNoise"; where that AOV is drawn,
   /// denoise.fraction, denoise.seconds and denoise.cpuSeconds (of the whole process meanwhile) once the denoiser has
   /// begun, denoiser (its name and version) once the AOV shows its picture, or denoise.error (why it does not); and of
   /// Sync, summed up:
@@ -115,10 +115,10 @@ class ALABASTER_API RenderDelegate {
   ///   brightest. x counts to the right and y down from the upper left corner of the display window. Empty before the
   ///   first frame, for pixels outside of the data window and for numbers that are not whole.
   /// - "reloadResource" {file}: an image that materials or lights name has been edited on disk, or one of a set that
-  /// they
-  ///   name by "<UDIM>", or a missing one has appeared. The builder reads it again for those that use it, and the
-  ///   picture follows as after an edit. Answers with an empty string, or with why not.
+  ///   they name by "<UDIM>", or a missing one has appeared. The builder reads it again for those that use it, and
+  ///   the picture follows as after an edit. Answers with an empty string, or with why not.
   /// - "flush": the same for all images.
+  /// - "measureNoise": GetRenderStats has error.* anew after a pass. That takes a twentieth of one thread at most.
   /// Those of checkpoints answer with an empty string, or with the reason why they failed:
   /// - "writeCheckpoint" {file, and optionally note: string}: writes the state of the frame that Execute drew last,
   ///   while it is rendered or after, but not once a stop has ended a render with targetError. The file is

@@ -190,6 +190,10 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
     if (command == Token("requirements")) value = core_->requirements();
     if (command == Token("waitForScene")) value = wait_for_scene(arguments);
     if (command == Token("tracePixel")) value = trace_pixel(arguments);
+    if (command == Token("measureNoise")) {
+      if (const auto passes = core_->passes(); !passes.empty()) passes.back()->ask_for_noise();
+      value = std::string();
+    }
     const auto text = [&](const char* key) {
       const auto found = arguments.find(key);
       return found == arguments.end() ? std::string() : found->second.text_or("");

@@ -63,6 +63,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   /// The request was at fault, and nothing was rendered: framing, camera, or more memory than the limit leaves.
   bool is_refused() const { return refused_; }
   RenderProgress progress() const { return session_->progress(); }
+  void ask_for_noise() { session_->ask_for_noise(); }
   /// RenderSession::save().
   bool save(const BlockSink& sink) { return session_->save(sink); }
   std::string error() const;

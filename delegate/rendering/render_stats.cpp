@@ -81,6 +81,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
     s["error.relativeRmse"] = p.noise.relative_rmse;
     s["error.low"] = p.noise.low;
     s["error.high"] = p.noise.high;
+    s["error.samples"] = static_cast<double>(p.noise_samples) / static_cast<double>(pixels);
   }
   s["filmMemory"] = count(pass.film_memory());
   add_counters(p.counters, stats);

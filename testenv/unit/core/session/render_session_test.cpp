@@ -231,6 +231,73 @@ TEST(RenderSession, GoesOnWithTheSamplesItHas) {
   EXPECT_NE(session.film(), film) << "it has more samples than are asked for";
 }
 
+// A host that pauses by a stop, to have what is there denoised, loses nothing where the noise decides either.
+TEST(RenderSession, DecisionsGoOnWithTheSamplesTheyHave) {
+  const auto stopped_often = [](const RenderRequest& request) {
+    RenderSession session;
+    uint64_t samples = 0;
+    for (int i = 0; i < 12; ++i) {
+      session.start(request);
+      session.wait(0.002 * i);
+      session.stop();
+      if (session.progress().state == SessionState::finished) break;
+      EXPECT_GE(session.progress().samples_done, samples);
+      samples = session.progress().samples_done;
+    }
+    session.start(request);
+    EXPECT_TRUE(session.wait(100));
+    return session.film()->resolve_float(Aov::color);
+  };
+  RenderRequest request = mixed_request(48);
+  request.settings.adaptive = true;
+  EXPECT_TRUE(same_bytes(color(request), stopped_often(request)));
+  request.settings.adaptive = false;
+  request.settings.samples = 4096;
+  request.settings.target_error = 0.03f;
+  EXPECT_TRUE(same_bytes(color(request), stopped_often(request)));
+
+  // Another target decides otherwise, so it begins anew.
+  RenderSession session;
+  session.start(request);
+  session.wait(0.2);
+  session.stop();
+  request.settings.target_error = 0.05f;
+  session.start(request);
+  ASSERT_TRUE(session.wait(100));
+  EXPECT_TRUE(same_bytes(color(request), session.film()->resolve_float(Aov::color)));
+}
+
+// Who asks gets the noise of passes before the last, and who does not pays nothing. Pixels are the same.
+TEST(RenderSession, NoiseIsMeasuredWhileItRendersForWhoAsks) {
+  RenderSession session;
+  const auto wait_for = [&](auto condition) {
+    const auto start = std::chrono::steady_clock::now();
+    while (!condition(session.progress()) && std::chrono::steady_clock::now() - start < std::chrono::seconds(60))
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    return session.progress();
+  };
+  session.start(mixed_request(1000000));
+  const uint32_t passes = 4;
+  EXPECT_FALSE(wait_for([](const RenderProgress& p) { return p.passes_done >= passes; }).noise.known);
+  session.ask_for_noise();
+  const RenderProgress first = wait_for([](const RenderProgress& p) { return p.noise.known; });
+  EXPECT_EQ(first.state, SessionState::rendering);
+  EXPECT_GT(first.noise.relative_rmse, 0);
+  EXPECT_GE(first.noise_samples, 2u * 72 * 72);
+  EXPECT_LE(first.noise_samples, first.samples_done);
+  const auto later = [&](const RenderProgress& p) { return p.passes_done >= first.passes_done + 4; };
+  EXPECT_EQ(wait_for(later).noise_samples, first.noise_samples) << "it was asked for once";
+  session.ask_for_noise();
+  const auto newer = [&](const RenderProgress& p) { return p.noise_samples > first.noise_samples; };
+  EXPECT_LT(wait_for(newer).noise.relative_rmse, first.noise.relative_rmse);
+
+  const RenderRequest request = mixed_request(40);
+  session.start(request);
+  while (!session.wait(0.001)) session.ask_for_noise();
+  EXPECT_TRUE(same_bytes(color(request), session.film()->resolve_float(Aov::color)));
+  EXPECT_EQ(session.progress().noise_samples, 40u * 72 * 72) << "that of all samples, in the end";
+}
+
 // The first samples cover the frame; nothing of it is empty while they are few.
 TEST(RenderSession, TheFirstSamplesCoverTheFrame) {
   RenderRequest request = mixed_request(1);
