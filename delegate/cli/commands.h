@@ -6,35 +6,33 @@
 #include <string>
 #include <vector>
 
+#include "delegate/cli/scene_options.h"
+
 namespace alabaster::cli {
 
 /// Samples per pixel at which a render to an error ends, unless --spp is given or a preset of --quality allows more.
 inline constexpr int kMostSamplesToAnError = 65536;
 
 /// Arguments as given; empty if not given.
-struct RenderArguments {
-  std::string scene;
+struct RenderArguments : SceneArguments {
   std::vector<std::string> outputs;
-  std::string camera, dome, ocio;
-  std::string time;                             // seconds
-  std::string frames;                           // "1:100" or "1:100:10"
-  std::string fps;                              // frames per second
-  std::string shutter;                          // "open:close", frames
-  std::string model_scene, animation, variant;  // of a glTF model: name or index
-  std::string size;                             // "1280x720"
-  std::string crop;                             // "x0,y0,x1,y1"
-  std::string pixel;                            // "x,y" or "x,y,sample"
-  std::string words;                            // all arguments as typed, quoted for a shell, each after a space
+  std::string frames;   // "1:100" or "1:100:10"
+  std::string fps;      // frames per second
+  std::string shutter;  // "open:close", frames
+  std::string size;     // "1280x720"
+  std::string crop;     // "x0,y0,x1,y1"
+  std::string pixel;    // "x,y" or "x,y,sample"
+  std::string words;    // all arguments as typed, quoted for a shell, each after a space
   std::string quality;
   std::map<std::string, std::string> settings;  // of the flags that name a render setting, by its name
   std::string display, view, look;
   std::optional<float> exposure;
-  std::vector<std::string> aovs, overrides;
+  std::vector<std::string> aovs;
   std::string stats;
   std::string samples;              // "256:512"
   std::string checkpoint;           // file
   std::string checkpoint_interval;  // seconds
-  bool denoise = false, quiet = false, keep_going = false, resume = false, allow_outside = false;
+  bool denoise = false, quiet = false, keep_going = false, resume = false;
 };
 int run_render(const RenderArguments& arguments);
 

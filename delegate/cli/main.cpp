@@ -51,15 +51,13 @@ constexpr SettingFlag kSettingFlags[] = {
      "Memory for the texels of images; more texels are read from a temporary file as they are needed. Default: 4096"},
 };
 
-/// The part of a glTF model that is shown, and its time.
+/// Options of a sequence of frames.
 struct TextFlag {
   const char* flag;
   std::string RenderArguments::*value;
   const char *type, *help;
 };
-constexpr TextFlag kModelFlags[] = {
-    {"--time", &RenderArguments::time, "S",
-     "Time in the models' animation in seconds; without it they keep the pose in which they are authored"},
+constexpr TextFlag kFrameFlags[] = {
     {"--frames", &RenderArguments::frames, "A:B[:STEP]",
      "Render the frames from A to B, each to files of its own: -o frame.####.exr. Frame N shows the models at N / fps "
      "seconds and has a noise pattern of its own"},
@@ -67,24 +65,7 @@ constexpr TextFlag kModelFlags[] = {
     {"--shutter", &RenderArguments::shutter, "OPEN:CLOSE",
      "Motion blur: when the shutter opens and closes, in frames relative to the frame that is drawn, such as 0:0.5 or "
      "-0.25:0.25. Default: the camera's own, else closed at once"},
-    {"--scene", &RenderArguments::model_scene, "N|NAME", "Scene of the glTF file; default: the file's own choice"},
-    {"--animation", &RenderArguments::animation, "N|NAME", "Animation of the glTF file; default: the first"},
-    {"--variant", &RenderArguments::variant, "N|NAME", "Variant of the glTF file's materials"},
 };
-
-/// An option that may be given several times, each time with one value.
-void add_repeated(CLI::App* command, const char* flags, std::vector<std::string>* values, const char* type,
-                  const char* help) {
-  command->add_option(flags, *values, help)
-      ->type_name(type)
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-void add_allow_outside(CLI::App* c, bool* allowed) {
-  c->add_flag("--allow-outside", *allowed,
-              "Let scene files name files that lie outside their own folders, for reading and for writing");
-}
 
 void add_checkpoint(CLI::App* c, RenderArguments* a) {
   c->add_option(
@@ -106,10 +87,9 @@ void add_checkpoint(CLI::App* c, RenderArguments* a) {
 
 /// The options of render but for those of checkpoints.
 void add_render_options(CLI::App* c, RenderArguments* a) {
-  c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
+  add_scene_options(c, a);
   add_repeated(c, "-o,--output", &a->outputs, "FILE", "File to write: .exr, .png, .tif or .jpg; may be repeated");
-  c->add_option("--camera", a->camera, "Camera to render from")->type_name("NAME");
-  for (const TextFlag& flag : kModelFlags) c->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);
+  for (const TextFlag& flag : kFrameFlags) c->add_option(flag.flag, a->*flag.value, flag.help)->type_name(flag.type);
   c->add_option("--size", a->size, "Resolution in pixels")->type_name("WxH");
   c->add_option("--crop", a->crop, "Region to render, in pixels from the upper left corner")->type_name("X0,Y0,X1,Y1");
   c->add_option("--quality", a->quality,
@@ -119,14 +99,10 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
       ->type_name("PRESET");
   for (const SettingFlag& flag : kSettingFlags)
     c->add_option(flag.flag, a->settings[flag.setting], flag.help)->type_name(flag.type);
-  c->add_option("--dome", a->dome, "Dome light: an image, or a colour as one or three numbers; optionally an intensity")
-      ->type_name("FILE|COLOR[,I]");
   c->add_option("--display", a->display, "Display of the OCIO config, for .png, .tif and .jpg")->type_name("NAME");
   c->add_option("--view", a->view, "View of that display")->type_name("NAME");
   c->add_option("--look", a->look, "Look of the OCIO config")->type_name("NAME");
   c->add_option("--exposure", a->exposure, "Exposure in stops, applied before the view")->type_name("STOPS");
-  c->add_option("--ocio", a->ocio, "OpenColorIO config; default: the scene's, else $OCIO, else the built-in one")
-      ->type_name("FILE");
   add_repeated(c, "--aov", &a->aovs, "NAME",
                "Extra layer for every .exr: depth, normal, albedo, primId, diffuse, subsurface, specular, emission, "
                "error, ...; may be repeated");
@@ -141,14 +117,10 @@ void add_render_options(CLI::App* c, RenderArguments* a) {
        "has them. Without SAMPLE, list the samples that the pixel has without adaptive sampling, and follow "
        "the brightest")
       ->type_name("X,Y[,SAMPLE]");
-  add_repeated(c, "--set", &a->overrides, "KEY=VALUE",
-               "Override a value: samples=16, materials/NAME.roughness=0.3, lights/NAME.intensity=2, "
-               "meshes/NAME.refineLevel=3, camera.fStop=2.8; may be repeated");
   c->add_option("--stats", a->stats, "Write the render's statistics as JSON")->type_name("FILE.json");
   c->add_flag("--keep-going", a->keep_going,
               "Render although an image is missing or damaged, or an object or light cannot be built: without it. The "
               "files are marked (alabaster/sceneFaults), --stats lists what is missing, and the exit code is 6");
-  add_allow_outside(c, &a->allow_outside);
   c->add_flag("--quiet", a->quiet, "Print errors and warnings only");
   c->footer(kExitCodes);
 }

@@ -115,11 +115,6 @@ std::optional<PixelChoice> parse_pixel(const std::string& text) {
   return PixelChoice{numbers[0], numbers[1], static_cast<uint32_t>(numbers[2])};
 }
 
-std::optional<double> parse_nonnegative(const std::string& text) {
-  const auto numbers = parse_numbers<double>(text, "");
-  return numbers.size() == 1 && numbers[0] >= 0 && std::isfinite(numbers[0]) ? std::optional(numbers[0]) : std::nullopt;
-}
-
 std::optional<std::pair<double, double>> parse_interval(const std::string& text) {
   const auto numbers = parse_numbers<double>(text, ":");
   if (numbers.size() != 2 || !std::isfinite(numbers[0]) || !std::isfinite(numbers[1]) || numbers[1] < numbers[0])

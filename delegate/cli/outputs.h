@@ -24,8 +24,6 @@ struct PixelChoice {
 };
 /// Parses "x,y" and "x,y,sample"; the sample is not negative. Empty if malformed.
 std::optional<PixelChoice> parse_pixel(const std::string& text);
-/// Parses a number of seconds or of frames per second, finite and not negative. Empty if malformed.
-std::optional<double> parse_nonnegative(const std::string& text);
 /// Parses "open:close", two finite numbers in order.
 std::optional<std::pair<double, double>> parse_interval(const std::string& text);
 /// Parses "begin:end", whole numbers, 0 <= begin < end <= 1048576. Empty if malformed.

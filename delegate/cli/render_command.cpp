@@ -79,8 +79,7 @@ class RenderCommand {
   }
 
   int check_times() {
-    if (!a_.time.empty() && !parse_nonnegative(a_.time))
-      return console_.usage_error("--time", "'" + a_.time + "' is not a time: write a number of seconds from 0 up.");
+    if (const int code = check_scene_arguments(a_, console_); code != kDone) return code;
     if (!a_.shutter.empty() && !parse_interval(a_.shutter))
       return console_.usage_error("--shutter", "'" + a_.shutter + "' is not a shutter: write open:close in frames.");
     if (!a_.fps.empty() && parse_nonnegative(a_.fps).value_or(0) == 0)
@@ -117,16 +116,9 @@ class RenderCommand {
   int load() {
     const Stopwatch watch;
     const hd::description::LoadOptions options = load_options(a_);
-    const bool ok = session_.load(a_.scene, options, console_.sink());
+    const int code = load_scene(a_, options, console_, console_.sink(), &session_);
     stats_.set_load(watch.wall(), watch.cpu());
-    if (!ok) return load_failure(console_.last_error(), options);
-    if (!session_.choose_colors(a_.ocio, console_.sink())) return kInput;
-    for (const std::string& note : session_.file.notes) console_.note("note: " + note);
-    const auto& models = session_.file.gltf;
-    if (options.time && std::all_of(models.begin(), models.end(), [](const auto& m) { return m.animations.empty(); }))
-      console_.sink()(
-          {hd::Severity::warning, "render.time", a_.scene, "It has no animation: every time shows the same."});
-    return kDone;
+    return code;
   }
 
   std::vector<hd::Path> settings_paths() const {

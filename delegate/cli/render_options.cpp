@@ -25,17 +25,15 @@ double seconds_at(const RenderArguments& a, uint32_t frame) {
 }
 
 hd::description::LoadOptions load_options(const RenderArguments& a) {
-  hd::description::LoadOptions options;
+  hd::description::LoadOptions options = scene_load_options(a);
+  options.overrides.clear();  // those of --set come last
   const auto add = [&](const std::string& key, const std::string& value) {
     if (!value.empty()) options.overrides.push_back(key + "=" + value);
   };
   const std::vector<uint32_t> frames = parse_frames(a.frames);
-  options.time = frames.empty() ? parse_nonnegative(a.time) : std::optional(seconds_at(a, frames[0]));
+  if (!frames.empty()) options.time = seconds_at(a, frames[0]);
   if (const auto shutter = parse_interval(a.shutter)) options.shutter = {shutter->first, shutter->second};
   options.frames_per_second = 1 / seconds_at(a, 1);
-  options.scene = a.model_scene;
-  options.animation = a.animation;
-  options.variant = a.variant;
   if (const auto size = parse_size(a.size))
     add("resolution", "[" + std::to_string(size->x) + "," + std::to_string(size->y) + "]");
   if (parse_crop(a.crop)) add("crop", "[" + a.crop + "]");
@@ -54,10 +52,7 @@ hd::description::LoadOptions load_options(const RenderArguments& a) {
     add("firstSample", std::to_string(range->first));
     add("samples", std::to_string(range->second));
   }
-  options.camera = a.camera;
-  options.dome = a.dome;
   options.keep_going = a.keep_going;
-  options.allow_outside = a.allow_outside;
   return options;
 }
 

@@ -15,6 +15,7 @@ SceneSession::~SceneSession() {
 
 bool SceneSession::load(const std::string& name, const hd::description::LoadOptions& options,
                         const hd::DiagnosticSink& sink) {
+  options_ = options;
   file = hd::description::LoadScene(name, &scene, sink, options);
   return file.ok;
 }

@@ -17,6 +17,8 @@ class SceneSession {
 
   /// False after a report.
   bool load(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
+  /// Those that the scene was loaded with.
+  const hd::description::LoadOptions& options() const { return options_; }
   /// Gives the models of the loaded scene the pose of options.time. The default look stays as it was loaded: a camera
   /// that was framed and the lights of a studio do not move. False after a report.
   bool pose(const std::string& name, const hd::description::LoadOptions& options, const hd::DiagnosticSink& sink);
@@ -41,6 +43,7 @@ class SceneSession {
   };
   void remove_unused_materials();
 
+  hd::description::LoadOptions options_;
   hd::host::OutputColors colors_;
   std::unique_ptr<hd::RenderDelegate, Destroy> delegate_;
   std::unique_ptr<hd::host::RenderIndex> index_;

@@ -192,4 +192,10 @@ SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
   return result;
 }
 
+std::string OverrideText(const std::string& assignment) {
+  JsonDocument document;
+  std::string problem;
+  return override_document(assignment, &document, &problem) ? document.value.dump() : std::string();
+}
+
 }  // namespace alabaster::hd::description

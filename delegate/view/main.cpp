@@ -6,14 +6,16 @@
 #include <sstream>
 
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/scene_options.h"
 #include "delegate/view/window.h"
 
 namespace alabaster::view {
 namespace {
 
 struct Arguments {
-  std::string scene, ocio, script;
-  bool allow_outside = false, quiet = false;
+  cli::SceneArguments scene;
+  std::string script;
+  bool quiet = false;
 };
 
 // Reads the script; an exit code.
@@ -39,19 +41,15 @@ int view(const Arguments& a) {
   };
   WindowOptions options;
   if (const int code = load_script(a.script, &options.script, &console); code != cli::kDone) return code;
-  hd::description::LoadOptions load;
-  load.allow_outside = a.allow_outside;
+  if (const int code = check_scene_arguments(a.scene, console); code != cli::kDone) return code;
+  hd::description::LoadOptions load = scene_load_options(a.scene);
   load.keep_going = true;  // an image that is missing is a message in the window, and may appear
   cli::SceneSession session;
-  if (!session.load(a.scene, load, sink)) return cli::kInput;
-  if (!session.choose_colors(a.ocio, sink)) return a.ocio.empty() ? cli::kInput : cli::kUsage;
-  for (const std::string& note : session.file.notes) {
-    console.note("note: " + note);
-    messages.add({hd::Severity::info, "scene.note", "", note});
-  }
+  if (const int code = load_scene(a.scene, load, console, sink, &session); code != cli::kDone) return code;
+  for (const std::string& note : session.file.notes) messages.add({hd::Severity::info, "scene.note", "", note});
   if (!session.start(sink)) return cli::kRender;
-  options.scene_file = a.scene;
-  options.title = std::filesystem::path(a.scene).filename().string() + " - Alabaster";
+  options.scene_file = a.scene.scene;
+  options.title = std::filesystem::path(a.scene.scene).filename().string() + " - Alabaster";
   ViewSession shown(&session, sink);
   return run_window(&shown, &messages, options, &console);
 }
@@ -59,15 +57,9 @@ int view(const Arguments& a) {
 int run(int argc, char** argv) {
   CLI::App app("A window on a scene: look around, pick, edit, save.", "alabaster view");
   Arguments a;
-  app.add_option("scene", a.scene, "Scene file (.gltf, .glb or a render description .json)")
-      ->required()
-      ->type_name("SCENE");
-  app.add_option("--ocio", a.ocio, "OpenColorIO config; default: the scene's, else $OCIO, else the built-in one")
-      ->type_name("FILE");
+  cli::add_scene_options(&app, &a.scene);
   app.add_option("--script", a.script, "Acts as the lines of this file say, as a user would (delegate/view/script.h)")
       ->type_name("FILE");
-  app.add_flag("--allow-outside", a.allow_outside,
-               "Let scene files name files that lie outside their own folders, for reading and for writing");
   app.add_flag("--quiet", a.quiet, "Print errors and warnings only");
   try {
     app.parse(argc, argv);

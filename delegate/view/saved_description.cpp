@@ -10,6 +10,7 @@
 
 #include "delegate/support/output_file.h"
 #include "delegate/view/backdrop_model.h"
+#include "delegate/view/load_options_json.h"
 
 namespace alabaster::view {
 namespace {
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kBackdrop = "/studio/backdrop";
+const hd::Path kDome("/lights/dome");  // of --dome
 
 // The shortest decimal that reads back as the same float.
 double decimal(float value) {
@@ -74,7 +76,11 @@ double millimetres(float metres) {
 
 json camera_of(const hd::CameraDescription& camera) {
   static const json schema = json::parse(hd::description::SchemaText("camera"))["properties"];
-  json entry{{"transform", json_of(camera.transform)}};
+  json entry = json::object();
+  const hd::TimeSamples<hd::Matrix4d>& motion = camera.transformSamples;
+  for (size_t i = 0; i < motion.values.size() && motion.values.size() > 1; ++i)
+    entry["motion"].push_back({{"time", motion.times[i]}, {"transform", json_of(motion.values[i])}});
+  if (!entry.contains("motion")) entry["transform"] = json_of(camera.transform);
   for (const auto& [token, value] : camera.parameters) {
     const std::string& name = token.str();
     if (!schema.contains(name)) continue;
@@ -96,6 +102,8 @@ class Description {
   bool write() {
     if (!file_.ends_with(".json")) return fail("A render description is a .json file: give it such a name.");
     if (!read_base()) return false;
+    add_load_options(c_.options, &document_);
+    place_files();
     add_backdrop();
     for (const auto& [path, values] : c_.materials)
       if (!is_backdrop(path)) add("materials", path, values, true);
@@ -134,14 +142,13 @@ class Description {
     if (fs::equivalent(base_, file_, error))
       return fail("That is the scene itself, which must stay as it is: choose another name.");
     if (!base_.string().ends_with(".json")) {
-      document_ = {{"gltf", {{{"file", placed(base_.filename().string())}}}}};
+      document_ = {{"gltf", {{{"file", base_.filename().string()}}}}};
       return true;
     }
     std::ifstream stream(base_);
     document_ = json::parse(stream, nullptr, false);
     if (!document_.is_object())
       return fail("The scene's description, " + base_.string() + ", is gone or no longer whole: restore it.");
-    place_files(&document_);
     return true;
   }
 
@@ -154,16 +161,8 @@ class Description {
     return full.string();
   }
 
-  // All names of files that are read. Those of products stay: they are written beside the description.
-  void place_files(json* value) {
-    for (auto& [key, child] : value->items()) {
-      const bool named =
-          value->is_object() && (key == "file" || key == "texture:file" || key == "shaping:ies:file" || key == "ocio");
-      if (named && child.is_string() && !child.get<std::string>().empty())
-        child = placed(child.get<std::string>());
-      else if (child.is_structured() && !(value == &document_ && key == "products"))
-        place_files(&child);
-    }
+  void place_files() {
+    for_each_input_name(&document_, [this](json* name) { *name = placed(name->get<std::string>()); });
   }
 
   void add(const char* kind, const hd::Path& path, const std::map<std::string, hd::Value>& values, bool set) {
@@ -204,27 +203,32 @@ class Description {
     return own;
   }
 
+  // The dome of the options, which may have the path of one that it has replaced.
+  bool is_new_dome(const hd::Path& path) const { return !c_.options.dome.empty() && path == kDome; }
+
+  json value_of_light(const hd::Value& value) {
+    const auto* const image = value.get<hd::AssetPath>();
+    if (!image) return json_of(value);
+    return image->bytes ? companion("_dome.hdr", *image->bytes) : placed(fs::absolute(image->resolved).string());
+  }
+
   void add_lights() {
     const std::set<hd::Path> own = own_lights();
     const auto& lights = c_.scene->GetLights();
     bool replaced = false;
     for (const hd::Path& path : own)
-      if (!lights.contains(path)) replaced = true, add("lights", path, {{"intensity", 0.0f}}, false);
+      if (!lights.contains(path) || is_new_dome(path))
+        replaced = true, add("lights", path, {{"intensity", 0.0f}}, false);
     for (const auto& [path, light] : lights) {
-      if (own.contains(path)) continue;
+      if (own.contains(path) && !is_new_dome(path)) continue;
       replaced = true;
-      json entry{{"name", last_name(path)}, {"type", light.type.str()}, {"transform", json_of(light.transform)}};
-      for (const auto& [name, value] : light.parameters) {
-        const auto* const image = value.get<hd::AssetPath>();
-        if (image && image->bytes)
-          entry[name.str()] = companion("_dome.hdr", *image->bytes);
-        else
-          entry[name.str()] = json_of(value);
-      }
+      const std::string name = last_name(path) + (own.contains(path) ? "_2" : "");
+      json entry{{"name", name}, {"type", light.type.str()}, {"transform", json_of(light.transform)}};
+      for (const auto& [parameter, value] : light.parameters) entry[parameter.str()] = value_of_light(value);
       document_["lights"].push_back(std::move(entry));
     }
     for (const auto& [path, values] : c_.lights)
-      if (own.contains(path)) add("lights", path, values, false);
+      if (own.contains(path) && !is_new_dome(path)) add("lights", path, values, false);
     if (replaced) document_["settings"]["studio"] = "off";
   }
 

@@ -11,7 +11,8 @@ namespace alabaster::view {
 struct ViewChanges {
   const hd::host::RetainedSceneDelegate* scene = nullptr;
   const hd::description::SceneFile* loaded = nullptr;
-  std::string scene_file;  // that was loaded
+  std::string scene_file;                // that was loaded
+  hd::description::LoadOptions options;  // that it was loaded with
   Changes materials, lights;
   std::map<std::string, hd::Value> settings;
   std::optional<hd::CameraDescription> camera;            // in place of the scene's

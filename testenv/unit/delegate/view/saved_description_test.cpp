@@ -1,6 +1,8 @@
 // A description that the window saved loads as the scene that it showed.
 #include "delegate/view/saved_description.h"
 
+#include <nlohmann/json.hpp>
+
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
 namespace alabaster::view {
@@ -176,6 +178,54 @@ TEST_F(SavedDescription, AnotherFolderNamesTheFilesFromThere) {
   bool told = false;
   for (const hd::Diagnostic& d : diagnostics) told = told || d.text.find("--allow-outside") != std::string::npos;
   EXPECT_TRUE(told);
+}
+
+// What the command line has changed is a part of what is shown.
+TEST_F(SavedDescription, TheOptionsOfTheCommandLineAreKept) {
+  const std::string image = write_image("sky.hdr");
+  changes.options.overrides = {"materials/skin.roughness=0.7",
+                               "materials/skin.baseColor=[0.1,0.2,0.3]",
+                               "lights/key.intensity=3",
+                               "quality=draft",
+                               "samples=5",
+                               "camera.fStop=4"};
+  changes.options.dome = image + ",0.5";
+  const SceneFile loaded = describe(R"({"gltf": [{"file": "lit.gltf"}],
+      "materials": [{"match": "skin", "set": {"roughness": 0.9, "ior": 1.4}}],
+      "lights": [{"name": "key", "type": "sphereLight"}, {"name": "dome", "type": "domeLight", "intensity": 9}],
+      "camera": {"lookAt": {"eye": [0, 0.5, 9], "target": [0, 0, 0]}},
+      "settings": {"maxDepth": 3, "samples": 9}})",
+                                    changes.options);
+  ASSERT_TRUE(loaded.ok) << errors();
+  save_and_load("scene.json", loaded);
+  expect_same_materials();
+  expect_same_camera(loaded);
+  EXPECT_EQ(again.GetAllRenderSettings().at(file_again.settings).settings,
+            scene.GetAllRenderSettings().at(loaded.settings).settings);
+  EXPECT_EQ(again.GetLights().at("/lights/key"), scene.GetLights().at("/lights/key"));
+  EXPECT_EQ(again.GetLights().at("/lights/dome").parameters.at("intensity").number_or(-1), 0) << "it was replaced";
+  const auto& dome = again.GetLights().at("/lights/dome_2").parameters;
+  EXPECT_EQ(dome.at("intensity").number_or(0), 0.5);
+  EXPECT_TRUE(fs::equivalent(dome.at("texture:file").get<hd::AssetPath>()->resolved, image));
+}
+
+TEST_F(SavedDescription, TheChoicesOfACommandLineAreKept) {
+  std::string two = hd::description::patch_gltf(true, false);
+  const auto replace = [&two](const std::string& from, const std::string& to) {
+    two.replace(two.find(from), from.size(), to);
+  };
+  replace(R"([0, 0, 5]})", R"([0, 0, 5]}, {"name": "other", "camera": 0, "translation": [0, 0, 7]})");
+  replace("[0,1]", "[0,1,2]");
+  write("poses.gltf", two);
+  changes.options.camera = "other", changes.options.dome = "0.2,0.3,0.4", changes.options.time = 1.5;
+  const SceneFile loaded = load("poses.gltf", changes.options);
+  ASSERT_TRUE(loaded.ok) << errors();
+  save_and_load("poses.gltf", loaded);
+  expect_same_camera(loaded);
+  expect_same_lights();
+  const auto saved = nlohmann::json::parse(std::ifstream(folder_ / "saved.json"));
+  EXPECT_EQ(saved["gltf"][0]["time"], 1.5);
+  EXPECT_EQ(saved["camera"], (nlohmann::json{{"use", "other"}}));
 }
 
 TEST_F(SavedDescription, RefusesWhatWouldLoseSomething) {
