@@ -60,12 +60,15 @@ Sight sight_of(const hd::CameraDescription& camera, const hd::Framing& framing, 
       {number(camera, "horizontalAperture", 36) / focal, number(camera, "verticalAperture", 24) / focal}, aspect,
       policy);
   sight.width = seen.width, sight.height = seen.height;
+  sight.right = number(camera, "horizontalApertureOffset", 0) / focal;
+  sight.up = number(camera, "verticalApertureOffset", 0) / focal;
   return sight;
 }
 
 Vec3d point_at(const Matrix4d& camera, const Sight& sight, double x, double y, double depth) {
   const double scale = sight.orthographic ? 1 : depth;
-  const Vec3d local((x - 0.5) * sight.width * scale, (0.5 - y) * sight.height * scale, -depth);
+  const Vec3d local(((x - 0.5) * sight.width + sight.right) * scale, ((0.5 - y) * sight.height + sight.up) * scale,
+                    -depth);
   Vec3d world;
   camera.multVecMatrix(local, world);
   return world;
@@ -77,6 +80,12 @@ void zoom(hd::CameraDescription* camera, const Vec3d& pivot, double factor) {
     camera->transform = dollied(camera->transform, pivot, factor);
     return;
   }
+  // The pivot stays in its place of the picture.
+  Vec3d local;
+  camera->transform.inverse().multVecMatrix(pivot, local);
+  camera->transform =
+      panned(camera->transform, (1 - factor) * (local.x - number(*camera, "horizontalApertureOffset", 0)),
+             (1 - factor) * (local.y - number(*camera, "verticalApertureOffset", 0)));
   camera->parameters["horizontalAperture"] = float(number(*camera, "horizontalAperture", 36) * factor);
   camera->parameters["verticalAperture"] = float(number(*camera, "verticalAperture", 24) * factor);
 }

@@ -19,6 +19,7 @@ hd::Matrix4d dollied(const hd::Matrix4d& camera, const hd::Vec3d& pivot, double 
 struct Sight {
   bool orthographic = false;
   double width = 0, height = 0;  // scene units
+  double right = 0, up = 0;      // of its middle from the view axis, by a shift of the lens
 };
 Sight sight_of(const hd::CameraDescription& camera, const hd::Framing& framing, hd::WindowPolicy policy);
 

@@ -93,8 +93,8 @@ bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Va
   if (changed) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1.0f, 0.72f, 0.30f, 1.0f));
   ImGui::TextUnformatted(row.label.c_str());
   if (changed) ImGui::PopStyleColor();
-  help(row.description);
-  ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
+  help(row.description + (unit_text(row).empty() ? "" : " Unit: " + unit_text(row) + "."));
+  ImGui::SameLine(label_width());
   const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
   const auto shown = [this](hd::Vec3f color) { return session_->shown(color); };
@@ -120,7 +120,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
       ImGui::AlignTextToFramePadding();
       ImGui::TextUnformatted(row.label.c_str());
       help(row.description);
-      ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
+      ImGui::SameLine(label_width());
       if (widgets_->button("constant##" + row.name, "Use one value in place of the image."))
         session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
       ImGui::SameLine();
@@ -192,6 +192,11 @@ void Panels::draw_camera() {
       }
     }
   }
+  if (session_->camera_moves())
+    ImGui::TextWrapped("%s", session_->is_camera_motion_kept()
+                                 ? "This camera moves while the shutter is open. It stands still once it is placed "
+                                   "elsewhere."
+                                 : "The camera stands still where it was placed. Objects keep their motion.");
   ImGui::BeginChild("parameters");
   for (const ParameterRow& row : camera_rows_) {
     hd::CameraDescription camera = session_->camera();

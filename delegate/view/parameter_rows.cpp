@@ -18,19 +18,28 @@ constexpr double kMostInteger = (1 << 30) - 1, kMostNumber = 1e37;  // that slid
 constexpr double kLeastAbove = 1e-6;                                // above a bound that is excluded
 constexpr double kDecades = 1000;  // beyond this ratio of values a slider is logarithmic
 
-// "scatterDistance" as "Scatter distance", "shaping:cone:angle" as "Shaping cone angle".
+// Words of the schemas' names that are none of plain English.
+constexpr std::pair<const char*, const char*> kWords[] = {
+    {"ior", "IOR"}, {"ies", "IES"}, {"spec", "specular"}, {"diff", "diffuse"}, {"trans", "transmission"}};
+
+std::string word_of(const std::string& word) {
+  for (const auto& [name, shown] : kWords)
+    if (word == name) return shown;
+  return word;
+}
+
+// "scatterDistance" as "Scatter distance", "shaping:ies:file" as "Shaping IES file", "fStop" as "F stop".
 std::string label_of(const std::string& name) {
-  std::string label;
+  std::string label, word;
+  const auto end_word = [&] {
+    if (!word.empty()) label += (label.empty() ? "" : " ") + word_of(word);
+    word.clear();
+  };
   for (const char c : name) {
-    if (c == ':') {
-      label += ' ';
-    } else if (std::isupper(static_cast<unsigned char>(c))) {
-      label += ' ';
-      label += char(std::tolower(static_cast<unsigned char>(c)));
-    } else {
-      label += c;
-    }
+    if (c == ':' || std::isupper(static_cast<unsigned char>(c))) end_word();
+    if (c != ':') word += char(std::tolower(static_cast<unsigned char>(c)));
   }
+  end_word();
   if (!label.empty()) label[0] = char(std::toupper(static_cast<unsigned char>(label[0])));
   return label;
 }
@@ -102,6 +111,25 @@ SoftRange soft_range(const ParameterRow& row, double value, double scene_size) {
   range.low = std::clamp(range.low, -most, most), range.high = std::clamp(range.high, -most, most);
   range.logarithmic = row.minimum >= 0 && (length || !std::isfinite(row.maximum) || range.high >= kDecades);
   return range;
+}
+
+std::string unit_text(const ParameterRow& row) {
+  constexpr std::pair<const char*, const char*> kUnits[] = {
+      {"scene unit", "scene units"}, {"nanometre", "nm"}, {"kelvin", "K"}};
+  for (const auto& [unit, text] : kUnits)
+    if (row.unit == unit) return text;
+  return row.unit;
+}
+
+std::string value_format(const ParameterRow& row, const SoftRange& range, double value) {
+  const std::string unit = unit_text(row), behind = unit.empty() ? "" : " " + unit;
+  if (row.kind == RowKind::integer) return "%d" + behind;
+  double size = std::max(std::abs(range.high), 1e-9);
+  if (range.logarithmic && value > 0) size = std::clamp(value * 10, 1e-9, size);
+  const int digits = std::clamp(int(std::ceil(3 - std::log10(size))), 0, 9);
+  const std::string number = "%." + std::to_string(digits) + "f";
+  if (row.unit != "f-number") return number + behind;
+  return value > 0 ? "f/" + number : "%.0f (pinhole)";
 }
 
 double limited(const ParameterRow& row, double value) {

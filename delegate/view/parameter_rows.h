@@ -38,6 +38,12 @@ struct SoftRange {
 /// beyond what sliders take (2^30 for whole numbers).
 SoftRange soft_range(const ParameterRow& row, double value, double scene_size);
 
+/// A unit as it stands behind a number: "scene units", "nm"; empty for none.
+std::string unit_text(const ParameterRow& row);
+/// How printf shows a value: digits enough for a thousandth of the range or of the value, and the unit. Whole numbers
+/// are an int, others a float or double.
+std::string value_format(const ParameterRow& row, const SoftRange& range, double value);
+
 /// `value` within the row's limits.
 double limited(const ParameterRow& row, double value);
 

@@ -1,25 +1,12 @@
 #include "delegate/view/picture_fetcher.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace alabaster::view {
 namespace {
 
-// The range of the numbers that a buffer holds now.
-std::array<float, 2> range_of(hd::RenderBuffer* buffer) {
-  buffer->Resolve();
-  hd::PixelMemory memory;
-  const hd::Vec2i size(buffer->GetWidth(), buffer->GetHeight());
-  const auto components = size_t(std::max(1, hd::FormatComponents(buffer->GetFormat())));
-  // Two and three components come out as four.
-  memory.format = components == 1 ? hd::Format::float32 : hd::Format::float32vec3;
-  const size_t kept = components == 1 ? 1 : 3, count = size_t(size.x) * size_t(size.y);
-  std::vector<float> values(kept * count);
-  memory.size = size, memory.pixels = values.data();
-  memory.rowBytes = kept * sizeof(float) * size_t(size.x);
-  if (values.empty() || !buffer->ResolveTo(&memory)) return {0, 1};
-  return finite_range(values.data(), nullptr, count, kept);
-}
+constexpr auto kRangeRest = std::chrono::milliseconds(500);  // between two ranges of a picture that goes on changing
 
 }  // namespace
 
@@ -77,9 +64,34 @@ void PictureFetcher::run() {
   }
 }
 
+// Finds the range anew where pixels have changed, and while they go on changing not with each of their pictures: then
+// all would be written again each time.
+std::array<float, 2> PictureFetcher::Range::of(hd::RenderBuffer* now) {
+  now->Resolve();
+  const auto time = std::chrono::steady_clock::now();
+  const uint64_t generation = now->GetGeneration();
+  const bool other = now != buffer || memory.shown == 0;
+  if (!other && (generation == found_in || (!now->IsConverged() && time - found_at < kRangeRest))) return range;
+  const auto components = size_t(std::max(1, hd::FormatComponents(now->GetFormat())));
+  // Two and three components come out as four.
+  const hd::Format format = components == 1 ? hd::Format::float32 : hd::Format::float32vec3;
+  const size_t kept = components == 1 ? 1 : 3;
+  if (other || memory.format != format) memory = {}, memory.format = format;
+  buffer = now, found_in = generation, found_at = time;
+  for (int tries = 0; tries < 2 && !now->ResolveTo(&memory); ++tries) {
+    values.resize(kept * size_t(memory.size.x) * size_t(memory.size.y));
+    memory.pixels = values.data();
+    memory.rowBytes = kept * sizeof(float) * size_t(memory.size.x);
+    memory.shown = 0;
+  }
+  range = values.empty() || memory.shown == 0 ? std::array{0.0f, 1.0f}
+                                              : finite_range(values.data(), nullptr, values.size() / kept, kept);
+  return range;
+}
+
 void PictureFetcher::make(Side* side, const PictureRequest& request) {
   const bool ranged = request.kind == DataKind::number || request.kind == DataKind::vector;
-  const auto range = ranged ? range_of(request.buffer) : std::array{0.0f, 1.0f};
+  const auto range = ranged ? side->numbers.of(request.buffer) : std::array{0.0f, 1.0f};
   const bool other = !(side->request == request) || range != side->range;
   side->request = request, side->range = range;
   if (other) {

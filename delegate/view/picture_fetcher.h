@@ -2,6 +2,7 @@
 // waits for a picture or for the denoiser.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -41,13 +42,24 @@ class PictureFetcher {
   bool busy() const;
 
  private:
+  /// The range of the numbers that a buffer holds, and what it was found in.
+  struct Range {
+    std::array<float, 2> of(hd::RenderBuffer* now);
+    const hd::RenderBuffer* buffer = nullptr;
+    uint64_t found_in = 0;  // generation of the buffer
+    std::chrono::steady_clock::time_point found_at;
+    hd::PixelMemory memory;
+    std::vector<float> values;
+    std::array<float, 2> range{0, 1};
+  };
   struct Side {
     PictureRequest request;
     hd::PixelMemory memory;
     std::unique_ptr<hd::PixelTransform> data;
-    std::array<float, 2> range{0, 0};
-    Picture made;   // by the thread alone
-    Picture ready;  // under the lock
+    Range numbers;
+    std::array<float, 2> range{0, 0};  // of `data`
+    Picture made;                      // by the thread alone
+    Picture ready;                     // under the lock
   };
   void run();
   void make(Side* side, const PictureRequest& request);

@@ -7,17 +7,23 @@
 namespace alabaster::view {
 namespace {
 
-constexpr float kClickSlack = 4;    // pixels that a click may move
-constexpr float kDividerReach = 8;  // pixels
+constexpr float kClickSlack = 4;    // units that a click may move
+constexpr float kDividerReach = 8;  // units
 constexpr double kTurn = 2 * std::numbers::pi;
 
 ImTextureID texture_id(unsigned texture) {
   return reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture));
 }
 
+ImVec2 point(hd::Vec2f p) {
+  return {p.x, p.y};
+}
+
 void write_over(ImDrawList* list, ImVec2 at, const char* text) {
   const ImVec2 size = ImGui::CalcTextSize(text);
-  list->AddRectFilled({at.x - 4, at.y - 2}, {at.x + size.x + 4, at.y + size.y + 2}, IM_COL32(0, 0, 0, 150), 3);
+  const float u = unit();
+  list->AddRectFilled({at.x - 4 * u, at.y - 2 * u}, {at.x + size.x + 4 * u, at.y + size.y + 2 * u},
+                      IM_COL32(0, 0, 0, 150), 3 * u);
   list->AddText(at, IM_COL32(235, 235, 235, 255), text);
 }
 
@@ -25,45 +31,44 @@ void write_over(ImDrawList* list, ImVec2 at, const char* text) {
 
 void PicturePanel::draw(const Textures& textures) {
   const ImVec2 room = ImGui::GetContentRegionAvail(), corner = ImGui::GetCursorScreenPos();
-  const auto aspect = float(session_->aspect());
-  ImVec2 size(std::max(room.x, 16.0f), std::max(room.y, 16.0f));
-  if (size.x > size.y * aspect)
-    size.x = std::max(1.0f, std::floor(size.y * aspect));
-  else
-    size.y = std::max(1.0f, std::floor(size.x / aspect));
-  wanted_ = {int(size.x), int(size.y)};
-  low_ = {std::floor(corner.x + (room.x - size.x) / 2), std::floor(corner.y + (room.y - size.y) / 2)};
-  high_ = {low_.x + size.x, low_.y + size.y};
-  ImGui::SetCursorScreenPos(low_);
+  const float density = ImGui::GetIO().DisplayFramebufferScale.x;
+  frame_ = PictureFrame::fit({corner.x, corner.y}, {room.x, room.y}, session_->aspect(), density > 0 ? density : 1);
+  const ImVec2 low = point(frame_.low()), high = point(frame_.high());
+  ImGui::SetCursorScreenPos(low);
   ImGui::InvisibleButton(
-      "picture", size,
+      "picture", {high.x - low.x, high.y - low.y},
       ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonMiddle | ImGuiButtonFlags_MouseButtonRight);
   handle_mouse();
   ImDrawList* const list = ImGui::GetWindowDrawList();
-  if (textures.left != 0) list->AddImage(texture_id(textures.left), low_, high_);
+  if (textures.left != 0) list->AddImage(texture_id(textures.left), low, high);
   if (session_->compared() == Compare::side_by_side && textures.right != 0) draw_side_by_side(textures);
   if (picked_ && marked_) {
-    const float x = low_.x + float(picked_->place.x) * size.x, y = low_.y + float(picked_->place.y) * size.y;
-    list->AddCircle({x, y}, 5, IM_COL32(255, 170, 40, 255), 0, 2);
+    list->AddCircle(point(frame_.cursor(picked_->place)), 5 * unit(), IM_COL32(255, 170, 40, 255), 0, 2 * unit());
   }
 }
 
 // The denoised picture right of the divider.
 void PicturePanel::draw_side_by_side(const Textures& textures) {
   ImDrawList* const list = ImGui::GetWindowDrawList();
-  const float x = std::floor(low_.x + divider_ * (high_.x - low_.x));
-  const float share = (x - low_.x) / (high_.x - low_.x);
-  list->AddImage(texture_id(textures.right), {x, low_.y}, high_, {share, 0}, {1, 1});
-  list->AddLine({x, low_.y}, {x, high_.y}, IM_COL32(255, 255, 255, 200), 1);
-  list->AddTriangleFilled({x - 7, high_.y - 12}, {x, high_.y - 18}, {x, high_.y - 6}, IM_COL32(255, 255, 255, 220));
-  list->AddTriangleFilled({x + 7, high_.y - 12}, {x, high_.y - 18}, {x, high_.y - 6}, IM_COL32(255, 255, 255, 220));
+  const ImVec2 low = point(frame_.low()), high = point(frame_.high());
+  const float x = std::floor(divider()), u = unit();
+  const auto share = float(frame_.place({x, 0}).x);
+  list->AddImage(texture_id(textures.right), {x, low.y}, high, {share, 0}, {1, 1});
+  list->AddLine({x, low.y}, {x, high.y}, IM_COL32(255, 255, 255, 200), u);
+  for (const float side : {-7 * u, 7 * u})
+    list->AddTriangleFilled({x + side, high.y - 12 * u}, {x, high.y - 18 * u}, {x, high.y - 6 * u},
+                            IM_COL32(255, 255, 255, 220));
   const char* const kLeft = "as rendered";
-  write_over(list, {x - ImGui::CalcTextSize(kLeft).x - 12, low_.y + 8}, kLeft);
-  write_over(list, {x + 12, low_.y + 8}, "denoised");
+  write_over(list, {x - ImGui::CalcTextSize(kLeft).x - 12 * u, low.y + 8 * u}, kLeft);
+  write_over(list, {x + 12 * u, low.y + 8 * u}, "denoised");
 }
 
 hd::Vec2d PicturePanel::place(ImVec2 mouse) const {
-  return {double(mouse.x - low_.x) / double(high_.x - low_.x), double(mouse.y - low_.y) / double(high_.y - low_.y)};
+  return frame_.place({mouse.x, mouse.y});
+}
+
+float PicturePanel::divider() const {
+  return frame_.low().x + divider_ * (frame_.high().x - frame_.low().x);
 }
 
 double PicturePanel::depth_near(const hd::Vec2d& at) {
@@ -83,7 +88,7 @@ void PicturePanel::handle_mouse() {
   if (ImGui::IsItemActivated()) press();
   if (ImGui::IsItemActive()) {
     const float away = std::max(std::abs(io.MousePos.x - pressed_at_.x), std::abs(io.MousePos.y - pressed_at_.y));
-    moved_ = moved_ || away > kClickSlack;
+    moved_ = moved_ || away > kClickSlack * unit();
     if (moved_ && (io.MousePos.x != last_.x || io.MousePos.y != last_.y)) move();
     last_ = io.MousePos;
   }
@@ -105,8 +110,7 @@ void PicturePanel::press() {
   drag_ = Drag::orbit;
   if (io.MouseDown[ImGuiMouseButton_Middle] || io.KeyShift) drag_ = Drag::pan;
   if (io.MouseDown[ImGuiMouseButton_Right]) drag_ = Drag::zoom;
-  const float divider = low_.x + divider_ * (high_.x - low_.x);
-  if (session_->compared() == Compare::side_by_side && std::abs(io.MousePos.x - divider) < kDividerReach)
+  if (session_->compared() == Compare::side_by_side && std::abs(io.MousePos.x - divider()) < kDividerReach * unit())
     drag_ = Drag::divider;
   pressed_camera_ = session_->camera();
   const hd::Vec2d at = place(io.MousePos);

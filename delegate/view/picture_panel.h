@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "delegate/view/picture_frame.h"
 #include "delegate/view/view_session.h"
 #include "delegate/view/widgets.h"
 
@@ -19,11 +20,7 @@ class PicturePanel {
 
   /// Fills the current ImGui window. The picture keeps the shape of the scene's frame.
   void draw(const Textures& textures);
-  /// Pixels of the screen that the picture takes.
-  hd::Vec2i wanted_size() const { return wanted_; }
-  /// Where the picture stands in the window.
-  ImVec2 low() const { return low_; }
-  ImVec2 high() const { return high_; }
+  const PictureFrame& frame() const { return frame_; }
 
   const std::optional<Picked>& picked() const { return picked_; }
   /// Once after each click; the pick may have found nothing.
@@ -39,11 +36,11 @@ class PicturePanel {
   void move();
   void wheel(double steps);
   hd::Vec2d place(ImVec2 mouse) const;
+  float divider() const;
   double depth_near(const hd::Vec2d& place);
 
   ViewSession* session_;
-  ImVec2 low_{0, 0}, high_{1, 1};
-  hd::Vec2i wanted_{0, 0};
+  PictureFrame frame_;
   float divider_ = 0.5f;  // share of the picture
   Drag drag_ = Drag::none;
   bool moved_ = false, clicked_ = false;

@@ -111,7 +111,7 @@ void Panels::draw_quality() {
   for (const auto& preset : hd::description::QualityPresets()) names.push_back(preset.name);
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Quality");
-  ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
+  ImGui::SameLine(label_width());
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Quality", names, &quality_)) {
     for (const ParameterRow& row : setting_rows_)
@@ -145,7 +145,7 @@ void Panels::draw_render() {
   std::string size = reduction_ == 1 ? "as large as shown" : "1/" + std::to_string(reduction_) + " of that";
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Pixels");
-  ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
+  ImGui::SameLine(label_width());
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Pixels", {"as large as shown", "1/2 of that", "1/4 of that"}, &size))
     reduction_ = size[0] == 'a' ? 1 : size[2] - '0';
@@ -224,7 +224,7 @@ void Panels::draw_status(const ViewStatus& status, double frames, const std::opt
   std::snprintf(text, sizeof text, "   %d x %d   %3.0f fps", session_->size().x, session_->size().y, frames);
   right += text;
   const float at = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x;
-  ImGui::SameLine(std::max(at, ImGui::CalcTextSize(line.c_str()).x + 30));
+  ImGui::SameLine(std::max(at, ImGui::CalcTextSize(line.c_str()).x + 30 * unit()));
   ImGui::TextDisabled("%s", right.c_str());
 }
 

@@ -20,8 +20,9 @@ int button_of(const std::string& name) {
   return name == "middle" ? ImGuiMouseButton_Middle : -1;
 }
 
-ImVec2 on_picture(const PicturePanel& p, double x, double y) {
-  return {p.low().x + float(x) * (p.high().x - p.low().x), p.low().y + float(y) * (p.high().y - p.low().y)};
+ImVec2 on_picture(const PicturePanel& picture, double x, double y) {
+  const hd::Vec2f at = picture.frame().cursor({x, y});
+  return {at.x, at.y};
 }
 
 }  // namespace
@@ -79,7 +80,7 @@ bool ScriptPlayer::start_on_widget(const ScriptAction& action, const Stage& stag
   const ImVec2 middle((place->low.x + place->high.x) / 2, (place->low.y + place->high.y) / 2);
   if (action.name == "slide") {
     // The grab of a slider is some pixels wide, and ends within it.
-    const float share = std::clamp(float(action.number(1)), 0.0f, 1.0f), edge = 8;
+    const float share = std::clamp(float(action.number(1)), 0.0f, 1.0f), edge = 8 * unit();
     const float x = place->low.x + edge + share * (place->high.x - place->low.x - 2 * edge);
     drag(0, {middle.x, middle.y}, {x, middle.y});
     return true;

@@ -18,10 +18,6 @@ using hd::Vec2i;
 // Always bound: picks need the ids, and a drag needs the distance.
 constexpr const char* kBoundAovs[] = {"color", "primId", "instanceId", "elementId", "cameraDepth"};
 
-// A target that no picture reaches: the renderer measures its noise while it goes on only if it has one.
-constexpr double kNoTarget = 1e-6;
-const hd::Token kTargetError("targetError");
-
 Path buffer_path(const std::string& aov) {
   return Path("/view/buffers").append(aov);
 }
@@ -68,7 +64,8 @@ Value as_type_of(const Value& type, const ParameterRow& row, const Value& shown)
 double seconds_to(const ViewStatus& status, double target) {
   if (status.noise <= 0 || target <= 0) return -1;
   const double ratio = status.noise / target;
-  return std::max(0.0, status.seconds * (ratio * ratio - 1));
+  const double measured = status.samples > 0 ? status.noise_samples / status.samples : 1;  // share of the seconds
+  return std::max(0.0, status.seconds * (measured * ratio * ratio - 1));
 }
 
 std::vector<float> PixelReader::values(hd::RenderBuffer* buffer, double x, double y) {
@@ -117,7 +114,6 @@ ViewSession::~ViewSession() {
 void ViewSession::update() {
   if (dirty_) {
     dirty_ = false;
-    measure_noise();
     if (!loaded_->index()->SyncAll()) dirty_ = true;
     state_.aovBindings.clear();
     for (const std::string& aov : bound_)
@@ -125,7 +121,9 @@ void ViewSession::update() {
   }
   state_.framing = {{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, 1};  // the window's pixels are square
   state_.freeCamera = camera_;
-  if (pass_) pass_->Execute(state_);
+  if (!pass_) return;
+  pass_->Execute(state_);
+  loaded_->delegate()->InvokeCommand("measureNoise", {});
 }
 
 ViewStatus ViewSession::status() const {
@@ -139,6 +137,7 @@ ViewStatus ViewSession::status() const {
   s.noise = stat(stats, "error.relativeRmse", -1);
   s.noise_low = stat(stats, "error.low", -1);
   s.noise_high = stat(stats, "error.high", -1);
+  s.noise_samples = stat(stats, "error.samples", 0);
   s.denoised = stat(stats, "denoise.fraction", -1);
   s.denoiser = text(stats, "denoiser");
   s.fault = text(stats, "error");
@@ -239,9 +238,20 @@ void ViewSession::pause(bool paused) {
 }
 
 void ViewSession::set_camera(hd::CameraDescription camera) {
+  const bool moved = camera.transform != camera_.transform;
   camera_ = std::move(camera);
-  camera_.transformSamples = {};
+  if (moved) hold_camera();
   pause(false);
+}
+
+// A camera that the user has placed stands still there. What moves before it goes on moving.
+void ViewSession::hold_camera() {
+  const bool told = std::exchange(camera_motion_told_, camera_motion_told_ || camera_moves());
+  if (!told && camera_moves())
+    sink_({hd::Severity::info, "view.motion", "camera",
+           "The scene's camera moves while the shutter is open. Where it is placed here it stands still; objects keep "
+           "their motion. Key R gives the scene's camera back."});
+  camera_.transformSamples = {};
 }
 
 void ViewSession::reset_camera() {
@@ -249,20 +259,17 @@ void ViewSession::reset_camera() {
   pause(false);
 }
 
+bool ViewSession::camera_moves() const {
+  return first_camera_.transformSamples.values.size() > 1;
+}
+
 Sight ViewSession::sight() const {
   const hd::Framing framing{{0, 0}, hd::Vec2f(size_), {0, 0, size_.x, size_.y}, 1};
   return sight_of(camera_, framing, settings_.windowPolicy);
 }
 
-void ViewSession::measure_noise() {
-  const Value target = loaded_->delegate()->GetRenderSetting(kTargetError);
-  if (target.number_or(0) > 0) return;
-  loaded_->delegate()->SetRenderSetting(kTargetError, target.get<float>() ? Value(float(kNoTarget)) : Value(kNoTarget));
-}
-
 Value ViewSession::setting(const std::string& key) const {
-  const Value value = loaded_->delegate()->GetRenderSetting(key);
-  return kTargetError == hd::Token(key) && value.number_or(0) <= 1.5 * kNoTarget ? Value(0.0f) : value;
+  return loaded_->delegate()->GetRenderSetting(key);
 }
 
 void ViewSession::set_setting(const ParameterRow& row, const Value& value) {
@@ -355,6 +362,7 @@ bool ViewSession::save_picture(const std::string& file, const std::string& scene
 bool ViewSession::save_description(const std::string& file, const std::string& scene_file) {
   ViewChanges changes;
   changes.scene = &loaded_->scene, changes.loaded = &loaded_->file, changes.scene_file = scene_file;
+  changes.options = loaded_->options();
   changes.materials = edits_.changed_materials(), changes.lights = edits_.changed_lights();
   changes.settings = changed_settings_;
   const auto denoise = settings_.settings.find("denoise");

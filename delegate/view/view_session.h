@@ -20,9 +20,10 @@ struct ViewStatus {
   bool covered = false;                     // the picture covers the frame
   /// Relative RMSE of the picture as rendered, and its 95 % interval; below 0: not known yet.
   double noise = -1, noise_low = -1, noise_high = -1;
-  double denoised = -1;  // share of the denoising that is done; below 0: not begun
-  std::string denoiser;  // name and version, once its picture is there
-  std::string fault;     // of a render or denoiser that failed
+  double noise_samples = 0;  // per pixel, when the noise was measured
+  double denoised = -1;      // share of the denoising that is done; below 0: not begun
+  std::string denoiser;      // name and version, once its picture is there
+  std::string fault;         // of a render or denoiser that failed
   int scene_faults = 0;
 };
 
@@ -95,7 +96,12 @@ class ViewSession {
     changed();
   }
   const hd::CameraDescription& camera() const { return camera_; }
+  /// A camera that moves in the scene stands still once it is placed elsewhere. The first time a message says so.
   void set_camera(hd::CameraDescription camera);
+  /// The scene's camera moves while the shutter is open.
+  bool camera_moves() const;
+  /// That motion is shown.
+  bool is_camera_motion_kept() const { return camera_.transformSamples.values.size() > 1; }
   void reset_camera();
   Sight sight() const;
   /// Length of the diagonal of the meshes' points; 1 if they have none.
@@ -126,7 +132,7 @@ class ViewSession {
 
  private:
   bool is_input(const std::string& file, const std::string& scene_file) const;
-  void measure_noise();
+  void hold_camera();
   hd::RenderBuffer* buffer(const std::string& aov) const;
   void bind(const std::string& aov);
   bool set_buffer(const std::string& aov);
@@ -145,7 +151,7 @@ class ViewSession {
   hd::Vec2i size_{0, 0};
   std::string aov_ = "color";
   Compare compare_ = Compare::rendered;
-  bool paused_ = false, dirty_ = true;
+  bool paused_ = false, dirty_ = true, camera_motion_told_ = false;
   std::vector<DisplayChoice> displays_;
   std::string display_name_, view_name_;
   float exposure_ = 0;

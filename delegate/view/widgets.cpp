@@ -15,30 +15,21 @@ float decoded(float c) {
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
-// Digits enough for a thousandth of the range or of the value, and the unit.
-std::string number_format(const SoftRange& range, double value, const std::string& unit) {
-  double size = std::max(std::abs(range.high), 1e-9);
-  if (range.logarithmic && value > 0) size = std::clamp(value * 10, 1e-9, size);
-  const int digits = std::clamp(int(std::ceil(3 - std::log10(size))), 0, 9);
-  return "%." + std::to_string(digits) + "f" + (unit.empty() ? "" : " " + unit);
-}
-
 bool edit_number(Widgets* widgets, const ParameterRow& row, double scene_size, hd::Value* value) {
   const double before = value->number_or(0);
   const SoftRange range = soft_range(row, before, scene_size);
   const ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
   if (row.kind == RowKind::integer) {
     int whole = int(std::lround(std::clamp(before, range.low, range.high)));
-    const std::string format = "%d" + (row.unit.empty() ? "" : " " + row.unit);
-    const bool moved =
-        ImGui::SliderInt(("##" + row.name).c_str(), &whole, int(range.low), int(range.high), format.c_str(), flags);
+    const bool moved = ImGui::SliderInt(("##" + row.name).c_str(), &whole, int(range.low), int(range.high),
+                                        value_format(row, range, before).c_str(), flags);
     widgets->mark(row.name);
     if (moved) *value = limited(row, whole);
     return moved;
   }
   auto number = float(before);
-  if (!widgets->slider(row.name, &number, float(range.low), float(range.high),
-                       number_format(range, before, row.unit).c_str(), flags))
+  if (!widgets->slider(row.name, &number, float(range.low), float(range.high), value_format(row, range, before).c_str(),
+                       flags))
     return false;
   *value = limited(row, double(number));
   return true;
@@ -70,7 +61,10 @@ bool edit_color(Widgets* widgets, const ParameterRow& row, double scene_size,
   const SoftRange range = soft_range(row, largest, scene_size);
   const float swatch = length ? 0 : ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   const float width = (ImGui::CalcItemWidth() - swatch - 2 * ImGui::GetStyle().ItemInnerSpacing.x) / 3;
-  const std::string format = length ? number_format(range, largest, "") : "%.3f";
+  // There is no room for the unit of three numbers.
+  ParameterRow bare = row;
+  bare.unit.clear();
+  const std::string format = length ? value_format(bare, range, largest) : "%.3f";
   for (int i = 0; i < 3; ++i) {
     if (i > 0) ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
     ImGui::SetNextItemWidth(width);

@@ -40,6 +40,16 @@ class Widgets {
   std::string sought_;
 };
 
+/// The length of a pixel on a plain screen: a fifteenth of the letters' height.
+inline float unit() {
+  return ImGui::GetFontSize() / 15;
+}
+
+/// Where the widgets begin beside their labels.
+inline float label_width() {
+  return 12.5f * ImGui::GetFontSize();
+}
+
 /// Explains the last item while the mouse rests on it.
 void help(const std::string& text);
 

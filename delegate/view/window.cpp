@@ -27,7 +27,7 @@ constexpr int kQuietFrames = 20;      // without new pixels, before it rests
 constexpr double kResizeRest = 0.15;  // seconds that a size must last before it is rendered
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/TTF/DejaVuSans.ttf"};
-constexpr float kFontSize = 15, kSideWidth = 29;  // the width in letters
+constexpr float kFontSize = 15, kSideWidth = 30;  // the width in letters
 
 std::string g_glfw_error;  // GLFW reports through a function without an argument of ours
 
@@ -49,6 +49,7 @@ class Screen {
     if (glfwInit() != GLFW_TRUE) return false;
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 0);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
     window = glfwCreateWindow(options.size.x, options.size.y, options.title.c_str(), nullptr, nullptr);
     if (!window) return false;
     glfwMakeContextCurrent(window);
@@ -56,36 +57,65 @@ class Screen {
     IMGUI_CHECKVERSION();
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // the layout is fixed, and no file of it is left behind
-    float scale = 1;
-    glfwGetWindowContentScale(window, &scale, nullptr);
-    load_font(scale);
-    ImGui::StyleColorsDark();
-    set_style(scale);
     begun_ = ImGui_ImplGlfw_InitForOpenGL(window, true) && ImGui_ImplOpenGL3_Init("#version 130");
+    if (begun_) follow_scale();
     return begun_;
+  }
+
+  /// Letters and widgets get the size that the screen asks for which the window is on.
+  void follow_scale() {
+    const ScreenScale now = scale_of(window);
+    if (now == scale_) return;
+    scale_ = now;
+    ImGuiIO& io = ImGui::GetIO();
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    io.Fonts->Clear();
+    load_font(now);
+    io.FontGlobalScale = 1 / now.density;
+    set_style(now.units(1));
+  }
+
+  static ScreenScale scale_of(GLFWwindow* window) {
+    ScreenScale scale;
+    int width = 0, height = 0, pixels = 0;
+    glfwGetWindowSize(window, &width, &height);
+    glfwGetFramebufferSize(window, &pixels, &height);
+    glfwGetWindowContentScale(window, &scale.content, nullptr);
+    if (!(scale.content > 0)) scale.content = 1;
+    if (width > 0 && pixels > 0) scale.density = float(pixels) / float(width);
+    return scale;
   }
 
   GLFWwindow* window = nullptr;
 
  private:
-  static void load_font(float scale) {
+  static void load_font(const ScreenScale& scale) {
     for (const char* file : kFonts)
       if (std::filesystem::exists(file) &&
-          ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::floor(kFontSize * scale)))
+          ImGui::GetIO().Fonts->AddFontFromFileTTF(file, std::floor(scale.pixels(kFontSize))))
         return;
-    ImGui::GetIO().Fonts->AddFontDefault();
+    ImFontConfig plain;  // ImGui's own letters have 13 pixels
+    plain.SizePixels = std::floor(scale.pixels(13));
+    ImGui::GetIO().Fonts->AddFontDefault(&plain);
   }
 
+  // `scale`: units of the window for a pixel of a plain screen.
   static void set_style(float scale) {
-    ImGuiStyle& style = ImGui::GetStyle();
+    ImGuiStyle style;
+    ImGui::StyleColorsDark(&style);
     style.WindowRounding = 0;
     style.FrameRounding = 3;
     style.GrabRounding = 3;
     style.WindowBorderSize = 0;
     style.Colors[ImGuiCol_WindowBg] = ImVec4(0.11f, 0.11f, 0.12f, 1);
+    // Numbers stand over the grabs of their sliders.
+    style.Colors[ImGuiCol_SliderGrab] = ImVec4(0.30f, 0.47f, 0.70f, 0.55f);
+    style.Colors[ImGuiCol_SliderGrabActive] = ImVec4(0.36f, 0.56f, 0.85f, 0.75f);
     style.ScaleAllSizes(scale);
+    ImGui::GetStyle() = style;
   }
 
+  ScreenScale scale_{0, 0};  // of the letters and widgets
   bool begun_ = false;
 };
 
@@ -126,8 +156,8 @@ class Window {
         panels_(session, &widgets_, messages, options.scene_file),
         picture_(session) {}
 
-  int run(GLFWwindow* window) {
-    window_ = window;
+  int run(Screen* screen) {
+    window_ = screen->window;
     while (!glfwWindowShouldClose(window_)) {
       const double begun = glfwGetTime();
       glfwPollEvents();
@@ -137,6 +167,7 @@ class Window {
         glfwWaitEventsTimeout(0.1);
         continue;
       }
+      screen->follow_scale();
       session_->update();
       status_ = session_->status();
       heed_failure();
@@ -178,7 +209,7 @@ class Window {
     panels_.handle_keys();
     draw_layout();
     if (picture_.take_click()) panels_.show(picture_.picked());
-    follow_size(float(width) / ImGui::GetIO().DisplaySize.x);
+    follow_size();
     ImGui::Render();
     glViewport(0, 0, width, height);
     glClearColor(0, 0, 0, 1);
@@ -218,17 +249,9 @@ class Window {
                      ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
   }
 
-  // `scale`: pixels of the framebuffer for each of the window's units.
-  hd::Vec2i pixels(float scale) const {
-    const hd::Vec2i wanted = picture_.wanted_size();
-    const auto reduction = float(panels_.reduction());
-    return {std::max(1, int(float(wanted.x) * scale / reduction)),
-            std::max(1, int(float(wanted.y) * scale / reduction))};
-  }
-
   // A window that is being resized renders once it rests.
-  void follow_size(float scale) {
-    const hd::Vec2i size = pixels(scale);
+  void follow_size() {
+    const hd::Vec2i size = picture_.frame().pixels(panels_.reduction());
     if (!(size == asked_size_)) asked_size_ = size, asked_at_ = glfwGetTime();
     if (!(size == session_->size()) && (glfwGetTime() - asked_at_ > kResizeRest)) session_->set_size(size);
   }
@@ -251,7 +274,8 @@ class Window {
     const ScriptPlayer::Wish wish = player_.take_wish();
     if (!wish.screenshot.empty() && !save_screenshot(wish.screenshot, width, height)) return cli::kOutput;
     if (wish.state) {
-      std::puts(window_state(*session_, status_, picture_.picked(), *messages_, &times_).c_str());
+      std::puts(
+          window_state(*session_, status_, picture_.picked(), *messages_, Screen::scale_of(window_), &times_).c_str());
       std::fflush(stdout);
     }
     if (!player_.problem().empty()) {
@@ -306,7 +330,7 @@ int run_window(ViewSession* session, Messages* messages, const WindowOptions& op
                                  ". A display with OpenGL 3 is needed: run it in a desktop session, or with xvfb-run.");
     return cli::kRender;
   }
-  return Window(session, messages, options, console).run(screen.window);
+  return Window(session, messages, options, console).run(&screen);
 }
 
 }  // namespace alabaster::view

@@ -7,12 +7,13 @@ namespace alabaster::view {
 using nlohmann::json;
 
 std::string window_state(const ViewSession& session, const ViewStatus& status, const std::optional<Picked>& picked,
-                         const Messages& messages, FrameTimes* times) {
+                         const Messages& messages, const ScreenScale& scale, FrameTimes* times) {
   json state{{"samples", status.samples},     {"samplesTotal", status.samples_total}, {"noise", status.noise},
              {"seconds", status.seconds},     {"state", int(status.state)},           {"paused", session.paused()},
              {"aov", session.aov()},          {"exposure", session.exposure()},       {"display", session.display()},
              {"view", session.display_view()}};
   state["size"] = {session.size().x, session.size().y};
+  state["scale"] = {scale.content, scale.density};
   state["denoiser"] = status.denoiser;
   for (int i = 0; i < 16; ++i) state["camera"].push_back(session.camera().transform[i / 4][i % 4]);
   if (picked) {

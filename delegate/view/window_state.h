@@ -3,11 +3,12 @@
 
 #include "delegate/view/frame_times.h"
 #include "delegate/view/messages.h"
+#include "delegate/view/picture_frame.h"
 #include "delegate/view/view_session.h"
 
 namespace alabaster::view {
 
 std::string window_state(const ViewSession& session, const ViewStatus& status, const std::optional<Picked>& picked,
-                         const Messages& messages, FrameTimes* times);
+                         const Messages& messages, const ScreenScale& scale, FrameTimes* times);
 
 }  // namespace alabaster::view

@@ -8,6 +8,7 @@
 """
 import argparse
 import contextlib
+import ctypes
 import json
 import os
 import pathlib
@@ -23,8 +24,26 @@ SKIPPED = 77
 
 
 @contextlib.contextmanager
-def screen(width=1600, height=1000):
-    """A screen for the programs that are started within; its name."""
+def asked_density(display, dots_per_inch):
+    """Sets the resource that desktops set, as xrdb does. The server forgets it with its last client, so one stays."""
+    x11 = ctypes.CDLL("libX11.so.6")
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    connection = ctypes.c_void_p(x11.XOpenDisplay(display.encode()))
+    text = f"Xft.dpi:\t{dots_per_inch}\n".encode()
+    resource_manager, string, replace = 23, 31, 0  # of Xatom.h and X.h
+    x11.XDefaultRootWindow.restype = ctypes.c_ulong
+    root = ctypes.c_ulong(x11.XDefaultRootWindow(connection))
+    x11.XChangeProperty(connection, root, ctypes.c_ulong(resource_manager), ctypes.c_ulong(string), 8, replace, text, len(text))
+    x11.XSync(connection, 0)
+    try:
+        yield
+    finally:
+        x11.XCloseDisplay(connection)
+
+
+@contextlib.contextmanager
+def screen(width=1600, height=1000, dots_per_inch=None):
+    """A screen for the programs that are started within; its name. `dots_per_inch`: what the desktop asks programs to use."""
     read, write = os.pipe()
     server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"],
                               pass_fds=[write], stderr=subprocess.DEVNULL)
@@ -34,7 +53,9 @@ def screen(width=1600, height=1000):
             number = pipe.readline().strip()
         if not number:
             raise SystemExit("error: Xvfb did not start")
-        yield ":" + number
+        name = ":" + number
+        with asked_density(name, dots_per_inch) if dots_per_inch else contextlib.nullcontext():
+            yield name
     finally:
         server.terminate()
         server.wait()
@@ -103,6 +124,8 @@ def main():
             panels.write_results(window)
             return 0
         story.tell(window)
+        with screen(3200, 1900, dots_per_inch=192) as dense:
+            story.dense_screens(window, Window(options.build, folder, dense, None))
         blind = Window(options.build, folder, None, options.oidn)
         story.refusals(blind)
     print(f"{story.checks} checks passed")

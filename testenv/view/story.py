@@ -67,7 +67,7 @@ PLAIN_VIEW = ['choose View "Un-tone-mapped"', "wait converged"]
 
 
 def tell(window):
-    for chapter in (picture_is_right, background_is_black, drags, lenses, edits, layers_and_display, pausing, denoising, saving, faults_of_scripts):
+    for chapter in (picture_is_right, background_is_black, drags, lenses, edits, options_of_render, layers_and_display, pausing, denoising, saving, faults_of_scripts):
         before = checks
         chapter(window, target_scene.write(window.folder))
         print(f"{chapter.__name__.replace('_', ' ')}: {checks - before} checks", flush=True)
@@ -162,6 +162,21 @@ def edits(window, scene):
     check(edited["samples"] == typed["samples"] == light["samples"] == 4, "each edit is rendered to its end")
 
 
+def options_of_render(window, scene):
+    """The options of a scene mean what they mean to alabaster render, and are in the description that is saved."""
+    options = ["--set", "materials/red.baseColor=[0.1,0.2,0.9]", "--set", "samples=6", "--dome", "0.5,0.4,0.3,2", "--time", "1.5",
+               "--scene", "0", "--camera", "camera"]
+    state, = window.play(scene, ["size 1000 640", "wait converged", *save_picture("shown.png"), *save_description("kept.json"), "state"],
+                         *options)
+    check(state["samples"] == 6, f"{state['samples']} samples")
+    check(any("every time shows the same" in text for text in state["messages"]), f"no warning of --time: {state['messages']}")
+    size = ["--size", "{}x{}".format(*state["size"]), "--quiet"]
+    for arguments in ([scene, *options], ["kept.json"]):
+        done = window.run("render", *arguments, "-o", "again.png", *size)
+        check(done.returncode == 0, done.stderr)
+        check(window.picture("again.png").bytes == window.picture("shown.png").bytes, f"render {arguments} makes other pixels")
+
+
 def layers_and_display(window, scene):
     states = window.play(scene, [
         "size 1000 640", "wait converged", *PLAIN_VIEW, "choose AOV normal", "wait converged", "screenshot normal.ppm", "state",
@@ -216,6 +231,12 @@ def denoising(window, scene):
     check_near(shown.at(*green), twice, 2, "the denoised picture")
     check_near(both.at(*green), twice, 2, "right of the divider")
     check_near(both.at(*red), plain.at(*red), 0, "left of the divider")
+    for options in ([], ["--set", "targetError=0.0001"]):
+        paused, going = window.play(target_scene.write(window.folder, samples=100000), [
+            "size 1000 640", "press Denoised", "wait samples 40", "key space", "wait seconds 1", "state", "press Continue",
+            "wait covered", "state"], *options)
+        check(paused["paused"] and paused["denoiser"] != "", f"a pause shows what is there denoised: {paused}")
+        check(going["samples"] >= paused["samples"] >= 40, f"{going['samples']} samples after a pause at {paused['samples']} {options}")
 
 
 def saving(window, scene):
@@ -235,6 +256,25 @@ def saving(window, scene):
     check(len(refused["messages"]) == 2 and "choose another name" in refused["messages"][0], str(refused["messages"]))
 
 
+def dense_screens(plain, dense):
+    """Where the desktop asks for twice the dots, letters and widgets are twice as large, and pixels stay pixels."""
+    before, scene = checks, target_scene.write(plain.folder)
+    states, corners = [], []
+    for window, size in ((plain, "1000 640"), (dense, "2000 1280")):
+        state, = window.play(scene, ["size " + size, "wait converged", *PLAIN_VIEW, *save_picture("shown.png"), "press Render",
+                                     "screenshot window.ppm", "click {} {}".format(*MIDDLES["green"]), "state"])
+        check(state["picked"]["mesh"].endswith("green/0"), f"picked {state['picked']}")
+        states.append(state)
+        corners.append(window.picture("window.ppm").find(window.picture("shown.png")))
+        check(corners[-1] is not None, f"the window shows other pixels than it saves, at scale {state['scale']}")
+    check([state["scale"] for state in states] == [[1, 1], [2, 1]], f"scales {[state['scale'] for state in states]}")
+    check_near(states[1]["size"], [2 * n for n in states[0]["size"]], 4, "pixels of the picture")
+    check_near(corners[1], [2 * n for n in corners[0]], 4, "the place of the picture, below a toolbar twice as high")
+    opened, = dense.play(scene, ["wait covered", "state"])
+    check_near(opened["size"], [2 * n for n in plain.play(scene, ["wait covered", "state"])[0]["size"]], 4, "the window at first")
+    print(f"dense screens: {checks - before} checks", flush=True)
+
+
 def faults_of_scripts(window, scene):
     (window.folder / "lost.txt").write_text("wait covered\npress Nothing\n")
     lost = window.run("view", scene, "--script", "lost.txt")
@@ -250,7 +290,9 @@ def refusals(window):
             ([scene], 4, "could not be opened"), (["missing.json"], 3, "missing.json"), (["bad.json"], 3, "lights"),
             ([scene, "--script", "bad.txt"], 2, "line 1: there is no action 'fly'"),
             ([scene, "--script", "missing.txt"], 2, "could not be read"), ([], 2, "scene"), (["--help"], 0, "--script"),
-            ([scene, "--ocio", "missing.ocio"], 2, "missing.ocio"), ([scene, "--fly"], 2, "--fly")):
+            ([scene, "--ocio", "missing.ocio"], 3, "missing.ocio"), ([scene, "--fly"], 2, "--fly"),
+            ([scene, "--time", "soon"], 2, "'soon' is not a time"), ([scene, "--camera", "lost"], 2, "camera lost"),
+            ([scene, "--set", "materials/red.rouhgness=1"], 2, "roughness"), ([scene, "--variant", "lost"], 2, "lost")):
         done = window.run("view", *arguments)
         check(done.returncode == code and text in done.stdout + done.stderr,
               f"view {arguments}: exit code {done.returncode} instead of {code}, {done.stdout}{done.stderr}")

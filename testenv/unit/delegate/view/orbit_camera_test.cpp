@@ -31,7 +31,8 @@ Vec3d seen_at(const Matrix4d& camera, const Sight& sight, const Vec3d& point) {
   Vec3d local;
   camera.inverse().multVecMatrix(point, local);
   const double scale = sight.orthographic ? 1 : -local.z;
-  return {0.5 + local.x / (sight.width * scale), 0.5 - local.y / (sight.height * scale), -local.z};
+  return {0.5 + (local.x / scale - sight.right) / sight.width, 0.5 - (local.y / scale - sight.up) / sight.height,
+          -local.z};
 }
 
 TEST(OrbitCamera, AQuarterTurnBringsTheCameraToTheSide) {
@@ -135,6 +136,31 @@ TEST(OrbitCamera, ZoomingMovesAPerspectiveCameraAndScalesAnOrthographicFilm) {
   expect_near(camera.transform.translation(), {0, 0, 5}, "place");
   EXPECT_FLOAT_EQ(float(camera.parameters["horizontalAperture"].number_or(0)), 2);
   EXPECT_FLOAT_EQ(float(camera.parameters["verticalAperture"].number_or(0)), 1);
+}
+
+// A shift of 9 mm before 50 mm: the middle of the picture shows what is right of the axis.
+TEST(OrbitCamera, AShiftedLensLooksBesideItsAxis) {
+  hd::CameraDescription camera;
+  camera.transform = front();
+  camera.parameters["horizontalApertureOffset"] = 9.0f;
+  camera.parameters["verticalApertureOffset"] = -3.0f;
+  const Sight sight = sight_of(camera, picture(300, 200), hd::WindowPolicy::matchVertically);
+  const Vec3d middle = point_at(camera.transform, sight, 0.5, 0.5, 5);
+  expect_near(middle, {9.0 / 50 * 5, -3.0 / 50 * 5, 0}, "middle");
+  expect_near(seen_at(orbited(camera.transform, middle, 0.8, 0.3), sight, middle), {0.5, 0.5, 5}, "pivot of a turn");
+}
+
+TEST(OrbitCamera, AnOrthographicZoomKeepsThePointUnderTheMouse) {
+  hd::CameraDescription camera;
+  camera.transform = orbited(front(), Vec3d(0), 0.4, 0.3);
+  camera.parameters["projection"] = hd::Token("orthographic");
+  camera.parameters["horizontalAperture"] = 4.0f;
+  camera.parameters["verticalAperture"] = 2.0f;
+  camera.parameters["horizontalApertureOffset"] = 0.5f;
+  const auto sight = [&] { return sight_of(camera, picture(200, 100), hd::WindowPolicy::matchVertically); };
+  const Vec3d point = point_at(camera.transform, sight(), 0.8, 0.3, 3);
+  zoom(&camera, point, 0.5);
+  expect_near(seen_at(camera.transform, sight(), point), {0.8, 0.3, 3}, "place");
 }
 
 }  // namespace

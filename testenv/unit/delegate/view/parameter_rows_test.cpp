@@ -109,5 +109,26 @@ TEST(ParameterRows, ValuesEndAtTheLimits) {
   EXPECT_EQ(limited(find(rows, "ior"), NAN), 1.5);
 }
 
+TEST(ParameterRows, LabelsAndUnitsArePlainWords) {
+  const auto material = parameter_rows("disney_material"), lights = parameter_rows("lights"),
+             camera = parameter_rows("camera");
+  EXPECT_EQ(find(material, "ior").label, "IOR");
+  EXPECT_EQ(find(material, "iridescenceIor").label, "Iridescence IOR");
+  EXPECT_EQ(find(material, "specTrans").label, "Specular transmission");
+  EXPECT_EQ(find(material, "diffTransColor").label, "Diffuse transmission color");
+  EXPECT_EQ(find(lights, "shaping:ies:file").label, "Shaping IES file");
+  EXPECT_EQ(find(camera, "fStop").label, "F stop");
+  const auto shown = [](const ParameterRow& row, double value) {
+    char text[64];
+    std::snprintf(text, sizeof text, value_format(row, soft_range(row, value, 10), value).c_str(), value);
+    return std::string(text);
+  };
+  EXPECT_EQ(shown(find(lights, "width"), 0.5), "0.500 scene units");
+  EXPECT_EQ(shown(find(lights, "colorTemperature"), 6500), "6500 K");
+  EXPECT_EQ(shown(find(material, "iridescenceThickness"), 400), "400 nm");
+  EXPECT_EQ(shown(find(camera, "fStop"), 2.8), "f/2.80");
+  EXPECT_EQ(shown(find(camera, "fStop"), 0), "0 (pinhole)");
+}
+
 }  // namespace
 }  // namespace alabaster::view

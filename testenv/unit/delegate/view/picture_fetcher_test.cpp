@@ -29,7 +29,7 @@ class FakeBuffer final : public hd::RenderBuffer {
   const void* Map() override { return nullptr; }
   void Unmap() override {}
   bool IsMapped() const override { return false; }
-  bool IsConverged() const override { return true; }
+  bool IsConverged() const override { return converged; }
   uint64_t GetGeneration() const override { return picture_; }
   bool ResolveTo(hd::PixelMemory* memory) override {
     std::this_thread::sleep_for(std::chrono::milliseconds(slowness));
@@ -38,6 +38,7 @@ class FakeBuffer final : public hd::RenderBuffer {
       return false;
     }
     if (memory->shown == picture_) return true;
+    if (memory->format == Format::float32) ++read_as_numbers;
     const auto count = size_t(size_.x) * size_t(size_.y);
     if (memory->format == Format::float32) std::fill_n(static_cast<float*>(memory->pixels), count, value_);
     if (memory->format == Format::unorm8vec4) {
@@ -50,6 +51,8 @@ class FakeBuffer final : public hd::RenderBuffer {
     return true;
   }
   int slowness = 0;  // milliseconds
+  bool converged = true;
+  int read_as_numbers = 0;
 
  private:
   hd::Vec2i size_;
@@ -113,6 +116,41 @@ TEST(PictureFetcher, NumbersAreSpreadOverTheirRange) {
   ASSERT_TRUE(fetched(&fetcher, request, {}, false, &picture));
   EXPECT_EQ(picture.rgba[0], 255) << "of 0 to 8";
   EXPECT_EQ(picture.rgba[1], 255) << "gray";
+}
+
+// Many pictures of a window show the same numbers; and numbers that go on changing keep their range for a while.
+TEST(PictureFetcher, ARangeIsFoundOnceForEachPictureOfABuffer) {
+  FakeBuffer buffer(2, 2, 8);
+  PictureFetcher fetcher;
+  Picture picture;
+  PictureRequest request = light(&buffer);
+  request.kind = DataKind::number;
+  for (int i = 0; i < 5; ++i) fetched(&fetcher, request, {}, false, &picture);
+  EXPECT_EQ(buffer.read_as_numbers, 1);
+  buffer.set(16);
+  for (int i = 0; i < 5; ++i) fetched(&fetcher, request, {}, false, &picture);
+  EXPECT_EQ(buffer.read_as_numbers, 2);
+  EXPECT_EQ(picture.rgba[0], 255) << "of 0 to 16";
+
+  buffer.converged = false;
+  const auto begun = std::chrono::steady_clock::now();
+  for (int i = 0; i < 5; ++i) {
+    buffer.set(float(4 - i % 2));
+    EXPECT_TRUE(fetched(&fetcher, request, {}, false, &picture)) << "the pixels are new";
+  }
+  if (std::chrono::steady_clock::now() - begun < std::chrono::milliseconds(400)) {
+    EXPECT_EQ(buffer.read_as_numbers, 2);
+    EXPECT_EQ(picture.rgba[0], 64) << "4 of 0 to 16";
+  }
+  buffer.converged = true;
+  fetched(&fetcher, request, {}, false, &picture);
+  EXPECT_EQ(picture.rgba[0], 255) << "4 of 0 to 4";
+  PictureRequest ids = light(&buffer);
+  ids.kind = DataKind::id;
+  const int before = buffer.read_as_numbers;
+  buffer.set(5);
+  fetched(&fetcher, ids, {}, false, &picture);
+  EXPECT_EQ(buffer.read_as_numbers, before) << "ids need no range";
 }
 
 TEST(PictureFetcher, TheCallerNeverWaits) {
