@@ -12,8 +12,19 @@ namespace {
 // Those that an artist reaches for first.
 const std::vector<std::string> kFirstOfMaterial{"baseColor", "scatterDistance", "scatterAnisotropy", "roughness",
                                                 "ior",       "specular",        "metallic",          "specTrans"};
-const std::vector<std::string> kFirstOfLight{"intensity", "exposure", "color", "visibleToCamera"};
-const std::vector<std::string> kFirstOfCamera{"focalLength", "fStop", "focusDistance"};
+const std::vector<std::string> kFirstOfLight{"intensity",        "exposure", "color",     "enableColorTemperature",
+                                             "colorTemperature", "width",    "height",    "radius",
+                                             "length",           "angle",    "normalize", "visibleToCamera"};
+const std::vector<std::string> kFirstOfCamera{"focalLength",
+                                              "fStop",
+                                              "focusDistance",
+                                              "projection",
+                                              "horizontalAperture",
+                                              "verticalAperture",
+                                              "horizontalApertureOffset",
+                                              "verticalApertureOffset",
+                                              "shutterOpen",
+                                              "shutterClose"};
 const std::vector<std::string> kFirstOfSettings{"samples",  "targetError", "timeLimit",
                                                 "adaptive", "subsurface",  "maxDepth"};
 // Parts of a frame's samples belong to a farm, and memory to the command line.
@@ -94,7 +105,7 @@ bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Va
   ImGui::TextUnformatted(row.label.c_str());
   if (changed) ImGui::PopStyleColor();
   help(row.description + (unit_text(row).empty() ? "" : " Unit: " + unit_text(row) + "."));
-  ImGui::SameLine(label_width());
+  same_line_as_label();
   const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
   const auto shown = [this](hd::Vec3f color) { return session_->shown(color); };
@@ -120,7 +131,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
       ImGui::AlignTextToFramePadding();
       ImGui::TextUnformatted(row.label.c_str());
       help(row.description);
-      ImGui::SameLine(label_width());
+      same_line_as_label();
       if (widgets_->button("constant##" + row.name, "Use one value in place of the image."))
         session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
       ImGui::SameLine();

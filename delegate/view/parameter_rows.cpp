@@ -122,14 +122,20 @@ std::string unit_text(const ParameterRow& row) {
 }
 
 std::string value_format(const ParameterRow& row, const SoftRange& range, double value) {
+  // What a zero stands for where it is no amount.
+  constexpr std::pair<const char*, const char*> kZeros[] = {{"fStop", "pinhole"},     {"apertureBlades", "round"},
+                                                            {"threads", "all cores"}, {"timeLimit", "none"},
+                                                            {"targetError", "none"},  {"attenuationDistance", "none"}};
+  for (const auto& [name, meaning] : kZeros)
+    if (value == 0 && row.name == name)
+      return std::string(row.kind == RowKind::integer ? "%d" : "%.0f") + " (" + meaning + ")";
   const std::string unit = unit_text(row), behind = unit.empty() ? "" : " " + unit;
   if (row.kind == RowKind::integer) return "%d" + behind;
   double size = std::max(std::abs(range.high), 1e-9);
   if (range.logarithmic && value > 0) size = std::clamp(value * 10, 1e-9, size);
   const int digits = std::clamp(int(std::ceil(3 - std::log10(size))), 0, 9);
   const std::string number = "%." + std::to_string(digits) + "f";
-  if (row.unit != "f-number") return number + behind;
-  return value > 0 ? "f/" + number : "%.0f (pinhole)";
+  return row.unit == "f-number" ? "f/" + number : number + behind;
 }
 
 double limited(const ParameterRow& row, double value) {

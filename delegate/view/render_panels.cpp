@@ -111,17 +111,18 @@ void Panels::draw_quality() {
   for (const auto& preset : hd::description::QualityPresets()) names.push_back(preset.name);
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Quality");
-  ImGui::SameLine(label_width());
+  same_line_as_label();
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Quality", names, &quality_)) {
     for (const ParameterRow& row : setting_rows_)
       if (session_->is_setting_changed(row.name)) session_->reset_setting(row.name);
     session_->apply_quality(quality_);
   }
-  ImGui::TextWrapped("Now: %s after %u samples, %s", noise_text(status_).c_str(), status_.samples,
-                     duration(status_.seconds).c_str());
+  const std::string known =
+      status_.noise < 0 ? ". The noise is known from two samples on." : ", " + noise_text(status_);
+  ImGui::TextWrapped("Now: %u samples in %s%s", status_.samples, duration(status_.seconds).c_str(), known.c_str());
   if (ImGui::BeginTable("presets", 3, ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_SizingStretchProp)) {
-    for (const char* heading : {"preset", "noise", "time from now on"}) ImGui::TableSetupColumn(heading);
+    for (const char* heading : {"Preset", "Noise", "Time from now on"}) ImGui::TableSetupColumn(heading);
     ImGui::TableHeadersRow();
     for (const auto& preset : hd::description::QualityPresets()) {
       const auto target = preset.settings.find("targetError");
@@ -145,7 +146,7 @@ void Panels::draw_render() {
   std::string size = reduction_ == 1 ? "as large as shown" : "1/" + std::to_string(reduction_) + " of that";
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted("Pixels");
-  ImGui::SameLine(label_width());
+  same_line_as_label();
   ImGui::SetNextItemWidth(-1);
   if (widgets_->menu("Pixels", {"as large as shown", "1/2 of that", "1/4 of that"}, &size))
     reduction_ = size[0] == 'a' ? 1 : size[2] - '0';

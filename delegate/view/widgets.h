@@ -45,9 +45,9 @@ inline float unit() {
   return ImGui::GetFontSize() / 15;
 }
 
-/// Where the widgets begin beside their labels.
-inline float label_width() {
-  return 12.5f * ImGui::GetFontSize();
+/// Behind a label: goes on where all widgets begin.
+inline void same_line_as_label() {
+  ImGui::SameLine(ImGui::GetCursorStartPos().x + 12.5f * ImGui::GetFontSize());
 }
 
 /// Explains the last item while the mouse rests on it.

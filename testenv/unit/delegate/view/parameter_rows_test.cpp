@@ -128,6 +128,7 @@ TEST(ParameterRows, LabelsAndUnitsArePlainWords) {
   EXPECT_EQ(shown(find(material, "iridescenceThickness"), 400), "400 nm");
   EXPECT_EQ(shown(find(camera, "fStop"), 2.8), "f/2.80");
   EXPECT_EQ(shown(find(camera, "fStop"), 0), "0 (pinhole)");
+  EXPECT_EQ(shown(find(parameter_rows("render_settings"), "timeLimit"), 0), "0 (none)");
 }
 
 }  // namespace
