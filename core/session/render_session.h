@@ -32,12 +32,12 @@ struct RenderProgress {
   uint32_t passes_done = 0;
   bool covered = false;  // every part of the frame shows this render's samples, if in blocks
   double wall_seconds = 0;
-  double cpu_seconds = 0;                      // of the render workers
-  RenderCounters counters;                     // of the finished tiles
+  double cpu_seconds = 0;      // of the render workers
+  RenderCounters counters;     // of the finished tiles
   FrameError noise;            // measured after a pilot, at each check of target_error, when asked for, and at the end
   uint64_t noise_samples = 0;  // samples_done when it was measured
-  double denoised = -1;                        // share of the denoiser's work that is done; < 0: not begun
-  double denoise_seconds = 0;                  // wall time of it; wall_seconds includes it, unless it came after a stop
+  double denoised = -1;        // share of the denoiser's work that is done; < 0: not begun
+  double denoise_seconds = 0;  // wall time of it; wall_seconds includes it, unless it came after a stop
   double denoise_cpu_seconds = 0;              // of the whole process meanwhile; not in cpu_seconds
   std::string denoiser;                        // Denoiser::name(), once AOV `denoised` shows its picture
   std::string denoise_error;                   // why AOV `denoised` is color still

@@ -118,7 +118,7 @@ class ALABASTER_API RenderDelegate {
   ///   they name by "<UDIM>", or a missing one has appeared. The builder reads it again for those that use it, and
   ///   the picture follows as after an edit. Answers with an empty string, or with why not.
   /// - "flush": the same for all images.
-  /// - "measureNoise": GetRenderStats has error.* anew after a pass. That takes a twentieth of one thread at most.
+  /// - "measureNoise": GetRenderStats has a newer error.* after a pass. That takes a twentieth of one thread at most.
   /// Those of checkpoints answer with an empty string, or with the reason why they failed:
   /// - "writeCheckpoint" {file, and optionally note: string}: writes the state of the frame that Execute drew last,
   ///   while it is rendered or after, but not once a stop has ended a render with targetError. The file is

@@ -52,7 +52,7 @@ struct SceneFile {
 ALABASTER_API SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene,
                                   const DiagnosticSink& sink, const LoadOptions& options = {});
 
-/// What an override of LoadOptions says, as the text of a render description; empty if it cannot be read.
+/// An override of LoadOptions as the text of a render description; empty if it cannot be read.
 ALABASTER_API std::string OverrideText(const std::string& assignment);
 
 /// The text of a schema by name: disney_material, lights, camera, render_settings, render_description, or

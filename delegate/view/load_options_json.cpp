@@ -11,7 +11,7 @@ using nlohmann::json;
 constexpr const char* kPlacements[] = {"transform", "lookAt", "motion"};
 
 void add_settings(const json& settings, json* to) {
-  // What a preset sets counts more than the description's own settings.
+  // A preset counts more than the description's own settings.
   if (settings.contains("quality"))
     if (const auto* preset = hd::description::FindQualityPreset(settings["quality"].get<std::string>()))
       for (const auto& [key, value] : preset->settings) to->erase(key);

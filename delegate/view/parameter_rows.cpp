@@ -122,7 +122,7 @@ std::string unit_text(const ParameterRow& row) {
 }
 
 std::string value_format(const ParameterRow& row, const SoftRange& range, double value) {
-  // What a zero stands for where it is no amount.
+  // The meaning of a zero where it is no amount.
   constexpr std::pair<const char*, const char*> kZeros[] = {{"fStop", "pinhole"},     {"apertureBlades", "round"},
                                                             {"threads", "all cores"}, {"timeLimit", "none"},
                                                             {"targetError", "none"},  {"attenuationDistance", "none"}};

@@ -64,8 +64,8 @@ void PictureFetcher::run() {
   }
 }
 
-// Finds the range anew where pixels have changed, and while they go on changing not with each of their pictures: then
-// all would be written again each time.
+// Finds the range again where pixels have changed; while they go on changing, twice a second at most, since another
+// range has all pixels written again.
 std::array<float, 2> PictureFetcher::Range::of(hd::RenderBuffer* now) {
   now->Resolve();
   const auto time = std::chrono::steady_clock::now();

@@ -244,7 +244,7 @@ void ViewSession::set_camera(hd::CameraDescription camera) {
   pause(false);
 }
 
-// A camera that the user has placed stands still there. What moves before it goes on moving.
+// A camera that the user has placed stands still there. Objects go on moving before it.
 void ViewSession::hold_camera() {
   const bool told = std::exchange(camera_motion_told_, camera_motion_told_ || camera_moves());
   if (!told && camera_moves())

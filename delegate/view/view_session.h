@@ -100,7 +100,7 @@ class ViewSession {
   void set_camera(hd::CameraDescription camera);
   /// The scene's camera moves while the shutter is open.
   bool camera_moves() const;
-  /// That motion is shown.
+  /// The picture shows its motion.
   bool is_camera_motion_kept() const { return camera_.transformSamples.values.size() > 1; }
   void reset_camera();
   Sight sight() const;

@@ -43,7 +43,7 @@ def asked_density(display, dots_per_inch):
 
 @contextlib.contextmanager
 def screen(width=1600, height=1000, dots_per_inch=None):
-    """A screen for the programs that are started within; its name. `dots_per_inch`: what the desktop asks programs to use."""
+    """A screen for the programs that are started within; its name. `dots_per_inch`: those that the desktop asks programs to use."""
     read, write = os.pipe()
     server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"],
                               pass_fds=[write], stderr=subprocess.DEVNULL)

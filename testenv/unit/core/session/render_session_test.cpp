@@ -256,7 +256,7 @@ TEST(RenderSession, DecisionsGoOnWithTheSamplesTheyHave) {
   request.settings.target_error = 0.03f;
   EXPECT_TRUE(same_bytes(color(request), stopped_often(request)));
 
-  // Another target decides otherwise, so it begins anew.
+  // Another target decides otherwise, so it begins again.
   RenderSession session;
   session.start(request);
   session.wait(0.2);

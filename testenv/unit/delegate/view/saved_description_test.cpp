@@ -180,7 +180,7 @@ TEST_F(SavedDescription, AnotherFolderNamesTheFilesFromThere) {
   EXPECT_TRUE(told);
 }
 
-// What the command line has changed is a part of what is shown.
+// A window shows the scene with the changes of the command line.
 TEST_F(SavedDescription, TheOptionsOfTheCommandLineAreKept) {
   const std::string image = write_image("sky.hdr");
   changes.options.overrides = {"materials/skin.roughness=0.7",
