@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Renders USD stages through the Hydra plug-in as usdrecord does, and judges each picture by what stage_cases.py expects.
+
+  run_stages.py --build build/release             all stages; skipped where record_stage is not built
+  run_stages.py --build build/release --results   the same, into testenv/hydra/results/
+--case NAME (again and again) chooses, --keep FOLDER leaves stages and pictures there. Exit code 77: skipped.
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy
+
+from run_hydra import SKIPPED, bpy_of, cached
+from stage_cases import CASES
+
+SIZE, SAMPLES = [64, 48], 16
+
+
+class Host:
+    """Renders stages in a process of their own each."""
+
+    def __init__(self, build, folder):
+        self.build, self.folder = build, folder
+        library = cached(build, "ALABASTER_USD_LIBRARY")
+        bpy = bpy_of(library)
+        libraries = next(iter(sorted(bpy[0].rglob("materialx/libraries"))), "") if bpy else ""
+        paths = [build / "lib/alabaster/hydra", pathlib.Path(library).parent / "usd"]
+        self.environment = {**os.environ, "PXR_PLUGINPATH_NAME": ":".join(str(p) for p in paths), "PXR_MTLX_STDLIB_SEARCH_PATHS": str(libraries)}
+
+    def run(self, name, text, options, environment=None):
+        """What record_stage prints."""
+        stage, file = self.folder / f"{name}.usda", self.folder / f"{name}.job.json"
+        stage.write_text(text)
+        file.write_text(json.dumps({"stage": str(stage), "camera": "/camera", "size": SIZE, **options}))
+        done = subprocess.run([str(self.build / "bin/record_stage"), str(file)], capture_output=True, text=True,
+                              env={**self.environment, **(environment or {})}, timeout=300)
+        if done.returncode != 0:
+            raise RuntimeError(f"{name}: record_stage ended with {done.returncode}\n{done.stderr[-2000:]}")
+        return done.stdout, done.stderr
+
+    def pictures(self, name, text, options, frames, environment=None):
+        """By frame and AOV, rows from the top down; and what was warned of."""
+        out = [{**frame, "out": str(self.folder / f"{name}.{i}"), "settings": {"alabaster:samples": SAMPLES, "alabaster:filter": "box", **frame.get("settings", {})}}
+               for i, frame in enumerate(frames)]
+        told, warned = self.run(name, text, {**options, "frames": out}, environment)
+        every = [{} for _ in frames]
+        for line in told.splitlines():
+            if line.startswith("PICTURE "):
+                of = json.loads(line[8:])
+                _, number, aov, _ = pathlib.Path(of["file"]).name.rsplit(".", 3)
+                every[int(number)][aov] = numpy.fromfile(of["file"], numpy.float32).reshape(of["height"], of["width"], of["channels"])[::-1]
+        return every, warned
+
+
+def exr(file):
+    """The pixels of an EXR of floats, rows from the top down. An uncompressed TIFF of OpenImageIO ends with them."""
+    plain = file.with_suffix(".tif")
+    subprocess.run(["oiiotool", str(file), "--ch", "R,G,B,A", "-d", "float", "--compression", "none", "-o", str(plain)], check=True, capture_output=True)
+    width, height = SIZE
+    return numpy.frombuffer(plain.read_bytes()[-width * height * 16:], numpy.float32).reshape(height, width, 4)
+
+
+def differing(a, b):
+    return int((a.view(numpy.uint32) != b.view(numpy.uint32)).any(axis=2).sum()) if a.shape == b.shape else a[..., 0].size
+
+
+def judge(host, name, given):
+    """(fault or nothing, what was found)"""
+    stage, equals, check = given.pop("stage"), given.pop("equals", None), given.pop("check", None)
+    within, written, warns = given.pop("within", 0), given.pop("written", False), given.pop("warns", "")
+    frames = given.pop("frames", [{}])
+    if written:
+        frames[-1].setdefault("settings", {})["alabaster:writeScene"] = str(host.folder / f"{name}.json")
+    pictures, warned = host.pictures(name, stage, given, frames)
+    color = pictures[-1]["color"]
+    if "Alabaster" in warned and not warns or warns not in warned:
+        return f"warned: {warned.strip()[-500:]}", ""
+    if not numpy.isfinite(color).all() or not color[..., :3].max() > 0:
+        return "black or not finite", ""
+    if check:
+        return check(pictures), "as expected"
+    if written:
+        done = subprocess.run([str(host.build / "bin/alabaster"), "render", "--quiet", "--allow-outside", str(host.folder / f"{name}.json")], capture_output=True, text=True)
+        if done.returncode:
+            return done.stderr.strip()[-300:], ""
+        other = exr(host.folder / f"{name}.exr")
+    else:
+        other = host.pictures(name + ".other", equals, given, [{k: v for k, v in frames[-1].items()}])[0][-1]["color"]
+    count, error = differing(color, other), float(numpy.abs(color - other).mean() / color[..., :3].mean())
+    found = f"{count} pixels differ" + (f", by {error:.1e} in the mean" if count else "")
+    return (found if error > within or (count and not within) else ""), found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--case", action="append", default=[])
+    parser.add_argument("--keep", type=pathlib.Path)
+    options = parser.parse_args()
+    build = options.build.resolve()
+    if not (build / "bin/record_stage").is_file():
+        print("skipped: record_stage is not built (delegate/hydra/README.md says how)")
+        return SKIPPED
+    failed = []
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = (options.keep or pathlib.Path(temporary)).resolve()
+        folder.mkdir(exist_ok=True)
+        host = Host(build, folder)
+        for name in options.case or CASES:
+            try:
+                fault, found = judge(host, name, CASES[name](folder))
+            except RuntimeError as error:
+                fault, found = str(error), ""
+            print(f"{name:28} {'FAILED: ' + fault if fault else found}", flush=True)
+            failed += [name] if fault else []
+    if failed:
+        print("failed: " + ", ".join(failed))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
