@@ -105,7 +105,7 @@ json settings_of(const hd::RenderPassState& state, const std::map<hd::Token, Val
   json settings = {{"resolution", {window.width(), window.height()}},
                    {"windowPolicy", kPolicies[static_cast<size_t>(state.windowPolicy)]},
                    {"studio", "off"}};
-  for (const std::string& name : ParametersOf("render_settings"))
+  for (const std::string& name : RenderSettingNames())
     if (const auto found = given.find(name); found != given.end()) settings[name] = to_json(found->second);
   return settings;
 }
@@ -118,15 +118,24 @@ std::string PlainName(const hd::Path& id) {
   return name;
 }
 
-const std::vector<std::string>& ParametersOf(const char* schema) {
-  static const auto names = [](const char* which) {
-    const json schema = json::parse(hd::description::SchemaText(which));
+const std::vector<std::string>& RenderSettingNames() {
+  static const auto names = [] {
+    const json schema = json::parse(hd::description::SchemaText("render_settings"));
     std::vector<std::string> all;
     for (const auto& [name, property] : schema.at("properties").items()) all.push_back(name);
     return all;
-  };
-  static const std::vector<std::string> lights = names("lights"), settings = names("render_settings");
-  return std::string_view(schema) == "lights" ? lights : settings;
+  }();
+  return names;
+}
+
+std::vector<std::string> LightParameterNames(const std::string& type) {
+  static const json schema = json::parse(hd::description::SchemaText("lights"));
+  std::vector<std::string> all;
+  for (const auto& [name, property] : schema.at("properties").items()) {
+    const json types = property.value("appliesTo", json{type});
+    if (std::find(types.begin(), types.end(), type) != types.end()) all.push_back(name);
+  }
+  return all;
 }
 
 std::string MakeDescription(const CapturedScene& scene, const std::string& stem) {

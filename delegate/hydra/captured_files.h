@@ -5,8 +5,10 @@
 
 namespace alabaster::hydra {
 
-/// Names of the parameters of a schema: "lights" or "render_settings".
-const std::vector<std::string>& ParametersOf(const char* schema);
+/// Names of the settings of schemas/render_settings.json.
+const std::vector<std::string>& RenderSettingNames();
+/// Names of the parameters that schemas/lights.json has for lights of this type.
+std::vector<std::string> LightParameterNames(const std::string& type);
 
 /// The name of a prim in these files: names of glTF hold no '/'.
 std::string PlainName(const hd::Path& id);

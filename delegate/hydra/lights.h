@@ -19,6 +19,7 @@ Host HostOf(const std::string& word);
 struct LightRules {
   Host host = Host::any;
   bool domes_are_seen = true;  // by the camera: Hydra's setting domeLightCameraVisibility
+  bool operator==(const LightRules&) const = default;
 };
 
 /// A parameter of a light of the host's; empty if it has none of that name.

@@ -94,7 +94,7 @@ void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
 
 void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type) {
   hd::host::LightDescription light{.type = type, .transform = scene.GetTransform(id), .parameters = {}};
-  for (const std::string& name : ParametersOf("lights"))
+  for (const std::string& name : LightParameterNames(type.str()))
     if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
   light.visible = scene.GetVisible(id);
   const std::lock_guard lock(mutex_);

@@ -90,7 +90,12 @@ def judge(host, name, given):
             return done.stderr.strip()[-300:], ""
         other = exr(host.folder / f"{name}.exr")
     else:
-        other = host.pictures(name + ".other", equals, given, [{k: v for k, v in frames[-1].items()}])[0][-1]["color"]
+        given.pop("renderSettings", None)
+        last = {**frames[-1], "settings": {**frames[-1].get("settings", {}), **given.pop("other", {})}}
+        unlike = given.pop("unlike", None)
+        other = host.pictures(name + ".other", equals, given, [last])[0][-1]["color"]
+        if unlike and not differing(color, host.pictures(name + ".unlike", equals, given, [{"settings": unlike}])[0][-1]["color"]):
+            return "shows what it must not", ""
     count, error = differing(color, other), float(numpy.abs(color - other).mean() / color[..., :3].mean())
     found = f"{count} pixels differ" + (f", by {error:.1e} in the mean" if count else "")
     return (found if error > within or (count and not within) else ""), found

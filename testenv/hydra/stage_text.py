@@ -1,5 +1,6 @@
 """Text of small USD stages: prims, meshes, materials and images for the tests of the plug-in."""
 import math
+import struct
 
 HEAD = '#usda 1.0\n(\n    upAxis = "Y"\n    startTimeCode = 1\n    endTimeCode = 2\n)\n'
 CUBE_POINTS = [(x, y, z) for z in (-0.8, 0.8) for y in (-0.8, 0.8) for x in (-0.8, 0.8)]
@@ -117,6 +118,6 @@ def turned(points, degrees):
 
 
 def picture(file, rows):
-    """A picture of 8 bits from rows of colours 0..255, the uppermost first."""
-    data = b"".join(bytes(color) for row in rows for color in row)
-    file.write_bytes(f"P6 {len(rows[0])} {len(rows)} 255\n".encode() + data)
+    """A TGA of 8 bits from rows of colours 0..255, the uppermost first."""
+    head = struct.pack("<BBBHHBHHHHBB", 0, 0, 2, 0, 0, 0, 0, 0, len(rows[0]), len(rows), 24, 0x20)
+    file.write_bytes(head + b"".join(bytes(color[::-1]) for row in rows for color in row))

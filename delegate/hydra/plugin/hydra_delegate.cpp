@@ -2,11 +2,13 @@
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/aov.h>
+#include <pxr/imaging/hd/extComputation.h>
 #include <pxr/imaging/hd/tokens.h>
 
 #include "delegate/hydra/plugin/hydra_buffer.h"
 #include "delegate/hydra/plugin/hydra_pass.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
+#include "delegate/hydra/plugin/hydra_settings.h"
 
 using namespace pxr;  // the macros of diagnostics name its types
 
@@ -51,6 +53,7 @@ std::unique_ptr<HydraDelegate> HydraDelegate::Create(const pxr::HdRenderSettings
     TF_WARN("Alabaster: the renderer cannot start. libhdAlabaster may be of another version than the plug-in.");
     return nullptr;
   }
+  RegisterSettingsSceneIndex();
   std::unique_ptr<HydraDelegate> made(new HydraDelegate(delegate, options.diagnostics));
   for (const auto& [key, value] : settings) made->SetRenderSetting(key, value);
   return made;
@@ -62,8 +65,9 @@ HydraDelegate::HydraDelegate(hd::RenderDelegate* delegate, const hd::DiagnosticS
       settings_(delegate->GetRenderSettingDescriptors()),
       rprims_(to_tokens(delegate->GetSupportedRprimTypes())),
       sprims_(to_tokens(delegate->GetSupportedSprimTypes())),
-      bprims_{pxr::HdPrimTypeTokens->renderBuffer},
+      bprims_{pxr::HdPrimTypeTokens->renderBuffer, pxr::HdPrimTypeTokens->renderSettings},
       registry_(std::make_shared<Registry>(delegate)) {
+  sprims_.push_back(pxr::HdPrimTypeTokens->extComputation);
   _PopulateDefaultSettings(GetRenderSettingDescriptors());
 }
 
@@ -75,8 +79,34 @@ HydraDelegate::~HydraDelegate() {
 void HydraDelegate::SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue& value) {
   HdRenderDelegate::SetRenderSetting(key, value);
   const Setting setting = TranslateSetting(ToToken(key), ToValue(value), settings_);
-  if (setting.key == hd::Token(kHostSetting)) param_->light_rules().host = HostOf(setting.value.text_or(""));
-  if (setting.key == hd::Token(kDomeSetting)) param_->light_rules().domes_are_seen = setting.value.number_or(1) != 0;
+  host_settings_[setting.key] = setting.value;
+  if (!scene_settings_.contains(setting.key)) apply(setting);
+}
+
+void HydraDelegate::SetSceneSettings(const pxr::VtDictionary& settings) {
+  std::map<hd::Token, hd::Value> now;
+  for (const auto& [key, value] : settings) {
+    const Setting setting = TranslateSetting(key, ToValue(value), settings_);
+    if (!setting.value.empty()) now[setting.key] = setting.value;
+  }
+  for (const auto& [key, value] : scene_settings_)
+    if (!now.contains(key)) apply({key, host_setting(key)});
+  for (const auto& [key, value] : now) apply({key, value});
+  scene_settings_ = std::move(now);
+}
+
+hd::Value HydraDelegate::host_setting(const hd::Token& key) const {
+  if (const auto found = host_settings_.find(key); found != host_settings_.end()) return found->second;
+  for (const hd::RenderSettingDescriptor& setting : settings_)
+    if (setting.key == key) return setting.defaultValue;
+  return {};
+}
+
+void HydraDelegate::apply(const Setting& setting) {
+  LightRules rules = param_->light_rules();
+  if (setting.key == hd::Token(kHostSetting)) rules.host = HostOf(setting.value.text_or(""));
+  if (setting.key == hd::Token(kDomeSetting)) rules.domes_are_seen = setting.value.number_or(1) != 0;
+  param_->set_light_rules(rules);
   if (setting.key == hd::Token(kSceneSetting)) param_->set_scene_file(setting.value.text_or(""));
   delegate_->SetRenderSetting(setting.key, setting.value);
 }
@@ -124,6 +154,7 @@ void HydraDelegate::DestroyRprim(pxr::HdRprim* prim) {
 
 pxr::HdSprim* HydraDelegate::CreateSprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
   if (type == pxr::HdPrimTypeTokens->camera) return new HydraCamera(id);
+  if (type == pxr::HdPrimTypeTokens->extComputation) return new pxr::HdExtComputation(id);
   hd::Sprim* const prim = delegate_->CreateSprim(ToToken(type), ToPath(id));
   if (!prim) return nullptr;
   if (type == pxr::HdPrimTypeTokens->material) return new HydraMaterial(id, prim);
@@ -141,6 +172,7 @@ void HydraDelegate::DestroySprim(pxr::HdSprim* prim) {
 }
 
 pxr::HdBprim* HydraDelegate::CreateBprim(const pxr::TfToken& type, const pxr::SdfPath& id) {
+  if (type == pxr::HdPrimTypeTokens->renderSettings) return new HydraRenderSettings(id, this);
   if (type != pxr::HdPrimTypeTokens->renderBuffer) return nullptr;
   hd::Bprim* const prim = delegate_->CreateBprim("renderBuffer", ToPath(id));
   return prim ? new HydraBuffer(id, static_cast<hd::RenderBuffer*>(prim)) : nullptr;
@@ -151,7 +183,7 @@ pxr::HdBprim* HydraDelegate::CreateFallbackBprim(const pxr::TfToken& type) {
 }
 
 void HydraDelegate::DestroyBprim(pxr::HdBprim* prim) {
-  delegate_->DestroyBprim(static_cast<HydraBuffer*>(prim)->buffer());
+  if (const auto* buffer = dynamic_cast<HydraBuffer*>(prim)) delegate_->DestroyBprim(buffer->buffer());
   delete prim;
 }
 

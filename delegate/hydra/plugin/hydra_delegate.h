@@ -20,6 +20,8 @@ class HydraDelegate final : public pxr::HdRenderDelegate {
   pxr::HdResourceRegistrySharedPtr GetResourceRegistry() const override { return registry_; }
 
   void SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue& value) override;
+  /// The settings of the scene's active render settings prim, which come before the host's own.
+  void SetSceneSettings(const pxr::VtDictionary& settings);
   pxr::HdRenderSettingDescriptorList GetRenderSettingDescriptors() const override;
   pxr::VtDictionary GetRenderStats() const override;
   bool IsPauseSupported() const override { return true; }
@@ -52,10 +54,13 @@ class HydraDelegate final : public pxr::HdRenderDelegate {
 
  private:
   HydraDelegate(hd::RenderDelegate* delegate, const hd::DiagnosticSink& sink);
+  void apply(const Setting& setting);
+  hd::Value host_setting(const hd::Token& key) const;
 
   hd::RenderDelegate* delegate_;  // destroyed after all that the host has made of it
   std::unique_ptr<HydraParam> param_;
   std::vector<hd::RenderSettingDescriptor> settings_;
+  std::map<hd::Token, hd::Value> host_settings_, scene_settings_;
   pxr::TfTokenVector rprims_, sprims_, bprims_;
   pxr::HdResourceRegistrySharedPtr registry_;
 };

@@ -1,6 +1,15 @@
 #include "delegate/hydra/plugin/hydra_param.h"
 
+#include <pxr/imaging/hd/light.h>
+#include <pxr/imaging/hd/renderIndex.h>
+
 namespace alabaster::hydra {
+
+void HydraParam::set_light_rules(const LightRules& rules) {
+  if (rules == light_rules_) return;
+  light_rules_ = rules;
+  for (const auto& [id, index] : lights_) index->GetChangeTracker().MarkSprimDirty(id, pxr::HdLight::DirtyParams);
+}
 
 void HydraParam::write_scene(const hd::RenderPassState& state) const {
   if (!capture_ || scene_file_.empty()) return;

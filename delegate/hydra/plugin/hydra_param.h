@@ -18,8 +18,12 @@ class HydraParam final : public pxr::HdRenderParam {
   HydraParam(hd::RenderDelegate* delegate, hd::DiagnosticSink sink) : delegate_(delegate), sink_(std::move(sink)) {}
 
   hd::RenderDelegate& delegate() const { return *delegate_; }
-  /// For lights that are synced from then on. Host thread.
-  LightRules& light_rules() { return light_rules_; }
+  const LightRules& light_rules() const { return light_rules_; }
+  /// Lights that were synced by other rules are dirty. Host thread, before Sync.
+  void set_light_rules(const LightRules& rules);
+  /// A light that was synced, and where it is found.
+  void add_light(const pxr::SdfPath& id, pxr::HdRenderIndex* index) { lights_[id] = index; }
+  void remove_light(const pxr::SdfPath& id) { lights_.erase(id); }
 
   /// Setting alabaster:writeScene: a file that holds the scene of the last Execute. Host thread, before Sync.
   void set_scene_file(const std::string& file) {
@@ -49,6 +53,7 @@ class HydraParam final : public pxr::HdRenderParam {
   hd::RenderDelegate* delegate_;
   hd::DiagnosticSink sink_;
   LightRules light_rules_;
+  std::map<pxr::SdfPath, pxr::HdRenderIndex*> lights_;
   std::set<PassDriver*> drivers_;
   std::string scene_file_;
   std::unique_ptr<SceneCapture> capture_;

@@ -101,11 +101,13 @@ void HydraMaterial::Finalize(pxr::HdRenderParam* param) {
 void HydraLight::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   HydraParam& shared = ParamOf(param);
   HydraScene pulled = shared.scene(scene, GetId(), type_);
+  shared.add_light(GetId(), &scene->GetRenderIndex());
   if (SceneCapture* const capture = shared.capture()) capture->TakeLight(pulled, ToPath(GetId()), ToToken(type_));
   if (sync(prim_, &pulled, shared, TranslateBits(*bits, kLightBits))) *bits = Clean;
 }
 
 void HydraLight::Finalize(pxr::HdRenderParam* param) {
+  ParamOf(param).remove_light(GetId());
   finalize(prim_, param);
 }
 

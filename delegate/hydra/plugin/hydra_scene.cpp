@@ -1,5 +1,6 @@
 #include "delegate/hydra/plugin/hydra_scene.h"
 
+#include <pxr/imaging/hd/extComputationUtils.h>
 #include <pxr/imaging/hd/material.h>
 
 #include <algorithm>
@@ -81,6 +82,23 @@ pxr::SdfPath HydraScene::path(const hd::Path& id) const {
   return id.str() == id_.GetString() ? id_ : pxr::SdfPath(id.str());
 }
 
+const pxr::HdExtComputationPrimvarDescriptorVector& HydraScene::computed() {
+  if (computed_) return *computed_;
+  computed_.emplace();
+  for (int i = 0; i < pxr::HdInterpolationCount; ++i) {
+    const auto found = host_->GetExtComputationPrimvarDescriptors(id_, static_cast<pxr::HdInterpolation>(i));
+    computed_->insert(computed_->end(), found.begin(), found.end());
+  }
+  return *computed_;
+}
+
+const pxr::HdExtComputationPrimvarDescriptor* HydraScene::computed(const hd::Path& id, const hd::Token& name) {
+  if (id.str() != id_.GetString()) return nullptr;
+  for (const auto& one : computed())
+    if (one.name.GetString() == name.str()) return &one;
+  return nullptr;
+}
+
 hd::MeshTopology HydraScene::GetMeshTopology(const hd::Path& id) {
   const pxr::HdMeshTopology theirs = host_->GetMeshTopology(path(id));
   hd::MeshTopology ours;
@@ -143,6 +161,11 @@ std::vector<hd::PrimvarDescriptor> HydraScene::GetPrimvarDescriptors(const hd::P
       descriptors_.push_back(
           {ToToken(theirs.name), to_interpolation(theirs.interpolation), ToToken(theirs.role), theirs.indexed});
   }
+  if (path(id) != id_) return descriptors_;
+  for (const auto& theirs : computed()) {
+    std::erase_if(descriptors_, [&](const auto& one) { return one.name == ToToken(theirs.name); });
+    descriptors_.push_back({ToToken(theirs.name), to_interpolation(theirs.interpolation), ToToken(theirs.role), false});
+  }
   return descriptors_;
 }
 
@@ -152,6 +175,12 @@ hd::Value HydraScene::GetPrimvar(const hd::Path& id, const hd::Token& name, hd::
       std::any_of(descriptors_.begin(), descriptors_.end(), [&](const auto& d) { return d.name == name && d.indexed; });
   const pxr::TfToken key(name.str());
   const bool is_unit = unit_normals_ && name == hd::Token("normals");
+  if (const auto* by_host = computed(id, name)) {
+    const auto values = pxr::HdExtComputationUtils::GetComputedPrimvarValues({*by_host}, host_);
+    const auto found = values.find(by_host->name);
+    const hd::Value value = found == values.end() ? hd::Value() : ToValue(found->second);
+    return is_unit ? UnitNormals(value) : value;
+  }
   if (!is_indexed) {
     const hd::Value value = ToValue(host_->Get(path(id), key));
     return is_unit ? UnitNormals(value) : value;
@@ -168,6 +197,11 @@ hd::TimeSamples<hd::Matrix4d> HydraScene::SampleTransform(const hd::Path& id) {
   return to_samples(samples, ToMatrix);
 }
 hd::TimeSamples<hd::Value> HydraScene::SamplePrimvar(const hd::Path& id, const hd::Token& name) {
+  if (const auto* by_host = computed(id, name)) {
+    pxr::HdExtComputationUtils::SampledValueStore<kSamples> values;
+    pxr::HdExtComputationUtils::SampleComputedPrimvarValues<kSamples>({*by_host}, host_, kSamples, &values);
+    return to_samples(values[by_host->name], ToValue);
+  }
   pxr::HdTimeSampleArray<pxr::VtValue, kSamples> samples;
   host_->SamplePrimvar(path(id), pxr::TfToken(name.str()), &samples);
   return to_samples(samples, ToValue);

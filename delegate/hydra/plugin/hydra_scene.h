@@ -3,6 +3,8 @@
 
 #include <pxr/imaging/hd/sceneDelegate.h>
 
+#include <optional>
+
 #include "delegate/hydra/translated_scene.h"
 
 namespace alabaster::hydra {
@@ -49,12 +51,16 @@ class HydraScene final : public TranslatedScene {
 
  private:
   pxr::SdfPath path(const hd::Path& id) const;
+  /// The primvars of the prim that the host computes, such as the points of skinned meshes.
+  const pxr::HdExtComputationPrimvarDescriptorVector& computed();
+  const pxr::HdExtComputationPrimvarDescriptor* computed(const hd::Path& id, const hd::Token& name);
 
   pxr::HdSceneDelegate* host_;
   pxr::SdfPath id_;
   pxr::TfToken light_;
   bool unit_normals_ = false;
   std::vector<hd::PrimvarDescriptor> descriptors_;  // as asked for last
+  std::optional<pxr::HdExtComputationPrimvarDescriptorVector> computed_;
 };
 
 }  // namespace alabaster::hydra
