@@ -35,6 +35,7 @@ const Input kInputs[] = {{"metalness", "metallic", 0.0f},
                          {"specular_roughness", "roughness", 0.2f},
                          {"specular_IOR", "ior", 1.5f},
                          {"specular_anisotropy", "anisotropic", 0.0f},
+                         {"specular_rotation", "anisotropicRotation", 0.0f},
                          {"transmission", "specTrans", 0.0f},
                          {"thin_walled", "thin", false}};
 const Input kSheen[] = {
@@ -46,10 +47,7 @@ struct Unread {
   const char* name;
   Vec3f initial;
 };
-const Unread kUnread[] = {
-    {"diffuse_roughness", Vec3f(0)},
-    {"specular_rotation", Vec3f(0)},
-};
+const Unread kUnread[] = {{"diffuse_roughness", Vec3f(0)}};
 const Unread kUnreadOfTransmission[] = {{"transmission_scatter", Vec3f(0)}, {"transmission_dispersion", Vec3f(0)}};
 const Unread kUnreadOfCoat[] = {{"coat_color", Vec3f(1)},
                                 {"coat_anisotropy", Vec3f(0)},

@@ -24,8 +24,8 @@ def translate(reader, source):
     relief(reader, reader.source(source.input("Normal"), source.groups), surface)
     coat = source.input("Clearcoat Normal", "Coat Normal")
     relief(reader, reader.source(coat, source.groups), surface, "coatNormal")
-    if surface["anisotropic"] and _number(reader, source, "Anisotropic Rotation"):
-        reader.note("the rotation of the anisotropy is not translated; a highlight stretches along the tangent of the UV map")
+    if surface["anisotropic"]:
+        surface["anisotropicRotation"] = reader.number(_value(reader, source, "Anisotropic Rotation"))
     return surface
 
 

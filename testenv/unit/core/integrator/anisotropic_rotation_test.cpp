@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/integrator/path_state.h"
 #include "testenv/support/path_tracer.h"
 
 namespace alabaster {
