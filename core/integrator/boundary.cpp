@@ -164,7 +164,7 @@ Interiors interiors_at(const PathContext& context, Ray ray) {
   for (int i = 0; i < kMostSurfaces && context.scene.top->intersect(ray, &hit); ++i) {
     const PathVertex v = make_vertex(context, ray, hit);
     ray.org = beyond(v);
-    if (!v.material.transmits() || v.material.thin) continue;
+    if (!v.material.transmits() || v.material.thin || v.instance->camera_cull == CameraCull::all) continue;
     if (!is_seen_from_inside(v))
       entered.enter(interior_of(v));
     else if (entered.contains(hit.instance))

@@ -131,7 +131,7 @@ class SceneDigest {
     digest->add(instance.double_sided);
     if (instance.category_set != 0) digest->add(translation_.scene.category_sets[instance.category_set]);
     digest->add(instance.camera_cull);
-    digest->add(instance.holdout);
+    if (instance.holdout) digest->add(instance.holdout);
   }
   std::string digest_light(const LightDescription& light) const {
     Digest digest;

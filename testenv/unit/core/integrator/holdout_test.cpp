@@ -126,6 +126,21 @@ TEST(HoldOut, OtherRaysSeeIt) {
   }
 }
 
+// The camera is not in a body that it passes.
+TEST(CameraCull, AllHidesABodyAboutTheCamera) {
+  DisneyParameters glass;
+  glass.spec_trans = 1;
+  glass.attenuation_color = Rgb(0.1f);
+  glass.attenuation_distance = 1;
+  for (const bool hidden : {true, false}) {
+    SceneBuilder b;
+    b.add(b.prototype(testing::sphere_mesh(5, 24, false)), b.material(glass)).add(testing::constant_dome(1, true));
+    if (hidden) last(&b).camera_cull = CameraCull::all;
+    const FilmSample sample = PathTracer(b.snapshot(), kEye).trace(0);
+    EXPECT_EQ(sample.color == Rgb(1.0f), hidden) << sample.color.g;
+  }
+}
+
 TEST(CameraCull, AllHidesBothSidesFromTheCameraAndShades) {
   for (const double turn : {0.0, M_PI}) {
     SceneBuilder b;
