@@ -333,6 +333,18 @@ class Frames(unittest.TestCase):
         self.assertLess(time.monotonic() - pressed, 1.0)
         self.assertEqual((render.state, shown[-1]), ("stopped", True))
 
+    def test_noise_is_told_while_a_picture_refines(self):
+        scene = alabaster.Scene()
+        scene.set_light("/dome", "domeLight", intensity=1)
+        scene.set_mesh("/floor", [(-1, -1, -3), (1, -1, -3), (0, 1, -3)], [[0, 1, 2]])
+        renderer = alabaster.Renderer(scene, samples=1 << 20)
+        render = renderer.start(width=64, height=64, camera={"focalLength": 1.0})
+        end = time.monotonic() + 60
+        while "Noise" not in engine.status(renderer)[0] and time.monotonic() < end:
+            render.wait(0.05)
+        self.assertRegex(engine.status(renderer)[0], r"^Sample \d+/1048576 \| Noise [\d.]+ %")
+        render.cancel()
+
     def test_keyed_settings_and_world_move(self):
         scene = bpy.context.scene
         strength = scene.world.node_tree.nodes["Background"].inputs["Strength"]

@@ -212,6 +212,20 @@ def metal():
     lit()
 
 
+def brushed_metal():
+    """A highlight that stretches along a direction between u and v."""
+    camera((0, -4, 3), (0, 0, 0), 60)
+    ob = floor(principled("brushed", Base_Color=(0.8, 0.7, 0.6), Metallic=1.0, Roughness=0.4, Specular=0.5, Anisotropic=0.8,
+                          Anisotropic_Rotation=0.1), 2)
+    ob.data.uv_layers.new(name="map").data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
+    tree = ob.data.materials[0].node_tree
+    tangent = tree.nodes.new("ShaderNodeTangent")
+    tangent.direction_type = "UV_MAP"
+    tree.links.new(tangent.outputs[0], tree.nodes["Principled BSDF"].inputs["Tangent"])
+    tree.nodes["Principled BSDF"].distribution = "GGX"  # from Blender 4.0 on another one, which adds light between facets
+    light("AREA", 60, (0.3, 2, 2), shape="DISK", size=0.5)
+
+
 def dielectric():
     stage(principled("plastic", Base_Color=(0.1, 0.3, 0.6), Roughness=0.3, Specular=0.5))
     lit()
@@ -384,5 +398,5 @@ def orthographic_cutout():
 
 SCENES = {function.__name__: function for function in (
     point_light, spot_light, sun_light, area_square_and_rectangle, area_disk_and_ellipse, lights_in_the_picture, world_colour,
-    world_image_turned, principled_diffuse, metal, dielectric, coat, glass, emission, subsurface, textures_and_normal_map,
-    instances, subdivision_with_creases, motion_blur, depth_of_field, orthographic_cutout)}
+    world_image_turned, principled_diffuse, metal, brushed_metal, dielectric, coat, glass, emission, subsurface,
+    textures_and_normal_map, instances, subdivision_with_creases, motion_blur, depth_of_field, orthographic_cutout)}

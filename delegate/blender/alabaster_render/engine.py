@@ -21,6 +21,7 @@ def clock(seconds):
 
 def status(renderer):
     """The status line of a picture, with samples, noise and time left; and the fraction that is done."""
+    renderer.command("measureNoise")  # for the next line
     now, stats = renderer.progress(), renderer.stats()
     parts = [f"Sample {now['samples_done']}/{now['samples_total']}"] if now["samples_total"] else ["Preparing"]
     if "error.relativeRmse" in stats:

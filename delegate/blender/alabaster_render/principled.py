@@ -14,6 +14,8 @@ def translate(reader, source):
     surface = {"roughness": reader.number(_value(reader, source, "Roughness"), "g"),
                "metallic": reader.number(_value(reader, source, "Metallic"), "b"),
                "anisotropic": reader.number(_value(reader, source, "Anisotropic"))}
+    if surface["anisotropic"]:
+        surface["anisotropicRotation"] = reader.number(_value(reader, source, "Anisotropic Rotation"))
     opacity = reader.number(_value(reader, source, "Alpha"))
     if opacity != 1.0:
         surface["opacity"] = opacity
@@ -24,8 +26,6 @@ def translate(reader, source):
     relief(reader, reader.source(source.input("Normal"), source.groups), surface)
     coat = source.input("Clearcoat Normal", "Coat Normal")
     relief(reader, reader.source(coat, source.groups), surface, "coatNormal")
-    if surface["anisotropic"]:
-        surface["anisotropicRotation"] = reader.number(_value(reader, source, "Anisotropic Rotation"))
     return surface
 
 
