@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "delegate/cli/checkpoint_options.h"
 #include "delegate/cli/commands.h"
@@ -42,8 +43,8 @@ class FarmCommand {
     if (tasks_ == 0)
       return console_.usage_error(
           "--tasks", "'" + a_.tasks + "' is not a whole number from 1 to " + std::to_string(kMostTasks) + ".");
-    if (a_.engine != "slurm" && a_.engine != "script")
-      return console_.usage_error("--engine", "'" + a_.engine + "' is not an engine: choose slurm or script.");
+    if (a_.engine != "slurm" && a_.engine != "openjd" && a_.engine != "script")
+      return console_.usage_error("--engine", "'" + a_.engine + "' is not an engine: choose slurm, openjd or script.");
     if (a_.render.outputs.empty()) return console_.usage_error("farm", "There is nothing to write: add -o FILE.");
     for (const auto& [flag, given] :
          {std::pair{"--frames", !a_.render.frames.empty()}, std::pair{"--pixel", !a_.render.pixel.empty()},
@@ -82,6 +83,9 @@ class FarmCommand {
       console_.error(folder_, "The folder cannot be made; check its name and your permissions.");
       return kOutput;
     }
+    if (a_.engine == "openjd" && place_.find("{{") != std::string::npos)
+      return console_.usage_error("--folder", "'" + place_ + "' has {{, which begins a variable in Open Job Description; " +
+                                                  "choose another folder.");
     for (const fs::directory_entry& entry : fs::directory_iterator(place_, error))
       if (entry.path().extension() == ".checkpoint")
         return console_.usage_error(
@@ -109,6 +113,8 @@ class FarmCommand {
         all_parts + "exec " + run + " merge \"$@\"\n";
     if (a_.engine == "slurm")
       add_slurm(&files);
+    else if (a_.engine == "openjd")
+      files["template.json"] = job_template();
     else
       files["tasks.txt"] = commands();
     for (const auto& [name, text] : files)
@@ -127,6 +133,24 @@ class FarmCommand {
     for (uint32_t k = 0; k < tasks_; ++k)
       lines += "sh " + shell_word(place_ + "/task.sh") + " " + std::to_string(k) + "\n";
     return lines;
+  }
+
+  /// A job of Open Job Description, specification jobtemplate-2023-09: the tasks, and the merge after them.
+  std::string job_template() const {
+    using nlohmann::ordered_json;
+    const auto step = [](const char* name, const std::vector<std::string>& words) {
+      const ordered_json action = {{"command", "sh"}, {"args", words}};
+      return ordered_json{{"name", name}, {"script", {{"actions", {{"onRun", action}}}}}};
+    };
+    ordered_json render = step("render", {place_ + "/task.sh", "{{Task.Param.Part}}"});
+    const ordered_json part = {{"name", "Part"}, {"type", "INT"}, {"range", "0-" + std::to_string(tasks_ - 1)}};
+    render["parameterSpace"]["taskParameterDefinitions"] = ordered_json::array({part});
+    ordered_json merge = step("merge", {place_ + "/merge.sh"});
+    merge["dependencies"] = ordered_json::array({ordered_json{{"dependsOn", "render"}}});
+    const ordered_json job = {{"specificationVersion", "jobtemplate-2023-09"},
+                              {"name", "alabaster"},
+                              {"steps", ordered_json::array({render, merge})}};
+    return job.dump(2) + "\n";
   }
 
   void add_slurm(std::map<std::string, std::string>* files) const {
@@ -152,6 +176,9 @@ class FarmCommand {
                   " samples per pixel to " + folder_);
     if (a_.engine == "slurm")
       console_.note("run them: sh " + shell_word(folder_ + "/submit.sh"));
+    else if (a_.engine == "openjd")
+      console_.note("submit " + shell_word(folder_ + "/template.json") + ", or run it here: openjd run " +
+                    shell_word(folder_ + "/template.json"));
     else
       console_.note("run each line of " + shell_word(folder_ + "/tasks.txt") +
                     ", on any machine that has these folders; then sh " + shell_word(folder_ + "/merge.sh"));

@@ -141,8 +141,8 @@ CLI::App* add_farm(CLI::App& app, FarmArguments* a) {
   c->add_option("--tasks", a->tasks, "Number of parts")->required()->type_name("N");
   c->add_option(
        "--engine", a->engine,
-       "slurm: a job array and its merge; script: a command line for each task, for any other engine. Default: "
-       "script")
+       "slurm: a job array and its merge; openjd: the same as a template of Open Job Description, which AWS Deadline "
+       "Cloud reads; script: a command line for each task, for any other engine. Default: script")
       ->type_name("NAME");
   c->add_option("--folder", a->folder,
                 "Folder for the jobs and the parts, which all machines must see; default: SCENE_farm")

@@ -1,6 +1,8 @@
 // Frames in parts on several machines: the jobs that are written, run as an engine would run them.
 #include <OpenImageIO/imageio.h>
 
+#include <nlohmann/json.hpp>
+
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -70,6 +72,36 @@ TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
     EXPECT_EQ(shell(std::string("sh -n jobs/") + name), 0) << name;
 }
 
+// Specification jobtemplate-2023-09 of Open Job Description: a step with a task for each value of its parameter, and one
+// that depends on it.
+TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
+  const std::vector<std::string> words{"farm", "patch.gltf", "-o",       "a b.exr", "--spp",
+                                       "8",    "--tasks",    "4",        "--engine", "openjd"};
+  const Outcome wrote = run(words);
+  ASSERT_EQ(wrote.code, 0) << wrote.err;
+  const auto job = nlohmann::json::parse(read("patch_farm/template.json"));
+  EXPECT_EQ(job.at("specificationVersion"), "jobtemplate-2023-09");
+  EXPECT_EQ(job.at("name"), "alabaster");
+  ASSERT_EQ(job.at("steps").size(), 2u);
+  const auto &render = job["steps"][0], &merge = job["steps"][1];
+  const auto& part = render.at("parameterSpace").at("taskParameterDefinitions").at(0);
+  EXPECT_EQ(part, nlohmann::json({{"name", "Part"}, {"type", "INT"}, {"range", "0-3"}}));
+  EXPECT_EQ(merge.at("dependencies").at(0).at("dependsOn"), render.at("name"));
+  const auto line = [](const nlohmann::json& step, const std::string& task) {
+    const auto& action = step.at("script").at("actions").at("onRun");
+    std::string all = action.at("command");
+    for (const std::string word : action.at("args")) all += " '" + (word == "{{Task.Param.Part}}" ? task : word) + "'";
+    return all;
+  };
+  for (const char* task : {"0", "1", "2", "3"}) EXPECT_EQ(shell(line(render, task)), 0) << read("shell.txt");
+  EXPECT_EQ(shell(line(merge, "")), 0) << read("shell.txt");
+  EXPECT_FALSE(pixels("a b.exr").empty());
+  std::filesystem::create_directory(folder_ / "{{x}}");
+  std::vector<std::string> refused = words;
+  refused.insert(refused.end(), {"--folder", "{{x}}"});
+  EXPECT_EQ(run(refused).code, 2) << "braces begin a variable";
+}
+
 TEST_F(Farm, WrongArgumentsAreRefused) {
   const auto refused = [&](const std::vector<std::string>& more, const char* said) {
     std::vector<std::string> all{"farm", "patch.gltf", "--spp", "4"};
@@ -81,7 +113,7 @@ TEST_F(Farm, WrongArgumentsAreRefused) {
   refused({"-o", "a.exr", "--tasks", "0"}, "--tasks");
   refused({"-o", "a.exr", "--tasks", "5"}, "cannot be shared");
   refused({"--tasks", "2"}, "add -o");
-  refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose slurm or script");
+  refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose slurm, openjd or script");
   refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "--frames");
   refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "targetError");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "patch_farm"));
