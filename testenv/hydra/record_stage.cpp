@@ -112,7 +112,8 @@ bool render_all(const UsdStageRefPtr& stage, const json& job) {
 
 // The class behind the program usdrecord, as it calls it with --disableGpu and --disableCameraLight.
 bool record_all(const UsdStageRefPtr& stage, const json& job) {
-  UsdAppUtilsFrameRecorder recorder(kRenderer, false, SdfPath(job.value("renderSettings", "")));
+  const SdfPath settings = job.contains("renderSettings") ? SdfPath(job["renderSettings"].get<std::string>()) : SdfPath();
+  UsdAppUtilsFrameRecorder recorder(kRenderer, false, settings);
   recorder.SetImageWidth(job["size"][0].get<size_t>());
   recorder.SetComplexity(job.value("complexity", 1.0f));
   recorder.SetCameraLightEnabled(false);

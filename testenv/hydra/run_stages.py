@@ -57,11 +57,11 @@ class Host:
         return every, warned
 
 
-def exr(file):
+def exr(file, size=SIZE):
     """The pixels of an EXR of floats, rows from the top down. An uncompressed TIFF of OpenImageIO ends with them."""
     plain = file.with_suffix(".tif")
-    subprocess.run(["oiiotool", str(file), "--ch", "R,G,B,A", "-d", "float", "--compression", "none", "-o", str(plain)], check=True, capture_output=True)
-    width, height = SIZE
+    subprocess.run(["oiiotool", str(file), "--fullpixels", "--ch", "R,G,B,A", "-d", "float", "--compression", "none", "-o", str(plain)], check=True, capture_output=True)
+    width, height = size
     return numpy.frombuffer(plain.read_bytes()[-width * height * 16:], numpy.float32).reshape(height, width, 4)
 
 
@@ -69,8 +69,23 @@ def differing(a, b):
     return int((a.view(numpy.uint32) != b.view(numpy.uint32)).any(axis=2).sum()) if a.shape == b.shape else a[..., 0].size
 
 
+def judge_files(host, name, given):
+    """The files that usdrecord's own recorder, or the renderer for it, writes: each equal to a window of what the engine shows."""
+    stage, files, show = given["stage"], given["files"], given.get("show", {})
+    frame = host.folder / f"{name}.frame"
+    host.run(name, stage, {**given.get("record", {}), "record": "exr", "frames": [{"out": str(frame)}]})
+    whole = host.pictures(name + ".shown", stage, show, [{}])[0][0]["color"]
+    for file, (left, top, right, bottom) in files.items():
+        found = exr(host.folder / file, (right - left, bottom - top))
+        if count := differing(found, whole[top:bottom, left:right]):
+            return f"{file}: {count} pixels differ", ""
+    return "", f"{len(files)} files, 0 pixels differ"
+
+
 def judge(host, name, given):
     """(fault or nothing, what was found)"""
+    if "files" in given:
+        return judge_files(host, name, given)
     stage, equals, check = given.pop("stage"), given.pop("equals", None), given.pop("check", None)
     within, written, warns = given.pop("within", 0), given.pop("written", False), given.pop("warns", "")
     frames = given.pop("frames", [{}])

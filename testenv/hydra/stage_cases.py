@@ -4,6 +4,8 @@ A case is a function of a folder that it may write files to. It gives a dictiona
   equals    the text of another stage that shows the same; `within`: the mean difference that is allowed (default none)
   written   True: the program renders the same from the scene that the plug-in writes
   check     a function of the pictures (arrays of rows from the top down) that gives a fault, or nothing
+  files     names of files that usdrecord's recorder or the renderer writes, each with its window of the picture that the
+            engine shows with the options `show`
 besides options of record_stage, and frames, a list of {time, settings}; `equals` and `written` are about the last picture.
 """
 from stage_text import *  # noqa: F403
@@ -373,3 +375,36 @@ def render_settings(_):
     prims = prim("Scope", "Render", prim("RenderSettings", "few", "int alabaster:samples = 4", "rel camera = </camera>"))
     return {"stage": lit_by(LIGHTS["sphere"]) + prims, "renderSettings": "/Render/few",
             "equals": lit_by(LIGHTS["sphere"]), "other": {"alabaster:samples": 4}, "unlike": {"alabaster:samples": 16}}
+
+
+FEW = ("int alabaster:samples = 16", 'string alabaster:filter = "box"', "rel camera = </camera>")
+
+
+@case
+def usdrecord(_):
+    """The recorder of usdrecord, with settings that the stage names in its metadata."""
+    head = HEAD.replace("startTimeCode", 'renderSettingsPrimPath = "/Render/few"\n    startTimeCode')
+    stage = head + lit_by(LIGHTS["rect"])[len(HEAD):] + prim("Scope", "Render", prim("RenderSettings", "few", *FEW))
+    return {"stage": stage, "files": {"usdrecord.frame.exr": (0, 0, 64, 48)}}
+
+
+@case
+def render_products(folder):
+    """usdrecord --renderSettingsPrimPath: the renderer writes a frame and a quarter of it, from a camera of their own."""
+    color = prim("RenderVar", "color", 'uniform token dataType = "color4f"', 'uniform string sourceName = "color"')
+    depth = prim("RenderVar", "depth", 'uniform token dataType = "float"', 'uniform string sourceName = "cameraDepth"')
+    product = ["rel orderedVars = [</Render/color>, </Render/depth>]", "uniform int2 resolution = (64, 48)"]
+    products = prim("RenderProduct", "whole", f'token productName = "{folder}/whole.exr"', *product) + \
+        prim("RenderProduct", "quarter", f'token productName = "{folder}/quarter.exr"', "float4 dataWindowNDC = (0.5, 0.25, 1, 0.75)", *product)
+    settings = prim("RenderSettings", "two", "rel products = [</Render/whole>, </Render/quarter>]", *(line.replace("</camera>", "</other>") for line in FEW))
+    other = camera(z=4).replace('"camera"', '"other"')
+    stage = lit_by(LIGHTS["rect"]) + other + prim("Scope", "Render", color + depth + products + settings)
+    return {"stage": stage, "record": {"renderSettings": "/Render/two"}, "show": {"camera": "/other"},
+            "files": {"whole.exr": (0, 0, 64, 48), "quarter.exr": (32, 12, 64, 36)}}
+
+
+@case
+def camera_exposure(_):
+    """A part of the camera that is not read is reported."""
+    return {"stage": HEAD + camera("float exposure = 1") + glow("red", RED) + quad("a", bound("/red")), "warns": "the exposure of cameras is not read",
+            "check": lambda p: expect(p[0], {(0, 0): RED})}

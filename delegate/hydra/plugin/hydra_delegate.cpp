@@ -15,8 +15,9 @@ using namespace pxr;  // the macros of diagnostics name its types
 namespace alabaster::hydra {
 namespace {
 
-// Settings of the plug-in's own, and one of Hydra's.
+// Settings of the plug-in's own, and Hydra's.
 constexpr const char *kHostSetting = "host", *kSceneSetting = "writeScene", *kDomeSetting = "domeLightCameraVisibility";
+constexpr const char* kInteractiveSetting = "enableInteractive";
 
 // Errors, too, are warnings for OpenUSD: its own become exceptions in hosts in Python, which end their render.
 void tell(const hd::Diagnostic& d) {
@@ -107,6 +108,7 @@ void HydraDelegate::apply(const Setting& setting) {
   if (setting.key == hd::Token(kHostSetting)) rules.host = HostOf(setting.value.text_or(""));
   if (setting.key == hd::Token(kDomeSetting)) rules.domes_are_seen = setting.value.number_or(1) != 0;
   param_->set_light_rules(rules);
+  if (setting.key == hd::Token(kInteractiveSetting)) param_->is_batch = setting.value.number_or(1) == 0;
   if (setting.key == hd::Token(kSceneSetting)) param_->set_scene_file(setting.value.text_or(""));
   delegate_->SetRenderSetting(setting.key, setting.value);
 }

@@ -22,6 +22,7 @@ class HydraDelegate final : public pxr::HdRenderDelegate {
   void SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue& value) override;
   /// The settings of the scene's active render settings prim, which come before the host's own.
   void SetSceneSettings(const pxr::VtDictionary& settings);
+  HydraParam& param() const { return *param_; }
   pxr::HdRenderSettingDescriptorList GetRenderSettingDescriptors() const override;
   pxr::VtDictionary GetRenderStats() const override;
   bool IsPauseSupported() const override { return true; }

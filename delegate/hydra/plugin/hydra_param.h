@@ -7,6 +7,7 @@
 
 #include "delegate/hydra/pass_driver.h"
 #include "delegate/hydra/plugin/convert.h"
+#include "delegate/hydra/plugin/hydra_products.h"
 #include "delegate/hydra/plugin/hydra_scene.h"
 #include "delegate/hydra/scene_capture.h"
 
@@ -15,7 +16,8 @@ namespace alabaster::hydra {
 class HydraParam final : public pxr::HdRenderParam {
  public:
   /// `delegate` must outlive it.
-  HydraParam(hd::RenderDelegate* delegate, hd::DiagnosticSink sink) : delegate_(delegate), sink_(std::move(sink)) {}
+  HydraParam(hd::RenderDelegate* delegate, const hd::DiagnosticSink& sink)
+      : delegate_(delegate), sink_(sink), products_(delegate, sink) {}
 
   hd::RenderDelegate& delegate() const { return *delegate_; }
   const LightRules& light_rules() const { return light_rules_; }
@@ -42,6 +44,15 @@ class HydraParam final : public pxr::HdRenderParam {
             light};
   }
 
+  /// Those of the scene's active render settings prim.
+  HydraProducts& products() { return products_; }
+  /// Hydra's setting enableInteractive is false: products are to be written.
+  bool is_batch = false;
+
+  void warn(const pxr::SdfPath& id, const char* code, const std::string& text) const {
+    sink_({hd::Severity::warning, code, id.GetString(), text});
+  }
+
   /// Drivers that may hold a buffer of the host's.
   void add(PassDriver* driver) { drivers_.insert(driver); }
   void remove(PassDriver* driver) { drivers_.erase(driver); }
@@ -52,6 +63,7 @@ class HydraParam final : public pxr::HdRenderParam {
  private:
   hd::RenderDelegate* delegate_;
   hd::DiagnosticSink sink_;
+  HydraProducts products_;
   LightRules light_rules_;
   std::map<pxr::SdfPath, pxr::HdRenderIndex*> lights_;
   std::set<PassDriver*> drivers_;

@@ -74,7 +74,9 @@ std::vector<hd::AovBinding> HydraPass::bindings(const pxr::HdRenderPassState& st
   return ours;
 }
 
+// A batch render of products leaves the host's own buffers as they are: nobody looks at them.
 void HydraPass::_Execute(const pxr::HdRenderPassStateSharedPtr& state, const pxr::TfTokenVector& renderTags) {
+  if (writes_products()) return param_->products().Execute(*GetRenderIndex());
   hd::RenderPassState ours;
   if (const auto* camera = dynamic_cast<const HydraCamera*>(state->GetCamera()))
     ours.freeCamera = camera->description();
@@ -88,7 +90,12 @@ void HydraPass::_Execute(const pxr::HdRenderPassStateSharedPtr& state, const pxr
   driver_.Execute(ours);
 }
 
+bool HydraPass::writes_products() const {
+  return param_->is_batch && !param_->products().empty();
+}
+
 bool HydraPass::IsConverged() const {
+  if (writes_products()) return param_->products().IsConverged(*GetRenderIndex());
   return driver_.IsConverged();
 }
 

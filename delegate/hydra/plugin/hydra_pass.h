@@ -19,6 +19,7 @@ class HydraPass final : public pxr::HdRenderPass {
   void _Execute(const pxr::HdRenderPassStateSharedPtr& state, const pxr::TfTokenVector& renderTags) override;
 
  private:
+  bool writes_products() const;
   std::vector<hd::AovBinding> bindings(const pxr::HdRenderPassState& state) const;
 
   HydraParam* param_;

@@ -111,6 +111,16 @@ void HydraLight::Finalize(pxr::HdRenderParam* param) {
   finalize(prim_, param);
 }
 
+void HydraCamera::warn_of_unread(const HydraParam& param) {
+  const bool is_exposed = GetExposure() != 0;
+  const bool is_distorted = !GetLensDistortionType().IsEmpty() && GetLensDistortionType() != "standard";
+  if (has_warned_ || !(is_exposed || is_distorted)) return;
+  has_warned_ = true;
+  param.warn(GetId(), "camera.unread",
+             is_exposed ? "the exposure of cameras is not read; pixels are scene-linear, so apply it to them"
+                        : "lens distortion is not read; the lens is ideal");
+}
+
 void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   const bool moved = *bits & DirtyTransform;
   HdCamera::Sync(scene, param, bits);
@@ -135,6 +145,7 @@ void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, p
     planes.emplace_back(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]),
                         static_cast<float>(p[3]));
   if (!planes.empty()) parameters["clipPlanes"] = hd::Array<hd::Vec4f>(std::move(planes));
+  warn_of_unread(ParamOf(param));
 }
 
 }  // namespace alabaster::hydra

@@ -11,6 +11,8 @@
 
 namespace alabaster::hydra {
 
+class HydraParam;
+
 class HydraMesh final : public pxr::HdMesh {
  public:
   HydraMesh(const pxr::SdfPath& id, hd::Rprim* prim) : HdMesh(id), prim_(prim) {}
@@ -74,7 +76,11 @@ class HydraCamera final : public pxr::HdCamera {
   const hd::CameraDescription& description() const { return description_; }
 
  private:
+  /// Once: a part of the camera that is not read.
+  void warn_of_unread(const HydraParam& param);
+
   hd::CameraDescription description_;
+  bool has_warned_ = false;
 };
 
 }  // namespace alabaster::hydra

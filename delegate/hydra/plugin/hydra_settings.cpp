@@ -23,18 +23,28 @@ void RegisterSettingsSceneIndex() {
   (void)once;
 }
 
-// Products hold settings of their own, of which the engines of OpenUSD's hosts take none: they render at their own size.
 void HydraRenderSettings::_Sync(pxr::HdSceneDelegate*, pxr::HdRenderParam*, const pxr::HdDirtyBits*) {
-  if (IsActive())
+  if (IsActive()) {
     delegate_->SetSceneSettings(GetNamespacedSettings());
-  else if (was_active_)
-    delegate_->SetSceneSettings({});
+    std::vector<hd::Token> tags;
+    for (const pxr::TfToken& purpose : GetIncludedPurposes())
+      tags.push_back(purpose == "default" ? hd::Token("geometry") : ToToken(purpose));
+    delegate_->param().products().set(GetRenderProducts(), tags);
+  } else {
+    deactivate();
+  }
   was_active_ = IsActive();
 }
 
-void HydraRenderSettings::Finalize(pxr::HdRenderParam* param) {
-  if (was_active_) delegate_->SetSceneSettings({});
+void HydraRenderSettings::deactivate() {
+  if (!was_active_) return;
+  delegate_->SetSceneSettings({});
+  delegate_->param().products().set({}, {});
   was_active_ = false;
+}
+
+void HydraRenderSettings::Finalize(pxr::HdRenderParam* param) {
+  deactivate();
   HdRenderSettings::Finalize(param);
 }
 

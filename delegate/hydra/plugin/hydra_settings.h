@@ -17,6 +17,8 @@ class HydraRenderSettings final : public pxr::HdRenderSettings {
   void _Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, const pxr::HdDirtyBits* bits) override;
 
  private:
+  void deactivate();
+
   HydraDelegate* delegate_;
   bool was_active_ = false;
 };

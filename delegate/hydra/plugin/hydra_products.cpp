@@ -1,0 +1,150 @@
+#include "delegate/hydra/plugin/hydra_products.h"
+
+#include <pxr/imaging/hd/tokens.h>
+
+#include <cmath>
+
+#include "delegate/hydra/plugin/hydra_prims.h"
+
+namespace alabaster::hydra {
+namespace {
+
+using Product = pxr::HdRenderSettings::RenderProduct;
+
+// UsdRender has applied the policy to the aperture, which is the camera's again here: the same picture.
+hd::WindowPolicy to_policy(const pxr::TfToken& policy) {
+  if (policy == "cropAperture") return hd::WindowPolicy::crop;
+  if (policy == "adjustApertureWidth") return hd::WindowPolicy::matchVertically;
+  if (policy == "adjustApertureHeight") return hd::WindowPolicy::matchHorizontally;
+  return policy == "adjustPixelAspectRatio" ? hd::WindowPolicy::dontConform : hd::WindowPolicy::fit;
+}
+
+// The window's NDC begin at the lower left, pixels at the upper one.
+hd::Framing to_framing(const Product& product) {
+  const int width = product.resolution[0], height = product.resolution[1];
+  const auto &low = product.dataWindowNDC.GetMin(), &high = product.dataWindowNDC.GetMax();
+  const auto pixel = [](float part, int size) { return static_cast<int>(std::ceil(part * static_cast<float>(size))); };
+  hd::Framing framing;
+  framing.displayMax = {static_cast<float>(width), static_cast<float>(height)};
+  framing.dataWindow = {pixel(low[0], width), height - pixel(high[1], height), pixel(high[0], width),
+                        height - pixel(low[1], height)};
+  framing.pixelAspectRatio = product.pixelAspectRatio;
+  return framing;
+}
+
+// Types of Sdf: half, color3h, ... hold halves, int whole numbers.
+const char* data_type(const std::string& type) {
+  if (type.starts_with("int")) return "int";
+  return type == "half" || type.ends_with('h') ? "half" : "float";
+}
+
+hd::RenderProduct to_product(const Product& theirs) {
+  hd::RenderProduct ours;
+  ours.file = theirs.name.GetString();
+  for (const Product::RenderVar& var : theirs.renderVars) {
+    const std::string prefix = var.sourceType == "primvar" ? "primvars:" : "";
+    hd::RenderVar made = hd::host::UsualRenderVar(prefix + var.sourceName);
+    made.dataType = data_type(var.dataType.GetString());
+    ours.vars.push_back(made);
+  }
+  if (ours.vars.empty()) ours.vars.push_back(hd::host::UsualRenderVar("color"));
+  return ours;
+}
+
+hd::CameraDescription camera_of(const Product& product, const HydraCamera& camera) {
+  hd::CameraDescription description = camera.description();
+  if (product.disableMotionBlur) description.parameters["shutterOpen"] = description.parameters["shutterClose"] = 0.0;
+  if (product.disableDepthOfField) description.parameters["fStop"] = 0.0f;
+  return description;
+}
+
+}  // namespace
+
+void HydraProducts::set(const pxr::HdRenderSettings::RenderProducts& products,
+                        const std::vector<hd::Token>& render_tags) {
+  stop();
+  products_ = products;
+  render_tags_ = render_tags;
+  next_ = 0;
+}
+
+void HydraProducts::fault(const Product& product, const std::string& text) const {
+  sink_({hd::Severity::error, "hydra.product", product.productPath.GetString(), text});
+}
+
+bool HydraProducts::bind(const hd::RenderProduct& product, hd::RenderPassState* state) {
+  const hd::Rect2i& window = state->framing.dataWindow;
+  for (const hd::RenderVar& var : product.vars) {
+    const hd::Path id("/alabasterProduct/" + var.aov.str());
+    auto* const buffer = static_cast<hd::RenderBuffer*>(delegate_->CreateBprim("renderBuffer", id));
+    running_->buffers.push_back(buffer);
+    const hd::AovDescriptor aov = delegate_->GetDefaultAovDescriptor(var.aov);
+    if (!buffer || !buffer->Allocate({.dimensions = {window.width(), window.height(), 1}, .format = aov.format}))
+      return false;
+    state->aovBindings.push_back({var.aov, buffer, aov.clearValue});
+  }
+  return true;
+}
+
+bool HydraProducts::begin(const Product& product, const pxr::HdRenderIndex& index) {
+  const auto* camera =
+      dynamic_cast<const HydraCamera*>(index.GetSprim(pxr::HdPrimTypeTokens->camera, product.cameraPath));
+  if (!camera) return fault(product, "has no camera; give the render settings or the product one"), false;
+  hd::RenderPassState state;
+  state.freeCamera = camera_of(product, *camera);
+  state.framing = to_framing(product);
+  state.windowPolicy = to_policy(product.aspectRatioConformPolicy);
+  state.renderTags = render_tags_;
+  if (!state.framing.valid()) return fault(product, "has no pixels: its resolution or its window is empty"), false;
+  running_.emplace();
+  running_->product = to_product(product);
+  running_->image.framing = state.framing;
+  if (!hd::host::CheckProduct(running_->product, {}, sink_) || !bind(running_->product, &state)) return false;
+  running_->driver = std::make_unique<PassDriver>(delegate_->CreateRenderPass());
+  running_->driver->Execute(state);
+  return true;
+}
+
+void HydraProducts::write() {
+  for (size_t i = 0; i < running_->buffers.size(); ++i) {
+    hd::RenderBuffer* const buffer = running_->buffers[i];
+    const auto count = static_cast<size_t>(hd::FormatComponents(buffer->GetFormat()));
+    const size_t values = count * static_cast<size_t>(buffer->GetWidth()) * static_cast<size_t>(buffer->GetHeight());
+    hd::host::AovPixels& pixels = running_->image.aovs[running_->product.vars[i].aov.str()];
+    pixels.components = static_cast<int>(count);
+    const void* const data = MapResolved(buffer);
+    if (buffer->GetFormat() == hd::Format::int32)
+      pixels.ints = {static_cast<const int32_t*>(data), values};
+    else
+      pixels.floats = {static_cast<const float*>(data), values};
+  }
+  hd::host::WriteProducts({running_->product}, running_->image, {}, sink_);
+  for (hd::RenderBuffer* buffer : running_->buffers) buffer->Unmap();
+}
+
+void HydraProducts::stop() {
+  if (!running_) return;
+  running_->driver.reset();
+  for (hd::RenderBuffer* buffer : running_->buffers) {
+    if (!buffer) continue;
+    buffer->Finalize(delegate_->GetRenderParam());
+    delegate_->DestroyBprim(buffer);
+  }
+  running_.reset();
+}
+
+void HydraProducts::Execute(const pxr::HdRenderIndex& index) {
+  while (!running_ && next_ < products_.size())
+    if (!begin(products_[next_++], index)) stop();
+}
+
+bool HydraProducts::IsConverged(const pxr::HdRenderIndex& index) {
+  if (!running_) return next_ >= products_.size();
+  if (!running_->driver->IsConverged()) return false;
+  write();
+  stop();
+  Execute(index);
+  return !running_;
+}
+
+}  // namespace alabaster::hydra
