@@ -51,13 +51,17 @@ def panels(window):
                                 "wait converged 1500", "click 0.5 0.45", "wait seconds 2", "screenshot side.ppm"])
 
 
-def write_results(window):
-    out = HERE / "results"
-    out.mkdir(exist_ok=True)
-    (out / "frame_rates.md").write_text("\n".join(table(list(frame_rates(window)), os.getloadavg()[0])) + "\n")
+def write_pictures(window, out):
     panels(window)
     files = [str(window.folder / f"{name}.ppm") for name in PANELS]
     jpeg = ["--compression", "jpeg:88", *ANONYMOUS, "-o"]
     subprocess.run(["oiiotool", *files, "--mosaic:pad=8", "2x3", "--resize", "1600x0", *jpeg, str(out / "panels.jpg")], check=True)
     subprocess.run(["oiiotool", str(window.folder / "side.ppm"), *jpeg, str(out / "window.jpg")], check=True)
+
+
+def write_results(window):
+    out = HERE / "results"
+    out.mkdir(exist_ok=True)
+    write_pictures(window, out)
+    (out / "frame_rates.md").write_text("\n".join(table(list(frame_rates(window)), os.getloadavg()[0])) + "\n")
     print(f"wrote frame_rates.md, panels.jpg and window.jpg into {out}")

@@ -74,7 +74,7 @@ class Window:
         if oidn:
             self.environment["ALABASTER_OIDN"] = str(oidn)
 
-    def run(self, *arguments, timeout=300):
+    def run(self, *arguments, timeout=1800):
         return subprocess.run([str(self.program), *map(str, arguments)], cwd=self.folder, env=self.environment,
                               capture_output=True, text=True, timeout=timeout)
 
