@@ -84,8 +84,9 @@ class FarmCommand {
       return kOutput;
     }
     if (a_.engine == "openjd" && place_.find("{{") != std::string::npos)
-      return console_.usage_error("--folder", "'" + place_ + "' has {{, which begins a variable in Open Job Description; " +
-                                                  "choose another folder.");
+      return console_.usage_error(
+          "--folder",
+          "'" + place_ + "' has {{, which begins a variable in Open Job Description; " + "choose another folder.");
     for (const fs::directory_entry& entry : fs::directory_iterator(place_, error))
       if (entry.path().extension() == ".checkpoint")
         return console_.usage_error(

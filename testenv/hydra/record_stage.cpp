@@ -1,8 +1,8 @@
 // Records pictures of a USD stage with the engine of usdrecord --disableGpu, without a window: a host for tests.
 //
 // Argument: a JSON file with stage, camera, size, aovs, complexity, purposes (besides default), renderSettings (a prim)
-// and frames, each with settings to set before it, time, and out. Each picture is out.AOV.raw, floats with rows from the
-// bottom up, and a line "PICTURE {json}" with the file, its size and its channels. With `record`, usdrecord's own
+// and frames, each with settings to set before it, time, and out. Each picture is out.AOV.raw, floats with rows from
+// the bottom up, and a line "PICTURE {json}" with the file, its size and its channels. With `record`, usdrecord's own
 // recorder writes frames instead, as files of that ending.
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/renderBuffer.h>
@@ -25,7 +25,7 @@ namespace {
 
 const TfToken kRenderer("HdAlabasterRendererPlugin");
 
-// Its outputs are set by the application, which has one at a time.
+// Applications choose one output at a time; this one has several.
 class Engine : public UsdImagingGLEngine {
  public:
   Engine() : UsdImagingGLEngine(HdDriver(), kRenderer, false) {}
@@ -65,7 +65,10 @@ bool write(HdRenderBuffer* buffer, const std::string& file) {
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(pixels.data()), static_cast<std::streamsize>(pixels.size() * sizeof(float)));
   std::cout << "\nPICTURE "
-            << json{{"file", file}, {"width", buffer->GetWidth()}, {"height", buffer->GetHeight()}, {"channels", channels}}
+            << json{{"file", file},
+                    {"width", buffer->GetWidth()},
+                    {"height", buffer->GetHeight()},
+                    {"channels", channels}}
             << std::endl;
   return bool(out);
 }
@@ -104,7 +107,8 @@ bool render_all(const UsdStageRefPtr& stage, const json& job) {
   engine.SetFraming(CameraUtilFraming(GfRect2i(GfVec2i(0), size[0], size[1])));
   engine.SetRenderBufferSize(size);
   engine.SetLightingState({}, {}, GfVec4f(0));
-  if (job.contains("renderSettings")) engine.SetActiveRenderSettingsPrimPath(SdfPath(job["renderSettings"].get<std::string>()));
+  if (job.contains("renderSettings"))
+    engine.SetActiveRenderSettingsPrimPath(SdfPath(job["renderSettings"].get<std::string>()));
   for (const json& frame : job["frames"])
     if (!render(engine, stage, job, frame)) return false;
   return true;
@@ -112,14 +116,16 @@ bool render_all(const UsdStageRefPtr& stage, const json& job) {
 
 // The class behind the program usdrecord, as it calls it with --disableGpu and --disableCameraLight.
 bool record_all(const UsdStageRefPtr& stage, const json& job) {
-  const SdfPath settings = job.contains("renderSettings") ? SdfPath(job["renderSettings"].get<std::string>()) : SdfPath();
+  const SdfPath settings =
+      job.contains("renderSettings") ? SdfPath(job["renderSettings"].get<std::string>()) : SdfPath();
   UsdAppUtilsFrameRecorder recorder(kRenderer, false, settings);
   recorder.SetImageWidth(job["size"][0].get<size_t>());
   recorder.SetComplexity(job.value("complexity", 1.0f));
   recorder.SetCameraLightEnabled(false);
   const UsdGeomCamera camera(stage->GetPrimAtPath(SdfPath(job["camera"].get<std::string>())));
   for (const json& frame : job["frames"])
-    if (!recorder.Record(stage, camera, time_of(frame), frame["out"].get<std::string>() + "." + job["record"].get<std::string>()))
+    if (!recorder.Record(stage, camera, time_of(frame),
+                         frame["out"].get<std::string>() + "." + job["record"].get<std::string>()))
       return false;
   return true;
 }

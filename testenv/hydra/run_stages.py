@@ -16,8 +16,10 @@ import tempfile
 import numpy
 
 from run_hydra import SKIPPED, bpy_of, cached
+from picture_sheet import ANONYMOUS  # noqa: E402, beside run_hydra's own
 from stage_cases import CASES
 
+HERE = pathlib.Path(__file__).resolve().parent
 SIZE, SAMPLES = [64, 48], 16
 
 
@@ -33,7 +35,7 @@ class Host:
         self.environment = {**os.environ, "PXR_PLUGINPATH_NAME": ":".join(str(p) for p in paths), "PXR_MTLX_STDLIB_SEARCH_PATHS": str(libraries)}
 
     def run(self, name, text, options, environment=None):
-        """What record_stage prints."""
+        """The lines that record_stage prints, and its warnings."""
         stage, file = self.folder / f"{name}.usda", self.folder / f"{name}.job.json"
         stage.write_text(text)
         file.write_text(json.dumps({"stage": str(stage), "camera": "/camera", "size": SIZE, **options}))
@@ -116,17 +118,39 @@ def judge(host, name, given):
     return (found if error > within or (count and not within) else ""), found
 
 
+def sheet(host, names, out):
+    """The last picture of each case, clipped to 0..1, in the order of the table."""
+    files = []
+    for name in names:
+        file = host.folder / f"{name}.ppm"
+        picture = max([*host.folder.glob(f"{name}.[0-9].color.raw"), *host.folder.glob(f"{name}.shown.0.color.raw")])
+        pixels = numpy.fromfile(picture, numpy.float32).reshape(SIZE[1], SIZE[0], 4)[::-1, :, :3]
+        srgb = numpy.clip(pixels, 0, 1) ** (1 / 2.2)
+        file.write_bytes(f"P6 {SIZE[0]} {SIZE[1]} 255\n".encode() + (srgb * 255 + 0.5).astype(numpy.uint8).tobytes())
+        files.append(str(file))
+    subprocess.run(["oiiotool", *files, "--mosaic:pad=4", f"7x{-(-len(files) // 7)}", "--compression", "jpeg:85", *ANONYMOUS, "-o", str(out)], check=True)
+
+
+def table(rows):
+    lines = ["## USD stages by the engine of usdrecord", "",
+             f"OpenUSD 24.05, {SIZE[0]} x {SIZE[1]}, {SAMPLES} samples, by `run_stages.py --results`. Each stage of `stage_cases.py` against its expectation: the "
+             "program's picture of the scene that the plug-in writes, another stage, or values that are known. Pictures are in `stages.jpg` in this order.", "",
+             "| stage | found |", "| --- | --- |"]
+    return "\n".join(lines + [f"| {name.replace('_', ' ')} | {found} |" for name, found in rows]) + "\n"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--case", action="append", default=[])
     parser.add_argument("--keep", type=pathlib.Path)
+    parser.add_argument("--results", action="store_true")
     options = parser.parse_args()
     build = options.build.resolve()
     if not (build / "bin/record_stage").is_file():
         print("skipped: record_stage is not built (delegate/hydra/README.md says how)")
         return SKIPPED
-    failed = []
+    failed, rows = [], []
     with tempfile.TemporaryDirectory() as temporary:
         folder = (options.keep or pathlib.Path(temporary)).resolve()
         folder.mkdir(exist_ok=True)
@@ -138,6 +162,10 @@ def main():
                 fault, found = str(error), ""
             print(f"{name:28} {'FAILED: ' + fault if fault else found}", flush=True)
             failed += [name] if fault else []
+            rows.append((name, "FAILED" if fault else found))
+        if options.results:
+            (HERE / "results/stages.md").write_text(table(rows))
+            sheet(host, [name for name, _ in rows], HERE / "results/stages.jpg")
     if failed:
         print("failed: " + ", ".join(failed))
     return 1 if failed else 0

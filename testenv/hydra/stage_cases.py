@@ -107,7 +107,7 @@ def skinning_blur(_):
             "equals": scene + prim("Xform", "model", mesh("body", CUBE_POINTS, triangles(CUBE_FACES), moving, bound("/wax"), about=BINDS)), "within": 1e-5}
 
 
-# Pictures of glowing quads: what is seen at a place is known. Rows of the picture go down, 12 pixels to a unit at z = 0.
+# Pictures of glowing quads, whose colour at a place is known. Rows of the picture go down, 16 pixels to a unit at z = 0.
 def seen(picture, x, y):
     return picture["color"][int(24 - 16 * y), int(32 + 16 * x), :3]
 
@@ -126,7 +126,7 @@ RED, GREEN, BLUE, BLACK = (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0), (0.
 
 @case
 def purposes(_):
-    """The pass draws the purposes that the application asks for; what is invisible or of others is not there."""
+    """The pass draws the purposes that the application asks for, and nothing invisible."""
     quads = [quad("a", bound("/red"), 'uniform token purpose = "render"', x=-1.2), quad("b", bound("/red"), 'uniform token purpose = "proxy"', x=0),
              quad("c", bound("/red"), 'uniform token purpose = "guide"', x=1.2), quad("d", bound("/red"), 'token visibility = "invisible"', x=-1.2, y=1),
              quad("e", bound("/red"), x=0, y=1, half=0.4), prim("Xform", "hidden", 'token visibility = "invisible"', quad("f", bound("/red"), x=1.2, y=1))]

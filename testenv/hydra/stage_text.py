@@ -58,7 +58,7 @@ def shader(name, kind, *lines):
 
 
 def material(name, surface, *nodes, terminal="surface"):
-    """Its first node is called `surface`."""
+    """Nodes in a material whose terminal is the node called `surface`."""
     return prim("Material", name, f"token outputs:{terminal}.connect = </{name}/{surface}.outputs:surface>", *nodes)
 
 

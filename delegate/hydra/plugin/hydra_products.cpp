@@ -99,6 +99,11 @@ bool HydraProducts::begin(const Product& product, const pxr::HdRenderIndex& inde
   running_.emplace();
   running_->product = to_product(product);
   running_->image.framing = state.framing;
+  // Buffers are as large as the data window, and begin at the origin.
+  const hd::Rect2i& window = running_->image.framing.dataWindow;
+  const hd::Vec2f corner(static_cast<float>(window.minX), static_cast<float>(window.minY));
+  state.framing.displayMin -= corner, state.framing.displayMax -= corner;
+  state.framing.dataWindow = {0, 0, window.width(), window.height()};
   if (!hd::host::CheckProduct(running_->product, {}, sink_) || !bind(running_->product, &state)) return false;
   running_->driver = std::make_unique<PassDriver>(delegate_->CreateRenderPass());
   running_->driver->Execute(state);

@@ -1,4 +1,4 @@
-// The products of a scene's render settings, as files: what a host such as usdrecord expects of a batch render.
+// The products of a scene's render settings, as files, which hosts such as usdrecord expect of a batch render.
 #pragma once
 
 #include <pxr/imaging/hd/renderIndex.h>
