@@ -26,7 +26,7 @@ def main():
         template = folder / "template.json"
         run("openjd", "check", template)
         told = run("openjd", "summary", template)
-        check(f"{TASKS} total Tasks" in told or f"Total tasks: {TASKS + 1}" in told, f"openjd finds {TASKS} tasks and a merge")
+        check(f"Total tasks: {TASKS + 1}" in told, f"openjd finds {TASKS} tasks and a merge")
         run("openjd", "run", template, "--step", "render", "--task-param", "Part=2")
         parts = sorted(part.name for part in folder.glob("part.*"))
         check(parts == ["part.00002.checkpoint"], "a task renders its part alone")

@@ -86,7 +86,7 @@ def matte(name="matte"):
     return material(name, "s", shader("s", "UsdPreviewSurface", "color3f inputs:diffuseColor = (0.6, 0.6, 0.6)", "float inputs:roughness = 0.7", "token outputs:surface"))
 
 
-def sun(*lines, intensity=2.0, turn=(-40, 25, 0)):
+def sun(*lines, intensity=3000.0, turn=(-40, 25, 0)):
     return prim("DistantLight", "sun", f"float inputs:intensity = {intensity:g}", "float inputs:angle = 2", *lines, moved(turn=turn))
 
 

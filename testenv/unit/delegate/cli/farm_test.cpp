@@ -75,8 +75,8 @@ TEST_F(Farm, JobsForSlurmAreAnArrayAndAMerge) {
 // Specification jobtemplate-2023-09 of Open Job Description: a step with a task for each value of its parameter, and
 // one that depends on it.
 TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
-  const std::vector<std::string> words{"farm", "patch.gltf", "-o", "a b.exr",  "--spp",
-                                       "8",    "--tasks",    "4",  "--engine", "openjd"};
+  const std::vector<std::string> words{"farm",  "patch.gltf", "-o",      "a b.exr", "--size",   "20x12",
+                                       "--spp", "8",          "--tasks", "4",       "--engine", "openjd"};
   const Outcome wrote = run(words);
   ASSERT_EQ(wrote.code, 0) << wrote.err;
   const auto job = nlohmann::json::parse(read("patch_farm/template.json"));
