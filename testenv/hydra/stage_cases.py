@@ -312,8 +312,8 @@ def texture_turned(folder):
 
 @case
 def light_links(_):
-    """A light with a collection lights its members alone, and shadows are cast by those of its other collection."""
-    about = 'prepend apiSchemas = ["CollectionAPI:lightLink", "CollectionAPI:shadowLink"]'
+    """A light with a collection lights its members alone."""
+    about = 'prepend apiSchemas = ["CollectionAPI:lightLink"]'
     lamp = prim("DistantLight", "sun", "float inputs:intensity = 30", "float inputs:angle = 5", "uniform bool collection:lightLink:includeRoot = 0",
                 "rel collection:lightLink:includes = </a>", about=about)
     scene = HEAD + camera() + clay()
@@ -321,6 +321,17 @@ def light_links(_):
         lit, dark = seen(pictures[0], -1, 0), seen(pictures[0], 1, 0)
         return "" if lit.min() > 0.01 and dark.max() == 0 else f"the linked quad shows {lit}, the other {dark}"
     return {"stage": scene + lamp + quad("a", bound("/clay"), x=-1) + quad("b", bound("/clay"), x=1), "check": check}
+
+
+@case
+def shadow_links(_):
+    """A board out of sight, between the light and what is seen, is left out of the collection of those that cast shadows."""
+    def scene(*exclude, boards=""):
+        about = 'prepend apiSchemas = ["CollectionAPI:shadowLink"]'
+        lamp = prim("DistantLight", "sun", "float inputs:intensity = 3000", "float inputs:angle = 2", *exclude, moved(turn=(0, 60, 0)), about=about)
+        return HEAD + camera() + clay() + quad("a", bound("/clay"), half=0.4) + lamp + boards
+    board = quad("board", bound("/clay"), "uniform bool doubleSided = 1", x=2.77, z=1.6, half=0.9)
+    return {"stage": scene("rel collection:shadowLink:excludes = </board>", boards=board), "equals": scene(), "within": 2e-2}
 
 
 @case
