@@ -54,9 +54,10 @@ ALABASTER_API RenderVar UsualRenderVar(const std::string& aov);
 ALABASTER_API bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink);
 
 /// Writes all products at once and returns the files that were written, in the order of `products`. A failure is
-/// reported (file, reason, remedy) and leaves no partial file under the final name; a picture that its file cannot take is
-/// kept in a new folder of the temporary one, where that can, and the report names it. `sink` is called by one thread at a
-/// time. Incomplete images are written fast, because somebody waits: not compressed, and not flushed to the disk.
+/// reported (file, reason, remedy) and leaves no partial file under the final name; a picture that its file cannot take
+/// is kept in a new folder of the temporary one, where that can, and the report names it. `sink` is called by one
+/// thread at a time. Incomplete images are written fast, because somebody waits: not compressed, and not flushed to the
+/// disk.
 ALABASTER_API std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products,
                                                      const ProductImage& image, const OutputColors& colors,
                                                      const DiagnosticSink& sink);

@@ -67,7 +67,8 @@ TEST(DisneyMaterial, ReadsADirectionAsAnAngle) {
     DisneyMaterial material;
     material.constants.anisotropic_rotation = 1;
     material.textures.push_back({lookup, {{find_material_parameter("anisotropicRotation"), Channel::direction}}});
-    EXPECT_NEAR(testing::evaluate_at(material, {0.5f, 0.5f}).anisotropic_rotation, turns, 1e-6f) << texel.r << " " << texel.g;
+    EXPECT_NEAR(testing::evaluate_at(material, {0.5f, 0.5f}).anisotropic_rotation, turns, 1e-6f)
+        << texel.r << " " << texel.g;
   }
 }
 
