@@ -13,7 +13,10 @@ import subprocess
 import sys
 import tempfile
 
-import numpy
+try:
+    import numpy
+except ImportError:
+    numpy = None
 
 from run_hydra import SKIPPED, bpy_of, cached
 from picture_sheet import ANONYMOUS  # noqa: E402, beside run_hydra's own
@@ -149,6 +152,9 @@ def main():
     build = options.build.resolve()
     if not (build / "bin/record_stage").is_file():
         print("skipped: record_stage is not built (delegate/hydra/README.md says how)")
+        return SKIPPED
+    if numpy is None:
+        print("skipped: numpy is missing: apt-get install python3-numpy")
         return SKIPPED
     failed, rows = [], []
     with tempfile.TemporaryDirectory() as temporary:
