@@ -80,7 +80,7 @@ std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason
   }
   std::string type(head.substr(0, head.size() - kEncoding.size()));
   const bool empty_parameter = !type.empty() && (type.back() == ';' || type.find(";;") != std::string::npos);
-  type = type.substr(0, type.find(';'));
+  type.resize(std::min(type.find(';'), type.size()));
   if (empty_parameter || !std::all_of(type.begin(), type.end(), is_media_type_character)) {
     *reason = "the data URI's media type is malformed; write data:<type>;base64,<data>";
     return {};
