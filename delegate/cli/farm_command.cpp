@@ -50,6 +50,7 @@ class FarmCommand {
          {std::pair{"--frames", !a_.render.frames.empty()}, std::pair{"--pixel", !a_.render.pixel.empty()},
           std::pair{"--stats", !a_.render.stats.empty()}})
       if (given) return console_.usage_error(flag, "It cannot be given with farm, which renders one frame in parts.");
+    if (const int code = check_values(a_.render, console_); code != kDone) return code;
     std::string problem = same_file_twice(a_.render.outputs);
     const auto products = make_products(a_.render, {}, &problem);
     if (!problem.empty()) return console_.usage_error("farm", problem);
@@ -60,7 +61,8 @@ class FarmCommand {
   // The scene is loaded so that its faults are told before the jobs are.
   int count_samples() {
     const hd::description::LoadOptions options = load_options(a_.render);
-    if (!session_.load(a_.render.scene, options, console_.sink())) return load_failure(console_.last_error(), options);
+    if (const int code = load_scene(a_.render, options, console_, console_.sink(), &session_); code != kDone)
+      return code;
     RenderArguments part = a_.render;
     part.samples = "0:1", part.checkpoint = "part";
     if (const int code = check_parts(part, session_, 1, console_); code != kDone) return code;
@@ -76,17 +78,15 @@ class FarmCommand {
 
   int write() {
     std::error_code error;
-    fs::create_directories(folder_, error);
     place_ = fs::absolute(folder_, error).string();
+    if (a_.engine == "openjd")
+      if (const std::string fault = template_fault(); !fault.empty()) return console_.usage_error("--folder", fault);
+    fs::create_directories(folder_, error);
     const std::string program = fs::read_symlink("/proc/self/exe", error).string();
     if (error || !fs::is_directory(place_)) {
       console_.error(folder_, "The folder cannot be made; check its name and your permissions.");
       return kOutput;
     }
-    if (a_.engine == "openjd" && place_.find("{{") != std::string::npos)
-      return console_.usage_error(
-          "--folder",
-          "'" + place_ + "' has {{, which begins a variable in Open Job Description; " + "choose another folder.");
     for (const fs::directory_entry& entry : fs::directory_iterator(place_, error))
       if (entry.path().extension() == ".checkpoint")
         return console_.usage_error(
@@ -136,6 +136,17 @@ class FarmCommand {
     return lines;
   }
 
+  /// The reason why a job of Open Job Description cannot name the folder; empty if it can.
+  std::string template_fault() const {
+    try {
+      static_cast<void>(nlohmann::json(place_).dump());
+    } catch (const nlohmann::json::exception&) {
+      return "the folder's name is not UTF-8, as Open Job Description needs it; choose another folder.";
+    }
+    if (place_.find("{{") == std::string::npos) return {};
+    return "'" + place_ + "' has {{, which begins a variable in Open Job Description; choose another folder.";
+  }
+
   /// A job of Open Job Description, specification jobtemplate-2023-09: the tasks, and the merge after them.
   std::string job_template() const {
     using nlohmann::ordered_json;
@@ -179,7 +190,7 @@ class FarmCommand {
       console_.note("run them: sh " + shell_word(folder_ + "/submit.sh"));
     else if (a_.engine == "openjd")
       console_.note("submit " + shell_word(folder_ + "/template.json") + ", or run it here: openjd run " +
-                    shell_word(folder_ + "/template.json"));
+                    shell_word(folder_ + "/template.json") + " --step merge --run-dependencies");
     else
       console_.note("run each line of " + shell_word(folder_ + "/tasks.txt") +
                     ", on any machine that has these folders; then sh " + shell_word(folder_ + "/merge.sh"));

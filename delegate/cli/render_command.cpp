@@ -41,20 +41,13 @@ class RenderCommand {
  private:
   // Refuses bad arguments before the scene is read.
   int check_arguments() {
-    if (const std::string fault = size_fault(a_.size); !fault.empty()) return console_.usage_error("--size", fault);
-    if (!a_.crop.empty() && !parse_crop(a_.crop))
-      return console_.usage_error(
-          "--crop",
-          "'" + a_.crop +
-              "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
+    if (const int code = check_values(a_, console_); code != kDone) return code;
     if (!a_.pixel.empty() && !parse_pixel(a_.pixel))
       return console_.usage_error(
           "--pixel", "'" + a_.pixel + "' is not a pixel: write x,y or x,y,sample, for example 320,200 or 320,200,5.");
     if (const int code = check_times(); code != kDone) return code;
     if (const int code = check_checkpoint(a_, console_); code != kDone) return code;
     if (const int code = check_checkpoint_files(a_, console_); code != kDone) return code;
-    if (a_.exposure && !(std::abs(*a_.exposure) <= 64))
-      return console_.usage_error("--exposure", "expected a number of stops from -64 to 64.");
     std::vector<std::string> files = a_.outputs;
     if (!a_.stats.empty()) files.push_back(a_.stats);
     if (!a_.checkpoint.empty()) files.push_back(a_.checkpoint);
@@ -79,11 +72,6 @@ class RenderCommand {
   }
 
   int check_times() {
-    if (const int code = check_scene_arguments(a_, console_); code != kDone) return code;
-    if (!a_.shutter.empty() && !parse_interval(a_.shutter))
-      return console_.usage_error("--shutter", "'" + a_.shutter + "' is not a shutter: write open:close in frames.");
-    if (!a_.fps.empty() && parse_nonnegative(a_.fps).value_or(0) == 0)
-      return console_.usage_error("--fps", "'" + a_.fps + "' is not a number of frames per second above 0.");
     const bool uses_fps = !a_.frames.empty() || !a_.shutter.empty();
     if (!a_.fps.empty() && !uses_fps) return console_.usage_error("--fps", "It needs --frames or --shutter.");
     if (a_.frames.empty()) return kDone;

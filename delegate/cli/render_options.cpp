@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "delegate/cli/exit_codes.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/description/quality_presets.h"
 
@@ -19,6 +20,23 @@ int most_samples(const RenderArguments& a) {
 }
 
 }  // namespace
+
+int check_values(const RenderArguments& a, Console& console) {
+  if (const int code = check_scene_arguments(a, console); code != kDone) return code;
+  if (const std::string fault = size_fault(a.size); !fault.empty()) return console.usage_error("--size", fault);
+  if (!a.crop.empty() && !parse_crop(a.crop))
+    return console.usage_error(
+        "--crop",
+        "'" + a.crop +
+            "' is not a rectangle: write four whole numbers, x0,y0,x1,y1, each from -2147483648 to 2147483647.");
+  if (!a.shutter.empty() && !parse_interval(a.shutter))
+    return console.usage_error("--shutter", "'" + a.shutter + "' is not a shutter: write open:close in frames.");
+  if (!a.fps.empty() && parse_nonnegative(a.fps).value_or(0) == 0)
+    return console.usage_error("--fps", "'" + a.fps + "' is not a number of frames per second above 0.");
+  if (a.exposure && !(std::abs(*a.exposure) <= 64))
+    return console.usage_error("--exposure", "expected a number of stops from -64 to 64.");
+  return kDone;
+}
 
 double seconds_at(const RenderArguments& a, uint32_t frame) {
   return frame / parse_nonnegative(a.fps).value_or(24);

@@ -52,6 +52,24 @@ class Roles(SyncedScene):
         self.assertNotIn(HELD_OUT, self.shown())
         self.assertEqual(self.notes, [])
 
+    def test_an_edit_inside_a_group_makes_a_hold_out(self):
+        group = bpy.data.node_groups.new("inner", "ShaderNodeTree")
+        if hasattr(group, "interface"):
+            group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+        else:
+            group.outputs.new("NodeSocketShader", "Shader")
+        end, plain, hole = (group.nodes.new(kind) for kind in ("NodeGroupOutput", "ShaderNodeBsdfDiffuse", "ShaderNodeHoldout"))
+        group.links.new(plain.outputs[0], end.inputs[0])
+        tree = self.ball.data.materials[0].node_tree
+        outer = tree.nodes.new("ShaderNodeGroup")
+        outer.node_tree = group
+        tree.links.new(outer.outputs[0], next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL").inputs["Surface"])
+        self.sync.sync(bpy.context.evaluated_depsgraph_get())
+        self.after(lambda: None)
+        self.assertNotIn(HELD_OUT, self.shown())
+        self.after(lambda: group.links.new(hole.outputs[0], end.inputs[0]))
+        self.assertIn(HELD_OUT, self.shown())
+
     def test_a_holdout_shader_beside_another_is_noted(self):
         self.ball.data.materials.append(role_scenes.holdout_shader("hole"))
         self.sync.sync(bpy.context.evaluated_depsgraph_get())

@@ -37,22 +37,22 @@ class Host:
         paths = [build / "lib/alabaster/hydra", pathlib.Path(library).parent / "usd"]
         self.environment = {**os.environ, "PXR_PLUGINPATH_NAME": ":".join(str(p) for p in paths), "PXR_MTLX_STDLIB_SEARCH_PATHS": str(libraries)}
 
-    def run(self, name, text, options, environment=None):
+    def run(self, name, text, options):
         """The lines that record_stage prints, and its warnings."""
         stage, file = self.folder / f"{name}.usda", self.folder / f"{name}.job.json"
         stage.write_text(text)
         file.write_text(json.dumps({"stage": str(stage), "camera": "/camera", "size": SIZE, **options}))
         done = subprocess.run([str(self.build / "bin/record_stage"), str(file)], capture_output=True, text=True,
-                              env={**self.environment, **(environment or {})}, timeout=300)
+                              env=self.environment, timeout=300)
         if done.returncode != 0:
             raise RuntimeError(f"{name}: record_stage ended with {done.returncode}\n{done.stderr[-2000:]}")
         return done.stdout, done.stderr
 
-    def pictures(self, name, text, options, frames, environment=None):
+    def pictures(self, name, text, options, frames):
         """By frame and AOV, rows from the top down; and what was warned of."""
         out = [{**frame, "out": str(self.folder / f"{name}.{i}"), "settings": {"alabaster:samples": SAMPLES, "alabaster:filter": "box", **frame.get("settings", {})}}
                for i, frame in enumerate(frames)]
-        told, warned = self.run(name, text, {**options, "frames": out}, environment)
+        told, warned = self.run(name, text, {**options, "frames": out})
         every = [{} for _ in frames]
         for line in told.splitlines():
             if line.startswith("PICTURE "):
@@ -84,7 +84,7 @@ def judge_files(host, name, given):
         found = exr(host.folder / file, (right - left, bottom - top))
         if count := differing(found, whole[top:bottom, left:right]):
             return f"{file}: {count} pixels differ", ""
-    return "", f"{len(files)} files, 0 pixels differ"
+    return "", f"files: {len(files)}, 0 pixels differ"
 
 
 def judge(host, name, given):

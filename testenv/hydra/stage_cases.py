@@ -121,7 +121,7 @@ def expect(picture, places, within=1e-5):
     return ""
 
 
-RED, GREEN, BLUE, BLACK = (2.0, 0.0, 0.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.0), (0.0, 0.0, 0.0)
+RED, BLACK = (2.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 
 @case

@@ -1,5 +1,4 @@
 """Text of small USD stages: prims, meshes, materials and images for the tests of the plug-in."""
-import math
 import struct
 
 HEAD = '#usda 1.0\n(\n    upAxis = "Y"\n    startTimeCode = 1\n    endTimeCode = 2\n)\n'
@@ -82,10 +81,6 @@ def clay(name="clay"):
     return standard(name, "color3f inputs:base_color = (0.6, 0.6, 0.6)", "float inputs:specular = 0.2")
 
 
-def matte(name="matte"):
-    return material(name, "s", shader("s", "UsdPreviewSurface", "color3f inputs:diffuseColor = (0.6, 0.6, 0.6)", "float inputs:roughness = 0.7", "token outputs:surface"))
-
-
 def sun(*lines, intensity=3000.0, turn=(-40, 25, 0)):
     return prim("DistantLight", "sun", f"float inputs:intensity = {intensity:g}", "float inputs:angle = 2", *lines, moved(turn=turn))
 
@@ -109,12 +104,6 @@ def floor(*lines, y=-0.9, half=3.0):
 def spread(points, by):
     """Points moved by a vector."""
     return [tuple(p + b for p, b in zip(point, by)) for point in points]
-
-
-def turned(points, degrees):
-    """Points turned about z."""
-    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
-    return [(x * c - y * s, x * s + y * c, z) for x, y, z in points]
 
 
 def picture(file, rows):

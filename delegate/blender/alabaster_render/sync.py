@@ -228,7 +228,7 @@ class SceneSync:
             elif isinstance(one, bpy.types.World):
                 self.sync_world(depsgraph.scene_eval)
             elif isinstance(one, (bpy.types.NodeTree, bpy.types.Image)):
-                self.all_materials(depsgraph)
+                everything |= self.all_materials(depsgraph)
                 self.sync_world(depsgraph.scene_eval)
             elif not isinstance(one, bpy.types.Camera):
                 everything = True
@@ -268,9 +268,11 @@ class SceneSync:
             self.stale[key] = mesh
 
     def all_materials(self, depsgraph):
-        for one in depsgraph.ids:
-            if isinstance(one, bpy.types.Material) and names.path("material", one.name_full) in self.set_materials:
-                self.material(one, again=True)
+        """Translates again those that are shown. True where meshes are to be read again, too."""
+        shown = [one for one in depsgraph.ids
+                 if isinstance(one, bpy.types.Material) and names.path("material", one.name_full) in self.set_materials]
+        changes = [self.holdout_changes(one) for one in shown]
+        return any(changes) or materials.Wanted.of(shown) - self.wanted
 
 
 def instancer_of(path):

@@ -5,6 +5,8 @@
 #include <pxr/imaging/hd/extComputation.h>
 #include <pxr/imaging/hd/tokens.h>
 
+#include <algorithm>
+
 #include "delegate/hydra/plugin/hydra_buffer.h"
 #include "delegate/hydra/plugin/hydra_pass.h"
 #include "delegate/hydra/plugin/hydra_prims.h"
@@ -84,12 +86,32 @@ void HydraDelegate::SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue
   if (!scene_settings_.contains(setting.key)) apply(setting);
 }
 
-void HydraDelegate::SetSceneSettings(const pxr::VtDictionary& settings) {
+bool HydraDelegate::is_for_scenes(const hd::Token& key) const {
+  return key == hd::Token(kDomeSetting) ||
+         std::any_of(settings_.begin(), settings_.end(), [&](const auto& setting) { return setting.key == key; });
+}
+
+void HydraDelegate::SetSceneSettings(const pxr::SdfPath& prim, const pxr::VtDictionary& settings) {
   std::map<hd::Token, hd::Value> now;
   for (const auto& [key, value] : settings) {
     const Setting setting = TranslateSetting(key, ToValue(value), settings_);
-    if (!setting.value.empty()) now[setting.key] = setting.value;
+    if (!is_for_scenes(setting.key))
+      param_->warn(prim, "settings.unknown", "the renderer has no setting '" + key + "' for scenes; it is ignored");
+    else if (!setting.value.empty())
+      now[setting.key] = setting.value;
   }
+  settings_prim_ = prim;
+  apply_scene(std::move(now));
+}
+
+void HydraDelegate::DropSceneSettings(const pxr::SdfPath& prim) {
+  if (settings_prim_ != prim) return;  // another one is active already
+  settings_prim_ = {};
+  apply_scene({});
+  param_->products().set({}, {});
+}
+
+void HydraDelegate::apply_scene(std::map<hd::Token, hd::Value> now) {
   for (const auto& [key, value] : scene_settings_)
     if (!now.contains(key)) apply({key, host_setting(key)});
   for (const auto& [key, value] : now) apply({key, value});
@@ -169,7 +191,10 @@ pxr::HdSprim* HydraDelegate::CreateFallbackSprim(const pxr::TfToken& type) {
 
 void HydraDelegate::DestroySprim(pxr::HdSprim* prim) {
   if (const auto* material = dynamic_cast<HydraMaterial*>(prim)) delegate_->DestroySprim(material->prim());
-  if (const auto* light = dynamic_cast<HydraLight*>(prim)) delegate_->DestroySprim(light->prim());
+  if (const auto* light = dynamic_cast<HydraLight*>(prim)) {
+    param_->remove_light(light->GetId());  // an index that is destroyed finalizes nothing
+    delegate_->DestroySprim(light->prim());
+  }
   delete prim;
 }
 
@@ -186,6 +211,7 @@ pxr::HdBprim* HydraDelegate::CreateFallbackBprim(const pxr::TfToken& type) {
 
 void HydraDelegate::DestroyBprim(pxr::HdBprim* prim) {
   if (const auto* buffer = dynamic_cast<HydraBuffer*>(prim)) delegate_->DestroyBprim(buffer->buffer());
+  if (dynamic_cast<HydraRenderSettings*>(prim)) DropSceneSettings(prim->GetId());
   delete prim;
 }
 

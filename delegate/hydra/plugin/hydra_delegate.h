@@ -20,8 +20,11 @@ class HydraDelegate final : public pxr::HdRenderDelegate {
   pxr::HdResourceRegistrySharedPtr GetResourceRegistry() const override { return registry_; }
 
   void SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue& value) override;
-  /// The settings of the scene's active render settings prim, which come before the host's own.
-  void SetSceneSettings(const pxr::VtDictionary& settings);
+  /// The settings of the scene's active render settings prim, which come before the host's own: those of the renderer,
+  /// and domeLightCameraVisibility. A scene may not name files to write.
+  void SetSceneSettings(const pxr::SdfPath& prim, const pxr::VtDictionary& settings);
+  /// A render settings prim is not active any more; its settings and products count no longer, if they did.
+  void DropSceneSettings(const pxr::SdfPath& prim);
   HydraParam& param() const { return *param_; }
   pxr::HdRenderSettingDescriptorList GetRenderSettingDescriptors() const override;
   pxr::VtDictionary GetRenderStats() const override;
@@ -56,12 +59,15 @@ class HydraDelegate final : public pxr::HdRenderDelegate {
  private:
   HydraDelegate(hd::RenderDelegate* delegate, const hd::DiagnosticSink& sink);
   void apply(const Setting& setting);
+  void apply_scene(std::map<hd::Token, hd::Value> now);
+  bool is_for_scenes(const hd::Token& key) const;
   hd::Value host_setting(const hd::Token& key) const;
 
   hd::RenderDelegate* delegate_;  // destroyed after all that the host has made of it
   std::unique_ptr<HydraParam> param_;
   std::vector<hd::RenderSettingDescriptor> settings_;
   std::map<hd::Token, hd::Value> host_settings_, scene_settings_;
+  pxr::SdfPath settings_prim_;  // whose settings the scene's are
   pxr::TfTokenVector rprims_, sprims_, bprims_;
   pxr::HdResourceRegistrySharedPtr registry_;
 };

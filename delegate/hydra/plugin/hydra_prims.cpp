@@ -3,6 +3,8 @@
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/renderIndex.h>
 
+#include <utility>
+
 #include "delegate/hydra/plugin/hydra_param.h"
 
 namespace alabaster::hydra {
@@ -112,13 +114,14 @@ void HydraLight::Finalize(pxr::HdRenderParam* param) {
 }
 
 void HydraCamera::warn_of_unread(const HydraParam& param) {
-  const bool is_exposed = GetExposure() != 0;
-  const bool is_distorted = !GetLensDistortionType().IsEmpty() && GetLensDistortionType() != "standard";
-  if (has_warned_ || !(is_exposed || is_distorted)) return;
-  has_warned_ = true;
-  param.warn(GetId(), "camera.unread",
-             is_exposed ? "the exposure of cameras is not read; pixels are scene-linear, so apply it to them"
-                        : "lens distortion is not read; the lens is ideal");
+  const auto warn_once = [&](bool* warned, const char* text) {
+    if (!std::exchange(*warned, true)) param.warn(GetId(), "camera.unread", text);
+  };
+  if (GetExposure() != 0)
+    warn_once(&warned_of_exposure_,
+              "the exposure of cameras is not read; pixels are scene-linear, so apply it to them");
+  if (!GetLensDistortionType().IsEmpty() && GetLensDistortionType() != "standard")
+    warn_once(&warned_of_distortion_, "lens distortion is not read; the lens is ideal");
 }
 
 void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {

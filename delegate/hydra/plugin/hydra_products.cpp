@@ -35,7 +35,7 @@ hd::Framing to_framing(const Product& product) {
 // Types of Sdf: half, color3h, ... hold halves, int whole numbers.
 const char* data_type(const std::string& type) {
   if (type.starts_with("int")) return "int";
-  return type == "half" || type.ends_with('h') ? "half" : "float";
+  return type.starts_with("half") || type.ends_with('h') ? "half" : "float";
 }
 
 hd::RenderProduct to_product(const Product& theirs) {
@@ -87,6 +87,8 @@ bool HydraProducts::bind(const hd::RenderProduct& product, hd::RenderPassState* 
 }
 
 bool HydraProducts::begin(const Product& product, const pxr::HdRenderIndex& index) {
+  if (!product.type.IsEmpty() && product.type != "raster")
+    return fault(product, "is of type '" + product.type.GetString() + "'; only raster is written"), false;
   const auto* camera =
       dynamic_cast<const HydraCamera*>(index.GetSprim(pxr::HdPrimTypeTokens->camera, product.cameraPath));
   if (!camera) return fault(product, "has no camera; give the render settings or the product one"), false;
@@ -139,6 +141,9 @@ void HydraProducts::stop() {
 }
 
 void HydraProducts::Execute(const pxr::HdRenderIndex& index) {
+  const unsigned version = index.GetChangeTracker().GetSceneStateVersion();
+  if (!running_ && next_ >= products_.size() && version != scene_version_) next_ = 0;
+  if (!running_ && next_ == 0) scene_version_ = version;
   while (!running_ && next_ < products_.size())
     if (!begin(products_[next_++], index)) stop();
 }

@@ -23,7 +23,8 @@ class HydraProducts {
   void set(const pxr::HdRenderSettings::RenderProducts& products, const std::vector<hd::Token>& render_tags);
   bool empty() const { return products_.empty(); }
 
-  /// Begins with what is not written yet. The index has the cameras.
+  /// Begins with what is not written yet, and from the start where the scene has changed since all were. The index has
+  /// the cameras.
   void Execute(const pxr::HdRenderIndex& index);
   /// True when all are written, or were refused.
   bool IsConverged(const pxr::HdRenderIndex& index);
@@ -45,7 +46,8 @@ class HydraProducts {
   hd::DiagnosticSink sink_;
   pxr::HdRenderSettings::RenderProducts products_;
   std::vector<hd::Token> render_tags_;
-  size_t next_ = 0;  // the first that was not begun
+  size_t next_ = 0;             // the first that was not begun
+  unsigned scene_version_ = 0;  // of the index, when the first was begun
   std::optional<Running> running_;
 };
 

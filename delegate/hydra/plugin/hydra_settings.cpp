@@ -24,28 +24,12 @@ void RegisterSettingsSceneIndex() {
 }
 
 void HydraRenderSettings::_Sync(pxr::HdSceneDelegate*, pxr::HdRenderParam*, const pxr::HdDirtyBits*) {
-  if (IsActive()) {
-    delegate_->SetSceneSettings(GetNamespacedSettings());
-    std::vector<hd::Token> tags;
-    for (const pxr::TfToken& purpose : GetIncludedPurposes())
-      tags.push_back(purpose == "default" ? hd::Token("geometry") : ToToken(purpose));
-    delegate_->param().products().set(GetRenderProducts(), tags);
-  } else {
-    deactivate();
-  }
-  was_active_ = IsActive();
-}
-
-void HydraRenderSettings::deactivate() {
-  if (!was_active_) return;
-  delegate_->SetSceneSettings({});
-  delegate_->param().products().set({}, {});
-  was_active_ = false;
-}
-
-void HydraRenderSettings::Finalize(pxr::HdRenderParam* param) {
-  deactivate();
-  HdRenderSettings::Finalize(param);
+  if (!IsActive()) return delegate_->DropSceneSettings(GetId());
+  delegate_->SetSceneSettings(GetId(), GetNamespacedSettings());
+  std::vector<hd::Token> tags;
+  for (const pxr::TfToken& purpose : GetIncludedPurposes())
+    tags.push_back(purpose == "default" ? hd::Token("geometry") : ToToken(purpose));
+  delegate_->param().products().set(GetRenderProducts(), tags);
 }
 
 }  // namespace alabaster::hydra

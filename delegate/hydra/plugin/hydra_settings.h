@@ -11,16 +11,12 @@ class HydraRenderSettings final : public pxr::HdRenderSettings {
  public:
   /// `delegate` must outlive it.
   HydraRenderSettings(const pxr::SdfPath& id, HydraDelegate* delegate) : HdRenderSettings(id), delegate_(delegate) {}
-  void Finalize(pxr::HdRenderParam* param) override;
 
  protected:
   void _Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, const pxr::HdDirtyBits* bits) override;
 
  private:
-  void deactivate();
-
   HydraDelegate* delegate_;
-  bool was_active_ = false;
 };
 
 /// Lets OpenUSD tell these prims whether they are active, in each render index made for the renderer from then on.

@@ -116,6 +116,11 @@ TEST_F(Farm, WrongArgumentsAreRefused) {
   refused({"-o", "a.exr", "--tasks", "2", "--engine", "cloud"}, "choose slurm, openjd or script");
   refused({"-o", "a.exr", "--tasks", "2", "--frames", "1:4"}, "--frames");
   refused({"-o", "a.exr", "--tasks", "2", "--target-error", "0.1"}, "targetError");
+  refused({"-o", "a.exr", "--tasks", "2", "--time", "noon"}, "--time");
+  refused({"-o", "a.exr", "--tasks", "2", "--crop", "1,2"}, "--crop");
+  refused({"-o", "a.exr", "--tasks", "2", "--engine", "openjd", "--folder", "{{a}}"}, "begins a variable");
+  refused({"-o", "a.exr", "--tasks", "2", "--engine", "openjd", "--folder", "\xff"}, "is not UTF-8");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "{{a}}"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "patch_farm"));
 }
 
