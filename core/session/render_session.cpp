@@ -160,13 +160,19 @@ bool goes_on(const RenderRequest& last, const RenderRequest& next) {
 }  // namespace
 
 // Under the mutex.
+bool RenderSession::State::has_first_samples_of(const RenderRequest& next) const {
+  if (!film || progress.state == SessionState::failed || restored || !goes_on(request, next)) return false;
+  // A time limit ends the last round of a decided render early, and its decisions with it.
+  return decides(next.settings) ? !out_of_time : film->most_samples() <= next.settings.samples;
+}
+
+// Under the mutex.
 void RenderSession::State::begin(const RenderRequest& next) {
   const uint64_t pixels = static_cast<uint64_t>(std::max(0, next.data_window.width())) *
                           static_cast<uint64_t>(std::max(0, next.data_window.height()));
   RenderProgress before;
   const FilmExtras extras = extras_of(next.settings);
-  const bool more = film && progress.state != SessionState::failed && !restored && goes_on(request, next) &&
-                    (decides(next.settings) || film->most_samples() <= next.settings.samples);
+  const bool more = has_first_samples_of(next);
   if (!more || !decides(next.settings)) {
     allocation = {};
     stopping = {};
@@ -206,7 +212,9 @@ void RenderSession::State::begin(const RenderRequest& next) {
   progress.pixels = pixels;
   progress.samples_done = before.samples_done;
   progress.samples_total = pixels * (next.settings.samples - std::min(next.settings.samples, extras.range.begin));
-  progress.passes_done = before.passes_done;
+  // A round that was stopped counts its passes again.
+  const bool is_within_round = more && decides(next.settings) && before.state == SessionState::stopped;
+  progress.passes_done = is_within_round ? std::min(passes_before, before.passes_done) : before.passes_done;
   progress.cpu_seconds = before.cpu_seconds;
   progress.counters = before.counters;
   progress.noise = before.noise, progress.noise_samples = before.noise_samples;

@@ -75,6 +75,7 @@ struct RenderSession::State {
   void begin(const RenderRequest& next);
   void render();
   void run_rounds(int threads);
+  bool has_first_samples_of(const RenderRequest& next) const;
   void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);
   void render_items(const TileRenderer& renderer);

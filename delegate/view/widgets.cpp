@@ -15,10 +15,13 @@ float decoded(float c) {
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
+// A format of few digits, "0 (none)" for example, must not round what the slider gives.
+constexpr ImGuiSliderFlags kAsMoved = ImGuiSliderFlags_NoRoundToFormat;
+
 bool edit_number(Widgets* widgets, const ParameterRow& row, double scene_size, hd::Value* value) {
   const double before = value->number_or(0);
   const SoftRange range = soft_range(row, before, scene_size);
-  const ImGuiSliderFlags flags = range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0;
+  const ImGuiSliderFlags flags = kAsMoved | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
   if (row.kind == RowKind::integer) {
     int whole = int(std::lround(std::clamp(before, range.low, range.high)));
     const bool moved = ImGui::SliderInt(("##" + row.name).c_str(), &whole, int(range.low), int(range.high),
@@ -70,7 +73,7 @@ bool edit_color(Widgets* widgets, const ParameterRow& row, double scene_size,
     ImGui::SetNextItemWidth(width);
     const std::string name = row.name + "." + "rgb"[i];
     changed |= widgets->slider(name, &color[i], float(range.low), float(range.high), format.c_str(),
-                               range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+                               kAsMoved | (range.logarithmic ? ImGuiSliderFlags_Logarithmic : 0));
   }
   if (!length) {
     ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
