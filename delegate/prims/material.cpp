@@ -1,11 +1,13 @@
 #include "core/material/disney_material.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/preview_surface.h"
 #include "delegate/prims/prims.h"
+#include "delegate/prims/texture_outputs.h"
 #include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::prims {
@@ -171,8 +173,9 @@ class MaterialReader {
     const NodeReader reader{node->first, node->second, param_, sink_};
     const auto space = reader.word("space", "displacement space", kSpaces);
     const bool is_vector = space != DisplacementSpace::normal;
-    material->displacement = Displacement{std::move(*lookup), space, channel_of(connection, is_vector),
-                                          reader.finite_or("scale", 1.0f), reader.finite_or("midlevel", 0.0f)};
+    material->displacement =
+        Displacement{std::move(*lookup), space, channel_of(connection, is_vector ? Reads::color : Reads::number),
+                     reader.finite_or("scale", 1.0f), reader.finite_or("midlevel", 0.0f)};
   }
   static constexpr std::pair<const char*, DisplacementSpace> kSpaces[] = {{"normal", DisplacementSpace::normal},
                                                                           {"tangent", DisplacementSpace::tangent},
@@ -198,7 +201,7 @@ class MaterialReader {
                                              (row ? " and the constant used" : ""));
     bool connected = false;
     for (const MaterialConnection& connection : connections) {
-      const Channel channel = channel_of(connection, row->is_color());
+      const Channel channel = channel_of(connection, reads_of(*row));
       // Alpha is the same whatever its image's colours mean: it comes from the one that is read for colours.
       MaterialTexture* const texture =
           texture_of(connection.upstreamNode, input, channel == Channel::a ? Texels::colors : row->texels, material);
@@ -217,21 +220,27 @@ class MaterialReader {
     std::optional<NormalMap>& map = coat ? material->coat_normal_map : material->normal_map;
     if (map) warn("material.bump", "a material has either a normal map or a bump map; the bump map is ignored");
     if (auto lookup = read_lookup(connection.upstreamNode, input, Texels::numbers))
-      map = NormalMap{std::move(*lookup), bump, bump ? channel_of(connection, false) : Channel::rgb};
+      map = NormalMap{std::move(*lookup), bump, bump ? channel_of(connection, Reads::number) : Channel::rgb};
     return true;
   }
 
-  Channel channel_of(const MaterialConnection& connection, bool color) const {
+  enum class Reads { number, color, turns };
+  static Reads reads_of(const MaterialParameter& row) {
+    if (row.is_color()) return Reads::color;
+    return row.member == decltype(row.member)(&DisneyParameters::anisotropic_rotation) ? Reads::turns : Reads::number;
+  }
+
+  Channel channel_of(const MaterialConnection& connection, Reads reads) const {
+    const bool color = reads == Reads::color;
     const std::string& output = connection.upstreamOutput.str();
-    constexpr std::pair<const char*, Channel> kOutputs[] = {{"rgb", Channel::rgb}, {"r", Channel::r},
-                                                            {"g", Channel::g},     {"b", Channel::b},
-                                                            {"a", Channel::a},     {"direction", Channel::direction}};
-    for (const auto& [name, channel] : kOutputs)
-      if (output == name && !(color && channel == Channel::direction))
-        return channel == Channel::rgb && !color ? Channel::r : channel;
+    const auto found = std::find(kTextureOutputs.begin(), kTextureOutputs.end(), output);
+    const auto channel = static_cast<Channel>(found - kTextureOutputs.begin());
+    if (found != kTextureOutputs.end() && (channel != Channel::direction || reads == Reads::turns))
+      return channel == Channel::rgb && !color ? Channel::r : channel;
     const Channel used = color ? Channel::rgb : Channel::r;
     warn("material.output", connection.upstreamNode.str() + " has no output '" + output + "'; " +
-                                (color ? "rgb" : "r") + " is used (known: rgb, r, g, b, a, and of numbers direction)");
+                                (color ? "rgb" : "r") + " is used (known: rgb, r, g, b, a" +
+                                (reads == Reads::turns ? ", direction)" : ")"));
     return used;
   }
 

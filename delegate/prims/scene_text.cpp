@@ -5,6 +5,7 @@
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
 #include "delegate/prims/scene_translation.h"
+#include "delegate/prims/texture_outputs.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -26,9 +27,8 @@ std::string texture_text(const std::shared_ptr<const Texture>& texture) {
 }
 
 std::string lookup_text(const TextureLookup& lookup, Channel channel) {
-  constexpr const char* kChannels[] = {"rgb", "r", "g", "b", "a"};
   const std::string source = lookup.image ? texture_text(lookup.image) + " " + lookup.uv_set.text() : "displayColor";
-  return source + " " + kChannels[static_cast<size_t>(channel)];
+  return source + " " + std::string(kTextureOutputs[static_cast<size_t>(channel)]);
 }
 
 std::string material_text(const DisneyMaterial& material) {

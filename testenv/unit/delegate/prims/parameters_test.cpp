@@ -288,6 +288,24 @@ TEST(Materials, ScatterDistanceTakesATexture) {
   has(absent, "subsurface: no");
 }
 
+// Numbers are read from an output each; an angle has an output of its own.
+TEST(Materials, ADirectionIsAnOutputForAnglesAlone) {
+  for (const auto& [input, reports] :
+       {std::pair{"anisotropicRotation", 0u}, {"opacity", 1u}, {"baseColor", 1u}, {"bump", 1u}}) {
+    Stage stage;
+    MaterialNetwork network = disney({});
+    network.nodes["/m/map"] = {"AlabasterTexture", {{"file", grey_image("grey.hdr")}}, {}};
+    network.nodes["/m/surface"].inputConnections[input] = {{"/m/map", "direction"}};
+    stage.scene.SetMaterial("/m", network);
+    host::MeshDescription mesh = Stage::quad();
+    mesh.material = "/m";
+    stage.scene.SetMesh("/mesh", mesh);
+    const std::string text = stage.dump();
+    EXPECT_EQ(stage.count("material.output"), reports) << input;
+    EXPECT_EQ(text.find("direction") != std::string::npos, reports == 0) << text;
+  }
+}
+
 /// The scene's memory with a grey image of 2 MiB, as halves, connected to these inputs.
 double memory_with_image(Stage& stage, const std::map<Token, Token>& outputs) {
   std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 262144 +X 4\n";
