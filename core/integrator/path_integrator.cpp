@@ -18,7 +18,7 @@ namespace {
 
 // Counter-clockwise about the normal.
 Frame turned(const Frame& frame, float turns) {
-  const float angle = turns * 2 * float(M_PI);
+  const float angle = (turns - std::floor(turns)) * 2 * float(M_PI);
   return frame_from_normal_tangent(frame.n, frame.s * std::cos(angle) + frame.t * std::sin(angle));
 }
 

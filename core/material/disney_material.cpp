@@ -14,7 +14,7 @@ constexpr auto kParameters = std::to_array<MaterialParameter>({
     {{"metallic", &P::metallic, 0, 1}},
     {{"roughness", &P::roughness, 0, 1}},
     {{"anisotropic", &P::anisotropic, 0, 1.11}},
-    {{"anisotropicRotation", &P::anisotropic_rotation, 0, 1}},
+    {{"anisotropicRotation", &P::anisotropic_rotation}},
     {{"specularTint", &P::specular_tint, 0, 1}},
     {{"ior", &P::ior, 1, 4}},
     {{"specular", &P::specular, 0, 1}},

@@ -43,6 +43,8 @@ TEST(AnisotropicRotation, TurnsFromGrowingUTowardsGrowingV) {
   expect_near(plain.tangent(0.25f), {0, 0, -1});
   expect_near(plain.tangent(0.125f), {std::sqrt(0.5f), 0, -std::sqrt(0.5f)});
   expect_near(plain.tangent(0.75f), {0, 0, 1});
+  expect_near(plain.tangent(-3.25f), {0, 0, 1});
+  expect_near(plain.tangent(1e30f), {1, 0, 0});
 }
 
 TEST(AnisotropicRotation, FollowsMirroredCoordinatesTransformsAndSides) {
