@@ -164,8 +164,11 @@ Interiors interiors_at(const PathContext& context, Ray ray) {
   for (int i = 0; i < kMostSurfaces && context.scene.top->intersect(ray, &hit); ++i) {
     const PathVertex v = make_vertex(context, ray, hit);
     ray.org = beyond(v);
+    const bool inside = is_seen_from_inside(v);
     if (!v.material.transmits() || v.material.thin || v.instance->camera_cull == CameraCull::all) continue;
-    if (!is_seen_from_inside(v))
+    // The way out of this body is not seen: the camera's ray would carry its interior on.
+    if (inside && is_culled(*v.instance, hit, ray.dir)) continue;
+    if (!inside)
       entered.enter(interior_of(v));
     else if (entered.contains(hit.instance))
       entered.leave(hit.instance);

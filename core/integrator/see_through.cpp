@@ -22,13 +22,14 @@ class LinkedTransmittance final : public HitFilter {
   const SceneSnapshot& scene_;
   const uint32_t shadow_link_;
 };
+
+}  // namespace
+
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
   return instance.camera_cull == CameraCull::all ||
          (instance.camera_cull != CameraCull::none &&
           is_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
 }
-
-}  // namespace
 
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit) {
   const Instance& instance = scene.instances[hit.instance];

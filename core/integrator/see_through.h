@@ -7,6 +7,9 @@
 
 namespace alabaster {
 
+/// True where a camera's ray along `dir` does not see the hit.
+bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir);
+
 /// The share of a hit that is there, 0 to 1, for a ray along `dir`.
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit);
 

@@ -126,18 +126,19 @@ TEST(HoldOut, OtherRaysSeeIt) {
   }
 }
 
-// The camera is not in a body that it passes.
-TEST(CameraCull, AllHidesABodyAboutTheCamera) {
+// The camera is not in a body that it passes, or whose way out it does not see.
+TEST(CameraCull, HidesABodyAboutTheCamera) {
   DisneyParameters glass;
   glass.spec_trans = 1;
   glass.attenuation_color = Rgb(0.1f);
   glass.attenuation_distance = 1;
-  for (const bool hidden : {true, false}) {
+  for (const CameraCull cull : {CameraCull::none, CameraCull::front, CameraCull::back, CameraCull::all}) {
     SceneBuilder b;
     b.add(b.prototype(testing::sphere_mesh(5, 24, false)), b.material(glass)).add(testing::constant_dome(1, true));
-    if (hidden) last(&b).camera_cull = CameraCull::all;
+    last(&b).camera_cull = cull;
     const FilmSample sample = PathTracer(b.snapshot(), kEye).trace(0);
-    EXPECT_EQ(sample.color == Rgb(1.0f), hidden) << sample.color.g;
+    const bool hidden = cull == CameraCull::back || cull == CameraCull::all;
+    EXPECT_EQ(sample.color == Rgb(1.0f), hidden) << int(cull) << " " << sample.color.g;
   }
 }
 
