@@ -220,7 +220,6 @@ void RenderSession::State::begin(const RenderRequest& next) {
   progress.noise = before.noise, progress.noise_samples = before.noise_samples;
   noise_is_known = false;
   noise_asked = false;
-  next_noise = {};
   started = SessionClock::now() -
             std::chrono::duration_cast<SessionClock::duration>(std::chrono::duration<double>(before.wall_seconds));
   time_limit = std::max(0.0, static_cast<double>(next.settings.time_limit));

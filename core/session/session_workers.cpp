@@ -1,4 +1,6 @@
 #include <tbb/task_arena.h>
+#include <new>
+#include <optional>
 
 #include "core/session/session_state.h"
 #include "core/session/worker_threads.h"
@@ -49,22 +51,29 @@ bool RenderSession::State::takes_noise() {
   return true;
 }
 
-// In the thread of one worker, while the others render on.
+// In the thread of one worker, while the others render on. Without memory the noise stays unknown: the frame needs
+// none.
 void RenderSession::State::measure_so_far() {
-  constexpr int kRest = 20;  // times as long as a measurement took, until the next one
+  constexpr int kRest = 20;  // times as long as a measurement took, until the next one, of whichever frame
   const SessionClock::time_point begun = SessionClock::now();
-  FrameError error;
+  uint64_t samples = 0;
+  {
+    const std::lock_guard lock(mutex);
+    samples = progress.samples_done;
+  }
+  std::optional<FrameError> error;
   try {
     const CancelToken cancel(&stop_requested);
     tbb::task_arena(1).execute([&] { error = estimate_frame_error(film_noise(*film, cancel), cancel); });
   } catch (const BuildCancelled&) {
-    return;
+  } catch (const std::bad_alloc&) {
   }
   const std::lock_guard lock(mutex);
   const SessionClock::time_point now = SessionClock::now();
   next_noise = now + kRest * (now - begun);
-  progress.noise = error;
-  progress.noise_samples = progress.samples_done;
+  if (!error) return;
+  progress.noise = *error;
+  progress.noise_samples = samples;
 }
 
 // Work items are (pass, tile) in order. Passes overlap, so that no worker idles at the end of one. The passes of one
