@@ -103,6 +103,7 @@ class Description {
     if (!file_.ends_with(".json")) return fail("A render description is a .json file: give it such a name.");
     if (!read_base()) return false;
     add_load_options(c_.options, &document_);
+    if (!c_.ocio.empty() && c_.ocio != c_.loaded->color_config) document_["ocio"] = fs::absolute(c_.ocio).string();
     place_files();
     add_backdrop();
     for (const auto& [path, values] : c_.materials)

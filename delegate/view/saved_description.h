@@ -13,6 +13,7 @@ struct ViewChanges {
   const hd::description::SceneFile* loaded = nullptr;
   std::string scene_file;                // that was loaded
   hd::description::LoadOptions options;  // that it was loaded with
+  std::string ocio;                      // the OpenColorIO config in use; empty: $OCIO's or the built-in one
   Changes materials, lights;
   std::map<std::string, hd::Value> settings;
   std::optional<hd::CameraDescription> camera;            // in place of the scene's

@@ -362,7 +362,7 @@ bool ViewSession::save_picture(const std::string& file, const std::string& scene
 bool ViewSession::save_description(const std::string& file, const std::string& scene_file) {
   ViewChanges changes;
   changes.scene = &loaded_->scene, changes.loaded = &loaded_->file, changes.scene_file = scene_file;
-  changes.options = loaded_->options();
+  changes.options = loaded_->options(), changes.ocio = loaded_->colors().ocio;
   changes.materials = edits_.changed_materials(), changes.lights = edits_.changed_lights();
   changes.settings = changed_settings_;
   const auto denoise = settings_.settings.find("denoise");

@@ -217,6 +217,8 @@ TEST_F(SavedDescription, TheChoicesOfACommandLineAreKept) {
   replace(R"([0, 0, 5]})", R"([0, 0, 5]}, {"name": "other", "camera": 0, "translation": [0, 0, 7]})");
   replace("[0,1]", "[0,1,2]");
   write("poses.gltf", two);
+  write("grade.ocio", "ocio_profile_version: 1");
+  changes.ocio = folder_ / "grade.ocio";
   changes.options.camera = "other", changes.options.dome = "0.2,0.3,0.4", changes.options.time = 1.5;
   const SceneFile loaded = load("poses.gltf", changes.options);
   ASSERT_TRUE(loaded.ok) << errors();
@@ -225,6 +227,8 @@ TEST_F(SavedDescription, TheChoicesOfACommandLineAreKept) {
   expect_same_lights();
   const auto saved = nlohmann::json::parse(std::ifstream(folder_ / "saved.json"));
   EXPECT_EQ(saved["gltf"][0]["time"], 1.5);
+  EXPECT_EQ(saved["ocio"], "grade.ocio");
+  EXPECT_EQ(file_again.color_config, changes.ocio);
   EXPECT_EQ(saved["camera"], (nlohmann::json{{"use", "other"}}));
 }
 
