@@ -130,14 +130,14 @@ class Recording {
         delegate_(index->GetRenderDelegate()),
         settings_(settings),
         options_(options),
-        colors_(options.colors),
         checkpoints_(delegate_, options, settings) {}
 
   /// Catches everything: the host's callbacks, memory and threads may all fail.
   RecordResult run() noexcept {
     try {
-      // Held, because its file may vanish while the picture is made. CheckFrame reports one that cannot be read.
-      colors_.held = colors_.config({});
+      // Held, because its files may vanish while the picture is made. CheckFrame reports one that cannot be read, and
+      // has the tables read that its products need.
+      options_.colors.held = options_.colors.config({});
       result_.status = CheckFrame(*scene_, settings_, *delegate_, options_, &requests_);
       for (at_ = 0; at_ < requests_.size() && succeeded(); ++at_) record();
     } catch (const std::exception& e) {
@@ -393,7 +393,7 @@ class Recording {
     image->incomplete = result_.status == RecordStatus::interrupted;
     image->metadata = metadata();
     if (options_.picture) options_.picture(*image);
-    const auto written = WriteProducts(d.products, *image, colors_, options_.diagnostics);
+    const auto written = WriteProducts(d.products, *image, options_.colors, options_.diagnostics);
     result_.written.insert(result_.written.end(), written.begin(), written.end());
     bool complete = written.size() == d.products.size();
     if (const auto error = result_.stats.find("denoise.error"); error != result_.stats.end()) {
@@ -408,8 +408,7 @@ class Recording {
   RetainedSceneDelegate* scene_;
   RenderDelegate* delegate_;
   Path settings_;
-  const RecordOptions& options_;
-  OutputColors colors_;
+  RecordOptions options_;
   std::vector<FrameRequest> requests_;  // by picture
   size_t at_ = 0;                       // the picture that is recorded
   RecordedCheckpoints checkpoints_;

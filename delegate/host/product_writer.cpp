@@ -171,7 +171,8 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
         support::WriteOutputFile(product.file, file, image.incomplete ? support::Flush::none : support::Flush::disk);
     if (error.empty()) return true;
     if (const std::string kept = support::KeepElsewhere(product.file, file); !kept.empty())
-      error += "; the picture was kept as " + kept + ": move it";
+      return fail(sink, "product.write", product.file,
+                  error + "; the picture was kept as " + kept + ": move it to its place");
     return fail(sink, "product.write", product.file,
                 error + "; check the folder, its permissions and the space on the disk, or write elsewhere");
   } catch (const std::bad_alloc&) {

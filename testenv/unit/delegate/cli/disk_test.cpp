@@ -83,10 +83,22 @@ TEST_F(DiskTest, AFolderThatVanishesLosesNoPicture) {
 }
 
 TEST_F(DiskTest, AColorConfigurationThatVanishesLosesNoPicture) {
-  const Outcome config = run({"ocio", "--export"});
-  ASSERT_EQ(config.code, 0) << config.err;
-  write("mine.ocio", config.out);
-  const Outcome outcome = render({"--ocio", "mine.ocio", "-o", "a.png"}, [&] { fs::remove(folder_ / "mine.ocio"); });
+  write("ramp.spi1d", "Version 1\nFrom 0 1\nLength 2\nComponents 1\n{\n0\n1\n}\n");
+  write("mine.ocio", R"(ocio_profile_version: 1
+roles: {default: linear, scene_linear: linear}
+displays:
+  screen:
+    - !<View> {name: graded, colorspace: graded}
+colorspaces:
+  - !<ColorSpace> {name: linear}
+  - !<ColorSpace>
+    name: graded
+    from_reference: !<FileTransform> {src: ramp.spi1d, interpolation: linear}
+)");
+  const Outcome outcome = render({"--ocio", "mine.ocio", "-o", "a.png"}, [&] {
+    fs::remove(folder_ / "mine.ocio");
+    fs::remove(folder_ / "ramp.spi1d");
+  });
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   expect_picture(folder_ / "a.png", 64, 48);
   EXPECT_TRUE(temporary_is_empty()) << "its own place took the picture";
