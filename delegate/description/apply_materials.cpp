@@ -45,13 +45,16 @@ MaterialNode* add_texture(const Reader& reader, const std::string& pointer, cons
 
 bool set_texture(const Reader& reader, const std::string& pointer, const json& texture, const std::string& parameter,
                  const Path& surface, MaterialNetwork* network) {
+  const std::string channel = texture.value("channel", std::string("rgb"));
+  if (channel == "direction" && parameter != "anisotropicRotation")
+    return reader.fail(pointer + "/channel", "Only anisotropicRotation reads an angle; name r, g, b or a.");
   const Path path = surface.append(parameter + "_texture");
   if (!add_texture(reader, pointer, texture, path, network)) return false;
   MaterialNode& disney = network->nodes[surface];
   // The constant multiplies the texture; without one it is 1.
   disney.parameters.erase(parameter);
   if (texture.contains("scale")) disney.parameters[parameter] = material_value(texture["scale"]);
-  disney.inputConnections[parameter] = {{path, Token(texture.value("channel", std::string("rgb")))}};
+  disney.inputConnections[parameter] = {{path, Token(channel)}};
   return true;
 }
 

@@ -39,6 +39,17 @@ TEST_F(DescriptionErrors, RangeTypeAndMissingKey) {
   EXPECT_SAYS("one of box, triangle, gaussian, blackmanHarris");
 }
 
+TEST_F(DescriptionErrors, AnAngleIsForTheParameterThatIsOne) {
+  write_image("map.hdr");
+  const auto set = [](const std::string& parameter) {
+    return R"({"gltf": [{"file": "patch.gltf"}], "materials": [{"match": "skin", "set": {")" + parameter +
+           R"(": {"file": "map.hdr", "channel": "direction"}}}]})";
+  };
+  EXPECT_TRUE(describe(set("anisotropicRotation")).ok) << errors();
+  EXPECT_FALSE(describe(set("opacity")).ok);
+  EXPECT_SAYS("/materials/0/set/opacity/channel: Only anisotropicRotation reads an angle; name r, g, b or a.");
+}
+
 TEST_F(DescriptionErrors, MotionAndShutter) {
   const auto model = [](const std::string& rest) { return R"({"gltf": [{"file": "patch.gltf", )" + rest + "}]}"; };
   const std::string still = R"({"time": 0, "transform": {}})",
