@@ -58,7 +58,8 @@ TEST_F(DenoiseProgram, TradeoffHasRowsOfDenoisedPictures) {
   EXPECT_HAS(text, "| maxDepth=2 denoised | 1 |");
   EXPECT_HAS(text, " --denoise`");
   std::ifstream numbers(folder_ / "out" / "tradeoff.json");
-  for (const auto& row : nlohmann::json::parse(numbers).at("rows"))
+  const nlohmann::json study = nlohmann::json::parse(numbers);
+  for (const auto& row : study.at("rows"))
     if (row.at("group") == "denoised")
       EXPECT_GT(row.at("levelBias").get<double>(), 0.5) << row;
     else

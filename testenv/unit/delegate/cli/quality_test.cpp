@@ -29,7 +29,8 @@ TEST_F(QualityTest, APresetRendersWithExactlyItsSettings) {
         R"({"gltf": [{"file": "lit.gltf"}], "settings": {"subsurface": "diffusion", "maxDepth": 2, "samples": 3,
                           "targetError": 0.9, "seed": 11}})");
   const json plain = settings_of("scene.json", {});
-  for (const json& preset : json::parse(hd::description::SchemaText("quality_presets"))["presets"]) {
+  const json presets = json::parse(hd::description::SchemaText("quality_presets"));
+  for (const json& preset : presets.at("presets")) {
     json expected = plain;
     expected.update(preset["settings"]);
     EXPECT_EQ(settings_of("scene.json", {"--quality", preset["name"]}), expected) << preset["name"];
@@ -49,7 +50,8 @@ TEST_F(QualityTest, EveryOtherFlagWins) {
 TEST_F(QualityTest, AnErrorOrATimeRaisesTheBoundOfSamplesAndNeverLowersIt) {
   const int of_reference = settings_of("lit.gltf", {"--quality", "reference", "--time-limit", "0.01"})["samples"];
   EXPECT_GT(of_reference, 65536) << "or there is nothing to lower";
-  for (const json& preset : json::parse(hd::description::SchemaText("quality_presets"))["presets"]) {
+  const json presets = json::parse(hd::description::SchemaText("quality_presets"));
+  for (const json& preset : presets.at("presets")) {
     const int bound = std::max(65536, preset["settings"]["samples"].get<int>());
     const json exact = settings_of("lit.gltf", {"--quality", preset["name"], "--target-error", "0.5"});
     EXPECT_EQ(exact["targetError"], 0.5);
