@@ -23,7 +23,8 @@ cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_WERR
 cmake --build "$build" -j "$(nproc)"
 # The thread sanitizer sees neither the library's locks nor its TBB.
 [ "$sanitize" = "thread" ] || install_denoiser "$build"
+export LSAN_OPTIONS="suppressions=$top/testenv/sanitizers/leak_suppressions ${LSAN_OPTIONS:-}"
 export TSAN_OPTIONS="suppressions=$top/testenv/sanitizers/thread/suppressions ${TSAN_OPTIONS:-}"
 export UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
 cd "$build"
-exec ctest --output-on-failure "$@"
+exec ctest --output-on-failure -j "$(nproc)" "$@"

@@ -132,6 +132,13 @@ bool same(const std::shared_ptr<const Dictionary>& a, const std::shared_ptr<cons
 
 }  // namespace
 
+Value::Value() = default;
+Value::Value(const Value& o) = default;
+Value::Value(Value&& o) noexcept = default;
+Value& Value::operator=(const Value& o) = default;
+Value& Value::operator=(Value&& o) noexcept = default;
+Value::~Value() = default;
+
 double Value::number_or(double fallback) const {
   return std::visit(
       [&](const auto& v) {

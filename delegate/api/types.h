@@ -148,16 +148,32 @@ class ALABASTER_API Value {
                    Array<Matrix4d>, Array<Token>, Array<std::string>, Half, Vec2d, Vec4d, Vec2h, Vec3h, Vec4h,
                    Array<bool>, Array<int64_t>, Array<uint32_t>, Array<Half>, Array<Vec2i>, Array<Vec3i>, Array<Vec2d>,
                    Array<Vec3d>, Array<Vec4d>, Array<Vec2h>, Array<Vec3h>, Array<Vec4h>, Array<Quath>, Array<Path>>;
+  template <class T, class... Types>
+  static constexpr bool is_one_of(const std::variant<Types...>*) {
+    return (std::is_same_v<T, Types> || ...);
+  }
+  template <class T>
+  static constexpr bool kIsAlternative = is_one_of<T>(static_cast<Storage*>(nullptr));
   /// No other number becomes a Half by itself.
   template <class T>
   static constexpr bool kIsNarrowed =
       std::is_arithmetic_v<T> &&
       !std::is_constructible_v<std::variant<bool, int32_t, int64_t, uint32_t, float, double>, T>;
-  Value() = default;
+  Value();
+  // In the library: these of a variant of fifty types would be half of what a file that includes this takes to compile.
+  Value(const Value& o);
+  Value(Value&& o) noexcept;
+  Value& operator=(const Value& o);
+  Value& operator=(Value&& o) noexcept;
+  ~Value();
   template <class T>
-  requires(std::is_constructible_v<Storage, T> && !std::is_same_v<std::decay_t<T>, Value> && !kIsNarrowed<T>)
-      Value(T value)
-      : storage_(std::move(value)) {}                       // NOLINT(google-explicit-constructor)
+  requires(kIsAlternative<T>) Value(T value)  // NOLINT(google-explicit-constructor)
+      : storage_(std::in_place_type<T>, std::move(value)) {}
+  /// Of what converts to one of the types alone.
+  template <class T>
+  requires(!kIsAlternative<T> && !std::is_same_v<T, Value> && std::is_constructible_v<Storage, T> && !kIsNarrowed<T>)
+      Value(T value)  // NOLINT(google-explicit-constructor)
+      : storage_(std::move(value)) {}
   Value(const char* text) : storage_(std::string(text)) {}  // NOLINT(google-explicit-constructor)
 
   bool empty() const { return std::holds_alternative<std::monostate>(storage_); }

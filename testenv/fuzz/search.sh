@@ -1,16 +1,15 @@
 #!/bin/sh
 # Searches for inputs that break a promise: builds the fuzz targets with clang++ and sanitizers, and runs each.
 #   search.sh SECONDS [TARGET...]
-# An input that was found lies in build/fuzz/found; put it into testenv/fuzz/corpus/TARGET once it is mended. New inputs
-# that only reach further are kept in build/fuzz/corpus.
+# As many targets run at once as there are processors. An input that was found lies in build/fuzz/found; put it into
+# testenv/fuzz/corpus/TARGET once it is mended. New inputs that only reach further are kept in build/fuzz/corpus.
 set -eu
 top=$(cd "$(dirname "$0")/../.." && pwd)
 seconds=${1:?usage: search.sh SECONDS [TARGET...]}
 shift
 [ $# -gt 0 ] || set -- gltf description override mesh material image ocio checkpoint
 . "$top/testenv/install_packages.sh"
-install_packages "$top/testenv/packages.txt" "$top/testenv/packages_tests.txt"
-command -v clang++ >/dev/null || { echo "search.sh: clang++ is missing; install it: apt-get install clang" >&2; exit 1; }
+install_packages "$top/testenv/packages.txt" "$top/testenv/packages_tests.txt" "$top/testenv/packages_fuzz.txt"
 
 build=$top/build/fuzz
 cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=clang++ -DALABASTER_FUZZ=ON \
@@ -23,15 +22,22 @@ mkdir -p "$build/found"
 # Debian's libraries allocate with malloc and free with delete now and then.
 export ASAN_OPTIONS="alloc_dealloc_mismatch=0:detect_leaks=0:allocator_may_return_null=1 ${ASAN_OPTIONS:-}"
 export UBSAN_OPTIONS="print_stacktrace=1 ${UBSAN_OPTIONS:-}"
+export top build seconds
+
+# One target. Its report is printed at once, so that those of others do not run into it.
+search='
+target=$1
+log=$build/found/$target.log
+mkdir -p "$build/corpus/$target"
+extra=""
+[ "$target" != gltf ] || extra=$top/testenv/translate
 status=0
-for target in "$@"; do
-  mkdir -p "$build/corpus/$target"
-  extra=""
-  [ "$target" != gltf ] || extra=$top/testenv/translate
-  # shellcheck disable=SC2086
-  "$build/bin/fuzz_$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=3000 -malloc_limit_mb=2000 \
-    -max_len=20000 -artifact_prefix="$build/found/$target-" -print_final_stats=1 -verbosity=1 \
-    "$build/corpus/$target" "$top/testenv/fuzz/corpus/$target" $extra >"$build/found/$target.log" 2>&1 || status=1
-  grep -E "stat::number_of_executed_units|ERROR|SUMMARY|broken promise" "$build/found/$target.log" | sed "s/^/$target: /"
-done
-exit $status
+"$build/bin/fuzz_$target" -max_total_time="$seconds" -timeout=120 -rss_limit_mb=3000 -malloc_limit_mb=2000 \
+  -max_len=20000 -seed="${ALABASTER_FUZZ_SEED:-0}" -artifact_prefix="$build/found/$target-" -print_final_stats=1 \
+  "$build/corpus/$target" "$top/testenv/fuzz/corpus/$target" $extra >"$log" 2>&1 || status=1
+report=$(grep -E "number_of_executed_units|ERROR|SUMMARY|broken promise|runtime error" "$log" | sed "s/^/$target: /")
+[ $status = 0 ] || report="$report
+$target: failed; $log says why"
+printf "%s\n" "$report"
+exit $status'
+printf '%s\n' "$@" | xargs -n 1 -P "$(nproc)" sh -c "$search" search.sh

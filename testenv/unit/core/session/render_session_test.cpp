@@ -191,8 +191,12 @@ TEST(RenderSession, PauseKeepsTheBytes) {
 
 TEST(RenderSession, StopKeepsAllSamples) {
   RenderSession session;
-  session.start(mixed_request(100000));
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const RenderRequest request = mixed_request(100000);
+  session.start(request);
+  // Noise is known from two samples of each pixel on.
+  const uint64_t enough = 4 * uint64_t(request.width) * uint64_t(request.height);
+  for (int i = 0; i < 2000 && session.progress().samples_done < enough; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   const auto before = std::chrono::steady_clock::now();
   session.stop();
   const double latency = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();

@@ -11,8 +11,9 @@ namespace {
 
 using nlohmann::json;
 
-json presets_file() {
-  return json::parse(SchemaText("quality_presets"));
+const json& presets_file() {
+  static const json file = json::parse(SchemaText("quality_presets"));
+  return file;
 }
 
 class QualityPresetsTest : public SceneFiles {
