@@ -102,6 +102,7 @@ bool read_document(const std::string& file, const GltfOptions& options, Report& 
   if (report.failed()) return false;
   choose_images(&root);
   load_images(root, max_bytes, report, document);
+  choose_image_light(root, report, document);
   check_materials(root, report);
   read_extension_lists(root, report, document);
   return !report.failed() && parse_model(std::move(root), report, document);

@@ -2,12 +2,24 @@
 // buffer, the nodes form trees and every image has a name. Translation does not check again.
 #pragma once
 
+#include <array>
+
 #include "delegate/gltf/gltf_accessor.h"
 #include "delegate/gltf/gltf_container.h"
 #include "delegate/gltf/gltf_scene.h"
 #include "delegate/gltf/tinygltf_model.h"
 
 namespace alabaster::hd::gltf {
+
+/// EXT_lights_image_based of the scene that is used.
+struct ImageLight {
+  size_t index = 0;
+  std::string element, name;
+  double intensity = 1;
+  std::array<double, 4> rotation{0, 0, 0, 1};  // a quaternion (x, y, z, w)
+  std::array<size_t, 6> faces{};               // images of the largest map, in the order of CubeMap
+  size_t face_size = 0;                        // texels along an edge
+};
 
 struct Document {
   std::string file;
@@ -21,6 +33,7 @@ struct Document {
   std::vector<std::string> extensionsUsed, extensionsRequired, extensionsIgnored;
   std::vector<std::string> scenes, variants;  // names
   std::vector<GltfAnimation> animations;
+  std::optional<ImageLight> image_light;
   int scene = -1, variant = -1, animation = -1;  // that GltfOptions choose; -1: none
   MemoryReservation memory;                      // of all that is read, and of what it becomes
   size_t geometry_bytes = 0;                     // of meshes, decoded
@@ -51,6 +64,8 @@ void choose_images(Json* root);
 /// Finds every image's bytes or file. An image that cannot be used is a warning; the renderer refuses it where it is
 /// used.
 void load_images(const Json& root, size_t max_bytes, Report& report, Document* document);
+/// Finds the image-based light of the scene that is used.
+void choose_image_light(const Json& root, Report& report, Document* document);
 /// Reports textures and samplers that cannot work.
 void check_materials(const Json& root, Report& report);
 

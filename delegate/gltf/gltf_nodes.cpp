@@ -18,6 +18,12 @@ Matrix4d local_transform(const tinygltf::Node& node) {
                     vector(node.scale, 1));
 }
 
+bool is_visible(const tinygltf::Node& node) {
+  const auto extension = node.extensions.find("KHR_node_visibility");
+  if (extension == node.extensions.end() || !extension->second.Has("visible")) return true;
+  return extension->second.Get("visible").Get<bool>();
+}
+
 std::vector<char> child_marks(const tinygltf::Model& model) {
   std::vector<char> is_child(model.nodes.size(), 0);
   for (const tinygltf::Node& node : model.nodes)
@@ -45,7 +51,7 @@ std::vector<PlacedNode> place(const tinygltf::Model& model, const std::vector<si
   std::vector<PlacedNode> placed, open;
   std::vector<char> visited(model.nodes.size(), 0);
   for (const size_t root : roots) {
-    open.push_back({root, local_transform(model.nodes[root]) * above});
+    open.push_back({root, local_transform(model.nodes[root]) * above, is_visible(model.nodes[root])});
     while (!open.empty()) {
       const PlacedNode node = open.back();
       open.pop_back();
@@ -53,8 +59,10 @@ std::vector<PlacedNode> place(const tinygltf::Model& model, const std::vector<si
       visited[node.index] = 1;
       placed.push_back(node);
       const std::vector<int>& children = model.nodes[node.index].children;
-      for (auto c = children.rbegin(); c != children.rend(); ++c)
-        open.push_back({size_t(*c), local_transform(model.nodes[size_t(*c)]) * node.world});
+      for (auto c = children.rbegin(); c != children.rend(); ++c) {
+        const tinygltf::Node& child = model.nodes[size_t(*c)];
+        open.push_back({size_t(*c), local_transform(child) * node.world, node.visible && is_visible(child)});
+      }
     }
   }
   return placed;

@@ -9,6 +9,7 @@ namespace alabaster::hd::gltf {
 struct PlacedNode {
   size_t index = 0;
   Matrix4d world;
+  bool visible = true;  // KHR_node_visibility, of the node and all above it
 };
 
 /// Scale, then rotation, then translation. The rotation is a quaternion (x, y, z, w), which is normalized; one of

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "delegate/gltf/gltf_animation.h"
+#include "delegate/gltf/gltf_image_light.h"
 #include "delegate/gltf/gltf_light_camera.h"
 #include "delegate/gltf/gltf_material.h"
 #include "delegate/gltf/gltf_mesh.h"
@@ -37,6 +38,10 @@ struct Prims {
   std::map<Path, host::CameraDescription> cameras;
 };
 
+Path root_of(const Document& document, const GltfOptions& options) {
+  return options.root.append("gltf").append(clean_name(std::filesystem::path(document.file).stem().string()));
+}
+
 class SceneTranslator {
  public:
   SceneTranslator(const Document& document, const GltfOptions& options, Report& report)
@@ -44,7 +49,7 @@ class SceneTranslator {
         model_(document.model),
         options_(options),
         report_(report),
-        root_(options.root.append("gltf").append(clean_name(std::filesystem::path(document.file).stem().string()))) {}
+        root_(root_of(document, options)) {}
 
   Prims run() {
     const std::vector<VertexColors> vertex_colors = find_vertex_colors(document_);
@@ -55,11 +60,11 @@ class SceneTranslator {
     }
     for (const PlacedNode& placed : placed_nodes(document_, options_.transform)) {
       const tinygltf::Node& node = model_.nodes[placed.index];
-      if (node.mesh >= 0) add_use(node, placed);
+      if (node.mesh >= 0 && placed.visible) add_use(node, placed);
       if (node.camera >= 0)
         prims_.cameras[child("cameras", placed.index)] =
             translate_camera(model_.cameras[size_t(node.camera)], placed.world);
-      add_light(node, placed);
+      if (placed.visible) add_light(node, placed);
     }
     for (const auto& [key, use] : uses_) add_mesh(use);
     return std::move(prims_);
@@ -249,6 +254,11 @@ void load(const std::string& file, const GltfOptions& options, host::RetainedSce
   if (document.animation >= 0) apply_animation(options.time.value_or(0), &document);
   if (document.variant >= 0) apply_variant(size_t(document.variant), &document.model);
   Prims prims = SceneTranslator(document, options, report).run();
+  if (document.image_light) {
+    const std::string name = "image_" + prim_name(document.image_light->index, document.image_light->name);
+    prims.lights[root_of(document, options).append("lights").append(name)] =
+        translate_image_light(&document, options.transform, report);
+  }
   if (report.failed()) return;
   summary->memory_bytes = document.geometry_bytes;
   if (document.animation >= 0 && options.shutter_close > options.shutter_open)

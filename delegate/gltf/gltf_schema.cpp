@@ -49,6 +49,7 @@ const Schema& mesh_schema() {
 
 const Schema& node_schema() {
   static const Schema light{{reference("light", "lights", true)}, {}};
+  static const Schema visibility{{{.name = "visible", .kind = Kind::boolean}}, {}};
   static const Schema instancing{
       {{.name = "attributes", .kind = Kind::reference_map, .required = true, .target = "accessors"}}, {}};
   static const Schema schema{{text("name"),
@@ -62,7 +63,7 @@ const Schema& node_schema() {
                               numbers("scale", 3),
                               {.name = "weights", .kind = Kind::numbers}},
                              {object("KHR_lights_punctual", light), object("EXT_mesh_gpu_instancing", instancing),
-                              object("KHR_node_visibility", kMarker)}};
+                              object("KHR_node_visibility", visibility)}};
   return schema;
 }
 
@@ -106,6 +107,15 @@ const Schema& lights_schema() {
   return schema;
 }
 
+// The nested arrays, irradianceCoefficients and specularImages, are checked where they are read.
+const Schema& image_lights_schema() {
+  static const Schema light{{text("name"), numbers("rotation", 4), factor("intensity", 0, kInfinity),
+                             integer("specularImageSize", 1, 4096, true)},
+                            {}};
+  static const Schema schema{{objects("lights", light, true)}, {}};
+  return schema;
+}
+
 }  // namespace
 
 const Schema& document_schema() {
@@ -131,7 +141,9 @@ const Schema& document_schema() {
   static const Schema other_source{{reference("source", "images")}, {}};
   static const Schema texture{{text("name"), reference("sampler", "samplers"), reference("source", "images")},
                               {object("EXT_texture_webp", other_source), object("KHR_texture_basisu", other_source)}};
-  static const Schema scene{{text("name"), {.name = "nodes", .kind = Kind::references, .target = "nodes"}}, {}};
+  static const Schema image_light{{reference("light", "imageLights", true)}, {}};
+  static const Schema scene{{text("name"), {.name = "nodes", .kind = Kind::references, .target = "nodes"}},
+                            {object("EXT_lights_image_based", image_light)}};
   static const Schema skin{{text("name"),
                             reference("inverseBindMatrices", "accessors"),
                             reference("skeleton", "nodes"),
@@ -145,12 +157,14 @@ const Schema& document_schema() {
        objects("scenes", scene), reference("scene", "scenes"), objects("materials", material_schema()),
        objects("textures", texture), objects("images", image), objects("samplers", sampler),
        objects("cameras", camera_schema()), objects("skins", skin), objects("animations", animation_schema())},
-      {object("KHR_lights_punctual", lights_schema()), object("KHR_materials_variants", variants)}};
+      {object("EXT_lights_image_based", image_lights_schema()), object("KHR_lights_punctual", lights_schema()),
+       object("KHR_materials_variants", variants)}};
   return schema;
 }
 
 bool reads_extension(const std::string& name) {
   static const std::set<std::string> names = {"ALAB_materials_disney",
+                                              "EXT_lights_image_based",
                                               "EXT_mesh_gpu_instancing",
                                               "EXT_meshopt_compression",
                                               "EXT_texture_webp",
@@ -173,6 +187,7 @@ bool reads_extension(const std::string& name) {
                                               "KHR_materials_volume",
                                               "KHR_materials_volume_scatter",
                                               "KHR_mesh_quantization",
+                                              "KHR_node_visibility",
                                               "KHR_texture_transform",
                                               "KHR_xmp",  // metadata: the picture has nothing of it
                                               "KHR_xmp_json_ld"};

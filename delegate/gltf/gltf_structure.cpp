@@ -1,5 +1,6 @@
 // Checks a document against its schema (gltf_schema.cpp).
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "delegate/gltf/gltf_schema.h"
@@ -190,14 +191,18 @@ class StructureCheck {
   }
 
   size_t target_size(const std::string& target) const {
+    static const std::map<std::string, std::pair<const char*, const char*>> in_extensions = {
+        {"lights", {"KHR_lights_punctual", "lights"}},
+        {"imageLights", {"EXT_lights_image_based", "lights"}},
+        {"variants", {"KHR_materials_variants", "variants"}}};
     const Json* array = nullptr;
-    if (target == "lights" || target == "variants") {
-      const char* extension = target == "lights" ? "KHR_lights_punctual" : "KHR_materials_variants";
+    if (const auto extended = in_extensions.find(target); extended != in_extensions.end()) {
+      const auto [extension, name] = extended->second;
       const auto extensions = root_.find("extensions");
       if (extensions == root_.end() || !extensions->is_object()) return 0;
       const auto found = extensions->find(extension);
-      if (found == extensions->end() || !found->is_object() || !found->contains(target)) return 0;
-      array = &(*found)[target];
+      if (found == extensions->end() || !found->is_object() || !found->contains(name)) return 0;
+      array = &(*found)[name];
     } else if (root_.contains(target)) {
       array = &root_[target];
     }

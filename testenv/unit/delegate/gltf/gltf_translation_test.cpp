@@ -28,7 +28,7 @@ TEST_P(GltfTranslation, MatchesTheExpectedText) {
 
 INSTANTIATE_TEST_SUITE_P(Topics, GltfTranslation,
                          ::testing::Values("nodes", "modes", "ngons", "materials", "extensions", "lights_cameras",
-                                           "texture"));
+                                           "image_light", "visibility", "texture"));
 
 // By hand: scale (2,3,4), a third of a turn around (1,1,1) ((x,y,z) -> (z,x,y)), translation (1,2,3); then the parent's
 // quarter turn around z ((x,y,z) -> (-y,x,z)) and translation (10,20,30).
