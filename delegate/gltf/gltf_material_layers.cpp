@@ -70,7 +70,8 @@ void set_iridescence(MaterialBuilder* material) {
 }
 
 // alpha_t = mix(alpha, 1, strength^2), alpha_b = alpha = roughness^2, from Disney's alpha_b / alpha_t = 1 - 0.9
-// anisotropic and alpha_t alpha_b = roughness^4.
+// anisotropic and alpha_t alpha_b = roughness^4. A texture of strength x scales anisotropic, and roughness by 1 at x =
+// 0 to the fourth root of alpha_t / alpha_b at x = 1, so that both ends are exact.
 void set_anisotropy(MaterialBuilder* material) {
   const Extension anisotropy = material->extension("KHR_materials_anisotropy");
   const double strength = number_or(anisotropy, "anisotropyStrength", 0), roughness = material->number("roughness", 1);
@@ -79,7 +80,8 @@ void set_anisotropy(MaterialBuilder* material) {
   const TextureUse texture = use_in(anisotropy, "anisotropyTexture");
   material->set("anisotropic", (1 - std::max(b / t, 1.1e-3)) / 0.9);
   material->connect("anisotropic", texture, number_reading("b"));
-  if (texture.index < 0) material->set("roughness", std::pow(t * b, 0.25));
+  material->set("roughness", std::pow(texture.index < 0 ? t * b : b * b, 0.25));
+  material->connect("roughness", texture, {"b", "raw", Vec4f(float(std::pow(t / b, 0.25) - 1)), Vec4f(1)});
   const double turns = number_or(anisotropy, "anisotropyRotation", 0, -kUnlimited, kUnlimited) / (2 * M_PI);
   material->set("anisotropicRotation", texture.index < 0 ? turns - std::floor(turns) : 1.0);
   material->connect("anisotropicRotation", texture, {"direction", "raw", Vec4f(1), Vec4f(float(turns))});

@@ -205,12 +205,24 @@ class MaterialReader {
       // Alpha is the same whatever its image's colours mean: it comes from the one that is read for colours.
       MaterialTexture* const texture =
           texture_of(connection.upstreamNode, input, channel == Channel::a ? Texels::colors : row->texels, material);
+      if (!texture && channel == Channel::direction)
+        turn_by_bias(connection.upstreamNode, surface.parameters.count(input) > 0, &material->constants);
       if (!texture) continue;
       texture->uses.push_back({row, channel});
       connected = true;
     }
     // A constant that nobody gave must not scale the texture.
     if (connected && !surface.parameters.count(input)) set_parameter(*row, 1.0f, &material->constants);
+  }
+
+  // A direction whose image cannot be read turns nothing by itself, which leaves the bias of its node. The constant
+  // alone, usually 1, would be a whole turn instead of the file's rotation.
+  void turn_by_bias(const Path& node_id, bool has_constant, DisneyParameters* constants) const {
+    const auto node = network_.nodes.find(node_id);
+    if (node == network_.nodes.end() || !(node->second.nodeTypeId == Token("AlabasterTexture"))) return;
+    const float turns = NodeReader{node_id, node->second, param_, sink_}.finite_or("bias", Vec4f(0, 0, 0, 0)).x;
+    const float constant = has_constant ? constants->anisotropic_rotation : 1;
+    constants->anisotropic_rotation = constant * (turns - std::floor(turns));
   }
 
   // False if the input is none of normals.

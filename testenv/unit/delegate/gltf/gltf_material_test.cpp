@@ -98,6 +98,38 @@ TEST(GltfMaterial, AnisotropyKeepsBothAlphas) {
   EXPECT_LE(number(sharpest, "anisotropic"), 1.11) << "in the range of the parameter";
 }
 
+// A texture of strengths: its ends are the extension's, and what lies between is near.
+TEST(GltfMaterial, ATextureOfAnisotropyKeepsBothAlphasAtItsEnds) {
+  for (const auto& [roughness, strength] : {std::pair(0.3, 0.6), {0.3, 1.0}, {0.6, 0.5}}) {
+    const Loaded loaded = load_material(R"({"pbrMetallicRoughness": {"roughnessFactor": )" + std::to_string(roughness) +
+                                        R"(}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": )" +
+                                        std::to_string(strength) + R"(, "anisotropyTexture": {"index": 0}}}})");
+    const MaterialNetwork& network = loaded.scene->GetMaterials().begin()->second;
+    const MaterialNode surface = surface_of(loaded);
+    ASSERT_EQ(surface.inputConnections.at("roughness").size(), 1u);
+    const MaterialConnection& connection = surface.inputConnections.at("roughness")[0];
+    const MaterialNode& node = network.nodes.at(connection.upstreamNode);
+    EXPECT_EQ(connection.upstreamOutput, Token("b"));
+    const double scale = double(node.parameters.at("scale").get_or(Vec4f(0)).z);
+    const double bias = double(node.parameters.at("bias").get_or(Vec4f(0)).z);
+    double least[2] = {1, 1}, most[2] = {1, 1};
+    for (int i = 0; i <= 100; ++i) {
+      const double x = i / 100.0, b = roughness * roughness, t = b + (1 - b) * strength * strength * x * x;
+      const double alpha = std::pow(number(surface, "roughness") * (x * scale + bias), 2);
+      const double aspect = std::sqrt(1 - 0.9 * number(surface, "anisotropic") * x);
+      const double ratios[2] = {alpha / aspect / t, alpha * aspect / b};
+      for (int k = 0; k < 2; ++k) {
+        EXPECT_TRUE(std::abs(ratios[k] - 1) < 1e-5 || (i > 0 && i < 100)) << ratios[k] << " at " << x;
+        least[k] = std::min(least[k], ratios[k]), most[k] = std::max(most[k], ratios[k]);
+      }
+    }
+    std::printf("roughness %.1f, strength %.1f: alpha_t %.2f to %.2f of the extension's, alpha_b %.2f to %.2f\n",
+                roughness, strength, least[0], most[0], least[1], most[1]);
+    EXPECT_GT(std::min(least[0], least[1]), 0.65);
+    EXPECT_LT(std::max(most[0], most[1]), 1.6);
+  }
+}
+
 // Radians, counter-clockwise, of any size, as turns.
 TEST(GltfMaterial, AnisotropyHasARotation) {
   for (const auto& [radians, turns] : {std::pair(M_PI / 2, 0.25), {-M_PI / 2, 0.75}, {5 * M_PI, 0.5}}) {
