@@ -1,6 +1,7 @@
 #include "delegate/cli/stats_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <sstream>
 
 #include "delegate/support/process_usage.h"
@@ -14,6 +15,14 @@ json dictionary_to_json(const hd::Dictionary& dictionary) {
   json object = json::object();
   for (const auto& [key, value] : dictionary) object[key] = value_to_json(value);
   return object;
+}
+
+// The double with the float's shortest decimal: 0.02 stays 0.02 in the file.
+double shortest(float value) {
+  const std::string text = hd::Value(value).to_string();
+  double number = double(value);
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
 }
 
 double value_number(const hd::Dictionary& dictionary, const std::string& key) {
@@ -37,6 +46,8 @@ json value_to_json(const hd::Value& value) {
         using T = std::decay_t<decltype(held)>;
         if constexpr (std::is_same_v<T, std::monostate>) {
           return nullptr;
+        } else if constexpr (std::is_same_v<T, float>) {
+          return shortest(held);
         } else if constexpr (std::is_arithmetic_v<T>) {
           return held;
         } else if constexpr (std::is_same_v<T, std::string>) {
