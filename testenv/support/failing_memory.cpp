@@ -60,7 +60,8 @@ void* operator new(size_t size) {
   if (void* memory = std::malloc(size ? size : 1)) return memory;
   throw std::bad_alloc();
 }
-// Under the address sanitizer, the forms that are not replaced are the sanitizer's, and their memory is not std::free's.
+// Under the address sanitizer, the forms that are not replaced are the sanitizer's, and their memory is not
+// std::free's.
 void* operator new(size_t size, const std::nothrow_t&) noexcept {
   try {
     return operator new(size);
