@@ -169,7 +169,7 @@ class ALABASTER_API Value {
   template <class T>
   requires(kIsAlternative<T>) Value(T value)  // NOLINT(google-explicit-constructor)
       : storage_(std::in_place_type<T>, std::move(value)) {}
-  /// Of what converts to one of the types alone.
+  /// Takes what converts to just one of the types.
   template <class T>
   requires(!kIsAlternative<T> && !std::is_same_v<T, Value> && std::is_constructible_v<Storage, T> && !kIsNarrowed<T>)
       Value(T value)  // NOLINT(google-explicit-constructor)

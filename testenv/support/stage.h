@@ -70,7 +70,7 @@ class Stage {
 
   /// Executes until converged; false after 20 s.
   static bool finish(RenderPass& pass, const RenderPassState& state) {
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < 6000; ++i) {
       pass.Execute(state);
       if (pass.IsConverged()) return true;
       pass.WaitForConvergence(0.02);

@@ -1,5 +1,5 @@
 // Every fault of a description is reported with its place and a remedy.
-#include <chrono>
+#include <ctime>
 
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -83,7 +83,7 @@ TEST_F(DescriptionErrors, BrokenJsonNamesTheLine) {
 
 // Twice as many faults take twice as long: at 200000 they took minutes, and gigabytes where a key was long.
 TEST_F(DescriptionErrors, ManyFaultsAndLongKeysTakeLittleTime) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();
   std::string lights;
   for (int i = 0; i < 20000; ++i)
     lights += R"({"name": "a", "type": "rectLight", "color": [-1, -1, -1], "position": ["x"]},)";
@@ -97,7 +97,7 @@ TEST_F(DescriptionErrors, ManyFaultsAndLongKeysTakeLittleTime) {
   EXPECT_FALSE(describe("{\"" + std::string(200000, 'k') + "\": [" + ones + "}").ok);
   EXPECT_SAYS("Unknown key");
   EXPECT_LT(errors().size(), 1000u);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  EXPECT_LT(std::clock() - start, 30 * CLOCKS_PER_SEC);
 }
 
 TEST_F(DescriptionErrors, MatchesNothing) {
