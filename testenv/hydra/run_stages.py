@@ -62,29 +62,42 @@ class Host:
         return every, warned
 
 
-def exr(file, size=SIZE):
-    """The pixels of an EXR of floats, rows from the top down. An uncompressed TIFF of OpenImageIO ends with them."""
+def exr(file, size=SIZE, channels="R,G,B,A"):
+    """Channels of an EXR of floats, rows from the top down. An uncompressed TIFF of OpenImageIO ends with them."""
     plain = file.with_suffix(".tif")
-    subprocess.run(["oiiotool", str(file), "--fullpixels", "--ch", "R,G,B,A", "-d", "float", "--compression", "none", "-o", str(plain)], check=True, capture_output=True)
-    width, height = size
-    return numpy.frombuffer(plain.read_bytes()[-width * height * 16:], numpy.float32).reshape(height, width, 4)
+    subprocess.run(["oiiotool", str(file), "--fullpixels", "--ch", channels, "-d", "float", "--compression", "none", "-o", str(plain)], check=True, capture_output=True)
+    (width, height), count = size, channels.count(",") + 1
+    return numpy.frombuffer(plain.read_bytes()[-width * height * count * 4:], numpy.float32).reshape(height, width, count)
 
 
 def differing(a, b):
     return int((a.view(numpy.uint32) != b.view(numpy.uint32)).any(axis=2).sum()) if a.shape == b.shape else a[..., 0].size
 
 
+LAYERS = {"color": "R,G,B,A", "cameraDepth": "Z"}  # of a product's file
+FAR = numpy.float32(1e10) if numpy else 0           # there, where no surface is; 0 in the host's buffer
+
+
 def judge_files(host, name, given):
-    """The files that usdrecord's own recorder, or the renderer for it, writes: each equal to a window of what the engine shows."""
-    stage, files, show = given["stage"], given["files"], given.get("show", {})
+    """The files that usdrecord's own recorder, or the renderer for it, writes: each layer equal to a window of what the engine shows.
+
+    With several frames files are those of the last, which no other frame looks like."""
+    stage, files, show, frames = given["stage"], given["files"], given.get("show", {}), given.get("frames", [{}])
     frame = host.folder / f"{name}.frame"
-    host.run(name, stage, {**given.get("record", {}), "record": "exr", "frames": [{"out": str(frame)}]})
-    whole = host.pictures(name + ".shown", stage, show, [{}])[0][0]["color"]
-    for file, (left, top, right, bottom) in files.items():
-        found = exr(host.folder / file, (right - left, bottom - top))
-        if count := differing(found, whole[top:bottom, left:right]):
-            return f"{file}: {count} pixels differ", ""
-    return "", f"files: {len(files)}, 0 pixels differ"
+    host.run(name, stage, {**given.get("record", {}), "record": "exr", "frames": [{**one, "out": str(frame)} for one in frames]})
+    *earlier, whole = host.pictures(name + ".shown", stage, show, frames)[0]
+    for one in [whole, *earlier]:
+        if "cameraDepth" in one:
+            one["cameraDepth"] = numpy.where(one["cameraDepth"] > 0, one["cameraDepth"], FAR)
+    for aov, shown in whole.items():
+        for file, (left, top, right, bottom) in files.items():
+            window = numpy.s_[top:bottom, left:right]
+            found = exr(host.folder / file, (right - left, bottom - top), LAYERS[aov])
+            if count := differing(found, shown[window]):
+                return f"{aov} of {file}: {count} pixels differ", ""
+            if any(differing(found, one[aov][window]) < found[..., 0].size // 4 for one in earlier):
+                return f"{aov} of {file} shows an earlier frame, too", ""
+    return "", f"files: {len(files)}, layers: {len(whole)}, frames: {len(frames)}, 0 pixels differ"
 
 
 def judge(host, name, given):
@@ -92,7 +105,7 @@ def judge(host, name, given):
     if "files" in given:
         return judge_files(host, name, given)
     stage, equals, check = given.pop("stage"), given.pop("equals", None), given.pop("check", None)
-    within, written, warns = given.pop("within", 0), given.pop("written", False), given.pop("warns", "")
+    within, written, warns, control = given.pop("within", 0), given.pop("written", False), given.pop("warns", ""), given.pop("control", "")
     frames = given.pop("frames", [{}])
     if written:
         frames[-1].setdefault("settings", {})["alabaster:writeScene"] = str(host.folder / f"{name}.json")
@@ -116,7 +129,11 @@ def judge(host, name, given):
         other = host.pictures(name + ".other", equals, given, [last])[0][-1]["color"]
         if unlike and not differing(color, host.pictures(name + ".unlike", equals, given, [{"settings": unlike}])[0][-1]["color"]):
             return "shows what it must not", ""
-    count, error = differing(color, other), float(numpy.abs(color - other).mean() / color[..., :3].mean())
+    def apart(shown):
+        return float(numpy.abs(color - shown).mean() / color[..., :3].mean())
+    if control and apart(host.pictures(name + ".control", control, given, frames)[0][-1]["color"]) < 0.5:
+        return "shows what its control does", ""
+    count, error = differing(color, other), apart(other)
     found = f"{count} pixels differ" + (f", by {error:.1e} in the mean" if count else "")
     return (found if error > within or (count and not within) else ""), found
 

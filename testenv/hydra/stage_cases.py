@@ -1,13 +1,15 @@
 """Stages that the plug-in is tested with, each with an expectation.
 
 A case is a function of a folder that it may write files to. It gives a dictionary: stage (its text); and one of
-  equals    the text of another stage that shows the same; `within`: the mean difference that is allowed (default none)
+  equals    the text of another stage that shows the same; `within`: the mean difference that is allowed (default none);
+            `control`: the text of a third one, which must differ by more than half of the light
   written   True: the program renders the same from the scene that the plug-in writes
   check     a function of the pictures (arrays of rows from the top down) that gives a fault, or nothing
   files     names of files that usdrecord's recorder or the renderer writes, each with its window of the picture that the
             engine shows with the options `show`
 besides options of record_stage, and frames, a list of {time, settings}; `equals` and `written` are about the last picture.
 """
+import light_cases
 from stage_text import *  # noqa: F403
 
 CASES = {}
@@ -47,6 +49,7 @@ def a_light(kind):
 
 for kind in LIGHTS:
     CASES["light_" + kind] = a_light(kind)
+CASES.update(light_cases.CASES)
 
 
 @case
@@ -331,7 +334,8 @@ def shadow_links(_):
         lamp = prim("DistantLight", "sun", "float inputs:intensity = 3000", "float inputs:angle = 2", *exclude, moved(turn=(0, 60, 0)), about=about)
         return HEAD + camera() + clay() + quad("a", bound("/clay"), half=0.4) + lamp + boards
     board = quad("board", bound("/clay"), "uniform bool doubleSided = 1", x=2.77, z=1.6, half=0.9)
-    return {"stage": scene("rel collection:shadowLink:excludes = </board>", boards=board), "equals": scene(), "within": 2e-2}
+    return {"stage": scene("rel collection:shadowLink:excludes = </board>", boards=board), "equals": scene(), "within": 2e-2,
+            "control": scene(boards=board)}
 
 
 @case
@@ -401,17 +405,21 @@ def usdrecord(_):
 
 @case
 def render_products(folder):
-    """usdrecord --renderSettingsPrimPath: the renderer writes a frame and a quarter of it, from a camera of their own."""
+    """usdrecord --renderSettingsPrimPath, two frames: the renderer writes a frame and a quarter of it, from a camera of their own.
+
+    The camera moves from frame to frame, and the files of the second take the place of the first's.
+    """
     color = prim("RenderVar", "color", 'uniform token dataType = "color4f"', 'uniform string sourceName = "color"')
     depth = prim("RenderVar", "depth", 'uniform token dataType = "float"', 'uniform string sourceName = "cameraDepth"')
     product = ["rel orderedVars = [</Render/color>, </Render/depth>]", "uniform int2 resolution = (64, 48)"]
     products = prim("RenderProduct", "whole", f'token productName = "{folder}/whole.exr"', *product) + \
         prim("RenderProduct", "quarter", f'token productName = "{folder}/quarter.exr"', "float4 dataWindowNDC = (0.5, 0.25, 1, 0.75)", *product)
     settings = prim("RenderSettings", "two", "rel products = [</Render/whole>, </Render/quarter>]", *(line.replace("</camera>", "</other>") for line in FEW))
-    other = camera(z=4).replace('"camera"', '"other"')
+    nearer = ["double3 xformOp:translate.timeSamples = { 1: (0, 0, 5), 2: (0, 0, 4) }", 'uniform token[] xformOpOrder = ["xformOp:translate"]']
+    other = camera(*nearer, z=None).replace('"camera"', '"other"')
     stage = lit_by(LIGHTS["rect"]) + other + prim("Scope", "Render", color + depth + products + settings)
-    return {"stage": stage, "record": {"renderSettings": "/Render/two"}, "show": {"camera": "/other"},
-            "files": {"whole.exr": (0, 0, 64, 48), "quarter.exr": (32, 12, 64, 36)}}
+    return {"stage": stage, "record": {"renderSettings": "/Render/two"}, "show": {"camera": "/other", "aovs": ["color", "cameraDepth"]},
+            "frames": [{"time": 1}, {"time": 2}], "files": {"whole.exr": (0, 0, 64, 48), "quarter.exr": (32, 12, 64, 36)}}
 
 
 @case

@@ -32,7 +32,8 @@ constexpr BitPair kMaterialBits[] = {{pxr::HdMaterial::DirtyParams, hd::dirty::k
 
 /// Syncs a prim of the contract. True if nothing is left dirty.
 template <class Prim>
-bool sync(Prim* prim, HydraScene* scene, const HydraParam& param, hd::DirtyBits bits) {
+bool sync(Prim* prim, HydraScene* scene, HydraParam& param, hd::DirtyBits bits) {
+  param.products().SceneChanged();
   if (!prim || bits == hd::dirty::kClean) return true;
   prim->Sync(scene, param.delegate().GetRenderParam(), &bits);
   return bits == hd::dirty::kClean;
@@ -40,6 +41,7 @@ bool sync(Prim* prim, HydraScene* scene, const HydraParam& param, hd::DirtyBits 
 
 template <class Prim>
 void finalize(Prim* prim, pxr::HdRenderParam* param) {
+  ParamOf(param).products().SceneChanged();
   if (prim && ParamOf(param).capture()) ParamOf(param).capture()->Remove(prim->GetId());
   if (prim) prim->Finalize(ParamOf(param).delegate().GetRenderParam());
 }
@@ -127,6 +129,7 @@ void HydraCamera::warn_of_unread(const HydraParam& param) {
 void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
   const bool moved = *bits & DirtyTransform;
   HdCamera::Sync(scene, param, bits);
+  ParamOf(param).products().SceneChanged();
   description_.transform = ToMatrix(GetTransform());
   const hd::Path id = ToPath(GetId());
   if (moved) description_.transformSamples = ParamOf(param).scene(scene, GetId()).SampleTransform(id);

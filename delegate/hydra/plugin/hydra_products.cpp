@@ -141,9 +141,8 @@ void HydraProducts::stop() {
 }
 
 void HydraProducts::Execute(const pxr::HdRenderIndex& index) {
-  const unsigned version = index.GetChangeTracker().GetSceneStateVersion();
-  if (!running_ && next_ >= products_.size() && version != scene_version_) next_ = 0;
-  if (!running_ && next_ == 0) scene_version_ = version;
+  if (!running_ && next_ >= products_.size() && changes_ != changes_seen_) next_ = 0;
+  if (!running_ && next_ == 0) changes_seen_ = changes_;
   while (!running_ && next_ < products_.size())
     if (!begin(products_[next_++], index)) stop();
 }

@@ -4,6 +4,7 @@
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/renderSettings.h>
 
+#include <atomic>
 #include <optional>
 
 #include "delegate/host/product_writer.h"
@@ -22,6 +23,9 @@ class HydraProducts {
   /// Those of the active render settings prim; none: there is none.
   void set(const pxr::HdRenderSettings::RenderProducts& products, const std::vector<hd::Token>& render_tags);
   bool empty() const { return products_.empty(); }
+  /// A prim was synced or removed. Any thread. OpenUSD's own count of changes lies behind containers of its TBB, whose
+  /// size this library does not know.
+  void SceneChanged() { ++changes_; }
 
   /// Begins with what is not written yet, and from the start where the scene has changed since all were. The index has
   /// the cameras.
@@ -46,8 +50,9 @@ class HydraProducts {
   hd::DiagnosticSink sink_;
   pxr::HdRenderSettings::RenderProducts products_;
   std::vector<hd::Token> render_tags_;
-  size_t next_ = 0;             // the first that was not begun
-  unsigned scene_version_ = 0;  // of the index, when the first was begun
+  size_t next_ = 0;  // the first that was not begun
+  std::atomic<unsigned> changes_ = 0;
+  unsigned changes_seen_ = 0;  // when the first was begun
   std::optional<Running> running_;
 };
 
