@@ -33,17 +33,28 @@ json to_json(const hd::Matrix4d& matrix) {
   return std::vector<double>(&matrix.x[0][0], &matrix.x[0][0] + 16);
 }
 
+// What a texture's node says, or what it is without a word.
+std::string word_of(const hd::MaterialNode& node, const char* name, const char* otherwise) {
+  const auto found = node.parameters.find(name);
+  return found == node.parameters.end() ? otherwise : found->second.text_or(otherwise);
+}
+
 json texture_of(const hd::Path& material, const hd::MaterialNetwork& network, const hd::MaterialConnection& connection,
                 const Value& scale) {
-  const hd::MaterialNode& node = network.nodes.at(connection.upstreamNode);
-  for (const char* name : {"stScale", "filter", "bias", "scale"})
+  const auto found = network.nodes.find(connection.upstreamNode);
+  if (found == network.nodes.end() || !(found->second.nodeTypeId == hd::Token("AlabasterTexture")))
+    throw std::runtime_error(material.str() + " reads " + connection.upstreamNode.str() +
+                             ", which is no AlabasterTexture and is not written");
+  const hd::MaterialNode& node = found->second;
+  for (const char* name : {"stScale", "stOffset", "stRotation", "filter", "bias", "scale"})
     if (node.parameters.contains(name))
       throw std::runtime_error(material.str() + " has a texture with " + name + ", which is not written");
-  if (node.parameters.at("wrapS").text_or("repeat") != node.parameters.at("wrapT").text_or("repeat"))
+  if (word_of(node, "wrapS", "repeat") != word_of(node, "wrapT", "repeat"))
     throw std::runtime_error(material.str() + " has a texture with two ways to wrap, which is not written");
-  json texture = {{"file", node.parameters.at("file").text_or("")},
-                  {"colorSpace", node.parameters.at("sourceColorSpace").text_or("auto")},
-                  {"wrap", node.parameters.at("wrapS").text_or("repeat")}};
+  json texture = {{"file", word_of(node, "file", "")},
+                  {"colorSpace", word_of(node, "sourceColorSpace", "auto")},
+                  {"wrap", word_of(node, "wrapS", "repeat")},
+                  {"st", word_of(node, "st", "st")}};
   if (const std::string channel = connection.upstreamOutput.str(); channel != "rgb") texture["channel"] = channel;
   if (!scale.empty()) texture["scale"] = to_json(scale);
   return texture;
@@ -56,10 +67,14 @@ json to_json(const hd::Path& id, const hd::MaterialNetwork& network) {
       terminal == network.terminals.end() ? network.nodes.end() : network.nodes.find(terminal->second.upstreamNode);
   if (node == network.nodes.end() || !(node->second.nodeTypeId == hd::Token("AlabasterDisney")))
     throw std::runtime_error(id.str() + " is no material of AlabasterDisney nodes, which alone are written");
+  if (network.terminals.contains("displacement"))
+    throw std::runtime_error(id.str() + " displaces its meshes, which is not written");
   json parameters = json::object();
   for (const auto& [name, value] : node->second.parameters) parameters[name.str()] = to_json(value);
   for (const auto& [name, connections] : node->second.inputConnections) {
     if (connections.empty()) continue;
+    if (name == hd::Token("normal") || name == hd::Token("coatNormal") || name == hd::Token("bump"))
+      throw std::runtime_error(id.str() + " has a texture for " + name.str() + ", which is not written");
     if (connections.size() > 1)
       throw std::runtime_error(id.str() + " has two textures for " + name.str() + ", which are not written");
     const auto scale = node->second.parameters.find(name);

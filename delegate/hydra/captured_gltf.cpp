@@ -56,7 +56,7 @@ class GltfMeshes {
     if (has_normals) attributes["NORMAL"] = write(vertex_normals, "VEC3", false);
     if (has_st) attributes["TEXCOORD_0"] = write(vertex_st, "VEC2", false);
     json primitive = {{"attributes", attributes}, {"indices", write(indices, "SCALAR", false)}};
-    if (!mesh.material.empty()) primitive["material"] = material(PlainName(mesh.material));
+    if (!mesh.material.empty()) primitive["material"] = material(PlainName(mesh.material), mesh.doubleSided);
     document_["meshes"].push_back({{"name", PlainName(id)}, {"primitives", {primitive}}});
   }
 
@@ -81,6 +81,8 @@ class GltfMeshes {
       if (count != 3) refuse(id, "has faces that are no triangles, which glTF cannot hold");
     if (!mesh.topology.geomSubsets.empty()) refuse(id, "has subsets, which are not written");
     if (!mesh.transformSamples.times.empty() || !mesh.primvarSamples.empty()) refuse(id, "moves, which is not written");
+    if (mesh.material.empty() && mesh.doubleSided)
+      refuse(id, "has two sides and no material, which glTF cannot hold");
     if (mesh.topology.orientation == hd::Token("leftHanded")) refuse(id, "is left-handed, which is not written");
     if (!mesh.topology.holeIndices.empty() || !mesh.topology.invisibleFaces.empty())
       refuse(id, "has faces that are not drawn, which is not written");
@@ -129,11 +131,12 @@ class GltfMeshes {
     return document_["accessors"].size() - 1;
   }
 
-  size_t material(const std::string& name) {
+  // In glTF a material says whether its meshes have a back. Two of one name are both what the description matches.
+  size_t material(const std::string& name, bool is_double_sided) {
     json& all = document_["materials"];
     for (size_t i = 0; i < all.size(); ++i)
-      if (all[i]["name"] == name) return i;
-    all.push_back({{"name", name}, {"doubleSided", true}});
+      if (all[i]["name"] == name && all[i]["doubleSided"] == is_double_sided) return i;
+    all.push_back({{"name", name}, {"doubleSided", is_double_sided}});
     return all.size() - 1;
   }
 

@@ -97,7 +97,7 @@ def dome(radiance):
 
 
 def quarter_fault(found, expected):
-    """Of pixels where light is expected: their mean ratio must be 1."""
+    """The mean ratio must be 1 where light is expected."""
     lit = expected > 0
     ratio = found[lit] / expected[lit] - 1
     mean, error = float(ratio.mean()), float(ratio.std() / math.sqrt(ratio.size))
@@ -107,7 +107,7 @@ def quarter_fault(found, expected):
 
 
 def fault_of(picture, irradiance, color):
-    """Of a picture, whose floor reflects the irradiance over pi, in each quarter and channel."""
+    """The floor reflects the irradiance over pi: in each quarter and channel."""
     radiance = picture["color"]
     if numpy.any(radiance[..., :3][irradiance == 0]):
         return "there is light where none may be"

@@ -3,10 +3,13 @@
 // Argument: a JSON file with stage, camera, size, aovs, complexity, purposes (besides default), renderSettings (a prim)
 // and frames, each with settings to set before it, time, and out. Each picture is out.AOV.raw, floats with rows from
 // the bottom up, and a line "PICTURE {json}" with the file, its size and its channels. With `record`, usdrecord's own
-// recorder writes frames instead, as files of that ending.
+// recorder writes frames instead, as files of that ending. With `shaders`, names of nodes, it renders nothing and prints
+// "NODE {json}" with what the registry of shaders knows of each.
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/renderBuffer.h>
 #include <pxr/imaging/hdx/taskController.h>
+#include <pxr/usd/sdr/registry.h>
+#include <pxr/usd/sdr/shaderProperty.h>
 #include <pxr/usd/usd/stage.h>
 #include <pxr/usd/usdGeom/camera.h>
 #include <pxr/usdImaging/usdAppUtils/frameRecorder.h>
@@ -130,12 +133,43 @@ bool record_all(const UsdStageRefPtr& stage, const json& job) {
   return true;
 }
 
+json described(const SdrShaderPropertyConstPtr& property) {
+  json metadata = json::object();
+  for (const auto& [key, value] : property->GetMetadata()) metadata[key.GetString()] = value;
+  json options = json::array();
+  for (const auto& [name, value] : property->GetOptions()) options.push_back(name.GetString());
+  return {{"options", options},
+          {"type", property->GetTypeAsSdfType().first.GetAsToken().GetString()},
+          {"default", TfStringify(property->GetDefaultValueAsSdfType())},
+          {"help", property->GetHelp()},
+          {"connectable", property->IsConnectable()},
+          {"metadata", metadata}};
+}
+
+// As an application lists the inputs of a node. False if the registry does not know it.
+bool list_node(const std::string& name) {
+  const auto node = SdrRegistry::GetInstance().GetShaderNodeByIdentifier(TfToken(name));
+  if (!node || !node->IsValid()) return std::cerr << "no shader " << name << std::endl, false;
+  json inputs = json::object(), outputs = json::array();
+  for (const TfToken& input : node->GetInputNames())
+    inputs[input.GetString()] = described(node->GetShaderInput(input));
+  for (const TfToken& output : node->GetOutputNames()) outputs.push_back(output.GetString());
+  std::cout << "\nNODE " << json{{"name", name}, {"help", node->GetHelp()}, {"inputs", inputs}, {"outputs", outputs}}
+            << std::endl;
+  return true;
+}
+
 }  // namespace
 
 int main(int count, char** words) {
   if (count != 2) return std::cerr << "usage: record_stage JOB.json" << std::endl, 2;
   try {
     const json job = json::parse(std::ifstream(words[1]));
+    if (job.contains("shaders")) {
+      bool known = true;
+      for (const std::string name : job["shaders"]) known &= list_node(name);
+      return known ? 0 : 1;
+    }
     const UsdStageRefPtr stage = UsdStage::Open(job["stage"].get<std::string>());
     if (!stage) return 1;
     return (job.contains("record") ? record_all(stage, job) : render_all(stage, job)) ? 0 : 1;

@@ -100,13 +100,37 @@ def judge_files(host, name, given):
     return "", f"files: {len(files)}, layers: {len(whole)}, frames: {len(frames)}, 0 pixels differ"
 
 
+def judge_nodes(host, name, given):
+    """What an application learns of our nodes from OpenUSD's registry of shaders."""
+    told, warned = host.run(name, "", {"shaders": given["nodes"]})
+    nodes = {node["name"]: node for node in (json.loads(line[5:]) for line in told.splitlines() if line.startswith("NODE "))}
+    return warned or given["check"](nodes), f"nodes: {len(nodes)}, as expected"
+
+
+def fault_of_description(file, materials):
+    """The parameters that the plug-in wrote are those that the stage has, numbers as floats."""
+    found = {one["match"]: one["replace"] for one in json.loads(file.read_text())["materials"]}
+    for name, wanted in materials.items():
+        for key, value in wanted.items():
+            there = found.get(name, {}).get(key)
+            if isinstance(value, dict):
+                there = {k: (there or {}).get(k) for k in value}
+            elif not isinstance(value, str):
+                there, value = (numpy.asarray(v, numpy.float32).tolist() if v is not None else v for v in (there, value))
+            if there != value:
+                return f"{key} of {name} is written as {there}, not {value}"
+    return ""
+
+
 def judge(host, name, given):
     """(fault or nothing, what was found)"""
     if "files" in given:
         return judge_files(host, name, given)
+    if "nodes" in given:
+        return judge_nodes(host, name, given)
     stage, equals, check = given.pop("stage"), given.pop("equals", None), given.pop("check", None)
     within, written, warns, control = given.pop("within", 0), given.pop("written", False), given.pop("warns", ""), given.pop("control", "")
-    frames = given.pop("frames", [{}])
+    frames, materials = given.pop("frames", [{}]), given.pop("materials", {})
     if written:
         frames[-1].setdefault("settings", {})["alabaster:writeScene"] = str(host.folder / f"{name}.json")
     pictures, warned = host.pictures(name, stage, given, frames)
@@ -121,6 +145,8 @@ def judge(host, name, given):
         done = subprocess.run([str(host.build / "bin/alabaster"), "render", "--quiet", "--allow-outside", str(host.folder / f"{name}.json")], capture_output=True, text=True)
         if done.returncode:
             return done.stderr.strip()[-300:], ""
+        if fault := fault_of_description(host.folder / f"{name}.json", materials):
+            return fault, ""
         other = exr(host.folder / f"{name}.exr")
     else:
         given.pop("renderSettings", None)

@@ -5,11 +5,14 @@ A case is a function of a folder that it may write files to. It gives a dictiona
             `control`: the text of a third one, which must differ by more than half of the light
   written   True: the program renders the same from the scene that the plug-in writes
   check     a function of the pictures (arrays of rows from the top down) that gives a fault, or nothing
+            `materials`: parameters by name of material that this scene must have
+  nodes     names of nodes that the registry of shaders must know; check is a function of what it knows
   files     names of files that usdrecord's recorder or the renderer writes, each with its window of the picture that the
             engine shows with the options `show`
 besides options of record_stage, and frames, a list of {time, settings}; `equals` and `written` are about the last picture.
 """
 import light_cases
+import node_cases
 from stage_text import *  # noqa: F403
 
 CASES = {}
@@ -50,6 +53,7 @@ def a_light(kind):
 for kind in LIGHTS:
     CASES["light_" + kind] = a_light(kind)
 CASES.update(light_cases.CASES)
+CASES.update(node_cases.CASES)
 
 
 @case

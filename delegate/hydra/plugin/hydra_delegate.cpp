@@ -223,9 +223,9 @@ pxr::TfToken HydraDelegate::GetMaterialBindingPurpose() const {
   return pxr::HdTokens->full;
 }
 
-// MaterialX says more than UsdPreviewSurface, which has no subsurface scattering.
+// Our own nodes say most, and MaterialX more than UsdPreviewSurface, which has no subsurface scattering.
 pxr::TfTokenVector HydraDelegate::GetMaterialRenderContexts() const {
-  return {pxr::TfToken("mtlx"), pxr::TfToken()};
+  return {pxr::TfToken("alabaster"), pxr::TfToken("mtlx"), pxr::TfToken()};
 }
 
 pxr::TfTokenVector HydraDelegate::GetRenderSettingsNamespaces() const {
