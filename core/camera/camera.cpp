@@ -32,6 +32,7 @@ std::span<const Parameter<CameraParameters>> camera_parameters() {
       {"focusDistance", &P::focus_distance, 0, kUnbounded},
       {"apertureBlades", &P::aperture_blades, 0, 64},
       {"apertureRotation", &P::aperture_rotation},
+      {"exposure", &P::exposure, -64, 64},
       {"shutterOpen", &P::shutter_open},
       {"shutterClose", &P::shutter_close},
   };

@@ -29,6 +29,7 @@ struct CameraParameters {
   bool orthographic = false;
   uint32_t aperture_blades = 0;  // below 3: a round aperture
   float aperture_rotation = 0;   // degrees, from the camera's x to its y; 0: a corner on the x axis
+  float exposure = 0;            // stops: radiance in the picture is multiplied by 2 to this power
   float shutter_open = 0;        // frames, relative to the one that is drawn
   float shutter_close = 0;       // not before it opens; the same: nothing is blurred
   std::vector<Matrix4d> poses;   // camera_to_world over the camera's own shutter, even ones; empty: stands still

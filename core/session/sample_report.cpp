@@ -43,6 +43,7 @@ class SampleReporter {
     try {
       const Rgb color = renderer_.trace_sample(at, &counters_, &layers_, record).color;
       if (record) text_ += record->text();
+      if (record && request_.camera.exposure != 0) text_ += "  the camera's exposure multiplies the sum\n";
       text_ += color_line(at, color);
       if (counters_.nonfinite_samples > nonfinite) text_ += "  not finite: the film takes black in its place\n";
       return color;

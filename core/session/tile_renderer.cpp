@@ -36,12 +36,20 @@ void prepare_filtering(const SceneSnapshot& scene) {
   });
 }
 
+void expose(float factor, FilmSample* sample, LightLayers* layers) {
+  sample->color *= factor;
+  for (Rgb* layer : {&layers->diffuse, &layers->specular, &layers->unscattered, &layers->single, &layers->multiple,
+                     &layers->emission})
+    *layer *= factor;
+}
+
 }  // namespace
 
 TileRenderer::TileRenderer(const RenderRequest& request)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
       has_motion_(camera_.moves() || request.scene->features.motion),
+      exposure_(std::exp2(request.camera.exposure)),
       integrator_settings_(settings_for(request)),
       has_layers_((request.aovs & kLayerAovs) != 0),
       has_vectors_((request.aovs & kVectorAovs) != 0),
@@ -86,6 +94,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     throw SampleFailure(failure.what(), at);
   }
   ++counters->samples;
+  if (exposure_ != 1) expose(exposure_, &result, parts.layers);
 
   // One bad number would spoil every later sum of its pixel.
   if (!is_finite(result.color)) {

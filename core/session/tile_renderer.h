@@ -83,6 +83,7 @@ class TileRenderer {
   const RenderRequest& request_;
   MovingCamera camera_;
   bool has_motion_;  // of the scene or the camera: rays have a time
+  float exposure_;   // factor of radiance
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
   PathIntegrator trace_path_;

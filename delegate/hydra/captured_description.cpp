@@ -33,7 +33,7 @@ json to_json(const hd::Matrix4d& matrix) {
   return std::vector<double>(&matrix.x[0][0], &matrix.x[0][0] + 16);
 }
 
-// What a texture's node says, or what it is without a word.
+// A parameter of a texture's node, or the value that it has without one.
 std::string word_of(const hd::MaterialNode& node, const char* name, const char* otherwise) {
   const auto found = node.parameters.find(name);
   return found == node.parameters.end() ? otherwise : found->second.text_or(otherwise);

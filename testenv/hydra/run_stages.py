@@ -101,7 +101,7 @@ def judge_files(host, name, given):
 
 
 def judge_nodes(host, name, given):
-    """What an application learns of our nodes from OpenUSD's registry of shaders."""
+    """OpenUSD's registry of shaders tells applications of our nodes."""
     told, warned = host.run(name, "", {"shaders": given["nodes"]})
     nodes = {node["name"]: node for node in (json.loads(line[5:]) for line in told.splitlines() if line.startswith("NODE "))}
     return warned or given["check"](nodes), f"nodes: {len(nodes)}, as expected"

@@ -428,6 +428,22 @@ def render_products(folder):
 
 @case
 def camera_exposure(_):
+    """Each stop doubles the picture, at any time, and leaves depth as it is."""
+    def check(pictures):
+        fault = expect(pictures[0], {(0, 0): (4, 0, 0), (1, 0): BLACK}) or expect(pictures[1], {(0, 0): (0.5, 0, 0)})
+        depths = {float(p["cameraDepth"][24, 32, 0]) for p in pictures}
+        return fault or ("" if depths == {5.0} else f"the quad is at {depths}")
+    return {"stage": HEAD + camera("float exposure.timeSamples = { 1: 1, 2: -2 }") + glow("red", RED) + quad("a", bound("/red")),
+            "aovs": ["color", "cameraDepth"], "frames": [{"time": 1}, {"time": 2}], "check": check}
+
+
+@case
+def camera_exposure_written(_):
+    return {"stage": lit_by(LIGHTS["rect"]).replace("float focalLength", "float exposure = 0.7\nfloat focalLength"), "written": True}
+
+
+@case
+def lens_distortion(_):
     """A part of the camera that is not read is reported."""
-    return {"stage": HEAD + camera("float exposure = 1") + glow("red", RED) + quad("a", bound("/red")), "warns": "the exposure of cameras is not read",
-            "check": lambda p: expect(p[0], {(0, 0): RED})}
+    return {"stage": HEAD + camera('uniform token lensDistortion:type = "fisheye"') + glow("red", RED) + quad("a", bound("/red")),
+            "warns": "lens distortion is not read", "check": lambda p: expect(p[0], {(0, 0): RED})}

@@ -116,14 +116,9 @@ void HydraLight::Finalize(pxr::HdRenderParam* param) {
 }
 
 void HydraCamera::warn_of_unread(const HydraParam& param) {
-  const auto warn_once = [&](bool* warned, const char* text) {
-    if (!std::exchange(*warned, true)) param.warn(GetId(), "camera.unread", text);
-  };
-  if (GetExposure() != 0)
-    warn_once(&warned_of_exposure_,
-              "the exposure of cameras is not read; pixels are scene-linear, so apply it to them");
-  if (!GetLensDistortionType().IsEmpty() && GetLensDistortionType() != "standard")
-    warn_once(&warned_of_distortion_, "lens distortion is not read; the lens is ideal");
+  if (GetLensDistortionType().IsEmpty() || GetLensDistortionType() == "standard") return;
+  if (!std::exchange(warned_of_distortion_, true))
+    param.warn(GetId(), "camera.unread", "lens distortion is not read; the lens is ideal");
 }
 
 void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, pxr::HdDirtyBits* bits) {
@@ -142,6 +137,7 @@ void HydraCamera::Sync(pxr::HdSceneDelegate* scene, pxr::HdRenderParam* param, p
                 {"verticalApertureOffset", GetVerticalApertureOffset()},
                 {"fStop", GetFStop()},
                 {"focusDistance", GetFocusDistance()},
+                {"exposure", GetExposure()},
                 {"shutterOpen", GetShutterOpen()},
                 {"shutterClose", GetShutterClose()}};
   if (!GetClippingRange().IsEmpty())

@@ -80,7 +80,7 @@ class HydraCamera final : public pxr::HdCamera {
   void warn_of_unread(const HydraParam& param);
 
   hd::CameraDescription description_;
-  bool warned_of_exposure_ = false, warned_of_distortion_ = false;
+  bool warned_of_distortion_ = false;
 };
 
 }  // namespace alabaster::hydra

@@ -77,6 +77,31 @@ TEST(TileRenderer, PassesOfAnySizeGiveTheSameBytes) {
   EXPECT_TRUE(same_bytes(whole, render_passes(renderer, {{1, 8}, {1, 2}, {1}, {7, 2}, {7}, {8}})));
 }
 
+TEST(TileRenderer, ExposureScalesRadianceAlone) {
+  const RenderRequest request = mixed_request(1);
+  RenderRequest exposed = request;
+  exposed.camera.exposure = 3;
+  const TileRenderer renderer(request), bright(exposed);
+  RenderCounters counters;
+  float most = 0;
+  for (int y = kRect.y0; y < kRect.y1; y += 3)
+    for (int x = kRect.x0; x < kRect.x1; x += 3) {
+      LightLayers layers, bright_layers;
+      const FilmSample plain = renderer.trace_sample({x, y, 0}, &counters, &layers);
+      const FilmSample scaled = bright.trace_sample({x, y, 0}, &counters, &bright_layers);
+      most = std::max(most, max_component(plain.color));
+      EXPECT_EQ(scaled.color, plain.color * 8.0f);
+      EXPECT_EQ(bright_layers.diffuse, layers.diffuse * 8.0f);
+      EXPECT_EQ(bright_layers.specular, layers.specular * 8.0f);
+      EXPECT_EQ(bright_layers.multiple, layers.multiple * 8.0f);
+      EXPECT_EQ(bright_layers.emission, layers.emission * 8.0f);
+      EXPECT_EQ(scaled.albedo, plain.albedo);
+      EXPECT_EQ(scaled.alpha, plain.alpha);
+      EXPECT_EQ(scaled.camera_depth, plain.camera_depth);
+    }
+  EXPECT_GT(most, 0);
+}
+
 TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
   const RenderRequest request = mixed_request(1);
   const TileRenderer renderer(request);
