@@ -271,6 +271,14 @@ class PlainSurface {
   MaterialImages images_;
 };
 
+// OpenUSD's scene index gives each parameter a companion "colorSpace:NAME", empty where the file says nothing.
+MaterialNetwork without_empty_color_spaces(MaterialNetwork network, const Path& surface) {
+  std::erase_if(network.nodes[surface].parameters, [](const auto& parameter) {
+    return parameter.first.str().starts_with("colorSpace:") && parameter.second.text_or("").empty();
+  });
+  return network;
+}
+
 }  // namespace
 
 Vec3f ScatterDistance(const Vec3f& mean_free_path, const Vec3f& albedo) {
@@ -299,6 +307,7 @@ MaterialNetwork TranslateMaterial(const MaterialNetwork& network, const WarnMate
   const auto surface = network.nodes.find(terminal->second.upstreamNode);
   if (surface == network.nodes.end()) return network;
   const auto& [id, node] = *surface;
+  if (node.nodeTypeId == hd::Token("AlabasterDisney")) return without_empty_color_spaces(network, id);
   if (node.nodeTypeId == hd::Token(kStandardSurface)) return StandardSurface(network, node, warn).run(id);
   return node.nodeTypeId == hd::Token("ND_surface") ? PlainSurface(network, node, warn).run(id) : network;
 }

@@ -12,7 +12,7 @@ namespace alabaster::hydra {
 using WarnMaterial = std::function<void(const char* code, const std::string& text)>;
 
 /// The network itself unless its terminal "surface" names a node ND_standard_surface_surfaceshader or ND_surface:
-/// UsdPreviewSurface is the delegate's own business. Warns once of each input that is left out. README.md has the
+/// UsdPreviewSurface is the delegate's own business, and AlabasterDisney loses nothing but empty "colorSpace:NAME". Warns once of each input that is left out. README.md has the
 /// table.
 hd::MaterialNetwork TranslateMaterial(const hd::MaterialNetwork& network, const WarnMaterial& warn);
 
