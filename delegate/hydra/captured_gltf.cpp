@@ -81,8 +81,11 @@ class GltfMeshes {
       if (count != 3) refuse(id, "has faces that are no triangles, which glTF cannot hold");
     if (!mesh.topology.geomSubsets.empty()) refuse(id, "has subsets, which are not written");
     if (!mesh.transformSamples.times.empty() || !mesh.primvarSamples.empty()) refuse(id, "moves, which is not written");
-    if (mesh.material.empty() && mesh.doubleSided)
-      refuse(id, "has two sides and no material, which glTF cannot hold");
+    if (mesh.material.empty() && mesh.doubleSided) refuse(id, "has two sides and no material, which glTF cannot hold");
+    for (const char* name : {"subsurfaceSet", "holdout", "visibleToCamera"})
+      if (mesh.primvars.contains(name)) refuse(id, std::string("has a primvar ") + name + ", which is not written");
+    if (mesh.material.empty() && mesh.primvars.contains("displayColor"))
+      refuse(id, "has no material but a colour of its own, which is not written");
     if (mesh.topology.orientation == hd::Token("leftHanded")) refuse(id, "is left-handed, which is not written");
     if (!mesh.topology.holeIndices.empty() || !mesh.topology.invisibleFaces.empty())
       refuse(id, "has faces that are not drawn, which is not written");

@@ -271,7 +271,7 @@ class PlainSurface {
   MaterialImages images_;
 };
 
-// OpenUSD's scene index gives each parameter a companion "colorSpace:NAME", empty where the file says nothing.
+// OpenUSD's scene index gives each parameter a companion "colorSpace:NAME", empty where the file gives none.
 MaterialNetwork without_empty_color_spaces(MaterialNetwork network, const Path& surface) {
   std::erase_if(network.nodes[surface].parameters, [](const auto& parameter) {
     return parameter.first.str().starts_with("colorSpace:") && parameter.second.text_or("").empty();

@@ -12,8 +12,8 @@ namespace alabaster::hydra {
 using WarnMaterial = std::function<void(const char* code, const std::string& text)>;
 
 /// The network itself unless its terminal "surface" names a node ND_standard_surface_surfaceshader or ND_surface:
-/// UsdPreviewSurface is the delegate's own business, and AlabasterDisney loses nothing but empty "colorSpace:NAME". Warns once of each input that is left out. README.md has the
-/// table.
+/// UsdPreviewSurface is the delegate's own business, and AlabasterDisney loses nothing but empty "colorSpace:NAME".
+/// Warns once of each input that is left out. README.md has the table.
 hd::MaterialNetwork TranslateMaterial(const hd::MaterialNetwork& network, const WarnMaterial& warn);
 
 /// Lets each texture read primvar st: Blender's own export gives a mesh its active UV map alone, under this name.

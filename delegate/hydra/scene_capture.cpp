@@ -1,8 +1,10 @@
 #include "delegate/hydra/scene_capture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <stdexcept>
 
 #include "delegate/hydra/captured_files.h"
 
@@ -64,6 +66,7 @@ void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   mesh.transform = scene.GetTransform(id);
   mesh.transformSamples = scene.SampleTransform(id);
   mesh.visible = scene.GetVisible(id);
+  mesh.renderTag = scene.GetRenderTag(id);
   mesh.doubleSided = scene.GetDoubleSided(id);
   mesh.material = scene.GetMaterialId(id);
   mesh.instancer = scene.GetInstancerId(id);
@@ -97,13 +100,17 @@ void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const
   for (const std::string& name : LightParameterNames(type.str()))
     if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
   light.visible = scene.GetVisible(id);
+  bool is_linked = false;
+  for (const char* link : {"lightLink", "shadowLink"})
+    is_linked |= !scene.GetLightParamValue(id, link).text_or("").empty();
   const std::lock_guard lock(mutex_);
   lights_[id] = std::move(light);
+  is_linked ? void(linked_.insert(id)) : void(linked_.erase(id));
 }
 
 void SceneCapture::Remove(const hd::Path& id) {
   const std::lock_guard lock(mutex_);
-  meshes_.erase(id), instancers_.erase(id), materials_.erase(id), lights_.erase(id);
+  meshes_.erase(id), instancers_.erase(id), materials_.erase(id), lights_.erase(id), linked_.erase(id);
   for (auto& [instancer, held] : instancers_) held.indices.erase(id);
 }
 
@@ -114,8 +121,16 @@ std::string SceneCapture::Write(const std::string& file, const hd::RenderPassSta
   const std::string stem = file.substr(0, file.size() - 5);
   const std::string name = stem.substr(stem.rfind('/') + 1);
   try {
-    const CapturedGltf gltf = MakeGltf(meshes_, instancers_, name + ".bin");
-    const std::string description = MakeDescription({meshes_, materials_, lights_, state, settings}, name);
+    for (const hd::Path& id : linked_)
+      if (lights_.at(id).visible)
+        throw std::runtime_error(id.str() + " is linked to a part of the scene, which is not written");
+    // Only those that the pass draws.
+    auto meshes = meshes_;
+    std::erase_if(meshes, [&tags = state.renderTags](const auto& mesh) {
+      return std::find(tags.begin(), tags.end(), mesh.second.renderTag) == tags.end();
+    });
+    const CapturedGltf gltf = MakeGltf(meshes, instancers_, name + ".bin");
+    const std::string description = MakeDescription({meshes, materials_, lights_, state, settings}, name);
     for (const auto& [ending, text] :
          {std::pair{".bin", &gltf.buffer}, std::pair{".gltf", &gltf.document}, std::pair{".json", &description}})
       if (std::string fault = write_whole(stem + ending, *text); !fault.empty()) return fault;

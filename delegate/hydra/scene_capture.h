@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <set>
 
 #include "delegate/host/retained_scene_delegate.h"
 
@@ -22,7 +23,7 @@ class SceneCapture {
 
   /// Writes a render description, which `file` names (.json), and beside it the meshes as .gltf and .bin. They are
   /// renamed from temporary names once they are complete. Returns the reason if that fails, or if the scene holds what
-  /// these files cannot: cages, meshes that are no triangles, UsdPreviewSurface, instancers in instancers, motion.
+  /// these files cannot: README.md has the list.
   std::string Write(const std::string& file, const hd::RenderPassState& state,
                     const std::map<hd::Token, hd::Value>& settings) const;
 
@@ -32,6 +33,7 @@ class SceneCapture {
   std::map<hd::Path, hd::host::InstancerDescription> instancers_;
   std::map<hd::Path, hd::MaterialNetwork> materials_;
   std::map<hd::Path, hd::host::LightDescription> lights_;
+  std::set<hd::Path> linked_;  // lights for a part of the scene
 };
 
 }  // namespace alabaster::hydra

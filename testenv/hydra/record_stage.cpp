@@ -3,8 +3,8 @@
 // Argument: a JSON file with stage, camera, size, aovs, complexity, purposes (besides default), renderSettings (a prim)
 // and frames, each with settings to set before it, time, and out. Each picture is out.AOV.raw, floats with rows from
 // the bottom up, and a line "PICTURE {json}" with the file, its size and its channels. With `record`, usdrecord's own
-// recorder writes frames instead, as files of that ending. With `shaders`, names of nodes, it renders nothing and prints
-// "NODE {json}" with what the registry of shaders knows of each.
+// recorder writes frames instead, as files of that ending. With `shaders`, names of nodes, it renders nothing and
+// prints "NODE {json}" with what the registry of shaders knows of each.
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/renderBuffer.h>
 #include <pxr/imaging/hdx/taskController.h>
@@ -151,8 +151,7 @@ bool list_node(const std::string& name) {
   const auto node = SdrRegistry::GetInstance().GetShaderNodeByIdentifier(TfToken(name));
   if (!node || !node->IsValid()) return std::cerr << "no shader " << name << std::endl, false;
   json inputs = json::object(), outputs = json::array();
-  for (const TfToken& input : node->GetInputNames())
-    inputs[input.GetString()] = described(node->GetShaderInput(input));
+  for (const TfToken& input : node->GetInputNames()) inputs[input.GetString()] = described(node->GetShaderInput(input));
   for (const TfToken& output : node->GetOutputNames()) outputs.push_back(output.GetString());
   std::cout << "\nNODE " << json{{"name", name}, {"help", node->GetHelp()}, {"inputs", inputs}, {"outputs", outputs}}
             << std::endl;

@@ -170,8 +170,10 @@ def sheet(host, names, out):
     files = []
     for name in names:
         file = host.folder / f"{name}.ppm"
-        picture = max([*host.folder.glob(f"{name}.[0-9].color.raw"), *host.folder.glob(f"{name}.shown.0.color.raw")])
-        pixels = numpy.fromfile(picture, numpy.float32).reshape(SIZE[1], SIZE[0], 4)[::-1, :, :3]
+        pictures = [*host.folder.glob(f"{name}.[0-9].color.raw"), *host.folder.glob(f"{name}.shown.0.color.raw")]
+        if not pictures:
+            continue  # nothing was rendered
+        pixels = numpy.fromfile(max(pictures), numpy.float32).reshape(SIZE[1], SIZE[0], 4)[::-1, :, :3]
         srgb = numpy.clip(pixels, 0, 1) ** (1 / 2.2)
         file.write_bytes(f"P6 {SIZE[0]} {SIZE[1]} 255\n".encode() + (srgb * 255 + 0.5).astype(numpy.uint8).tobytes())
         files.append(str(file))
@@ -181,7 +183,7 @@ def sheet(host, names, out):
 def table(rows):
     lines = ["## USD stages by the engine of usdrecord", "",
              f"OpenUSD 24.05, {SIZE[0]} x {SIZE[1]}, {SAMPLES} samples, by `run_stages.py --results`. Each stage of `stage_cases.py` against its expectation: the "
-             "program's picture of the scene that the plug-in writes, another stage, or values that are known. Pictures are in `stages.jpg` in this order.", "",
+             "program's picture of the scene that the plug-in writes, another stage, or values that are known. Those that have a picture are in `stages.jpg` in this order.", "",
              "| stage | found |", "| --- | --- |"]
     return "\n".join(lines + [f"| {name.replace('_', ' ')} | {found} |" for name, found in rows]) + "\n"
 

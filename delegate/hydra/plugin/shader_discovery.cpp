@@ -1,5 +1,5 @@
-// Names our nodes to OpenUSD's registry of shaders. OpenUSD drops nodes that it has no definition of from materials, and
-// its own parser reads the definitions from shaders.usda beside this library.
+// Names our nodes to OpenUSD's registry of shaders. OpenUSD drops nodes that it has no definition of from materials,
+// and its own parser reads the definitions from shaders.usda beside this library.
 #include <pxr/base/plug/plugin.h>
 #include <pxr/base/plug/thisPlugin.h>
 #include <pxr/usd/ndr/discoveryPlugin.h>

@@ -44,6 +44,21 @@ TEST(StandardSurface, HasItsOwnDefaults) {
   EXPECT_TRUE(t.warnings.empty());
 }
 
+TEST(OwnNodes, LoseNothingButEmptyColourSpaces) {
+  MaterialNetwork network;
+  network.nodes["/m/s"] = {"AlabasterDisney",
+                           {{"roughness", 0.3f},
+                            {"colorSpace:roughness", hd::Token("")},
+                            {"colorSpace:baseColor", hd::Token("srgb_texture")}},
+                           {}};
+  network.nodes["/m/t"] = {"AlabasterTexture", {{"colorSpace:file", hd::Token("")}}, {}};
+  network.terminals["surface"] = {"/m/s", "surface"};
+  const Translated t(network);
+  network.nodes["/m/s"].parameters.erase("colorSpace:roughness");
+  EXPECT_EQ(t.network, network);
+  EXPECT_TRUE(t.warnings.empty());
+}
+
 TEST(StandardSurface, WeightsMultiplyTheirColours) {
   const Translated t(standard(
       {{"base", 0.5f}, {"base_color", Vec3f(1, 0.5f, 0)}, {"emission", 2.0f}, {"emission_color", Vec3f(1, 0, 0.5f)}}));
