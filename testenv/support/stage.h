@@ -68,7 +68,7 @@ class Stage {
     return state;
   }
 
-  /// Executes until converged; false after 20 s.
+  /// Executes until converged; false after two minutes.
   static bool finish(RenderPass& pass, const RenderPassState& state) {
     for (int i = 0; i < 6000; ++i) {
       pass.Execute(state);
