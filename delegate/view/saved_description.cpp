@@ -173,7 +173,7 @@ class Description {
   }
 
   std::string companion(const std::string& suffix, std::vector<uint8_t> bytes) {
-    const std::string name = fs::path(file_).stem().string() + suffix;
+    std::string name = fs::path(file_).stem().string() + suffix;
     companions_.emplace_back(name, std::move(bytes));
     return name;
   }

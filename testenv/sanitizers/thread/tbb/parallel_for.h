@@ -1,7 +1,7 @@
 // Only in builds with ThreadSanitizer. Debian's libtbb is not instrumented: the sanitizer sees its tasks on several
 // threads but nothing that orders them, and takes every hand-over of data for a race. This header tells it the order
 // that tbb::parallel_for promises: the code before the loop happens before every task, and every task happens before
-// the code after the loop. Races between tasks of one loop stay visible.
+// the code after the loop, also where one throws. Races between tasks of one loop stay visible.
 #pragma once
 
 #include_next <tbb/parallel_for.h>
@@ -11,6 +11,15 @@ extern "C" void __tsan_release(void* address);
 
 namespace tbb {
 
+struct release_at_exit {
+  char* address;
+  ~release_at_exit() { __tsan_release(address); }
+};
+struct acquire_at_exit {
+  char* address;
+  ~acquire_at_exit() { __tsan_acquire(address); }
+};
+
 template <class Body>
 struct ordered_body {
   const Body& body;
@@ -19,8 +28,8 @@ struct ordered_body {
   template <class Range>
   void operator()(Range&& range) const {
     __tsan_acquire(begin);
+    const release_at_exit at_exit{end};
     body(range);
-    __tsan_release(end);
   }
 };
 
@@ -28,8 +37,8 @@ template <class Loop, class Body>
 void run_ordered(const Loop& loop, const Body& body) {
   char begin = 0, end = 0;
   __tsan_release(&begin);
+  const acquire_at_exit at_exit{&end};
   loop(ordered_body<Body>{body, &begin, &end});
-  __tsan_acquire(&end);
 }
 
 template <class Range, class Body>
