@@ -20,10 +20,10 @@ struct SampleAddress {
 };
 
 /// Where on its path a sample ceased to be finite.
-enum class NonfiniteCause { emission, light, lobe, walk, other };
-/// By cause: light that a ray met; a light that was sampled; a lobe and its pdf; a walk below a surface; a sum of
-/// finite numbers, or what no vertex shows.
-inline constexpr const char* kNonfiniteCauses[] = {"emission", "light", "lobe", "walk", "other"};
+enum class NonfiniteCause { emission, light, lobe, walk, exposure, other };
+/// By cause: light that a ray met; a light that was sampled; a lobe and its pdf; a walk below a surface; the camera's
+/// exposure; a sum of finite numbers, or what no vertex shows.
+inline constexpr const char* kNonfiniteCauses[] = {"emission", "light", "lobe", "walk", "exposure", "other"};
 
 struct RenderCounters {
   uint64_t camera_rays = 0;

@@ -115,7 +115,8 @@ NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray&
   const PathContext context{*request_.scene, path.camera, integrator_settings_, counters, &layers, request_.aovs,
                             &record,         path.time};
   select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
-  return record.cause();
+  const NonfiniteCause cause = record.cause();
+  return cause == NonfiniteCause::other && exposure_ > 1 ? NonfiniteCause::exposure : cause;
 }
 
 }  // namespace alabaster

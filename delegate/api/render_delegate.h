@@ -70,7 +70,7 @@ class ALABASTER_API RenderDelegate {
   /// (true once samples of this render, if in blocks, are all over the frame), cpuSeconds, filmMemory (bytes of the
   /// accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
   /// walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples with nonfiniteSamples.emission, .light, .lobe,
-  /// .walk and .other (where on the path a sample ceased to be finite), suspectSample ("x,y,sample" for tracePixel: the
+  /// .walk, .exposure and .other (where on the path a sample ceased to be finite), suspectSample ("x,y,sample" for tracePixel: the
   /// sample whose failed check ended the render, which may be another one in the next render where several fail; else
   /// the first that was not finite, by sample number, row and column, whatever the threads), rejectedRays, error (of a
   /// failed render), refused (true if it was refused before it began, because its camera, framing or size cannot be

@@ -145,9 +145,11 @@ std::vector<std::string> names_of(const char* schema) {
   return names;
 }
 
-/// Light above this adds up to more than floats hold (testenv/extremes/README.md, known limits).
+/// Light above this adds up to more than floats hold, as does light below it with a greater exposure
+/// (testenv/extremes/README.md, known limits).
+constexpr double kMost = 1e35, kMostExposure = 8;
+
 bool is_beyond_floats(const hd::Value& emission) {
-  constexpr double kMost = 1e35;
   std::array<double, 4> numbers{};
   const size_t count = emission.components(&numbers);
   return std::any_of(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(std::min<size_t>(count, 4)),
@@ -213,6 +215,9 @@ void run_material(Bytes input) {
   if (in.flag()) {
     hd::CameraDescription camera = scene.GetCameras().at("/camera");
     set_some(in, kCamera, &camera.parameters);
+    const auto exposure = camera.parameters.find("exposure");
+    if (exposure != camera.parameters.end() && exposure->second.number_or(0) > kMostExposure)
+      camera.parameters.erase(exposure);
     if (in.flag()) camera.transform = matrix(in);
     scene.SetCamera("/camera", camera);
   }

@@ -102,6 +102,17 @@ TEST(TileRenderer, ExposureScalesRadianceAlone) {
   EXPECT_GT(most, 0);
 }
 
+TEST(TileRenderer, ExposureBeyondFloatsIsBlackAndCountedAsSuch) {
+  RenderRequest request = mixed_request(1);
+  request.camera.exposure = 140;
+  const TileRenderer renderer(request);
+  RenderCounters counters;
+  LightLayers layers;
+  EXPECT_EQ(renderer.trace_sample({kRect.x0, kRect.y0, 0}, &counters, &layers).color, Rgb(0.0f));
+  EXPECT_EQ(counters.nonfinite_causes[size_t(NonfiniteCause::exposure)], 1u);
+  EXPECT_EQ(counters.nonfinite_samples, 1u);
+}
+
 TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
   const RenderRequest request = mixed_request(1);
   const TileRenderer renderer(request);
