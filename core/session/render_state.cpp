@@ -69,6 +69,9 @@ RenderCounters counters_of(const Head& head) {
   return counters;
 }
 
+// Thirty years: clocks of nanoseconds hold some multiples of it.
+constexpr double kMostSeconds = 1e9;
+
 bool is_valid(const Head& head) {
   constexpr int kMostSide = 1 << 20, kLimit = 1 << 24;
   const PixelRect& w = head.window;
@@ -77,8 +80,8 @@ bool is_valid(const Head& head) {
   const auto in_order = [](const SampleRange& range) { return range.begin <= range.end; };
   return !w.empty() && w.width() <= kMostSide && w.height() <= kMostSide && head.rays <= 1 && in_order(head.range) &&
          in_order(head.round) && head.ended <= kAllPixelGroups && (head.kept & ~head.ended) == 0 &&
-         head.has_rates <= 1 && head.has_nonfinite <= 1 && std::isfinite(head.wall_seconds) && head.wall_seconds >= 0 &&
-         std::isfinite(head.cpu_seconds) && head.cpu_seconds >= 0;
+         head.has_rates <= 1 && head.has_nonfinite <= 1 && head.wall_seconds >= 0 &&
+         head.wall_seconds <= kMostSeconds && head.cpu_seconds >= 0 && std::isfinite(head.cpu_seconds);
 }
 
 bool read_head(const BlockSource& source, Head* head) {
@@ -189,7 +192,7 @@ bool append_state(const BlockSource& source, RenderState* to) {
     film.store_tile(t, tile);
   }
   to->counters.add(counters_of(head));
-  to->wall_seconds += head.wall_seconds, to->cpu_seconds += head.cpu_seconds;
+  to->wall_seconds = std::min(to->wall_seconds + head.wall_seconds, kMostSeconds), to->cpu_seconds += head.cpu_seconds;
   return true;
 }
 

@@ -31,6 +31,10 @@ log=$build/found/$target.log
 mkdir -p "$build/corpus/$target"
 extra=""
 [ "$target" != gltf ] || extra=$top/testenv/translate
+if ! "$build/bin/fuzz_$target" -runs=0 "$top/testenv/fuzz/corpus/$target" $extra >"$log" 2>&1; then
+  printf "%s: a kept input fails; %s says why\n" "$target" "$log"
+  exit 255
+fi
 status=0
 "$build/bin/fuzz_$target" -max_total_time="$seconds" -timeout=120 -rss_limit_mb=3000 -malloc_limit_mb=2000 \
   -max_len=20000 -seed="${ALABASTER_FUZZ_SEED:-0}" -artifact_prefix="$build/found/$target-" -print_final_stats=1 \

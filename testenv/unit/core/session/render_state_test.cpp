@@ -165,6 +165,22 @@ TEST(RenderState, AStoppedRenderHasOne) {
 }
 
 // Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
+// The render's clock goes on from there, and holds nanoseconds.
+TEST(RenderState, HasATimeThatClocksHold) {
+  RenderSession session;
+  session.start(request_of(2));
+  ASSERT_TRUE(session.wait(60));
+  Blocks saved;
+  ASSERT_TRUE(session.save(into(&saved)));
+  RenderState state = *read(saved);
+  for (const auto& [seconds, is_sound] : {std::pair(1e9, true), std::pair(2e29, false)}) {
+    state.wall_seconds = seconds;
+    Blocks blocks;
+    ASSERT_TRUE(write_state(state, into(&blocks)));
+    EXPECT_EQ(read(blocks) != nullptr, is_sound) << seconds;
+  }
+}
+
 TEST(RenderState, SurvivesBytesOfAnyKind) {
   RenderRequest request = request_of(24);
   request.data_window = {0, 0, 40, 8};
