@@ -165,7 +165,7 @@ TEST(RenderState, AStoppedRenderHasOne) {
 }
 
 // Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
-// The render's clock goes on from there, and holds nanoseconds.
+// The render's clock continues from there, and holds nanoseconds.
 TEST(RenderState, HasATimeThatClocksHold) {
   RenderSession session;
   session.start(request_of(2));
