@@ -88,7 +88,9 @@ class ImageLightTranslator {
     const auto colors = ColorConfig::load("built-in", sink);
     const auto image =
         colors ? load_texture(source, *colors, sink, nullptr, light_.face_size * light_.face_size) : nullptr;
-    if (!image) return fail(element, "cannot be a face of " + light_.element + ": " + reason, asset);
+    // Without the bytes, which may be those of a sound picture that is larger than it is said to be.
+    if (!image)
+      return fail(element, "cannot be a face of " + light_.element + ": " + reason, {asset.authored, "", nullptr});
     if (size_t(image->width()) != light_.face_size || image->height() != image->width())
       return fail(element,
                   "has " + std::to_string(image->width()) + " x " + std::to_string(image->height()) +

@@ -31,7 +31,7 @@ log=$build/found/$target.log
 mkdir -p "$build/corpus/$target"
 extra=""
 [ "$target" != gltf ] || extra=$top/testenv/translate
-if ! "$build/bin/fuzz_$target" -runs=0 "$top/testenv/fuzz/corpus/$target" $extra >"$log" 2>&1; then
+if ! "$build/bin/fuzz_$target" -runs=0 -rss_limit_mb=3000 -artifact_prefix="$build/found/$target-" "$top/testenv/fuzz/corpus/$target" $extra >"$log" 2>&1; then
   printf "%s: a kept input fails; %s says why\n" "$target" "$log"
   exit 255
 fi

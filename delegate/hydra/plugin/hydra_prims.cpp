@@ -33,10 +33,11 @@ constexpr BitPair kMaterialBits[] = {{pxr::HdMaterial::DirtyParams, hd::dirty::k
 /// Syncs a prim of the contract. True if nothing is left dirty.
 template <class Prim>
 bool sync(Prim* prim, HydraScene* scene, HydraParam& param, hd::DirtyBits bits) {
-  param.products().SceneChanged();
   if (!prim || bits == hd::dirty::kClean) return true;
   prim->Sync(scene, param.delegate().GetRenderParam(), &bits);
-  return bits == hd::dirty::kClean;
+  if (bits != hd::dirty::kClean) return false;  // tried again with each pass, which is no change
+  param.products().SceneChanged();
+  return true;
 }
 
 template <class Prim>

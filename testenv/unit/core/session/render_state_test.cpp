@@ -164,7 +164,6 @@ TEST(RenderState, AStoppedRenderHasOne) {
   EXPECT_FALSE(session.save([](std::span<const std::byte>) { return false; }));
 }
 
-// Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
 // The render's clock continues from there, and holds nanoseconds.
 TEST(RenderState, HasATimeThatClocksHold) {
   RenderSession session;
@@ -181,6 +180,7 @@ TEST(RenderState, HasATimeThatClocksHold) {
   }
 }
 
+// Whatever the bytes are, they are refused or give a state; sanitizers see the rest.
 TEST(RenderState, SurvivesBytesOfAnyKind) {
   RenderRequest request = request_of(24);
   request.data_window = {0, 0, 40, 8};
