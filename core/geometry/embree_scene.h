@@ -9,6 +9,7 @@
 #include <memory_resource>
 #include <vector>
 
+#include "core/geometry/instance_cell.h"
 #include "core/geometry/mesh.h"
 #include "core/math/motion.h"
 #include "core/math/ray.h"
@@ -74,10 +75,12 @@ class InstancedScene {
 };
 /// A placement without an object, and one that is not traceable, is never hit; the others keep their indices. Rays that
 /// a placement would carry beyond what Embree takes miss everything: leave out what is not traceable from afar.
-/// Null when memory runs out or Embree refuses (reported), and when `cancelled` says so, as above.
+/// Null when memory runs out or Embree refuses (reported), and when `cancelled` says so, as above. The instances of
+/// `arrays` have the indices that follow.
 std::shared_ptr<const InstancedScene> build_instanced_scene(const std::shared_ptr<TraceDevice>& device,
                                                             const std::vector<InstancePlacement>& instances,
-                                                            const std::function<bool()>& cancelled = {});
+                                                            const std::function<bool()>& cancelled = {},
+                                                            const std::vector<InstanceCells>& arrays = {});
 
 /// Rays and transforms that Embree is given stay below this; it aborts from 1.8e18 on.
 inline constexpr float kTraceLimit = 1e17f;

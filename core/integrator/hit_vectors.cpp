@@ -7,8 +7,10 @@ namespace {
 Vec3f point_at(const PathVertex& v, float time) {
   const auto [a, b, c] = v.instance->prototype->mesh.corners_at(v.triangle.triangle, time);
   const Vec3f p = a * (1 - v.triangle.u - v.triangle.v) + b * v.triangle.u + c * v.triangle.v;
+  TriangleHit then = v.triangle;
+  then.time = time;
   std::optional<Placement> moved;
-  return v.instance->at(time, &moved).object_to_world.point(p);
+  return v.instance->at(then, &moved).object_to_world.point(p);
 }
 
 // x to the right and y up, as rows of buffers go. Zero where the point is behind the camera at either time.

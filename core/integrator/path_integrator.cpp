@@ -26,10 +26,10 @@ Frame turned(const Frame& frame, float turns) {
 
 PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle, float footprint) {
   PathVertex v;
-  v.instance = &context.scene.instances[triangle.instance];
+  v.instance = &context.scene.instance(triangle.instance);
   v.triangle = triangle;
   const Vec3f wo = -ray.dir;
-  const Placement& placement = v.instance->at(triangle.time, &v.moved);
+  const Placement& placement = v.instance->at(triangle, &v.moved);
   const Mesh& mesh = v.instance->prototype->mesh;
   v.hit = surface_on_side(*v.instance, placement, triangle, wo);
   const Vec3f surface = bend_towards(v.hit.ns, v.hit.ng, wo);
@@ -110,7 +110,7 @@ void record_first_hit(const PathContext& context, const PathVertex& v, const Tri
   out->camera_depth = context.camera.axial_depth(v.hit.p);
   out->depth = context.camera.clip_depth(out->camera_depth);
   out->prim_id = v.instance->prim_id;
-  out->instance_id = v.instance->instance_id;
+  out->instance_id = v.instance->id_of(hit);
   out->element_id = v.instance->prototype->mesh.element(hit.triangle);
   if (context.vectors) [[unlikely]]
     record_hit_vectors(context, v, out);
@@ -328,7 +328,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     TriangleHit hit;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
     const bool found = intersect(context, sampler, *path, &hit);
-    const Mesh* const mesh = found ? &context.scene.instances[hit.instance].prototype->mesh : nullptr;
+    const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 
     // Add emission of lights without geometry; of infinite lights only if the ray escaped.

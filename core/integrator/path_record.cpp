@@ -55,7 +55,7 @@ std::string PathRecord::position(const Vec3f& p) const {
 
 std::string PathRecord::surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) const {
   return format("primId %d, instanceId %d, elementId %d, triangle %u, material '", instance.prim_id,
-                instance.instance_id, instance.prototype->mesh.element(triangle.triangle), triangle.triangle) +
+                instance.id_of(triangle), instance.prototype->mesh.element(triangle.triangle), triangle.triangle) +
          instance.material(triangle.triangle).name + "' at " + position(hit.p) + ", ng " + three(hit.ng) + ", ns " +
          three(hit.ns) + format(", uv (%.9g %.9g)", double(hit.uv.x), double(hit.uv.y));
 }

@@ -63,7 +63,7 @@ struct Departure {
 /// A point on a surface as seen along a ray: all normals on the viewer's side.
 struct PathVertex {
   const Instance* instance = nullptr;
-  std::optional<Placement> moved = {};  // at the ray's time, of an instance that moves
+  std::optional<Placement> moved = {};  // at the ray's time, of an instance that moves or is in an array
   TriangleHit triangle;
   SurfaceHit hit;
   Frame frame;          // of the lobes; the viewer is above it

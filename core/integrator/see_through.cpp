@@ -13,7 +13,7 @@ class LinkedTransmittance final : public HitFilter {
   LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link)
       : all_(scene, dir), scene_(scene), shadow_link_(shadow_link) {}
   bool stops(const TriangleHit& hit) const noexcept override {
-    return scene_.casts_shadow(scene_.instances[hit.instance], shadow_link_) && all_.stops(hit);
+    return scene_.casts_shadow(scene_.instance(hit.instance), shadow_link_) && all_.stops(hit);
   }
   float value() const { return all_.value(); }
 
@@ -32,7 +32,7 @@ bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& di
 }
 
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit) {
-  const Instance& instance = scene.instances[hit.instance];
+  const Instance& instance = scene.instance(hit.instance);
   if (!instance.see_through) return 1;
   const Mesh& mesh = instance.prototype->mesh;
   const DisneyMaterial& material = instance.material(hit.triangle);
@@ -43,7 +43,7 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
 }
 
 bool StochasticStop::stops(const TriangleHit& hit) const noexcept {
-  if (depth_ == 0 && is_culled(scene_.instances[hit.instance], hit, dir_)) return false;
+  if (depth_ == 0 && is_culled(scene_.instance(hit.instance), hit, dir_)) return false;
   const float coverage = coverage_at(scene_, dir_, hit);
   if (coverage <= 0 || coverage >= 1) return coverage >= 1;
   const uint32_t number = sampler_.number(Dimension::opacity, depth_);

@@ -63,7 +63,7 @@ const NormalMap* exit_normal_map(const Instance& instance, const SubsurfaceExit&
 /// The exit lobe: light sampling, and the direction in which the path goes on.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
                    PathState* path) {
-  const Instance& instance = context.scene.instances[exit.hit.instance];
+  const Instance& instance = context.scene.instance(exit.hit.instance);
   path->throughput = exit.throughput;
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;
@@ -71,7 +71,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   prefetch_corners(mesh, exit.hit.triangle, Attributes::normals);
   const auto u_bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
   std::optional<Placement> moved;
-  const Placement& placement = instance.at(exit.hit.time, &moved);
+  const Placement& placement = instance.at(exit.hit, &moved);
   const SurfacePoint hit =
       on_side(surface_point(mesh, exit.hit, placement.object_to_world, placement.world_to_object), exit.direction);
   const NormalMap* const normal_map = exit_normal_map(instance, exit);
@@ -120,7 +120,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 /// the body. Empty: the exit lobe has the light, as it has the share 1 - specTrans.
 std::optional<bool> leave_clear_surface(const PathContext& context, const PixelSampler& sampler,
                                         const SubsurfaceExit& exit, PathState* path) {
-  const DisneyMaterial& material = context.scene.instances[exit.hit.instance].material(exit.hit.triangle);
+  const DisneyMaterial& material = context.scene.instance(exit.hit.instance).material(exit.hit.triangle);
   if (!(material.constants.spec_trans > 0)) return std::nullopt;
   path->ray.dir = exit.direction;
   PathVertex v = make_vertex(context, path->ray, exit.hit);

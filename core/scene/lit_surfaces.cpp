@@ -52,7 +52,7 @@ LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint3
   at.u = b.x, at.v = b.y, at.triangle = triangle;
   if (!instance.is_still()) at.time = kTime;
   std::optional<Placement> moved;
-  const Placement& placement = instance.at(at.time, &moved);
+  const Placement& placement = instance.at(at, &moved);
   const SurfaceHit hit = surface_hit(mesh, at, placement.object_to_world, placement.world_to_object);
   const std::array<Vec3f, 3> corners = mesh.corners_at(triangle, at.time);
   const auto corner = [&](size_t c) { return placement.object_to_world.point(corners[c]); };

@@ -1,16 +1,46 @@
 #include "core/scene/scene.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace alabaster {
 
-const Placement& Instance::move_to(float time, std::optional<Placement>* moved) const {
-  const Affine map = posed(poses, time);
+std::optional<InstanceDescription> InstanceArrayDescription::instance(size_t number) const {
+  const auto place = places->at(number);
+  if (!place) return std::nullopt;
+  InstanceDescription one = look;
+  one.object_to_world = *place;
+  one.instance_id = static_cast<int32_t>(number);
+  return one;
+}
+
+bool InstanceArrayDescription::operator==(const InstanceArrayDescription& other) const {
+  return look == other.look && places->size() == other.places->size() &&
+         places->stand_alike(*other.places, 0, places->size());
+}
+
+const Placement& Instance::place(const TriangleHit& hit, std::optional<Placement>* moved) const {
+  if (array) return moved->emplace(array->placed->traced.placement(hit.instance - array->first));
+  const Affine map = posed(poses, hit.time);
   return moved->emplace(Placement{map, inverse(map)});
 }
 
+int32_t Instance::id_of(const TriangleHit& hit) const {
+  return array ? static_cast<int32_t>(hit.instance - array->first) : instance_id;
+}
+
+const Instance& SceneSnapshot::look(uint32_t index) const {
+  const auto after = std::upper_bound(arrays.begin(), arrays.end(), index,
+                                      [](uint32_t i, const InstanceArray& a) { return i < a.first; });
+  return std::prev(after)->look;
+}
+
+size_t SceneSnapshot::instance_count() const {
+  return arrays.empty() ? instances.size() : arrays.back().first + arrays.back().placed->size();
+}
+
 bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
-  if (instance.is_still()) [[likely]] {
+  if (instance.stands_alone() && !instance.prototype->mesh.deforms()) [[likely]] {
     const Mesh& mesh = instance.prototype->mesh;
     const Corners& c = mesh.triangles[hit.triangle];
     const Vec3f n = cross(mesh.points[c[1]] - mesh.points[c[0]], mesh.points[c[2]] - mesh.points[c[0]]);
@@ -18,7 +48,7 @@ bool is_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& di
   }
   const auto [p0, p1, p2] = instance.prototype->mesh.corners_at(hit.triangle, hit.time);
   std::optional<Placement> moved;
-  return dot(cross(p1 - p0, p2 - p0), instance.at(hit.time, &moved).world_to_object.vector(dir)) > 0;
+  return dot(cross(p1 - p0, p2 - p0), instance.at(hit, &moved).world_to_object.vector(dir)) > 0;
 }
 
 std::vector<size_t> scattering_slots(const InstanceDescription& instance) {

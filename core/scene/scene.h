@@ -10,9 +10,11 @@
 
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/mesh.h"
+#include "core/geometry/placement.h"
 #include "core/geometry/tangents.h"
 #include "core/light/light_set.h"
 #include "core/material/disney_material.h"
+#include "core/scene/instance_array.h"
 #include "core/subsurface/mesh_interior.h"
 
 namespace alabaster {
@@ -50,6 +52,17 @@ struct InstanceDescription {
   bool operator==(const InstanceDescription&) const = default;
 };
 
+/// Many instances that are alike but for where they stand. They stand still, do not deform, let no light below their
+/// surface and emit none.
+struct InstanceArrayDescription {
+  InstanceDescription look;  // without a transform and instance_id, which is the number in the array
+  std::shared_ptr<const InstancePlaces> places;
+
+  /// Empty: it is not drawn.
+  std::optional<InstanceDescription> instance(size_t number) const;
+  bool operator==(const InstanceArrayDescription& other) const;
+};
+
 /// The material slots whose triangles let light below their surface, in order. A material that no face uses does not
 /// count.
 std::vector<size_t> scattering_slots(const InstanceDescription& instance);
@@ -60,6 +73,7 @@ struct SceneDescription {
   /// The categories that the instances of each set are in, of those that lights name (1, 2, ...), in order. Empty where
   /// no light names any: then all instances have set 0.
   std::vector<std::vector<uint32_t>> category_sets;
+  std::vector<InstanceArrayDescription> arrays;
   bool operator==(const SceneDescription&) const = default;
 };
 
@@ -74,13 +88,9 @@ struct SceneFeatures {
   bool visible_background = false;  // a dome that the camera sees: the background is opaque
 };
 
-/// Where an instance stands: object space to RENDER space.
-struct Placement {
-  Affine object_to_world;
-  Affine world_to_object;
-};
+struct InstanceArray;
 
-/// A placed mesh, and the materials at a hit. The Placement is that of one that stands still.
+/// A placed mesh, and the materials at a hit. The Placement is that of one that stands still, by itself.
 struct Instance : Placement {
   const MeshPrototype* prototype = nullptr;
   std::vector<Affine> poses;                     // of one that moves: even ones over the shutter
@@ -94,12 +104,15 @@ struct Instance : Placement {
   bool holdout = false;                            // a camera's path that meets it first ends there, without colour
   uint32_t category_set = 0;                       // of SceneSnapshot
   const MeshAttribute<Vec4f>* tangents = nullptr;  // for a normal map
+  const InstanceArray* array = nullptr;            // this is the look of all its instances; null: of one alone
 
-  /// Where it stands at a time. `moved` holds the answer if it moves.
-  const Placement& at(float time, std::optional<Placement>* moved) const {
-    return poses.empty() ? *this : move_to(time, moved);
+  /// Where the instance that was hit stands at the hit's time. `moved` holds the answer if it moves or is of an array.
+  const Placement& at(const TriangleHit& hit, std::optional<Placement>* moved) const {
+    return stands_alone() ? *this : place(hit, moved);
   }
-  const Placement& move_to(float time, std::optional<Placement>* moved) const;
+  const Placement& place(const TriangleHit& hit, std::optional<Placement>* moved) const;
+  bool stands_alone() const { return poses.empty() && !array; }
+  int32_t id_of(const TriangleHit& hit) const;
   bool is_still() const { return poses.empty() && !prototype->mesh.deforms(); }
 
   /// The material slot of a triangle; slots beyond the list use the first.
@@ -109,6 +122,13 @@ struct Instance : Placement {
     return slot < materials.size() ? slot : 0;
   }
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
+};
+
+/// The instances of an array have the indices from `first` on.
+struct InstanceArray {
+  Instance look;
+  uint32_t first = 0;
+  std::shared_ptr<const PlacedArray> placed;
 };
 
 /// True if a ray along `dir` meets the triangle from behind, the side from which it winds clockwise.
@@ -121,8 +141,9 @@ struct SceneSnapshot {
   Vec3d origin{0, 0, 0};
   float radius = 0;  // of a sphere about the render-space origin that holds all geometry
   SceneFeatures features;
-  Bounds clear_bodies;  // of all instances that have an interior which light may go through
-  std::vector<Instance> instances;
+  Bounds clear_bodies;                // of all instances that have an interior which light may go through
+  std::vector<Instance> instances;    // those that stand alone, and have the first indices
+  std::vector<InstanceArray> arrays;  // in the order of their indices; addresses stay
   std::shared_ptr<const InstancedScene> top;
   LightSet lights;                                             // all
   std::vector<std::shared_ptr<const LightSet>> linked_lights;  // by category set; empty: all light everything
@@ -131,6 +152,11 @@ struct SceneSnapshot {
   std::vector<std::string> faults;    // of textures: sets of images without one where it is needed
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
   std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own
+
+  /// By the index that a hit tells. Of one in an array, the look.
+  const Instance& instance(uint32_t index) const { return index < instances.size() ? instances[index] : look(index); }
+  const Instance& look(uint32_t index) const;
+  size_t instance_count() const;
 
   /// Those that light an instance: its surfaces, and where light enters its body.
   const LightSet& lights_of(const Instance& instance) const {

@@ -1,14 +1,34 @@
 #include "core/scene/scene_origin.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
 
 namespace alabaster {
 namespace {
 
-// The middle half of a mesh's points along each axis: a few stray points do not change it.
-struct MiddleHalf {
-  Vec3d center{0, 0, 0}, extent{0, 0, 0};
-};
+bool is_too_far_from(const Vec3d& origin, const PlacedSize& p) {
+  constexpr double kFarthest = 0x1p20;  // leaves 16 of a float's steps across the size
+  const Vec3d below = origin - p.centers.lower, above = p.centers.upper - origin;
+  const double farthest = std::max({below.x, below.y, below.z, above.x, above.y, above.z});
+  return farthest > kFarthest * p.size && p.size > 0;
+}
+
+Vec3d median_center(std::span<const PlacedSize> all) {
+  Vec3d median;
+  std::vector<double> values(all.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::transform(all.begin(), all.end(), values.begin(),
+                   [axis](const PlacedSize& p) { return p.centers.center()[axis]; });
+    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[axis] = *middle;
+  }
+  return median;
+}
+
+}  // namespace
 
 MiddleHalf middle_half(const Mesh& mesh) {
   constexpr size_t kMostPoints = 31;
@@ -26,56 +46,25 @@ MiddleHalf middle_half(const Mesh& mesh) {
   return middle;
 }
 
-struct PlacedSize {
-  Vec3d center{0, 0, 0};
-  double size = 0;
-
-  bool is_too_far_from(const Vec3d& origin) const {
-    constexpr double kFarthest = 0x1p20;  // leaves 16 of a float's steps across the size
-    const Vec3d d = center - origin;
-    return std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) > kFarthest * size && size > 0;
+PlacedSize placed_size(const MiddleHalf& middle, const Matrix4d& m) {
+  double squared = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3d row = Vec3d(m[i][0], m[i][1], m[i][2]) * middle.extent[i];
+    squared += dot(row, row);
   }
-};
-
-// Instances of one mesh come one after the other.
-std::vector<PlacedSize> placed_sizes(std::span<const InstanceDescription* const> drawn) {
-  std::vector<PlacedSize> all;
-  all.reserve(drawn.size());
-  MiddleHalf middle;
-  const MeshPrototype* last = nullptr;
-  for (const InstanceDescription* d : drawn) {
-    if (d->prototype.get() != last) middle = middle_half(d->prototype->mesh), last = d->prototype.get();
-    const Matrix4d& m = d->object_to_world;
-    double squared = 0;
-    for (int i = 0; i < 3; ++i) {
-      const Vec3d row = Vec3d(m[i][0], m[i][1], m[i][2]) * middle.extent[i];
-      squared += dot(row, row);
-    }
-    all.push_back({transform_point(middle.center, m), std::sqrt(squared)});
-  }
-  return all;
+  PlacedSize placed;
+  placed.centers.extend(transform_point(middle.center, m));
+  placed.size = std::sqrt(squared);
+  return placed;
 }
 
-Vec3d median_center(const std::vector<PlacedSize>& all) {
-  Vec3d median;
-  std::vector<double> values(all.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    std::transform(all.begin(), all.end(), values.begin(), [axis](const PlacedSize& p) { return p.center[axis]; });
-    const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[axis] = *middle;
-  }
-  return median;
-}
-
-}  // namespace
-
-SceneOrigin choose_origin(std::span<const InstanceDescription* const> drawn, const BoundsDouble& bounds) {
+SceneOrigin choose_origin(std::span<const PlacedSize> all, const BoundsDouble& bounds) {
   SceneOrigin chosen;
   if (bounds.empty()) return chosen;
-  const std::vector<PlacedSize> all = placed_sizes(drawn);
   const auto count_lost = [&all](const Vec3d& origin) {
-    return std::count_if(all.begin(), all.end(), [&](const PlacedSize& p) { return p.is_too_far_from(origin); });
+    return std::accumulate(all.begin(), all.end(), size_t(0), [&](size_t sum, const PlacedSize& p) {
+      return sum + (is_too_far_from(origin, p) ? p.count : 0);
+    });
   };
   chosen.origin = bounds.center();
   auto fewest = count_lost(chosen.origin);
@@ -87,10 +76,10 @@ SceneOrigin choose_origin(std::span<const InstanceDescription* const> drawn, con
   if (fewest > 0) try_origin(median_center(all));
   constexpr size_t kMostTried = 16;
   const size_t tried = std::min(all.size(), kMostTried);
-  for (size_t i = 0; i < tried; ++i) try_origin(all[i * all.size() / tried].center);
+  for (size_t i = 0; i < tried; ++i) try_origin(all[i * all.size() / tried].centers.center());
   if (fewest > 0)
     for (size_t i = 0; i < all.size(); ++i)
-      if (all[i].is_too_far_from(chosen.origin)) chosen.too_far.push_back(drawn[i]);
+      if (is_too_far_from(chosen.origin, all[i])) chosen.too_far.push_back(i);
   return chosen;
 }
 

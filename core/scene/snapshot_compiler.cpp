@@ -1,6 +1,7 @@
 #include "core/scene/snapshot_compiler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
@@ -9,59 +10,44 @@
 #include "core/scene/bodies.h"
 #include "core/scene/lit_surfaces.h"
 #include "core/scene/mesh_lights.h"
+#include "core/scene/missing_tiles.h"
 #include "core/scene/scene_origin.h"
+#include "core/scene/world_placement.h"
 
 namespace alabaster {
 namespace {
 
 BoundsDouble world_bounds(const InstanceDescription& d) {
-  BoundsDouble world;
   const Bounds& object = d.prototype->mesh.bounds;
-  if (object.empty()) return world;
-  for (const Vec3f& corner : object.corners()) {
-    world.extend(transform_point(Vec3d(corner), d.object_to_world));
-    for (const Matrix4d& pose : d.poses) world.extend(transform_point(Vec3d(corner), pose));
-  }
+  BoundsDouble world = world_bounds(object, d.object_to_world);
+  for (const Matrix4d& pose : d.poses) world.extend(world_bounds(object, pose));
   return world;
-}
-
-// False for a transform that is not finite or reaches beyond what can be traced. A singular one within reach hides an
-// instance or a light by a scale of zero, as animations do.
-bool is_within_reach(const Matrix4d& m) {
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j)
-      if (!(std::abs(m[i][j]) < double(kTraceLimit))) return false;
-  return true;
 }
 
 // The rest of the scene is drawn without an instance that cannot be placed or traced. It is an error unless the
 // instance has no extent.
 void leave_out(const InstanceDescription& d, const char* reason, const DiagnosticSink& sink,
                std::vector<std::string>* left_out) {
-  const bool near = is_within_reach(d.object_to_world) && std::all_of(d.poses.begin(), d.poses.end(), is_within_reach);
+  const auto reaches = [](const Matrix4d& m) { return is_within_reach(m); };
+  const bool near = reaches(d.object_to_world) && std::all_of(d.poses.begin(), d.poses.end(), reaches);
   report(sink, near ? Severity::warning : Severity::error, "instance.transform", d.name,
          std::string(reason) + ": the instance is left out; check its " + (near ? "scale" : "transform"));
   if (!near) left_out->push_back(d.name);
 }
 
+bool has_shape(const InstanceDescription& d) {
+  return d.prototype && d.prototype->object && !d.prototype->mesh.triangles.empty() && !d.materials.empty();
+}
+
 bool is_drawable(const InstanceDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
-  if (!d.prototype || !d.prototype->object || d.prototype->mesh.triangles.empty() || d.materials.empty()) return false;
+  if (!has_shape(d)) return false;
   if (!is_valid_affine(d.object_to_world) || !std::all_of(d.poses.begin(), d.poses.end(), is_valid_affine)) {
     leave_out(d, "the transform is not finite, not affine or not invertible in single precision", sink, left_out);
     return false;
   }
-  const BoundsDouble bounds = world_bounds(d);
-  const double limit = kTraceLimit;
-  if (bounds.lower.x > -limit && bounds.lower.y > -limit && bounds.lower.z > -limit && bounds.upper.x < limit &&
-      bounds.upper.y < limit && bounds.upper.z < limit)
-    return true;
+  if (is_within_reach(world_bounds(d))) return true;
   leave_out(d, "the transform takes it beyond 1e17", sink, left_out);
   return false;
-}
-
-Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin) {
-  for (int i = 0; i < 3; ++i) m[3][i] -= origin[i];
-  return m;
 }
 
 // To the farthest corner.
@@ -71,13 +57,10 @@ float radius_about(const Vec3d& origin, const BoundsDouble& bounds) {
   return static_cast<float>(length(half + Vec3d(std::abs(shift.x), std::abs(shift.y), std::abs(shift.z))));
 }
 
-Instance place(const InstanceDescription& d, const Vec3d& origin) {
-  const Matrix4d m = moved_to_render_space(d.object_to_world, origin);
+// All but where it stands.
+Instance look_of(const InstanceDescription& d) {
   Instance instance;
   instance.prototype = d.prototype.get();
-  instance.object_to_world = to_affine(m);
-  instance.world_to_object = to_affine(m.inverse());
-  for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to_render_space(pose, origin)));
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   instance.category_set = d.category_set;
@@ -93,6 +76,64 @@ Instance place(const InstanceDescription& d, const Vec3d& origin) {
   instance.holdout = d.holdout;
   instance.see_through |= instance.single_sided || d.camera_cull != CameraCull::none;
   return instance;
+}
+
+Instance place(const InstanceDescription& d, const Vec3d& origin) {
+  const Matrix4d m = moved_to_render_space(d.object_to_world, origin);
+  Instance instance = look_of(d);
+  instance.object_to_world = to_affine(m);
+  instance.world_to_object = to_affine(m.inverse());
+  for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to_render_space(pose, origin)));
+  return instance;
+}
+
+// Instances of one mesh come one after the other.
+std::vector<PlacedSize> placed_sizes(const std::vector<const InstanceDescription*>& drawn) {
+  std::vector<PlacedSize> all;
+  all.reserve(drawn.size());
+  MiddleHalf middle;
+  const MeshPrototype* last = nullptr;
+  for (const InstanceDescription* d : drawn) {
+    if (d->prototype.get() != last) middle = middle_half(d->prototype->mesh), last = d->prototype.get();
+    all.push_back(placed_size(middle, d->object_to_world));
+  }
+  return all;
+}
+
+// Each placement in an array depends on the origin: it stays while the bounds of the scene change a little.
+Vec3d snapped(const Vec3d& origin, float radius) {
+  if (!(radius > 0)) return origin;
+  const double step = std::ldexp(1.0, std::ilogb(radius) - 3);
+  return {std::round(origin.x / step) * step, std::round(origin.y / step) * step, std::round(origin.z / step) * step};
+}
+
+// Says how many of an array cannot be placed or traced.
+void leave_out(const PlacedArray& array, const std::string& name, const DiagnosticSink& sink,
+               std::vector<std::string>* left_out) {
+  const auto tell = [&](Severity severity, size_t count, const char* reason) {
+    if (count > 0)
+      report(sink, severity, "instance.transform", name,
+             std::to_string(count) + " of " + std::to_string(array.size()) + " instances are left out: " + reason);
+  };
+  size_t hidden = 0, faulty = 0;
+  for (const auto& cell : array.plan.cells) hidden += cell->hidden, faulty += cell->faulty;
+  for (const uint32_t count : array.left_out) hidden += count;
+  tell(Severity::warning, hidden, "their transforms are too small, flat or large to be traced; check their scale");
+  tell(Severity::error, faulty, "their transforms are not finite, or go beyond 1e17; check their transforms");
+  if (faulty > 0) left_out->push_back(name);
+}
+
+bool are_placed_alike(const InstanceArray& a, const InstanceArray& b) {
+  return a.first == b.first && a.placed->traced.slots == b.placed->traced.slots &&
+         a.placed->traced.cells == b.placed->traced.cells;
+}
+
+Bounds bounds_in_render_space(const PlacedArray& array) {
+  BoundsDouble world;
+  for (const auto& cell : array.plan.cells) world.extend(cell->bounds);
+  if (world.empty()) return {};
+  const Vec3d margin(1e-6 * length(world.extent()));
+  return {Vec3f(world.lower - array.space.origin - margin), Vec3f(world.upper - array.space.origin + margin)};
 }
 
 Bounds bounds_in_render_space(const Instance& instance) {
@@ -172,51 +213,6 @@ size_t texture_bytes(const SceneSnapshot& snapshot) {
                          [](size_t sum, const auto& one) { return sum + one.second; });
 }
 
-// The first middle of a triangle for which the lookup's set of images has none.
-std::optional<Vec2f> find_missing_tile(const Instance& instance, const DisneyMaterial* material,
-                                       const TextureLookup& lookup) {
-  if (!lookup.image || !lookup.image->is_set()) return std::nullopt;
-  const Mesh& mesh = instance.prototype->mesh;
-  const UvSet* const set = mesh.uv_set(lookup.uv_set);
-  for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (&instance.material(i) != material) continue;
-    TriangleHit middle;
-    middle.triangle = i, middle.u = middle.v = 1.0f / 3;
-    const Vec2f uv = lookup.transform(set ? interpolated<Vec2f>(*set, mesh, middle) : Vec2f(0, 0));
-    if (!lookup.image->covers(uv)) return uv;
-  }
-  return std::nullopt;
-}
-
-// Reports, once for all instances of a mesh with a material, the texture coordinates for which a set has no image.
-class MissingTiles {
- public:
-  MissingTiles(const DiagnosticSink& sink, std::vector<std::string>* faults) : sink_(sink), faults_(faults) {}
-
-  void find(const InstanceDescription& d, const Instance& instance) {
-    for (const auto& material : d.materials) {
-      if (!seen_.insert({instance.prototype, material.get()}).second) continue;
-      for (const MaterialTexture& texture : material->textures) find(d, instance, material.get(), texture.lookup);
-      for (const auto* map : {&material->normal_map, &material->coat_normal_map})
-        if (*map) find(d, instance, material.get(), **map);
-    }
-  }
-
- private:
-  void find(const InstanceDescription& d, const Instance& instance, const DisneyMaterial* material,
-            const TextureLookup& lookup) {
-    const auto uv = find_missing_tile(instance, material, lookup);
-    if (!uv) return;
-    faults_->push_back(d.name + ": a set of images has none at (" + std::to_string(uv->x) + ", " +
-                       std::to_string(uv->y) + ")");
-    report(sink_, Severity::error, "texture.tile", d.name, faults_->back());
-  }
-
-  const DiagnosticSink& sink_;
-  std::vector<std::string>* faults_;
-  std::set<std::pair<const MeshPrototype*, const DisneyMaterial*>> seen_;  // instances share both
-};
-
 bool stands_alike(const Instance& a, const Instance& b) {
   return a.prototype->object == b.prototype->object && a.object_to_world == b.object_to_world && a.poses == b.poses;
 }
@@ -230,7 +226,9 @@ struct SnapshotCompiler::Compilation {
   const SceneSnapshot* const last = compiler.last_.get();
   std::shared_ptr<SceneSnapshot> snapshot = std::make_shared<SceneSnapshot>();
   std::vector<const InstanceDescription*> drawn = {};
-  bool same_lights = false;  // as those of `last`
+  std::vector<ArrayPlan> plans = {};                   // of the arrays
+  std::vector<const InstanceDescription*> looks = {};  // theirs
+  bool same_lights = false;                            // as those of `last`
   static constexpr size_t kSampleAllUpTo = 4;
 
   // In world space, then beside the scene's size.
@@ -241,15 +239,8 @@ struct SnapshotCompiler::Compilation {
         drawn.push_back(&d);
         bounds.extend(world_bounds(d));
       }
-    const SceneOrigin chosen = choose_origin(drawn, bounds);
-    snapshot->origin = chosen.origin;
-    snapshot->radius = radius_about(chosen.origin, bounds);
-    if (!chosen.too_far.empty())
-      report(compiler.sink_, Severity::warning, "scene.far", chosen.too_far.front()->name,
-             std::to_string(chosen.too_far.size()) +
-                 " of the scene's instances, this one first, stand a million times their size away from the scene's "
-                 "middle: "
-                 "their shapes lose detail to rounding; move them nearer, or render them by themselves");
+    plan_arrays(&bounds);
+    choose_space(bounds);
     std::erase_if(drawn, [&](const InstanceDescription* d) {
       if (is_seen_traceably(*d)) return false;
       leave_out(*d, "beside the size of the scene the transform makes it too small, flat or large to be traced",
@@ -258,10 +249,53 @@ struct SnapshotCompiler::Compilation {
     });
   }
 
+  void plan_arrays(BoundsDouble* bounds) {
+    for (const InstanceArrayDescription& d : description.arrays) {
+      if (!has_shape(d.look)) continue;
+      const PlacedArray* const known = find_last(*d.look.prototype);
+      plans.push_back(plan_array(d, known ? &known->plan : nullptr, cancel));
+      looks.push_back(&d.look);
+      for (const auto& cell : plans.back().cells) bounds->extend(cell->bounds);
+    }
+  }
+
+  const PlacedArray* find_last(const MeshPrototype& prototype) const {
+    if (!last) return nullptr;
+    for (const InstanceArray& array : last->arrays)
+      if (array.look.prototype == &prototype) return array.placed.get();
+    return nullptr;
+  }
+
+  void choose_space(const BoundsDouble& bounds) {
+    std::vector<PlacedSize> sizes = placed_sizes(drawn);
+    std::vector<const std::string*> names;
+    for (const InstanceDescription* d : drawn) names.push_back(&d->name);
+    for (size_t i = 0; i < plans.size(); ++i)
+      for (const auto& cell : plans[i].cells) {
+        if (cell->drawn == 0) continue;
+        sizes.push_back({cell->centers, cell->least_size, cell->drawn});
+        names.push_back(&looks[i]->name);
+      }
+    const SceneOrigin chosen = choose_origin(sizes, bounds);
+    snapshot->origin = plans.empty() ? chosen.origin : snapped(chosen.origin, radius_about(chosen.origin, bounds));
+    snapshot->radius = radius_about(snapshot->origin, bounds);
+    if (chosen.too_far.empty()) return;
+    size_t count = 0;
+    for (const size_t i : chosen.too_far) count += sizes[i].count;
+    report(compiler.sink_, Severity::warning, "scene.far", *names[chosen.too_far.front()],
+           std::to_string(count) +
+               " of the scene's instances, this one first, stand a million times their size away from the scene's "
+               "middle: their shapes lose detail to rounding; move them nearer, or render them by themselves");
+  }
+
   // Rays come from the scene itself, and from a camera that sees it from some radii away.
-  bool is_seen_traceably(const InstanceDescription& d) const {
+  float farthest_ray() const {
     constexpr float kFarthestCamera = 1000;
-    const float farthest = std::min(kFarthestCamera * snapshot->radius, kTraceLimit / 4);
+    return std::min(kFarthestCamera * snapshot->radius, kTraceLimit / 4);
+  }
+
+  bool is_seen_traceably(const InstanceDescription& d) const {
+    const float farthest = farthest_ray();
     const auto placed = [&](const Matrix4d& m) { return to_affine(moved_to_render_space(m, snapshot->origin)); };
     std::vector<Affine> poses;
     for (const Matrix4d& pose : d.poses) poses.push_back(placed(pose));
@@ -275,7 +309,7 @@ struct SnapshotCompiler::Compilation {
                                  std::to_string(description.lights.size()) + " lights");
   }
 
-  void place_all() {
+  bool place_all() {
     snapshot->memory = std::make_shared<MemoryReservation>(memory_of(*compiler.device_), MemoryUse::scene);
     MissingTiles missing_tiles(compiler.sink_, &snapshot->faults);
     hold(0);
@@ -289,19 +323,44 @@ struct SnapshotCompiler::Compilation {
       snapshot->features.motion |= !instance.is_still();
       if (has_clear_interior(*d)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
     }
+    return place_arrays(&missing_tiles);
+  }
+
+  bool place_arrays(MissingTiles* missing_tiles) {
+    snapshot->arrays.reserve(plans.size());
+    for (size_t i = 0; i < plans.size(); ++i) {
+      const InstanceDescription& d = *looks[i];
+      auto placed = place_array(std::move(plans[i]), {snapshot->origin, farthest_ray()}, find_last(*d.prototype),
+                                compiler.device_, cancel);
+      if (!placed) return false;
+      leave_out(*placed, d.name, compiler.sink_, &snapshot->left_out);
+      snapshot->memory_bytes += placed->memory_bytes();
+      const auto first = static_cast<uint32_t>(snapshot->instance_count());
+      InstanceArray& array = snapshot->arrays.emplace_back(look_of(d), first, std::move(placed));
+      array.look.array = &array;
+      missing_tiles->find(d, array.look);
+      snapshot->features.see_through |= array.look.see_through;
+      if (has_clear_interior(d)) snapshot->clear_bodies.extend(bounds_in_render_space(*array.placed));
+    }
+    return true;
   }
 
   bool build_top() {
     const auto& instances = snapshot->instances;
     if (last &&
-        std::equal(instances.begin(), instances.end(), last->instances.begin(), last->instances.end(), stands_alike)) {
+        std::equal(instances.begin(), instances.end(), last->instances.begin(), last->instances.end(), stands_alike) &&
+        std::equal(snapshot->arrays.begin(), snapshot->arrays.end(), last->arrays.begin(), last->arrays.end(),
+                   are_placed_alike)) {
       snapshot->top = last->top;
     } else {
       std::vector<InstancePlacement> placements;
       placements.reserve(drawn.size());
       for (size_t i = 0; i < drawn.size(); ++i)
         placements.push_back({drawn[i]->prototype->object, instances[i].object_to_world, instances[i].poses});
-      snapshot->top = build_instanced_scene(compiler.device_, placements, [this] { return cancel.is_cancelled(); });
+      std::vector<InstanceCells> arrays;
+      for (const InstanceArray& array : snapshot->arrays) arrays.push_back(array.placed->traced);
+      snapshot->top = build_instanced_scene(
+          compiler.device_, placements, [this] { return cancel.is_cancelled(); }, arrays);
       if (!snapshot->top) cancel.check();
     }
     if (snapshot->top) snapshot->memory_bytes += snapshot->top->memory_bytes();
@@ -391,21 +450,25 @@ struct SnapshotCompiler::Compilation {
 
   bool are_linked_alike() const {
     const auto same = [](const Instance& a, const Instance& b) { return a.category_set == b.category_set; };
+    const auto same_looks = [&](const InstanceArray& a, const InstanceArray& b) { return same(a.look, b.look); };
     return std::equal(snapshot->instances.begin(), snapshot->instances.end(), last->instances.begin(),
-                      last->instances.end(), same);
+                      last->instances.end(), same) &&
+           std::equal(snapshot->arrays.begin(), snapshot->arrays.end(), last->arrays.begin(), last->arrays.end(),
+                      same_looks);
   }
 
   bool run(uint64_t number) {
     snapshot->number = number;
     choose_drawn();
     cancel.check();
-    place_all();
+    if (!place_all()) return false;
     cancel.check();
     if (!build_top()) return false;
     cancel.check();
     if (!plan_bodies(drawn, compiler.device_, last, snapshot.get(), cancel)) return false;
     cancel.check();
-    keep_alive(drawn, snapshot.get());
+    looks.insert(looks.end(), drawn.begin(), drawn.end());
+    keep_alive(looks, snapshot.get());
     add_lights();
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());

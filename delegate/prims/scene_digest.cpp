@@ -65,10 +65,8 @@ void add_mesh(const MeshPrototype& prototype, Digest* digest) {
 class SceneDigest {
  public:
   explicit SceneDigest(const Translation& translation) : translation_(translation) {
-    for (const InstanceDescription& instance : translation.scene.instances) {
-      meshes_[instance.prototype.get()];
-      for (const auto& material : instance.materials) materials_[material.get()];
-    }
+    for (const InstanceDescription& instance : translation.scene.instances) add_shared(instance);
+    for (const InstanceArrayDescription& array : translation.scene.arrays) add_shared(array.look);
     for (const auto& [material, unset] : materials_)
       for (const Texture* image : material->images()) images_[image];
     for (const LightDescription& light : translation.scene.lights) images_[light.texture.get()];
@@ -81,6 +79,9 @@ class SceneDigest {
     std::map<std::string, Digest> prims;
     for (const InstanceDescription& instance : translation_.scene.instances)
       add_instance(instance, &prims["mesh " + instance.name]);
+    for (const InstanceArrayDescription& array : translation_.scene.arrays)
+      for (size_t i = 0; i < array.places->size(); ++i)
+        if (const auto instance = array.instance(i)) add_instance(*instance, &prims["mesh " + instance->name]);
     std::map<std::string, std::string> digests;
     for (const auto& [name, digest] : prims) digests[name] = digest.text();
     for (const auto& [material, digest] : materials_) {
@@ -93,6 +94,10 @@ class SceneDigest {
   }
 
  private:
+  void add_shared(const InstanceDescription& instance) {
+    meshes_[instance.prototype.get()];
+    for (const auto& material : instance.materials) materials_[material.get()];
+  }
   void add_image(const Texture* image, Digest* digest) const { digest->add(image ? images_.at(image) : std::string()); }
   void add_lookup(const TextureLookup& lookup, Digest* digest) const {
     add_image(lookup.image.get(), digest);

@@ -83,10 +83,17 @@ std::string subsurface_sets(const Translation& translation) {
   return text;
 }
 
+std::vector<const InstanceDescription*> looks(const Translation& translation) {
+  std::vector<const InstanceDescription*> all;
+  for (const auto& instance : translation.scene.instances) all.push_back(&instance);
+  for (const auto& array : translation.scene.arrays) all.push_back(&array.look);
+  return all;
+}
+
 std::string first_material(const Translation& translation, bool (*is)(const DisneyMaterial&)) {
-  for (const auto& instance : translation.scene.instances)
-    for (const auto& material : instance.materials)
-      if (is(*material)) return "material " + material->name + " of " + instance.name;
+  for (const InstanceDescription* instance : looks(translation))
+    for (const auto& material : instance->materials)
+      if (is(*material)) return "material " + material->name + " of " + instance->name;
   return "";
 }
 
@@ -100,6 +107,13 @@ std::string dump_scene(const Translation& translation, const Records& cameras) {
     text += instance_text(instance, translation, materials);
     materials += instance.materials.size();
     for (const auto& material : instance.materials) used[material->name] = material.get();
+  }
+  for (size_t i = 0; i < translation.scene.arrays.size(); ++i) {
+    const InstanceArrayDescription& array = translation.scene.arrays[i];
+    for (size_t number = 0; number < array.places->size(); ++number)
+      if (const auto instance = array.instance(number))
+        text += instance_text(*instance, translation, translation.array_materials[i].data());
+    for (const auto& material : array.look.materials) used[material->name] = material.get();
   }
   for (const auto& [name, material] : used) text += "material " + name + "\n" + material_text(*material);
   for (size_t i = 0; i < translation.scene.lights.size(); ++i) {
@@ -134,10 +148,10 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   line("textures", snapshot.features.textures,
        first_material(translation, [](const DisneyMaterial& m) { return !m.textures.empty(); }));
   std::string smooth;
-  for (const auto& instance : translation.scene.instances)
-    if (smooth.empty() && !instance.prototype->mesh.normals.empty()) smooth = instance.name;
+  for (const InstanceDescription* instance : looks(translation))
+    if (smooth.empty() && !instance->prototype->mesh.normals.empty()) smooth = instance->name;
   line("smooth normals", snapshot.features.smooth_normals, smooth);
-  text += "instances: " + std::to_string(snapshot.instances.size()) + " of " +
+  text += "instances: " + std::to_string(snapshot.instance_count()) + " of " +
           std::to_string(snapshot.prototypes.size()) + " meshes\n";
   text += "lights: " + std::to_string(snapshot.lights.size()) + "\n";
   char memory[64];

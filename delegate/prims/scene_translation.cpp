@@ -77,6 +77,33 @@ void place(std::vector<Matrix4d> poses, InstanceDescription* instance) {
   if (poses.size() > 1) instance->poses = std::move(poses);
 }
 
+// The places that an instancer gives, behind the mesh's own transform.
+class PointPlaces final : public InstancePlaces {
+ public:
+  PointPlaces(const Matrix4d& own, support::PlacementSource source) : own_(own), source_(std::move(source)) {}
+  size_t size() const override { return source_.size(); }
+  std::optional<Matrix4d> at(size_t number) const override {
+    const support::Placement placed = source_[number];
+    return placed.used ? std::optional(own_ * placed.matrix) : std::nullopt;
+  }
+  bool stand_alike(const InstancePlaces& other, size_t begin, size_t end) const override {
+    const auto& points = static_cast<const PointPlaces&>(other);  // all places are of this kind
+    return own_ == points.own_ && source_.stand_alike(points.source_, begin, end);
+  }
+
+ private:
+  const Matrix4d own_;
+  const support::PlacementSource source_;
+};
+
+// Fewer are as well off alone.
+constexpr size_t kSmallestArray = 4096;
+
+bool may_be_in_array(const InstanceDescription& look) {
+  const auto glows = [](const auto& material) { return material->scatters() || material->emits(); };
+  return !look.prototype->mesh.deforms() && std::none_of(look.materials.begin(), look.materials.end(), glows);
+}
+
 // The look of a mesh without a material: grey, or its own colours and opacities.
 DisneyMaterial default_material(bool color, bool opacity) {
   DisneyMaterial material;
@@ -159,14 +186,21 @@ struct SceneTranslator::Run {
       add(std::move(instance), mesh);
       return;
     }
-    const std::vector<support::Placement> placed = placements.place(path, mesh.instancer, mesh.instance_indices);
+    support::PlacementSource placed = placements.source(path, mesh.instancer, mesh.instance_indices);
     const std::vector<double> times = instancer_times(mesh.instancer);
-    const PlacedSamples samples = times.empty() ? PlacedSamples() : place_at(times, path, mesh);
     const bool has_categories = !category_sets.empty() && have_categories(mesh.instancer);
+    const bool stands_still = own.size() == 1 && times.empty();
+    if (placed.size() >= kSmallestArray && stands_still && !has_categories && may_be_in_array(instance)) {
+      out.array_materials.push_back(mesh.materials);
+      out.scene.arrays.push_back({std::move(instance), std::make_shared<PointPlaces>(own.front(), std::move(placed))});
+      return;
+    }
+    const PlacedSamples samples = times.empty() ? PlacedSamples() : place_at(times, path, mesh);
     for (size_t i = 0; i < placed.size(); ++i) {
-      if (!placed[i].used) continue;
+      const support::Placement at = placed[i];
+      if (!at.used) continue;
       std::vector<Matrix4d> poses = own;
-      for (Matrix4d& pose : poses) pose = pose * placed[i].matrix;
+      for (Matrix4d& pose : poses) pose = pose * at.matrix;
       place(samples.times.empty() ? std::move(poses) : even_poses(samples.of(i), parts.shutter), &instance);
       instance.instance_id = static_cast<int32_t>(i);
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));

@@ -24,9 +24,10 @@ CameraParameters posed_camera(const CameraRecord& record, const Shutter& scene);
 struct Translation {
   SceneDescription scene;
   Shutter shutter;
-  std::vector<Path> material_paths;  // of all instances' materials, in order; empty path: default
-  std::vector<Path> light_paths;     // parallel to scene.lights
-  std::vector<Token> categories;     // that lights name: the first is 1 in scene.lights
+  std::vector<Path> material_paths;                // of all instances' materials, in order; empty path: default
+  std::vector<std::vector<Path>> array_materials;  // the same of each array's look
+  std::vector<Path> light_paths;                   // parallel to scene.lights
+  std::vector<Token> categories;                   // that lights name: the first is 1 in scene.lights
 };
 
 class BuiltMeshes;

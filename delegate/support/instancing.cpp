@@ -60,6 +60,15 @@ size_t InstanceArrays::size() const {
   return std::max({translations.size(), scales.size(), rotations.size(), transforms.size()});
 }
 
+bool InstanceArrays::is_alike(const InstanceArrays& other, size_t i) const {
+  const auto same = [i](const auto& a, const auto& b) {
+    const bool held = i < a.size();
+    return held == (i < b.size()) && (!held || a[i] == b[i]);
+  };
+  return same(translations, other.translations) && same(scales, other.scales) && same(rotations, other.rotations) &&
+         same(transforms, other.transforms);
+}
+
 // p * M * S * R * T
 Matrix4d InstanceArrays::operator[](size_t i) const {
   Matrix4d m;
@@ -147,33 +156,64 @@ const std::vector<Placement>& Placements::outer(const Path& instancer, const Ins
 }
 
 // point * instancer * outer, for each outer placement and, fastest, each index.
-std::vector<Placement> Placements::place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices) {
+PlacementSource Placements::source(const Path& prototype, const Path& instancer, const Array<int32_t>& indices) {
   const InstancerRecord* record = find_(instancer);
   if (!record) {
     warn("instancer.missing", prototype, "instancer " + instancer.str() + " does not exist; the prim is not drawn");
     return {};
   }
-  const std::vector<Placement> outside = outer(instancer, *record);
-  std::vector<Placement> placements;
-  if (!indices.empty() && outside.size() > kMaxInstances / indices.size()) {
+  PlacementSource source{record->points, indices, outer(instancer, *record)};
+  for (Placement& base : source.bases) base.matrix = record->transform * base.matrix;
+  if (!indices.empty() && source.bases.size() > kMaxInstances / indices.size()) {
     warn("instancer.size", prototype, "more than 2^27 instances; the prim is not drawn");
-    return placements;
+    return {};
   }
-  placements.reserve(outside.size() * indices.size());
-  size_t dropped = 0;
-  for (const Placement& o : outside) {
-    const Matrix4d base = record->transform * o.matrix;
-    for (const int32_t index : indices) {
-      const bool exists = index >= 0 && (!record->points || static_cast<size_t>(index) < record->points->size());
-      dropped += exists ? 0 : 1;
-      const bool moved = exists && record->points;
-      placements.push_back({moved ? (*record->points)[static_cast<size_t>(index)] * base : base, o.used && exists});
-    }
-  }
-  if (dropped)
+  const bool dropped =
+      std::any_of(indices.begin(), indices.end(), [&](int32_t index) { return !source.has_point(index); });
+  if (dropped && !source.bases.empty())
     warn("instancer.index", prototype,
          "some instance indices name no point of " + instancer.str() + "; those instances are left out");
+  return source;
+}
+
+std::vector<Placement> Placements::place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices) {
+  const PlacementSource all = source(prototype, instancer, indices);
+  std::vector<Placement> placements;
+  placements.reserve(all.size());
+  for (size_t i = 0; i < all.size(); ++i) placements.push_back(all[i]);
   return placements;
+}
+
+bool PlacementSource::has_point(int32_t index) const {
+  return index >= 0 && (!points || static_cast<size_t>(index) < points->size());
+}
+
+Placement PlacementSource::operator[](size_t i) const {
+  const Placement& base = bases[i / indices.size()];
+  const int32_t index = indices[i % indices.size()];
+  if (!has_point(index)) return {base.matrix, false};
+  return {points ? (*points)[static_cast<size_t>(index)] * base.matrix : base.matrix, base.used};
+}
+
+bool PlacementSource::stand_alike(const PlacementSource& other, size_t begin, size_t end) const {
+  if (indices.size() != other.indices.size() || !points != !other.points) return false;
+  if (points && points->size() != other.points->size()) return false;
+  const bool same_points = points == other.points || !points;
+  const bool same_indices = indices.data() == other.indices.data();
+  for (size_t i = begin; i < end; ++i) {
+    const size_t at = i % indices.size(), base = i / indices.size();
+    if (at == 0 || i == begin) {
+      if (bases[base].matrix != other.bases[base].matrix || bases[base].used != other.bases[base].used) return false;
+      if (same_points && same_indices) {
+        i += std::min(end - i, indices.size() - at) - 1;
+        continue;
+      }
+    }
+    const int32_t index = indices[at];
+    if (index != other.indices[at]) return false;
+    if (!same_points && has_point(index) && !points->is_alike(*other.points, static_cast<size_t>(index))) return false;
+  }
+  return true;
 }
 
 }  // namespace alabaster::hd::support

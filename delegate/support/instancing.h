@@ -21,6 +21,8 @@ struct InstanceArrays {
 
   size_t size() const;
   Matrix4d operator[](size_t i) const;
+  /// True if point i is the same in another, of the same size.
+  bool is_alike(const InstanceArrays& other, size_t i) const;
 };
 /// Null stands for identity at any index.
 using InstancePoints = std::shared_ptr<const InstanceArrays>;
@@ -54,6 +56,19 @@ struct Placement {
   bool used = true;  // false where an index names no point of its instancer
 };
 
+/// The instances of a prototype as its instancer has them: number i is point indices[i % n] at bases[i / n].
+struct PlacementSource {
+  InstancePoints points;
+  Array<int32_t> indices;
+  std::vector<Placement> bases;  // of the instancer itself
+
+  size_t size() const { return bases.size() * indices.size(); }
+  bool has_point(int32_t index) const;
+  Placement operator[](size_t i) const;
+  /// True if those in [begin, end) are the same in another, which has the same size.
+  bool stand_alike(const PlacementSource& other, size_t begin, size_t end) const;
+};
+
 /// Places prototypes. Remembers where instancers themselves stand, since many prototypes share them.
 class Placements {
  public:
@@ -64,6 +79,8 @@ class Placements {
   /// The instances of `prototype`, which `instancer` places at `indices`: the innermost index runs fastest. Empty and
   /// reported if the instancer does not exist, if instancers contain each other, or beyond 2^27 instances.
   std::vector<Placement> place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices);
+  /// The same, not yet placed.
+  PlacementSource source(const Path& prototype, const Path& instancer, const Array<int32_t>& indices);
 
  private:
   const std::vector<Placement>& outer(const Path& instancer, const InstancerRecord& record);

@@ -1,0 +1,129 @@
+// What the files of this room share about Embree: scenes, their builds and queries. Internal to this room.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "core/geometry/embree_scene.h"
+#include "core/geometry/trace_device.h"
+
+namespace alabaster {
+
+// Owns an Embree scene and, through it, the device that it lives on.
+class SceneHandle {
+ public:
+  explicit SceneHandle(std::shared_ptr<TraceDevice> device) : device_(std::move(device)) {
+    device_->take_error();  // an earlier error is not ours
+    scene_ = rtcNewScene(device_->get());
+    if (!scene_) return;
+    // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
+    // triangles trace a quarter slower. The filter function collects all hits of a ray; single rays trace as fast with
+    // the flag as without.
+    rtcSetSceneFlags(scene_,
+                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_MEDIUM);
+  }
+  ~SceneHandle() {
+    if (scene_) rtcReleaseScene(scene_);
+  }
+  SceneHandle(const SceneHandle&) = delete;
+  SceneHandle& operator=(const SceneHandle&) = delete;
+
+  RTCScene get() const { return scene_; }
+  RTCDevice device() const { return device_->get(); }
+  bool take_error() const { return !scene_ || device_->take_error(); }
+
+ private:
+  std::shared_ptr<TraceDevice> device_;
+  RTCScene scene_ = nullptr;
+};
+
+inline RTCRay to_embree(const Ray& ray) {
+  const Vec3f &o = ray.org, &d = ray.dir;
+  // Members: org, tnear, dir, time, tfar, mask, id, flags.
+  return {o.x, o.y, o.z, 0, d.x, d.y, d.z, ray.time, ray.tmax, ~0u, 0, 0};
+}
+
+// Without a hit so far.
+inline RTCRayHit to_query(const Ray& ray) {
+  RTCRayHit query;
+  query.ray = to_embree(ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
+
+// Embree hands the context back to the filter, so it must begin with Embree's.
+struct FilterContext {
+  RTCIntersectContext embree;
+  const HitFilter* filter;
+  uint32_t first = 0;  // index of the first instance of the array that the ray is in
+};
+
+inline void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
+  const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
+  const TriangleHit hit{RTCRayN_tfar(args->ray, args->N, 0),      RTCHitN_u(args->hit, args->N, 0),
+                        RTCHitN_v(args->hit, args->N, 0),         RTCHitN_primID(args->hit, args->N, 0),
+                        RTCHitN_instID(args->hit, args->N, 0, 0), RTCRayN_time(args->ray, args->N, 0)};
+  if (!context.filter->stops(hit)) args->valid[0] = 0;
+}
+
+inline FilterContext make_context(const HitFilter* filter) {
+  FilterContext context{{}, filter};
+  rtcInitIntersectContext(&context.embree);
+  if (filter) context.embree.filter = &ask_filter;
+  return context;
+}
+
+inline bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, const HitFilter* filter = nullptr) {
+  if (!is_traceable(ray)) return false;
+  RTCRayHit query = to_query(ray);
+  FilterContext context = make_context(filter);
+  rtcIntersect1(scene, &context.embree, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit->t = query.ray.tfar;
+  hit->u = query.hit.u;
+  hit->v = query.hit.v;
+  hit->triangle = query.hit.primID;
+  hit->instance = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID ? 0 : query.hit.instID[0];
+  hit->time = ray.time;
+  return true;
+}
+
+inline bool is_at_first_corner(const TriangleHit& hit) {
+  return hit.u == 0 && hit.v == 0;
+}
+
+struct BuildMonitor {
+  const std::function<bool()>& cancelled;
+  std::atomic<bool> stopped{false};
+};
+
+// Embree asks from its worker threads, possibly several at once.
+inline bool continue_build(void* data, double) {
+  auto& monitor = *static_cast<BuildMonitor*>(data);
+  if (monitor.cancelled()) monitor.stopped = true;
+  return !monitor.stopped;
+}
+
+// Waits in the caller's task arena; rtcJoinCommitScene would move the build to an arena of Embree's own. False: it was
+// cancelled.
+//
+// A scene keeps a task group. Inside of a parallel loop the loop's context would become that group's parent, and later
+// cancellations in TBB follow pointers to parents, long after the loop. In an arena's own context a group has none.
+inline bool commit(RTCScene scene, const std::function<bool()>& cancelled) {
+  BuildMonitor monitor{cancelled};
+  if (cancelled) {
+    if (cancelled()) return false;  // small builds never ask
+    rtcSetSceneProgressMonitorFunction(scene, &continue_build, &monitor);
+  }
+  tbb::task_arena(tbb::task_arena::attach()).execute([scene] { rtcCommitScene(scene); });
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  return !monitor.stopped;
+}
+
+}  // namespace alabaster

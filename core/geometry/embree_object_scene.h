@@ -1,0 +1,38 @@
+// A mesh as Embree holds it. Internal to this room.
+#pragma once
+
+#include "core/geometry/embree_handle.h"
+
+namespace alabaster {
+
+class EmbreeObjectScene final : public ObjectScene {
+ public:
+  EmbreeObjectScene(std::shared_ptr<TraceDevice> device, const Mesh& mesh)
+      : scene_(std::move(device)),
+        points_(mesh.points.size()),
+        triangles_(mesh.triangles.size()),
+        poses_(1 + mesh.later_poses.size()) {}
+
+  /// Copies the mesh into buffers that Embree allocates (and pads: it reads 16 bytes at each 12-byte vertex).
+  bool attach(const Mesh& mesh);
+
+  bool intersect(const Ray& ray, TriangleHit* hit) const override;
+  void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const override;
+  /// The coordinates of a hit at the first corner, which Embree answers where a triangle is very small. `to_world`
+  /// carries the mesh to the ray's space. A mesh that deforms is left as it is.
+  void mend(const Affine& to_world, const Ray& ray, TriangleHit* hit) const;
+
+  size_t memory_bytes() const override {
+    // The buffers are known; the hierarchy takes about 66 bytes a triangle (Embree 3.13 does not tell per scene).
+    const size_t hierarchy_per_triangle = poses_ > 1 ? 200 : 66;
+    return poses_ * points_ * sizeof(Vec3f) + triangles_ * (3 * sizeof(uint32_t) + hierarchy_per_triangle);
+  }
+  RTCScene get() const { return scene_.get(); }
+  bool take_error() const { return scene_.take_error(); }
+
+ private:
+  SceneHandle scene_;
+  size_t points_, triangles_, poses_;
+};
+
+}  // namespace alabaster

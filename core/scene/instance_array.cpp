@@ -1,0 +1,240 @@
+#include "core/scene/instance_array.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "core/scene/scene.h"
+#include "core/scene/scene_origin.h"
+#include "core/scene/world_placement.h"
+
+namespace alabaster {
+namespace {
+
+constexpr uint32_t kMost = InstanceCells::kMost;
+// Cells grow as instances leave their places: after so many, new ones are chosen.
+constexpr size_t kMovedShare = 8;
+
+enum class State { missing, hidden, faulty, drawn };
+
+State state_of(const std::optional<Matrix4d>& place, const Bounds& object) {
+  if (!place) return State::missing;
+  if (is_valid_affine(*place) && is_within_reach(world_bounds(object, *place))) return State::drawn;
+  return is_within_reach(*place) ? State::hidden : State::faulty;
+}
+
+// The numbers of an array in the order of its cells: halves of halves along the longest axis, until kMost are left.
+class CellChoice {
+ public:
+  CellChoice(const InstancePlaces& places, const Bounds& object, const CancelToken& cancel) : cancel_(cancel) {
+    order_.resize(places.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    centers_.resize(order_.size());
+    const Vec3d center = object.empty() ? Vec3d(0, 0, 0) : Vec3d(object.center());
+    tbb::parallel_for(size_t(0), (order_.size() + kMost - 1) / kMost, [&](size_t block) {
+      cancel_.check();
+      for (size_t i = block * kMost; i < std::min(order_.size(), (block + 1) * kMost); ++i) {
+        const auto place = places.at(i);
+        if (state_of(place, object) == State::drawn) centers_[i] = transform_point(center, *place);
+      }
+    });
+    halve(0, order_.size());
+  }
+  size_t count() const { return (order_.size() + kMost - 1) / kMost; }
+  std::vector<uint32_t> numbers(size_t cell) const {
+    const auto begin = order_.begin() + std::ptrdiff_t(cell * kMost);
+    std::vector<uint32_t> numbers(begin, begin + std::ptrdiff_t(std::min<size_t>(kMost, order_.size() - cell * kMost)));
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
+  }
+
+ private:
+  void halve(size_t begin, size_t end) {
+    cancel_.check();
+    const size_t cells = (end - begin + kMost - 1) / kMost;
+    if (cells < 2) return;
+    BoundsDouble bounds;
+    for (size_t i = begin; i < end; ++i) bounds.extend(centers_[order_[i]]);
+    const Vec3d extent = bounds.extent();
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const size_t middle = begin + cells / 2 * kMost;
+    const auto at = [&](size_t i) { return order_.begin() + std::ptrdiff_t(i); };
+    std::nth_element(at(begin), at(middle), at(end), [&](uint32_t a, uint32_t b) {
+      return centers_[a][axis] < centers_[b][axis] || (centers_[a][axis] == centers_[b][axis] && a < b);
+    });
+    tbb::parallel_invoke([&] { halve(begin, middle); }, [&] { halve(middle, end); });
+  }
+
+  const CancelToken& cancel_;
+  std::vector<uint32_t> order_;
+  std::vector<Vec3d> centers_;  // by number
+};
+
+class Planner {
+ public:
+  Planner(const InstanceArrayDescription& description, const CancelToken& cancel)
+      : places_(*description.places),
+        mesh_(description.look.prototype->mesh),
+        middle_(middle_half(mesh_)),
+        cancel_(cancel) {
+    plan_.places = description.places;
+    plan_.prototype = description.look.prototype;
+  }
+
+  ArrayPlan choose_cells() {
+    const CellChoice choice(places_, mesh_.bounds, cancel_);
+    std::vector<uint32_t> slots(places_.size());
+    plan_.cells.resize(choice.count());
+    tbb::parallel_for(size_t(0), choice.count(), [&](size_t cell) {
+      auto numbers = std::make_shared<const std::vector<uint32_t>>(choice.numbers(cell));
+      for (size_t i = 0; i < numbers->size(); ++i) slots[(*numbers)[i]] = static_cast<uint32_t>(cell * kMost + i);
+      plan_.cells[cell] = measured(std::move(numbers));
+    });
+    plan_.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
+    return std::move(plan_);
+  }
+
+  // Empty: so many have moved that new cells are worth their cost.
+  std::optional<ArrayPlan> continue_from(const ArrayPlan& last) {
+    if (last.prototype != plan_.prototype || last.places->size() != places_.size()) return std::nullopt;
+    const std::vector<uint32_t> moved = find_moved(*last.places);
+    plan_.moved = last.moved + moved.size();
+    if (plan_.moved > places_.size() / kMovedShare) return std::nullopt;
+    plan_.slots = last.slots;
+    plan_.cells = last.cells;
+    std::set<uint32_t> cells;
+    for (const uint32_t number : moved) cells.insert((*last.slots)[number] / kMost);
+    const std::vector<uint32_t> changed(cells.begin(), cells.end());
+    tbb::parallel_for(size_t(0), changed.size(),
+                      [&](size_t i) { plan_.cells[changed[i]] = measured(last.cells[changed[i]]->numbers); });
+    return std::move(plan_);
+  }
+
+ private:
+  std::vector<uint32_t> find_moved(const InstancePlaces& last) const {
+    const size_t blocks = (places_.size() + kMost - 1) / kMost;
+    std::vector<std::vector<uint32_t>> moved(blocks);
+    tbb::parallel_for(size_t(0), blocks, [&](size_t block) {
+      cancel_.check();
+      const size_t begin = block * kMost, end = std::min(places_.size(), begin + kMost);
+      if (places_.stand_alike(last, begin, end)) return;
+      for (size_t i = begin; i < end; ++i)
+        if (!places_.stand_alike(last, i, i + 1)) moved[block].push_back(static_cast<uint32_t>(i));
+    });
+    std::vector<uint32_t> all;
+    for (const auto& some : moved) all.insert(all.end(), some.begin(), some.end());
+    return all;
+  }
+
+  std::shared_ptr<const ArrayCell> measured(std::shared_ptr<const std::vector<uint32_t>> numbers) const {
+    cancel_.check();
+    auto cell = std::make_shared<ArrayCell>();
+    cell->numbers = std::move(numbers);
+    for (const uint32_t number : *cell->numbers) {
+      const auto place = places_.at(number);
+      const State state = state_of(place, mesh_.bounds);
+      cell->hidden += state == State::hidden;
+      cell->faulty += state == State::faulty;
+      if (state != State::drawn) continue;
+      cell->bounds.extend(world_bounds(mesh_.bounds, *place));
+      const PlacedSize one = placed_size(middle_, *place);
+      cell->centers.extend(one.centers);
+      cell->least_size = cell->drawn++ == 0 ? one.size : std::min(cell->least_size, one.size);
+    }
+    return cell;
+  }
+
+  const InstancePlaces& places_;
+  const Mesh& mesh_;
+  const MiddleHalf middle_;
+  const CancelToken& cancel_;
+  ArrayPlan plan_;
+};
+
+// The instances of a cell in render space.
+class CellPlacer {
+ public:
+  CellPlacer(const ArrayPlan& plan, const RenderSpace& space, std::shared_ptr<TraceDevice> device)
+      : plan_(plan), space_(space), device_(std::move(device)) {}
+
+  /// Null as build_instance_cell().
+  std::shared_ptr<const InstanceCell> place(const ArrayCell& cell, uint32_t* left_out,
+                                            const CancelToken& cancel) const {
+    CellInstances instances;
+    instances.memory = MemoryReservation(memory_of(*device_), MemoryUse::scene,
+                                         cell.numbers->size() * (sizeof(Placement) + 2 * sizeof(uint32_t)),
+                                         "an array of " + std::to_string(plan_.places->size()) + " instances");
+    instances.numbers = *cell.numbers;
+    instances.placements.resize(instances.numbers.size());
+    instances.hidden.resize(instances.numbers.size(), true);
+    for (size_t i = 0; i < instances.numbers.size(); ++i) {
+      const auto place = plan_.places->at(instances.numbers[i]);
+      if (state_of(place, plan_.prototype->mesh.bounds) != State::drawn) continue;
+      const Matrix4d m = moved_to_render_space(*place, space_.origin);
+      const Affine object_to_world = to_affine(m);
+      if (!is_traceable(object_to_world, space_.farthest)) {
+        ++*left_out;
+        continue;
+      }
+      instances.placements[i] = {object_to_world, to_affine(m.inverse())};
+      instances.hidden[i] = false;
+    }
+    return build_instance_cell(device_, plan_.prototype->object, std::move(instances),
+                               [&cancel] { return cancel.is_cancelled(); });
+  }
+
+ private:
+  const ArrayPlan& plan_;
+  const RenderSpace space_;
+  const std::shared_ptr<TraceDevice> device_;
+};
+
+}  // namespace
+
+ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPlan* last, const CancelToken& cancel) {
+  if (last)
+    if (auto continued = Planner(description, cancel).continue_from(*last)) return std::move(*continued);
+  return Planner(description, cancel).choose_cells();
+}
+
+std::shared_ptr<const PlacedArray> place_array(ArrayPlan plan, const RenderSpace& space, const PlacedArray* last,
+                                               const std::shared_ptr<TraceDevice>& device, const CancelToken& cancel) {
+  auto placed = std::make_shared<PlacedArray>();
+  placed->plan = std::move(plan);
+  placed->space = space;
+  placed->traced.slots = placed->plan.slots;
+  const auto& cells = placed->plan.cells;
+  placed->traced.cells.resize(cells.size());
+  placed->left_out.resize(cells.size());
+  const bool may_share = last && last->space.origin == space.origin && last->plan.slots == placed->plan.slots;
+  const auto can_share = [&](size_t i) {
+    return may_share && last->plan.cells[i] == cells[i] &&
+           (last->space.farthest == space.farthest ||
+            (last->left_out[i] == 0 && last->traced.cells[i]->is_traceable_from(space.farthest)));
+  };
+  const CellPlacer placer(placed->plan, space, device);
+  tbb::parallel_for(size_t(0), cells.size(), [&](size_t i) {
+    if (can_share(i)) {
+      placed->traced.cells[i] = last->traced.cells[i];
+      placed->left_out[i] = last->left_out[i];
+      return;
+    }
+    cancel.check();
+    placed->traced.cells[i] = placer.place(*cells[i], &placed->left_out[i], cancel);
+  });
+  cancel.check();
+  const bool whole = std::none_of(placed->traced.cells.begin(), placed->traced.cells.end(),
+                                  [](const auto& cell) { return cell == nullptr; });
+  return whole ? placed : nullptr;
+}
+
+size_t PlacedArray::memory_bytes() const {
+  size_t bytes = size() * sizeof(uint32_t);
+  for (const auto& cell : traced.cells) bytes += cell->memory_bytes();
+  return bytes;
+}
+
+}  // namespace alabaster
