@@ -8,7 +8,6 @@
 #include <set>
 
 #include "core/scene/scene.h"
-#include "core/scene/scene_origin.h"
 #include "core/scene/world_placement.h"
 
 namespace alabaster {
@@ -198,6 +197,17 @@ ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPla
   if (last)
     if (auto continued = Planner(description, cancel).continue_from(*last)) return std::move(*continued);
   return Planner(description, cancel).choose_cells();
+}
+
+std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, const ArrayCell& cell) {
+  const Mesh& mesh = plan.prototype->mesh;
+  const MiddleHalf middle = middle_half(mesh);
+  std::vector<PlacedSize> sizes;
+  for (const uint32_t number : *cell.numbers) {
+    const auto place = plan.places->at(number);
+    if (state_of(place, mesh.bounds) == State::drawn) sizes.push_back(placed_size(middle, *place));
+  }
+  return sizes;
 }
 
 std::shared_ptr<const PlacedArray> place_array(ArrayPlan plan, const RenderSpace& space, const PlacedArray* last,

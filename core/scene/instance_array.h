@@ -10,6 +10,7 @@
 #include "core/math/bounds.h"
 #include "core/memory/memory_budget.h"
 #include "core/scene/instance_places.h"
+#include "core/scene/scene_origin.h"
 
 namespace alabaster {
 
@@ -39,6 +40,9 @@ struct ArrayPlan {
 /// `last` may be null. Cells whose instances stand as in `last` are its own. Where few instances have moved since cells
 /// were chosen, each stays in its cell; which cell an instance is in changes no picture. Throws BuildCancelled.
 ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPlan* last, const CancelToken& cancel);
+
+/// Those of the instances that can be drawn, in order.
+std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, const ArrayCell& cell);
 
 struct RenderSpace {
   Vec3d origin{0, 0, 0};

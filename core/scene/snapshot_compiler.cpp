@@ -9,9 +9,9 @@
 
 #include "core/scene/bodies.h"
 #include "core/scene/lit_surfaces.h"
-#include "core/scene/mesh_lights.h"
 #include "core/scene/missing_tiles.h"
 #include "core/scene/scene_origin.h"
+#include "core/scene/snapshot_lights.h"
 #include "core/scene/world_placement.h"
 
 namespace alabaster {
@@ -150,27 +150,6 @@ bool has_clear_interior(const InstanceDescription& d) {
                      [](const auto& m) { return m->transmits() && !m->constants.thin; });
 }
 
-bool has_no_size(const LightDescription& d) {
-  if (d.type == LightType::rect) return d.width == 0 || d.height == 0;
-  return (d.type == LightType::disk && d.radius == 0) ||
-         (d.type == LightType::cylinder && (d.radius == 0 || d.length == 0));
-}
-
-// True if the light can be placed. Says why one gives no light.
-bool is_usable(const LightDescription& d, const DiagnosticSink& sink, std::vector<std::string>* left_out) {
-  if (is_valid_affine(d.light_to_world) && is_within_reach(d.light_to_world)) {
-    if (d.intensity != 0 && has_no_size(d))
-      report(sink, Severity::warning, "light.size", d.name, "a light of size zero gives no light; give it a size");
-    return true;
-  }
-  const bool near = is_within_reach(d.light_to_world);
-  report(sink, near ? Severity::warning : Severity::error, "light.transform", d.name,
-         near ? "the transform is not invertible: the light is left out; check its scale"
-              : "the transform is not finite, or goes beyond 1e17: the light is left out; move it nearer");
-  if (!near) left_out->push_back(d.name);
-  return false;
-}
-
 // Instances of one mesh come one after the other.
 bool is_made_as(const InstanceDescription& a, const InstanceDescription& b) {
   return a.prototype == b.prototype && a.materials == b.materials;
@@ -228,8 +207,6 @@ struct SnapshotCompiler::Compilation {
   std::vector<const InstanceDescription*> drawn = {};
   std::vector<ArrayPlan> plans = {};                   // of the arrays
   std::vector<const InstanceDescription*> looks = {};  // theirs
-  bool same_lights = false;                            // as those of `last`
-  static constexpr size_t kSampleAllUpTo = 4;
 
   // In world space, then beside the scene's size.
   void choose_drawn() {
@@ -266,26 +243,49 @@ struct SnapshotCompiler::Compilation {
     return nullptr;
   }
 
-  void choose_space(const BoundsDouble& bounds) {
-    std::vector<PlacedSize> sizes = placed_sizes(drawn);
-    std::vector<const std::string*> names;
-    for (const InstanceDescription* d : drawn) names.push_back(&d->name);
+  struct NamedSizes {
+    std::vector<PlacedSize> sizes;
+    std::vector<const std::string*> names;  // parallel
+    std::vector<const ArrayCell*> cells;    // parallel; null: of one instance
+  };
+  // Cells count as one, unless they are in `apart`.
+  NamedSizes sizes_without(const std::set<const ArrayCell*>& apart) const {
+    NamedSizes all{placed_sizes(drawn), {}, {}};
+    for (const InstanceDescription* d : drawn) all.names.push_back(&d->name);
+    all.cells.resize(drawn.size(), nullptr);
     for (size_t i = 0; i < plans.size(); ++i)
       for (const auto& cell : plans[i].cells) {
         if (cell->drawn == 0) continue;
-        sizes.push_back({cell->centers, cell->least_size, cell->drawn});
-        names.push_back(&looks[i]->name);
+        const bool is_apart = apart.contains(cell.get());
+        const std::vector<PlacedSize> sizes =
+            is_apart ? sizes_in(plans[i], *cell)
+                     : std::vector<PlacedSize>{{cell->centers, cell->least_size, cell->drawn}};
+        all.sizes.insert(all.sizes.end(), sizes.begin(), sizes.end());
+        all.names.resize(all.sizes.size(), &looks[i]->name);
+        all.cells.resize(all.sizes.size(), is_apart ? nullptr : cell.get());
       }
-    const SceneOrigin chosen = choose_origin(sizes, bounds);
+    return all;
+  }
+
+  // A cell that might be too far away for its smallest instance is looked at by instance.
+  void choose_space(const BoundsDouble& bounds) {
+    std::set<const ArrayCell*> apart;
+    NamedSizes all;
+    SceneOrigin chosen;
+    for (bool decided = false; !decided;) {
+      all = sizes_without(apart);
+      chosen = choose_origin(all.sizes, bounds);
+      decided = true;
+      for (const size_t i : chosen.too_far)
+        if (all.cells[i]) apart.insert(all.cells[i]), decided = false;
+    }
     snapshot->origin = plans.empty() ? chosen.origin : snapped(chosen.origin, radius_about(chosen.origin, bounds));
     snapshot->radius = radius_about(snapshot->origin, bounds);
-    if (chosen.too_far.empty()) return;
-    size_t count = 0;
-    for (const size_t i : chosen.too_far) count += sizes[i].count;
-    report(compiler.sink_, Severity::warning, "scene.far", *names[chosen.too_far.front()],
-           std::to_string(count) +
-               " of the scene's instances, this one first, stand a million times their size away from the scene's "
-               "middle: their shapes lose detail to rounding; move them nearer, or render them by themselves");
+    if (!chosen.too_far.empty())
+      report(compiler.sink_, Severity::warning, "scene.far", *all.names[chosen.too_far.front()],
+             std::to_string(chosen.too_far.size()) +
+                 " of the scene's instances, this one first, stand a million times their size away from the scene's "
+                 "middle: their shapes lose detail to rounding; move them nearer, or render them by themselves");
   }
 
   // Rays come from the scene itself, and from a camera that sees it from some radii away.
@@ -367,85 +367,17 @@ struct SnapshotCompiler::Compilation {
     return snapshot->top != nullptr;
   }
 
-  void add_lights() {
-    std::vector<std::shared_ptr<const LightImage>> images;
-    if (last)
-      for (const Light& light : last->lights.lights())
-        if (auto image = image_of(light)) images.push_back(std::move(image));
-    std::vector<Light> lights;
-    LightSet::Traits traits;
-    std::vector<uint32_t> light_links;
-    for (const auto& d : description.lights) {
-      if (!is_usable(d, compiler.sink_, &snapshot->left_out)) continue;
-      lights.push_back(make_light(d, snapshot->origin, {images, cancel, memory_of(*compiler.device_)}));
-      traits.visible_to_camera.push_back(d.visible_to_camera);
-      traits.shadow_links.push_back(d.shadow_link);
-      light_links.push_back(d.light_link);
-      snapshot->features.visible_background |= d.type == LightType::dome && d.visible_to_camera;
-    }
-    same_lights = last && snapshot->origin == last->origin && description.lights == compiler.last_lights_ &&
-                  description.category_sets == compiler.last_category_sets_;
-    add_mesh_lights(&lights);
-    same_lights = same_lights && lights.size() == last->lights.size();
-    light_links.resize(lights.size(), 0);
-    link_lights(lights, traits, light_links);
-    snapshot->lights = LightSet(std::move(lights), std::move(traits), kSampleAllUpTo);
+  // True if all lights are those of `last`.
+  bool light() {
+    const bool described_alike =
+        description.lights == compiler.last_lights_ && description.category_sets == compiler.last_category_sets_;
+    const bool same =
+        add_lights({description, last, described_alike, compiler.device_, compiler.sink_, cancel}, snapshot.get());
     size_t bytes = snapshot->lights.memory_bytes();
     for (const Light& light : snapshot->lights.lights())
       if (const auto image = image_of(light)) bytes -= image->memory_bytes();
     hold(bytes);
-  }
-
-  // Category sets that the same lights light share them.
-  void link_lights(const std::vector<Light>& lights, const LightSet::Traits& traits,
-                   const std::vector<uint32_t>& light_links) {
-    const auto& sets = description.category_sets;
-    const auto holds = [](const std::vector<uint32_t>& set, uint32_t category) {
-      return category == 0 || std::binary_search(set.begin(), set.end(), category);
-    };
-    uint32_t shadow_links = 0;
-    for (const uint32_t link : traits.shadow_links) shadow_links = std::max(shadow_links, link);
-    for (uint32_t link = 1; link <= shadow_links; ++link) {
-      auto& casters = snapshot->shadow_casters.emplace_back();
-      for (const auto& set : sets) casters.push_back(holds(set, link));
-    }
-    if (std::all_of(light_links.begin(), light_links.end(), [](uint32_t link) { return link == 0; })) return;
-    std::map<std::vector<size_t>, std::shared_ptr<const LightSet>> known;
-    for (const auto& set : sets) {
-      std::vector<size_t> lit_by;
-      for (size_t i = 0; i < lights.size(); ++i)
-        if (holds(set, light_links[i])) lit_by.push_back(i);
-      auto& linked = known[lit_by];
-      if (!linked) linked = choose(lights, traits, lit_by);
-      snapshot->linked_lights.push_back(linked);
-    }
-    for (const auto& [unused, linked] : known) snapshot->memory_bytes += linked->memory_bytes();
-  }
-
-  static std::shared_ptr<const LightSet> choose(const std::vector<Light>& lights, const LightSet::Traits& traits,
-                                                const std::vector<size_t>& chosen) {
-    std::vector<Light> some;
-    LightSet::Traits of_some;
-    for (const size_t i : chosen) {
-      some.push_back(lights[i]);
-      of_some.visible_to_camera.push_back(i >= traits.visible_to_camera.size() || traits.visible_to_camera[i]);
-      of_some.shadow_links.push_back(i < traits.shadow_links.size() ? traits.shadow_links[i] : 0);
-    }
-    return std::make_shared<const LightSet>(std::move(some), std::move(of_some), kSampleAllUpTo);
-  }
-
-  void add_mesh_lights(std::vector<Light>* lights) {
-    const KnownMeshLights known(last);
-    for (uint32_t i = 0; i < snapshot->instances.size(); ++i) {
-      const Instance& instance = snapshot->instances[i];
-      if (!emits(instance)) continue;
-      snapshot->features.emissive_meshes = true;
-      // The triangles of what moves are nowhere long enough to be sampled: paths find them by their lobes.
-      if (!instance.is_still()) continue;
-      const MeshLight* const same = known.find(instance);
-      same_lights = same_lights && same && same->instance() == i;
-      lights->emplace_back(same ? same->of_instance(i) : make_mesh_light(instance, i, cancel));
-    }
+    return same;
   }
 
   bool are_linked_alike() const {
@@ -469,7 +401,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     looks.insert(looks.end(), drawn.begin(), drawn.end());
     keep_alive(looks, snapshot.get());
-    add_lights();
+    const bool same_lights = light();
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);

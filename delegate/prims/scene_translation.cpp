@@ -97,7 +97,7 @@ class PointPlaces final : public InstancePlaces {
 };
 
 // Fewer are as well off alone.
-constexpr size_t kSmallestArray = 4096;
+constexpr size_t kSmallestArray = 8192;
 
 bool may_be_in_array(const InstanceDescription& look) {
   const auto glows = [](const auto& material) { return material->scatters() || material->emits(); };

@@ -152,5 +152,102 @@ TEST(Instancing, AnInstancerWithoutIndicesDrawsNothingAndMayComeAndGo) {
   EXPECT_EQ(placed_instances(stage).size(), 1u);
 }
 
+// Two outer points and 5000 inner ones, some of which the indices lack.
+struct Crowd {
+  static constexpr int kPoints = 5000;
+
+  explicit Crowd(Stage* to) : stage(*to) {
+    for (int i = 0; i < kPoints; ++i) {
+      const auto x = static_cast<float>(i % 100), y = static_cast<float>(i / 100);
+      places.emplace_back(x * 0.04f - 2, y * 0.04f - 1, 0.1f * std::sin(x * y));
+      indices.push_back(i % 999 == 7 ? kPoints : i);
+    }
+    outer.primvars["hydra:instanceTranslations"] = Array<Vec3f>{{0, 0, 0}, {0, 0, -1}};
+    outer.indices["/inner"] = {0, 1};
+    mesh = Stage::quad();
+    mesh.transform.setScale(0.01);
+    mesh.instancer = "/inner";
+    mesh.material = "/matte";
+    stage.add_basic_scene();
+    stage.scene.Remove("/quad");
+    stage.scene.SetMaterial("/matte", surface("baseColor", Vec3f(0.8f, 0.4f, 0.2f)));
+    stage.scene.SetMaterial("/wax", surface("scatterDistance", Vec3f(0.1f)));
+    stage.scene.SetInstancer("/outer", outer);
+    stage.scene.SetMesh("/mesh", mesh);
+    place();
+  }
+  static MaterialNetwork surface(const char* parameter, const Vec3f& value) {
+    MaterialNetwork network;
+    network.nodes["surface"] = {"AlabasterDisney", {{parameter, value}}, {}};
+    network.terminals["surface"] = {"surface", "surface"};
+    return network;
+  }
+  void place() {
+    host::InstancerDescription inner;
+    inner.parent = "/outer";
+    inner.primvars["hydra:instanceTranslations"] = Array<Vec3f>(std::vector<Vec3f>(places));
+    inner.indices["/mesh"] = Array<int32_t>(std::vector<int32_t>(indices));
+    stage.scene.SetInstancer("/inner", inner);
+  }
+  std::vector<float> picture(const char* aov, Format format) {
+    RenderBuffer* const buffer = stage.add_buffer("/buffer", 32, 32, format);
+    const auto pass = stage.delegate->CreateRenderPass();
+    stage.index->SyncAll();
+    EXPECT_TRUE(Stage::finish(*pass, Stage::state_for(32, 32, aov, buffer)));
+    return Stage::pixels<float>(buffer);
+  }
+
+  Stage& stage;
+  host::MeshDescription mesh;
+  host::InstancerDescription outer;
+  std::vector<Vec3f> places;
+  std::vector<int32_t> indices;
+};
+
+std::string without_materials(const std::string& dump) {
+  std::istringstream lines(dump);
+  std::string kept;
+  for (std::string line; std::getline(lines, line);)
+    if (line.compare(0, 9, "instance ") == 0 || line.find("transform") != std::string::npos) kept += line + "\n";
+  return kept;
+}
+
+// Instances that scatter stand alone.
+TEST(Instancing, AnArrayHasThePlacesNumbersAndFaultsOfItsInstancesAlone) {
+  Stage stage;
+  Crowd crowd(&stage);
+  const std::string array = stage.dump();
+  EXPECT_EQ(placed_instances(stage).size(), 2u * (Crowd::kPoints - 5));
+  EXPECT_EQ(stage.count("instancer.index"), 1u);
+  EXPECT_NE(array.find("/matte"), std::string::npos);
+  crowd.mesh.material = "/wax";
+  stage.scene.SetMesh("/mesh", crowd.mesh);
+  EXPECT_EQ(without_materials(array), without_materials(stage.dump()));
+}
+
+TEST(Instancing, AnEditedArrayLooksAsAFreshOne) {
+  const auto edit = [](Crowd& crowd) {
+    crowd.places[2500] = {0, 0, 1};
+    crowd.indices[2501] = 7;
+    crowd.outer.transform[3][0] = 0.25;
+  };
+  Stage stage({{"samples", int64_t(4)}}), fresh({{"samples", int64_t(4)}});
+  Crowd crowd(&stage), expected(&fresh);
+  const std::vector<float> before = crowd.picture("color", Format::float32vec4);
+  edit(crowd);
+  crowd.place();
+  stage.scene.SetInstancer("/outer", crowd.outer);
+  const std::vector<float> after = crowd.picture("color", Format::float32vec4);
+  edit(expected);
+  expected.place();
+  fresh.scene.SetInstancer("/outer", expected.outer);
+  EXPECT_NE(after, before);
+  EXPECT_EQ(after, expected.picture("color", Format::float32vec4));
+  crowd.places[0].x += 0.001f;
+  crowd.place();
+  stage.wait_for_scene();
+  EXPECT_EQ(crowd.picture("instanceId", Format::int32), expected.picture("instanceId", Format::int32));
+}
+
 }  // namespace
 }  // namespace alabaster::hd

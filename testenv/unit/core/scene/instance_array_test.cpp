@@ -1,0 +1,211 @@
+#include "core/scene/instance_array.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "core/scene/snapshot_compiler.h"
+#include "testenv/support/cages.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+using testing::SceneBuilder;
+
+class ListedPlaces final : public InstancePlaces {
+ public:
+  explicit ListedPlaces(std::vector<std::optional<Matrix4d>> places) : places_(std::move(places)) {}
+  size_t size() const override { return places_.size(); }
+  std::optional<Matrix4d> at(size_t number) const override { return places_[number]; }
+  bool stand_alike(const InstancePlaces& other, size_t begin, size_t end) const override {
+    const auto& held = static_cast<const ListedPlaces&>(other).places_;
+    return std::equal(places_.begin() + std::ptrdiff_t(begin), places_.begin() + std::ptrdiff_t(end),
+                      held.begin() + std::ptrdiff_t(begin));
+  }
+
+ private:
+  const std::vector<std::optional<Matrix4d>> places_;
+};
+
+Matrix4d placed(double x, double y, double z, double scale = 0.05) {
+  return Matrix4d().setScale(scale) * Matrix4d().setTranslation(Vec3d(x, y, z));
+}
+
+// A cloud of spheres in a cube of side 2, above a floor, under a dome.
+class InstanceArrayTest : public ::testing::Test {
+ protected:
+  static constexpr size_t kCount = 5000;
+
+  InstanceArrayTest() {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> number(-1, 1);
+    for (size_t i = 0; i < kCount; ++i)
+      places_.emplace_back(placed(number(random), number(random), number(random), 0.02));
+    DisneyParameters matte;
+    matte.base_color = {0.8f, 0.5f, 0.3f};
+    const auto sphere = b_.prototype(testing::sphere_mesh(1, 6, true));
+    InstanceDescription look{sphere, Matrix4d(), {}, {b_.material(matte)}, 3, 0, "/leaf"};
+    b_.description.arrays.push_back({look, nullptr});
+    b_.add(b_.prototype(testing::plane_mesh(8)), b_.material({}), Matrix4d().setTranslation(Vec3d(0, -1.2, 0)));
+    b_.add(testing::constant_dome(1, true));
+  }
+
+  std::shared_ptr<const SceneSnapshot> compile() {
+    b_.description.arrays[0].places = std::make_shared<ListedPlaces>(places_);
+    return compiler_.compile(b_.description, ++number_);
+  }
+  // The same as instances that stand alone.
+  SceneDescription flat() const {
+    SceneDescription flat = b_.description;
+    flat.arrays.clear();
+    for (size_t i = 0; i < places_.size(); ++i)
+      if (auto one = b_.description.arrays[0].instance(i)) flat.instances.push_back(std::move(*one));
+    return flat;
+  }
+  static std::vector<float> picture(const std::shared_ptr<const SceneSnapshot>& scene, Aov aov) {
+    RenderRequest request;
+    request.camera = testing::look_at({0.4, 1, 4}, {0, 0, 0}, 45);
+    request.width = request.height = 32;
+    request.data_window = {0, 0, 32, 32};
+    request.settings.samples = 4;
+    request.aovs = aov_bit(aov);
+    request.scene = scene;
+    return testing::render(request)->resolve_float(aov);
+  }
+  static size_t shared_cells(const SceneSnapshot& a, const SceneSnapshot& b) {
+    const auto &x = a.arrays[0].placed->traced.cells, &y = b.arrays[0].placed->traced.cells;
+    size_t shared = 0;
+    for (const auto& cell : x) shared += std::find(y.begin(), y.end(), cell) != y.end();
+    return shared;
+  }
+
+  SceneBuilder b_;
+  test::RecordingSink sink_;
+  std::shared_ptr<MemoryBudget> memory_ = std::make_shared<MemoryBudget>();
+  std::shared_ptr<TraceDevice> device_ = make_trace_device(sink_.sink(), memory_);
+  SnapshotCompiler compiler_{device_, sink_.sink()};
+  uint64_t number_ = 0;
+  std::vector<std::optional<Matrix4d>> places_;
+};
+
+// The origins of the two differ by rounding, and so do directions in the last bits.
+TEST_F(InstanceArrayTest, LooksAsItsInstancesDoAlone) {
+  const auto array = compile();
+  const auto alone = compile_snapshot(flat(), 1, device_, sink_.sink());
+  ASSERT_TRUE(array && alone);
+  EXPECT_EQ(array->instance_count(), alone->instance_count());
+  const std::vector<float> a = picture(array, Aov::color), b = picture(alone, Aov::color);
+  double sum_a = 0, sum_b = 0;
+  size_t different = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    sum_a += double(a[i]), sum_b += double(b[i]);
+    different += std::abs(a[i] - b[i]) > 1e-3f * b[i];
+  }
+  EXPECT_LT(different, a.size() / 16) << "a path that meets another triangle is another path";
+  EXPECT_NEAR(sum_a, sum_b, 1e-3 * sum_b);
+  const std::vector<float> depth = picture(array, Aov::camera_depth), depth_alone = picture(alone, Aov::camera_depth);
+  for (size_t i = 0; i < depth.size(); ++i) EXPECT_NEAR(depth[i], depth_alone[i], 1e-4f * depth_alone[i]) << i;
+}
+
+TEST_F(InstanceArrayTest, TellsWhichInstanceARayMeets) {
+  const auto scene = compile();
+  int met = 0;
+  for (size_t i = 0; i < kCount; i += 7) {
+    const Vec3d center = transform_point(Vec3d(0, 0, 0), *places_[i]) - scene->origin;
+    TriangleHit hit;
+    ASSERT_TRUE(scene->top->intersect({Vec3f(center), {0, 0, 1}, 0.021f}, &hit));
+    const Instance& instance = scene->instance(hit.instance);
+    ASSERT_TRUE(instance.array);
+    EXPECT_EQ(instance.prim_id, 3);
+    std::optional<Placement> moved;
+    const Placement& placement = instance.at(hit, &moved);
+    if (instance.id_of(hit) != static_cast<int32_t>(i)) continue;  // inside of another sphere, too
+    ++met;
+    EXPECT_NEAR(length(Vec3d(placement.object_to_world.point({0, 0, 0})) - center), 0, 1e-6);
+    EXPECT_NEAR(length(placement.world_to_object.point(Vec3f(center))), 0, 1e-4);
+  }
+  EXPECT_GT(met, 600);
+}
+
+TEST_F(InstanceArrayTest, AnEditBuildsTheCellsThatItTouchesAndLooksAsFresh) {
+  const auto first = compile();
+  const size_t cells = first->arrays[0].placed->traced.cells.size();
+  ASSERT_EQ(cells, 5u);
+  places_[100] = placed(0, 0.9, 0.5, 0.3);
+  places_[101] = std::nullopt;
+  const auto second = compile();
+  EXPECT_NE(second->top, first->top);
+  EXPECT_EQ(second->origin, first->origin);
+  EXPECT_GE(shared_cells(*second, *first), cells - 2);
+  EXPECT_LT(shared_cells(*second, *first), cells);
+  const auto fresh = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
+  EXPECT_EQ(picture(second, Aov::color), picture(fresh, Aov::color));
+  EXPECT_EQ(picture(second, Aov::instance_id), picture(fresh, Aov::instance_id));
+  const auto again = compile();
+  EXPECT_EQ(again->top, second->top) << "nothing has moved";
+}
+
+TEST_F(InstanceArrayTest, ManyEditsChooseNewCells) {
+  auto last = compile();
+  const auto slots = last->arrays[0].placed->traced.slots;
+  for (size_t i = 0; i < kCount / 8; ++i) places_[i] = places_[kCount - 1 - i];
+  EXPECT_EQ(compile()->arrays[0].placed->traced.slots, slots);
+  places_[0] = placed(0, 0, 0);
+  EXPECT_NE(compile()->arrays[0].placed->traced.slots, slots) << "more than an eighth";
+  places_.pop_back();
+  const auto fewer = compile();
+  EXPECT_EQ(fewer->arrays[0].placed->size(), kCount - 1);
+  const auto fresh = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
+  EXPECT_EQ(picture(fewer, Aov::color), picture(fresh, Aov::color));
+}
+
+TEST_F(InstanceArrayTest, SaysHowManyItLeavesOut) {
+  places_[1] = Matrix4d().setScale(0.0);
+  places_[2] = placed(0, 0, 0, std::numeric_limits<double>::quiet_NaN());
+  places_[3] = placed(3e17, 0, 0);
+  places_[4] = placed(0, 0, 0, 1e-19);
+  const auto scene = compile();
+  ASSERT_TRUE(scene);
+  std::vector<Diagnostic> said;
+  for (const Diagnostic& d : sink_.all())
+    if (d.code == "instance.transform") said.push_back(d);
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_EQ(said[0].text.substr(0, 9), "2 of 5000") << said[0].text;
+  EXPECT_EQ(said[0].severity, Severity::warning);
+  EXPECT_EQ(said[1].text.substr(0, 9), "2 of 5000") << said[1].text;
+  EXPECT_EQ(said[1].severity, Severity::error);
+  EXPECT_EQ(scene->left_out, std::vector<std::string>{"/leaf"});
+  picture(scene, Aov::color);
+}
+
+TEST_F(InstanceArrayTest, CountsThoseThatStandTooFarForTheirSize) {
+  for (size_t i = 0; i < 3; ++i) places_[i] = placed(i == 0, i == 1, i == 2, 1e-7);
+  ASSERT_TRUE(compile());
+  ASSERT_EQ(sink_.all().size(), 1u);
+  EXPECT_EQ(sink_.all()[0].code, "scene.far");
+  EXPECT_EQ(sink_.all()[0].text.substr(0, 5), "2 of ") << "not all of their cells; the third is the origin";
+}
+
+TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsRefusedByName) {
+  memory_->set_limit(80 * kCount);
+  try {
+    compile();
+    FAIL() << "it fits";
+  } catch (const MemoryRefused& refused) {
+    EXPECT_NE(std::string(refused.what()).find("an array of 5000 instances"), std::string::npos) << refused.what();
+  }
+  memory_->set_limit(MemoryBudget::kUnlimited);
+  EXPECT_TRUE(compile());
+}
+
+TEST_F(InstanceArrayTest, ACancelledBuildThrows) {
+  b_.description.arrays[0].places = std::make_shared<ListedPlaces>(places_);
+  const std::atomic<bool> cancelled{true};
+  EXPECT_THROW(compiler_.compile(b_.description, 1, CancelToken(&cancelled)), BuildCancelled);
+  EXPECT_THROW(plan_array(b_.description.arrays[0], nullptr, CancelToken(&cancelled)), BuildCancelled);
+}
+
+}  // namespace
+}  // namespace alabaster
