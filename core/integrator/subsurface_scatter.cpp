@@ -147,7 +147,8 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   if (!exit) return false;
   path->walk_events = exit->events;
   if (!path->interiors.empty())
-    for (const auto& member : below.vertex.instance->body->members) path->interiors.leave(member.instance);
+    for (const auto& member : below.vertex.instance->body->members)
+      path->interiors.leave(member.instance_of(below.vertex.triangle));
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, *exit, path)) return *left;

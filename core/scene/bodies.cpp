@@ -62,9 +62,14 @@ class KnownUnions {
 
 class BodyPlanner {
  public:
-  BodyPlanner(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-              const SceneSnapshot* last, SceneSnapshot* snapshot, const CancelToken& cancel)
-      : drawn_(drawn), device_(device), known_(last), snapshot_(*snapshot), cancel_(cancel) {}
+  BodyPlanner(const DrawnInstances& drawn, const std::shared_ptr<TraceDevice>& device, const SceneSnapshot* last,
+              SceneSnapshot* snapshot, const CancelToken& cancel)
+      : drawn_(drawn.alone),
+        looks_(drawn.looks),
+        device_(device),
+        known_(last),
+        snapshot_(*snapshot),
+        cancel_(cancel) {}
 
   bool plan() {
     std::map<std::string, std::vector<uint32_t>> sets;
@@ -77,6 +82,7 @@ class BodyPlanner {
       else if (!add_body({i}))
         return false;
     }
+    for (size_t i = 0; i < looks_.size(); ++i) add_array(*looks_[i], &snapshot_.arrays[i]);
     return std::all_of(sets.begin(), sets.end(), [&](const auto& set) { return add_body(set.second); });
   }
 
@@ -89,7 +95,9 @@ class BodyPlanner {
       add_alone(indices.front(), body.get());
     else if (!unite(indices, body.get()))
       return false;
-    plan_walks(indices, body.get());
+    std::vector<const InstanceDescription*> members;
+    for (const uint32_t i : indices) members.push_back(drawn_[i]);
+    plan_walks(members, body.get());
     snapshot_.bodies.push_back(std::move(body));
     return true;
   }
@@ -98,6 +106,25 @@ class BodyPlanner {
     const Instance& instance = snapshot_.instances[index];
     add_member(index, {instance.object_to_world, instance.world_to_object, instance.poses}, body);
     body->bounds = instance.prototype->mesh.bounds;
+  }
+
+  // All instances are the same body, each where it stands.
+  void add_array(const InstanceDescription& look, InstanceArray* array) {
+    if (scattering_slots(look).empty()) return;
+    snapshot_.features.subsurface = true;
+    auto body = std::make_shared<SubsurfaceBody>();
+    const MeshPrototype& prototype = *look.prototype;
+    array->look.body = body.get();
+    Member& member = body->members.emplace_back();
+    member.instance = array->first;
+    member.array = &array->placed->traced;
+    member.mesh = &prototype.mesh;
+    member.shells = &prototype.shells(cancel_);
+    member.object = prototype.object.get();
+    member.bounds = body->bounds = prototype.mesh.bounds;
+    member.least_stretch = array->placed->plan.least_stretch();
+    plan_walks({&look}, body.get());
+    snapshot_.bodies.push_back(std::move(body));
   }
 
   bool unite(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
@@ -152,14 +179,14 @@ class BodyPlanner {
   }
 
   // The media of each member's materials, and the shortcuts that pay in them.
-  void plan_walks(const std::vector<uint32_t>& indices, SubsurfaceBody* body) {
-    std::vector<MeanFreePaths> paths(indices.size());
+  void plan_walks(const std::vector<const InstanceDescription*>& members, SubsurfaceBody* body) {
+    std::vector<MeanFreePaths> paths(members.size());
     std::vector<const MeshInterior*> interiors;
-    for (size_t i = 0; i < indices.size(); ++i) {
-      interiors.push_back(&drawn_[indices[i]]->prototype->interior);
-      const auto& materials = drawn_[indices[i]]->materials;
+    for (size_t i = 0; i < members.size(); ++i) {
+      interiors.push_back(&members[i]->prototype->interior);
+      const auto& materials = members[i]->materials;
       body->members[i].media.resize(materials.size());
-      for (const size_t slot : scattering_slots(*drawn_[indices[i]])) {
+      for (const size_t slot : scattering_slots(*members[i])) {
         extend(*materials[slot], &paths[i]);
         body->members[i].media[slot] = media_of(*materials[slot]);
       }
@@ -184,7 +211,7 @@ class BodyPlanner {
     return media;
   }
 
-  const std::vector<const InstanceDescription*>& drawn_;
+  const std::vector<const InstanceDescription*>&drawn_, &looks_;
   const std::shared_ptr<TraceDevice>& device_;
   const KnownUnions known_;
   SceneSnapshot& snapshot_;
@@ -194,8 +221,12 @@ class BodyPlanner {
 
 }  // namespace
 
-bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-                 const SceneSnapshot* last, SceneSnapshot* snapshot, const CancelToken& cancel) {
+bool scatters_as_one(const InstanceDescription& look, const CancelToken& cancel) {
+  return scattering_slots(look).empty() || (look.subsurface_set.empty() && is_simple(look.prototype->shells(cancel)));
+}
+
+bool plan_bodies(const DrawnInstances& drawn, const std::shared_ptr<TraceDevice>& device, const SceneSnapshot* last,
+                 SceneSnapshot* snapshot, const CancelToken& cancel) {
   return BodyPlanner(drawn, device, last, snapshot, cancel).plan();
 }
 

@@ -6,11 +6,19 @@
 
 namespace alabaster {
 
+/// The descriptions of snapshot->instances, and of the looks of snapshot->arrays, in their order.
+struct DrawnInstances {
+  const std::vector<const InstanceDescription*>&alone, &looks;
+};
+
+/// True if the instances of an array with this look may be bodies each for itself, without a BVH of a body's own.
+bool scatters_as_one(const InstanceDescription& look, const CancelToken& cancel);
+
 /// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the
-/// bodies' memory, but for the interiors of meshes. `drawn` describes snapshot->instances, in their order. Unions that
+/// bodies' memory, but for the interiors of meshes. Unions that
 /// `last` (may be null) has as well share its BVHs. False when memory runs out or Embree refuses (reported). Throws
 /// BuildCancelled.
-bool plan_bodies(const std::vector<const InstanceDescription*>& drawn, const std::shared_ptr<TraceDevice>& device,
-                 const SceneSnapshot* last, SceneSnapshot* snapshot, const CancelToken& cancel);
+bool plan_bodies(const DrawnInstances& drawn, const std::shared_ptr<TraceDevice>& device, const SceneSnapshot* last,
+                 SceneSnapshot* snapshot, const CancelToken& cancel);
 
 }  // namespace alabaster

@@ -4,6 +4,8 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -81,6 +83,7 @@ class Planner {
         cancel_(cancel) {
     plan_.places = description.places;
     plan_.prototype = description.look.prototype;
+    plan_.scatters = !scattering_slots(description.look).empty();
   }
 
   ArrayPlan choose_cells() {
@@ -98,7 +101,8 @@ class Planner {
 
   // Empty: so many have moved that new cells are worth their cost.
   std::optional<ArrayPlan> continue_from(const ArrayPlan& last) {
-    if (last.prototype != plan_.prototype || last.places->size() != places_.size()) return std::nullopt;
+    if (last.prototype != plan_.prototype || last.scatters != plan_.scatters || last.places->size() != places_.size())
+      return std::nullopt;
     const std::vector<uint32_t> moved = find_moved(*last.places);
     plan_.moved = last.moved + moved.size();
     if (plan_.moved > places_.size() / kMovedShare) return std::nullopt;
@@ -141,7 +145,12 @@ class Planner {
       cell->bounds.extend(world_bounds(mesh_.bounds, *place));
       const PlacedSize one = placed_size(middle_, *place);
       cell->centers.extend(one.centers);
-      cell->least_size = cell->drawn++ == 0 ? one.size : std::min(cell->least_size, one.size);
+      cell->least_size = cell->drawn == 0 ? one.size : std::min(cell->least_size, one.size);
+      if (plan_.scatters) {
+        const float stretch = least_stretch(to_affine(*place));
+        cell->least_stretch = cell->drawn == 0 ? stretch : std::min(cell->least_stretch, stretch);
+      }
+      ++cell->drawn;
     }
     return cell;
   }
@@ -199,6 +208,13 @@ ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPla
   return Planner(description, cancel).choose_cells();
 }
 
+float ArrayPlan::least_stretch() const {
+  float least = std::numeric_limits<float>::infinity();
+  for (const auto& cell : cells)
+    if (cell->drawn > 0) least = std::min(least, cell->least_stretch);
+  return std::isfinite(least) ? least : 1;
+}
+
 std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, const ArrayCell& cell) {
   const Mesh& mesh = plan.prototype->mesh;
   const MiddleHalf middle = middle_half(mesh);
@@ -239,6 +255,28 @@ std::shared_ptr<const PlacedArray> place_array(ArrayPlan plan, const RenderSpace
   const bool whole = std::none_of(placed->traced.cells.begin(), placed->traced.cells.end(),
                                   [](const auto& cell) { return cell == nullptr; });
   return whole ? placed : nullptr;
+}
+
+Bounds PlacedArray::bounds() const {
+  BoundsDouble world;
+  for (const auto& cell : plan.cells) world.extend(cell->bounds);
+  if (world.empty()) return {};
+  const Vec3d margin(1e-6 * length(world.extent()));
+  return {Vec3f(world.lower - space.origin - margin), Vec3f(world.upper - space.origin + margin)};
+}
+
+bool report_left_out(const PlacedArray& array, const std::string& name, const DiagnosticSink& sink) {
+  const auto tell = [&](Severity severity, size_t count, const char* reason) {
+    if (count > 0)
+      report(sink, severity, "instance.transform", name,
+             std::to_string(count) + " of " + std::to_string(array.size()) + " instances are left out: " + reason);
+  };
+  size_t hidden = 0, faulty = 0;
+  for (const auto& cell : array.plan.cells) hidden += cell->hidden, faulty += cell->faulty;
+  for (const uint32_t count : array.left_out) hidden += count;
+  tell(Severity::warning, hidden, "their transforms are too small, flat or large to be traced; check their scale");
+  tell(Severity::error, faulty, "their transforms are not finite, or go beyond 1e17; check their transforms");
+  return faulty > 0;
 }
 
 size_t PlacedArray::memory_bytes() const {

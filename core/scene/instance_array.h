@@ -23,6 +23,7 @@ struct ArrayCell {
   BoundsDouble bounds;                                   // of all that can be drawn
   BoundsDouble centers;                                  // of the middles of their meshes, see PlacedSize
   double least_size = 0;                                 // of theirs
+  float least_stretch = 0;                               // least_stretch(Affine) of all, of an array that scatters
   uint32_t drawn = 0;
   uint32_t hidden = 0;  // by a scale of zero
   uint32_t faulty = 0;  // not finite, or beyond what can be traced
@@ -34,7 +35,10 @@ struct ArrayPlan {
   std::shared_ptr<const MeshPrototype> prototype;
   std::shared_ptr<const std::vector<uint32_t>> slots;  // InstanceCells
   std::vector<std::shared_ptr<const ArrayCell>> cells;
-  size_t moved = 0;  // instances since the cells were chosen
+  size_t moved = 0;       // instances since the cells were chosen
+  bool scatters = false;  // light goes below the surface
+
+  float least_stretch() const;
 };
 
 /// `last` may be null. Cells whose instances stand as in `last` are its own. Where few instances have moved since cells
@@ -57,8 +61,12 @@ struct PlacedArray {
   std::vector<uint32_t> left_out;  // by cell: instances too small, flat or large to be traced from there
 
   size_t size() const { return traced.size(); }
+  Bounds bounds() const;  // in render space, rounded outwards
   size_t memory_bytes() const;
 };
+
+/// Says how many cannot be placed or traced. True if that is a fault: some are not hidden by their scale.
+bool report_left_out(const PlacedArray& array, const std::string& name, const DiagnosticSink& sink);
 
 /// Shares the cells of `last` (may be null) that are placed alike. Null when memory runs out or Embree refuses
 /// (reported). Throws BuildCancelled and MemoryRefused.

@@ -93,6 +93,7 @@ void plan_lit_surfaces(const SceneSnapshot* alike, SceneSnapshot* snapshot) {
   const size_t points = std::min(kMostPoints, kAllPoints / snapshot->bodies.size());
   if (points < kFewestPoints) return;
   for (auto& body : snapshot->bodies) {
+    if (body->members.front().array) continue;  // light falls on each instance from elsewhere
     const SubsurfaceBody* const same = find_same(alike, *body);
     if (same && same->lit && same->lit->is_found())
       body->lit = same->lit;

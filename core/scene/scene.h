@@ -52,8 +52,8 @@ struct InstanceDescription {
   bool operator==(const InstanceDescription&) const = default;
 };
 
-/// Many instances that are alike but for where they stand. They stand still, do not deform, let no light below their
-/// surface and emit none.
+/// Many instances that are alike but for where they stand. They stand still. Those that emit, deform, scatter in sets
+/// or in shells that are open or overlap are compiled one by one; the others cost little to hold and to edit.
 struct InstanceArrayDescription {
   InstanceDescription look;  // without a transform and instance_id, which is the number in the array
   std::shared_ptr<const InstancePlaces> places;

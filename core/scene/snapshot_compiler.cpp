@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
 #include <numeric>
 #include <set>
@@ -107,33 +108,9 @@ Vec3d snapped(const Vec3d& origin, float radius) {
   return {std::round(origin.x / step) * step, std::round(origin.y / step) * step, std::round(origin.z / step) * step};
 }
 
-// Says how many of an array cannot be placed or traced.
-void leave_out(const PlacedArray& array, const std::string& name, const DiagnosticSink& sink,
-               std::vector<std::string>* left_out) {
-  const auto tell = [&](Severity severity, size_t count, const char* reason) {
-    if (count > 0)
-      report(sink, severity, "instance.transform", name,
-             std::to_string(count) + " of " + std::to_string(array.size()) + " instances are left out: " + reason);
-  };
-  size_t hidden = 0, faulty = 0;
-  for (const auto& cell : array.plan.cells) hidden += cell->hidden, faulty += cell->faulty;
-  for (const uint32_t count : array.left_out) hidden += count;
-  tell(Severity::warning, hidden, "their transforms are too small, flat or large to be traced; check their scale");
-  tell(Severity::error, faulty, "their transforms are not finite, or go beyond 1e17; check their transforms");
-  if (faulty > 0) left_out->push_back(name);
-}
-
 bool are_placed_alike(const InstanceArray& a, const InstanceArray& b) {
   return a.first == b.first && a.placed->traced.slots == b.placed->traced.slots &&
          a.placed->traced.cells == b.placed->traced.cells;
-}
-
-Bounds bounds_in_render_space(const PlacedArray& array) {
-  BoundsDouble world;
-  for (const auto& cell : array.plan.cells) world.extend(cell->bounds);
-  if (world.empty()) return {};
-  const Vec3d margin(1e-6 * length(world.extent()));
-  return {Vec3f(world.lower - array.space.origin - margin), Vec3f(world.upper - array.space.origin + margin)};
 }
 
 Bounds bounds_in_render_space(const Instance& instance) {
@@ -205,6 +182,7 @@ struct SnapshotCompiler::Compilation {
   const SceneSnapshot* const last = compiler.last_.get();
   std::shared_ptr<SceneSnapshot> snapshot = std::make_shared<SceneSnapshot>();
   std::vector<const InstanceDescription*> drawn = {};
+  std::deque<InstanceDescription> taken_apart = {};    // arrays that cannot be traced as such
   std::vector<ArrayPlan> plans = {};                   // of the arrays
   std::vector<const InstanceDescription*> looks = {};  // theirs
 
@@ -216,7 +194,13 @@ struct SnapshotCompiler::Compilation {
         drawn.push_back(&d);
         bounds.extend(world_bounds(d));
       }
-    plan_arrays(&bounds);
+    for (const InstanceArrayDescription& array : description.arrays) {
+      if (!has_shape(array.look)) continue;
+      if (stays_array(array.look))
+        plan(array, &bounds);
+      else
+        take_apart(array, &bounds);
+    }
     choose_space(bounds);
     std::erase_if(drawn, [&](const InstanceDescription* d) {
       if (is_seen_traceably(*d)) return false;
@@ -226,14 +210,28 @@ struct SnapshotCompiler::Compilation {
     });
   }
 
-  void plan_arrays(BoundsDouble* bounds) {
-    for (const InstanceArrayDescription& d : description.arrays) {
-      if (!has_shape(d.look)) continue;
-      const PlacedArray* const known = find_last(*d.look.prototype);
-      plans.push_back(plan_array(d, known ? &known->plan : nullptr, cancel));
-      looks.push_back(&d.look);
-      for (const auto& cell : plans.back().cells) bounds->extend(cell->bounds);
+  // Lights and unions know their instances one by one.
+  bool stays_array(const InstanceDescription& look) const {
+    const auto emits = [](const auto& material) { return material->emits(); };
+    return !look.prototype->mesh.deforms() && std::none_of(look.materials.begin(), look.materials.end(), emits) &&
+           scatters_as_one(look, cancel);
+  }
+
+  void take_apart(const InstanceArrayDescription& array, BoundsDouble* bounds) {
+    for (size_t i = 0; i < array.places->size(); ++i) {
+      if (i % 1024 == 0) cancel.check();
+      auto instance = array.instance(i);
+      if (!instance || !is_drawable(*instance, compiler.sink_, &snapshot->left_out)) continue;
+      drawn.push_back(&taken_apart.emplace_back(std::move(*instance)));
+      bounds->extend(world_bounds(*drawn.back()));
     }
+  }
+
+  void plan(const InstanceArrayDescription& array, BoundsDouble* bounds) {
+    const PlacedArray* const known = find_last(*array.look.prototype);
+    plans.push_back(plan_array(array, known ? &known->plan : nullptr, cancel));
+    looks.push_back(&array.look);
+    for (const auto& cell : plans.back().cells) bounds->extend(cell->bounds);
   }
 
   const PlacedArray* find_last(const MeshPrototype& prototype) const {
@@ -333,14 +331,14 @@ struct SnapshotCompiler::Compilation {
       auto placed = place_array(std::move(plans[i]), {snapshot->origin, farthest_ray()}, find_last(*d.prototype),
                                 compiler.device_, cancel);
       if (!placed) return false;
-      leave_out(*placed, d.name, compiler.sink_, &snapshot->left_out);
+      if (report_left_out(*placed, d.name, compiler.sink_)) snapshot->left_out.push_back(d.name);
       snapshot->memory_bytes += placed->memory_bytes();
       const auto first = static_cast<uint32_t>(snapshot->instance_count());
       InstanceArray& array = snapshot->arrays.emplace_back(look_of(d), first, std::move(placed));
       array.look.array = &array;
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through;
-      if (has_clear_interior(d)) snapshot->clear_bodies.extend(bounds_in_render_space(*array.placed));
+      if (has_clear_interior(d)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
     return true;
   }
@@ -397,7 +395,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     if (!build_top()) return false;
     cancel.check();
-    if (!plan_bodies(drawn, compiler.device_, last, snapshot.get(), cancel)) return false;
+    if (!plan_bodies({drawn, looks}, compiler.device_, last, snapshot.get(), cancel)) return false;
     cancel.check();
     looks.insert(looks.end(), drawn.begin(), drawn.end());
     keep_alive(looks, snapshot.get());

@@ -35,6 +35,11 @@ const SubsurfaceBody::Maps& SubsurfaceBody::Member::move_to(float time, std::opt
   return moved->emplace(Maps{map, inverse(map)});
 }
 
+const SubsurfaceBody::Maps& SubsurfaceBody::Member::place(uint32_t index, std::optional<Maps>* moved) const {
+  const Placement& placement = array->placement(index - instance);
+  return moved->emplace(Maps{placement.object_to_world, placement.world_to_object});
+}
+
 bool SubsurfaceBody::bounds_distances() const {
   return members.front().distances != nullptr;
 }
@@ -49,15 +54,15 @@ Vec3f SubsurfaceBody::below(const SubsurfaceEntry& entry) const {
   return offset_point(hit.p, -outer.ng, hit.offset);
 }
 
-Vec3f SubsurfaceBody::to_walk_space(uint32_t member, const Vec3f& p, float time) const {
+Vec3f SubsurfaceBody::to_walk_space(const SubsurfaceEntry& entry, const Vec3f& p) const {
   std::optional<Maps> moved;
-  return is_union() ? p - origin : members[member].at(time, &moved).to_object.point(p);
+  return is_union() ? p - origin : members[entry.member].at(entry.triangle, &moved).to_object.point(p);
 }
 
 bool SubsurfaceBody::leaves(uint32_t member, const TriangleHit& hit, const Vec3f& direction) const {
   const Member& m = members[member];
   std::optional<Maps> moved;
-  return alabaster::leaves(*m.mesh, *m.shells, hit, m.at(hit.time, &moved).to_object.vector(direction));
+  return alabaster::leaves(*m.mesh, *m.shells, hit, m.at(hit, &moved).to_object.vector(direction));
 }
 
 bool SubsurfaceBody::contains(Ray ray) const {
@@ -105,7 +110,7 @@ void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<c
   bool anywhere = false;
   for (size_t i = 0; i < body->members.size(); ++i) {
     SubsurfaceBody::Member& m = body->members[i];
-    m.least_stretch = m.poses.empty() ? least_stretch(m.to_body) : least_stretch_over(m.poses);
+    if (!m.array) m.least_stretch = m.poses.empty() ? least_stretch(m.to_body) : least_stretch_over(m.poses);
     // Behind an open mesh the medium has no end.
     m.room_to_guide = m.shells->any_open || half_thickness(m) > kRoom * paths[i].longest;
     m.room_for_spheres = paths[i].of_long_walks > 0 && has_room_for_spheres(m, paths[i].of_long_walks);

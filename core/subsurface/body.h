@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/geometry/instance_cell.h"
 #include "core/math/bounds.h"
 #include "core/subsurface/entry_exit.h"
 #include "core/subsurface/lit_surface.h"
@@ -32,15 +33,24 @@ struct SubsurfaceBody {
     std::vector<std::shared_ptr<const MaterialMedia>> media = {};
     /// For sphere steps; null: none, see plan_shortcuts().
     const DistanceGrid* distances = nullptr;
-    float least_stretch = 1;       // a world distance is at least this times the mesh's, at any time
+    float least_stretch = 1;       // a world distance is at least this times the mesh's, at any time, of any instance
     bool room_to_guide = true;     // enough mean free paths across for guiding to pay
     bool room_for_spheres = true;  // and for sphere steps
+    /// Of a lone object that is an array of instances, which have the scene's indices from `instance` on. Null: one.
+    const InstanceCells* array = nullptr;
 
     /// At a time. `moved` holds the answer if the member moves.
     const Maps& at(float time, std::optional<Maps>* moved) const {
       return poses.empty() ? *this : move_to(time, moved);
     }
+    /// Where the instance stands whose triangle this is, at the hit's time.
+    const Maps& at(const TriangleHit& hit, std::optional<Maps>* moved) const {
+      return array ? place(hit.instance, moved) : at(hit.time, moved);
+    }
     const Maps& move_to(float time, std::optional<Maps>* moved) const;
+    const Maps& place(uint32_t instance, std::optional<Maps>* moved) const;
+    /// The instance that light comes out of which entered at `entry`.
+    uint32_t instance_of(const TriangleHit& entry) const { return array ? entry.instance : instance; }
   };
 
   std::vector<Member> members;
@@ -61,8 +71,8 @@ struct SubsurfaceBody {
   /// A point just below the surface at an entry, where walks begin: in the mesh's space for a lone object, in the
   /// body's for a union.
   Vec3f below(const SubsurfaceEntry& entry) const;
-  /// A point of render space there.
-  Vec3f to_walk_space(uint32_t member, const Vec3f& p, float time) const;
+  /// A point of render space there, for an entry.
+  Vec3f to_walk_space(const SubsurfaceEntry& entry, const Vec3f& p) const;
   /// True if a line in direction `direction` (world) leaves the member's shell at a hit, false if it enters.
   bool leaves(uint32_t member, const TriangleHit& hit, const Vec3f& direction) const;
   /// True if a closed shell of a union contains the ray's origin (render space), asked along the ray.
@@ -95,7 +105,8 @@ struct MeanFreePaths {
 };
 
 /// Says which shortcuts pay in each member, by its size in mean free paths, and finds the distance grids that sphere
-/// steps need (BuildCancelled). `paths` and `interiors` are in the order of the members.
+/// steps need (BuildCancelled). `paths` and `interiors` are in the order of the members. The least stretch of an array
+/// is known already.
 void plan_shortcuts(const std::vector<MeanFreePaths>& paths, const std::vector<const MeshInterior*>& interiors,
                     SubsurfaceBody* body, const CancelToken& cancel = {});
 

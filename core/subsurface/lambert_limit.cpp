@@ -34,7 +34,7 @@ bool is_thick(const SubsurfaceBody& body, const SubsurfaceEntry& entry, float de
   ++counters.probe_rays;
   TriangleHit met;
   std::optional<SubsurfaceBody::Maps> moved;
-  const Affine& to_object = member.at(entry.triangle.time, &moved).to_object;
+  const Affine& to_object = member.at(entry.triangle, &moved).to_object;
   return !member.object->intersect({offset_point(hit.p_object, -hit.ng_object, hit.offset_object),
                                     to_object.vector(direction), depth, entry.triangle.time},
                                    &met);

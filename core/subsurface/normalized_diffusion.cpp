@@ -83,9 +83,9 @@ SubsurfaceExit exit_at(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                        const Vec3f& outward, const std::array<double, 3>& throughput) {
   const SubsurfaceBody::Member& member = body.members[entry.member];
   const bool closed = !(member.shells->flags(where.triangle) & MeshShells::kOpen);
-  const bool turned = closed && !body.leaves(entry.member, where, outward);
-  SubsurfaceExit exit{where, turned ? -outward : outward, {}, kManyEvents};
-  exit.hit.instance = member.instance;
+  SubsurfaceExit exit{where, outward, {}, kManyEvents};
+  exit.hit.instance = member.instance_of(entry.triangle);
+  if (closed && !body.leaves(entry.member, exit.hit, outward)) exit.direction = -outward;
   for (int c = 0; c < 3; ++c) exit.throughput[c] = static_cast<float>(throughput[static_cast<size_t>(c)]);
   return exit;
 }
@@ -222,7 +222,7 @@ std::optional<SubsurfaceExit> NormalizedDiffusion::carry(const SubsurfaceBody& b
   // Trace the probe.
   const SubsurfaceBody::Member& member = body.members[entry.member];
   std::optional<SubsurfaceBody::Maps> moved;
-  const Affine& to_object = member.at(entry.triangle.time, &moved).to_object;
+  const Affine& to_object = member.at(entry.triangle, &moved).to_object;
   const ProbeAxes axes(to_object, entry.hit.ng);
   Probe probe = make_probe(to_object, entry.hit, axes, axis, ball, {u[2], u[3]});
   probe.ray.time = entry.triangle.time;

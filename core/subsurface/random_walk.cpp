@@ -21,8 +21,7 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
   const Rgb relative = entry.throughput * (1 / max_component(entry.throughput));
   const ChannelValues throughput{relative.r, relative.g, relative.b};
   if (entry.within)  // the side that the path comes from is the inner one
-    return {body.to_walk_space(entry.member, entry.within->org, entry.triangle.time),
-            {entry.within->dir, entry.hit.ng, throughput}};
+    return {body.to_walk_space(entry, entry.within->org), {entry.within->dir, entry.hit.ng, throughput}};
   const Vec3f inward = -entry.hit.ng;
   return {body.below(entry),
           {sample_entry_direction(-entry.ns, inward, u), inward, throughput},
@@ -71,7 +70,7 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   if (!(scale > 0)) return std::nullopt;
   const float time = entry.triangle.time;
   std::optional<SubsurfaceBody::Maps> moved;
-  const SubsurfaceBody::Maps& maps = body.members[entry.member].at(time, &moved);
+  const SubsurfaceBody::Maps& maps = body.members[entry.member].at(entry.triangle, &moved);
   WalkBeginning beginning = begin_walk(body, entry, maps.to_body, {numbers.first()[0], numbers.first()[1]});
   WalkSettings used = settings;
   const bool looks_for_light = settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within;
@@ -92,7 +91,7 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
           : walk(MeshTracer(body, {beginning.p, distance, maps.to_object, time}));
   if (!end) return std::nullopt;
   SubsurfaceExit exit{end->hit, end->direction, {}, end->events};
-  exit.hit.instance = body.members[body.is_union() ? end->hit.instance : 0].instance;
+  exit.hit.instance = body.members[body.is_union() ? end->hit.instance : 0].instance_of(entry.triangle);
   for (int c = 0; c < 3; ++c) exit.throughput[c] = static_cast<float>(end->throughput[static_cast<size_t>(c)]) * scale;
   return exit;
 }

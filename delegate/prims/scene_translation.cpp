@@ -99,11 +99,6 @@ class PointPlaces final : public InstancePlaces {
 // Fewer are as well off alone.
 constexpr size_t kSmallestArray = 8192;
 
-bool may_be_in_array(const InstanceDescription& look) {
-  const auto glows = [](const auto& material) { return material->scatters() || material->emits(); };
-  return !look.prototype->mesh.deforms() && std::none_of(look.materials.begin(), look.materials.end(), glows);
-}
-
 // The look of a mesh without a material: grey, or its own colours and opacities.
 DisneyMaterial default_material(bool color, bool opacity) {
   DisneyMaterial material;
@@ -190,7 +185,7 @@ struct SceneTranslator::Run {
     const std::vector<double> times = instancer_times(mesh.instancer);
     const bool has_categories = !category_sets.empty() && have_categories(mesh.instancer);
     const bool stands_still = own.size() == 1 && times.empty();
-    if (placed.size() >= kSmallestArray && stands_still && !has_categories && may_be_in_array(instance)) {
+    if (placed.size() >= kSmallestArray && stands_still && !has_categories) {
       out.array_materials.push_back(mesh.materials);
       out.scene.arrays.push_back({std::move(instance), std::make_shared<PointPlaces>(own.front(), std::move(placed))});
       return;

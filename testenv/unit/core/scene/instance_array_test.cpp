@@ -64,7 +64,7 @@ class InstanceArrayTest : public ::testing::Test {
       if (auto one = b_.description.arrays[0].instance(i)) flat.instances.push_back(std::move(*one));
     return flat;
   }
-  static std::vector<float> picture(const std::shared_ptr<const SceneSnapshot>& scene, Aov aov) {
+  static RenderRequest request_of(const std::shared_ptr<const SceneSnapshot>& scene, Aov aov) {
     RenderRequest request;
     request.camera = testing::look_at({0.4, 1, 4}, {0, 0, 0}, 45);
     request.width = request.height = 32;
@@ -72,7 +72,15 @@ class InstanceArrayTest : public ::testing::Test {
     request.settings.samples = 4;
     request.aovs = aov_bit(aov);
     request.scene = scene;
-    return testing::render(request)->resolve_float(aov);
+    return request;
+  }
+  static std::vector<float> picture(const std::shared_ptr<const SceneSnapshot>& scene, Aov aov) {
+    return testing::render(request_of(scene, aov))->resolve_float(aov);
+  }
+  static std::shared_ptr<const Film> film(const std::shared_ptr<const SceneSnapshot>& scene, SubsurfaceMode mode) {
+    RenderRequest request = request_of(scene, Aov::color);
+    request.settings.subsurface = mode;
+    return testing::render(request);
   }
   static size_t shared_cells(const SceneSnapshot& a, const SceneSnapshot& b) {
     const auto &x = a.arrays[0].placed->traced.cells, &y = b.arrays[0].placed->traced.cells;
@@ -107,6 +115,50 @@ TEST_F(InstanceArrayTest, LooksAsItsInstancesDoAlone) {
   EXPECT_NEAR(sum_a, sum_b, 1e-3 * sum_b);
   const std::vector<float> depth = picture(array, Aov::camera_depth), depth_alone = picture(alone, Aov::camera_depth);
   for (size_t i = 0; i < depth.size(); ++i) EXPECT_NEAR(depth[i], depth_alone[i], 1e-4f * depth_alone[i]) << i;
+}
+
+// Bodies of an array are one body that stands in many places.
+TEST_F(InstanceArrayTest, ScattersAsItsInstancesDoAlone) {
+  DisneyParameters wax;
+  wax.base_color = {0.8f, 0.6f, 0.5f};
+  wax.scatter_distance = Rgb(0.01f);
+  b_.description.arrays[0].look.materials = {b_.material(wax)};
+  const auto array = compile();
+  EXPECT_EQ(array->bodies.size(), 1u);
+  EXPECT_TRUE(array->features.subsurface);
+  const auto alone = compile_snapshot(flat(), 1, device_, sink_.sink());
+  for (const SubsurfaceMode mode : {SubsurfaceMode::walk, SubsurfaceMode::diffusion, SubsurfaceMode::automatic}) {
+    const auto together = testing::film_mean(*film(array, mode), 1), apart = testing::film_mean(*film(alone, mode), 1);
+    EXPECT_NEAR(together.mean, apart.mean, 3e-3 * apart.mean) << int(mode);
+  }
+  // A material that begins to scatter measures the places anew.
+  b_.description.arrays[0].look.materials = {b_.material({})};
+  const auto matte = compile();
+  EXPECT_TRUE(matte->bodies.empty());
+  b_.description.arrays[0].look.materials = {b_.material(wax)};
+  EXPECT_NEAR(compile()->bodies.front()->members.front().least_stretch, 0.02f, 1e-6f);
+}
+
+TEST_F(InstanceArrayTest, IsTakenApartWhereInstancesMustBeKnownOneByOne) {
+  DisneyParameters wax, glow;
+  wax.scatter_distance = Rgb(0.1f);
+  glow.emission = Rgb(1.0f);
+  InstanceDescription& look = b_.description.arrays[0].look;
+  places_.resize(20);
+  EXPECT_EQ(compile()->arrays.size(), 1u);
+  look.materials = {b_.material(glow)};
+  EXPECT_EQ(compile()->instances.size(), 21u);
+  look.materials = {b_.material(wax)};
+  EXPECT_EQ(compile()->arrays.size(), 1u);
+  look.subsurface_set = "all";
+  const auto set = compile();
+  EXPECT_EQ(set->instances.size(), 21u);
+  EXPECT_EQ(set->bodies.size(), 1u);
+  look.subsurface_set.clear();
+  look.prototype = b_.prototype(testing::plane_mesh(1));
+  EXPECT_EQ(compile()->instances.size(), 21u) << "open";
+  look.materials = {b_.material({})};
+  EXPECT_EQ(compile()->arrays.size(), 1u);
 }
 
 TEST_F(InstanceArrayTest, TellsWhichInstanceARayMeets) {

@@ -96,7 +96,7 @@ TEST(SubsurfaceBody, BelowALoneObjectIsJustInsideItsMesh) {
     EXPECT_LT(depth, 1e-4f);
   }
   const Vec3f p(0.25f, -0.5f, 0.125f);
-  EXPECT_NEAR(length(body.to_walk_space(0, body.members[0].to_body.point(p), 0) - p), 0, 1e-5);
+  EXPECT_NEAR(length(body.to_walk_space({}, body.members[0].to_body.point(p)) - p), 0, 1e-5);
 }
 
 TEST(SubsurfaceBody, BelowAUnionIsJustInsideTheMemberThatIsEntered) {
@@ -108,7 +108,7 @@ TEST(SubsurfaceBody, BelowAUnionIsJustInsideTheMemberThatIsEntered) {
     for (uint32_t t = 0; t < sphere->mesh.triangles.size(); ++t) {
       const SubsurfaceEntry entry = entry_of(b.snapshot(), instance, t);
       const Vec3f below = body.below(entry);
-      const float depth = dot(body.to_walk_space(entry.member, entry.hit.p, 0) - below, entry.hit.ng);
+      const float depth = dot(body.to_walk_space(entry, entry.hit.p) - below, entry.hit.ng);
       EXPECT_GT(depth, 0);
       EXPECT_LT(depth, 1e-4f);
       EXPECT_TRUE(body.contains_in_body_space({below, kAside}, nullptr));
