@@ -1,4 +1,4 @@
-// What the files of this room share about Embree: scenes, their builds and queries. Internal to this room.
+// Embree as the files of this room share it: scenes, their builds and queries. Internal to this room.
 #pragma once
 
 #include <tbb/task_arena.h>

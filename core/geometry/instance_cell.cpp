@@ -16,8 +16,8 @@ RTCRay carried(RTCRay ray, const Affine& map) {
   return ray;
 }
 
-// Of the object where it stands. The ray that meets the object's own bounds is carried there in float: wider by what
-// that may round.
+// The bounds of the object where it stands. The ray that meets the object's own bounds is carried there in float: wider
+// by what that may round.
 Bounds placed_bounds(RTCScene object, const Placement& placement) {
   RTCBounds own;
   rtcGetSceneBounds(object, &own);
@@ -61,7 +61,7 @@ bool EmbreeInstanceCell::build(const std::function<bool()>& cancelled) {
 bool EmbreeInstanceCell::attach() {
   RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_USER);
   if (!geometry) return false;
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances_.numbers.size()));
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances_.placements.size()));
   rtcSetGeometryUserData(geometry, this);
   rtcSetGeometryBoundsFunction(geometry, &EmbreeInstanceCell::bound, nullptr);
   rtcSetGeometryIntersectFunction(geometry, &EmbreeInstanceCell::intersect);
@@ -86,14 +86,14 @@ void EmbreeInstanceCell::intersect(const RTCIntersectFunctionNArguments* args) n
   if (!args->valid[0]) return;
   const auto& cell = *static_cast<const EmbreeInstanceCell*>(args->geometryUserPtr);
   RTCRayHit& outer = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const InInstance instance(args->context, cell.instances_.numbers[args->primID]);
+  const InInstance instance(args->context, (*cell.instances_.numbers)[args->primID]);
   RTCRayHit query;
   query.ray = carried(outer.ray, cell.instances_.placements[args->primID].world_to_object);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(cell.object().get(), args->context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
-  // Of surfaces that coincide the first instance's, whichever cells they are in.
+  // The first instance wins among surfaces that coincide, whichever cells they are in.
   const bool had_hit = outer.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   if (had_hit && query.ray.tfar == outer.ray.tfar && outer.hit.instID[0] < instance.index()) return;
   outer.ray.tfar = query.ray.tfar;
@@ -104,7 +104,7 @@ void EmbreeInstanceCell::occluded(const RTCOccludedFunctionNArguments* args) noe
   if (!args->valid[0]) return;
   const auto& cell = *static_cast<const EmbreeInstanceCell*>(args->geometryUserPtr);
   RTCRay& outer = *reinterpret_cast<RTCRay*>(args->ray);
-  const InInstance instance(args->context, cell.instances_.numbers[args->primID]);
+  const InInstance instance(args->context, (*cell.instances_.numbers)[args->primID]);
   RTCRay query = carried(outer, cell.instances_.placements[args->primID].world_to_object);
   rtcOccluded1(cell.object().get(), args->context, &query);
   outer.tfar = query.tfar;
@@ -113,7 +113,7 @@ void EmbreeInstanceCell::occluded(const RTCOccludedFunctionNArguments* args) noe
 size_t EmbreeInstanceCell::memory_bytes() const {
   // The share of the hierarchy is an estimate; Embree counts it in the budget.
   constexpr size_t kPerInstance = sizeof(uint32_t) + sizeof(Placement) + 64;
-  return sizeof *this + instances_.numbers.size() * kPerInstance;
+  return sizeof *this + instances_.placements.size() * kPerInstance;
 }
 
 std::shared_ptr<const InstanceCell> build_instance_cell(const std::shared_ptr<TraceDevice>& device,

@@ -17,9 +17,9 @@ class ObjectScene;
 class TraceDevice;
 
 struct CellInstances {
-  std::vector<uint32_t> numbers;      // in the array, increasing
-  std::vector<Placement> placements;  // parallel
-  std::vector<bool> hidden;           // parallel: never hit
+  std::shared_ptr<const std::vector<uint32_t>> numbers;  // in the array, increasing; not null
+  std::vector<Placement> placements;                     // parallel
+  std::vector<bool> hidden;                              // parallel: never hit
   MemoryReservation memory = {};
 };
 

@@ -9,13 +9,13 @@
 
 namespace alabaster {
 
-/// Of a placement's map into object space: coordinates there stay below stretch * coordinates + shift. Infinite where
+/// The growth by a placement's map into object space: coordinates there stay below stretch * coordinates + shift. Infinite where
 /// the map cannot be inverted in float.
 struct RayGrowth {
   float stretch = 0, shift = 0;
 
   static RayGrowth of(const Affine& object_to_world);
-  /// Of even poses over the shutter, and in between.
+  /// The bounds for even poses over the shutter, and in between.
   static RayGrowth of(const std::vector<Affine>& poses);
 
   void include(const RayGrowth& other) {

@@ -175,11 +175,11 @@ class CellPlacer {
     instances.memory = MemoryReservation(memory_of(*device_), MemoryUse::scene,
                                          cell.numbers->size() * (sizeof(Placement) + 2 * sizeof(uint32_t)),
                                          "an array of " + std::to_string(plan_.places->size()) + " instances");
-    instances.numbers = *cell.numbers;
-    instances.placements.resize(instances.numbers.size());
-    instances.hidden.resize(instances.numbers.size(), true);
-    for (size_t i = 0; i < instances.numbers.size(); ++i) {
-      const auto place = plan_.places->at(instances.numbers[i]);
+    instances.numbers = cell.numbers;
+    instances.placements.resize(cell.numbers->size());
+    instances.hidden.resize(cell.numbers->size(), true);
+    for (size_t i = 0; i < cell.numbers->size(); ++i) {
+      const auto place = plan_.places->at((*cell.numbers)[i]);
       if (state_of(place, plan_.prototype->mesh.bounds) != State::drawn) continue;
       const Matrix4d m = moved_to_render_space(*place, space_.origin);
       const Affine object_to_world = to_affine(m);

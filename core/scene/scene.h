@@ -153,7 +153,7 @@ struct SceneSnapshot {
   size_t memory_bytes = 0;            // of meshes, their interiors, trees, lights and textures, each counted once
   std::shared_ptr<MemoryReservation> memory;  // of instances and lights; other parts hold their own
 
-  /// By the index that a hit tells. Of one in an array, the look.
+  /// The instance that a hit's index names; the look, where it is in an array.
   const Instance& instance(uint32_t index) const { return index < instances.size() ? instances[index] : look(index); }
   const Instance& look(uint32_t index) const;
   size_t instance_count() const;

@@ -8,7 +8,7 @@
 
 namespace alabaster {
 
-/// Of a box of object space at a transform.
+/// A box of object space at a transform.
 BoundsDouble world_bounds(const Bounds& object, const Matrix4d& object_to_world);
 
 /// False for a transform that is not finite or reaches beyond what can be traced. A singular one within reach hides an

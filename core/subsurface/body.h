@@ -36,7 +36,8 @@ struct SubsurfaceBody {
     float least_stretch = 1;       // a world distance is at least this times the mesh's, at any time, of any instance
     bool room_to_guide = true;     // enough mean free paths across for guiding to pay
     bool room_for_spheres = true;  // and for sphere steps
-    /// Of a lone object that is an array of instances, which have the scene's indices from `instance` on. Null: one.
+    /// The places of a lone object that is an array of instances; they have the scene's indices from `instance` on.
+    /// Null: one instance.
     const InstanceCells* array = nullptr;
 
     /// At a time. `moved` holds the answer if the member moves.

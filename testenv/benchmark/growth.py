@@ -14,7 +14,6 @@ error is the variance over eight seeds, as noise_gain.py has it.
 """
 import argparse
 import array
-import base64
 import json
 import math
 import os
@@ -67,20 +66,22 @@ def icosphere(levels):
 def write_sphere(folder, radius=1.0, places=([0, 0, 0],)):
     """A glTF file of a sphere of 320 triangles, with one instance at each place."""
     points, triangles = icosphere(2)
-    arrays = [array.array("f", [radius * x for p in points for x in p]), array.array("I", [i for t in triangles for i in t])]
+    arrays = [array.array("f", [radius * x for p in points for x in p]), array.array("I", [i for t in triangles for i in t]),
+              array.array("f", [x for place in places for x in place])]
     data = b"".join(a.tobytes() for a in arrays)
     views, accessors, offset = [], [], 0
-    for a, kind in zip(arrays, ("VEC3", "SCALAR")):
+    for a, kind in zip(arrays, ("VEC3", "SCALAR", "VEC3")):
         views.append({"buffer": 0, "byteOffset": offset, "byteLength": 4 * len(a)})
         accessors.append({"bufferView": len(views) - 1, "componentType": 5126 if a.typecode == "f" else 5125,
                           "count": len(a) // (3 if kind == "VEC3" else 1), "type": kind})
         offset += 4 * len(a)
     accessors[0].update({"min": [min(arrays[0][n::3]) for n in range(3)], "max": [max(arrays[0][n::3]) for n in range(3)]})
-    nodes = [{"mesh": 0, "translation": place} for place in places]
-    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes, "materials": [{"name": "body"}],
+    instancing = {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}
+    gltf = {"asset": {"version": "2.0"}, "extensionsUsed": list(instancing), "scene": 0, "scenes": [{"nodes": [0]}],
+            "nodes": [{"mesh": 0, "extensions": instancing}], "materials": [{"name": "body"}],
             "meshes": [{"name": "ball", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
-            "accessors": accessors, "bufferViews": views,
-            "buffers": [{"byteLength": len(data), "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode()}]}
+            "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": len(data), "uri": "ball.bin"}]}
+    (folder / "ball.bin").write_bytes(data)
     (folder / "ball.gltf").write_text(json.dumps(gltf))
 
 

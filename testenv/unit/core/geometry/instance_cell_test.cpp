@@ -41,17 +41,21 @@ class InstanceCellTest : public ::testing::Test {
   template <class CellOf>
   InstanceCells cells(const std::vector<Placement>& placements, const CellOf& cell_of, uint32_t hidden = ~0u) {
     std::vector<CellInstances> parts(3);
+    std::vector<std::vector<uint32_t>> numbers(3);
     std::vector<uint32_t> slots;
     for (uint32_t i = 0; i < placements.size(); ++i) {
       const uint32_t cell = cell_of(i);
-      slots.push_back(cell * InstanceCells::kMost + static_cast<uint32_t>(parts[cell].numbers.size()));
-      parts[cell].numbers.push_back(i);
+      slots.push_back(cell * InstanceCells::kMost + static_cast<uint32_t>(numbers[cell].size()));
+      numbers[cell].push_back(i);
       parts[cell].placements.push_back(placements[i]);
       parts[cell].hidden.push_back(i == hidden);
     }
     InstanceCells array;
     array.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
-    for (CellInstances& part : parts) array.cells.push_back(build_instance_cell(device_, cube_, std::move(part)));
+    for (size_t i = 0; i < parts.size(); ++i) {
+      parts[i].numbers = std::make_shared<const std::vector<uint32_t>>(numbers[i]);
+      array.cells.push_back(build_instance_cell(device_, cube_, std::move(parts[i])));
+    }
     return array;
   }
   static uint32_t by_thirds(uint32_t i) { return i / InstanceCells::kMost; }
@@ -65,6 +69,7 @@ class InstanceCellTest : public ::testing::Test {
     return all;
   }
 
+  const std::shared_ptr<const std::vector<uint32_t>> only_ = std::make_shared<const std::vector<uint32_t>>(1, 0);
   test::RecordingSink sink_;
   std::shared_ptr<TraceDevice> device_ = make_trace_device(sink_.sink());
   std::shared_ptr<const ObjectScene> cube_ = build_object_scene(device_, build_mesh(test::cube_cage(), {}, {}), {});
@@ -153,7 +158,7 @@ TEST_F(InstanceCellTest, HitsOfTheSmallestTrianglesHaveTheirBarycentrics) {
   mesh.points = {Vec3f(0, 0, 2) * s, Vec3f(4, 0, 2) * s, Vec3f(0, 4, 2) * s};
   mesh.triangles = {{0, 1, 2}};
   CellInstances one{
-      {0}, {{{{0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, {0, 0, 0}}, {{0, -0.5f, 0}, {0.5f, 0, 0}, {0, 0, 0.5f}}}}, {false}};
+      only_, {{{{0, 2, 0}, {-2, 0, 0}, {0, 0, 2}, {0, 0, 0}}, {{0, -0.5f, 0}, {0.5f, 0, 0}, {0, 0, 0.5f}}}}, {false}};
   InstanceCells array;
   array.slots = std::make_shared<const std::vector<uint32_t>>(std::vector<uint32_t>{0});
   array.cells = {build_instance_cell(device_, build_object_scene(device_, mesh, {}), std::move(one))};
@@ -165,7 +170,7 @@ TEST_F(InstanceCellTest, HitsOfTheSmallestTrianglesHaveTheirBarycentrics) {
 }
 
 TEST_F(InstanceCellTest, ABuildStopsWhenItIsToldTo) {
-  CellInstances one{{0}, {Placement{}}, {false}};
+  CellInstances one{only_, {Placement{}}, {false}};
   EXPECT_EQ(build_instance_cell(device_, cube_, std::move(one), [] { return true; }), nullptr);
   EXPECT_TRUE(sink_.all().empty());
 }
@@ -175,7 +180,7 @@ TEST_F(InstanceCellTest, TellsFromHowFarRaysMayCome) {
   const Affine tiny{{1e-11f, 0, 0}, {0, 1e-11f, 0}, {0, 0, 1e-11f}, {0, 0, 0}};
   const Affine inverse{{1e11f, 0, 0}, {0, 1e11f, 0}, {0, 0, 1e11f}, {0, 0, 0}};
   for (const bool hidden : {false, true}) {
-    CellInstances one{{0}, {{tiny, inverse}}, {hidden}};
+    CellInstances one{only_, {{tiny, inverse}}, {hidden}};
     const auto cell = build_instance_cell(device_, cube_, std::move(one));
     ASSERT_TRUE(cell);
     EXPECT_TRUE(cell->is_traceable_from(1));

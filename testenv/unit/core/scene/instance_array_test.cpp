@@ -131,7 +131,7 @@ TEST_F(InstanceArrayTest, ScattersAsItsInstancesDoAlone) {
     const auto together = testing::film_mean(*film(array, mode), 1), apart = testing::film_mean(*film(alone, mode), 1);
     EXPECT_NEAR(together.mean, apart.mean, 3e-3 * apart.mean) << int(mode);
   }
-  // A material that begins to scatter measures the places anew.
+  // The places are measured again for a material that begins to scatter.
   b_.description.arrays[0].look.materials = {b_.material({})};
   const auto matte = compile();
   EXPECT_TRUE(matte->bodies.empty());
