@@ -26,7 +26,11 @@ bool is_interlaced_png(std::span<const uint8_t> file) {
 size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format, bool interlaced) {
   const size_t row = size_t(spec.width) * size_t(std::max(spec.nchannels, 1)) * (sizeof(float) + spec.format.size());
   const bool by_rows = format == "jpeg" || format == "openexr" || format == "hdr" || (format == "png" && !interlaced);
-  return row * size_t(std::max(rows_at_once(spec), 1)) + (by_rows ? 0 : spec.image_bytes(true));
+  // OpenImageIO's own buffer, see read_scanlines().
+  const bool converted_there = spec.tile_width == 0 && !spec.channelformats.empty();
+  const size_t scanline = std::max(spec.scanline_bytes(true), OIIO::imagesize_t(1));
+  const size_t buffer = converted_there ? std::max(kStripBytes, 256 * scanline) : 0;
+  return row * size_t(std::max(rows_at_once(spec), 1)) + buffer + (by_rows ? 0 : spec.image_bytes(true));
 }
 
 ImageLayout layout_of(const OIIO::ImageSpec& spec) {
@@ -88,10 +92,9 @@ class Input final : public ImageInput {
     const int rows = std::min(rows_at_once(spec), spec.height - y);
     pixels.resize(size_t(rows) * size_t(spec.width) * layout_.channels);
     const int begin = spec.y + y, end = begin + rows;
-    const bool good =
-        tiled ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
-                                   OIIO::TypeFloat, pixels.data())
-              : input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
+    const bool good = tiled ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0,
+                                                 spec.nchannels, OIIO::TypeFloat, pixels.data())
+                            : read_scanlines(begin, end, pixels);
     // Some readers fill up a file that is cut off and mention it only in the error text.
     if (good && !input_->has_error()) return rows;
     fault = input_->geterror();
@@ -100,6 +103,18 @@ class Input final : public ImageInput {
   }
 
  private:
+  // Where OpenImageIO converts the pixels itself it allocates 256 rows at least, however long they are and however few
+  // the image has.
+  bool read_scanlines(int begin, int end, std::vector<float>& pixels) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    if (!spec.channelformats.empty())
+      return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
+    native_.resize(size_t(end - begin) * spec.scanline_bytes(true));
+    return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, spec.format, native_.data()) &&
+           OIIO::convert_pixel_values(spec.format, native_.data(), OIIO::TypeFloat, pixels.data(), int(pixels.size()));
+  }
+
+  std::vector<unsigned char> native_;  // rows in the file's type
   // The input reads through the proxy and must be closed before it goes.
   std::unique_ptr<OIIO::Filesystem::IOMemReader> proxy_;
   std::unique_ptr<OIIO::ImageInput> input_;
