@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
-#include <set>
 
 #include "core/scene/scene.h"
 #include "core/scene/world_placement.h"
@@ -101,28 +101,58 @@ class Planner {
 
   // Empty: so many have moved that new cells are worth their cost.
   std::optional<ArrayPlan> continue_from(const ArrayPlan& last) {
-    if (last.prototype != plan_.prototype || last.scatters != plan_.scatters || last.places->size() != places_.size())
-      return std::nullopt;
+    const size_t before = last.places->size(), now = places_.size();
+    if (last.prototype != plan_.prototype || last.scatters != plan_.scatters) return std::nullopt;
     const std::vector<uint32_t> moved = find_moved(*last.places);
-    plan_.moved = last.moved + moved.size();
-    if (plan_.moved > places_.size() / kMovedShare) return std::nullopt;
+    plan_.moved = last.moved + moved.size() + (std::max(before, now) - std::min(before, now));
+    if (plan_.moved > now / kMovedShare) return std::nullopt;
     plan_.slots = last.slots;
     plan_.cells = last.cells;
-    std::set<uint32_t> cells;
-    for (const uint32_t number : moved) cells.insert((*last.slots)[number] / kMost);
-    const std::vector<uint32_t> changed(cells.begin(), cells.end());
-    tbb::parallel_for(size_t(0), changed.size(),
-                      [&](size_t i) { plan_.cells[changed[i]] = measured(last.cells[changed[i]]->numbers); });
+    ChangedCells changed;
+    for (const uint32_t number : moved) {
+      const uint32_t cell = (*last.slots)[number] / kMost;
+      changed[cell] = last.cells[cell]->numbers;
+    }
+    if (now != before) resize(last, &changed);
+    const std::vector<ChangedCells::value_type> list(changed.begin(), changed.end());
+    tbb::parallel_for(size_t(0), list.size(), [&](size_t i) { plan_.cells[list[i].first] = measured(list[i].second); });
     return std::move(plan_);
   }
 
  private:
+  using ChangedCells = std::map<uint32_t, std::shared_ptr<const std::vector<uint32_t>>>;  // the numbers of each
+
+  // The last numbers leave their cells; new ones fill up the last cell, and then others.
+  void resize(const ArrayPlan& last, ChangedCells* changed) {
+    const auto before = static_cast<uint32_t>(last.places->size()), now = static_cast<uint32_t>(places_.size());
+    std::map<uint32_t, std::vector<uint32_t>> lists;
+    const auto list = [&](uint32_t cell) -> std::vector<uint32_t>& {
+      const auto [found, is_new] = lists.try_emplace(cell);
+      if (is_new && cell < last.cells.size()) found->second = *last.cells[cell]->numbers;
+      return found->second;
+    };
+    for (uint32_t number = now; number < before; ++number) std::erase(list((*last.slots)[number] / kMost), number);
+    auto end = static_cast<uint32_t>(last.cells.size() - 1);
+    for (uint32_t number = before; number < now; ++number) {
+      if (list(end).size() == kMost) ++end;
+      list(end).push_back(number);
+    }
+    plan_.cells.resize(std::max<size_t>(last.cells.size(), end + 1));
+    std::vector<uint32_t> slots(*last.slots);
+    slots.resize(now);
+    for (auto& [cell, numbers] : lists) {
+      for (size_t i = 0; i < numbers.size(); ++i) slots[numbers[i]] = static_cast<uint32_t>(cell * kMost + i);
+      (*changed)[cell] = std::make_shared<const std::vector<uint32_t>>(std::move(numbers));
+    }
+    plan_.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
+  }
+
   std::vector<uint32_t> find_moved(const InstancePlaces& last) const {
-    const size_t blocks = (places_.size() + kMost - 1) / kMost;
+    const size_t count = std::min(places_.size(), last.size()), blocks = (count + kMost - 1) / kMost;
     std::vector<std::vector<uint32_t>> moved(blocks);
     tbb::parallel_for(size_t(0), blocks, [&](size_t block) {
       cancel_.check();
-      const size_t begin = block * kMost, end = std::min(places_.size(), begin + kMost);
+      const size_t begin = block * kMost, end = std::min(count, begin + kMost);
       if (places_.stand_alike(last, begin, end)) return;
       for (size_t i = begin; i < end; ++i)
         if (!places_.stand_alike(last, i, i + 1)) moved[block].push_back(static_cast<uint32_t>(i));
@@ -235,9 +265,9 @@ std::shared_ptr<const PlacedArray> place_array(ArrayPlan plan, const RenderSpace
   const auto& cells = placed->plan.cells;
   placed->traced.cells.resize(cells.size());
   placed->left_out.resize(cells.size());
-  const bool may_share = last && last->space.origin == space.origin && last->plan.slots == placed->plan.slots;
+  const bool may_share = last && last->space.origin == space.origin;
   const auto can_share = [&](size_t i) {
-    return may_share && last->plan.cells[i] == cells[i] &&
+    return may_share && i < last->plan.cells.size() && last->plan.cells[i] == cells[i] &&
            (last->space.farthest == space.farthest ||
             (last->left_out[i] == 0 && last->traced.cells[i]->is_traceable_from(space.farthest)));
   };

@@ -196,8 +196,8 @@ Placement PlacementSource::operator[](size_t i) const {
 }
 
 bool PlacementSource::stand_alike(const PlacementSource& other, size_t begin, size_t end) const {
-  if (indices.size() != other.indices.size() || !points != !other.points) return false;
-  if (points && points->size() != other.points->size()) return false;
+  if (bases.size() != other.bases.size() || !points != !other.points) return false;
+  if (bases.size() > 1 && indices.size() != other.indices.size()) return false;
   const bool same_points = points == other.points || !points;
   const bool same_indices = indices.data() == other.indices.data();
   for (size_t i = begin; i < end; ++i) {
@@ -210,7 +210,7 @@ bool PlacementSource::stand_alike(const PlacementSource& other, size_t begin, si
       }
     }
     const int32_t index = indices[at];
-    if (index != other.indices[at]) return false;
+    if (index != other.indices[at] || has_point(index) != other.has_point(index)) return false;
     if (!same_points && has_point(index) && !points->is_alike(*other.points, static_cast<size_t>(index))) return false;
   }
   return true;

@@ -21,7 +21,7 @@ struct InstanceArrays {
 
   size_t size() const;
   Matrix4d operator[](size_t i) const;
-  /// True if point i is the same in another, of the same size.
+  /// True if point i is the same in another.
   bool is_alike(const InstanceArrays& other, size_t i) const;
 };
 /// Null stands for identity at any index.
@@ -65,7 +65,8 @@ struct PlacementSource {
   size_t size() const { return bases.size() * indices.size(); }
   bool has_point(int32_t index) const;
   Placement operator[](size_t i) const;
-  /// True if those in [begin, end) are the same in another, which has the same size.
+  /// True if those in [begin, end), which both have, are the same in another. False also if their bases differ in
+  /// number.
   bool stand_alike(const PlacementSource& other, size_t begin, size_t end) const;
 };
 

@@ -206,11 +206,31 @@ TEST_F(InstanceArrayTest, ManyEditsChooseNewCells) {
   EXPECT_EQ(compile()->arrays[0].placed->traced.slots, slots);
   places_[0] = placed(0, 0, 0);
   EXPECT_NE(compile()->arrays[0].placed->traced.slots, slots) << "more than an eighth";
+}
+
+TEST_F(InstanceArrayTest, ComesAndGoesAtItsEnd) {
+  auto last = compile();
+  const size_t cells = last->arrays[0].placed->traced.cells.size();
+  const auto expect_as_fresh = [&](const char* what) {
+    const auto now = compile();
+    ASSERT_EQ(now->arrays[0].placed->size(), places_.size()) << what;
+    EXPECT_GE(shared_cells(*now, *last), cells - 2) << what;
+    const auto fresh = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
+    EXPECT_EQ(picture(now, Aov::color), picture(fresh, Aov::color)) << what;
+    EXPECT_EQ(picture(now, Aov::instance_id), picture(fresh, Aov::instance_id)) << what;
+    last = now;
+  };
+  const auto taken = places_.back();
   places_.pop_back();
-  const auto fewer = compile();
-  EXPECT_EQ(fewer->arrays[0].placed->size(), kCount - 1);
-  const auto fresh = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
-  EXPECT_EQ(picture(fewer, Aov::color), picture(fresh, Aov::color));
+  expect_as_fresh("one fewer");
+  places_.push_back(placed(0, 0.9, 0.5, 0.3));
+  expect_as_fresh("another in its place");
+  for (int i = 0; i < 300; ++i) places_.push_back(placed(0.9 - 0.006 * i, 1, 0.5, 0.02));
+  expect_as_fresh("more than the last cell has room for");
+  EXPECT_EQ(last->arrays[0].placed->traced.cells.size(), cells + 1);
+  places_.resize(kCount - 1);
+  places_.push_back(taken);
+  expect_as_fresh("an empty cell is left");
 }
 
 TEST_F(InstanceArrayTest, SaysHowManyItLeavesOut) {
@@ -241,7 +261,7 @@ TEST_F(InstanceArrayTest, CountsThoseThatStandTooFarForTheirSize) {
 }
 
 TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsRefusedByName) {
-  memory_->set_limit(80 * kCount);
+  memory_->set_limit(20 * kCount);  // less than one cell
   try {
     compile();
     FAIL() << "it fits";
