@@ -1,6 +1,8 @@
 #include "delegate/support/instancing.h"
 
 #include <algorithm>
+#include <cstring>
+#include <span>
 
 #include "delegate/support/float_values.h"
 
@@ -54,16 +56,31 @@ InstancePoints make_points(const PullPrimvar& pull, const Path& instancer, const
   return std::make_shared<const InstanceArrays>(std::move(arrays));
 }
 
+// All points from the lowest to the highest that is named are compared, unless that is many more.
+bool are_points_alike(const PlacementSource& a, const PlacementSource& b, std::span<const int32_t> named) {
+  if (a.points == b.points) return true;
+  const auto [lowest, highest] = std::minmax_element(named.begin(), named.end());
+  if (named.size() == 1 && !a.has_point(*lowest)) return !b.has_point(*lowest);
+  if (!a.has_point(*lowest) || !a.has_point(*highest) || !b.has_point(*highest)) return false;
+  const auto begin = static_cast<size_t>(*lowest), end = static_cast<size_t>(*highest) + 1;
+  if (end - begin <= 4 * named.size()) return a.points->are_alike(*b.points, begin, end);
+  return std::all_of(named.begin(), named.end(), [&](int32_t index) {
+    return a.points->are_alike(*b.points, static_cast<size_t>(index), static_cast<size_t>(index) + 1);
+  });
+}
+
 }  // namespace
 
 size_t InstanceArrays::size() const {
   return std::max({translations.size(), scales.size(), rotations.size(), transforms.size()});
 }
 
-bool InstanceArrays::is_alike(const InstanceArrays& other, size_t i) const {
-  const auto same = [i](const auto& a, const auto& b) {
-    const bool held = i < a.size();
-    return held == (i < b.size()) && (!held || a[i] == b[i]);
+bool InstanceArrays::are_alike(const InstanceArrays& other, size_t begin, size_t end) const {
+  const auto same = [&](const auto& a, const auto& b) {
+    const size_t last = std::min(end, a.size());
+    if (last != std::min(end, b.size())) return false;
+    return last <= begin || a.data() == b.data() ||
+           std::memcmp(a.data() + begin, b.data() + begin, (last - begin) * sizeof *a.data()) == 0;
   };
   return same(translations, other.translations) && same(scales, other.scales) && same(rotations, other.rotations) &&
          same(transforms, other.transforms);
@@ -198,20 +215,14 @@ Placement PlacementSource::operator[](size_t i) const {
 bool PlacementSource::stand_alike(const PlacementSource& other, size_t begin, size_t end) const {
   if (bases.size() != other.bases.size() || !points != !other.points) return false;
   if (bases.size() > 1 && indices.size() != other.indices.size()) return false;
-  const bool same_points = points == other.points || !points;
-  const bool same_indices = indices.data() == other.indices.data();
-  for (size_t i = begin; i < end; ++i) {
-    const size_t at = i % indices.size(), base = i / indices.size();
-    if (at == 0 || i == begin) {
-      if (bases[base].matrix != other.bases[base].matrix || bases[base].used != other.bases[base].used) return false;
-      if (same_points && same_indices) {
-        i += std::min(end - i, indices.size() - at) - 1;
-        continue;
-      }
-    }
-    const int32_t index = indices[at];
-    if (index != other.indices[at] || has_point(index) != other.has_point(index)) return false;
-    if (!same_points && has_point(index) && !points->is_alike(*other.points, static_cast<size_t>(index))) return false;
+  for (size_t base = begin / indices.size(); begin < end; ++base) {
+    const size_t first = begin % indices.size(), count = std::min(end - begin, indices.size() - first);
+    if (bases[base].matrix != other.bases[base].matrix || bases[base].used != other.bases[base].used) return false;
+    const std::span<const int32_t> named(indices.data() + first, count);
+    const int32_t* const others = other.indices.data() + first;
+    if (named.data() != others && std::memcmp(named.data(), others, named.size_bytes()) != 0) return false;
+    if (!are_points_alike(*this, other, named)) return false;
+    begin += count;
   }
   return true;
 }

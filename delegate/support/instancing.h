@@ -21,8 +21,8 @@ struct InstanceArrays {
 
   size_t size() const;
   Matrix4d operator[](size_t i) const;
-  /// True if point i is the same in another.
-  bool is_alike(const InstanceArrays& other, size_t i) const;
+  /// True if points [begin, end) are the same bytes in another.
+  bool are_alike(const InstanceArrays& other, size_t begin, size_t end) const;
 };
 /// Null stands for identity at any index.
 using InstancePoints = std::shared_ptr<const InstanceArrays>;
@@ -65,8 +65,8 @@ struct PlacementSource {
   size_t size() const { return bases.size() * indices.size(); }
   bool has_point(int32_t index) const;
   Placement operator[](size_t i) const;
-  /// True if those in [begin, end), which both have, are the same in another. False also if their bases differ in
-  /// number.
+  /// True if those in [begin, end), which both have, are the same in another. For one of them the answer is exact; for
+  /// more, false may also mean not known.
   bool stand_alike(const PlacementSource& other, size_t begin, size_t end) const;
 };
 
