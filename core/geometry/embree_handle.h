@@ -42,6 +42,29 @@ class SceneHandle {
   RTCScene scene_ = nullptr;
 };
 
+/// User geometry in a scene.
+struct UserGeometry {
+  void* data;
+  size_t count;
+  RTCBoundsFunction bounds;
+  RTCIntersectFunctionN intersect;
+  RTCOccludedFunctionN occluded;
+};
+// False: Embree refuses.
+inline bool attach(const SceneHandle& scene, const UserGeometry& from) {
+  RTCGeometry geometry = rtcNewGeometry(scene.device(), RTC_GEOMETRY_TYPE_USER);
+  if (!geometry) return false;
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(from.count));
+  rtcSetGeometryUserData(geometry, from.data);
+  rtcSetGeometryBoundsFunction(geometry, from.bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, from.intersect);
+  rtcSetGeometryOccludedFunction(geometry, from.occluded);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  return !scene.take_error();
+}
+
 inline RTCRay to_embree(const Ray& ray) {
   const Vec3f &o = ray.org, &d = ray.dir;
   // Members: org, tnear, dir, time, tfar, mask, id, flags.

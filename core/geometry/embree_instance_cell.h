@@ -23,7 +23,6 @@ class EmbreeInstanceCell final : public InstanceCell {
   bool take_error() const { return scene_.take_error(); }
 
  private:
-  bool attach();
   static void bound(const RTCBoundsFunctionArguments* args) noexcept;
   static void intersect(const RTCIntersectFunctionNArguments* args) noexcept;
   static void occluded(const RTCOccludedFunctionNArguments* args) noexcept;

@@ -94,17 +94,8 @@ class EmbreeInstancedScene final : public InstancedScene {
     if (array.cells.empty()) return true;
     const PlacedCells& placed = arrays_.emplace_back(PlacedCells{first, array});
     for (size_t i = 0; i < array.cells.size(); ++i) growth_.include(placed[i].growth());
-    RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_USER);
-    if (!geometry) return false;
-    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(array.cells.size()));
-    rtcSetGeometryUserData(geometry, const_cast<PlacedCells*>(&placed));
-    rtcSetGeometryBoundsFunction(geometry, &bound_cell, nullptr);
-    rtcSetGeometryIntersectFunction(geometry, &intersect_cell);
-    rtcSetGeometryOccludedFunction(geometry, &occluded_cell);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_.get(), geometry);
-    rtcReleaseGeometry(geometry);
-    return !scene_.take_error();
+    return attach(
+        scene_, {const_cast<PlacedCells*>(&placed), array.cells.size(), &bound_cell, &intersect_cell, &occluded_cell});
   }
 
   static void bound_cell(const RTCBoundsFunctionArguments* args) noexcept {

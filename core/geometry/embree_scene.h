@@ -64,7 +64,8 @@ class HitFilter {
   virtual bool stops(const TriangleHit& hit) const noexcept = 0;
 };
 
-/// Top level over instances: those that stand alone (flattened: one level of instancing), and arrays of cells. Immutable; traced from any thread.
+/// Top level over instances: those that stand alone (flattened: one level of instancing), and arrays of cells.
+/// Immutable; traced from any thread.
 class InstancedScene {
  public:
   virtual ~InstancedScene() = default;

@@ -1,5 +1,6 @@
 #include "core/geometry/instance_cell.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -31,14 +32,14 @@ Bounds placed_bounds(RTCScene object, const Placement& placement) {
 }
 
 // The context of a ray while it is in one instance: hits then carry the instance's index.
-class InInstance {
+class InstanceScope {
  public:
-  InInstance(RTCIntersectContext* context, uint32_t number) : context_(*context) {
+  InstanceScope(RTCIntersectContext* context, uint32_t number) : context_(*context) {
     context_.instID[0] = reinterpret_cast<const FilterContext*>(context)->first + number;
   }
-  ~InInstance() { context_.instID[0] = RTC_INVALID_GEOMETRY_ID; }
-  InInstance(const InInstance&) = delete;
-  InInstance& operator=(const InInstance&) = delete;
+  ~InstanceScope() { context_.instID[0] = RTC_INVALID_GEOMETRY_ID; }
+  InstanceScope(const InstanceScope&) = delete;
+  InstanceScope& operator=(const InstanceScope&) = delete;
   uint32_t index() const { return context_.instID[0]; }
 
  private:
@@ -55,21 +56,8 @@ EmbreeInstanceCell::EmbreeInstanceCell(std::shared_ptr<TraceDevice> device, std:
 }
 
 bool EmbreeInstanceCell::build(const std::function<bool()>& cancelled) {
-  return scene_.get() && attach() && commit(scene_.get(), cancelled);
-}
-
-bool EmbreeInstanceCell::attach() {
-  RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_USER);
-  if (!geometry) return false;
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(instances_.placements.size()));
-  rtcSetGeometryUserData(geometry, this);
-  rtcSetGeometryBoundsFunction(geometry, &EmbreeInstanceCell::bound, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, &EmbreeInstanceCell::intersect);
-  rtcSetGeometryOccludedFunction(geometry, &EmbreeInstanceCell::occluded);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene_.get(), geometry, 0);
-  rtcReleaseGeometry(geometry);
-  return true;
+  return scene_.get() && attach(scene_, {this, instances_.placements.size(), &bound, &intersect, &occluded}) &&
+         commit(scene_.get(), cancelled);
 }
 
 void EmbreeInstanceCell::bound(const RTCBoundsFunctionArguments* args) noexcept {
@@ -86,7 +74,7 @@ void EmbreeInstanceCell::intersect(const RTCIntersectFunctionNArguments* args) n
   if (!args->valid[0]) return;
   const auto& cell = *static_cast<const EmbreeInstanceCell*>(args->geometryUserPtr);
   RTCRayHit& outer = *reinterpret_cast<RTCRayHit*>(args->rayhit);
-  const InInstance instance(args->context, (*cell.instances_.numbers)[args->primID]);
+  const InstanceScope instance(args->context, (*cell.instances_.numbers)[args->primID]);
   RTCRayHit query;
   query.ray = carried(outer.ray, cell.instances_.placements[args->primID].world_to_object);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -104,7 +92,7 @@ void EmbreeInstanceCell::occluded(const RTCOccludedFunctionNArguments* args) noe
   if (!args->valid[0]) return;
   const auto& cell = *static_cast<const EmbreeInstanceCell*>(args->geometryUserPtr);
   RTCRay& outer = *reinterpret_cast<RTCRay*>(args->ray);
-  const InInstance instance(args->context, (*cell.instances_.numbers)[args->primID]);
+  const InstanceScope instance(args->context, (*cell.instances_.numbers)[args->primID]);
   RTCRay query = carried(outer, cell.instances_.placements[args->primID].world_to_object);
   rtcOccluded1(cell.object().get(), args->context, &query);
   outer.tfar = query.tfar;

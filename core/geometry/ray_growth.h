@@ -9,8 +9,8 @@
 
 namespace alabaster {
 
-/// The growth by a placement's map into object space: coordinates there stay below stretch * coordinates + shift. Infinite where
-/// the map cannot be inverted in float.
+/// The growth by a placement's map into object space: coordinates there stay below stretch * coordinates + shift.
+/// Infinite where the map cannot be inverted in float.
 struct RayGrowth {
   float stretch = 0, shift = 0;
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/scene/world_placement.h"
 #include "core/subsurface/body.h"
 
 namespace alabaster {
@@ -133,13 +134,9 @@ class BodyPlanner {
     std::vector<InstancePlacement> placements;
     bool open = false;
     for (const uint32_t i : indices) {
-      const auto moved = [&](Matrix4d m) {
-        for (int axis = 0; axis < 3; ++axis) m[3][axis] -= origin[axis];
-        return m;
-      };
-      const Matrix4d m = moved(drawn_[i]->object_to_world);
+      const Matrix4d m = moved_to(drawn_[i]->object_to_world, origin);
       MemberMotion motion{to_affine(m), to_affine(m.inverse()), {}};
-      for (const Matrix4d& pose : drawn_[i]->poses) motion.poses.push_back(to_affine(moved(pose)));
+      for (const Matrix4d& pose : drawn_[i]->poses) motion.poses.push_back(to_affine(moved_to(pose, origin)));
       const Member& member = add_member(i, motion, body);
       body->bounds.extend(member.bounds);
       placements.push_back({drawn_[i]->prototype->object, member.to_body, member.poses});

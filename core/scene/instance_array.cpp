@@ -4,10 +4,12 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 
 #include "core/scene/scene.h"
 #include "core/scene/world_placement.h"
@@ -16,6 +18,7 @@ namespace alabaster {
 namespace {
 
 constexpr uint32_t kMost = InstanceCells::kMost;
+constexpr size_t kBlock = ArrayBlock::kSize;
 // Cells grow as instances leave their places: after so many, new ones are chosen.
 constexpr size_t kMovedShare = 8;
 
@@ -27,23 +30,34 @@ State state_of(const std::optional<Matrix4d>& place, const Bounds& object) {
   return is_within_reach(*place) ? State::hidden : State::faulty;
 }
 
+size_t blocks_of(size_t count) {
+  return (count + kBlock - 1) / kBlock;
+}
+
 // The numbers of an array in the order of its cells: halves of halves along the longest axis, until kMost are left.
+// Those that are not drawn come last.
 class CellChoice {
  public:
   CellChoice(const InstancePlaces& places, const Bounds& object, const CancelToken& cancel) : cancel_(cancel) {
-    order_.resize(places.size());
-    std::iota(order_.begin(), order_.end(), 0u);
-    centers_.resize(order_.size());
+    centers_.resize(places.size(), Vec3d(0, 0, 0));
+    std::vector<uint8_t> drawn(places.size());
     const Vec3d center = object.empty() ? Vec3d(0, 0, 0) : Vec3d(object.center());
-    tbb::parallel_for(size_t(0), (order_.size() + kMost - 1) / kMost, [&](size_t block) {
+    tbb::parallel_for(size_t(0), blocks_of(places.size()), [&](size_t block) {
       cancel_.check();
-      for (size_t i = block * kMost; i < std::min(order_.size(), (block + 1) * kMost); ++i) {
+      for (size_t i = block * kBlock; i < std::min(places.size(), (block + 1) * kBlock); ++i) {
         const auto place = places.at(i);
-        if (state_of(place, object) == State::drawn) centers_[i] = transform_point(center, *place);
+        if (state_of(place, object) != State::drawn) continue;
+        drawn[i] = 1;
+        centers_[i] = transform_point(center, *place);
       }
     });
-    halve(0, order_.size());
+    order_.resize(places.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    const auto end = std::stable_partition(order_.begin(), order_.end(), [&](uint32_t i) { return drawn[i] != 0; });
+    halve(0, static_cast<size_t>(end - order_.begin()));
   }
+  /// While it is made: orders, centres and what is drawn.
+  static size_t memory_bytes(size_t count) { return count * (2 * sizeof(uint32_t) + sizeof(Vec3d) + 1); }
   size_t count() const { return (order_.size() + kMost - 1) / kMost; }
   std::vector<uint32_t> numbers(size_t cell) const {
     const auto begin = order_.begin() + std::ptrdiff_t(cell * kMost);
@@ -86,16 +100,22 @@ class Planner {
     plan_.scatters = !scattering_slots(description.look).empty();
   }
 
-  ArrayPlan choose_cells() {
+  ArrayPlan choose_cells(const std::shared_ptr<MemoryBudget>& memory) {
+    const MemoryReservation reserved(memory, MemoryUse::scene, CellChoice::memory_bytes(places_.size()),
+                                     "an array of " + std::to_string(places_.size()) + " instances");
     const CellChoice choice(places_, mesh_.bounds, cancel_);
     std::vector<uint32_t> slots(places_.size());
     plan_.cells.resize(choice.count());
     tbb::parallel_for(size_t(0), choice.count(), [&](size_t cell) {
-      auto numbers = std::make_shared<const std::vector<uint32_t>>(choice.numbers(cell));
-      for (size_t i = 0; i < numbers->size(); ++i) slots[(*numbers)[i]] = static_cast<uint32_t>(cell * kMost + i);
-      plan_.cells[cell] = measured(std::move(numbers));
+      auto chosen = std::make_shared<const ArrayCell>(ArrayCell{choice.numbers(cell)});
+      for (size_t i = 0; i < chosen->numbers.size(); ++i)
+        slots[chosen->numbers[i]] = static_cast<uint32_t>(cell * kMost + i);
+      plan_.cells[cell] = std::move(chosen);
     });
     plan_.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
+    std::set<size_t> all;
+    for (size_t block = 0; block < blocks_of(places_.size()); ++block) all.insert(block);
+    measure(all);
     return std::move(plan_);
   }
 
@@ -108,27 +128,28 @@ class Planner {
     if (plan_.moved > now / kMovedShare) return std::nullopt;
     plan_.slots = last.slots;
     plan_.cells = last.cells;
-    ChangedCells changed;
+    plan_.blocks = last.blocks;
+    std::set<size_t> blocks;
     for (const uint32_t number : moved) {
-      const uint32_t cell = (*last.slots)[number] / kMost;
-      changed[cell] = last.cells[cell]->numbers;
+      auto& cell = plan_.cells[(*last.slots)[number] / kMost];
+      if (cell == last.cells[(*last.slots)[number] / kMost]) cell = std::make_shared<const ArrayCell>(*cell);
+      blocks.insert(number / kBlock);
     }
-    if (now != before) resize(last, &changed);
-    const std::vector<ChangedCells::value_type> list(changed.begin(), changed.end());
-    tbb::parallel_for(size_t(0), list.size(), [&](size_t i) { plan_.cells[list[i].first] = measured(list[i].second); });
+    if (now != before) resize(last);
+    for (size_t block = std::min(before, now) / kBlock; now != before && block < blocks_of(now); ++block)
+      blocks.insert(block);
+    measure(blocks);
     return std::move(plan_);
   }
 
  private:
-  using ChangedCells = std::map<uint32_t, std::shared_ptr<const std::vector<uint32_t>>>;  // the numbers of each
-
   // The last numbers leave their cells; new ones fill up the last cell, and then others.
-  void resize(const ArrayPlan& last, ChangedCells* changed) {
+  void resize(const ArrayPlan& last) {
     const auto before = static_cast<uint32_t>(last.places->size()), now = static_cast<uint32_t>(places_.size());
     std::map<uint32_t, std::vector<uint32_t>> lists;
     const auto list = [&](uint32_t cell) -> std::vector<uint32_t>& {
       const auto [found, is_new] = lists.try_emplace(cell);
-      if (is_new && cell < last.cells.size()) found->second = *last.cells[cell]->numbers;
+      if (is_new && cell < last.cells.size()) found->second = last.cells[cell]->numbers;
       return found->second;
     };
     for (uint32_t number = now; number < before; ++number) std::erase(list((*last.slots)[number] / kMost), number);
@@ -142,17 +163,17 @@ class Planner {
     slots.resize(now);
     for (auto& [cell, numbers] : lists) {
       for (size_t i = 0; i < numbers.size(); ++i) slots[numbers[i]] = static_cast<uint32_t>(cell * kMost + i);
-      (*changed)[cell] = std::make_shared<const std::vector<uint32_t>>(std::move(numbers));
+      plan_.cells[cell] = std::make_shared<const ArrayCell>(ArrayCell{std::move(numbers)});
     }
     plan_.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
   }
 
   std::vector<uint32_t> find_moved(const InstancePlaces& last) const {
-    const size_t count = std::min(places_.size(), last.size()), blocks = (count + kMost - 1) / kMost;
-    std::vector<std::vector<uint32_t>> moved(blocks);
-    tbb::parallel_for(size_t(0), blocks, [&](size_t block) {
+    const size_t count = std::min(places_.size(), last.size());
+    std::vector<std::vector<uint32_t>> moved(blocks_of(count));
+    tbb::parallel_for(size_t(0), moved.size(), [&](size_t block) {
       cancel_.check();
-      const size_t begin = block * kMost, end = std::min(count, begin + kMost);
+      const size_t begin = block * kBlock, end = std::min(count, begin + kBlock);
       if (places_.stand_alike(last, begin, end)) return;
       for (size_t i = begin; i < end; ++i)
         if (!places_.stand_alike(last, i, i + 1)) moved[block].push_back(static_cast<uint32_t>(i));
@@ -162,27 +183,32 @@ class Planner {
     return all;
   }
 
-  std::shared_ptr<const ArrayCell> measured(std::shared_ptr<const std::vector<uint32_t>> numbers) const {
+  void measure(const std::set<size_t>& blocks) {
+    plan_.blocks.resize(blocks_of(places_.size()));
+    const std::vector<size_t> list(blocks.begin(), blocks.end());
+    tbb::parallel_for(size_t(0), list.size(), [&](size_t i) { plan_.blocks[list[i]] = measured(list[i] * kBlock); });
+  }
+
+  std::shared_ptr<const ArrayBlock> measured(size_t begin) const {
     cancel_.check();
-    auto cell = std::make_shared<ArrayCell>();
-    cell->numbers = std::move(numbers);
-    for (const uint32_t number : *cell->numbers) {
-      const auto place = places_.at(number);
+    auto block = std::make_shared<ArrayBlock>();
+    block->size.count = 0;
+    for (size_t i = begin; i < std::min(places_.size(), begin + kBlock); ++i) {
+      const auto place = places_.at(i);
       const State state = state_of(place, mesh_.bounds);
-      cell->hidden += state == State::hidden;
-      cell->faulty += state == State::faulty;
+      block->hidden += state == State::hidden;
+      block->faulty += state == State::faulty;
       if (state != State::drawn) continue;
-      cell->bounds.extend(world_bounds(mesh_.bounds, *place));
+      const bool first = block->size.count++ == 0;
+      block->bounds.extend(world_bounds(mesh_.bounds, *place));
       const PlacedSize one = placed_size(middle_, *place);
-      cell->centers.extend(one.centers);
-      cell->least_size = cell->drawn == 0 ? one.size : std::min(cell->least_size, one.size);
-      if (plan_.scatters) {
-        const float stretch = least_stretch(to_affine(*place));
-        cell->least_stretch = cell->drawn == 0 ? stretch : std::min(cell->least_stretch, stretch);
-      }
-      ++cell->drawn;
+      block->size.centers.extend(one.centers);
+      block->size.size = first ? one.size : std::min(block->size.size, one.size);
+      if (!plan_.scatters) continue;
+      const float stretch = least_stretch(to_affine(*place));
+      block->least_stretch = first ? stretch : std::min(block->least_stretch, stretch);
     }
-    return cell;
+    return block;
   }
 
   const InstancePlaces& places_;
@@ -199,19 +225,19 @@ class CellPlacer {
       : plan_(plan), space_(space), device_(std::move(device)) {}
 
   /// Null as build_instance_cell().
-  std::shared_ptr<const InstanceCell> place(const ArrayCell& cell, uint32_t* left_out,
-                                            const CancelToken& cancel) const {
+  std::shared_ptr<const InstanceCell> place(const std::shared_ptr<const ArrayCell>& cell, uint32_t* left_out,
+                                            const std::function<bool()>& stopped) const {
     CellInstances instances;
     instances.memory = MemoryReservation(memory_of(*device_), MemoryUse::scene,
-                                         cell.numbers->size() * (sizeof(Placement) + 2 * sizeof(uint32_t)),
+                                         cell->numbers.size() * (sizeof(Placement) + 2 * sizeof(uint32_t)),
                                          "an array of " + std::to_string(plan_.places->size()) + " instances");
-    instances.numbers = cell.numbers;
-    instances.placements.resize(cell.numbers->size());
-    instances.hidden.resize(cell.numbers->size(), true);
-    for (size_t i = 0; i < cell.numbers->size(); ++i) {
-      const auto place = plan_.places->at((*cell.numbers)[i]);
+    instances.numbers = std::shared_ptr<const std::vector<uint32_t>>(cell, &cell->numbers);
+    instances.placements.resize(cell->numbers.size());
+    instances.hidden.resize(cell->numbers.size(), true);
+    for (size_t i = 0; i < cell->numbers.size(); ++i) {
+      const auto place = plan_.places->at(cell->numbers[i]);
       if (state_of(place, plan_.prototype->mesh.bounds) != State::drawn) continue;
-      const Matrix4d m = moved_to_render_space(*place, space_.origin);
+      const Matrix4d m = moved_to(*place, space_.origin);
       const Affine object_to_world = to_affine(m);
       if (!is_traceable(object_to_world, space_.farthest)) {
         ++*left_out;
@@ -220,8 +246,7 @@ class CellPlacer {
       instances.placements[i] = {object_to_world, to_affine(m.inverse())};
       instances.hidden[i] = false;
     }
-    return build_instance_cell(device_, plan_.prototype->object, std::move(instances),
-                               [&cancel] { return cancel.is_cancelled(); });
+    return build_instance_cell(device_, plan_.prototype->object, std::move(instances), stopped);
   }
 
  private:
@@ -232,25 +257,26 @@ class CellPlacer {
 
 }  // namespace
 
-ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPlan* last, const CancelToken& cancel) {
+ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPlan* last,
+                     const std::shared_ptr<MemoryBudget>& memory, const CancelToken& cancel) {
   if (last)
     if (auto continued = Planner(description, cancel).continue_from(*last)) return std::move(*continued);
-  return Planner(description, cancel).choose_cells();
+  return Planner(description, cancel).choose_cells(memory);
 }
 
 float ArrayPlan::least_stretch() const {
   float least = std::numeric_limits<float>::infinity();
-  for (const auto& cell : cells)
-    if (cell->drawn > 0) least = std::min(least, cell->least_stretch);
+  for (const auto& block : blocks)
+    if (block->size.count > 0) least = std::min(least, block->least_stretch);
   return std::isfinite(least) ? least : 1;
 }
 
-std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, const ArrayCell& cell) {
+std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, size_t block) {
   const Mesh& mesh = plan.prototype->mesh;
   const MiddleHalf middle = middle_half(mesh);
   std::vector<PlacedSize> sizes;
-  for (const uint32_t number : *cell.numbers) {
-    const auto place = plan.places->at(number);
+  for (size_t i = block * kBlock; i < std::min(plan.places->size(), (block + 1) * kBlock); ++i) {
+    const auto place = plan.places->at(i);
     if (state_of(place, mesh.bounds) == State::drawn) sizes.push_back(placed_size(middle, *place));
   }
   return sizes;
@@ -272,6 +298,7 @@ std::shared_ptr<const PlacedArray> place_array(ArrayPlan plan, const RenderSpace
             (last->left_out[i] == 0 && last->traced.cells[i]->is_traceable_from(space.farthest)));
   };
   const CellPlacer placer(placed->plan, space, device);
+  std::atomic<bool> failed{false};  // one refusal is enough
   tbb::parallel_for(size_t(0), cells.size(), [&](size_t i) {
     if (can_share(i)) {
       placed->traced.cells[i] = last->traced.cells[i];
@@ -279,20 +306,22 @@ std::shared_ptr<const PlacedArray> place_array(ArrayPlan plan, const RenderSpace
       return;
     }
     cancel.check();
-    placed->traced.cells[i] = placer.place(*cells[i], &placed->left_out[i], cancel);
+    if (failed) return;
+    placed->traced.cells[i] =
+        placer.place(cells[i], &placed->left_out[i], [&] { return failed || cancel.is_cancelled(); });
+    if (!placed->traced.cells[i]) failed = true;
   });
   cancel.check();
-  const bool whole = std::none_of(placed->traced.cells.begin(), placed->traced.cells.end(),
-                                  [](const auto& cell) { return cell == nullptr; });
-  return whole ? placed : nullptr;
+  return failed ? nullptr : placed;
 }
 
 Bounds PlacedArray::bounds() const {
   BoundsDouble world;
-  for (const auto& cell : plan.cells) world.extend(cell->bounds);
+  for (const auto& block : plan.blocks) world.extend(block->bounds);
   if (world.empty()) return {};
-  const Vec3d margin(1e-6 * length(world.extent()));
-  return {Vec3f(world.lower - space.origin - margin), Vec3f(world.upper - space.origin + margin)};
+  const Vec3d lower = world.lower - space.origin, upper = world.upper - space.origin;
+  const Vec3d margin(1e-6 * std::max(length(lower), length(upper)));
+  return {Vec3f(lower - margin), Vec3f(upper + margin)};
 }
 
 bool report_left_out(const PlacedArray& array, const std::string& name, const DiagnosticSink& sink) {
@@ -302,9 +331,10 @@ bool report_left_out(const PlacedArray& array, const std::string& name, const Di
              std::to_string(count) + " of " + std::to_string(array.size()) + " instances are left out: " + reason);
   };
   size_t hidden = 0, faulty = 0;
-  for (const auto& cell : array.plan.cells) hidden += cell->hidden, faulty += cell->faulty;
+  for (const auto& block : array.plan.blocks) hidden += block->hidden, faulty += block->faulty;
   for (const uint32_t count : array.left_out) hidden += count;
-  tell(Severity::warning, hidden, "their transforms are too small, flat or large to be traced; check their scale");
+  tell(Severity::warning, hidden,
+       "their transforms are not affine, or too small, flat or large to be traced; check their scale");
   tell(Severity::error, faulty, "their transforms are not finite, or go beyond 1e17; check their transforms");
   return faulty > 0;
 }

@@ -17,22 +17,27 @@ namespace alabaster {
 struct MeshPrototype;
 struct InstanceArrayDescription;
 
-/// A cell in world space. Immutable.
-struct ArrayCell {
-  std::shared_ptr<const std::vector<uint32_t>> numbers;  // in the array, increasing
-  BoundsDouble bounds;                                   // of all that can be drawn
-  BoundsDouble centers;                                  // of the middles of their meshes, see PlacedSize
-  double least_size = 0;                                 // of theirs
-  float least_stretch = 0;                               // least_stretch(Affine) of all, of an array that scatters
-  uint32_t drawn = 0;
-  uint32_t hidden = 0;  // by a scale of zero
-  uint32_t faulty = 0;  // not finite, or beyond what can be traced
+/// Instances of an array with successive numbers, in world space. Immutable.
+struct ArrayBlock {
+  static constexpr size_t kSize = 1024;
+  BoundsDouble bounds;      // of all that can be drawn
+  PlacedSize size;          // of those, by number
+  float least_stretch = 0;  // least_stretch(Affine) of all, of an array that scatters
+  uint32_t hidden = 0;      // by their scale
+  uint32_t faulty = 0;      // not finite, or beyond what can be traced
 };
 
-/// An array in world space: its instances in cells of neighbours.
+/// Instances that stand near each other. Immutable; another one for any edit of its instances.
+struct ArrayCell {
+  std::vector<uint32_t> numbers;  // increasing
+};
+
+/// An array in world space: its instances in blocks by number, which all that a picture depends on is found by, and in
+/// cells of neighbours, which are traced.
 struct ArrayPlan {
   std::shared_ptr<const InstancePlaces> places;
   std::shared_ptr<const MeshPrototype> prototype;
+  std::vector<std::shared_ptr<const ArrayBlock>> blocks;
   std::shared_ptr<const std::vector<uint32_t>> slots;  // InstanceCells
   std::vector<std::shared_ptr<const ArrayCell>> cells;
   size_t moved = 0;       // instances since the cells were chosen
@@ -41,12 +46,14 @@ struct ArrayPlan {
   float least_stretch() const;
 };
 
-/// `last` may be null. Cells whose instances stand as in `last` are its own. Where few instances have moved since cells
-/// were chosen, each stays in its cell; which cell an instance is in changes no picture. Throws BuildCancelled.
-ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPlan* last, const CancelToken& cancel);
+/// `last` may be null. Blocks and cells whose instances stand as in `last` are its own. Where few instances have moved
+/// since cells were chosen, each stays in its cell; which cell an instance is in changes no picture. Throws
+/// BuildCancelled and MemoryRefused; `memory` may be null.
+ArrayPlan plan_array(const InstanceArrayDescription& description, const ArrayPlan* last,
+                     const std::shared_ptr<MemoryBudget>& memory, const CancelToken& cancel);
 
-/// Those of the instances that can be drawn, in order.
-std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, const ArrayCell& cell);
+/// The sizes of those in a block that can be drawn, by number.
+std::vector<PlacedSize> sizes_in(const ArrayPlan& plan, size_t block);
 
 struct RenderSpace {
   Vec3d origin{0, 0, 0};

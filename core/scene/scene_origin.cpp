@@ -58,19 +58,21 @@ PlacedSize placed_size(const MiddleHalf& middle, const Matrix4d& m) {
   return placed;
 }
 
+size_t count_too_far(std::span<const PlacedSize> all, const Vec3d& origin) {
+  return std::accumulate(all.begin(), all.end(), size_t(0), [&](size_t sum, const PlacedSize& p) {
+    return sum + (is_too_far_from(origin, p) ? p.count : 0);
+  });
+}
+
 SceneOrigin choose_origin(std::span<const PlacedSize> all, const BoundsDouble& bounds) {
   SceneOrigin chosen;
   if (bounds.empty()) return chosen;
-  const auto count_lost = [&all](const Vec3d& origin) {
-    return std::accumulate(all.begin(), all.end(), size_t(0), [&](size_t sum, const PlacedSize& p) {
-      return sum + (is_too_far_from(origin, p) ? p.count : 0);
-    });
-  };
   chosen.origin = bounds.center();
-  auto fewest = count_lost(chosen.origin);
+  size_t fewest = count_too_far(all, chosen.origin);
+  chosen.is_center = fewest == 0;
   const auto try_origin = [&](const Vec3d& origin) {
     if (fewest == 0) return;
-    const auto lost = count_lost(origin);
+    const size_t lost = count_too_far(all, origin);
     if (lost < fewest) chosen.origin = origin, fewest = lost;
   };
   if (fewest > 0) try_origin(median_center(all));

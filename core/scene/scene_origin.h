@@ -26,6 +26,7 @@ PlacedSize placed_size(const MiddleHalf& middle, const Matrix4d& object_to_world
 
 struct SceneOrigin {
   Vec3d origin{0, 0, 0};
+  bool is_center = true;  // of the bounds, from which none is too far
   /// Indices of those that stand a million times their own size or more away from it, where floats no longer hold their
   /// shape.
   std::vector<size_t> too_far;
@@ -35,5 +36,8 @@ struct SceneOrigin {
 /// are: so a stray point of one mesh does not take the precision from all others. Scaling a scene by a power of two
 /// scales the origin exactly.
 SceneOrigin choose_origin(std::span<const PlacedSize> all, const BoundsDouble& bounds);
+
+/// So many are too far away from `origin`.
+size_t count_too_far(std::span<const PlacedSize> all, const Vec3d& origin);
 
 }  // namespace alabaster

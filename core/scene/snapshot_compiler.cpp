@@ -80,11 +80,11 @@ Instance look_of(const InstanceDescription& d) {
 }
 
 Instance place(const InstanceDescription& d, const Vec3d& origin) {
-  const Matrix4d m = moved_to_render_space(d.object_to_world, origin);
+  const Matrix4d m = moved_to(d.object_to_world, origin);
   Instance instance = look_of(d);
   instance.object_to_world = to_affine(m);
   instance.world_to_object = to_affine(m.inverse());
-  for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to_render_space(pose, origin)));
+  for (const Matrix4d& pose : d.poses) instance.poses.push_back(to_affine(moved_to(pose, origin)));
   return instance;
 }
 
@@ -229,9 +229,9 @@ struct SnapshotCompiler::Compilation {
 
   void plan(const InstanceArrayDescription& array, BoundsDouble* bounds) {
     const PlacedArray* const known = find_last(*array.look.prototype);
-    plans.push_back(plan_array(array, known ? &known->plan : nullptr, cancel));
+    plans.push_back(plan_array(array, known ? &known->plan : nullptr, memory_of(*compiler.device_), cancel));
     looks.push_back(&array.look);
-    for (const auto& cell : plans.back().cells) bounds->extend(cell->bounds);
+    for (const auto& block : plans.back().blocks) bounds->extend(block->bounds);
   }
 
   const PlacedArray* find_last(const MeshPrototype& prototype) const {
@@ -241,43 +241,48 @@ struct SnapshotCompiler::Compilation {
     return nullptr;
   }
 
+  using Blocks = std::set<const ArrayBlock*>;
   struct NamedSizes {
     std::vector<PlacedSize> sizes;
     std::vector<const std::string*> names;  // parallel
-    std::vector<const ArrayCell*> cells;    // parallel; null: of one instance
+    std::vector<const ArrayBlock*> blocks;  // parallel; null: of one instance
   };
-  // Cells count as one, unless they are in `apart`.
-  NamedSizes sizes_without(const std::set<const ArrayCell*>& apart) const {
+  // Blocks of arrays count as one, unless they are in `apart`.
+  NamedSizes sizes_of_all(const Blocks& apart) const {
     NamedSizes all{placed_sizes(drawn), {}, {}};
     for (const InstanceDescription* d : drawn) all.names.push_back(&d->name);
-    all.cells.resize(drawn.size(), nullptr);
+    all.blocks.resize(drawn.size(), nullptr);
     for (size_t i = 0; i < plans.size(); ++i)
-      for (const auto& cell : plans[i].cells) {
-        if (cell->drawn == 0) continue;
-        const bool is_apart = apart.contains(cell.get());
-        const std::vector<PlacedSize> sizes =
-            is_apart ? sizes_in(plans[i], *cell)
-                     : std::vector<PlacedSize>{{cell->centers, cell->least_size, cell->drawn}};
+      for (size_t b = 0; b < plans[i].blocks.size(); ++b) {
+        cancel.check();
+        const ArrayBlock* const block = plans[i].blocks[b].get();
+        if (block->size.count == 0) continue;
+        const bool is_apart = apart.contains(block);
+        const auto sizes = is_apart ? sizes_in(plans[i], b) : std::vector<PlacedSize>{block->size};
         all.sizes.insert(all.sizes.end(), sizes.begin(), sizes.end());
         all.names.resize(all.sizes.size(), &looks[i]->name);
-        all.cells.resize(all.sizes.size(), is_apart ? nullptr : cell.get());
+        all.blocks.resize(all.sizes.size(), is_apart ? nullptr : block);
       }
     return all;
   }
 
-  // A cell that might be too far away for its smallest instance is looked at by instance.
+  // A block that might be too far away for its smallest instance is looked at by instance.
   void choose_space(const BoundsDouble& bounds) {
-    std::set<const ArrayCell*> apart;
+    Blocks apart;
     NamedSizes all;
     SceneOrigin chosen;
     for (bool decided = false; !decided;) {
-      all = sizes_without(apart);
+      all = sizes_of_all(apart);
       chosen = choose_origin(all.sizes, bounds);
       decided = true;
       for (const size_t i : chosen.too_far)
-        if (all.cells[i]) apart.insert(all.cells[i]), decided = false;
+        if (all.blocks[i]) apart.insert(all.blocks[i]), decided = false;
     }
-    snapshot->origin = plans.empty() ? chosen.origin : snapped(chosen.origin, radius_about(chosen.origin, bounds));
+    snapshot->origin = chosen.origin;
+    if (!plans.empty() && chosen.is_center) {
+      const Vec3d near = snapped(chosen.origin, radius_about(chosen.origin, bounds));
+      if (count_too_far(all.sizes, near) == 0) snapshot->origin = near;
+    }
     snapshot->radius = radius_about(snapshot->origin, bounds);
     if (!chosen.too_far.empty())
       report(compiler.sink_, Severity::warning, "scene.far", *all.names[chosen.too_far.front()],
@@ -294,7 +299,7 @@ struct SnapshotCompiler::Compilation {
 
   bool is_seen_traceably(const InstanceDescription& d) const {
     const float farthest = farthest_ray();
-    const auto placed = [&](const Matrix4d& m) { return to_affine(moved_to_render_space(m, snapshot->origin)); };
+    const auto placed = [&](const Matrix4d& m) { return to_affine(moved_to(m, snapshot->origin)); };
     std::vector<Affine> poses;
     for (const Matrix4d& pose : d.poses) poses.push_back(placed(pose));
     return is_traceable(placed(d.object_to_world), farthest) && (poses.empty() || is_traceable(poses, farthest));

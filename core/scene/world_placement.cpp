@@ -26,7 +26,7 @@ bool is_within_reach(const BoundsDouble& bounds) {
          bounds.upper.y < limit && bounds.upper.z < limit;
 }
 
-Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin) {
+Matrix4d moved_to(Matrix4d m, const Vec3d& origin) {
   for (int i = 0; i < 3; ++i) m[3][i] -= origin[i];
   return m;
 }

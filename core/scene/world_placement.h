@@ -1,8 +1,6 @@
 // Where instances stand in world space, before render space is chosen.
 #pragma once
 
-#include <span>
-
 #include "core/math/bounds.h"
 #include "core/math/transform.h"
 
@@ -17,6 +15,7 @@ bool is_within_reach(const Matrix4d& m);
 /// False for a box that reaches beyond what can be traced.
 bool is_within_reach(const BoundsDouble& bounds);
 
-Matrix4d moved_to_render_space(Matrix4d m, const Vec3d& origin);
+/// To a space whose origin is there.
+Matrix4d moved_to(Matrix4d m, const Vec3d& origin);
 
 }  // namespace alabaster

@@ -172,6 +172,14 @@ const std::vector<Placement>& Placements::outer(const Path& instancer, const Ins
   return outer_.emplace(instancer, std::move(placements)).first->second;
 }
 
+std::shared_ptr<const std::vector<Placement>> Placements::bases(const Path& instancer, const InstancerRecord& record) {
+  auto& known = bases_[instancer];
+  if (known) return known;
+  std::vector<Placement> bases = outer(instancer, record);
+  for (Placement& base : bases) base.matrix = record.transform * base.matrix;
+  return bases_[instancer] = std::make_shared<const std::vector<Placement>>(std::move(bases));
+}
+
 // point * instancer * outer, for each outer placement and, fastest, each index.
 PlacementSource Placements::source(const Path& prototype, const Path& instancer, const Array<int32_t>& indices) {
   const InstancerRecord* record = find_(instancer);
@@ -179,15 +187,14 @@ PlacementSource Placements::source(const Path& prototype, const Path& instancer,
     warn("instancer.missing", prototype, "instancer " + instancer.str() + " does not exist; the prim is not drawn");
     return {};
   }
-  PlacementSource source{record->points, indices, outer(instancer, *record)};
-  for (Placement& base : source.bases) base.matrix = record->transform * base.matrix;
-  if (!indices.empty() && source.bases.size() > kMaxInstances / indices.size()) {
+  PlacementSource source{record->points, indices, bases(instancer, *record)};
+  if (!indices.empty() && source.bases->size() > kMaxInstances / indices.size()) {
     warn("instancer.size", prototype, "more than 2^27 instances; the prim is not drawn");
     return {};
   }
   const bool dropped =
       std::any_of(indices.begin(), indices.end(), [&](int32_t index) { return !source.has_point(index); });
-  if (dropped && !source.bases.empty())
+  if (dropped && !source.bases->empty())
     warn("instancer.index", prototype,
          "some instance indices name no point of " + instancer.str() + "; those instances are left out");
   return source;
@@ -206,18 +213,19 @@ bool PlacementSource::has_point(int32_t index) const {
 }
 
 Placement PlacementSource::operator[](size_t i) const {
-  const Placement& base = bases[i / indices.size()];
+  const Placement& base = (*bases)[i / indices.size()];
   const int32_t index = indices[i % indices.size()];
   if (!has_point(index)) return {base.matrix, false};
   return {points ? (*points)[static_cast<size_t>(index)] * base.matrix : base.matrix, base.used};
 }
 
 bool PlacementSource::stand_alike(const PlacementSource& other, size_t begin, size_t end) const {
-  if (bases.size() != other.bases.size() || !points != !other.points) return false;
-  if (bases.size() > 1 && indices.size() != other.indices.size()) return false;
+  if (bases->size() != other.bases->size() || !points != !other.points) return false;
+  if (bases->size() > 1 && indices.size() != other.indices.size()) return false;
   for (size_t base = begin / indices.size(); begin < end; ++base) {
     const size_t first = begin % indices.size(), count = std::min(end - begin, indices.size() - first);
-    if (bases[base].matrix != other.bases[base].matrix || bases[base].used != other.bases[base].used) return false;
+    const Placement &own = (*bases)[base], &theirs = (*other.bases)[base];
+    if (own.matrix != theirs.matrix || own.used != theirs.used) return false;
     const std::span<const int32_t> named(indices.data() + first, count);
     const int32_t* const others = other.indices.data() + first;
     if (named.data() != others && std::memcmp(named.data(), others, named.size_bytes()) != 0) return false;

@@ -60,9 +60,9 @@ struct Placement {
 struct PlacementSource {
   InstancePoints points;
   Array<int32_t> indices;
-  std::vector<Placement> bases;  // of the instancer itself
+  std::shared_ptr<const std::vector<Placement>> bases;  // of the instancer itself; null: none
 
-  size_t size() const { return bases.size() * indices.size(); }
+  size_t size() const { return bases ? bases->size() * indices.size() : 0; }
   bool has_point(int32_t index) const;
   Placement operator[](size_t i) const;
   /// True if those in [begin, end), which both have, are the same in another. For one of them the answer is exact; for
@@ -89,7 +89,10 @@ class Placements {
 
   std::function<const InstancerRecord*(const Path&)> find_;
   InstancingReport report_;
-  std::map<Path, std::vector<Placement>> outer_;  // where each instancer stands
+  std::shared_ptr<const std::vector<Placement>> bases(const Path& instancer, const InstancerRecord& record);
+
+  std::map<Path, std::vector<Placement>> outer_;                         // where each instancer stands
+  std::map<Path, std::shared_ptr<const std::vector<Placement>>> bases_;  // its own transform before that
   std::set<Path> visiting_;
 };
 

@@ -257,7 +257,42 @@ TEST_F(InstanceArrayTest, CountsThoseThatStandTooFarForTheirSize) {
   ASSERT_TRUE(compile());
   ASSERT_EQ(sink_.all().size(), 1u);
   EXPECT_EQ(sink_.all()[0].code, "scene.far");
-  EXPECT_EQ(sink_.all()[0].text.substr(0, 5), "2 of ") << "not all of their cells; the third is the origin";
+  EXPECT_EQ(sink_.all()[0].text.substr(0, 5), "3 of ") << "not all of their block";
+}
+
+// The origin lies beside the small ones, and stays there.
+TEST_F(InstanceArrayTest, AStrayGiantDoesNotTakeThePrecisionFromTheOthers) {
+  for (auto& place : places_) (*place)[3][0] += 2e5;
+  const auto alone = [&] {
+    b_.description.arrays[0].places = std::make_shared<ListedPlaces>(places_);
+    SceneDescription flat = this->flat();
+    flat.instances.push_back(b_.description.arrays[0].look);
+    flat.instances.back().object_to_world = placed(1e7, 0, 0, 1e3);
+    return compile_snapshot(flat, 1, device_, sink_.sink());
+  }();
+  b_.description.instances.push_back(b_.description.arrays[0].look);
+  b_.description.instances.back().object_to_world = placed(1e7, 0, 0, 1e3);
+  EXPECT_LT(length(compile()->origin - Vec3d(2e5, 0, 0)), 2);
+  EXPECT_LT(length(alone->origin - Vec3d(2e5, 0, 0)), 2);
+}
+
+// Where some are lost wherever the origin is, the choice still does not know which cells there were.
+TEST_F(InstanceArrayTest, TheOriginDoesNotDependOnEdits) {
+  for (auto& place : places_)
+    for (int i = 0; i < 3; ++i) (*place)[i][i] = 1e-8;
+  compile();
+  for (size_t i = 0; i < kCount / 8; ++i) places_[i] = places_[kCount - 1 - i];
+  const auto edited = compile();
+  const auto fresh = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
+  EXPECT_EQ(edited->origin, fresh->origin);
+  EXPECT_EQ(picture(edited, Aov::color), picture(fresh, Aov::color));
+}
+
+TEST_F(InstanceArrayTest, ChoosesTheSameCellsWithInstancesThatAreNotDrawn) {
+  for (size_t i = 0; i < kCount; i += 3) places_[i] = std::nullopt;
+  const auto one = compile();
+  const auto other = SnapshotCompiler(device_, sink_.sink()).compile(b_.description, 1);
+  EXPECT_EQ(*one->arrays[0].placed->traced.slots, *other->arrays[0].placed->traced.slots);
 }
 
 TEST_F(InstanceArrayTest, AnArrayThatMemoryDoesNotHoldIsRefusedByName) {
@@ -276,7 +311,7 @@ TEST_F(InstanceArrayTest, ACancelledBuildThrows) {
   b_.description.arrays[0].places = std::make_shared<ListedPlaces>(places_);
   const std::atomic<bool> cancelled{true};
   EXPECT_THROW(compiler_.compile(b_.description, 1, CancelToken(&cancelled)), BuildCancelled);
-  EXPECT_THROW(plan_array(b_.description.arrays[0], nullptr, CancelToken(&cancelled)), BuildCancelled);
+  EXPECT_THROW(plan_array(b_.description.arrays[0], nullptr, memory_, CancelToken(&cancelled)), BuildCancelled);
 }
 
 }  // namespace

@@ -171,7 +171,6 @@ struct Crowd {
     stage.add_basic_scene();
     stage.scene.Remove("/quad");
     stage.scene.SetMaterial("/matte", surface("baseColor", Vec3f(0.8f, 0.4f, 0.2f)));
-    stage.scene.SetMaterial("/wax", surface("scatterDistance", Vec3f(0.1f)));
     stage.scene.SetInstancer("/outer", outer);
     stage.scene.SetMesh("/mesh", mesh);
     place();
@@ -185,6 +184,7 @@ struct Crowd {
   void place() {
     host::InstancerDescription inner;
     inner.parent = "/outer";
+    inner.categories = categories;
     inner.primvars["hydra:instanceTranslations"] = Array<Vec3f>(std::vector<Vec3f>(places));
     inner.indices["/mesh"] = Array<int32_t>(std::vector<int32_t>(indices));
     stage.scene.SetInstancer("/inner", inner);
@@ -202,27 +202,49 @@ struct Crowd {
   host::InstancerDescription outer;
   std::vector<Vec3f> places;
   std::vector<int32_t> indices;
+  std::vector<std::vector<Token>> categories;
 };
 
-std::string without_materials(const std::string& dump) {
+// Names, numbers and transforms of the instances.
+std::string instance_lines(const std::string& dump) {
   std::istringstream lines(dump);
   std::string kept;
-  for (std::string line; std::getline(lines, line);)
-    if (line.compare(0, 9, "instance ") == 0 || line.find("transform") != std::string::npos) kept += line + "\n";
+  bool in_instance = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.substr(0, 1) != " ") in_instance = line.compare(0, 9, "instance ") == 0;
+    if (in_instance && (line[0] == 'i' || line.find("transform") != std::string::npos)) kept += line + "\n";
+  }
   return kept;
 }
 
-// Instances that scatter stand alone.
+// Instances that are in categories of their own stand alone.
 TEST(Instancing, AnArrayHasThePlacesNumbersAndFaultsOfItsInstancesAlone) {
   Stage stage;
   Crowd crowd(&stage);
   const std::string array = stage.dump();
   EXPECT_EQ(placed_instances(stage).size(), 2u * (Crowd::kPoints - 5));
   EXPECT_EQ(stage.count("instancer.index"), 1u);
-  EXPECT_NE(array.find("/matte"), std::string::npos);
-  crowd.mesh.material = "/wax";
+  host::LightDescription lamp{.type = "sphereLight", .transform = {}, .parameters = {}};
+  lamp.parameters["lightLink"] = Token("lit");
+  stage.scene.SetLight("/lamp", lamp);
+  crowd.categories.resize(Crowd::kPoints);
+  crowd.categories[3] = {"lit"};
+  crowd.place();
+  const std::string alone = stage.dump();
+  EXPECT_NE(alone.find("category lit"), std::string::npos);
+  EXPECT_EQ(instance_lines(array), instance_lines(alone));
+}
+
+TEST(Instancing, AnArrayIsNamedInWhatASceneRequires) {
+  Stage stage;
+  Crowd crowd(&stage);
+  stage.scene.SetMaterial("/matte", Crowd::surface("scatterDistance", Vec3f(0.1f)));
+  crowd.mesh.primvars["subsurfaceSet"] = {Interpolation::constant, {}, Token("leaves"), {}};
   stage.scene.SetMesh("/mesh", crowd.mesh);
-  EXPECT_EQ(without_materials(array), without_materials(stage.dump()));
+  stage.index->SyncAll();
+  stage.wait_for_scene();
+  const std::string text = stage.delegate->InvokeCommand("requirements", {}).text_or("");
+  EXPECT_NE(text.find("named leaves: 10000 objects"), std::string::npos) << text;
 }
 
 TEST(Instancing, AnEditedArrayLooksAsAFreshOne) {
