@@ -10,6 +10,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "core/scene/scene.h"
 #include "core/scene/world_placement.h"
@@ -78,7 +79,7 @@ class CellChoice {
     const size_t middle = begin + cells / 2 * kMost;
     const auto at = [&](size_t i) { return order_.begin() + std::ptrdiff_t(i); };
     std::nth_element(at(begin), at(middle), at(end), [&](uint32_t a, uint32_t b) {
-      return centers_[a][axis] < centers_[b][axis] || (centers_[a][axis] == centers_[b][axis] && a < b);
+      return std::pair(centers_[a][axis], a) < std::pair(centers_[b][axis], b);
     });
     tbb::parallel_invoke([&] { halve(begin, middle); }, [&] { halve(middle, end); });
   }
