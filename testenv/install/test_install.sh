@@ -75,3 +75,17 @@ for header in $headers; do
   echo "#include \"$header\"" | c++ -std=c++20 -fsyntax-only -x c++ -I "$scratch/prefix/include/alabaster" \
     $(pkg-config --cflags Imath 2>/dev/null || echo -I/usr/include/Imath) -
 done
+
+# A prefix that is relative: Blender runs elsewhere, so the add-on names the module's folder from the root on.
+if [ -n "$module" ]; then
+  build=$(cd "$1" && pwd)
+  (cd "$scratch" && cmake --install "$build" --prefix relative >/dev/null)
+  python3 - "$scratch/relative" <<'PYTHON'
+import pathlib, sys, zipfile
+prefix = pathlib.Path(sys.argv[1])
+pack = zipfile.ZipFile(prefix / "share/alabaster/blender/alabaster_render.zip")
+lines = [line for name in pack.namelist() for line in pack.read(name).decode().splitlines() if "dist-packages" in line]
+if not any(line.startswith(str(prefix)) for line in lines):
+    sys.exit(f"error: with a relative prefix the add-on looks for its module in {lines}")
+PYTHON
+fi
