@@ -20,6 +20,9 @@ auto members_of(RenderCounters& c) {
                   c.max_walk_weight, c.walk_lost_energy);
 }
 
+// Thirty years: clocks of nanoseconds hold some multiples of it. No checkpoint holds more.
+constexpr double kMostSeconds = 1e9;
+
 /// The first block: all that is not per pixel.
 struct Head {
   PixelRect window;
@@ -47,7 +50,7 @@ Head head_of(const RenderState& state) {
   RenderCounters counters = state.counters;
   head.has_nonfinite = counters.first_nonfinite.has_value();
   head.first_nonfinite = counters.first_nonfinite.value_or(SampleAddress());
-  head.wall_seconds = state.wall_seconds, head.cpu_seconds = state.cpu_seconds;
+  head.wall_seconds = std::min(state.wall_seconds, kMostSeconds), head.cpu_seconds = state.cpu_seconds;
   std::apply(
       [&](const auto&... member) {
         size_t i = 0;
@@ -68,9 +71,6 @@ RenderCounters counters_of(const Head& head) {
   if (head.has_nonfinite) counters.first_nonfinite = head.first_nonfinite;
   return counters;
 }
-
-// Thirty years: clocks of nanoseconds hold some multiples of it.
-constexpr double kMostSeconds = 1e9;
 
 bool is_valid(const Head& head) {
   constexpr int kMostSide = 1 << 20, kLimit = 1 << 24;

@@ -114,9 +114,9 @@ NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray&
   LightLayers layers;
   const PathContext context{*request_.scene, path.camera, integrator_settings_, counters, &layers, request_.aovs,
                             &record,         path.time};
-  select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
-  const NonfiniteCause cause = record.cause();
-  return cause == NonfiniteCause::other && exposure_ > 1 ? NonfiniteCause::exposure : cause;
+  const FilmSample unexposed =
+      select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
+  return is_finite(unexposed.color) ? NonfiniteCause::exposure : record.cause();
 }
 
 }  // namespace alabaster

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <random>
+#include <span>
 
 #include "core/session/render_session.h"
 #include "testenv/support/scene_builder.h"
@@ -164,6 +165,16 @@ TEST(RenderState, AStoppedRenderHasOne) {
   EXPECT_FALSE(session.save([](std::span<const std::byte>) { return false; }));
 }
 
+// The blocks of a state whose time is `from`, with another.
+Blocks with_time(Blocks blocks, double from, double to) {
+  std::vector<std::byte>& head = blocks[0];
+  const auto bytes = std::as_bytes(std::span(&from, 1));
+  const auto found = std::search(head.begin(), head.end(), bytes.begin(), bytes.end());
+  EXPECT_NE(found, head.end());
+  if (found != head.end()) std::memcpy(&*found, &to, sizeof to);
+  return blocks;
+}
+
 // The render's clock continues from there, and holds nanoseconds.
 TEST(RenderState, HasATimeThatClocksHold) {
   RenderSession session;
@@ -172,12 +183,33 @@ TEST(RenderState, HasATimeThatClocksHold) {
   Blocks saved;
   ASSERT_TRUE(session.save(into(&saved)));
   RenderState state = *read(saved);
-  for (const auto& [seconds, is_sound] : {std::pair(1e9, true), std::pair(2e29, false)}) {
-    state.wall_seconds = seconds;
-    Blocks blocks;
-    ASSERT_TRUE(write_state(state, into(&blocks)));
-    EXPECT_EQ(read(blocks) != nullptr, is_sound) << seconds;
-  }
+  state.wall_seconds = 1e9;
+  Blocks blocks;
+  ASSERT_TRUE(write_state(state, into(&blocks)));
+  ASSERT_TRUE(read(blocks));
+  EXPECT_EQ(read(blocks)->wall_seconds, 1e9);
+  EXPECT_FALSE(read(with_time(blocks, 1e9, 2e29)));
+}
+
+// The checkpoint that it writes is read again.
+TEST(RenderState, GoesOnFromTheLongestTimeAndStaysThere) {
+  RenderRequest request = request_of(2);
+  RenderSession first;
+  first.start(request);
+  ASSERT_TRUE(first.wait(60));
+  Blocks saved, again;
+  ASSERT_TRUE(first.save(into(&saved)));
+  auto oldest = std::make_shared<RenderState>(*read(saved));
+  oldest->wall_seconds = 1e9;
+  request.resumed = oldest;
+  request.settings.samples = 4;
+  RenderSession next;
+  next.start(request);
+  ASSERT_TRUE(next.wait(60));
+  EXPECT_GT(next.progress().wall_seconds, 1e9);
+  ASSERT_TRUE(next.save(into(&again)));
+  ASSERT_TRUE(read(again));
+  EXPECT_EQ(read(again)->wall_seconds, 1e9);
 }
 
 // Whatever the bytes are, they are refused or give a state; sanitizers see the rest.

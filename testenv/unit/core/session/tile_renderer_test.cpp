@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "testenv/support/scene_builder.h"
 
@@ -111,6 +112,47 @@ TEST(TileRenderer, ExposureBeyondFloatsIsBlackAndCountedAsSuch) {
   EXPECT_EQ(renderer.trace_sample({kRect.x0, kRect.y0, 0}, &counters, &layers).color, Rgb(0.0f));
   EXPECT_EQ(counters.nonfinite_causes[size_t(NonfiniteCause::exposure)], 1u);
   EXPECT_EQ(counters.nonfinite_samples, 1u);
+}
+
+// The camera looks at a mirror that shines, in a dome of the largest radiance that a light may have.
+RenderRequest shining_mirror(float emission, float exposure) {
+  testing::SceneBuilder b;
+  DisneyParameters mirror;
+  mirror.base_color = Rgb(1);
+  mirror.metallic = 1;
+  mirror.roughness = 0;
+  mirror.emission = Rgb(emission);
+  b.add(b.prototype(testing::plane_mesh(4)), b.material(mirror));
+  b.add(testing::constant_dome(1e35f, true));
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({0, 2, 1}, {0, 0, 0}, 10);
+  request.camera.exposure = exposure;
+  request.width = request.height = 8;
+  request.data_window = {0, 0, 8, 8};
+  return request;
+}
+
+RenderCounters traced_at_the_centre(const RenderRequest& request) {
+  RenderCounters counters;
+  LightLayers layers;
+  const TileRenderer renderer(request);
+  for (uint32_t s = 0; s < 16; ++s) renderer.trace_sample({4, 4, s}, &counters, &layers);
+  return counters;
+}
+
+TEST(TileRenderer, ExposureIsTheCauseOnlyOfWhatWasFiniteBeforeIt) {
+  const auto of = [](const RenderCounters& counters, NonfiniteCause cause) {
+    return counters.nonfinite_causes[size_t(cause)];
+  };
+  EXPECT_EQ(traced_at_the_centre(shining_mirror(1e35f, 0)).nonfinite_samples, 0u);
+  EXPECT_EQ(of(traced_at_the_centre(shining_mirror(1e35f, 64)), NonfiniteCause::exposure), 16u);
+  // Both lights are finite numbers, and their sum is none.
+  for (const float exposure : {0.0f, 1.0f, 64.0f}) {
+    const RenderCounters sums = traced_at_the_centre(shining_mirror(std::numeric_limits<float>::max(), exposure));
+    EXPECT_EQ(of(sums, NonfiniteCause::other), 16u) << exposure;
+    EXPECT_EQ(sums.nonfinite_samples, 16u) << exposure;
+  }
 }
 
 TEST(TileRenderer, ATileHoldsTheSamplesThatAreTracedOneByOne) {
