@@ -29,17 +29,20 @@ search='
 target=$1
 log=$build/found/$target.log
 mkdir -p "$build/corpus/$target"
-extra=""
-[ "$target" != gltf ] || extra=$top/testenv/translate
-if ! "$build/bin/fuzz_$target" -runs=0 -rss_limit_mb=3000 -artifact_prefix="$build/found/$target-" "$top/testenv/fuzz/corpus/$target" $extra >"$log" 2>&1; then
+# Limits and kept inputs, for the replay and for the search.
+set -- -timeout=120 -rss_limit_mb=3000 -malloc_limit_mb=2000 "-artifact_prefix=$build/found/$target-" "$top/testenv/fuzz/corpus/$target"
+[ "$target" != gltf ] || set -- "$@" "$top/testenv/translate"
+if ! "$build/bin/fuzz_$target" -runs=0 "$@" >"$log" 2>&1; then
   printf "%s: a kept input fails; %s says why\n" "$target" "$log"
   exit 255
 fi
 status=0
-"$build/bin/fuzz_$target" -max_total_time="$seconds" -timeout=120 -rss_limit_mb=3000 -malloc_limit_mb=2000 \
-  -max_len=20000 -seed="${ALABASTER_FUZZ_SEED:-0}" -artifact_prefix="$build/found/$target-" -print_final_stats=1 \
-  "$build/corpus/$target" "$top/testenv/fuzz/corpus/$target" $extra >"$log" 2>&1 || status=1
+"$build/bin/fuzz_$target" -max_total_time="$seconds" -max_len=20000 -seed="${ALABASTER_FUZZ_SEED:-0}" -print_final_stats=1 \
+  "$build/corpus/$target" "$@" >"$log" 2>&1 || status=1
+times >"$log.times"  # the second line is that of children
 report=$(grep -E "number_of_executed_units|ERROR|SUMMARY|broken promise|runtime error" "$log" | sed "s/^/$target: /")
+report="$report
+$target: CPU time with the replay, user and system: $(tail -n 1 "$log.times")"
 [ $status = 0 ] || report="$report
 $target: failed; $log says why"
 printf "%s\n" "$report"

@@ -104,13 +104,13 @@ class Input final : public ImageInput {
 
  private:
   // Where OpenImageIO converts the pixels itself it allocates 256 rows at least, however long they are and however few
-  // the image has.
+  // the image has. Asked for an unknown type it hands out its own.
   bool read_scanlines(int begin, int end, std::vector<float>& pixels) {
     const OIIO::ImageSpec& spec = input_->spec();
     if (!spec.channelformats.empty())
       return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
     native_.resize(size_t(end - begin) * spec.scanline_bytes(true));
-    return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, spec.format, native_.data()) &&
+    return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeUnknown, native_.data()) &&
            OIIO::convert_pixel_values(spec.format, native_.data(), OIIO::TypeFloat, pixels.data(), int(pixels.size()));
   }
 
