@@ -1,7 +1,10 @@
 #include "core/texture/cube_map.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace alabaster {
 namespace {
@@ -61,16 +64,19 @@ std::vector<Rgb> to_lat_long(const CubeMap& cube) {
   const std::vector<Angle> longitudes = looks_along(width, kPiDouble, -kPiDouble),
                            colatitudes = looks_along(height, 0, kPiDouble);
   std::vector<Rgb> texels(width * height);
-  for (size_t row = 0; row < colatitudes.size(); ++row) {
-    const double sine = colatitudes[row].sine;
-    double sines = 0;  // of the texel's rows of looks, which weigh by their solid angle
-    for (size_t k = 0; k < kLooks; ++k) sines += colatitudes[row / kLooks * kLooks + k].sine;
-    const auto weight = float(sine / (sines * kLooks));
+  const auto add_looks = [&](const Angle& colatitude, float weight, Rgb* row) {
     for (size_t column = 0; column < longitudes.size(); ++column) {
-      const Vec3d direction(sine * longitudes[column].sine, colatitudes[row].cosine, sine * longitudes[column].cosine);
-      texels[row / kLooks * width + column / kLooks] += cube.look(direction) * weight;
+      const Angle& longitude = longitudes[column];
+      const Vec3d direction(colatitude.sine * longitude.sine, colatitude.cosine, colatitude.sine * longitude.cosine);
+      row[column / kLooks] += cube.look(direction) * weight;
     }
-  }
+  };
+  tbb::parallel_for(size_t(0), height, [&](size_t row) {
+    const std::span<const Angle> looks(&colatitudes[row * kLooks], kLooks);
+    double sines = 0;  // the looks weigh by their solid angle
+    for (const Angle& look : looks) sines += look.sine;
+    for (const Angle& look : looks) add_looks(look, float(look.sine / (sines * kLooks)), &texels[row * width]);
+  });
   return texels;
 }
 

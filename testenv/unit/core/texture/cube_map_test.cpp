@@ -2,6 +2,7 @@
 #include "core/texture/cube_map.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <functional>
@@ -84,6 +85,15 @@ TEST(CubeMap, BecomesLatitudeAndLongitude) {
   EXPECT_LT(largest, 0.005);
   EXPECT_LT(looked, 0.01);
   EXPECT_NEAR(power_of(image, 128) / power_of(cube), 1, 1e-3);
+}
+
+TEST(CubeMap, DoesNotDependOnThreads) {
+  const CubeMap cube =
+      cube_of(16, [](const Vec3d& d) { return Rgb(float(std::exp(3 * d.x)), float(d.y * d.y), 0.3f); });
+  std::vector<Rgb> one, four;
+  tbb::task_arena(1).execute([&] { one = to_lat_long(cube); });
+  tbb::task_arena(4).execute([&] { four = to_lat_long(cube); });
+  EXPECT_EQ(one, four);
 }
 
 // A sun of one texel, wherever it stands, keeps its power.
