@@ -339,7 +339,7 @@ struct SnapshotCompiler::Compilation {
       if (report_left_out(*placed, d.name, compiler.sink_)) snapshot->left_out.push_back(d.name);
       snapshot->memory_bytes += placed->memory_bytes();
       const auto first = static_cast<uint32_t>(snapshot->instance_count());
-      InstanceArray& array = snapshot->arrays.emplace_back(look_of(d), first, std::move(placed));
+      InstanceArray& array = snapshot->arrays.emplace_back(InstanceArray{look_of(d), first, std::move(placed)});
       array.look.array = &array;
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through;
