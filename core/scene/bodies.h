@@ -14,10 +14,9 @@ struct DrawnInstances {
 /// True if the instances of an array with this look may be bodies each for itself, without a BVH of a body's own.
 bool scatters_as_one(const InstanceDescription& look, const CancelToken& cancel);
 
-/// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the
-/// bodies' memory, but for the interiors of meshes. Unions that
-/// `last` (may be null) has as well share its BVHs. False when memory runs out or Embree refuses (reported). Throws
-/// BuildCancelled.
+/// Makes the bodies of the instances that scatter, with their media and the shortcuts that pay, and counts the bodies'
+/// memory, but for the interiors of meshes. Unions that `last` (may be null) has as well share its BVHs. False when
+/// memory runs out or Embree refuses (reported). Throws BuildCancelled.
 bool plan_bodies(const DrawnInstances& drawn, const std::shared_ptr<TraceDevice>& device, const SceneSnapshot* last,
                  SceneSnapshot* snapshot, const CancelToken& cancel);
 

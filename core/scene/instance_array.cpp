@@ -35,26 +35,22 @@ size_t blocks_of(size_t count) {
   return (count + kBlock - 1) / kBlock;
 }
 
+// The middles of an array's instances in world space, by number.
+struct Centers {
+  explicit Centers(size_t count) : at(count, Vec3d(0, 0, 0)), drawn(count) {}
+  std::vector<Vec3d> at;
+  std::vector<uint8_t> drawn;  // false: it has none
+};
+
 // The numbers of an array in the order of its cells: halves of halves along the longest axis, until kMost are left.
 // Those that are not drawn come last.
 class CellChoice {
  public:
-  CellChoice(const InstancePlaces& places, const Bounds& object, const CancelToken& cancel) : cancel_(cancel) {
-    centers_.resize(places.size(), Vec3d(0, 0, 0));
-    std::vector<uint8_t> drawn(places.size());
-    const Vec3d center = object.empty() ? Vec3d(0, 0, 0) : Vec3d(object.center());
-    tbb::parallel_for(size_t(0), blocks_of(places.size()), [&](size_t block) {
-      cancel_.check();
-      for (size_t i = block * kBlock; i < std::min(places.size(), (block + 1) * kBlock); ++i) {
-        const auto place = places.at(i);
-        if (state_of(place, object) != State::drawn) continue;
-        drawn[i] = 1;
-        centers_[i] = transform_point(center, *place);
-      }
-    });
-    order_.resize(places.size());
+  CellChoice(const Centers& centers, const CancelToken& cancel) : cancel_(cancel), centers_(centers.at) {
+    order_.resize(centers_.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    const auto end = std::stable_partition(order_.begin(), order_.end(), [&](uint32_t i) { return drawn[i] != 0; });
+    const auto end =
+        std::stable_partition(order_.begin(), order_.end(), [&](uint32_t i) { return centers.drawn[i] != 0; });
     halve(0, static_cast<size_t>(end - order_.begin()));
   }
   /// While it is made: orders, centres and what is drawn.
@@ -85,8 +81,8 @@ class CellChoice {
   }
 
   const CancelToken& cancel_;
+  const std::vector<Vec3d>& centers_;  // by number
   std::vector<uint32_t> order_;
-  std::vector<Vec3d> centers_;  // by number
 };
 
 class Planner {
@@ -104,7 +100,11 @@ class Planner {
   ArrayPlan choose_cells(const std::shared_ptr<MemoryBudget>& memory) {
     const MemoryReservation reserved(memory, MemoryUse::scene, CellChoice::memory_bytes(places_.size()),
                                      "an array of " + std::to_string(places_.size()) + " instances");
-    const CellChoice choice(places_, mesh_.bounds, cancel_);
+    std::set<size_t> all;
+    for (size_t block = 0; block < blocks_of(places_.size()); ++block) all.insert(block);
+    Centers centers(places_.size());
+    measure(all, &centers);
+    const CellChoice choice(centers, cancel_);
     std::vector<uint32_t> slots(places_.size());
     plan_.cells.resize(choice.count());
     tbb::parallel_for(size_t(0), choice.count(), [&](size_t cell) {
@@ -114,9 +114,6 @@ class Planner {
       plan_.cells[cell] = std::move(chosen);
     });
     plan_.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
-    std::set<size_t> all;
-    for (size_t block = 0; block < blocks_of(places_.size()); ++block) all.insert(block);
-    measure(all);
     return std::move(plan_);
   }
 
@@ -139,7 +136,7 @@ class Planner {
     if (now != before) resize(last);
     for (size_t block = std::min(before, now) / kBlock; now != before && block < blocks_of(now); ++block)
       blocks.insert(block);
-    measure(blocks);
+    measure(blocks, nullptr);
     return std::move(plan_);
   }
 
@@ -184,13 +181,14 @@ class Planner {
     return all;
   }
 
-  void measure(const std::set<size_t>& blocks) {
+  void measure(const std::set<size_t>& blocks, Centers* centers) {
     plan_.blocks.resize(blocks_of(places_.size()));
     const std::vector<size_t> list(blocks.begin(), blocks.end());
-    tbb::parallel_for(size_t(0), list.size(), [&](size_t i) { plan_.blocks[list[i]] = measured(list[i] * kBlock); });
+    tbb::parallel_for(size_t(0), list.size(),
+                      [&](size_t i) { plan_.blocks[list[i]] = measured(list[i] * kBlock, centers); });
   }
 
-  std::shared_ptr<const ArrayBlock> measured(size_t begin) const {
+  std::shared_ptr<const ArrayBlock> measured(size_t begin, Centers* centers) const {
     cancel_.check();
     auto block = std::make_shared<ArrayBlock>();
     block->size.count = 0;
@@ -200,6 +198,7 @@ class Planner {
       block->hidden += state == State::hidden;
       block->faulty += state == State::faulty;
       if (state != State::drawn) continue;
+      if (centers) centers->drawn[i] = 1, centers->at[i] = transform_point(Vec3d(mesh_.bounds.center()), *place);
       const bool first = block->size.count++ == 0;
       block->bounds.extend(world_bounds(mesh_.bounds, *place));
       const PlacedSize one = placed_size(middle_, *place);

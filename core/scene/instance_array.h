@@ -21,7 +21,7 @@ struct InstanceArrayDescription;
 struct ArrayBlock {
   static constexpr size_t kSize = 1024;
   BoundsDouble bounds;      // of all that can be drawn
-  PlacedSize size;          // of those, by number
+  PlacedSize size;          // of those together
   float least_stretch = 0;  // least_stretch(Affine) of all, of an array that scatters
   uint32_t hidden = 0;      // by their scale
   uint32_t faulty = 0;      // not finite, or beyond what can be traced
@@ -32,7 +32,7 @@ struct ArrayCell {
   std::vector<uint32_t> numbers;  // increasing
 };
 
-/// An array in world space: its instances in blocks by number, which all that a picture depends on is found by, and in
+/// An array in world space. Its instances are in blocks by number, which decide all that a picture depends on, and in
 /// cells of neighbours, which are traced.
 struct ArrayPlan {
   std::shared_ptr<const InstancePlaces> places;

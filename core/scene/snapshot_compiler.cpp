@@ -138,13 +138,14 @@ void sort_unique(std::vector<std::shared_ptr<const T>>* held) {
   held->erase(std::unique(held->begin(), held->end()), held->end());
 }
 
-void keep_alive(const std::vector<const InstanceDescription*>& drawn, SceneSnapshot* snapshot) {
-  for (size_t i = 0; i < drawn.size(); ++i) {
-    const InstanceDescription* const d = drawn[i];
-    if (i > 0 && is_made_as(*drawn[i - 1], *d)) continue;
-    snapshot->prototypes.push_back(d->prototype);
-    snapshot->materials.insert(snapshot->materials.end(), d->materials.begin(), d->materials.end());
-  }
+void keep_alive(const DrawnInstances& drawn, SceneSnapshot* snapshot) {
+  for (const auto* list : {&drawn.alone, &drawn.looks})
+    for (size_t i = 0; i < list->size(); ++i) {
+      const InstanceDescription* const d = (*list)[i];
+      if (i > 0 && is_made_as(*(*list)[i - 1], *d)) continue;
+      snapshot->prototypes.push_back(d->prototype);
+      snapshot->materials.insert(snapshot->materials.end(), d->materials.begin(), d->materials.end());
+    }
   sort_unique(&snapshot->prototypes);
   sort_unique(&snapshot->materials);
   for (const auto& p : snapshot->prototypes) {
@@ -402,8 +403,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     if (!plan_bodies({drawn, looks}, compiler.device_, last, snapshot.get(), cancel)) return false;
     cancel.check();
-    looks.insert(looks.end(), drawn.begin(), drawn.end());
-    keep_alive(looks, snapshot.get());
+    keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());

@@ -77,8 +77,10 @@ std::string subsurface_sets(const Translation& translation) {
   std::map<std::string, size_t> sizes;
   for (const auto& instance : translation.scene.instances)
     if (!instance.subsurface_set.empty()) ++sizes[instance.subsurface_set];
-  for (const auto& array : translation.scene.arrays)
-    if (!array.look.subsurface_set.empty()) sizes[array.look.subsurface_set] += array.places->size();
+  for (const auto& array : translation.scene.arrays) {
+    if (array.look.subsurface_set.empty()) continue;
+    for (size_t i = 0; i < array.places->size(); ++i) sizes[array.look.subsurface_set] += array.places->at(i) ? 1 : 0;
+  }
   std::string text;
   for (const auto& [name, size] : sizes)
     text += (text.empty() ? "" : ", ") + name + ": " + std::to_string(size) + " objects";

@@ -156,28 +156,20 @@ void Placements::warn(const char* code, const Path& where, const std::string& te
   if (report_) report_(code, where, text);
 }
 
-// An instancer stands once where it has no parent.
-const std::vector<Placement>& Placements::outer(const Path& instancer, const InstancerRecord& record) {
-  const auto known = outer_.find(instancer);
-  if (known != outer_.end()) return known->second;
-  std::vector<Placement> placements;
+// An instancer stands once where it has no parent. Its own transform comes before that.
+std::shared_ptr<const std::vector<Placement>> Placements::bases(const Path& instancer, const InstancerRecord& record) {
+  if (const auto known = bases_.find(instancer); known != bases_.end()) return known->second;
+  std::vector<Placement> bases;
   if (record.parent.empty()) {
-    placements.emplace_back();
+    bases.emplace_back();
   } else if (visiting_.insert(instancer).second) {
-    placements = place(instancer, record.parent, record.indices_in_parent);
+    bases = place(instancer, record.parent, record.indices_in_parent);
     visiting_.erase(instancer);
   } else {
     warn("instancer.cycle", instancer, "instancers contain each other; the prims that they place are not drawn");
   }
-  return outer_.emplace(instancer, std::move(placements)).first->second;
-}
-
-std::shared_ptr<const std::vector<Placement>> Placements::bases(const Path& instancer, const InstancerRecord& record) {
-  auto& known = bases_[instancer];
-  if (known) return known;
-  std::vector<Placement> bases = outer(instancer, record);
   for (Placement& base : bases) base.matrix = record.transform * base.matrix;
-  return bases_[instancer] = std::make_shared<const std::vector<Placement>>(std::move(bases));
+  return bases_.emplace(instancer, std::make_shared<const std::vector<Placement>>(std::move(bases))).first->second;
 }
 
 // point * instancer * outer, for each outer placement and, fastest, each index.

@@ -84,15 +84,12 @@ class Placements {
   PlacementSource source(const Path& prototype, const Path& instancer, const Array<int32_t>& indices);
 
  private:
-  const std::vector<Placement>& outer(const Path& instancer, const InstancerRecord& record);
+  std::shared_ptr<const std::vector<Placement>> bases(const Path& instancer, const InstancerRecord& record);
   void warn(const char* code, const Path& where, const std::string& text) const;
 
   std::function<const InstancerRecord*(const Path&)> find_;
   InstancingReport report_;
-  std::shared_ptr<const std::vector<Placement>> bases(const Path& instancer, const InstancerRecord& record);
-
-  std::map<Path, std::vector<Placement>> outer_;                         // where each instancer stands
-  std::map<Path, std::shared_ptr<const std::vector<Placement>>> bases_;  // its own transform before that
+  std::map<Path, std::shared_ptr<const std::vector<Placement>>> bases_;  // where each instancer stands
   std::set<Path> visiting_;
 };
 

@@ -110,8 +110,14 @@ class Input final : public ImageInput {
     if (!spec.channelformats.empty())
       return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
     native_.resize(size_t(end - begin) * spec.scanline_bytes(true));
-    return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeUnknown, native_.data()) &&
-           OIIO::convert_pixel_values(spec.format, native_.data(), OIIO::TypeFloat, pixels.data(), int(pixels.size()));
+    if (!input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeUnknown, native_.data()))
+      return false;
+    constexpr size_t kAtOnce = size_t(1) << 24;  // values; a row may hold more than an int counts
+    bool good = true;
+    for (size_t i = 0; i < pixels.size() && good; i += kAtOnce)
+      good = OIIO::convert_pixel_values(spec.format, native_.data() + i * spec.format.size(), OIIO::TypeFloat,
+                                        pixels.data() + i, int(std::min(kAtOnce, pixels.size() - i)));
+    return good;
   }
 
   std::vector<unsigned char> native_;  // rows in the file's type

@@ -139,6 +139,36 @@ TEST_F(InstanceArrayTest, ScattersAsItsInstancesDoAlone) {
   EXPECT_NEAR(compile()->bodies.front()->members.front().least_stretch, 0.02f, 1e-6f);
 }
 
+// Bodies that light goes through are told apart by their index, and faces that rays pass by their instance's place.
+TEST_F(InstanceArrayTest, GlassVeilsAndSingleSidesLookAsAlone) {
+  DisneyParameters glass, veil;
+  glass.spec_trans = 1;
+  glass.roughness = 0;
+  glass.ior = 1.3f;
+  veil.opacity = 0.4f;
+  for (auto& place : places_) (*place)[1][1] *= -1;  // mirrored
+  const auto compare = [&](const char* what) {
+    const auto array = compile();
+    const auto alone = compile_snapshot(flat(), 1, device_, sink_.sink());
+    ASSERT_EQ(array->arrays.size(), 1u) << what;
+    EXPECT_EQ(array->features.see_through, alone->features.see_through) << what;
+    for (const Vec3f& p : {alone->clear_bodies.lower, alone->clear_bodies.upper})
+      EXPECT_TRUE(alone->clear_bodies.empty() || array->clear_bodies.contains(p + Vec3f(alone->origin - array->origin)))
+          << what;
+    const auto together = testing::film_mean(*film(array, SubsurfaceMode::walk), 1);
+    const auto apart = testing::film_mean(*film(alone, SubsurfaceMode::walk), 1);
+    EXPECT_NEAR(together.mean, apart.mean, 3e-3 * apart.mean) << what;
+  };
+  InstanceDescription& look = b_.description.arrays[0].look;
+  look.materials = {b_.material(glass)};
+  compare("glass");
+  look.materials = {b_.material(veil)};
+  compare("veil");
+  look.materials = {b_.material({})};
+  look.camera_cull = CameraCull::front;
+  compare("culled");
+}
+
 TEST_F(InstanceArrayTest, IsTakenApartWhereInstancesMustBeKnownOneByOne) {
   DisneyParameters wax, glow;
   wax.scatter_distance = Rgb(0.1f);
