@@ -207,6 +207,8 @@ class MaterialReader {
           texture_of(connection.upstreamNode, input, channel == Channel::a ? Texels::colors : row->texels, material);
       if (!texture && channel == Channel::direction)
         turn_by_bias(connection.upstreamNode, surface.parameters.count(input) > 0, &material->constants);
+      else if (!texture)
+        replace_image(*row, {connection.upstreamNode, channel, surface.parameters.count(input) > 0}, material);
       if (!texture) continue;
       texture->uses.push_back({row, channel});
       connected = true;
@@ -215,14 +217,49 @@ class MaterialReader {
     if (connected && !surface.parameters.count(input)) set_parameter(*row, 1.0f, &material->constants);
   }
 
-  // A direction whose image cannot be read turns nothing by itself, which leaves the bias of its node. The constant
-  // alone, usually 1, would be a whole turn instead of the file's rotation.
+  /// A connection whose image cannot be read.
+  struct LostImage {
+    const Path& node;
+    Channel channel;
+    bool has_constant;  // of the parameter
+  };
+
+  // A lost image counts as white, as files mean it that name none: scale and bias may hold a part of the constant. A
+  // lost base colour must be seen.
+  void replace_image(const MaterialParameter& row, const LostImage& lost, DisneyMaterial* material) const {
+    const std::optional<NodeReader> node = texture_node(lost.node);
+    if (!node || node->parameter("file").text_or("").empty()) return;
+    DisneyParameters* const constants = &material->constants;
+    if (row.member == decltype(row.member)(&DisneyParameters::base_color)) {
+      constants->base_color = kLostColor;
+      return;
+    }
+    if (!lost.has_constant) return;
+    const Vec4f white = node->finite_or("scale", Vec4f(1, 1, 1, 1)) + node->finite_or("bias", Vec4f(0, 0, 0, 0));
+    const float one = white[lost.channel == Channel::a ? 3 : component_of(lost.channel)];
+    const Vec3f all = lost.channel == Channel::rgb ? Vec3f(white.x, white.y, white.z) : Vec3f(one);
+    const Value held = get_parameter(row, *constants);
+    if (row.is_color())
+      set_parameter(row, held.get_or(Vec3f(1)) * all, constants);
+    else
+      set_parameter(row, held.number_or(1) * double(one), constants);
+  }
+  static constexpr Rgb kLostColor{1, 0, 1};
+
+  // Without its image, a direction's bias alone turns: the constant, usually 1, would be a whole turn instead of the
+  // file's rotation.
   void turn_by_bias(const Path& node_id, bool has_constant, DisneyParameters* constants) const {
-    const auto node = network_.nodes.find(node_id);
-    if (node == network_.nodes.end() || !(node->second.nodeTypeId == Token("AlabasterTexture"))) return;
-    const float turns = NodeReader{node_id, node->second, param_, sink_}.finite_or("bias", Vec4f(0, 0, 0, 0)).x;
+    const std::optional<NodeReader> node = texture_node(node_id);
+    if (!node) return;
+    const float turns = node->finite_or("bias", Vec4f(0, 0, 0, 0)).x;
     const float constant = has_constant ? constants->anisotropic_rotation : 1;
     constants->anisotropic_rotation = constant * (turns - std::floor(turns));
+  }
+
+  std::optional<NodeReader> texture_node(const Path& id) const {
+    const auto node = network_.nodes.find(id);
+    if (node == network_.nodes.end() || !(node->second.nodeTypeId == Token("AlabasterTexture"))) return std::nullopt;
+    return NodeReader{id, node->second, param_, sink_};
   }
 
   // False if the input is none of normals.

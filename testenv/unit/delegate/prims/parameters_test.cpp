@@ -306,28 +306,6 @@ TEST(Materials, ADirectionIsAnOutputForAnglesAlone) {
   }
 }
 
-// Without its image a direction keeps the rotation that its node adds.
-TEST(Materials, ADirectionWhoseImageIsMissingTurnsByItsBias) {
-  for (const auto& [constants, expected] : {std::pair(std::map<Token, Value>{{"anisotropicRotation", 1.0f}}, "0.375"),
-                                            {{{"anisotropicRotation", 0.5f}}, "0.1875"},
-                                            {{}, "0.375"}}) {
-    Stage stage;
-    MaterialNetwork network = disney(constants);
-    network.nodes["/m/map"] = {
-        "AlabasterTexture",
-        {{"file", AssetPath{"none.png", "none.png", nullptr}}, {"bias", Vec4f(-1.625f, 0, 0, 0)}},
-        {}};
-    network.nodes["/m/surface"].inputConnections["anisotropicRotation"] = {{"/m/map", "direction"}};
-    stage.scene.SetMaterial("/m", network);
-    host::MeshDescription mesh = Stage::quad();
-    mesh.material = "/m";
-    stage.scene.SetMesh("/mesh", mesh);
-    const std::string text = stage.dump();
-    EXPECT_NE(text.find(std::string("  anisotropicRotation ") + expected + "\n"), std::string::npos) << text;
-    EXPECT_EQ(stage.count("texture.missing"), 1u);
-  }
-}
-
 /// The scene's memory with a grey image of 2 MiB, as halves, connected to these inputs.
 double memory_with_image(Stage& stage, const std::map<Token, Token>& outputs) {
   std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 262144 +X 4\n";

@@ -1,0 +1,63 @@
+// Images that cannot be read, where the host renders without them.
+#include <gtest/gtest.h>
+
+#include "testenv/support/stage.h"
+
+namespace alabaster::hd {
+namespace {
+
+struct LostInput {
+  const char *input, *output;
+  std::map<Token, Value> constants;
+  Vec4f scale, bias;
+  const char* expected;  // line of the dump
+};
+
+/// Expects that the material takes the constant that the lost image leaves.
+void expect_constant(const LostInput& lost) {
+  Stage stage;
+  MaterialNetwork network;
+  network.nodes["/m/surface"] = {"AlabasterDisney", lost.constants, {{lost.input, {{"/m/map", lost.output}}}}};
+  network.nodes["/m/map"] = {
+      "AlabasterTexture",
+      {{"file", AssetPath{"none.png", "none.png", nullptr}}, {"scale", lost.scale}, {"bias", lost.bias}},
+      {}};
+  network.terminals["surface"] = {"/m/surface", "surface"};
+  stage.scene.SetMaterial("/m", network);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/m";
+  stage.scene.SetMesh("/mesh", mesh);
+  const std::string text = stage.dump();
+  EXPECT_NE(text.find(std::string("  ") + lost.expected + "\n"), std::string::npos) << lost.expected << "\n" << text;
+  EXPECT_EQ(stage.count("texture.missing"), 1u);
+}
+
+const Vec4f kOne(1), kZero(0);
+
+// Without its image a direction keeps the rotation that its node adds.
+TEST(LostImages, ADirectionTurnsByItsBias) {
+  const Vec4f turns(-1.625f, 0, 0, 0);
+  const char *const input = "anisotropicRotation", *const output = "direction";
+  expect_constant({input, output, {{input, 1.0f}}, kOne, turns, "anisotropicRotation 0.375"});
+  expect_constant({input, output, {{input, 0.5f}}, kOne, turns, "anisotropicRotation 0.1875"});
+  expect_constant({input, output, {}, kOne, turns, "anisotropicRotation 0.375"});
+}
+
+// As where a file names no image: the constant, scaled and shifted, in its range.
+TEST(LostImages, CountAsWhite) {
+  const std::map<Token, Value> rough = {{"roughness", 0.25f}}, bright = {{"emission", Vec3f(1, 2, 4)}};
+  expect_constant({"roughness", "r", rough, kOne, kZero, "roughness 0.25"});
+  expect_constant({"roughness", "b", rough, Vec4f(0.5f), kOne, "roughness 0.375"});
+  expect_constant({"roughness", "a", rough, {1, 1, 1, -0.5f}, kOne, "roughness 0.125"});
+  expect_constant({"roughness", "r", rough, Vec4f(9), kZero, "roughness 1"});
+  expect_constant({"roughness", "r", {}, Vec4f(9), kZero, "roughness 0.5"});
+  expect_constant({"emission", "rgb", bright, {0.5f, 1, 1, 1}, {0, 0, 1, 0}, "emission (0.5, 2, 8)"});
+}
+
+TEST(LostImages, ShowInTheBaseColor) {
+  expect_constant({"baseColor", "rgb", {{"baseColor", Vec3f(0.5f)}}, kOne, kZero, "baseColor (1, 0, 1)"});
+  expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
+}
+
+}  // namespace
+}  // namespace alabaster::hd
