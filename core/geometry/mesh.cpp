@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 
+#include "core/geometry/grouped_items.h"
 #include "core/geometry/subdivision.h"
 #include "core/geometry/triangulation.h"
 
@@ -30,22 +31,29 @@ std::array<uint32_t, 3> position_key(const Vec3f& p) {
 
 // `weld` empty: points are their own.
 bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const CancelToken& cancel) {
-  std::vector<uint64_t> edges;
-  edges.reserve(3 * mesh.triangles.size());
-  for (const auto& t : mesh.triangles) {
-    std::array<uint64_t, 3> v{t[0], t[1], t[2]};
-    if (!weld.empty())
-      for (uint64_t& i : v) i = static_cast<uint64_t>(weld[i]);
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // no area: its two long edges pair with each other
-    for (size_t i = 0; i < 3; ++i) {
-      const uint64_t a = v[i], b = v[(i + 1) % 3];
-      edges.push_back(a < b ? a << 32 | b : b << 32 | a);
+  // Edges are grouped by the lower of their points, and stand for the other.
+  const auto each_edge = [&](const auto& add) {
+    for (const auto& t : mesh.triangles) {
+      cancel.check();
+      Corners v = t;
+      if (!weld.empty())
+        for (uint32_t& i : v) i = static_cast<uint32_t>(weld[i]);
+      if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) continue;  // no area: its two long edges pair with each other
+      for (size_t i = 0; i < 3; ++i) {
+        const uint32_t a = v[i], b = v[(i + 1) % 3];
+        add(std::min(a, b), std::max(a, b));
+      }
     }
+  };
+  const GroupedItems<uint32_t> edges(mesh.points.size(), each_edge, cancel);
+  bool any = false;
+  for (size_t point = 0; point < edges.size(); ++point) {
+    const auto ends = edges[point];
+    any |= !ends.empty();
+    for (size_t i = 0; i < ends.size(); i += 2)
+      if (i + 1 == ends.size() || ends[i] != ends[i + 1]) return false;
   }
-  tbb::parallel_sort(edges.begin(), edges.end(), CancellableLess{cancel});
-  for (size_t i = 0; i < edges.size(); i += 2)
-    if (i + 1 == edges.size() || edges[i] != edges[i + 1]) return false;
-  return !edges.empty();
+  return any;
 }
 
 bool is_closed(const Mesh& mesh, const CancelToken& cancel) {
@@ -203,10 +211,11 @@ PrimvarBytes primvar_bytes(const Cage& cage) {
   return bytes;
 }
 // A triangle has its points, normals, face-varying primvars, face, slot, and the three edges that the test for
-// closedness sorts. At worst every face has its own normals along its boundary.
+// closedness sorts by points, which it counts. At worst every face has its own normals along its boundary.
 size_t index_bytes(const Cage& cage) {
-  return (2 + primvar_bytes(cage).seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint64_t);
+  return (2 + primvar_bytes(cage).seams) * sizeof(Corners) + 2 * sizeof(int32_t) + 3 * sizeof(uint32_t);
 }
+constexpr size_t kPointBytes = sizeof(Vec3f) + sizeof(size_t);
 
 int checked_level(const Cage& cage, const RefinementOptions& options, const DiagnosticSink& sink) {
   if (cage.scheme == SubdivisionScheme::none) return 0;
@@ -273,12 +282,12 @@ size_t estimate_mesh_bytes(const Cage& cage, int level) {
   }
   const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
   const PrimvarBytes primvars = primvar_bytes(cage);
-  return (2 * points + boundary) * sizeof(Vec3f) + points * primvars.all + boundary * primvars.face_varying +
+  return points * kPointBytes + (points + boundary) * sizeof(Vec3f) + points * primvars.all + boundary * primvars.face_varying +
          triangles * index_bytes(cage);
 }
 
 size_t bytes_per_triangle(const Cage& cage) {
-  return 2 * sizeof(Vec3f) + primvar_bytes(cage).all + index_bytes(cage);
+  return kPointBytes + sizeof(Vec3f) + primvar_bytes(cage).all + index_bytes(cage);
 }
 
 void hold_mesh(const RefinementOptions& options, double triangles, double bytes) {

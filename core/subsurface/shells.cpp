@@ -1,10 +1,12 @@
 #include "core/subsurface/shells.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <span>
+
+#include "core/geometry/grouped_items.h"
 
 namespace alabaster {
 namespace {
@@ -50,11 +52,19 @@ class Surfaces {
   std::vector<uint8_t> turned_;  // against the parent
 };
 
+// An edge of a triangle from or to the point that groups it.
 struct Edge {
-  uint64_t points;
+  uint32_t other;  // point
   uint32_t triangle;
   bool ascending;  // as this triangle runs along it
-  bool operator<(const Edge& o) const { return points != o.points ? points < o.points : triangle < o.triangle; }
+  bool operator<(const Edge& o) const { return other != o.other ? other < o.other : triangle < o.triangle; }
+};
+
+// A triangle among those with the same lowest corner.
+struct Fellow {
+  std::array<uint32_t, 2> others;  // its other corners, ascending
+  uint32_t triangle;
+  auto operator<=>(const Fellow&) const = default;
 };
 
 struct Shell {
@@ -106,37 +116,40 @@ class ShellFinder {
   }
 
   void merge_coincident() {
-    std::vector<std::pair<Triple, uint32_t>> sorted;
-    sorted.reserve(corners_.size());
-    for (uint32_t t = 0; t < corners_.size(); ++t) {
-      Triple key = corners_[t];
-      std::sort(key.begin(), key.end());
-      if (kind_[t] == kSingle) sorted.emplace_back(key, t);
-    }
-    tbb::parallel_sort(sorted.begin(), sorted.end(), CancellableLess{cancel_});
-    for (size_t i = 0, end = 0; i < sorted.size(); i = end) {
-      for (end = i; end < sorted.size() && sorted[end].first == sorted[i].first; ++end) {
+    const auto each = [&](const auto& add) {
+      for (uint32_t t = 0; t < corners_.size(); ++t) {
+        cancel_.check();
+        Triple key = corners_[t];
+        std::sort(key.begin(), key.end());
+        if (kind_[t] == kSingle) add(key[0], Fellow{{key[1], key[2]}, t});
       }
-      if (end - i > 1) merge(&sorted[i], end - i);
-    }
+    };
+    const GroupedItems<Fellow> triangles(mesh_.points.size(), each, cancel_);
+    for (size_t point = 0; point < triangles.size(); ++point)
+      for_each_run(
+          triangles[point], [](const Fellow& a, const Fellow& b) { return a.others == b.others; },
+          [&](std::span<const Fellow> coincident) {
+            if (coincident.size() > 1) merge(coincident);
+          });
   }
 
-  void merge(const std::pair<Triple, uint32_t>* group, size_t count) {
-    const auto is_even = [&](size_t i) { return even_permutation(corners_[group[i].second]); };
+  void merge(std::span<const Fellow> group) {
+    const auto is_even = [&](size_t i) { return even_permutation(corners_[group[i].triangle]); };
+    const size_t count = group.size();
     size_t even = 0;
     for (size_t i = 0; i < count; ++i) even += is_even(i) ? 1 : 0;
     if (2 * even == count) {
-      for (size_t i = 0; i < count; ++i) kind_[group[i].second] = kBackToBack;
+      for (size_t i = 0; i < count; ++i) kind_[group[i].triangle] = kBackToBack;
       return;
     }
     const bool majority = 2 * even > count;
     uint32_t kept = kNone;
     for (size_t i = 0; i < count; ++i)
-      if (kept == kNone && is_even(i) == majority) kept = group[i].second;
+      if (kept == kNone && is_even(i) == majority) kept = group[i].triangle;
     for (size_t i = 0; i < count; ++i) {
-      if (group[i].second == kept) continue;
-      kind_[group[i].second] = kCopy;
-      surfaces_.join(kept, group[i].second, is_even(i) != majority);
+      if (group[i].triangle == kept) continue;
+      kind_[group[i].triangle] = kCopy;
+      surfaces_.join(kept, group[i].triangle, is_even(i) != majority);
     }
   }
 
@@ -145,25 +158,27 @@ class ShellFinder {
   }
 
   void join_by_edges() {
-    std::vector<Edge> edges;
-    edges.reserve(3 * corners_.size());
-    for (uint32_t t = 0; t < corners_.size(); ++t) {
-      if (kind_[t] == kCopy || kind_[t] == kDegenerate) continue;
-      for (size_t i = 0; i < 3; ++i) {
-        const uint64_t a = corners_[t][i], b = corners_[t][(i + 1) % 3];
-        edges.push_back({a < b ? a << 32 | b : b << 32 | a, t, a < b});
+    const auto each = [&](const auto& add) {
+      for (uint32_t t = 0; t < corners_.size(); ++t) {
+        cancel_.check();
+        if (kind_[t] == kCopy || kind_[t] == kDegenerate) continue;
+        for (size_t i = 0; i < 3; ++i) {
+          const uint32_t a = corners_[t][i], b = corners_[t][(i + 1) % 3];
+          add(std::min(a, b), Edge{std::max(a, b), t, a < b});
+        }
       }
-    }
-    tbb::parallel_sort(edges.begin(), edges.end(), CancellableLess{cancel_});
-    for (size_t i = 0, end = 0; i < edges.size(); i = end) {
+    };
+    const GroupedItems<Edge> edges(mesh_.points.size(), each, cancel_);
+    for (size_t point = 0; point < edges.size(); ++point) {
       cancel_.check();
-      for (end = i; end < edges.size() && edges[end].points == edges[i].points; ++end) {
-      }
-      join_at_edge(&edges[i], end - i);
+      for_each_run(
+          edges[point], [](const Edge& a, const Edge& b) { return a.other == b.other; },
+          [&](std::span<const Edge> edge) { join_at_edge(edge); });
     }
   }
 
-  void join_at_edge(const Edge* edge, size_t count) {
+  void join_at_edge(std::span<const Edge> edge) {
+    const size_t count = edge.size();
     std::array<const Edge*, 2> pair{};
     size_t single = 0;
     const Edge* back_to_back = nullptr;
@@ -279,18 +294,27 @@ class ShellFinder {
       area[t + 1] = area[t] + length(cross(Vec3d(mesh_.points[c[1]]) - p, Vec3d(mesh_.points[c[2]]) - p));
     }
     if (!(area.back() > 0)) return false;
-    for (size_t i = 0; i < kSamples; ++i) {
-      cancel_.check();
-      const double at = area.back() * (static_cast<double>(i) + 0.5) / kSamples;
-      const auto above = std::upper_bound(area.begin(), area.end(), at);
-      const auto t = static_cast<uint32_t>(above - area.begin() - 1);
-      if (t >= corners_.size() || kind_[t] == kDegenerate || out_.flags(t) & MeshShells::kInner) continue;
-      const double u = (at - area[t]) / (*above - area[t]);
-      Vec3f out;
-      const Vec3f p = outside(t, {static_cast<float>(u), radical_inverse(static_cast<uint32_t>(i))}, &out);
-      if (winding(p, out, kNone) > 0) return true;
-    }
-    return false;
+    std::atomic<bool> found = false;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, kSamples, 64), [&](const tbb::blocked_range<size_t>& range) {
+      for (size_t i = range.begin(); i < range.end() && !found; ++i) {
+        cancel_.check();
+        const double at = area.back() * (static_cast<double>(i) + 0.5) / kSamples;
+        const auto above = std::upper_bound(area.begin(), area.end(), at);
+        const auto t = static_cast<uint32_t>(above - area.begin() - 1);
+        if (t >= corners_.size()) continue;
+        const double u = (at - area[t]) / (*above - area[t]);
+        if (lies_inside(t, {static_cast<float>(u), radical_inverse(static_cast<uint32_t>(i))})) found = true;
+      }
+    });
+    return found;
+  }
+
+  // True for a point of the surface that a closed shell of the mesh contains.
+  bool lies_inside(uint32_t t, const Vec2f& u) const {
+    if (kind_[t] == kDegenerate || out_.flags(t) & MeshShells::kInner) return false;
+    Vec3f out;
+    const Vec3f p = outside(t, u, &out);
+    return winding(p, out, kNone) > 0;
   }
 
   static float radical_inverse(uint32_t i) {
