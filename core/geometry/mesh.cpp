@@ -282,8 +282,8 @@ size_t estimate_mesh_bytes(const Cage& cage, int level) {
   }
   const size_t boundary = corners * segments;  // samples on face boundaries, each face its own
   const PrimvarBytes primvars = primvar_bytes(cage);
-  return points * kPointBytes + (points + boundary) * sizeof(Vec3f) + points * primvars.all + boundary * primvars.face_varying +
-         triangles * index_bytes(cage);
+  return points * kPointBytes + (points + boundary) * sizeof(Vec3f) + points * primvars.all +
+         boundary * primvars.face_varying + triangles * index_bytes(cage);
 }
 
 size_t bytes_per_triangle(const Cage& cage) {

@@ -17,8 +17,7 @@ class MeshInterior {
   const MeshShells& shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel = {}) const {
     return shells_
         .get([&] {
-          constexpr size_t kBuildBytes =
-              84;  // of a triangle: welded corners, three edges, their counts, surface, shell
+          constexpr size_t kBuildBytes = 84;  // of a triangle: welded corners, edges, their counts, surface, shell
           MemoryReservation memory = hold(mesh, kBuildBytes * mesh.triangles.size());
           Counted<MeshShells> built{find_shells(mesh, object, cancel), std::move(memory)};
           built.memory.shrink(built.part.triangle_flags.capacity());
