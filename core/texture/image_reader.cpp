@@ -1,11 +1,13 @@
 #include "core/texture/image_reader.h"
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <span>
 #include <string_view>
 
+#include "core/texture/exr_header.h"
 #include "core/texture/png_stream.h"
 
 namespace alabaster {
@@ -60,8 +62,32 @@ bool ImageReader::fail(const DiagnosticSink& sink, const char* code, const std::
   return false;
 }
 
+bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const {
+  FileBytes bytes;
+  std::ifstream file;
+  if (bytes_) {
+    bytes.size = bytes_->size();
+    bytes.read = [&](uint64_t offset, void* out, size_t count) {
+      if (offset > bytes.size || count > bytes.size - offset) return false;
+      std::memcpy(out, bytes_->data() + offset, count);
+      return true;
+    };
+  } else {
+    file.open(path_, std::ios::binary | std::ios::ate);
+    bytes.size = uint64_t(std::max<std::streamoff>(file.tellg(), 0));
+    bytes.read = [&](uint64_t offset, void* out, size_t count) {
+      if (offset > bytes.size || count > bytes.size - offset) return false;
+      file.seekg(std::streamoff(offset));
+      file.read(static_cast<char*>(out), std::streamsize(count));
+      return bool(file);
+    };
+  }
+  ImageFault fault;
+  return check_exr_header(bytes, max_pixels, &fault) || fail(sink, fault.code.c_str(), fault.text);
+}
+
 // Finds the format, and for PNG takes the whole file into memory, cleaned.
-bool ImageReader::load_bytes(const TextureSource& source, const DiagnosticSink& sink) {
+bool ImageReader::load_bytes(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
   bytes_ = source.bytes;
   std::array<uint8_t, 16> head{};
   size_t head_size = 0;
@@ -82,6 +108,7 @@ bool ImageReader::load_bytes(const TextureSource& source, const DiagnosticSink& 
   if (format_.empty())
     return fail(sink, "texture.format",
                 "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, BMP, TGA); convert it");
+  if (format_ == "openexr") return check_exr(max_pixels, sink);
   if (format_ != "png") return true;
 
   std::vector<uint8_t> whole;
@@ -111,7 +138,7 @@ bool ImageReader::open_input(const DiagnosticSink& sink) {
 
 bool ImageReader::open(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
   path_ = source.path;
-  if (!load_bytes(source, sink) || !open_input(sink)) return false;
+  if (!load_bytes(source, max_pixels, sink) || !open_input(sink)) return false;
   const std::string reason = refusal(layout(), max_pixels);
   return reason.empty() || fail(sink, "texture.size", reason);
 }

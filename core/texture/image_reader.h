@@ -17,7 +17,8 @@ class ImageReader {
 
  private:
   bool fail(const DiagnosticSink& sink, const char* code, const std::string& text) const;
-  bool load_bytes(const TextureSource& source, const DiagnosticSink& sink);
+  bool load_bytes(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink);
+  bool check_exr(size_t max_pixels, const DiagnosticSink& sink) const;
   bool open_input(const DiagnosticSink& sink);
 
   std::string path_, format_;

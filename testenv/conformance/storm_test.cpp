@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -47,6 +48,49 @@ TEST(Storm, NoEditIsLost) {
     if (step % 16 == 9) host.converge();
   }
   edit(fresh, steps - 1);
+  EXPECT_TRUE(host.render() == fresh.render());
+}
+
+// Leaves the instancer as `step` says: from none to twenty thousand tiles, which stand elsewhere at every step.
+void scatter_tiles(Host& host, int step) {
+  constexpr int kCounts[] = {20000, 8200, 8192, 8191, 12000, 3, 0};
+  const int count = kCounts[step % 7];
+  std::vector<Vec3f> places;
+  std::vector<int32_t> drawn;
+  for (int i = 0; i < count; ++i) {
+    const double across = std::fmod(0.6180339887 * i + 0.01 * step, 1.0);
+    places.emplace_back(float(2 * across - 1), float(2.0 * i / count - 1), 0.001f * float(i % 100));
+    if (step % 3 != 2 || i % 4) drawn.push_back(i);
+  }
+  InstancerData& tiles = host.instancer("/tiles", dirty::kPrimvar | dirty::kInstanceIndex | dirty::kTransform);
+  tiles.primvars["hydra:instanceTranslations"] = Array<Vec3f>(std::move(places));
+  tiles.indices["/tile"] = Array<int32_t>(std::move(drawn));
+  tiles.transform = moved(0.1 * (step % 5), 0);
+  host.mesh("/tile", dirty::kInstanceIndex | dirty::kVisibility).visible = step % 8 != 5;
+}
+
+void add_tiles(Host& host) {
+  add_noisy_scene(host);
+  host.mesh("/tile") = rectangle(0, 0, 0.02, 0.02);
+  host.mesh("/tile").instancer = "/tiles";
+  host.instancer("/tiles");
+}
+
+// Delegates that treat many instances in another way than few must not lose any between the two.
+TEST(Storm, NoInstanceIsLost) {
+  const int steps = storm_steps(40, 5);  // the last of which draws thousands
+  Host host, fresh;
+  add_tiles(host), add_tiles(fresh);
+  host.buffer(), host.buffer("instanceId");
+  for (int step = 0; step < steps; ++step) {
+    scatter_tiles(host, step);
+    host.sync();
+    host.pass->Execute(host.state);
+    if (step % 8 == 3) host.take_up();
+    if (step % 8 == 6) host.converge();
+  }
+  scatter_tiles(fresh, steps - 1);
+  EXPECT_TRUE(host.render("instanceId") == fresh.render("instanceId"));
   EXPECT_TRUE(host.render() == fresh.render());
 }
 

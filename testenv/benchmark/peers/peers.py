@@ -65,7 +65,7 @@ class Ours:
         process = subprocess.Popen(
             [self.program, "render", f"{job['scene']}/scene.json", "--size", f"{job['width']}x{job['height']}",
              "--spp", str(task["samples"]), "--seed", str(task["seed"]), "--threads", str(job["threads"]), "--quiet",
-             "-o", task["output"]], env=environment)
+             "--allow-outside", "-o", task["output"]], env=environment)
         _, status, usage = os.wait4(process.pid, 0)
         if status != 0:
             sys.exit(f"{self.name} failed with {os.waitstatus_to_exitcode(status)} on {job['scene']}")
