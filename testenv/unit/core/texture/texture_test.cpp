@@ -384,6 +384,16 @@ TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
   EXPECT_EQ(reports.all.size(), 1u);
 }
 
+// OpenImageIO opens them.
+TEST_F(TextureFile, WithoutWidthOrHeightIsRefused) {
+  for (const char* size : {"-Y 2 +X 0", "-Y 0 +X 2", "-Y 0 +X 0"}) {
+    const std::string text = std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n") + size + "\n\x80\x80\x80\x80";
+    reports_.all.clear();
+    EXPECT_FALSE(load(spit("none.hdr", {text.begin(), text.end()}))) << size;
+    EXPECT_NE(reports_.text().find("no pixels"), std::string::npos) << reports_.text();
+  }
+}
+
 TEST_F(TextureFile, OddProfilesInPngsDoNotPrint) {
   // A colour profile that is garbage makes libpng warn; the picture is good.
   const auto whole = slurp(write("a.png", 2, 2, 3, OIIO::TypeUInt8, kQuad));
