@@ -13,6 +13,14 @@ thread_local bool refused = false;
 std::atomic<int> refusals_elsewhere{0};
 std::atomic<int64_t> granted_elsewhere{0};
 thread_local bool is_elsewhere = true;
+std::atomic<size_t> largest{0};
+
+// Relaxed, so that allocations order nothing for the thread sanitizer.
+void note(size_t size) {
+  constexpr auto kRelaxed = std::memory_order_relaxed;
+  for (size_t seen = largest.load(kRelaxed); size > seen && !largest.compare_exchange_weak(seen, size, kRelaxed);) {
+  }
+}
 
 }  // namespace
 
@@ -43,9 +51,17 @@ bool FailingMemoryElsewhere::failed() const {
   return refusals_elsewhere < refusals_;
 }
 
+LargestAllocation::LargestAllocation() {
+  largest = 0;
+}
+size_t LargestAllocation::bytes() const {
+  return largest;
+}
+
 }  // namespace alabaster::testing
 
 void* operator new(size_t size) {
+  note(size);
   if (is_elsewhere && refusals_elsewhere > 0 && granted_elsewhere-- <= 0 && refusals_elsewhere-- > 0)
     throw std::bad_alloc();
   if (allowed_allocations != kUnlimited) {

@@ -1,4 +1,5 @@
-// Memory that runs out at a chosen moment: linking failing_memory.cpp replaces the program's operator new.
+// Memory that runs out at a chosen moment, and what is asked of it: linking failing_memory.cpp replaces the program's
+// operator new.
 #pragma once
 
 #include <cstddef>
@@ -30,6 +31,13 @@ class FailingMemoryElsewhere {
 
  private:
   int refusals_;
+};
+
+/// The largest block that any thread asks of operator new, from its construction on. One at a time.
+class LargestAllocation {
+ public:
+  LargestAllocation();
+  size_t bytes() const;
 };
 
 }  // namespace alabaster::testing

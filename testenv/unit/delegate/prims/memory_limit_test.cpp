@@ -1,6 +1,7 @@
 // The memory limit inside a host: errors name who asks for more, and the delegate goes on.
 #include <gtest/gtest.h>
 
+#include "testenv/support/failing_memory.h"
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -99,11 +100,12 @@ TEST(MemoryLimit, EditsGiveBackWhatTheyReplace) {
   EXPECT_LT(last, 4 * first) << "the scene of before may still be there, and the one that a pass lets go of";
 }
 
-/// A grey image of a million texels, as halves, in a material for each of these wrap modes.
-void add_images(Stage& stage, const std::vector<const char*>& wraps) {
-  std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 262144 +X 4\n";
-  text.append(size_t(4) << 20, '\x80');
-  const AssetPath file{"tall.hdr", "tall.hdr", std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
+AssetPath image_file(const std::string& name, const std::string& bytes) {
+  return {name, name, std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end())};
+}
+
+/// An image in a material and a mesh for each of these wrap modes.
+void add_images(Stage& stage, const AssetPath& file, const std::vector<const char*>& wraps) {
   for (const char* wrap : wraps) {
     MaterialNetwork network;
     network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}}}}};
@@ -117,10 +119,16 @@ void add_images(Stage& stage, const std::vector<const char*>& wraps) {
   }
 }
 
+/// A million grey texels, as halves.
+AssetPath tall_image() {
+  return image_file("tall.hdr",
+                    "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 64\n" + std::string(4 << 20, '\x80'));
+}
+
 TEST(MemoryLimit, AnImageIsHeldOnceWhateverItsWrapModes) {
   Drawing one(256), three(256);
-  add_images(one.stage, {"repeat"});
-  add_images(three.stage, {"repeat", "clamp", "mirror"});
+  add_images(one.stage, tall_image(), {"repeat"});
+  add_images(three.stage, tall_image(), {"repeat", "clamp", "mirror"});
   ASSERT_TRUE(one.draw() && three.draw());
   EXPECT_GT(one.stage.stat("memoryInUse"), 2 * kMiB);
   EXPECT_LT(three.stage.stat("memoryInUse"), one.stage.stat("memoryInUse") + kMiB);
@@ -129,7 +137,7 @@ TEST(MemoryLimit, AnImageIsHeldOnceWhateverItsWrapModes) {
 
 TEST(MemoryLimit, AnImageIsDecodedOnceAVisibleMeshHasItsMaterial) {
   Drawing drawing(256);
-  add_images(drawing.stage, {"repeat"});
+  add_images(drawing.stage, tall_image(), {"repeat"});
   host::MeshDescription mesh = drawing.stage.scene.GetMeshes().at("/mesh_repeat");
   mesh.visible = false;
   drawing.stage.scene.SetMesh("/mesh_repeat", mesh);
@@ -144,23 +152,49 @@ TEST(MemoryLimit, AnImageIsDecodedOnceAVisibleMeshHasItsMaterial) {
 
 TEST(MemoryLimit, AnImageThatItDoesNotHoldIsRefusedBeforeItIsDecoded) {
   Drawing drawing(5);
-  add_images(drawing.stage, {"repeat"});
+  add_images(drawing.stage, tall_image(), {"repeat"});
   drawing.stage.index->SyncAll();
   const std::string errors = drawing.errors();
-  EXPECT_NE(errors.find("tall.hdr: an image of 4 x 262144 pixels needs 6 MiB more"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("tall.hdr: an image of 64 x 16384 pixels needs 6 MiB more"), std::string::npos) << errors;
   EXPECT_EQ(drawing.stage.stat("scene.outOfMemory"), 1);
 }
 
 // A header is enough: rows of this length are not read.
 TEST(MemoryLimit, AnImageOfLongRowsIsRefusedBeforeARowIsRead) {
   Drawing drawing(64);
-  const std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8388608\n";
-  const AssetPath file{"wide.hdr", "wide.hdr", std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
+  const AssetPath file = image_file("wide.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8388608\n");
   drawing.stage.scene.SetLight("/dome", {.type = "domeLight", .transform = {}, .parameters = {{"texture:file", file}}});
   drawing.stage.index->SyncAll();
   const std::string errors = drawing.errors();
   EXPECT_NE(errors.find("wide.hdr: decoding an image of 8388608 pixels a row needs "), std::string::npos) << errors;
   EXPECT_EQ(drawing.stage.stat("scene.outOfMemory"), 1);
+}
+
+/// A BMP of bytes, which are grey: the rows from the last to the first, each of them in one value.
+std::string grey_bmp(uint32_t width, const std::vector<uint8_t>& rows) {
+  std::string file = "BM";
+  const auto add = [&](auto... numbers) {
+    (file.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
+  };
+  const auto height = static_cast<uint32_t>(rows.size());
+  constexpr uint32_t kColors = 256, kPixels = 14 + 40 + 4 * kColors;
+  add(kPixels + width * height, uint32_t(0), kPixels);
+  add(uint32_t(40), width, height, uint16_t(1), uint16_t(8), uint32_t(0), width * height, uint64_t(0), kColors,
+      kColors);
+  for (uint32_t i = 0; i < kColors; ++i) add(i * 0x010101);
+  for (const uint8_t value : rows) file.append(width, static_cast<char>(value));
+  return file;
+}
+
+// The rows are converted by us: OpenImageIO would take memory for 256 of them.
+TEST(MemoryLimit, AnImageOfLongRowsTakesMemoryForTheRowsThatItHas) {
+  constexpr size_t kWidth = size_t(1) << 20, kRows = 2;
+  Drawing drawing(256);
+  add_images(drawing.stage, image_file("wide.bmp", grey_bmp(kWidth, {0, 255})), {"clamp"});
+  const testing::LargestAllocation largest;
+  ASSERT_TRUE(drawing.draw());
+  EXPECT_EQ(drawing.errors(), "");
+  EXPECT_LE(largest.bytes(), kRows * kWidth * 4 * sizeof(float)) << "as floats with an alpha";
 }
 
 TEST(MemoryLimit, FramesCountForAsLongAsTheyAreDrawn) {

@@ -308,7 +308,7 @@ TEST(Materials, ADirectionIsAnOutputForAnglesAlone) {
 
 /// The scene's memory with a grey image of 2 MiB, as halves, connected to these inputs.
 double memory_with_image(Stage& stage, const std::map<Token, Token>& outputs) {
-  std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 262144 +X 4\n";
+  std::string text = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 64\n";
   text.append(size_t(4) << 20, '\x80');
   const AssetPath file{"tall.hdr", "tall.hdr", std::make_shared<const std::vector<uint8_t>>(text.begin(), text.end())};
   MaterialNetwork network = disney({});
