@@ -68,9 +68,9 @@ class Stage {
     return state;
   }
 
-  /// Executes until converged; false after two minutes.
+  /// Executes until converged; false after 20 seconds.
   static bool finish(RenderPass& pass, const RenderPassState& state) {
-    for (int i = 0; i < 6000; ++i) {
+    for (int i = 0; i < 1000; ++i) {
       pass.Execute(state);
       if (pass.IsConverged()) return true;
       pass.WaitForConvergence(0.02);
