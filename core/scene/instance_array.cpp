@@ -160,7 +160,8 @@ class Planner {
     std::vector<uint32_t> slots(*last.slots);
     slots.resize(now);
     for (auto& [cell, numbers] : lists) {
-      for (size_t i = 0; i < numbers.size(); ++i) slots[numbers[i]] = static_cast<uint32_t>(cell * kMost + i);
+      uint32_t slot = cell * kMost;
+      for (const uint32_t number : numbers) slots[number] = slot++;
       plan_.cells[cell] = std::make_shared<const ArrayCell>(ArrayCell{std::move(numbers)});
     }
     plan_.slots = std::make_shared<const std::vector<uint32_t>>(std::move(slots));
