@@ -97,6 +97,7 @@ class BodyPlanner {
     else if (!unite(indices, body.get()))
       return false;
     std::vector<const InstanceDescription*> members;
+    members.reserve(indices.size());
     for (const uint32_t i : indices) members.push_back(drawn_[i]);
     plan_walks(members, body.get());
     snapshot_.bodies.push_back(std::move(body));
