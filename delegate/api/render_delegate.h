@@ -129,7 +129,9 @@ class ALABASTER_API RenderDelegate {
   /// - "showCheckpoints" {files: Array<string>}: Execute shows the sum of these, which must be parts of one frame
   ///   (setting firstSample) that begin with sample 0 and leave out none, instead of the scene; bound AOVs must be
   ///   among theirs, and the framing must be theirs. Without files: the scene again.
-  /// - "describeCheckpoint" {file} -> {firstSample, samples, complete: bool, note}, or the reason as a string.
+  /// - "describeCheckpoint" {file, and optionally measure: bool} -> {firstSample, samples, complete: bool, note}, or
+  ///   the reason as a string. `measure` reads the pixels, too: meanSamples, which they have of these so far, and,
+  ///   where it is known, error.relativeRmse of their picture.
   virtual Value InvokeCommand(const Token& command, const Dictionary& arguments) = 0;
 };
 

@@ -110,8 +110,8 @@ class FarmCommand {
     files["merge.sh"] = "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" + at_home +
                         all_parts + "exec " + run + " merge \"$@\"" + a_.merge_words + "\n";
     files["status.sh"] =
-        "#!/bin/sh\n# Tells which parts are whole, and the noise of those from the first sample on.\n" + at_home +
-        all_parts + "exec " + run + " merge \"$@\"\n";
+        "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
+        at_home + all_parts + "exec " + run + " merge \"$@\"\n";
     if (a_.engine == "slurm")
       add_slurm(&files);
     else if (a_.engine == "openjd")
@@ -175,12 +175,13 @@ class FarmCommand {
                              "\n#SBATCH --requeue\nexec sh " + shell_word(place_ + "/task.sh") +
                              " \"$SLURM_ARRAY_TASK_ID\"\n";
     (*files)["submit.sh"] =
-        "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole. Run again after tasks were lost: parts "
-        "that are\n"
-        "# whole stay as they are.\nset -eu\njob=$(sbatch --parsable " +
+        "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole, with the options of sbatch that are "
+        "given, such "
+        "as\n# --partition. Run again after tasks were lost: parts that are whole stay as they are.\nset -eu\n"
+        "job=$(sbatch --parsable \"$@\" " +
         shell_word(place_ + "/job.sbatch") +
         ")\nsbatch --dependency=afterok:\"${job%%;*}\" --kill-on-invalid-dep=yes --job-name=alabaster-merge --output=" +
-        shell_word(logs + "/merge.log") + " " + shell_word(place_ + "/merge.sh") + "\n";
+        shell_word(logs + "/merge.log") + " \"$@\" " + shell_word(place_ + "/merge.sh") + "\n";
   }
 
   void tell() {
@@ -190,7 +191,8 @@ class FarmCommand {
       console_.note("run them: sh " + shell_word(folder_ + "/submit.sh"));
     else if (a_.engine == "openjd")
       console_.note("submit " + shell_word(folder_ + "/template.json") + ", or run it here: openjd run " +
-                    shell_word(folder_ + "/template.json") + " --step merge --run-dependencies");
+                    shell_word(folder_ + "/template.json") +
+                    " --step merge --run-dependencies (pip install openjd-cli)");
     else
       console_.note("run each line of " + shell_word(folder_ + "/tasks.txt") +
                     ", on any machine that has these folders; then sh " + shell_word(folder_ + "/merge.sh"));

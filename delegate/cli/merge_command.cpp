@@ -1,7 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "delegate/cli/commands.h"
@@ -9,6 +9,7 @@
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/render_options.h"
+#include "delegate/cli/shell_word.h"
 
 namespace alabaster::cli {
 namespace {
@@ -45,6 +46,16 @@ std::optional<hd::RenderSettingsDescription> description_of(const json& note) {
   }
 }
 
+// A part as its file tells of it.
+struct PartState {
+  std::string file;
+  int64_t first = 0, end = 0;  // of its samples
+  bool is_whole = false;
+  double taken = 0, error = -1;  // mean samples per pixel that are saved, and their relative RMSE; < 0: not known
+
+  double share() const { return is_whole ? 1 : end > first ? taken / static_cast<double>(end - first) : 0; }
+};
+
 class MergeCommand {
  public:
   explicit MergeCommand(const MergeArguments& arguments) : a_(arguments), console_(arguments.quiet) {}
@@ -56,7 +67,8 @@ class MergeCommand {
     if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
     if (a_.outputs.empty()) return tell();
-    code = describe(a_.parts);
+    code = check_all_there();
+    if (code == kDone) code = describe(a_.parts);
     return code == kDone ? write() : code;
   }
 
@@ -81,39 +93,117 @@ class MergeCommand {
     return kDone;
   }
 
-  // How far the parts are, and the noise of as many as make a frame: those from sample 0 on without a gap.
+  // How far the parts are, and the noise so far.
   int tell() {
-    std::map<int64_t, std::pair<int64_t, std::string>> whole;  // by first sample: the end and the file
-    for (const std::string& part : a_.parts) {
-      if (!std::filesystem::exists(part)) {
-        std::printf("%s: not begun\n", printable(part).c_str());
-        continue;
-      }
-      const hd::Value described = session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", part}});
-      const auto dictionary = described.get_or(std::shared_ptr<const hd::Dictionary>());
-      if (!dictionary) return fail(part, described.text_or(""));
-      const int64_t first = dictionary->at("firstSample").get_or(int64_t(0));
-      const int64_t end = dictionary->at("samples").get_or(int64_t(0));
-      const bool is_whole = dictionary->at("complete").get_or(false);
-      if (is_whole) whole[first] = {end, part};
-      std::printf("%s: samples %lld to %lld, %s\n", printable(part).c_str(), static_cast<long long>(first),
-                  static_cast<long long>(end - 1), is_whole ? "whole" : "not whole yet");
+    std::vector<PartState> saved;
+    double share = 0;
+    for (const std::string& file : a_.parts) {
+      PartState part{.file = file};
+      if (const int code = look_at(&part); code != kDone) return code;
+      share += part.share();
+      if (part.end > 0) saved.push_back(std::move(part));
     }
-    std::printf("%zu of %zu parts are whole\n", whole.size(), a_.parts.size());
+    const auto whole = std::count_if(saved.begin(), saved.end(), [](const PartState& part) { return part.is_whole; });
+    std::printf("%lld of %zu parts are whole, and %.0f %% of the samples are saved\n", static_cast<long long>(whole),
+                a_.parts.size(), std::floor(100 * share / static_cast<double>(a_.parts.size())));
+    return tell_noise(std::move(saved));
+  }
+
+  // Prints a line about a part; its end stays 0 where nothing is saved.
+  int look_at(PartState* part) {
+    if (!std::filesystem::exists(part->file)) {
+      std::printf("%s: nothing is saved yet\n", printable(part->file).c_str());
+      return kDone;
+    }
+    int code = read(part, false);
+    if (code == kDone && !part->is_whole) code = read(part, true);  // only a part that goes on is read twice
+    if (code != kDone) return code;
+    std::printf("%s: samples %lld to %lld, ", printable(part->file).c_str(), static_cast<long long>(part->first),
+                static_cast<long long>(part->end - 1));
+    if (part->is_whole)
+      std::printf("whole\n");
+    else
+      std::printf("%.1f of %lld are saved\n", part->taken, static_cast<long long>(part->end - part->first));
+    return kDone;
+  }
+
+  int read(PartState* part, bool measure) {
+    const hd::Value described =
+        session_.delegate()->InvokeCommand("describeCheckpoint", {{"file", part->file}, {"measure", measure}});
+    const auto dictionary = described.get_or(std::shared_ptr<const hd::Dictionary>());
+    if (!dictionary) return fail(part->file, described.text_or(""));
+    const auto number = [&](const char* name, double unknown) {
+      const auto found = dictionary->find(name);
+      return found == dictionary->end() ? unknown : found->second.number_or(unknown);
+    };
+    part->first = static_cast<int64_t>(number("firstSample", 0));
+    part->end = static_cast<int64_t>(number("samples", 0));
+    part->is_whole = dictionary->at("complete").get_or(false);
+    part->taken = number("meanSamples", 0);
+    part->error = number("error.relativeRmse", -1);
+    return kDone;
+  }
+
+  // The whole parts from sample 0 on without a gap make a frame, whose noise is known with its interval. The other
+  // parts are pictures of their own: the error of the mean of independent pictures is the root of the sum of squares.
+  int tell_noise(std::vector<PartState> saved) {
+    std::stable_sort(saved.begin(), saved.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<std::string> joined;
     int64_t end = 0;
-    for (auto next = whole.find(0); next != whole.end(); next = whole.find(end)) {
-      joined.push_back(next->second.second);
-      end = next->second.first;
+    for (const PartState& part : saved)
+      if (part.is_whole && part.first == end) joined.push_back(part.file), end = part.end;
+    double samples = 0, squares = 0;
+    const auto add = [&](double count, double error) {
+      if (error < 0 || !std::isfinite(error)) return;
+      samples += count;
+      squares += count * count * error * error;
+    };
+    if (!joined.empty()) {
+      hd::Dictionary stats;
+      if (const int code = tell_joined(joined, &stats); code != kDone || joined.size() == saved.size()) return code;
+      const auto error = stats.find("error.relativeRmse");
+      add(static_cast<double>(end), error == stats.end() ? -1 : error->second.number_or(-1));
     }
-    if (joined.empty()) return kDone;
-    if (const int code = describe(joined); code != kDone) return code;
+    for (PartState& part : saved) {
+      if (std::find(joined.begin(), joined.end(), part.file) != joined.end()) continue;
+      if (part.is_whole)
+        if (const int code = read(&part, true); code != kDone) return code;
+      add(part.taken, part.error);
+    }
+    if (samples > 0)
+      std::printf("noise of all that is saved: about %.2f %% relative RMSE after %.0f samples per pixel\n",
+                  100 * std::sqrt(squares) / samples, samples);
+    return kDone;
+  }
+
+  int tell_joined(const std::vector<std::string>& parts, hd::Dictionary* stats) {
+    if (const int code = describe(parts); code != kDone) return code;
     hd::host::RecordOptions options;
     options.cancel = &interrupted();
     options.diagnostics = console_.sink();
-    const hd::host::RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
-    std::printf("%s\n", noise_text(result.stats).c_str());
+    hd::host::RecordResult result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
+    if (const std::string text = noise_text(result.stats); !text.empty()) std::printf("%s\n", text.c_str());
+    *stats = std::move(result.stats);
     return exit_code(result.status);
+  }
+
+  // Tells that tasks have not run, which a farm's merge finds out first.
+  int check_all_there() {
+    std::vector<std::string> absent;
+    for (const std::string& part : a_.parts)
+      if (!std::filesystem::exists(part)) absent.push_back(part);
+    if (absent.empty()) return kDone;
+    const std::string count = std::to_string(absent.size()) + " of " + std::to_string(a_.parts.size());
+    return fail(absent[0], "there is no such file; parts missing: " + count + ". First " + way_to(absent[0]));
+  }
+
+  // The way to render a missing part: by its farm, if there is one.
+  static std::string way_to(const std::string& part) {
+    const std::filesystem::path folder = std::filesystem::path(part).parent_path();
+    if (std::filesystem::exists(folder / "submit.sh")) return "run its tasks: sh " + shell_word(folder / "submit.sh");
+    if (std::filesystem::exists(folder / "task.sh"))
+      return "run its task: sh " + shell_word(folder / "task.sh") + " K, with the number of the part";
+    return "render it with --samples A:B --checkpoint " + shell_word(part);
   }
 
   // Reads from the parts what frame they are of. showCheckpoints finds out if they belong together.

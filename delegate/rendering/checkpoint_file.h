@@ -17,7 +17,7 @@ namespace alabaster::hd::rendering {
 /// - scene {kind and path: digest}: digest_scene()
 /// - camera {name: value}, frame {name: value}, aovs text
 /// - settings {name: value}: those that change pixels; where samples decide where others go, their number, too
-/// Besides, which a render may differ in: samples [first, end], done number, note text.
+/// Besides, which a render may differ in: samples [first, end], complete flag, note text.
 using CheckpointHeader = nlohmann::json;
 
 /// The header of a request. `scene`: digest_scene() of what request.scene was compiled from.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/convergence/frame_error.h"
 #include "delegate/prims/scene_digest.h"
 #include "delegate/rendering/render_core.h"
 #include "delegate/rendering/render_pass.h"
@@ -81,8 +82,26 @@ std::string Checkpoints::resume(const std::string& file) {
   return {};
 }
 
-std::string Checkpoints::describe(const std::string& file, Dictionary* description) {
-  const CheckpointReader reader(file);
+namespace {
+
+// How far the pixels are: the mean number of samples that they have, and the noise of those.
+std::string measure_pixels(CheckpointReader* reader, Dictionary* description) {
+  RenderState state;
+  reader->finish(read_state(reader->source(), support::usable_memory_bytes(), &state));
+  if (!reader->fault().empty()) return reader->fault();
+  const NoiseImage noise = film_noise(*state.film);
+  double taken = 0;
+  for (const PixelNoise& pixel : noise.pixels) taken += pixel.samples;
+  (*description)["meanSamples"] = noise.pixels.empty() ? 0.0 : taken / static_cast<double>(noise.pixels.size());
+  if (const FrameError error = estimate_frame_error(noise); error.known)
+    (*description)["error.relativeRmse"] = error.relative_rmse;
+  return {};
+}
+
+}  // namespace
+
+std::string Checkpoints::describe(const std::string& file, bool measure, Dictionary* description) {
+  CheckpointReader reader(file);
   if (!reader.fault().empty()) return reader.fault();
   const SampleRange range = range_of(reader.header());
   if (const std::string fault = range_fault(range); !fault.empty()) return fault;
@@ -90,7 +109,7 @@ std::string Checkpoints::describe(const std::string& file, Dictionary* descripti
   (*description)["samples"] = static_cast<int64_t>(range.end);
   (*description)["complete"] = is_complete(reader.header());
   (*description)["note"] = note_of(reader.header());
-  return {};
+  return measure ? measure_pixels(&reader, description) : std::string();
 }
 
 namespace {

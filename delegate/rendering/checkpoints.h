@@ -23,8 +23,8 @@ class Checkpoints {
   std::string resume(const std::string& file);
   /// Passes show the sum of these files, which are parts of one frame, instead of the scene; no file takes that back.
   std::string show(const Array<std::string>& files);
-  /// Reads {samples, first, complete, note, ...} of a file.
-  static std::string describe(const std::string& file, Dictionary* description);
+  /// Reads {firstSample, samples, complete, note} of a file, and with `measure` what its pixels tell of themselves.
+  static std::string describe(const std::string& file, bool measure, Dictionary* description);
 
   /// Why a render of the scene cannot go on from the file; empty if it can, or none was named. Null: of no scene.
   std::string fault(const BuiltScene* scene, const RenderRequest& request) const;

@@ -215,7 +215,9 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
     }
     if (command == Token("describeCheckpoint")) {
       Dictionary description;
-      const std::string fault = Checkpoints::describe(text("file"), &description);
+      const auto measure = arguments.find("measure");
+      const bool measured = measure != arguments.end() && measure->second.get_or(false);
+      const std::string fault = Checkpoints::describe(text("file"), measured, &description);
       if (fault.empty())
         value = std::make_shared<const Dictionary>(std::move(description));
       else

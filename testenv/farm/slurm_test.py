@@ -42,9 +42,10 @@ def renders_of(part):
 
 def submit(cluster, folder):
     """The numbers of the array and of the merge."""
-    merge = run("sh", folder / "submit.sh", environment=cluster.environment).split()[-1]
-    arrays = cluster.ask("squeue", "--noheader", "--states=all", "--name=alabaster", "--format=%F").split()
-    return max(arrays, key=int), merge
+    merge = run("sh", folder / "submit.sh", "--comment=ours", environment=cluster.environment).split()[-1]
+    array = max(cluster.ask("squeue", "--noheader", "--states=all", "--name=alabaster", "--format=%F").split(), key=int)
+    check(all("Comment=ours" in cluster.ask("scontrol", "show", "job", job) for job in (array, merge)), "sbatch gets the options")
+    return array, merge
 
 
 def check(holds, what):

@@ -13,6 +13,7 @@ class CheckpointTest : public hd::description::SceneFiles {
     Program program(folder_, words);
     const int code = program.wait();
     said_ = program.err();
+    printed_ = program.out();
     return code;
   }
   int render(std::vector<std::string> more) {
@@ -41,7 +42,12 @@ class CheckpointTest : public hd::description::SceneFiles {
     }
     return all;
   }
-  std::string said_;
+  // The number before " % relative RMSE" in a text.
+  static double percent(const std::string& text) {
+    const size_t end = text.rfind(" % relative RMSE");
+    return end == std::string::npos ? -1 : std::stod(text.substr(text.rfind(' ', end - 1)));
+  }
+  std::string said_, printed_;
 };
 
 TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
@@ -66,6 +72,38 @@ TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
   EXPECT_TRUE(says("'d' is of another render than 'a': setting seed was 4 and is 0")) << said_;
 }
 
+// Parts that do not begin at sample 0 are pictures of their own, and the error of the mean of two is the root of the
+// sum of their squares, divided by two.
+TEST_F(CheckpointTest, TheNoiseOfAllThatIsSavedIsTold) {
+  const auto noise_of = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"render", "patch.gltf", "--size", "40x24"});  // in the studio, whose lights are large
+    EXPECT_EQ(run(std::move(words)), 0) << said_;
+    return percent(said_);
+  };
+  noise_of({"--samples", "0:16", "--checkpoint", "a"});
+  const double b = noise_of({"--samples", "16:32", "--checkpoint", "b"});
+  const double c = noise_of({"--samples", "32:48", "--checkpoint", "c"});
+  const double whole = noise_of({"--spp", "48", "-o", "whole.exr"});
+  ASSERT_GT(std::min({b, c, whole}), 0);
+  ASSERT_EQ(run({"merge", "a", "b", "c", "absent"}), 0) << said_;
+  EXPECT_NE(printed_.find("absent: nothing is saved yet\n3 of 4 parts are whole, and 75 % of the samples are saved\n"),
+            std::string::npos)
+      << printed_;
+  EXPECT_NEAR(percent(printed_), whole, 0.005);
+  EXPECT_EQ(printed_.find("about"), std::string::npos) << printed_;
+  ASSERT_EQ(run({"merge", "c", "b"}), 0) << said_;
+  EXPECT_NE(printed_.find("about"), std::string::npos) << printed_;
+  EXPECT_NEAR(percent(printed_), std::hypot(b, c) / 2, 0.01);
+  EXPECT_TRUE(printed_.ends_with("after 32 samples per pixel\n")) << printed_;
+  ASSERT_EQ(run({"merge", "a", "c"}), 0) << said_;
+  EXPECT_TRUE(printed_.ends_with("after 32 samples per pixel\n")) << printed_;
+
+  EXPECT_EQ(run({"merge", "a", "absent", "-o", "sum.exr"}), 3);
+  EXPECT_TRUE(says(
+      "absent: there is no such file; parts missing: 1 of 2. First render it with --samples A:B --checkpoint absent"))
+      << said_;
+}
+
 TEST_F(CheckpointTest, AnInterruptedRenderGoesOn) {
   const std::vector<std::string> words{"--spp", "60000", "--checkpoint", "c", "-o", "x.exr"};
   std::vector<std::string> first{"render", "lit.gltf", "--size", "40x24"};
@@ -85,6 +123,9 @@ TEST_F(CheckpointTest, AnInterruptedRenderGoesOn) {
       << said_;
   EXPECT_EQ(run({"merge", "c", "-o", "sum.exr"}), 3);
   EXPECT_TRUE(says("it does not have all samples of its part yet")) << said_;
+  EXPECT_EQ(run({"merge", "c"}), 0) << said_;
+  EXPECT_NE(printed_.find("of 60000 are saved\n0 of 1 parts are whole"), std::string::npos) << printed_;
+  EXPECT_GE(percent(printed_), 0) << printed_;
 }
 
 TEST_F(CheckpointTest, FramesHaveOneEach) {

@@ -51,6 +51,8 @@ TEST_F(Farm, TheMergedFrameIsThatOfOneMachineThoughATaskIsLost) {
   EXPECT_NE(read("shell.txt").find("2 of 3 parts are whole"), std::string::npos) << read("shell.txt");
   EXPECT_NE(read("shell.txt").find("noise: "), std::string::npos) << read("shell.txt");
   EXPECT_NE(shell("sh patch_farm/merge.sh"), 0) << "the second part is missing";
+  EXPECT_NE(read("shell.txt").find("parts missing: 1 of 3. First run its task: sh "), std::string::npos)
+      << read("shell.txt");
   EXPECT_EQ(shell(lines[1]), 0) << read("shell.txt");
   std::filesystem::rename(folder_ / "patch_farm/part.00002.checkpoint", folder_ / "lost");
   EXPECT_NE(shell("sh patch_farm/merge.sh"), 0) << "the last part is missing";

@@ -88,6 +88,20 @@ TEST_F(Checkpoints, ARenderGoesOnFromThem) {
   EXPECT_EQ(d->at("note").text_or(""), "of mine");
   EXPECT_EQ(d->at("samples").number_or(0), 3);
   EXPECT_EQ(d->at("complete"), Value(true));
+  EXPECT_FALSE(d->contains("meanSamples")) << "not measured";
+}
+
+TEST_F(Checkpoints, PixelsAreMeasuredOnRequest) {
+  Frame frame({{"samples", 8}});
+  const Dictionary request{{"file", written(frame)}, {"measure", true}};
+  const Value described = frame.stage.delegate->InvokeCommand("describeCheckpoint", request);
+  const auto d = described.get_or(std::shared_ptr<const Dictionary>());
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->at("meanSamples").number_or(0), 8);
+  EXPECT_GT(frame.stage.stat("error.relativeRmse"), 0);
+  EXPECT_EQ(d->at("error.relativeRmse").number_or(-1), frame.stage.stat("error.relativeRmse"));
+  replace(bytes().substr(0, bytes().size() - 8));
+  EXPECT_NE(frame.command("describeCheckpoint", request), "no text") << "damage is told";
 }
 
 TEST_F(Checkpoints, AnotherRenderIsRefusedByName) {
