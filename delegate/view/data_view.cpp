@@ -23,7 +23,7 @@ DataKind data_kind(const std::string& aov) {
   if (aov == "normal" || aov == "Neye") return DataKind::direction;
   if (aov == "Peye" || aov == "motion" || aov.starts_with("primvars:")) return DataKind::vector;
   if (aov == "primId" || aov == "instanceId" || aov == "elementId") return DataKind::id;
-  for (const char* name : {"depth", "cameraDepth", "sampleCount", "alpha"})
+  for (const char* name : {"depth", "cameraDepth", "sampleCount", "nonfiniteSamples", "alpha"})
     if (aov == name) return DataKind::number;
   return DataKind::light;
 }
@@ -56,6 +56,11 @@ void DataView::Apply(std::span<float> rgba) const {
     for (int c = 0; c < 3; ++c) p[c] = std::isfinite(p[c]) ? std::clamp(p[c], 0.0f, 1.0f) : 1.0f;
     p[3] = 1;
   }
+}
+
+void GrayLight::Apply(std::span<float> rgba) const {
+  for (size_t i = 0; i + 3 < rgba.size(); i += 4) rgba[i + 1] = rgba[i + 2] = rgba[i];
+  if (display_) display_->Apply(rgba);
 }
 
 }  // namespace alabaster::view

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 
 #include "delegate/api/prims.h"
@@ -26,6 +27,16 @@ class DataView final : public hd::PixelTransform {
  private:
   const DataKind kind_;
   const std::array<float, 2> range_;
+};
+
+/// Light of one component, such as AOV `error`: gray, as a display shows it. Null: as it is.
+class GrayLight final : public hd::PixelTransform {
+ public:
+  explicit GrayLight(std::shared_ptr<const hd::PixelTransform> display) : display_(std::move(display)) {}
+  void Apply(std::span<float> rgba) const override;
+
+ private:
+  const std::shared_ptr<const hd::PixelTransform> display_;
 };
 
 }  // namespace alabaster::view

@@ -1,6 +1,7 @@
 #include "delegate/view/panels.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -87,8 +88,8 @@ void Panels::handle_keys() {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput) return;
   const auto pressed = [&](char letter) {
-    return std::find(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(), ImWchar(letter)) !=
-           io.InputQueueCharacters.end();
+    return std::any_of(io.InputQueueCharacters.begin(), io.InputQueueCharacters.end(),
+                       [&](ImWchar typed) { return typed < 128 && std::tolower(typed) == letter; });
   };
   if (pressed(' ')) session_->pause(!session_->paused());
   if (pressed('r')) session_->reset_camera();
@@ -136,6 +137,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
         session_->edit([&] { edits.set(prim, row, edits.value(prim, row)); });
       ImGui::SameLine();
       ImGui::TextDisabled("%s", std::filesystem::path(texture).filename().c_str());
+      help(texture);
       continue;
     }
     bool reset = false;

@@ -96,7 +96,11 @@ void PictureFetcher::make(Side* side, const PictureRequest& request) {
   side->request = request, side->range = range;
   if (other) {
     side->memory.shown = 0;
-    side->data = request.kind == DataKind::light ? nullptr : std::make_unique<DataView>(request.kind, range);
+    side->data.reset();
+    if (request.kind != DataKind::light)
+      side->data = std::make_unique<DataView>(request.kind, range);
+    else if (hd::FormatComponents(request.buffer->GetFormat()) == 1)
+      side->data = std::make_unique<GrayLight>(request.display);
     side->memory.transform = side->data ? side->data.get() : request.display.get();
   }
   hd::PixelMemory& memory = side->memory;

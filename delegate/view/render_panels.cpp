@@ -120,7 +120,8 @@ void Panels::draw_quality() {
   }
   const std::string known =
       status_.noise < 0 ? ". The noise is known from two samples on." : ", " + noise_text(status_);
-  ImGui::TextWrapped("Now: %u samples in %s%s", status_.samples, duration(status_.seconds).c_str(), known.c_str());
+  ImGui::TextWrapped("Now: %u %s in %s%s", status_.samples, status_.samples == 1 ? "sample" : "samples",
+                     duration(status_.seconds).c_str(), known.c_str());
   if (ImGui::BeginTable("presets", 3, ImGuiTableFlags_BordersInnerH | ImGuiTableFlags_SizingStretchProp)) {
     for (const char* heading : {"Preset", "Noise", "Time from now on"}) ImGui::TableSetupColumn(heading);
     ImGui::TableHeadersRow();
@@ -222,10 +223,11 @@ void Panels::draw_status(const ViewStatus& status, double frames, const std::opt
                   int(mouse->y * session_->size().y));
     right += text;
   }
+  const float end = ImGui::GetContentRegionMax().x, room = end - ImGui::CalcTextSize(line.c_str()).x - 30 * unit();
   std::snprintf(text, sizeof text, "   %d x %d   %3.0f fps", session_->size().x, session_->size().y, frames);
-  right += text;
-  const float at = ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(right.c_str()).x;
-  ImGui::SameLine(std::max(at, ImGui::CalcTextSize(line.c_str()).x + 30 * unit()));
+  if (right.empty() || ImGui::CalcTextSize((right + text).c_str()).x <= room) right += text;
+  const float width = ImGui::CalcTextSize(right.c_str()).x;
+  ImGui::SameLine(end - std::min(width, room));
   ImGui::TextDisabled("%s", right.c_str());
 }
 

@@ -27,7 +27,8 @@ constexpr int kQuietFrames = 20;      // without new pixels, before it rests
 constexpr double kResizeRest = 0.15;  // seconds that a size must last before it is rendered
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/TTF/DejaVuSans.ttf"};
-constexpr float kFontSize = 15, kSideWidth = 30;  // the width in letters
+constexpr float kFontSize = 15, kSideWidth = 30;        // the width in letters
+constexpr float kLeastWidth = 900, kLeastHeight = 540;  // pixels of a plain screen that toolbar and panels need
 
 std::string g_glfw_error;  // GLFW reports through a function without an argument of ours
 
@@ -73,6 +74,8 @@ class Screen {
     load_font(now);
     io.FontGlobalScale = 1 / now.density;
     set_style(now.units(1));
+    glfwSetWindowSizeLimits(window, int(now.units(kLeastWidth)), int(now.units(kLeastHeight)), GLFW_DONT_CARE,
+                            GLFW_DONT_CARE);
   }
 
   static ScreenScale scale_of(GLFWwindow* window) {

@@ -111,7 +111,7 @@ def drags(window, scene):
         "drag middle 0.4 0.4 0.5 0.3", "wait converged", "state",
         "drag right 0.45 0.45 0.45 0.35", "wait converged", "state",
         "wheel 0.45 0.45 2", "wait converged", "state",
-        "key r", "wait converged", "screenshot returned.ppm", "state"])
+        "key R", "wait converged", "screenshot returned.ppm", "state"])
     check_near(place(first), (0, 0, 5), 1e-6, "the scene's camera")
     check(place(orbited)[0] < -0.5 and place(orbited)[1] < -0.2,
           f"a drag to the right and upwards moves the camera to {place(orbited)}, not to the left and downwards")

@@ -21,6 +21,7 @@ TEST(DataView, KnowsEachAov) {
   EXPECT_EQ(data_kind("primvars:st"), DataKind::vector);
   EXPECT_EQ(data_kind("cameraDepth"), DataKind::number);
   EXPECT_EQ(data_kind("sampleCount"), DataKind::number);
+  EXPECT_EQ(data_kind("nonfiniteSamples"), DataKind::number);
   EXPECT_EQ(data_kind("primId"), DataKind::id);
 }
 

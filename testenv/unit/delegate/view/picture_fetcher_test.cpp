@@ -83,6 +83,8 @@ TEST(PictureFetcher, BringsEachChangeOnce) {
   EXPECT_EQ(picture.size, hd::Vec2i(4, 3));
   ASSERT_EQ(picture.rgba.size(), 48u);
   EXPECT_EQ(picture.rgba[0], 51);
+  EXPECT_EQ(picture.rgba[1], 51) << "one component is gray, not red";
+  EXPECT_EQ(picture.rgba[2], 51);
   EXPECT_FALSE(fetched(&fetcher, light(&buffer), {}, false, &picture)) << "nothing is new";
   buffer.set(0.4f);
   ASSERT_TRUE(fetched(&fetcher, light(&buffer), {}, false, &picture));
