@@ -12,7 +12,7 @@ install_packages() {
     command -v sudo >/dev/null || { echo "error: packages are missing, and there is neither root nor sudo; as root, install:$missing" >&2; return 1; }
     as_root="sudo"
   fi
-  echo "Installing Debian packages:$missing"
+  echo "Installing Debian packages, which may take a minute or two:$missing"
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get update -qq
   # shellcheck disable=SC2086  # the list is meant to be split
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
@@ -25,6 +25,7 @@ install_denoiser() {
   library="pyoidn/oidn/lib/libOpenImageDenoise.so.2"
   if [ ! -e "$oidn/$library" ]; then
     rm -rf "$oidn.part"
+    echo "Installing Open Image Denoise from PyPI, which may take a minute"
     python3 -m pip --version >/dev/null 2>&1 || echo python3-pip | install_packages - 2>/dev/null || true
     if ! reason=$(python3 -m pip install --quiet --disable-pip-version-check --timeout 10 --retries 1 --no-deps \
       --only-binary :all: --target "$oidn.part" pyoidn==2.5.1.0 2>&1) || [ ! -e "$oidn.part/$library" ]; then

@@ -5,7 +5,16 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-cmake --install "$1" --prefix "$scratch/prefix" >/dev/null
+told=$(cmake --install "$1" --prefix "$scratch/prefix")
+# Each optional part is installed, or the installation says why not.
+for part in "Python module:_alabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Hydra plug-in:hdAlabasterPlugin.so"; do
+  found=$(find "$scratch/prefix" -name "${part#*:}")
+  left_out=$(echo "$told" | grep "^-- ${part%%:*}.*: not installed, because " || true)
+  if [ -n "$found" ] && [ -n "$left_out" ] || [ -z "$found$left_out" ]; then
+    echo "error: ${part%%:*}: found '$found', told '$left_out'" >&2
+    exit 1
+  fi
+done
 cmake -S "$here" -B "$scratch/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/prefix" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$scratch/build"
 "$scratch/build/stranger"
