@@ -100,7 +100,11 @@ class Loader {
       state_.result->gltf.push_back(gltf::LoadGltf(file, options, state_.scene, sink_));
       return state_.result->gltf.back().ok;
     }
-    return fail("scene.kind", file, "This is not a scene file: use .gltf, .glb or .json (a render description).");
+    const bool is_usd = extension == ".usd" || extension == ".usda" || extension == ".usdc" || extension == ".usdz";
+    return fail("scene.kind", file,
+                is_usd ? "Files of OpenUSD are rendered by its own hosts, such as usdrecord, with the plug-in of "
+                         "delegate/hydra/README.md. Here use .gltf, .glb or .json (a render description)."
+                       : "This is not a scene file: use .gltf, .glb or .json (a render description).");
   }
 
   // As the setting of a description or an override says, which counts before any description.
