@@ -5,6 +5,7 @@
 
 #include "delegate/description/render_description.h"
 #include "delegate/hydra/captured_files.h"
+#include "delegate/support/preview_surface.h"
 
 namespace alabaster::hydra {
 namespace {
@@ -61,12 +62,15 @@ json texture_of(const hd::Path& material, const hd::MaterialNetwork& network, co
 }
 
 // The parameters of its surface, connected ones as textures.
-json to_json(const hd::Path& id, const hd::MaterialNetwork& network) {
+json to_json(const hd::Path& id, const hd::MaterialNetwork& given) {
+  // The faults of a UsdPreviewSurface were warnings when it was synced.
+  const hd::MaterialNetwork network = hd::support::TranslatePreviewSurface(given, [](auto&&...) {});
   const auto terminal = network.terminals.find("surface");
   const auto node =
       terminal == network.terminals.end() ? network.nodes.end() : network.nodes.find(terminal->second.upstreamNode);
   if (node == network.nodes.end() || !(node->second.nodeTypeId == hd::Token("AlabasterDisney")))
-    throw std::runtime_error(id.str() + " is no material of AlabasterDisney nodes, which alone are written");
+    throw std::runtime_error(
+        id.str() + " is neither a UsdPreviewSurface nor made of AlabasterDisney nodes, which alone are written");
   if (network.terminals.contains("displacement"))
     throw std::runtime_error(id.str() + " displaces its meshes, which is not written");
   json parameters = json::object();

@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <stdexcept>
 #include <tuple>
 
@@ -21,7 +23,7 @@ using nlohmann::json;
   throw std::runtime_error(id.str() + " " + why);
 }
 
-/// A corner of a triangle: its point, and what else it carries. glTF has one vertex for all that are alike.
+/// A corner of a face: its point, and what else it carries. glTF has one vertex for all that are alike.
 struct Corner {
   int32_t point = 0;
   Vec3f normal{0};
@@ -42,7 +44,7 @@ class GltfMeshes {
     std::vector<uint32_t> indices;
     std::vector<Vec3f> vertex_points, vertex_normals;
     std::vector<Vec2f> vertex_st;
-    for (size_t i = 0; i < points.size(); ++i) {
+    for (const size_t i : triangle_corners(id, mesh, points)) {
       const Corner corner{mesh.topology.faceVertexIndices[i], has_normals ? normals[i] : Vec3f(0),
                           has_st ? Vec2f(st[i].x, 1 - st[i].y) : Vec2f(0)};  // glTF counts v downwards
       const auto [vertex, is_new] = vertex_of.emplace(corner, static_cast<uint32_t>(vertex_points.size()));
@@ -77,8 +79,6 @@ class GltfMeshes {
  private:
   static void check(const hd::Path& id, const MeshDescription& mesh) {
     if (!(mesh.topology.scheme == hd::Token("none"))) refuse(id, "is a cage for subdivision, which glTF cannot hold");
-    for (const int32_t count : mesh.topology.faceVertexCounts)
-      if (count != 3) refuse(id, "has faces that are no triangles, which glTF cannot hold");
     if (!mesh.topology.geomSubsets.empty()) refuse(id, "has subsets, which are not written");
     if (!mesh.transformSamples.times.empty() || !mesh.primvarSamples.empty()) refuse(id, "moves, which is not written");
     if (mesh.material.empty() && mesh.doubleSided) refuse(id, "has two sides and no material, which glTF cannot hold");
@@ -91,7 +91,45 @@ class GltfMeshes {
       refuse(id, "has faces that are not drawn, which is not written");
   }
 
-  // The value of each corner of a triangle.
+  // The corners of triangles, by their numbers in the topology.
+  static std::vector<size_t> triangle_corners(const hd::Path& id, const MeshDescription& mesh,
+                                              const std::vector<Vec3f>& points) {
+    std::vector<size_t> all;
+    size_t first = 0;
+    for (const int32_t count : mesh.topology.faceVertexCounts) {
+      const auto corners = static_cast<size_t>(std::max(count, 0));
+      if (corners < 3 || first + corners > points.size())
+        refuse(id, "has faces of fewer than three corners, or too few indices");
+      if (corners > 3 && !is_fan({points.data() + first, corners}))
+        refuse(id, "has a face that is not convex, which is not written");
+      for (size_t i = first + 1; i + 1 < first + corners; ++i) all.insert(all.end(), {first, i, i + 1});
+      first += corners;
+    }
+    return all;
+  }
+
+  // True if the renderer cuts the polygon into a fan from its first corner (core/geometry/triangulation.h): along the
+  // axis that is closest to its normal, all turns and all triangles of the fan go around the same way.
+  static bool is_fan(std::span<const Vec3f> polygon) {
+    const auto turn = [&](size_t a, size_t b, size_t c) {
+      const hd::Vec3d from(polygon[a]);
+      return (hd::Vec3d(polygon[b]) - from).cross(hd::Vec3d(polygon[c]) - from);
+    };
+    const size_t n = polygon.size();
+    hd::Vec3d normal(0);
+    for (size_t i = 1; i + 1 < n; ++i) normal += turn(0, i, i + 1);
+    int axis = 0;
+    for (const int other : {1, 2})
+      if (std::abs(normal[other]) > std::abs(normal[axis])) axis = other;
+    const double side = normal[axis] < 0 ? -1 : 1;
+    for (size_t i = 0; i < n; ++i)
+      if (turn(i, (i + 1) % n, (i + 2) % n)[axis] * side < 0) return false;
+    for (size_t i = 1; i + 1 < n; ++i)
+      if (turn(0, i, i + 1)[axis] * side < 0) return false;
+    return true;
+  }
+
+  // The value of each corner of a face.
   template <class T>
   static std::vector<T> corners(const hd::Path& id, const MeshDescription& mesh, const char* name) {
     const hd::host::PrimvarValue& primvar = mesh.primvars.at(name);

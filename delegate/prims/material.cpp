@@ -5,10 +5,10 @@
 #include <map>
 
 #include "delegate/prims/parameters.h"
-#include "delegate/prims/preview_surface.h"
 #include "delegate/prims/prims.h"
 #include "delegate/prims/texture_outputs.h"
 #include "delegate/support/nearest_name.h"
+#include "delegate/support/preview_surface.h"
 
 namespace alabaster::hd::prims {
 namespace {
@@ -361,7 +361,8 @@ void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, S
       alabaster::report(sink, alabaster::Severity::warning, code, id.str(), text);
     };
     MaterialRecord record;
-    record.material = MaterialReader(id, translate_preview_surface(*network, warn), param, sink).read(&record.fault);
+    record.material =
+        MaterialReader(id, support::TranslatePreviewSurface(*network, warn), param, sink).read(&record.fault);
     faults->report(param.sink(), std::move(found));
     return record;
   };

@@ -11,6 +11,7 @@ A case is a function of a folder that it may write files to. It gives a dictiona
             engine shows with the options `show`
 besides options of record_stage, and frames, a list of {time, settings}; `equals` and `written` are about the last picture.
 """
+import capture_cases
 import light_cases
 import node_cases
 from stage_text import *  # noqa: F403
@@ -52,8 +53,8 @@ def a_light(kind):
 
 for kind in LIGHTS:
     CASES["light_" + kind] = a_light(kind)
-CASES.update(light_cases.CASES)
-CASES.update(node_cases.CASES)
+for cases in (light_cases, node_cases, capture_cases):
+    CASES.update(cases.CASES)
 
 
 @case

@@ -23,7 +23,7 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
     "description": ["api", "support", "host", "gltf"],
     "c_api": CONTRACT + ["support"],
     "python": ["c_api"],
-    "hydra": CONTRACT,
+    "hydra": CONTRACT + ["support"],
     "tradeoff": CONTRACT + ["support"],
     "cli": CONTRACT + ["support", "tradeoff"],
     "view": CONTRACT + ["support", "cli"],

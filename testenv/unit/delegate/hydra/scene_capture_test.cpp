@@ -90,6 +90,38 @@ TEST(SceneCapture, MeshesThatThePassDoesNotDrawAreLeftOut) {
   EXPECT_EQ(c.document(".gltf")["meshes"].size(), 1u);
 }
 
+TEST(SceneCapture, ConvexPolygonsAreFans) {
+  Captured c;
+  c.mesh.topology.faceVertexCounts = {4, 3};
+  c.mesh.topology.faceVertexIndices = {0, 1, 2, 3, 0, 3, 4};
+  c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {-1, 0, 0}};
+  ASSERT_EQ(c.write(), "");
+  const json primitive = c.document(".gltf")["meshes"][0]["primitives"][0];
+  const json accessor = c.document(".gltf")["accessors"][primitive["indices"].get<size_t>()];
+  const json view = c.document(".gltf")["bufferViews"][accessor["bufferView"].get<size_t>()];
+  std::vector<uint32_t> indices(accessor["count"].get<size_t>());
+  std::ifstream bytes(c.stem + ".bin", std::ios::binary);
+  bytes.seekg(view["byteOffset"].get<long>());
+  bytes.read(reinterpret_cast<char*>(indices.data()), static_cast<std::streamsize>(4 * indices.size()));
+  EXPECT_EQ(indices, (std::vector<uint32_t>{0, 1, 2, 0, 2, 3, 0, 3, 4}));
+}
+
+TEST(SceneCapture, PreviewSurfacesAreWrittenAsWhatTheyBecome) {
+  Captured c;
+  c.surface() = {"UsdPreviewSurface",
+                 {{"diffuseColor", Vec3f(0.5f, 0.25f, 0.75f)}, {"clearcoat", 0.5f}, {"opacityThreshold", 0.25f}},
+                 {{"roughness", {{"/m/t", "g"}}}}};
+  c.network.nodes["/m/t"] = {
+      "UsdUVTexture", {{"file", std::string("skin.png")}, {"wrapS", "clamp"}, {"wrapT", "clamp"}}, {}};
+  ASSERT_EQ(c.write(), "");
+  const json written = c.document(".json")["materials"][0]["replace"];
+  EXPECT_EQ(written["baseColor"], json({0.5, 0.25, 0.75}));
+  EXPECT_EQ(written["coat"], 0.5);
+  EXPECT_EQ(written["opacityThreshold"], 0.25);
+  EXPECT_EQ(written["roughness"],
+            json({{"file", "skin.png"}, {"colorSpace", "auto"}, {"wrap", "clamp"}, {"st", "st"}, {"channel", "g"}}));
+}
+
 TEST(SceneCapture, FilesCannotHoldAllAndSayWhat) {
   struct Refusal {
     const char* says;
@@ -123,7 +155,14 @@ TEST(SceneCapture, FilesCannotHoldAllAndSayWhat) {
          c.surface().inputConnections["sheen"] = {{"/m/t", "r"}};
          c.network.nodes["/m/t"].parameters["stOffset"] = hd::Vec2f(1, 0);
        }},
-      {"/m is no material of AlabasterDisney", [](Captured& c) { c.surface().nodeTypeId = "UsdPreviewSurface"; }},
+      {"/m is neither a UsdPreviewSurface", [](Captured& c) { c.surface().nodeTypeId = "ND_unlit_surface"; }},
+      {"/mesh has a face that is not convex",
+       [](Captured& c) {
+         c.mesh.topology.faceVertexCounts = {4};
+         c.mesh.topology.faceVertexIndices = {0, 1, 2, 3};
+         c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 0.2f}, {1, 0, 0}};
+       }},
+      {"/mesh has faces of fewer", [](Captured& c) { c.mesh.topology.faceVertexCounts = {4}; }},
   };
   for (const Refusal& refusal : refusals) {
     Captured c;

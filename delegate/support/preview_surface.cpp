@@ -1,10 +1,10 @@
-#include "delegate/prims/preview_surface.h"
+#include "delegate/support/preview_surface.h"
 
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-namespace alabaster::hd::prims {
+namespace alabaster::hd::support {
 namespace {
 
 /// An input of UsdPreviewSurface that is a parameter of AlabasterDisney.
@@ -177,7 +177,7 @@ class PreviewTranslation {
 
 }  // namespace
 
-MaterialNetwork translate_preview_surface(const MaterialNetwork& network, const WarnNetwork& warn) {
+MaterialNetwork TranslatePreviewSurface(const MaterialNetwork& network, const WarnNetwork& warn) {
   const auto terminal = network.terminals.find("surface");
   if (terminal == network.terminals.end()) return network;
   const auto surface = network.nodes.find(terminal->second.upstreamNode);
@@ -185,4 +185,4 @@ MaterialNetwork translate_preview_surface(const MaterialNetwork& network, const 
   return PreviewTranslation(network, warn).run(surface->first, surface->second);
 }
 
-}  // namespace alabaster::hd::prims
+}  // namespace alabaster::hd::support

@@ -1,4 +1,4 @@
-#include "delegate/prims/preview_surface.h"
+#include "delegate/support/preview_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/texture/uv_transform.h"
 #include "testenv/support/stage.h"
 
-namespace alabaster::hd::prims {
+namespace alabaster::hd::support {
 namespace {
 
 MaterialNetwork preview(std::map<Token, Value> parameters) {
@@ -19,7 +19,7 @@ MaterialNetwork preview(std::map<Token, Value> parameters) {
 
 struct Translated {
   explicit Translated(const MaterialNetwork& from) {
-    network = translate_preview_surface(
+    network = TranslatePreviewSurface(
         from, [this](const char* code, const std::string& text) { warnings.push_back(code + (": " + text)); });
   }
   const MaterialNode& node(const char* path) { return network.nodes.at(path); }
@@ -147,4 +147,4 @@ TEST(PreviewSurface, IsDrawn) {
 }
 
 }  // namespace
-}  // namespace alabaster::hd::prims
+}  // namespace alabaster::hd::support

@@ -6,13 +6,13 @@
 
 #include "delegate/api/scene_types.h"
 
-namespace alabaster::hd::prims {
+namespace alabaster::hd::support {
 
 /// Takes a diagnostic's code and text.
 using WarnNetwork = std::function<void(const char* code, const std::string& text)>;
 
 /// The network itself unless its terminal "surface" names a node of type UsdPreviewSurface. Warns once of each input
 /// that is left out.
-MaterialNetwork translate_preview_surface(const MaterialNetwork& network, const WarnNetwork& warn);
+MaterialNetwork TranslatePreviewSurface(const MaterialNetwork& network, const WarnNetwork& warn);
 
-}  // namespace alabaster::hd::prims
+}  // namespace alabaster::hd::support
