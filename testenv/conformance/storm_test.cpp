@@ -79,14 +79,14 @@ void add_tiles(Host& host) {
 // Delegates that treat many instances in another way than few must not lose any between the two.
 TEST(Storm, NoInstanceIsLost) {
   const int steps = storm_steps(40, 5);  // the last of which draws thousands
-  Host host, fresh;
+  Host host(16, 16, {{"samples", 32}}), fresh(16, 16, {{"samples", 32}});
   add_tiles(host), add_tiles(fresh);
   host.buffer(), host.buffer("instanceId");
   for (int step = 0; step < steps; ++step) {
     scatter_tiles(host, step);
     host.sync();
     host.pass->Execute(host.state);
-    if (step % 8 == 3) host.take_up();
+    if (step % 8 == 3 || step == steps - 2) host.take_up();  // the last edit comes while a render goes on
     if (step % 8 == 6) host.converge();
   }
   scatter_tiles(fresh, steps - 1);
