@@ -42,6 +42,16 @@ std::string format_of(std::span<const uint8_t> head, const std::string& path) {
   return ending == ".tga" ? "targa" : "";  // TGA is the one without a signature
 }
 
+// OpenImageIO 2.4 looks colours of a run-length encoded BMP up in a table that the file may not have.
+bool is_compressed_bmp(std::span<const uint8_t> head) {
+  constexpr size_t kHeaderSize = 14, kCompression = 30;  // of the bitmap's own header
+  constexpr uint8_t kOldHeader = 12, kBitFields = 3;     // the old one knows no compression
+  if (head.size() < kCompression + 4 || head[kHeaderSize] == kOldHeader) return false;
+  const auto compression = head.subspan(kCompression, 4);
+  const bool is_byte = compression[1] == 0 && compression[2] == 0 && compression[3] == 0;
+  return !is_byte || (compression[0] != 0 && compression[0] != kBitFields);
+}
+
 /// Empty, or why the image will not be read.
 std::string refusal(const ImageLayout& image, size_t max_pixels) {
   if (image.width <= 0 || image.height <= 0 || image.channels == 0) return "the image has no pixels";
@@ -89,7 +99,7 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
 // Finds the format, and for PNG takes the whole file into memory, cleaned.
 bool ImageReader::load_bytes(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
   bytes_ = source.bytes;
-  std::array<uint8_t, 16> head{};
+  std::array<uint8_t, 64> head{};
   size_t head_size = 0;
   if (bytes_) {
     head_size = std::min(head.size(), bytes_->size());
@@ -108,6 +118,8 @@ bool ImageReader::load_bytes(const TextureSource& source, size_t max_pixels, con
   if (format_.empty())
     return fail(sink, "texture.format",
                 "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, BMP, TGA); convert it");
+  if (format_ == "bmp" && is_compressed_bmp(std::span(head.data(), head_size)))
+    return fail(sink, "texture.format", "the BMP is compressed, which is not read; save it without compression");
   if (format_ == "openexr") return check_exr(max_pixels, sink);
   if (format_ != "png") return true;
 

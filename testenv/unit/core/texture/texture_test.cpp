@@ -384,6 +384,19 @@ TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
   EXPECT_EQ(reports.all.size(), 1u);
 }
 
+// 24 bits have no colours to look up, but OpenImageIO does where the header speaks of run lengths.
+TEST_F(TextureFile, CompressedBmpsAreRefused) {
+  std::vector<uint8_t> file = {'B', 'M', 70, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 1};
+  file.resize(70, 0);
+  file[28] = 24;
+  EXPECT_TRUE(load(spit("plain.bmp", file)));
+  for (const uint8_t compression : {uint8_t(1), uint8_t(2), uint8_t(4), uint8_t(255)}) {
+    file[30] = compression;
+    EXPECT_FALSE(load(spit("packed.bmp", file)));
+    EXPECT_NE(reports_.text().find("compressed"), std::string::npos) << reports_.text();
+  }
+}
+
 // OpenImageIO opens them.
 TEST_F(TextureFile, WithoutWidthOrHeightIsRefused) {
   for (const char* size : {"-Y 2 +X 0", "-Y 0 +X 2", "-Y 0 +X 0"}) {
