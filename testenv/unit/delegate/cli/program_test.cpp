@@ -309,7 +309,7 @@ TEST_F(ProgramTest, OcioListsAndExports) {
   EXPECT_EQ(run({"ocio", "--ocio", "absent.ocio"}).code, 3);
 }
 
-// An interrupted render ends within 0.2 s on an idle machine. One of three attempts must: a busy machine may delay
+// An interrupted render ends within 0.2 s on an idle machine. One of ten attempts must: a busy machine may delay
 // some.
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr double kAtOnce = 4;  // sanitizers slow everything down
@@ -319,7 +319,7 @@ constexpr double kAtOnce = 0.2;
 
 TEST_F(ProgramTest, InterruptWritesWhatThereIsAtOnce) {
   double best = 1e9;
-  for (int attempt = 0; attempt < 3 && best >= kAtOnce; ++attempt) {
+  for (int attempt = 0; attempt < 10 && best >= kAtOnce; ++attempt) {
     Program program(
         folder_, {"render", "patch.gltf", "--size", "64x48", "--spp", "1000000", "-o", "a.exr", "--stats", "s.json"});
     ASSERT_TRUE(program.wait_for("samples", 30)) << program.err();
