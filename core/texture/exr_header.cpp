@@ -158,8 +158,8 @@ class HeaderChecker {
     if (too_many(part.tile_width, part.tile_height, std::max(kLargestTile, part.width * part.height)))
       return fail("texture.size", "the image claims tiles of " + by(part.tile_width, part.tile_height) +
                                       " pixels, more than it has itself; write it with smaller tiles");
-    const uint64_t chunks = part.least_chunks();
-    if (chunks > file_.size / kOffsetBytes) return cut_short("it claims " + std::to_string(chunks) + " pieces");
+    chunks_ += part.least_chunks();
+    if (chunks_ > file_.size / kOffsetBytes) return cut_short("it claims " + std::to_string(chunks_) + " pieces");
     return true;
   }
 
@@ -167,7 +167,8 @@ class HeaderChecker {
   const size_t max_pixels_;
   ImageFault& fault_;
   uint64_t at_ = 0;
-  size_t attributes_ = 0;  // so far
+  size_t attributes_ = 0;  // of the parts so far
+  uint64_t chunks_ = 0;    // of these
   std::vector<uint8_t> block_;
   uint64_t block_begin_ = 0;  // in the file
 };

@@ -9,7 +9,7 @@
 
 namespace alabaster {
 
-/// A file of `size` bytes: read(offset, bytes, count) is false beyond its end.
+/// A file of `size` bytes: read(offset, bytes, count) within it; false if that fails.
 struct FileBytes {
   uint64_t size = 0;
   std::function<bool(uint64_t offset, void* bytes, size_t count)> read;

@@ -42,14 +42,14 @@ std::string format_of(std::span<const uint8_t> head, const std::string& path) {
   return ending == ".tga" ? "targa" : "";  // TGA is the one without a signature
 }
 
-// OpenImageIO 2.4 looks colours of a run-length encoded BMP up in a table that the file may not have.
-bool is_compressed_bmp(std::span<const uint8_t> head) {
-  constexpr size_t kHeaderSize = 14, kCompression = 30;  // of the bitmap's own header
-  constexpr uint8_t kOldHeader = 12, kBitFields = 3;     // the old one knows no compression
-  if (head.size() < kCompression + 4 || head[kHeaderSize] == kOldHeader) return false;
-  const auto compression = head.subspan(kCompression, 4);
-  const bool is_byte = compression[1] == 0 && compression[2] == 0 && compression[3] == 0;
-  return !is_byte || (compression[0] != 0 && compression[0] != kBitFields);
+// Run lengths of 8 or 4 bits count numbers of colours of as many. OpenImageIO 2.4 takes them at any number, and looks
+// the colours up in a table that only those have.
+bool has_misplaced_run_lengths(std::span<const uint8_t> bmp) {
+  constexpr size_t kHeaderSize = 14, kBits = 28, kCompression = 30;  // of the bitmap's own header
+  constexpr uint8_t kOldHeader = 12;                                 // which knows no compression
+  if (bmp.size() < kCompression + 4 || bmp[kHeaderSize] == kOldHeader) return false;
+  const uint8_t compression = bmp[kCompression];
+  return (compression == 1 && bmp[kBits] != 8) || (compression == 2 && bmp[kBits] != 4);
 }
 
 /// Empty, or why the image will not be read.
@@ -78,7 +78,6 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
   if (bytes_) {
     bytes.size = bytes_->size();
     bytes.read = [&](uint64_t offset, void* out, size_t count) {
-      if (offset > bytes.size || count > bytes.size - offset) return false;
       std::memcpy(out, bytes_->data() + offset, count);
       return true;
     };
@@ -86,7 +85,6 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
     file.open(path_, std::ios::binary | std::ios::ate);
     bytes.size = uint64_t(std::max<std::streamoff>(file.tellg(), 0));
     bytes.read = [&](uint64_t offset, void* out, size_t count) {
-      if (offset > bytes.size || count > bytes.size - offset) return false;
       file.seekg(std::streamoff(offset));
       file.read(static_cast<char*>(out), std::streamsize(count));
       return bool(file);
@@ -118,8 +116,8 @@ bool ImageReader::load_bytes(const TextureSource& source, size_t max_pixels, con
   if (format_.empty())
     return fail(sink, "texture.format",
                 "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, BMP, TGA); convert it");
-  if (format_ == "bmp" && is_compressed_bmp(std::span(head.data(), head_size)))
-    return fail(sink, "texture.format", "the BMP is compressed, which is not read; save it without compression");
+  if (format_ == "bmp" && has_misplaced_run_lengths(std::span(head.data(), head_size)))
+    return fail(sink, "texture.damaged", "its header does not fit its compression; export or copy the image again");
   if (format_ == "openexr") return check_exr(max_pixels, sink);
   if (format_ != "png") return true;
 

@@ -199,45 +199,41 @@ class MaterialReader {
     if (!row || !row->is_textured())
       return warn("material.connection", input.str() + " cannot be textured; the connection is ignored" +
                                              (row ? " and the constant used" : ""));
-    bool connected = false;
+    bool has_constant = surface.parameters.count(input) > 0, connected = false;
+    std::vector<std::pair<const Path*, Channel>> lost;
     for (const MaterialConnection& connection : connections) {
       const Channel channel = channel_of(connection, reads_of(*row));
       // Alpha is the same whatever its image's colours mean: it comes from the one that is read for colours.
       MaterialTexture* const texture =
           texture_of(connection.upstreamNode, input, channel == Channel::a ? Texels::colors : row->texels, material);
-      if (!texture && channel == Channel::direction)
-        turn_by_bias(connection.upstreamNode, surface.parameters.count(input) > 0, &material->constants);
-      else if (!texture)
-        replace_image(*row, {connection.upstreamNode, channel, surface.parameters.count(input) > 0}, material);
-      if (!texture) continue;
-      texture->uses.push_back({row, channel});
-      connected = true;
+      if (texture)
+        texture->uses.push_back({row, channel}), connected = true;
+      else
+        lost.emplace_back(&connection.upstreamNode, channel);
     }
     // A constant that nobody gave must not scale the texture.
-    if (connected && !surface.parameters.count(input)) set_parameter(*row, 1.0f, &material->constants);
+    if (connected && !has_constant) has_constant = true, set_parameter(*row, 1.0f, &material->constants);
+    for (const auto& [node, channel] : lost)
+      if (channel == Channel::direction)
+        turn_by_bias(*node, has_constant, &material->constants);
+      else
+        replace_image(*row, *node, channel, has_constant, &material->constants);
   }
-
-  /// A connection whose image cannot be read.
-  struct LostImage {
-    const Path& node;
-    Channel channel;
-    bool has_constant;  // of the parameter
-  };
 
   // A lost image counts as white, as files mean it that name none: scale and bias may hold a part of the constant. A
   // lost base colour must be seen.
-  void replace_image(const MaterialParameter& row, const LostImage& lost, DisneyMaterial* material) const {
-    const std::optional<NodeReader> node = texture_node(lost.node);
+  void replace_image(const MaterialParameter& row, const Path& node_id, Channel channel, bool has_constant,
+                     DisneyParameters* constants) const {
+    const std::optional<NodeReader> node = texture_node(node_id);
     if (!node || node->parameter("file").text_or("").empty()) return;
-    DisneyParameters* const constants = &material->constants;
     if (row.member == decltype(row.member)(&DisneyParameters::base_color)) {
       constants->base_color = kLostColor;
       return;
     }
-    if (!lost.has_constant) return;
+    if (!has_constant) return;
     const Vec4f white = node->finite_or("scale", Vec4f(1, 1, 1, 1)) + node->finite_or("bias", Vec4f(0, 0, 0, 0));
-    const float one = white[lost.channel == Channel::a ? 3 : component_of(lost.channel)];
-    const Vec3f all = lost.channel == Channel::rgb ? Vec3f(white.x, white.y, white.z) : Vec3f(one);
+    const float one = white[channel == Channel::a ? 3 : component_of(channel)];
+    const Vec3f all = channel == Channel::rgb ? Vec3f(white.x, white.y, white.z) : Vec3f(one);
     const Value held = get_parameter(row, *constants);
     if (row.is_color())
       set_parameter(row, held.get_or(Vec3f(1)) * all, constants);

@@ -22,7 +22,7 @@ bool is_interlaced_png(std::span<const uint8_t> file) {
 }
 
 /// The rows as floats and in the file's type; and all of the image in that, where a reader decodes it as a whole: WebP,
-/// TGA that is compressed, PNG that is interlaced, TIFF of one strip.
+/// BMP and TGA that are compressed, PNG that is interlaced, TIFF of one strip.
 size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format, bool interlaced) {
   if (spec.width <= 0 || spec.height <= 0) return 0;  // it is not read
   const size_t row = size_t(spec.width) * size_t(std::max(spec.nchannels, 1)) * (sizeof(float) + spec.format.size());

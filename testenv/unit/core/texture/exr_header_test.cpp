@@ -43,7 +43,7 @@ std::string fault_of(const std::string& bytes) {
   FileBytes source;
   source.size = bytes.size();
   source.read = [&](uint64_t offset, void* out, size_t count) {
-    if (offset > bytes.size() || count > bytes.size() - offset) return false;
+    EXPECT_TRUE(offset <= bytes.size() && count <= bytes.size() - offset);
     std::memcpy(out, bytes.data() + offset, count);
     return true;
   };
@@ -91,6 +91,11 @@ TEST(ExrHeader, ClaimsNoMorePiecesThanTheFileHasOffsets) {
   EXPECT_NE(fault_of(file(kTiled, part(window(4096, 4096) + tiles(1, 1)), 4096)), "");
   const std::string counted = part(window(1, 1) + attribute("chunkCount", "int", number(0x7fffffff)));
   EXPECT_NE(fault_of(file(kMultipart, part(window(1, 1)) + counted, 600)), "");
+  // The parts share the file.
+  const std::string one = part(window(1, 100));
+  EXPECT_EQ(fault_of(file(kMultipart, one + one, 200 * 8)), "");
+  EXPECT_EQ(fault_of(file(kMultipart, one + one + one + one, 200 * 8)),
+            "it claims 300 pieces, more than the file has; export or copy the image again");
 }
 
 // Each costs OpenEXR many times its bytes.

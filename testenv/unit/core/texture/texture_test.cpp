@@ -384,16 +384,28 @@ TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
   EXPECT_EQ(reports.all.size(), 1u);
 }
 
-// 24 bits have no colours to look up, but OpenImageIO does where the header speaks of run lengths.
-TEST_F(TextureFile, CompressedBmpsAreRefused) {
-  std::vector<uint8_t> file = {'B', 'M', 70, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 1};
-  file.resize(70, 0);
-  file[28] = 24;
-  EXPECT_TRUE(load(spit("plain.bmp", file)));
-  for (const uint8_t compression : {uint8_t(1), uint8_t(2), uint8_t(4), uint8_t(255)}) {
-    file[30] = compression;
-    EXPECT_FALSE(load(spit("packed.bmp", file)));
-    EXPECT_NE(reports_.text().find("compressed"), std::string::npos) << reports_.text();
+// Only numbers of colours may be run lengths: OpenImageIO looks them up, and pixels of 24 bits have no colours.
+TEST_F(TextureFile, RunLengthsOfBmpsMustFitTheirPixels) {
+  // Two by two pixels of one colour, all of them the first.
+  std::vector<uint8_t> file = {'B', 'M', 70, 0, 0, 0, 0, 0, 0, 0, 58, 0, 0, 0, 40, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 1};
+  file.resize(58, 0);
+  file[46] = 1, file[54] = file[55] = file[56] = 255;
+  for (const int byte : {2, 0, 0, 0, 2, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0}) file.push_back(static_cast<uint8_t>(byte));
+  const auto given = [&](int bits, int compression) {
+    file[28] = static_cast<uint8_t>(bits), file[30] = static_cast<uint8_t>(compression);
+    return load(spit(std::to_string(bits) + "_" + std::to_string(compression) + ".bmp", file));
+  };
+  for (const auto& [bits, compression] : {std::pair(8, 1), {4, 2}, {24, 0}}) {
+    const auto texture = given(bits, compression);
+    ASSERT_TRUE(texture) << bits << reports_.text();
+    if (compression) {
+      EXPECT_EQ(texture->texel(1, 1), Rgb(1.0f)) << bits;
+    }
+  }
+  for (const auto& [bits, compression] : {std::pair(24, 1), {24, 2}, {8, 2}, {4, 1}, {32, 1}, {1, 1}}) {
+    EXPECT_FALSE(given(bits, compression)) << bits << " " << compression;
+    EXPECT_NE(reports_.text().find("does not fit its compression"), std::string::npos) << reports_.text();
+    reports_.all.clear();
   }
 }
 

@@ -54,6 +54,22 @@ TEST(LostImages, CountAsWhite) {
   expect_constant({"emission", "rgb", bright, {0.5f, 1, 1, 1}, {0, 0, 1, 0}, "emission (0.5, 2, 8)"});
 }
 
+// The constant that nobody gave is that of no connection at all.
+TEST(LostImages, ShowBesideAnotherConnection) {
+  Stage stage;
+  MaterialNetwork network;
+  network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}, {"/m/color", "rgb"}}}}};
+  network.nodes["/m/map"] = {"AlabasterTexture", {{"file", AssetPath{"none.png", "none.png", nullptr}}}, {}};
+  network.nodes["/m/color"] = {"AlabasterPrimvar", {}, {}};
+  network.terminals["surface"] = {"/m/surface", "surface"};
+  stage.scene.SetMaterial("/m", network);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/m";
+  stage.scene.SetMesh("/mesh", mesh);
+  const std::string text = stage.dump();
+  EXPECT_NE(text.find("  baseColor (1, 0, 1)\n"), std::string::npos) << text;
+}
+
 TEST(LostImages, ShowInTheBaseColor) {
   expect_constant({"baseColor", "rgb", {{"baseColor", Vec3f(0.5f)}}, kOne, kZero, "baseColor (1, 0, 1)"});
   expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
