@@ -177,7 +177,8 @@ bool survives(const PathContext& context, const Draw& draw, PathState* path) {
 
 template <SubsurfaceMode kMode>
 bool keeps_footprints(const PathContext& context) {
-  return kMode == SubsurfaceMode::automatic || context.settings.texture_filter > 0;
+  return kMode == SubsurfaceMode::automatic || context.settings.texture_filter > 0 ||
+         context.settings.glossy_filter > 0;
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
@@ -316,6 +317,21 @@ inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, c
   return numbers;
 }
 
+// The surface where the path's ray ends, with the material as mode and filters have it.
+template <SubsurfaceMode kMode>
+PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
+  if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
+  PathVertex vertex =
+      make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
+  if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
+    vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
+  if (kMode == SubsurfaceMode::lambert)
+    vertex.material.scatter_distance = Rgb(0.0f);
+  else if (vertex.material.scatters())
+    drop_unresolved_distances(&vertex);
+  return vertex;
+}
+
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split) {
@@ -344,14 +360,8 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     VertexNumbers numbers = draw_numbers(sampler, path->depth, *mesh, hit.triangle);
 
     // Find the surface and the material at the vertex.
-    if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
-    PathVertex vertex =
-        make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
+    PathVertex vertex = find_vertex<kMode>(context, hit, path);
     if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (kMode == SubsurfaceMode::lambert)
-      vertex.material.scatter_distance = Rgb(0.0f);
-    else if (vertex.material.scatters())
-      drop_unresolved_distances(&vertex);
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, &numbers.bsdf[0])) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       path->ray.tmax = reach - hit.t;

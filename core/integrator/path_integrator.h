@@ -29,6 +29,7 @@ struct IntegratorSettings {
   WalkSettings walk;
   EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // of colour textures, in widths of a path's footprint; 0: none
+  float glossy_filter = 0;   // see Footprint::least_alpha; 0: none
 };
 
 class PathRecord;

@@ -16,6 +16,9 @@ struct Footprint {
   PixelCone cone;
 
   void travel(float distance) { cone.width += cone.spread * distance; }
+  /// GGX of this alpha reflects into 4 pi alpha^2, the reciprocal of its largest density: into the solid angle of the
+  /// bundle. A narrower lobe meets a light by chance.
+  float least_alpha() const { return std::min(1.0f, cone.spread * (0.5f / std::sqrt(kPi))); }
   void scatter(float pdf) {
     cone.spread = std::sqrt(cone.spread * cone.spread + (pdf > 0 ? std::min(1 / pdf, kTwoPi) : kTwoPi));
   }

@@ -36,7 +36,7 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
   layers_ = layers_of(p);
   if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
-  clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss);
+  clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss, p.least_roughness);
 
   if (is_bounded()) bound_energy(p);
 
@@ -50,7 +50,7 @@ std::optional<DisneyBsdf::Layers> DisneyBsdf::layers_of(const DisneyParameters& 
   if (!fibrous && !(p.coat > 0)) return std::nullopt;
   Layers layers;
   if (fibrous) layers.fibres = CharlieSheen::from(clamp01(sheen_hue(p) * p.sheen), p.sheen_roughness);
-  if (p.coat > 0) layers.coat = DisneyCoat::from(p.coat, p.coat_roughness, p.coat_normal);
+  if (p.coat > 0) layers.coat = DisneyCoat::from(p.coat, std::max(p.coat_roughness, p.least_roughness), p.coat_normal);
   return layers;
 }
 

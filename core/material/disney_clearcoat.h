@@ -13,7 +13,11 @@ struct DisneyClearcoat {
   float strength = 0;  // the parameter `clearcoat`, in [0,1]
   Gtr1 gtr1;
 
-  static DisneyClearcoat from(float clearcoat, float gloss) { return {clearcoat, {lerp(0.1f, 0.001f, gloss)}}; }
+  /// `least_roughness`: DisneyParameters::least_roughness, as far as a gloss of 0 goes.
+  static DisneyClearcoat from(float clearcoat, float gloss, float least_roughness = 0) {
+    constexpr float kDullest = 0.1f;
+    return {clearcoat, {std::max(lerp(kDullest, 0.001f, gloss), std::min(kDullest, sqr(least_roughness)))}};
+  }
 
   /// The pdf is that of normals by D wm.z, reflected: D wm.z / (4 wo.wm).
   BsdfValue evaluate(const Vec3f& wo, const Vec3f& wi) const {

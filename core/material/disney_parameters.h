@@ -2,6 +2,7 @@
 // Names and ranges: material_parameters(). Meanings: schemas/disney_material.json (Burley 2012 and 2015).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/color/rgb.h"
@@ -45,8 +46,13 @@ struct DisneyParameters {
   float iridescence = 0;           // share of the surface under a thin film
   float iridescence_ior = 1.3f;    // of the film
   float iridescence_thickness = 400;  // of the film, in nanometres
+  /// Glossy lobes are at least as rough; the diffuse lobe keeps `roughness`. Not a row of the table: the integrator
+  /// sets it (IntegratorSettings::glossy_filter).
+  float least_roughness = 0;
 
   bool scatters() const { return !thin && max_component(scatter_distance) > 0; }
+  float specular_roughness() const { return std::max(roughness, least_roughness); }
+
   /// Light may go through the surface into an interior, or through the sheet.
   bool transmits() const { return spec_trans > 0 || diff_trans > 0; }
 };

@@ -71,7 +71,7 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   DisneySpecular lobe;
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
   lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
-  lobe.ggx = disney_ggx(p.roughness, p.anisotropic);
+  lobe.ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
   lobe.film = {p.iridescence, p.iridescence_ior, p.iridescence_thickness};
   return lobe;
 }

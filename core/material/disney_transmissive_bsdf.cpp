@@ -30,7 +30,7 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyPara
   const float dielectric = (1 - p.metallic) * near_.passed_layers(wo);
   clear_ = dielectric * p.spec_trans;
   diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
-  const Ggx ggx = disney_ggx(p.roughness, p.anisotropic);
+  const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
   if (thin_) {
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
     sheet_ = {DielectricBoundary::from(p, eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};

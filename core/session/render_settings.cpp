@@ -24,6 +24,7 @@ std::span<const SettingParameter> setting_parameters() {
       {"textureMemory", &S::texture_memory, 1, 16777216},
       {"memoryLimit", &S::memory_limit, 0, 16777216},
       {"textureFilter", &S::texture_filter, 0, 8},
+      {"glossyFilter", &S::glossy_filter, 0, 1},
       {"refineEdgeLength", &S::refine_edge_length, 0, 1024},
       {"filter", &S::filter, 0, 0, {"box", "triangle", "gaussian", "blackmanHarris"}},
       {"denoise", &S::denoise},
@@ -33,7 +34,9 @@ std::span<const SettingParameter> setting_parameters() {
 
 IntegratorSettings integrator_settings(const RenderSettings& s) {
   const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
-  IntegratorSettings out{s.max_depth, s.roulette_depth, s.subsurface, s.inversion, {}, s.energy, s.texture_filter};
+  IntegratorSettings out{s.max_depth, s.roulette_depth, s.subsurface,     s.inversion,
+                         {},          s.energy,         s.texture_filter, s.glossy_filter};
+  if (!shortcuts) out.glossy_filter = 0;
   out.walk.weights = s.walk_weights;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;

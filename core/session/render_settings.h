@@ -33,6 +33,7 @@ struct RenderSettings {
   uint32_t memory_limit = 0;       // MiB (core/memory/memory_budget.h), read by who makes the budget; 0: it chooses
   EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // see IntegratorSettings; above 0 it blurs
+  float glossy_filter = 0;   // see IntegratorSettings; above 0 it blurs
   PixelFilter filter = PixelFilter::blackman_harris;
   float refine_edge_length =
       0;                 // pixels: refined meshes get edges as long as this in the picture; 0: by their refineLevel

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <sstream>
 
 #include "delegate/description/quality_presets.h"
 
@@ -13,7 +14,7 @@ namespace {
 enum class Needs { nothing, subsurface };
 
 /// A value as written here: numbers for numbers, words for words, 0 and 1 for switches.
-using KnobValue = std::variant<int64_t, const char*, bool>;
+using KnobValue = std::variant<int64_t, double, const char*, bool>;
 
 struct Knob {
   const char* setting;
@@ -35,6 +36,8 @@ constexpr Knob kKnobs[] = {
     {"subsurface", "diffusion", Needs::subsurface},
     {"subsurface", "auto", Needs::subsurface},
     {"subsurface", "reference", Needs::subsurface},
+    {"glossyFilter", 0.5},
+    {"glossyFilter", 1.0},
     {"maxDepth", int64_t(2)},
     {"maxDepth", int64_t(4)},
     {"maxDepth", int64_t(8)},
@@ -72,6 +75,7 @@ hd::Value value_of(const KnobValue& value) {
 std::string text_of(const KnobValue& value) {
   if (const auto* word = std::get_if<const char*>(&value)) return *word;
   if (const auto* on = std::get_if<bool>(&value)) return *on ? "on" : "off";
+  if (const auto* share = std::get_if<double>(&value)) return (std::ostringstream() << *share).str();
   return std::to_string(std::get<int64_t>(value));
 }
 
@@ -92,7 +96,8 @@ class ListMaker {
     base_.settings = scene_settings;
     for (const char* key : kDecidedHere) base_.settings.erase(key);
     for (const Knob& knob : kBase) base_.settings[knob.setting] = value_of(knob.value);
-    for (const char* spares : {"adaptive", "walkGuiding", "walkSphereSteps", "walkWeights", "rouletteDepth"})
+    for (const char* spares :
+         {"adaptive", "walkGuiding", "walkSphereSteps", "walkWeights", "rouletteDepth", "glossyFilter"})
       base_.settings.erase(spares);
     base_.settings["maxDepth"] = std::max(kBaseDepth, static_cast<int64_t>(number("maxDepth")));
   }

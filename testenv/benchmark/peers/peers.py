@@ -60,12 +60,16 @@ class Ours:
         """CPU seconds of each render."""
         return [self.render_once(job, task) for task in job["renders"]]
 
+    @staticmethod
+    def filter_flags(job):
+        return ["--set", f"glossyFilter={job['glossyFilter']}"] if job["glossyFilter"] else []
+
     def render_once(self, job, task):
         environment = {**os.environ, "LD_LIBRARY_PATH": f"{self.library}:{os.environ.get('LD_LIBRARY_PATH', '')}"}
         process = subprocess.Popen(
             [self.program, "render", f"{job['scene']}/scene.json", "--size", f"{job['width']}x{job['height']}",
              "--spp", str(task["samples"]), "--seed", str(task["seed"]), "--threads", str(job["threads"]), "--quiet",
-             "--allow-outside", "-o", task["output"]], env=environment)
+             "--allow-outside", "-o", task["output"], *self.filter_flags(job)], env=environment)
         _, status, usage = os.wait4(process.pid, 0)
         if status != 0:
             sys.exit(f"{self.name} failed with {os.waitstatus_to_exitcode(status)} on {job['scene']}")
@@ -158,8 +162,9 @@ class Comparison:
         self.width = round(options.lines * camera.get("horizontalAperture", 36) / camera.get("verticalAperture", 24))
         self.identity = folder.name
 
-    def job(self, *tasks):
+    def job(self, *tasks, filtered=False):
         return {"scene": str(self.folder), "width": self.width, "height": self.height, "threads": self.options.threads,
+                "glossyFilter": self.options.glossy_filter if filtered else 0.0,
                 "renders": [{"samples": n, "seed": seed, "output": str(output)} for n, seed, output in tasks]}
 
     def reference(self, program):
@@ -180,7 +185,7 @@ class Comparison:
     def measure(self, program, seed, references):
         n = self.options.samples
         files = [self.work / "renders" / f"{k}.exr" for k in ("warm", "one", "full")]
-        seconds = program.render(self.job((1, seed, files[0]), (1, seed, files[1]), (n, seed, files[2])))
+        seconds = program.render(self.job((1, seed, files[0]), (1, seed, files[1]), (n, seed, files[2]), filtered=True))
         picture = read_exr(files[2])
         found = {"cpuSeconds": (seconds[2] - seconds[1]) * n / (n - 1), "relMse": references[0].squared_error(picture),
                  "blockRelMse": references[1].squared_error(block_means(picture, BLOCK)),
@@ -237,6 +242,8 @@ def parse(arguments):
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--reference", type=int, default=512, help="samples of each half of a reference")
     parser.add_argument("--threads", type=int, default=1, help="of each renderer; one gives the steadiest CPU seconds")
+    parser.add_argument("--glossy-filter", type=float, default=0.0,
+                        help="ours and Cycles' (its default is 1); its blur counts as noise, for references have none")
     parser.add_argument("--work", default=str(ROOT / "build" / "peers"), help="folder for scenes, references and packages")
     parser.add_argument("--out", default=str(ROOT / "testenv" / "benchmark" / "results" / "peers.md"))
     options = parser.parse_args(arguments)

@@ -1,0 +1,114 @@
+// Pictures with filtered gloss.
+#include <gtest/gtest.h>
+
+#include "core/integrator/path_state.h"
+#include "core/material/disney_bsdf.h"
+#include "testenv/support/path_tracer.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::PathTracer;
+using testing::SceneBuilder;
+
+DisneyParameters metal(float roughness) {
+  DisneyParameters p;
+  p.base_color = Rgb(0.9f);
+  p.metallic = 1;
+  p.roughness = roughness;
+  return p;
+}
+
+// The camera sees a matt floor beside a ball of metal, on which the light of a small bright sphere falls.
+std::shared_ptr<const SceneSnapshot> floor_and_ball(const DisneyParameters& ball, const DisneyParameters& floor) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::plane_mesh(20)), b.material(floor));
+  b.add(b.prototype(testing::sphere_mesh(1, 64, true)), b.material(ball),
+        Matrix4d().setTranslation(Imath::V3d(0, 1, -1.2)));
+  LightDescription light;
+  light.type = LightType::sphere;
+  light.color = Rgb(200.0f);
+  light.radius = 0.1f;
+  light.light_to_world = Matrix4d().setTranslation(Imath::V3d(0, 3, 4));
+  b.add(light);
+  return b.snapshot();
+}
+
+testing::RunningStatistics radiance(const std::shared_ptr<const SceneSnapshot>& scene, float filter,
+                                    uint32_t max_depth = 8) {
+  PathTracer tracer(scene, {0.3, 4, 4});
+  tracer.settings.glossy_filter = filter;
+  tracer.settings.max_depth = max_depth;
+  testing::RunningStatistics statistics;
+  for (uint32_t i = 0; i < 20000; ++i) statistics.add(double(tracer.trace(i).color.g));
+  return statistics;
+}
+
+TEST(GlossyFilter, TakesTheNoiseOfCaustics) {
+  const auto scene = floor_and_ball(metal(0.1f), testing::matt(Rgb(0.5f)));
+  const auto sharp = radiance(scene, 0), filtered = radiance(scene, 1);
+  EXPECT_LT(filtered.variance(), sharp.variance() / 10) << sharp.variance();
+  EXPECT_NEAR(filtered.mean() / sharp.mean(), 1, 0.15);
+}
+
+TEST(GlossyFilter, LeavesWhatTheCameraSeesDirectlyOrInMirrors) {
+  const auto matt = testing::matt(Rgb(0.5f));
+  const auto same = [](const std::shared_ptr<const SceneSnapshot>& scene, uint32_t max_depth) {
+    const auto sharp = radiance(scene, 0, max_depth), filtered = radiance(scene, 1, max_depth);
+    return sharp.mean() == filtered.mean() && sharp.variance() == filtered.variance();
+  };
+  EXPECT_TRUE(same(floor_and_ball(matt, matt), 8));
+  EXPECT_TRUE(same(floor_and_ball(matt, metal(0.1f)), 1));
+  EXPECT_FALSE(same(floor_and_ball(metal(0.1f), matt), 8));
+}
+
+TEST(GlossyFilter, WidensByTheSpreadOfTheBundle) {
+  Footprint footprint;
+  footprint.scatter(std::numeric_limits<float>::infinity());  // a mirror
+  EXPECT_EQ(footprint.least_alpha(), 0);
+  footprint.scatter(1 / kPi);  // a matt surface: the bundle is a projected hemisphere, pi
+  EXPECT_NEAR(footprint.least_alpha(), 0.5f, 1e-6f);
+  // GGX of that alpha reflects along its normal with density 1 / (4 pi alpha^2) = 1 / pi.
+  DisneyParameters p = metal(0);
+  p.least_roughness = std::sqrt(footprint.least_alpha());
+  const DisneyBsdf bsdf(p, {0, 0, 1});
+  EXPECT_NEAR(bsdf.evaluate({0, 0, 1}).pdf, 1 / kPi, 0.01f);
+}
+
+// A least roughness below a lobe's own changes nothing, and one above it makes the lobe that of this roughness, the
+// diffuse lobe excepted.
+TEST(GlossyFilter, NarrowsNothingAndLeavesTheDiffuseLobe) {
+  DisneyParameters p;
+  p.clearcoat = 1;
+  p.clearcoat_gloss = 0.5f;
+  p.roughness = 0.6f;
+  DisneyParameters widened = p;
+  widened.least_roughness = 0.2f;
+  const Vec3f wo = normalize(Vec3f(0.4f, 0, 0.8f)), wi = normalize(Vec3f(-0.5f, 0.1f, 0.7f));
+  const auto f = [&](const DisneyParameters& parameters, Rgb* specular) {
+    return DisneyBsdf(parameters, wo).evaluate(wi, specular).f;
+  };
+  Rgb before, after;
+  EXPECT_EQ(f(p, &before), f(widened, &after));
+  widened.least_roughness = 0.9f;
+  const Rgb diffuse = f(p, &before) - before;
+  EXPECT_NEAR((f(widened, &after) - after).g, diffuse.g, 1e-6f);
+  DisneyParameters rough = p;
+  rough.roughness = 0.9f;
+  rough.clearcoat_gloss = 0;
+  Rgb specular;
+  f(rough, &specular);
+  EXPECT_EQ(after, specular);
+}
+
+TEST(GlossyFilter, IsNotOfModeReference) {
+  RenderSettings settings;
+  settings.glossy_filter = 1;
+  EXPECT_EQ(integrator_settings(settings).glossy_filter, 1);
+  settings.subsurface = SubsurfaceMode::reference;
+  EXPECT_EQ(integrator_settings(settings).glossy_filter, 0);
+}
+
+}  // namespace
+}  // namespace alabaster
