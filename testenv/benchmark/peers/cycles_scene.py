@@ -163,7 +163,7 @@ def make_settings(job, settings):
     cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
     cycles.pixel_filter_type = "BOX"
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
-    cycles.blur_glossy = job["glossyFilter"]
+    cycles.blur_glossy = job["blurGlossy"]
     depth = settings["maxDepth"]
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = depth
     cycles.caustics_reflective = cycles.caustics_refractive = True

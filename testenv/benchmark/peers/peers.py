@@ -163,8 +163,9 @@ class Comparison:
         self.identity = folder.name
 
     def job(self, *tasks, filtered=False):
+        ours, cycles = self.options.glossy_filter if filtered else (0.0, 0.0)
         return {"scene": str(self.folder), "width": self.width, "height": self.height, "threads": self.options.threads,
-                "glossyFilter": self.options.glossy_filter if filtered else 0.0,
+                "glossyFilter": ours, "blurGlossy": cycles,
                 "renders": [{"samples": n, "seed": seed, "output": str(output)} for n, seed, output in tasks]}
 
     def reference(self, program):
@@ -242,8 +243,9 @@ def parse(arguments):
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--reference", type=int, default=512, help="samples of each half of a reference")
     parser.add_argument("--threads", type=int, default=1, help="of each renderer; one gives the steadiest CPU seconds")
-    parser.add_argument("--glossy-filter", type=float, default=0.0,
-                        help="ours and Cycles' (its default is 1); its blur counts as noise, for references have none")
+    parser.add_argument("--glossy-filter", type=float, nargs=2, default=[0.0, 0.0], metavar=("OURS", "CYCLES"),
+                        help="glossyFilter and Cycles' Filter Glossy, which is 1 unless a user changes it; their blur "
+                             "counts as noise, for references have none")
     parser.add_argument("--work", default=str(ROOT / "build" / "peers"), help="folder for scenes, references and packages")
     parser.add_argument("--out", default=str(ROOT / "testenv" / "benchmark" / "results" / "peers.md"))
     options = parser.parse_args(arguments)

@@ -11,7 +11,7 @@ Made by `{command}` on {date} at commit {commit}, on {machine}.
 efficiency = 1 / (relMSE x CPU seconds), blocks: the same of the means of 8 x 8 pixels. 'of best Cycles' divides by the best
 efficiency of Cycles on the scene. relMSE is the mean of {rounds} seed(s) ± its standard error, each peer against its own
 reference of {reference} samples. {samples} samples per pixel, {threads} thread(s), box filter, no denoiser, no clamping,
-glossy filter {filter:g} but for references.
+glossy filter {filters[0]:g} (ours) and {filters[1]:g} (Cycles) but for references.
 testenv/benchmark/peers/README.md lists where the renderers differ, which the mean colours show.
 
 """
@@ -39,7 +39,7 @@ def command(options):
     words += [f"--scene {pathlib.Path(scene).name}" for scene in options["scene"] or []]
     words += ["--peers " + ",".join(options["peers"])]
     words += [f"--{key} {options[key]}" for key in ("lines", "samples", "rounds", "reference", "threads")]
-    words += [f"--glossy-filter {options['glossy_filter']:g}"] if options["glossy_filter"] else []
+    words += ["--glossy-filter {:g} {:g}".format(*options["glossy_filter"])] if any(options["glossy_filter"]) else []
     return " ".join(words)
 
 
@@ -66,7 +66,7 @@ def write(path, facts):
     options, rows = facts["options"], facts["rows"]
     text = HEAD.format(command=command(options), date=facts["date"], commit=commit(), machine=machine(),
                        rounds=options["rounds"], reference=2 * options["reference"], samples=options["samples"],
-                       threads=options["threads"], filter=options["glossy_filter"])
+                       threads=options["threads"], filters=options["glossy_filter"])
     text += "| " + " | ".join(COLUMNS) + " |\n|" + "--|" * len(COLUMNS) + "\n"
     text += "".join("| " + " | ".join(cells(rows, row)) + " |\n" for row in rows)
     text += "".join(f"\n{reason}\n" for reason in facts["leftOut"])
