@@ -248,15 +248,15 @@ static std::shared_ptr<const Texture> load_set(const TextureSource& source, cons
 }
 
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
-                                            const DiagnosticSink& sink, const std::shared_ptr<TexelStore>& store,
-                                            size_t max_pixels) {
+                                            const DiagnosticSink& sink, const TextureLoading& loading) {
+  const std::shared_ptr<TexelStore>& store = loading.store;
   try {
     if (source.may_be_set)
       if (const std::vector<UdimTile> tiles = udim_tiles(source.path); !tiles.empty())
         return load_set(source, tiles,
-                        [&](const TextureSource& one) { return load_texture(one, colors, sink, store, max_pixels); });
+                        [&](const TextureSource& one) { return load_texture(one, colors, sink, loading); });
     ImageReader reader;
-    if (!reader.open(source, max_pixels, sink)) return nullptr;
+    if (!reader.open(source, loading.max_pixels, sink)) return nullptr;
     const std::string space =
         source.color_space == "auto" && reader.layout().low_precision ? "sRGB" : source.color_space;
     const auto transform = colors.to_rendering_space(space, [&](const Diagnostic& d) {
@@ -270,6 +270,7 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
     TexelPacker packer(layout, &memory);
     std::vector<float> pixels, rgba;
     for (int y = 0; y < layout.height;) {
+      loading.cancel.check();
       const int rows = reader.read_rows(y, pixels, sink);
       if (rows == 0) return nullptr;
       to_rgba(pixels, layout, rgba);

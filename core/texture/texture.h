@@ -9,6 +9,7 @@
 
 #include "core/color/color_config.h"
 #include "core/color/rgb.h"
+#include "core/diagnostics/cancel.h"
 #include "core/digest/digest.h"
 #include "core/math/vector.h"
 
@@ -65,13 +66,17 @@ class Texture {
   virtual void add_to(Digest* digest) const;
 };
 
-/// Reads, converts and keeps an image, in the store if one is given. Null + a report (file, reason, remedy) on failure.
-/// Images above `max_pixels`, and those that the store's memory does not hold while they are converted, are refused
-/// before memory is allocated.
+struct TextureLoading {
+  std::shared_ptr<TexelStore> store = nullptr;  // keeps the texels
+  size_t max_pixels = size_t(1) << 28;
+  CancelToken cancel = {};
+};
+
+/// Reads, converts and keeps an image. Null + a report (file, reason, remedy) on failure. Images above `max_pixels`,
+/// and those that the store's memory does not hold while they are converted, are refused before memory is allocated.
+/// Throws BuildCancelled alone.
 std::shared_ptr<const Texture> load_texture(const TextureSource& source, const ColorConfig& colors,
-                                            const DiagnosticSink& sink,
-                                            const std::shared_ptr<TexelStore>& store = nullptr,
-                                            size_t max_pixels = size_t(1) << 28);
+                                            const DiagnosticSink& sink, const TextureLoading& loading = {});
 
 /// True if the file opens as an image, or each of a set does; nothing is decoded. Otherwise a report says why not.
 bool is_image(const TextureSource& source, const DiagnosticSink& sink);

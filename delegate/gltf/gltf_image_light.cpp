@@ -87,7 +87,7 @@ class ImageLightTranslator {
     source.filter = TextureFilter::nearest;
     const auto colors = ColorConfig::load("built-in", sink);
     const auto image =
-        colors ? load_texture(source, *colors, sink, nullptr, light_.face_size * light_.face_size) : nullptr;
+        colors ? load_texture(source, *colors, sink, {.max_pixels = light_.face_size * light_.face_size}) : nullptr;
     // Without the bytes, which may be those of a sound picture that is larger than it is said to be.
     if (!image)
       return fail(element, "cannot be a face of " + light_.element + ": " + reason, {asset.authored, "", nullptr});

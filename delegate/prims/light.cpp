@@ -20,12 +20,12 @@ struct LightFiles {
   BuiltOnce<Contents> contents = {};
 
   bool names_image() const { return !image.path.empty() || image.bytes; }
-  Contents read(SceneParam& param) const {
+  Contents read(SceneParam& param, const CancelToken& cancel) const {
     Contents out;
+    if (names_image()) out.texture = param.texture(image, &out.fault, param.sink(), cancel);
     if (!profile.empty()) out.ies = IesProfile::load(profile, param.sink());
     if (!profile.empty() && !out.ies)
       out.fault = SceneFault{true, "the IES profile '" + profile + "' could not be read"};
-    if (names_image()) out.texture = param.texture(image, &out.fault, param.sink());
     return out;
   }
 };
@@ -83,8 +83,8 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
 
 void LightPrim::post(SceneParam& param) {
   if (!files_) return param.post(GetId(), record_);
-  param.post_unread(GetId(), [&param, record = record_, files = files_] {
-    const LightFiles::Contents& contents = files->contents.get([&] { return files->read(param); });
+  param.post_unread(GetId(), [&param, record = record_, files = files_](const CancelToken& cancel) {
+    const LightFiles::Contents& contents = files->contents.get([&] { return files->read(param, cancel); });
     LightRecord read = record;
     read.light.texture = contents.texture, read.light.ies = contents.ies, read.fault = contents.fault;
     return read;

@@ -67,6 +67,7 @@ struct NodeReader {
 /// A node of type AlabasterTexture.
 struct TextureNodeReader : NodeReader {
   std::optional<SceneFault>* fault;  // receives an image that cannot be read
+  const CancelToken& cancel;
 
   /// Empty without an image.
   std::optional<TextureLookup> read(Texels texels) const {
@@ -86,7 +87,7 @@ struct TextureNodeReader : NodeReader {
     source.wrap_t = word("wrapT", "wrap mode", kWraps);
     source.filter = word("filter", "filter", kFilters);
     TextureLookup lookup;
-    lookup.image = param.texture(source, fault, sink);
+    lookup.image = param.texture(source, fault, sink, cancel);
     if (!lookup.image) return std::nullopt;
     if (const std::string set = parameter("st").text_or(""); !set.empty()) lookup.uv_set = set;
     lookup.transform = UvTransform(finite_or("stOffset", Vec2f(0, 0)), finite_or("stRotation", 0.0f),
@@ -109,8 +110,8 @@ struct TextureNodeReader : NodeReader {
 class MaterialReader {
  public:
   MaterialReader(const Path& id, const MaterialNetwork& network, SceneParam& param,
-                 const alabaster::DiagnosticSink& sink)
-      : id_(id), network_(network), param_(param), sink_(sink) {}
+                 const alabaster::DiagnosticSink& sink, const CancelToken& cancel)
+      : id_(id), network_(network), param_(param), sink_(sink), cancel_(cancel) {}
 
   /// *fault receives an image that cannot be read.
   std::shared_ptr<const DisneyMaterial> read(std::optional<SceneFault>* fault) {
@@ -303,7 +304,7 @@ class MaterialReader {
   std::optional<TextureLookup> read_lookup(const Path& node_id, const Token& input, Texels texels) const {
     const auto node = network_.nodes.find(node_id);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterTexture"))
-      return TextureNodeReader{{node_id, node->second, param_, sink_}, fault_}.read(texels);
+      return TextureNodeReader{{node_id, node->second, param_, sink_}, fault_, cancel_}.read(texels);
     if (node != network_.nodes.end() && node->second.nodeTypeId == Token("AlabasterPrimvar")) return TextureLookup();
     const std::string what = node == network_.nodes.end()
                                  ? node_id.str() + ", which does not exist"
@@ -324,6 +325,7 @@ class MaterialReader {
   const MaterialNetwork& network_;
   SceneParam& param_;
   const alabaster::DiagnosticSink& sink_;
+  const CancelToken& cancel_;
   std::optional<SceneFault>* fault_ = nullptr;
   std::map<std::pair<Path, Texels>, size_t> textures_;  // of the material, by node and meaning
 };
@@ -350,7 +352,7 @@ DirtyBits MaterialPrim::post_record(SceneDelegate& scene, SceneParam& param, Dir
 }
 
 void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, SceneParam& param) {
-  auto read = [&param, id = GetId(), network, faults = faults_]() -> Record {
+  auto read = [&param, id = GetId(), network, faults = faults_](const CancelToken& cancel) -> Record {
     std::vector<alabaster::Diagnostic> found;
     const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) { found.push_back(d); };
     const auto warn = [&](const char* code, const std::string& text) {
@@ -358,7 +360,7 @@ void MaterialPrim::post(const std::shared_ptr<const MaterialNetwork>& network, S
     };
     MaterialRecord record;
     record.material =
-        MaterialReader(id, support::TranslatePreviewSurface(*network, warn), param, sink).read(&record.fault);
+        MaterialReader(id, support::TranslatePreviewSurface(*network, warn), param, sink, cancel).read(&record.fault);
     faults->report(param.sink(), std::move(found));
     return record;
   };

@@ -28,7 +28,7 @@ std::shared_ptr<const Texture> SceneParam::held_texture(const TextureSource& sou
 // One at a time decodes an image, which others may wait for. It takes up no other task meanwhile: that might wait for
 // this very image.
 std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, std::optional<SceneFault>* fault,
-                                                   const alabaster::DiagnosticSink& sink) {
+                                                   const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
   std::shared_ptr<std::mutex> decoding;
   {
     const std::lock_guard lock(mutex_);
@@ -46,7 +46,7 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
     reloads = reloads_;
   }
   std::shared_ptr<const Texture> loaded = same ? same->placed(source) : nullptr;
-  if (!loaded) loaded = load(source, fault, sink);
+  if (!loaded) loaded = load(source, fault, sink, cancel);
   if (!loaded) return nullptr;
   const std::lock_guard lock(mutex_);
   if (reloads != reloads_) return loaded;  // it may be the file before its edit, which nobody else should get
@@ -57,14 +57,15 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
 }
 
 std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<SceneFault>* fault,
-                                                const alabaster::DiagnosticSink& sink) {
+                                                const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
   bool input = true;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
     if (sink) sink(d);
   };
   std::shared_ptr<const Texture> loaded;
-  run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, texels_); }); });
+  const TextureLoading loading = {.store = texels_, .cancel = cancel};
+  run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, loading); }); });
   if (!loaded) *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
   return loaded;
 }

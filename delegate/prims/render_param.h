@@ -21,11 +21,14 @@
 
 namespace alabaster::hd::prims {
 
+/// Makes a record of files. Throws BuildCancelled while it decodes an image.
+using ReadRecord = std::function<Record(const CancelToken&)>;
+
 struct Edit {
   Path id;
-  Record record;                 // monostate: the prim is gone
-  std::function<Record()> read;  // unless empty: makes the record. It reads files, and so is the builder's to call
-  bool waits_for_use = false;    // a material: `read` is called once a visible mesh has it
+  Record record;               // monostate: the prim is gone
+  ReadRecord read;             // unless empty: makes the record; the builder's to call
+  bool waits_for_use = false;  // a material: `read` is called once a visible mesh has it
 };
 
 /// True if `file` is the image of that name, or one of a set (`name` with "<UDIM>"), or empty.
@@ -45,9 +48,9 @@ class SceneParam final : public RenderParam {
   const ColorConfig& colors() const { return *colors_; }
   const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
   /// Shared by all materials and lights that name the same image, whatever their wrap modes and filters; null
-  /// (reported, and in *fault) if it cannot be had. Within run() only.
+  /// (reported, and in *fault) if it cannot be had. Within run() only. Throws BuildCancelled while it decodes.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
-                                         const alabaster::DiagnosticSink& sink);
+                                         const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
   using Reread = std::function<void(const std::string& file)>;
   void set_reread(const Path& id, Reread reread);
@@ -68,7 +71,7 @@ class SceneParam final : public RenderParam {
   void post(const Path& id, Record record) { post(Edit{id, std::move(record), {}, false}); }
   /// The same for a record whose files are read by the builder, unless a later edit comes before that. `read` is called
   /// once, or again after an exception.
-  void post_unread(const Path& id, std::function<Record()> read, bool waits_for_use = false) {
+  void post_unread(const Path& id, ReadRecord read, bool waits_for_use = false) {
     post(Edit{id, {}, std::move(read), waits_for_use});
   }
   /// Posts that the prim is gone. Never throws: no call of the prim follows Finalize.
@@ -100,7 +103,7 @@ class SceneParam final : public RenderParam {
   };
   std::shared_ptr<const Texture> held_texture(const TextureSource& source, bool any) const;
   std::shared_ptr<const Texture> load(const TextureSource& source, std::optional<SceneFault>* fault,
-                                      const alabaster::DiagnosticSink& sink);
+                                      const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
   std::shared_ptr<tbb::task_arena> arena();
   void post(Edit edit);
 

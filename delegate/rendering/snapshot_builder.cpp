@@ -154,7 +154,7 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
     if (edit->read && (!edit->waits_for_use || used.contains(id))) unread.push_back(edit);
   const auto read_one = [&](prims::Edit* edit) {
     if (cancel.is_cancelled()) return;
-    edit->record = edit->read();
+    edit->record = edit->read(cancel);
     edit->read = nullptr;
   };
   param_->run([&] { tbb::parallel_for(size_t(0), unread.size(), [&](size_t i) { read_one(unread[i]); }); });

@@ -109,8 +109,8 @@ std::shared_ptr<const Texture> second_image(int64_t mib) {
   const auto store = std::make_shared<TexelStore>();
   store->set_budget(static_cast<size_t>(mib) << 20);
   const auto colors = ColorConfig::load("built-in", {});
-  const auto first = load_texture({file, nullptr, "auto"}, *colors, {}, store);
-  return load_texture({file, nullptr, "auto"}, *colors, {}, store);
+  const auto first = load_texture({file, nullptr, "auto"}, *colors, {}, {.store = store});
+  return load_texture({file, nullptr, "auto"}, *colors, {}, {.store = store});
 }
 
 // Bilinear (width 0) or filtered lookups within a part of an image: its memory in MiB (64: texels are in memory; 30: a

@@ -234,7 +234,7 @@ TEST_F(TextureFile, LookupsAreTheSameInAStoreThatHoldsNoWholeImage) {
     const std::string file = write(name, 300, 200, 4, format, noise(300 * 200 * 4));
     for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp, Wrap::black}) {
       const TextureSource source{file, nullptr, "auto", wrap, wrap};
-      const auto ample = load(source), paged = load_texture(source, *colors_, reports_.sink, tight);
+      const auto ample = load(source), paged = load_texture(source, *colors_, reports_.sink, {.store = tight});
       ASSERT_TRUE(ample && paged) << reports_.text();
       EXPECT_LT(paged->memory_bytes(), 5000u);
       std::mt19937 random(2);
@@ -246,6 +246,19 @@ TEST_F(TextureFile, LookupsAreTheSameInAStoreThatHoldsNoWholeImage) {
       }
     }
   }
+}
+
+TEST_F(TextureFile, DecodingThatIsCancelledKeepsAndReportsNothing) {
+  const std::string file = write("cancelled.png", 40, 300, 3, OIIO::TypeUInt8, noise(40 * 300 * 3));
+  const auto memory = std::make_shared<MemoryBudget>();
+  const auto texels = std::make_shared<TexelStore>(reports_.sink, memory);
+  std::atomic<bool> cancelled = true;
+  const TextureLoading loading = {.store = texels, .cancel = CancelToken(&cancelled)};
+  EXPECT_THROW(load_texture({file, nullptr, "auto"}, *colors_, reports_.sink, loading), BuildCancelled);
+  EXPECT_EQ(memory->in_use(MemoryUse::textures), 0u);
+  EXPECT_EQ(reports_.text(), "");
+  cancelled = false;
+  EXPECT_TRUE(load_texture({file, nullptr, "auto"}, *colors_, reports_.sink, loading));
 }
 
 TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
@@ -341,7 +354,7 @@ TEST_F(TextureFile, FlippedBitsNeverCrashOrPrint) {
         damaged[random() % range] ^= uint8_t(1u << (random() % 8));
       }
       const auto t = load_texture({spit("damaged_" + std::string(name), damaged), nullptr, "auto"}, *colors_,
-                                  reports_.sink, nullptr, size_t(1) << 20);
+                                  reports_.sink, {.max_pixels = size_t(1) << 20});
       EXPECT_TRUE(!t || is_finite(t->rgb({0.4f, 0.6f})));
       EXPECT_FALSE(t && std::string(name) == "f.png") << "every bit of a PNG is under a checksum";
     }
@@ -379,8 +392,8 @@ TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
 
   const std::string file4 = write("four.png", 2, 2, 3, OIIO::TypeUInt8, kQuad);
   Reports reports;
-  EXPECT_FALSE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, nullptr, 3));
-  EXPECT_TRUE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, nullptr, 4));
+  EXPECT_FALSE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, {.max_pixels = 3}));
+  EXPECT_TRUE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, {.max_pixels = 4}));
   EXPECT_EQ(reports.all.size(), 1u);
 }
 
