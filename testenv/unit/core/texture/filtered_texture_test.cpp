@@ -43,8 +43,8 @@ std::shared_ptr<const Texture> load(const Picture& picture, const std::shared_pt
   const auto out = OIIO::ImageOutput::create(file);
   EXPECT_TRUE(out->open(file, spec) && out->write_image(OIIO::TypeFloat, picture.rgba.data()) && out->close());
   testing::Reports reports;
-  auto texture =
-      load_texture({file, nullptr, "raw", wrap, wrap}, *ColorConfig::load("built-in", {}), reports.sink, {.store = store});
+  auto texture = load_texture({file, nullptr, "raw", wrap, wrap}, *ColorConfig::load("built-in", {}), reports.sink,
+                              {.store = store});
   EXPECT_TRUE(texture && texture->prepare_filtering()) << reports.text();
   std::filesystem::remove(file);
   return texture;
