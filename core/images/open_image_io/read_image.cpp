@@ -111,13 +111,24 @@ class Input final : public ImageInput {
     if (!spec.channelformats.empty())
       return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
     native_.resize(size_t(end - begin) * spec.scanline_bytes(true));
-    if (!input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeUnknown, native_.data()))
-      return false;
+    if (!read_native(begin, end)) return false;
     constexpr size_t kAtOnce = size_t(1) << 24;  // values; a row may hold more than an int counts
     bool good = true;
     for (size_t i = 0; i < pixels.size() && good; i += kAtOnce)
       good = OIIO::convert_pixel_values(spec.format, native_.data() + i * spec.format.size(), OIIO::TypeFloat,
                                         pixels.data() + i, int(std::min(kAtOnce, pixels.size() - i)));
+    return good;
+  }
+
+  // For rows that end a TIFF OpenImageIO allocates whole strips, of as many rows as the header claims. Single rows it
+  // reads without.
+  bool read_native(int begin, int end) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const int step = spec.get_int_attribute("tiff:RowsPerStrip") > end - begin ? 1 : end - begin;
+    bool good = true;
+    for (int y = begin; y < end && good; y += step)
+      good = input_->read_scanlines(0, 0, y, y + step, spec.z, 0, spec.nchannels, OIIO::TypeUnknown,
+                                    native_.data() + size_t(y - begin) * spec.scanline_bytes(true));
     return good;
   }
 

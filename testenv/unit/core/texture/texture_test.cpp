@@ -261,6 +261,27 @@ TEST_F(TextureFile, DecodingThatIsCancelledKeepsAndReportsNothing) {
   EXPECT_TRUE(load_texture({file, nullptr, "auto"}, *colors_, reports_.sink, loading));
 }
 
+// TIFF 6.0, section 8: a strip may claim more rows than the image has.
+TEST_F(TextureFile, StripsTallerThanTheImageTakeNoMemory) {
+  constexpr int kWidth = 40000;
+  const std::vector<float> pixels = noise(kWidth * 2 * 3);
+  auto file = slurp(write("strips.tif", kWidth, 2, 3, OIIO::TypeUInt8, pixels));
+  const auto number = [&](size_t at, int bytes) {
+    uint32_t value = 0;
+    for (int i = bytes; i-- > 0;) value = value << 8 | file.at(at + size_t(i));
+    return value;
+  };
+  constexpr uint32_t kRowsPerStrip = 278;
+  const uint32_t directory = number(4, 4);
+  bool found = false;
+  for (size_t at = directory + 2; at < directory + 2 + 12 * number(directory, 2); at += 12)
+    if (number(at, 2) == kRowsPerStrip) file[at + 8] = 0xe0, file[at + 9] = 0xff, found = true;  // 65504
+  ASSERT_TRUE(found);
+  const auto t = load(spit("tall_strips.tif", file), "raw");
+  ASSERT_TRUE(t) << reports_.text();
+  EXPECT_NEAR(t->texel(kWidth - 1, 1).r, pixels[size_t(3 * (2 * kWidth - 1))], 0.5f / 255);
+}
+
 TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
   constexpr int kWidth = 150, kHeight = 131;  // not a multiple of a tile or a strip
   std::vector<float> pixels(size_t(kWidth * kHeight * 3));
