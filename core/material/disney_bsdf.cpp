@@ -28,6 +28,8 @@ const char* lobe_name(Lobe lobe) {
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel energy)
     : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)), energy_(energy) {
   if (!(wo.z > 0)) return;
+  if (p.is_widened()) [[unlikely]]
+    keep_specular_albedo(p);
   nonmetal_ = 1 - p.metallic;
   dielectric_ = nonmetal_ * (1 - p.spec_trans);
   stays_ = 1 - 0.5f * p.diff_trans;

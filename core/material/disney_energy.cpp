@@ -30,6 +30,19 @@ float over(float room, float share) {
 
 }  // namespace
 
+// Facets that are rougher than the material's reflect as much of the light along wo as the material's would: their
+// Fresnel factor alone makes a grazing mirror brighter than a rough one.
+void DisneyBsdf::keep_specular_albedo(const DisneyParameters& p) {
+  DisneySpecular own = specular_;
+  own.ggx = disney_ggx(p.roughness, p.anisotropic);
+  const Rgb kept = albedo_of(own, wo_), widened = albedo_of(specular_, wo_);
+  for (int c = 0; c < 3; ++c) {
+    if (!(widened[c] > 0)) continue;
+    specular_.f0[c] *= kept[c] / widened[c];
+    specular_.f90[c] *= kept[c] / widened[c];
+  }
+}
+
 void DisneyBsdf::bound_energy(const DisneyParameters& p) {
   clear_ = nonmetal_ * p.spec_trans;
   beyond_ = p.diff_trans_color * (dielectric_ * 0.5f * p.diff_trans);

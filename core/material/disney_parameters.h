@@ -51,6 +51,7 @@ struct DisneyParameters {
   float least_roughness = 0;
 
   bool scatters() const { return !thin && max_component(scatter_distance) > 0; }
+  bool is_widened() const { return least_roughness > roughness; }
   float specular_roughness() const { return std::max(roughness, least_roughness); }
 
   /// Light may go through the surface into an interior, or through the sheet.

@@ -76,8 +76,7 @@ TEST(GlossyFilter, WidensByTheSpreadOfTheBundle) {
   EXPECT_NEAR(bsdf.evaluate({0, 0, 1}).pdf, 1 / kPi, 0.01f);
 }
 
-// A least roughness below a lobe's own changes nothing, and one above it makes the lobe that of this roughness, the
-// diffuse lobe excepted.
+// A least roughness below a lobe's own changes nothing, and one above it changes no diffuse lobe.
 TEST(GlossyFilter, NarrowsNothingAndLeavesTheDiffuseLobe) {
   DisneyParameters p;
   p.clearcoat = 1;
@@ -94,12 +93,32 @@ TEST(GlossyFilter, NarrowsNothingAndLeavesTheDiffuseLobe) {
   widened.least_roughness = 0.9f;
   const Rgb diffuse = f(p, &before) - before;
   EXPECT_NEAR((f(widened, &after) - after).g, diffuse.g, 1e-6f);
-  DisneyParameters rough = p;
-  rough.roughness = 0.9f;
-  rough.clearcoat_gloss = 0;
-  Rgb specular;
-  f(rough, &specular);
-  EXPECT_EQ(after, specular);
+  EXPECT_NE(before, after);
+}
+
+// Under a white sky a widened lobe is as bright as the material's own, also where it grazes.
+TEST(GlossyFilter, KeepsTheDirectionalAlbedo) {
+  for (const float metallic : {0.0f, 1.0f})
+    for (const float cosine : {0.15f, 0.5f, 0.95f}) {
+      DisneyParameters p = metal(0.05f);
+      p.metallic = metallic;
+      p.base_color = Rgb(metallic > 0 ? 0.9f : 0.0f);
+      const Vec3f wo(std::sqrt(1 - cosine * cosine), 0, cosine);
+      const auto albedo = [&](float least_roughness) {
+        p.least_roughness = least_roughness;
+        const DisneyBsdf bsdf(p, wo);
+        constexpr int kSide = 256;
+        double sum = 0;
+        for (int i = 0; i < kSide * kSide; ++i) {
+          const float u = (static_cast<float>(i % kSide) + 0.5f) / kSide,
+                      v = (static_cast<float>(i / kSide) + 0.5f) / kSide;
+          const auto sample = bsdf.sample(0.5f, {u, v});
+          if (sample) sum += double(sample->f.g * sample->wi.z / sample->pdf);
+        }
+        return sum / (kSide * kSide);
+      };
+      EXPECT_NEAR(albedo(0.7f) / albedo(0), 1, 0.02) << metallic << " " << cosine;
+    }
 }
 
 TEST(GlossyFilter, IsNotOfModeReference) {
