@@ -6,7 +6,6 @@ namespace {
 
 using testing::kQuad;
 using testing::noise;
-using testing::Reports;
 using testing::TextureFile;
 
 TEST_F(TextureFile, WhatIsNoImageIsReported) {
@@ -94,7 +93,7 @@ TEST_F(TextureFile, HugeClaimsAreRefusedBeforeAnythingIsAllocated) {
   EXPECT_NE(reports_.text().find("60000"), std::string::npos) << reports_.text();
 
   const std::string file4 = write("four.png", 2, 2, 3, OIIO::TypeUInt8, kQuad);
-  Reports reports;
+  testing::Reports reports;
   EXPECT_FALSE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, {.max_pixels = 3}));
   EXPECT_TRUE(load_texture({file4, nullptr, "auto"}, *colors_, reports.sink, {.max_pixels = 4}));
   EXPECT_EQ(reports.all.size(), 1u);
@@ -148,8 +147,8 @@ TEST_F(TextureFile, OddProfilesInPngsDoNotPrint) {
   EXPECT_EQ(t->texel(0, 0), Rgb(1, 0, 0));
 }
 
-/ TIFF 6.0, section 8
-    : a strip may claim more rows than the image has.TEST_F(TextureFile, StripsTallerThanTheImageTakeNoMemory) {
+// TIFF 6.0, section 8: a strip may claim more rows than the image has.
+TEST_F(TextureFile, StripsTallerThanTheImageTakeNoMemory) {
   constexpr int kWidth = 40000;
   const std::vector<float> pixels = noise(kWidth * 2 * 3);
   auto file = slurp(write("strips.tif", kWidth, 2, 3, OIIO::TypeUInt8, pixels));

@@ -11,7 +11,6 @@ namespace {
 
 using testing::kQuad;
 using testing::noise;
-using testing::Reports;
 using testing::TextureFile;
 
 float srgb_to_linear(float v) {
@@ -198,7 +197,7 @@ TEST_F(TextureFile, DecodingThatIsCancelledKeepsAndReportsNothing) {
   EXPECT_TRUE(load_texture({file, nullptr, "auto"}, *colors_, reports_.sink, loading));
 }
 
-/ TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
+TEST_F(TextureFile, TiledAndLargeImagesAreReadWhole) {
   constexpr int kWidth = 150, kHeight = 131;  // not a multiple of a tile or a strip
   std::vector<float> pixels(size_t(kWidth * kHeight * 3));
   for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = float(i % 2048) / 2048;
