@@ -159,6 +159,7 @@ class Loader {
     for (const auto& [path, light] : state_.scene->GetLights())
       if (light.type == Token("domeLight")) old.push_back(path);
     for (const Path& path : old) state_.scene->Remove(path);
+    if (!is_utf8(dome)) return fail("dome", dome, "It is not UTF-8, as names of files in a scene are.");
     const JsonDocument document = dome_document(dome);
     return check_schema(document, schema_, sink_) && apply(document, "");
   }

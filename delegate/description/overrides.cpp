@@ -57,10 +57,23 @@ std::optional<double> to_number(const std::string& text) {
 
 }  // namespace
 
+bool is_utf8(const std::string& text) {
+  try {
+    json(text).dump();
+    return true;
+  } catch (const json::type_error&) {
+    return false;
+  }
+}
+
 bool override_document(const std::string& assignment, JsonDocument* document, std::string* error) {
   const size_t equals = assignment.find('=');
   if (equals == std::string::npos || equals == 0) {
     *error = "'" + assignment + "' is not an assignment: write key=value.";
+    return false;
+  }
+  if (!is_utf8(assignment)) {
+    *error = "It is not UTF-8, as names and values of a scene are.";
     return false;
   }
   if (is_too_deep(assignment)) {

@@ -166,5 +166,15 @@ TEST_F(DescriptionErrors, OverridesAreCheckedLikeFiles) {
   EXPECT_SAYS("There is no file 'absent.hdr'");
 }
 
+TEST_F(DescriptionErrors, TextsOfACommandLineAreUtf8) {
+  const std::string bytes(100, '\x80');
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/" + bytes + ".baseColor=1"})).ok);
+  EXPECT_SAYS("is not UTF-8");
+  EXPECT_FALSE(load("patch.gltf", with_overrides({"materials/skin.baseColor=" + bytes})).ok);
+  EXPECT_SAYS("is not UTF-8");
+  EXPECT_FALSE(load("patch.gltf", with_dome(bytes + ".hdr")).ok);
+  EXPECT_SAYS("is not UTF-8");
+}
+
 }  // namespace
 }  // namespace alabaster::hd::description
