@@ -98,10 +98,10 @@ std::vector<Path> find_prims(const Reader& reader, PrimKind kind, const std::str
 
 /// Turn an override ("materials/skin.roughness=0.3") and a dome ("sky.hdr,0.5") into render descriptions of their own,
 /// so that they pass the same checks and readers.
+bool override_document(const std::string& assignment, JsonDocument* document, std::string* error);
+JsonDocument dome_document(const std::string& dome);
 /// The schema's validator counts characters, and reads beyond a table where bytes are none: texts that come from a
 /// command line are checked first.
 bool is_utf8(const std::string& text);
-bool override_document(const std::string& assignment, JsonDocument* document, std::string* error);
-JsonDocument dome_document(const std::string& dome);
 
 }  // namespace alabaster::hd::description

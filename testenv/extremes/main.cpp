@@ -1,8 +1,8 @@
 // The renderer where numbers are very large, very small, equal, missing or far away, and prints what it gave as
 // Markdown.
 //   extremes_tables --quick | --long [--table NAME]...
-// --quick (about a minute) runs in the test suite and made testenv/extremes/results/extremes.md, --long extremes_long.md.
-// Exit status: 0 all rows hold, 1 some do not, 2 wrong usage.
+// --quick (about a minute) runs in the test suite and made testenv/extremes/results/extremes.md, --long
+// extremes_long.md. Exit status: 0 all rows hold, 1 some do not, 2 wrong usage.
 #include <gtest/gtest.h>
 
 #include "testenv/extremes/rows.h"
