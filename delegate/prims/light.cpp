@@ -71,9 +71,12 @@ DirtyBits LightPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyB
   }
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & (dirty::kParams | dirty::kResource)) {
+    // OpenColorIO ends the process where memory runs out in here, so nobody asks who has no temperature.
     const ColorConfig& colors = param.colors();
     record_.light.color_of_temperature =
-        blackbody(record_.light.color_temperature, colors.chromaticities(colors.rendering_space()));
+        record_.light.enable_color_temperature
+            ? blackbody(record_.light.color_temperature, colors.chromaticities(colors.rendering_space()))
+            : Rgb(1.0f);
     files_ = pull_files(scene, GetId(), record_.light.type);
     if (files_) param.set_reread(GetId(), [this, &param](const std::string& file) { reread(file, param); });
   }
