@@ -16,16 +16,18 @@ namespace alabaster {
 // Owns an Embree scene and, through it, the device that it lives on.
 class SceneHandle {
  public:
-  explicit SceneHandle(std::shared_ptr<TraceDevice> device) : device_(std::move(device)) {
+  // A dynamic scene has a hierarchy for each mesh, below one that is built in no time, and keeps what it takes to fit
+  // it to other points.
+  explicit SceneHandle(std::shared_ptr<TraceDevice> device, bool dynamic = false) : device_(std::move(device)) {
     device_->take_error();  // an earlier error is not ours
     scene_ = rtcNewScene(device_->get());
     if (!scene_) return;
     // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
     // triangles trace a quarter slower. The filter function collects all hits of a ray; single rays trace as fast with
     // the flag as without.
-    rtcSetSceneFlags(scene_,
-                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
-    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_MEDIUM);
+    const int flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+    rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(dynamic ? flags | RTC_SCENE_FLAG_DYNAMIC : flags));
+    rtcSetSceneBuildQuality(scene_, dynamic ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
   }
   ~SceneHandle() {
     if (scene_) rtcReleaseScene(scene_);

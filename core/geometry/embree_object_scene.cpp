@@ -82,6 +82,7 @@ bool fill(RTCGeometry geometry, const Slot& to, const void* data, size_t stride,
 bool EmbreeObjectScene::attach(const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
   if (!geometry) return false;
+  if (use_ == Use::refitted) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
   rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(poses_));
   bool filled = fill(geometry, {RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3}, mesh.triangles.data(),
                      3 * sizeof(uint32_t), triangles_);
@@ -94,6 +95,26 @@ bool EmbreeObjectScene::attach(const Mesh& mesh) {
   }
   rtcReleaseGeometry(geometry);
   return filled;
+}
+
+bool EmbreeObjectScene::has_triangles_of(const Mesh& mesh) const {
+  if (poses_ != 1 || mesh.deforms() || mesh.points.size() != points_ || mesh.triangles.size() != triangles_)
+    return false;
+  if (triangles_ == 0) return false;
+  const RTCGeometry geometry = rtcGetGeometry(scene_.get(), 0);
+  const void* const triangles = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+  return std::memcmp(triangles, mesh.triangles.data(), triangles_ * sizeof(Corners)) == 0;
+}
+
+bool EmbreeObjectScene::replace_points(const Mesh& mesh) {
+  scene_.take_error();  // an earlier error is not ours
+  const RTCGeometry geometry = rtcGetGeometry(scene_.get(), 0);
+  void* const points = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  if (!points) return false;
+  std::memcpy(points, mesh.points.data(), points_ * sizeof(Vec3f));
+  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry);
+  return true;
 }
 
 bool EmbreeObjectScene::intersect(const Ray& ray, TriangleHit* hit) const {

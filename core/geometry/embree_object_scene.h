@@ -7,14 +7,21 @@ namespace alabaster {
 
 class EmbreeObjectScene final : public ObjectScene {
  public:
-  EmbreeObjectScene(std::shared_ptr<TraceDevice> device, const Mesh& mesh)
-      : scene_(std::move(device)),
+  enum class Use { traced, refitted };  // refitted: its points will be replaced
+  EmbreeObjectScene(std::shared_ptr<TraceDevice> device, const Mesh& mesh, Use use = Use::traced)
+      : scene_(std::move(device), use == Use::refitted),
+        use_(use),
         points_(mesh.points.size()),
         triangles_(mesh.triangles.size()),
         poses_(1 + mesh.later_poses.size()) {}
 
   /// Copies the mesh into buffers that Embree allocates (and pads: it reads 16 bytes at each 12-byte vertex).
   bool attach(const Mesh& mesh);
+  /// True if the mesh has these triangles of as many points, and none deforms.
+  bool has_triangles_of(const Mesh& mesh) const;
+  /// Takes the points of a mesh with the same triangles in the place of those it has, and keeps the hierarchy. Nobody
+  /// may be tracing. It is to be committed.
+  bool replace_points(const Mesh& mesh);
 
   bool intersect(const Ray& ray, TriangleHit* hit) const override;
   void intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const override;
@@ -32,6 +39,7 @@ class EmbreeObjectScene final : public ObjectScene {
 
  private:
   SceneHandle scene_;
+  Use use_;
   size_t points_, triangles_, poses_;
 };
 

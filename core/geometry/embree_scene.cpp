@@ -74,7 +74,7 @@ class EmbreeInstancedScene final : public InstancedScene {
     if (!placement.object || !growth.allows(0, 1)) return true;
     RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_INSTANCE);
     if (!geometry) return false;
-    // Every ObjectScene comes from build_object_scene.
+    // Every ObjectScene comes from build_object_scene or EditedObject.
     rtcSetGeometryInstancedScene(geometry, static_cast<const EmbreeObjectScene&>(*placement.object).get());
     if (moves) rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(placement.poses.size()));
     for (unsigned i = 0; i < placement.poses.size(); ++i) set_transform(geometry, i, placement.poses[i]);

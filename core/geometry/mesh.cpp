@@ -56,10 +56,11 @@ bool every_edge_is_paired(const Mesh& mesh, const std::vector<int>& weld, const 
   return any;
 }
 
-bool is_closed(const Mesh& mesh, const CancelToken& cancel) {
-  // Welding only adds up even numbers, so what is closed without it stays closed.
-  return every_edge_is_paired(mesh, {}, cancel) ||
-         every_edge_is_paired(mesh, weld_by_position(mesh.points, cancel), cancel);
+// Welding only adds up even numbers, so what is closed without it stays closed.
+void find_closed(const Mesh* before, const CancelToken& cancel, Mesh* mesh) {
+  mesh->sealed =
+      (before && before->sealed && before->triangles == mesh->triangles) || every_edge_is_paired(*mesh, {}, cancel);
+  mesh->closed = mesh->sealed || every_edge_is_paired(*mesh, weld_by_position(mesh->points, cancel), cancel);
 }
 
 // By tetrahedra over the centre of the bounds, so that no digits cancel.
@@ -317,7 +318,7 @@ Mesh build_mesh(const Cage& cage, const RefinementOptions& options, const Diagno
   if (options.displace) options.displace(&mesh);
   for (const auto& t : mesh.triangles)
     for (uint32_t i : t) mesh.bounds.extend(mesh.points[i]);
-  mesh.closed = is_closed(mesh, options.cancel);
+  find_closed(options.before, options.cancel, &mesh);
   mesh.outward = mesh.closed && encloses_positive_volume(mesh);
   hold_mesh(options, static_cast<double>(mesh.triangles.size()), static_cast<double>(mesh.memory_bytes()));
   return mesh;

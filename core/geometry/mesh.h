@@ -74,6 +74,7 @@ struct Mesh {
   std::vector<MeshPose> later_poses;
   Bounds bounds;         // at all times
   bool closed = false;   // every edge is shared by an even number (>= 2) of triangles, after welding points by position
+  bool sealed = false;   // closed without welding, so whatever its points are
   bool outward = false;  // closed, and its triangles enclose a positive volume
 
   /// The cage's face that a triangle is part of.
@@ -117,6 +118,7 @@ struct RefinementOptions {
   /// cage gets the sum over its limit curve, rounded up, 256 at most. Asked on any thread. Empty: 2^level for each.
   std::function<float(const Vec3f& a, const Vec3f& b)> segments;
   std::function<void(Mesh*)> displace;  // moves the points of the finished surface; empty: none
+  const Mesh* before = nullptr;         // of the same cage with other points, mostly; null: there is none
   CancelToken cancel = {};              // build_mesh() and pose_mesh() throw BuildCancelled
 };
 

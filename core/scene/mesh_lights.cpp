@@ -80,7 +80,8 @@ KnownMeshLights::KnownMeshLights(const SceneSnapshot* snapshot) : snapshot_(snap
 const MeshLight* KnownMeshLights::find(const Instance& instance) const {
   const auto emits_alike = [&](const Instance& other) {
     return other.prototype == instance.prototype && other.object_to_world == instance.object_to_world &&
-           other.materials == instance.materials && other.single_sided == instance.single_sided;
+           other.materials == instance.materials && other.slots == instance.slots &&
+           other.single_sided == instance.single_sided;
   };
   const auto [first, last] = lights_.equal_range(key(instance));
   const auto found = std::find_if(

@@ -55,7 +55,7 @@ std::vector<size_t> scattering_slots(const InstanceDescription& instance) {
   const auto& materials = instance.materials;
   std::vector<size_t> found;
   if (std::none_of(materials.begin(), materials.end(), [](const auto& m) { return m->scatters(); })) return found;
-  const auto& slots = instance.prototype->mesh.triangle_material;
+  const TriangleSlots& slots = instance.triangle_slots();
   std::vector<bool> used(materials.size(), false);
   if (slots.empty()) used[0] = true;
   for (const int32_t slot : slots) used[static_cast<size_t>(slot) < used.size() ? static_cast<size_t>(slot) : 0] = true;

@@ -32,6 +32,9 @@ struct MeshPrototype {
   MemoryReservation memory = {};  // of the mesh
 };
 
+/// Material slots by triangle; empty: all 0.
+using TriangleSlots = std::vector<int32_t>;
+
 /// The faces that camera rays pass.
 enum class CameraCull { none, back, front, all };
 
@@ -47,8 +50,11 @@ struct InstanceDescription {
   std::string subsurface_set = {};
   bool double_sided = true;  // false: not there for rays from behind, but where light passes below the surface
   CameraCull camera_cull = CameraCull::none;
-  bool holdout = false;       // a hole in the picture, where the camera sees it directly
-  uint32_t category_set = 0;  // of SceneDescription
+  bool holdout = false;                             // a hole in the picture, where the camera sees it directly
+  uint32_t category_set = 0;                        // of SceneDescription
+  std::shared_ptr<const TriangleSlots> slots = {};  // in the place of the mesh's own; null: those
+
+  const TriangleSlots& triangle_slots() const { return slots ? *slots : prototype->mesh.triangle_material; }
   bool operator==(const InstanceDescription&) const = default;
 };
 
@@ -95,6 +101,7 @@ struct Instance : Placement {
   const MeshPrototype* prototype = nullptr;
   std::vector<Affine> poses;                     // of one that moves: even ones over the shutter
   std::vector<const DisneyMaterial*> materials;  // by slot, at least one
+  const TriangleSlots* slots = nullptr;          // the mesh's, or those in their place
   int32_t prim_id = 0, instance_id = 0;
   const SubsurfaceBody* body = nullptr;  // where light goes below this surface; null: no material of it scatters
   uint32_t member = 0;                   // of the body
@@ -117,8 +124,7 @@ struct Instance : Placement {
 
   /// The material slot of a triangle; slots beyond the list use the first.
   size_t slot(uint32_t triangle) const {
-    const auto& slots = prototype->mesh.triangle_material;
-    const auto slot = slots.empty() ? size_t(0) : static_cast<size_t>(slots[triangle]);
+    const auto slot = slots->empty() ? size_t(0) : static_cast<size_t>((*slots)[triangle]);
     return slot < materials.size() ? slot : 0;
   }
   const DisneyMaterial& material(uint32_t triangle) const { return *materials[slot(triangle)]; }
@@ -169,6 +175,7 @@ struct SceneSnapshot {
   std::vector<std::shared_ptr<SubsurfaceBody>> bodies;           // keep-alive
   std::vector<std::shared_ptr<const MeshPrototype>> prototypes;  // keep-alive
   std::vector<std::shared_ptr<const DisneyMaterial>> materials;  // keep-alive
+  std::vector<std::shared_ptr<const TriangleSlots>> slots;       // keep-alive
 };
 
 /// One that shares nothing with others (SnapshotCompiler). Null when Embree refuses (reported). Throws std::bad_alloc.

@@ -62,6 +62,7 @@ float radius_about(const Vec3d& origin, const BoundsDouble& bounds) {
 Instance look_of(const InstanceDescription& d) {
   Instance instance;
   instance.prototype = d.prototype.get();
+  instance.slots = &d.triangle_slots();
   instance.prim_id = d.prim_id;
   instance.instance_id = d.instance_id;
   instance.category_set = d.category_set;
@@ -129,7 +130,7 @@ bool has_clear_interior(const InstanceDescription& d) {
 
 // Instances of one mesh come one after the other.
 bool is_made_as(const InstanceDescription& a, const InstanceDescription& b) {
-  return a.prototype == b.prototype && a.materials == b.materials;
+  return a.prototype == b.prototype && a.materials == b.materials && a.slots == b.slots;
 }
 
 template <class T>
@@ -144,10 +145,13 @@ void keep_alive(const DrawnInstances& drawn, SceneSnapshot* snapshot) {
       const InstanceDescription* const d = (*list)[i];
       if (i > 0 && is_made_as(*(*list)[i - 1], *d)) continue;
       snapshot->prototypes.push_back(d->prototype);
+      if (d->slots) snapshot->slots.push_back(d->slots);
       snapshot->materials.insert(snapshot->materials.end(), d->materials.begin(), d->materials.end());
     }
   sort_unique(&snapshot->prototypes);
   sort_unique(&snapshot->materials);
+  sort_unique(&snapshot->slots);
+  for (const auto& slots : snapshot->slots) snapshot->memory_bytes += slots->capacity() * sizeof((*slots)[0]);
   for (const auto& p : snapshot->prototypes) {
     snapshot->memory_bytes +=
         p->mesh.memory_bytes() + p->object->memory_bytes() + p->interior.memory_bytes() + p->tangents.memory_bytes();

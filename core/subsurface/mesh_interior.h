@@ -14,12 +14,14 @@ class MeshInterior {
  public:
   /// Counts the parts, also while they are built (MemoryRefused). Called before any other.
   void count_in(std::shared_ptr<MemoryBudget> budget) { budget_ = std::move(budget); }
+  /// Shares the topology of other meshes that `cache` serves. Called before it is asked for any part.
+  void share_topology(std::shared_ptr<ShellTopologyCache> cache) { topology_ = std::move(cache); }
   const MeshShells& shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel = {}) const {
     return shells_
         .get([&] {
           constexpr size_t kBuildBytes = 84;  // of a triangle: welded corners, edges, their counts, surface, shell
           MemoryReservation memory = hold(mesh, kBuildBytes * mesh.triangles.size());
-          Counted<MeshShells> built{find_shells(mesh, object, cancel), std::move(memory)};
+          Counted<MeshShells> built{find_shells(mesh, object, cancel, topology_.get()), std::move(memory)};
           built.memory.shrink(built.part.triangle_flags.capacity());
           return built;
         })
@@ -56,6 +58,7 @@ class MeshInterior {
   }
 
   std::shared_ptr<MemoryBudget> budget_;
+  std::shared_ptr<ShellTopologyCache> topology_;  // null: its own, for a moment
   mutable BuiltOnce<Counted<MeshShells>> shells_;
   mutable BuiltOnce<Counted<std::shared_ptr<const DistanceGrid>>> grid_;
 };

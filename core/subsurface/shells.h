@@ -3,6 +3,7 @@
 
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/surface_hit.h"
+#include "core/subsurface/shell_topology.h"
 
 namespace alabaster {
 
@@ -28,8 +29,9 @@ struct MeshShells {
 
 /// `object` traces `mesh`. A mesh that deforms has the shells of the shutter's opening, and several of them count as
 /// overlapping, for they may overlap later. A function of the mesh alone, for any number of
-/// threads; scaling it by 2^k changes nothing. Throws BuildCancelled.
-MeshShells find_shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel = {});
+/// threads; scaling it by 2^k changes nothing. `cache` may be null. Throws BuildCancelled.
+MeshShells find_shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel = {},
+                       ShellTopologyCache* cache = nullptr);
 
 /// True if a line in direction `direction` (object space) leaves the triangle's shell at a hit, false if it enters. The
 /// outer side of an open shell is the one that would be out if little is missing; of a plane, the one from which it

@@ -184,5 +184,30 @@ TEST(PoseMesh, IsTheMeshOfThePosedCage) {
       }
 }
 
+TEST(PoseMesh, WithTheMeshBeforeIsClosedAsItIsWithoutIt) {
+  Cage cage = test::cube_cage();
+  const Mesh before = build_mesh(cage, {}, {});
+  EXPECT_TRUE(before.sealed);
+  RefinementOptions options;
+  options.before = &before;
+  cage.points[0] = {-2, -2, -2};
+  EXPECT_TRUE(build_mesh(cage, options, {}).sealed);
+  cage.invisible_faces = {2};  // other triangles
+  const Mesh open = build_mesh(cage, options, {});
+  EXPECT_FALSE(open.closed);
+  // A face with corners of its own, which meet the others' by position.
+  cage = test::cube_cage();
+  for (int i = 0; i < 4; ++i) {
+    cage.points.push_back(cage.points[static_cast<size_t>(cage.face_vertex_indices[static_cast<size_t>(i)])]);
+    cage.face_vertex_indices[static_cast<size_t>(i)] = 8 + i;
+  }
+  const Mesh welded = build_mesh(cage, options, {});
+  EXPECT_TRUE(welded.closed);
+  EXPECT_FALSE(welded.sealed);
+  options.before = &welded;
+  cage.points[8] *= 2.0f;
+  EXPECT_FALSE(build_mesh(cage, options, {}).closed);
+}
+
 }  // namespace
 }  // namespace alabaster

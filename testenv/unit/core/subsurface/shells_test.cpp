@@ -195,6 +195,40 @@ TEST(Shells, ScaleChangesNothing) {
   }
 }
 
+TEST(Shells, OfEditedPointsAreThoseWithoutACache) {
+  ShellTopologyCache cache(nullptr);
+  Cage cage = both(box({0, 0, 0}, 1), box({5, 0, 0}, 1, true));
+  const auto device = make_trace_device({});
+  // Moved, then one into the other, then with a point on another one, then torn apart again.
+  const std::vector<std::pair<size_t, Vec3f>> edits{{0, {-1.2f, -1, -1}}, {7, {5, 0.5f, 0.5f}}, {1, {-1.2f, -1, -1}},
+                                                    {1, {1, -1, -1}},     {7, {1, 1, 1}},       {9, {6, 0, 0}}};
+  for (const auto& [point, to] : edits) {
+    cage.points[point] = to;
+    const Mesh mesh = build_mesh(cage, {}, {});
+    const auto object = build_object_scene(device, mesh, {});
+    const MeshShells cached = find_shells(mesh, *object, {}, &cache), fresh = find_shells(mesh, *object);
+    EXPECT_EQ(cached.triangle_flags, fresh.triangle_flags);
+    EXPECT_EQ(cached.any_open, fresh.any_open);
+    EXPECT_EQ(cached.any_closed, fresh.any_closed);
+    EXPECT_EQ(cached.overlapping, fresh.overlapping);
+  }
+}
+
+TEST(Shells, TheirTopologyIsFoundOnceAndCounted) {
+  const auto budget = std::make_shared<MemoryBudget>();
+  ShellTopologyCache cache(budget);
+  const std::vector<WeldedCorners> one{{0, 1, 2}, {0, 2, 1}}, other{{0, 1, 2}, {0, 1, 2}};
+  const auto first = cache.get(one, 3, {});
+  EXPECT_EQ(cache.get(one, 3, {}), first);
+  EXPECT_GT(budget->in_use(MemoryUse::subsurface), 0u);
+  EXPECT_NE(cache.get(other, 3, {}), first);
+  cache.forget();
+  EXPECT_EQ(budget->in_use(MemoryUse::subsurface), 0u);
+  budget->set_limit(1);
+  EXPECT_TRUE(cache.get(one, 3, {})) << "without memory to keep it";
+  EXPECT_EQ(budget->in_use(MemoryUse::subsurface), 0u);
+}
+
 TEST(Shells, RubbishIsTaken) {
   EXPECT_TRUE(find(Cage()).shells.triangle_flags.empty());
   Cage flat = test::cube_cage();
