@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "delegate/prims/motion.h"
 #include "delegate/prims/prims.h"
@@ -54,8 +55,9 @@ TimeSamples<Value> pull_samples(SceneDelegate& scene, const Path& id, const Toke
 }
 
 MeshTopology frozen(MeshTopology topology) {
-  for (auto* array : {&topology.faceVertexCounts, &topology.faceVertexIndices, &topology.holeIndices,
-                      &topology.invisibleFaces, &topology.invisiblePoints})
+  topology.invisiblePoints = {};  // nothing is drawn of them
+  for (auto* array :
+       {&topology.faceVertexCounts, &topology.faceVertexIndices, &topology.holeIndices, &topology.invisibleFaces})
     *array = array->frozen();
   for (GeomSubset& subset : topology.geomSubsets) subset.indices = subset.indices.frozen();
   return topology;
@@ -97,9 +99,9 @@ void update(T* held, T now, bool* changed) {
 void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
   if (bits & dirty::kTopology) {
     MeshTopology topology = frozen(scene.GetMeshTopology(GetId()));
-    shape_changed_ |= !same_shape(pulled_.topology, topology);
-    pulled_.topology_memory = {};
-    pulled_.topology = std::move(topology);
+    subsets_ = std::exchange(topology.geomSubsets, {});
+    if (!(pulled_.topology == topology)) pulled_.topology_memory = {};
+    update(&pulled_.topology, std::move(topology), &shape_changed_);
   }
   if (bits & dirty::kSubdivTags) update(&pulled_.tags, frozen(scene.GetSubdivTags(GetId())), &shape_changed_);
   if (bits & dirty::kDisplayStyle) update(&pulled_.style, scene.GetDisplayStyle(GetId()), &shape_changed_);
@@ -166,15 +168,23 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
         record_.instancer.empty() ? Array<int32_t>() : scene.GetInstanceIndices(record_.instancer, GetId()).frozen();
 }
 
+void MeshPrim::update_slots(SceneParam& param) {
+  FaceSlots slots = face_slots(subsets_);
+  if (record_.slots && *record_.slots == slots) return;
+  hold_arrays(&slots, param.memory(), GetId().str());
+  record_.slots = std::make_shared<const FaceSlots>(std::move(slots));
+}
+
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   pull(scene, bits, param.sink());
   hold_arrays(&pulled_, param.memory(), GetId().str());
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;
+  if (bits & dirty::kTopology) update_slots(param);
   record_.double_sided = shows_both_sides(cull_style_, double_sided_);
   record_.camera_cull = camera_cull_of(cull_style_, double_sided_);
   record_.prim_id = GetPrimId();
-  record_.materials = slot_materials(pulled_.topology, material_);
+  record_.materials = slot_materials(subsets_, material_);
   param.post(GetId(), record_);
   return dirty::kClean;
 }

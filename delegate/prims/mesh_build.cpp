@@ -134,28 +134,69 @@ class KeptReports {
 // Cage, refinement, displacement, BVH.
 class MeshBuilder {
  public:
-  MeshBuilder(const PulledMesh& mesh, const Path& id, SceneParam& param, const CancelToken& cancel)
-      : mesh_(mesh), where_(id.str()), param_(param), cancel_(cancel) {}
+  struct Source {
+    const PulledMesh& mesh;
+    const FaceSlots& slots;
+    PointEdits* edits;  // null: it is built for the first time
+  };
+  MeshBuilder(const Source& source, const Path& id, SceneParam& param, const CancelToken& cancel)
+      : mesh_(source.mesh),
+        slots_(source.slots),
+        edits_(source.edits),
+        where_(id.str()),
+        param_(param),
+        cancel_(cancel) {}
 
   MeshBuild build(const MeshRequest& request, KnownFaults* known) {
+    return reported(known, [&] { return build_silently(request); });
+  }
+
+  // The same shape with other slots. Nothing was reported when it was built: its faces are those of the topology.
+  MeshBuild assign_slots(const MeshBuild& shape, KnownFaults* known) {
+    return reported(known, [&] {
+      MeshBuild out = shape;
+      const std::vector<int32_t>& face = shape.prototype->mesh.triangle_face;
+      struct Held {
+        MemoryReservation memory;
+        TriangleSlots slots;
+      };
+      const std::vector<int32_t> of_faces =
+          slots_of_faces(slots_, mesh_.topology.faceVertexCounts.size(), where_, sink_);
+      auto held = std::make_shared<Held>();
+      held->memory = MemoryReservation(param_.memory(), MemoryUse::meshes,
+                                       of_faces.empty() ? 0 : face.size() * sizeof(int32_t), where_);
+      held->slots.reserve(of_faces.empty() ? 0 : face.size());
+      if (!of_faces.empty())
+        for (const int32_t f : face) held->slots.push_back(of_faces[static_cast<size_t>(f)]);
+      out.slots = std::shared_ptr<const TriangleSlots>(held, &held->slots);
+      return out;
+    });
+  }
+
+ private:
+  template <class Make>
+  MeshBuild reported(KnownFaults* known, const Make& make) {
     MeshBuild out;
     try {
-      out = build_silently(request);
+      out = make();
     } catch (const MemoryRefused& e) {
       out.fault = SceneFault{false, e.what()};
       sink_({alabaster::Severity::error, "mesh.memory", where_, out.fault->text});
     }
     for (const alabaster::Diagnostic& d : reports_)
       if (d.severity == alabaster::Severity::error && !out.fault) out.fault = SceneFault{true, d.text};
+    out.reported = !reports_.empty();
     known->report(param_.sink(), std::move(reports_));
     return out;
   }
 
- private:
   MeshBuild build_silently(const MeshRequest& request) {
     MeshBuild out;
-    const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes, memory_bytes(mesh_), "a copy of its cage");
+    const size_t faces = mesh_.topology.faceVertexCounts.size();
+    const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes,
+                                        memory_bytes(mesh_) + faces * sizeof(int32_t), "a copy of its cage");
     Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
+    cage.face_material = slots_of_faces(slots_, faces, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
     cancel_.check();
     auto prototype = std::make_shared<MeshPrototype>();
@@ -165,6 +206,9 @@ class MeshBuilder {
     options.cancel = cancel_;
     options.memory = &(prototype->memory = MemoryReservation(param_.memory(), MemoryUse::meshes));
     prototype->interior.count_in(param_.memory());
+    if (edits_) prototype->interior.share_topology(edits_->shells);
+    const auto before = edits_ ? edits_->before.lock() : nullptr;
+    options.before = before ? &before->mesh : nullptr;
     if (!request.displacements.empty())
       options.displace = [&](Mesh* refined) { displace(request.displacements, where_, sink_, refined, cancel_); };
     if (!request.placements.empty()) options.segments = EdgeMeasure(request, cage.points);
@@ -192,9 +236,11 @@ class MeshBuilder {
     const SyncClock::Running running(&param_.clock, SyncPhase::bvh);
     const CancelToken cancel = cancel_;
     prototype->object =
-        build_object_scene(param_.device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
+        edits_ ? edits_->object.build(param_.device(), prototype->mesh, cancel)
+               : build_object_scene(param_.device(), prototype->mesh, [cancel] { return cancel.is_cancelled(); });
     if (prototype->object) {
       out->prototype = std::move(prototype);
+      if (edits_) edits_->before = out->prototype;
       return;
     }
     cancel_.check();
@@ -206,6 +252,8 @@ class MeshBuilder {
   }
 
   const PulledMesh& mesh_;
+  const FaceSlots& slots_;
+  PointEdits* const edits_;
   const std::string& where_;
   SceneParam& param_;
   const CancelToken cancel_;
@@ -234,7 +282,8 @@ SceneFaults BuiltMeshes::faults(const Records& records, const Selection& selecti
 
 // Drops the meshes that are gone or hidden, and what edits of others left behind; answers with those to build.
 std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, const std::vector<Selection>& selections,
-                                                      const MeshView& view) {
+                                                      const MeshView& view,
+                                                      const std::shared_ptr<MemoryBudget>& budget) {
   support::Placements placements(
       [&](const Path& path) -> const InstancerRecord* {
         const auto found = records.find(path);
@@ -245,7 +294,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, co
   std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {
     const auto* mesh = std::get_if<MeshRecord>(&record);
-    if (!mesh || !mesh->visible || !mesh->source) continue;
+    if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
     MeshRequest request{displacements_of(*mesh, records), {}, {}, {}};
     if (!view.primvars.empty()) request.primvars = {view.primvars, mesh->other_primvars};
     if (view.dicing.edge_length > 0 && is_refined(*mesh->source)) {
@@ -253,27 +302,53 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, co
       request.placements = placements_of(path, *mesh, placements);
     }
     const auto held = held_.find(path);
-    if (held != held_.end() && held->second.done && held->second.source == mesh->source &&
-        held->second.request == request) {
+    const bool same_shape =
+        held != held_.end() && held->second.source == mesh->source && held->second.request == request;
+    const bool same_slots = same_shape && held->second.slots == mesh->slots;
+    if (same_slots && held->second.done) {
+      constexpr int kMostOthers = 16;
+      if (held->second.edits && ++held->second.edits_of_others == kMostOthers) held->second.edits->rest();
       needed.insert(held_.extract(held));
       continue;
     }
     if (std::none_of(selections.begin(), selections.end(),
                      [&id = path, &shown = *mesh](const Selection& s) { return s.includes(id, shown); }))
       continue;
-    KnownFaults faults;
-    if (held != held_.end()) faults = held->second.faults;
-    to_build.push_back(
-        &*needed.emplace(path, Held{mesh->source, std::move(request), {}, false, std::move(faults)}).first);
+    Held made{mesh->source, mesh->slots, std::move(request), {}};
+    if (held != held_.end()) {
+      made.faults = held->second.faults;
+      keep_edits(held->second, budget, &made);
+    }
+    // Displacement is a material's.
+    if (same_shape && held->second.has_shape && made.request.displacements.empty()) {
+      made.built = held->second.built;
+      made.has_shape = true;
+    }
+    to_build.push_back(&*needed.emplace(path, std::move(made)).first);
   }
   held_ = std::move(needed);
   view_ = view;
   return to_build;
 }
 
+// Where the topology is the same, the triangles mostly are. With motion samples there are several shapes to build.
+void BuiltMeshes::keep_edits(const Held& from, const std::shared_ptr<MemoryBudget>& budget, Held* made) {
+  const PulledMesh &a = *from.source, &b = *made->source;
+  if (!(a.topology == b.topology) || !(a.tags == b.tags) || !(a.style == b.style)) return;
+  if (b.point_samples.times.size() > 1 || made->request.dicing.edge_length > 0) return;
+  made->edits = from.edits;
+  if (!made->edits && from.built.prototype) made->edits = std::make_shared<PointEdits>(budget);
+}
+
+void BuiltMeshes::rest() {
+  for (auto& [path, held] : held_)
+    if (held.edits) held.edits->rest();
+}
+
 void BuiltMeshes::build(const Records& records, const std::vector<Selection>& selections, const MeshView& view,
                         SceneParam& param, const CancelToken& cancel) {
-  const std::vector<Entry*> to_build = collect(records, selections, view);
+  if (incomplete()) rest();  // it may be memory that they lack
+  const std::vector<Entry*> to_build = collect(records, selections, view, param.memory());
   if (to_build.empty()) return;
   const auto build_one = [&](Entry* entry) {
     if (cancel.is_cancelled()) return;
@@ -281,13 +356,16 @@ void BuiltMeshes::build(const Records& records, const std::vector<Selection>& se
     bool cancelled = false;
     const bool built = guarded(param.sink(), entry->first.str(), [&] {
       try {
-        held.built = MeshBuilder(*held.source, entry->first, param, cancel).build(held.request, &held.faults);
+        MeshBuilder builder({*held.source, *held.slots, held.edits.get()}, entry->first, param, cancel);
+        held.built =
+            held.has_shape ? builder.assign_slots(held.built, &held.faults) : builder.build(held.request, &held.faults);
       } catch (const BuildCancelled&) {
         cancelled = true;
       }
     });
     const bool refused = held.built.fault && !held.built.fault->input;
     held.done = built && !cancelled && !refused;
+    held.has_shape = cancelled ? held.has_shape : held.built.prototype && !held.built.reported;
     if (!built) held.built.fault = SceneFault{false, "the mesh could not be built"};
   };
   param.run([&] { tbb::parallel_for(size_t(0), to_build.size(), [&](size_t i) { build_one(to_build[i]); }); });

@@ -3,6 +3,7 @@
 
 #include "core/camera/camera.h"
 #include "core/diagnostics/cancel.h"
+#include "core/geometry/edited_object.h"
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/selection.h"
 
@@ -18,7 +19,9 @@ struct Deformation {
 struct MeshBuild {
   std::shared_ptr<const MeshPrototype> prototype;  // null: nothing to draw
   std::shared_ptr<const Deformation> deformation;  // null: the prototype's shape is that of all times
+  std::shared_ptr<const TriangleSlots> slots;      // in the place of the prototype's; null: those
   std::optional<SceneFault> fault;
+  bool reported = false;  // something about the mesh, be it a warning
 };
 
 /// The picture by which adaptive refinement measures.
@@ -45,8 +48,23 @@ struct MeshRequest {
   bool operator==(const MeshRequest&) const = default;
 };
 
+/// The parts of a mesh that its next shape uses again, where its points are edited.
+struct PointEdits {
+  explicit PointEdits(const std::shared_ptr<MemoryBudget>& budget)
+      : shells(std::make_shared<ShellTopologyCache>(budget)) {}
+  void rest() {
+    object.rest();
+    shells->forget();
+  }
+
+  EditedObject object;
+  std::shared_ptr<ShellTopologyCache> shells;
+  std::weak_ptr<const MeshPrototype> before;  // as it was built last
+};
+
 /// The built meshes of a scene. A mesh is built where it is first drawn, again when its shape, its displacement or its
-/// dicing changes, and kept until then, also while no selection includes it. One thread at a time.
+/// dicing changes, and kept until then, also while no selection includes it. Other material slots of its faces build
+/// nothing again. One thread at a time.
 class BuiltMeshes {
  public:
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
@@ -54,6 +72,8 @@ class BuiltMeshes {
   /// kept.
   void build(const Records& records, const std::vector<Selection>& selections, const MeshView& view, SceneParam& param,
              const CancelToken& cancel);
+  /// No edits are expected for now: frees what would make those of points quick.
+  void rest();
   /// Null: it has not been built.
   const MeshBuild* find(const Path& mesh) const;
   template <class Visit>
@@ -69,13 +89,20 @@ class BuiltMeshes {
  private:
   struct Held {
     std::shared_ptr<const PulledMesh> source;
+    std::shared_ptr<const FaceSlots> slots;
     MeshRequest request;
     MeshBuild built;
     bool done = false;
+    bool has_shape = false;                       // only the slots are missing
+    std::shared_ptr<PointEdits> edits = nullptr;  // null: none so far
+    int edits_of_others = 0;                      // since the last one
     KnownFaults faults = {};
   };
   using Entry = std::pair<const Path, Held>;
-  std::vector<Entry*> collect(const Records& records, const std::vector<Selection>& selections, const MeshView& view);
+  std::vector<Entry*> collect(const Records& records, const std::vector<Selection>& selections, const MeshView& view,
+                              const std::shared_ptr<MemoryBudget>& budget);
+
+  void keep_edits(const Held& from, const std::shared_ptr<MemoryBudget>& budget, Held* made);
 
   std::map<Path, Held> held_;
   MeshView view_;

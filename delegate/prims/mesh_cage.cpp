@@ -169,33 +169,11 @@ void for_each_part(Mesh& mesh, const Visit& visit) {
     visit(bytes_in(*primvar), &primvar->memory);
   for (auto& [name, uv] : mesh.uvs) visit(bytes_in(uv), &uv.memory);
   const MeshTopology& t = mesh.topology;
-  size_t topology = bytes_in(t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces) +
-                    bytes_in(mesh.tags.creaseIndices, mesh.tags.creaseLengths, mesh.tags.cornerIndices) +
-                    bytes_in(mesh.tags.creaseWeights, mesh.tags.cornerWeights);
-  for (const GeomSubset& subset : t.geomSubsets) topology += bytes_in(subset.indices);
+  const size_t topology = bytes_in(t.faceVertexCounts, t.faceVertexIndices, t.holeIndices, t.invisibleFaces) +
+                          bytes_in(mesh.tags.creaseIndices, mesh.tags.creaseLengths, mesh.tags.cornerIndices) +
+                          bytes_in(mesh.tags.creaseWeights, mesh.tags.cornerWeights);
   visit(topology, &mesh.topology_memory);
   visit(bytes_in(mesh.point_samples) + bytes_in(mesh.normal_samples), &mesh.samples_memory);
-}
-
-// Where subsets overlap, the later one wins.
-std::vector<int> face_materials(const MeshTopology& topology, const Reporter& reporter) {
-  std::vector<int> slots;
-  int slot = 0;
-  size_t outside = 0;
-  for (const GeomSubset& subset : topology.geomSubsets) {
-    if (!draws(subset)) continue;
-    ++slot;
-    slots.resize(topology.faceVertexCounts.size(), 0);
-    for (const int32_t face : subset.indices) {
-      if (face >= 0 && static_cast<size_t>(face) < slots.size())
-        slots[static_cast<size_t>(face)] = slot;
-      else
-        ++outside;
-    }
-  }
-  if (outside)
-    reporter.warn("mesh.subset.range", std::to_string(outside) + " faces of subsets do not exist; they are ignored");
-  return slots;
 }
 
 }  // namespace
@@ -209,7 +187,6 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
   cage.face_vertex_indices = copy(mesh.topology.faceVertexIndices);
   cage.hole_indices = copy(mesh.topology.holeIndices);
   cage.invisible_faces = copy(mesh.topology.invisibleFaces);
-  cage.face_material = face_materials(mesh.topology, reporter);
   if (const auto* points = mesh.points.value.get<Array<Vec3f>>())
     cage.points = copy(*points);
   else if (!mesh.points.value.empty())
@@ -239,23 +216,45 @@ void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, 
   });
 }
 
-std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material) {
-  std::vector<Path> materials{material};
-  for (const GeomSubset& subset : topology.geomSubsets)
-    if (draws(subset)) materials.push_back(subset.materialId);
-  return materials;
+void hold_arrays(FaceSlots* slots, const std::shared_ptr<MemoryBudget>& budget, const std::string& where) {
+  size_t bytes = 0;
+  for (const Array<int32_t>& faces : slots->faces) bytes += bytes_in(faces);
+  if (bytes > 0) slots->memory.held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
 }
 
-bool same_shape(const MeshTopology& a, const MeshTopology& b) {
-  if (!(a.scheme == b.scheme && a.orientation == b.orientation && a.faceVertexCounts == b.faceVertexCounts &&
-        a.faceVertexIndices == b.faceVertexIndices && a.holeIndices == b.holeIndices &&
-        a.invisibleFaces == b.invisibleFaces) ||
-      a.geomSubsets.size() != b.geomSubsets.size())
-    return false;
-  for (size_t i = 0; i < a.geomSubsets.size(); ++i)
-    if (draws(a.geomSubsets[i]) != draws(b.geomSubsets[i]) || !(a.geomSubsets[i].indices == b.geomSubsets[i].indices))
-      return false;
-  return true;
+std::vector<int32_t> slots_of_faces(const FaceSlots& slots, size_t count, const std::string& where,
+                                    const alabaster::DiagnosticSink& sink) {
+  if (slots.faces.empty()) return {};
+  std::vector<int32_t> of_faces(count, 0);
+  size_t outside = 0;
+  int32_t slot = 0;
+  for (const Array<int32_t>& faces : slots.faces) {
+    ++slot;
+    for (const int32_t face : faces) {
+      if (face >= 0 && static_cast<size_t>(face) < count)
+        of_faces[static_cast<size_t>(face)] = slot;
+      else
+        ++outside;
+    }
+  }
+  if (outside)
+    Reporter{sink, where}.warn("mesh.subset.range",
+                               std::to_string(outside) + " faces of subsets do not exist; they are ignored");
+  return of_faces;
+}
+
+FaceSlots face_slots(const std::vector<GeomSubset>& subsets) {
+  FaceSlots slots;
+  for (const GeomSubset& subset : subsets)
+    if (draws(subset)) slots.faces.push_back(subset.indices);
+  return slots;
+}
+
+std::vector<Path> slot_materials(const std::vector<GeomSubset>& subsets, const Path& material) {
+  std::vector<Path> materials{material};
+  for (const GeomSubset& subset : subsets)
+    if (draws(subset)) materials.push_back(subset.materialId);
+  return materials;
 }
 
 }  // namespace alabaster::hd::prims

@@ -21,7 +21,7 @@ struct PulledPrimvar {
 /// The values that a mesh prim has pulled so far: numbers of any type as floats (support::FloatValues). Arrays are
 /// shared with the scene delegate, unless they had to be converted or the host edits them in place.
 struct PulledMesh {
-  MeshTopology topology;
+  MeshTopology topology;  // without its subsets: see FaceSlots
   SubdivTags tags;
   DisplayStyle style;
   PulledPrimvar points, normals, tangents, display_color, display_opacity;
@@ -30,11 +30,19 @@ struct PulledMesh {
   SharedReservation topology_memory, samples_memory;
 };
 
+/// The faces of a mesh's material slots from 1 on; all others have slot 0. Where they overlap, the later slot wins.
+struct FaceSlots {
+  std::vector<Array<int32_t>> faces;
+  SharedReservation memory = {};
+  bool operator==(const FaceSlots&) const = default;
+};
+
 /// Bytes of all its arrays, its own and those of the host.
 size_t memory_bytes(const PulledMesh& mesh);
 /// Has the budget hold the arrays that it does not hold yet: a mesh and its copies hold each once. Throws
 /// MemoryRefused.
 void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
+void hold_arrays(FaceSlots* slots, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
 
 /// Primvars that no material reads, by name.
 using OtherPrimvars = std::map<Token, PulledPrimvar>;
@@ -46,14 +54,17 @@ struct NamedPrimvars {
   bool operator==(const NamedPrimvars&) const = default;
 };
 
-/// The cage as it was given, faults included (sanitize_cage mends them). Unknown words, primvars of another type or
-/// interpolation, and subset faces that do not exist are reported and left out.
+/// The cage as it was given, faults included (sanitize_cage mends them), without material slots. Unknown words, and
+/// primvars of another type or interpolation, are reported and left out.
 Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::string& where,
                const alabaster::DiagnosticSink& sink);
+/// The slot of each of `count` faces; empty: all 0. Faces that do not exist are reported and left out.
+std::vector<int32_t> slots_of_faces(const FaceSlots& slots, size_t count, const std::string& where,
+                                    const alabaster::DiagnosticSink& sink);
 
-/// Materials by slot: `material`, then one for each subset that has one and is not empty.
-std::vector<Path> slot_materials(const MeshTopology& topology, const Path& material);
-/// True if the two differ at most in the materials that their subsets name.
-bool same_shape(const MeshTopology& a, const MeshTopology& b);
+/// The faces of the subsets that have a material and are not empty: each is a slot.
+FaceSlots face_slots(const std::vector<GeomSubset>& subsets);
+/// Materials by slot: `material`, then those of the subsets.
+std::vector<Path> slot_materials(const std::vector<GeomSubset>& subsets, const Path& material);
 
 }  // namespace alabaster::hd::prims

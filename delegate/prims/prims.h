@@ -44,9 +44,11 @@ class MeshPrim final : public RecordedPrim<Rprim> {
   void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
   void pull_shape(SceneDelegate& scene, DirtyBits bits);
   void pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSink& sink);
+  void update_slots(SceneParam& param);
 
   PulledMesh pulled_;
   bool shape_changed_ = false;
+  std::vector<GeomSubset> subsets_;
   Path material_;
   bool double_sided_ = true;
   CullStyle cull_style_ = CullStyle::dontCare;

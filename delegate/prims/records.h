@@ -24,6 +24,7 @@ using SceneFaults = std::map<Path, SceneFault>;
 
 struct MeshRecord {
   std::shared_ptr<const PulledMesh> source;             // the shape; another one after each edit of it
+  std::shared_ptr<const FaceSlots> slots;               // the same
   std::shared_ptr<const OtherPrimvars> other_primvars;  // the same; null: none
   Matrix4d transform;
   alabaster::TimeSamples<Matrix4d> motion;  // of the transform; empty: stands still

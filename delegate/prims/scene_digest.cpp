@@ -55,7 +55,6 @@ void add_mesh(const MeshPrototype& prototype, Digest* digest) {
     add_attribute(primvar, digest);
   }
   digest->add(mesh.triangle_face);
-  digest->add(mesh.triangle_material);
   for (const MeshPose& pose : mesh.later_poses) {
     digest->add(pose.points);
     digest->add(pose.normals);
@@ -72,6 +71,7 @@ class SceneDigest {
     for (const LightDescription& light : translation.scene.lights) images_[light.texture.get()];
     digest_all(&images_, [](const Texture& image, Digest* digest) { image.add_to(digest); });
     digest_all(&meshes_, add_mesh);
+    digest_all(&slots_, [](const TriangleSlots& slots, Digest* digest) { digest->add(slots); });
     digest_all(&materials_, [this](const DisneyMaterial& material, Digest* digest) { add_material(material, digest); });
   }
 
@@ -96,6 +96,7 @@ class SceneDigest {
  private:
   void add_shared(const InstanceDescription& instance) {
     meshes_[instance.prototype.get()];
+    slots_[&instance.triangle_slots()];
     for (const auto& material : instance.materials) materials_[material.get()];
   }
   void add_image(const Texture* image, Digest* digest) const { digest->add(image ? images_.at(image) : std::string()); }
@@ -130,6 +131,7 @@ class SceneDigest {
     digest->add(instance.object_to_world);
     digest->add(instance.poses);
     for (const auto& material : instance.materials) digest->add(material->name);
+    digest->add(slots_.at(&instance.triangle_slots()));
     digest->add(instance.prim_id);
     digest->add(instance.instance_id);
     digest->add(instance.subsurface_set);
@@ -158,6 +160,7 @@ class SceneDigest {
   const Translation& translation_;
   Shared<Texture> images_;
   Shared<MeshPrototype> meshes_;
+  Shared<TriangleSlots> slots_;
   Shared<DisneyMaterial> materials_;
 };
 

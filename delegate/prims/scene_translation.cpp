@@ -166,6 +166,7 @@ struct SceneTranslator::Run {
     InstanceDescription instance;
     const auto moved = parts.deformed.find(path);
     instance.prototype = moved == parts.deformed.end() ? built->prototype : moved->second;
+    instance.slots = built->slots;
     instance.prim_id = mesh.prim_id;
     instance.name = path.str();
     instance.double_sided = mesh.double_sided;

@@ -7,6 +7,14 @@
 
 namespace alabaster::hd::rendering {
 
+namespace {
+
+// A host that has not edited for so long has stopped to. Until then the builder looks by itself for the next edit.
+constexpr std::chrono::seconds kEditsEnd(2);
+constexpr std::chrono::milliseconds kLook(1);
+
+}  // namespace
+
 SnapshotBuilder::SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, std::function<void()> published)
     : param_(std::move(param)), published_(std::move(published)), translator_(param_->sink()) {}
 
@@ -29,6 +37,7 @@ void SnapshotBuilder::post(std::list<prims::Edit>* edits, const View& view) {
     posted_view_ = std::move(posted_view);
     requested_ = pending_ = true;
     if (building_ && !cancelled_before_) cancel_ = true;
+    if (looks_by_itself_) return;
   }
   wake_.notify_all();
 }
@@ -75,18 +84,39 @@ void SnapshotBuilder::release_retired() {
   const std::lock_guard lock(mutex_);
   if (retired_.empty()) return;
   release_ = true;
-  wake_.notify_all();
+  if (!looks_by_itself_) wake_.notify_all();
 }
 
 void SnapshotBuilder::run() {
   while (take_work()) build();
 }
 
+// Until somebody wants something of the builder.
+//
+// A host that wakes another thread at the end of its turn may stand still for two slices of that one and of those that
+// render, 8 ms: it has run for a while, so where no core is idle the system takes its turn to be over. While edits
+// follow each other nobody is woken, therefore.
+void SnapshotBuilder::await_work(std::unique_lock<std::mutex>* lock) {
+  const auto wanted = [&] { return quit_ || release_ || (requested_ && !stopped_); };
+  looks_by_itself_ = true;
+  const auto end = std::chrono::steady_clock::now() + kEditsEnd;
+  while (!wanted() && looks_by_itself_) {
+    wake_.wait_for(*lock, kLook, wanted);
+    looks_by_itself_ = built_once_ && std::chrono::steady_clock::now() < end;
+  }
+  looks_by_itself_ = false;
+  if (wanted()) return;
+  lock->unlock();
+  meshes_.rest();
+  lock->lock();
+  wake_.wait(*lock, wanted);
+}
+
 // Waits for a request, and makes it this thread's; false: the builder ends.
 bool SnapshotBuilder::take_work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [&] { return quit_ || release_ || (requested_ && !stopped_); });
+    await_work(&lock);
     if (quit_) return false;
     if (release_) {
       release_ = false;
@@ -98,7 +128,7 @@ bool SnapshotBuilder::take_work() {
     edits_.splice(edits_.end(), posted_);
     view_ = posted_view_;
     requested_ = false;
-    building_ = true;
+    building_ = built_once_ = true;
     cancel_ = false;
     return true;
   }

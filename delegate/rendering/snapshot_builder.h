@@ -63,6 +63,7 @@ class SnapshotBuilder {
  private:
   void run();
   bool take_work();
+  void await_work(std::unique_lock<std::mutex>* lock);
   void build();
   std::set<Path> used_materials(const std::map<Path, prims::Edit*>& edits) const;
   void read_files(const CancelToken& cancel);
@@ -91,6 +92,7 @@ class SnapshotBuilder {
   std::list<prims::Edit> posted_;
   std::shared_ptr<const View> posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
+  bool looks_by_itself_ = false;                          // the builder: nobody needs to wake it
   std::vector<std::shared_ptr<const BuiltScene>> built_;  // by selection
   std::vector<std::shared_ptr<const BuiltScene>> retired_;
   std::atomic<bool> pending_{false}, failed_{false}, lost_{false}, cancel_{false};
@@ -105,6 +107,7 @@ class SnapshotBuilder {
   prims::Deformations deformations_;
   prims::SceneTranslator translator_;
   std::vector<Variant> variants_;
+  bool built_once_ = false;
   uint64_t scene_number_ = 0;
   bool stale_ = true;  // the scenes do not show the records
 

@@ -90,6 +90,88 @@ TEST(Edits, AStormLeavesTheBytesOfAFreshDelegate) {
   EXPECT_EQ(stormed.stage.dump(), fresh.stage.dump());
 }
 
+// The body's faces, but for those of /glow. A material that gives light and does not scatter.
+void give_faces(host::RetainedSceneDelegate* scene, Array<int32_t> faces) {
+  host::MeshDescription body = scene->GetMeshes().at("/body");
+  body.topology.geomSubsets = {{"/body/part", "/glow", std::move(faces)}};
+  scene->SetMesh("/body", body);
+  MaterialNetwork glow;
+  glow.nodes["surface"].nodeTypeId = "AlabasterDisney";
+  glow.nodes["surface"].parameters["emission"] = Vec3f(0.2f, 0.6f, 1.0f);
+  glow.terminals["surface"] = {"surface", "surface"};
+  scene->SetMaterial("/glow", glow);
+}
+
+TEST(Edits, OfSubsetsBuildNoShapeAndLeaveTheBytesOfAFreshDelegate) {
+  Drawn edited(4), fresh(4);
+  const auto draw = [](Drawn* drawn) {
+    drawn->stage.index->SyncAll();
+    EXPECT_TRUE(Stage::finish(*drawn->pass, drawn->state));
+    return Stage::pixels<float>(drawn->buffer);
+  };
+  edit(&edited.stage.scene, 1);
+  std::vector<std::vector<float>> pictures{draw(&edited)};
+  const double refined = edited.stage.stat("sync.refineSeconds"), built = edited.stage.stat("sync.bvhSeconds");
+  const std::vector<std::vector<int32_t>> parts{{0, 1, 2, 3, 4, 5}, {0, 2, 4}, {5}, {}};
+  for (const auto& part : parts) {
+    give_faces(&edited.stage.scene, Array<int32_t>(std::vector<int32_t>(part)));
+    pictures.push_back(draw(&edited));
+    EXPECT_NE(pictures.back(), pictures[pictures.size() - 2]);
+  }
+  EXPECT_EQ(pictures.back(), pictures.front()) << "a subset without faces";
+  EXPECT_EQ(edited.stage.stat("sync.refineSeconds"), refined);
+  EXPECT_EQ(edited.stage.stat("sync.bvhSeconds"), built);
+  edit(&fresh.stage.scene, 1);
+  give_faces(&fresh.stage.scene, Array<int32_t>(std::vector<int32_t>(parts[1])));
+  EXPECT_EQ(draw(&fresh), pictures[2]);
+}
+
+TEST(Edits, OfPointsLeaveTheBytesOfAFreshDelegate) {
+  Drawn edited(4), fresh(4);
+  const auto draw = [](Drawn* drawn, float size) {
+    edit(&drawn->stage.scene, 1);
+    host::MeshDescription body = drawn->stage.scene.GetMeshes().at("/body");
+    body.displayStyle.refineLevel = 5;
+    std::vector<Vec3f> points(body.primvars["points"].value.get<Array<Vec3f>>()->begin(),
+                              body.primvars["points"].value.get<Array<Vec3f>>()->end());
+    points[7] *= size;
+    body.primvars["points"].value = Array<Vec3f>(std::move(points));
+    drawn->stage.scene.SetMesh("/body", body);
+    drawn->stage.index->SyncAll();
+    EXPECT_TRUE(Stage::finish(*drawn->pass, drawn->state));
+    return Stage::pixels<float>(drawn->buffer);
+  };
+  // The last but one has moved too far for the hierarchy to be kept.
+  std::vector<float> last;
+  for (const float size : {1.0f, 1.05f, 1.1f, 1.15f, 1.2f, 3.0f, 1.3f}) last = draw(&edited, size);
+  EXPECT_EQ(last, draw(&fresh, 1.3f));
+  EXPECT_EQ(edited.stage.dump(), fresh.stage.dump());
+}
+
+// The second hierarchy of a mesh is for the next edit alone.
+TEST(Edits, OfPointsKeepMemoryForTwoSecondsAtMost) {
+  Drawn drawn(1 << 20);
+  const auto shape = [&](int step) {
+    host::MeshDescription body = cube(7, 0.5f + 0.01f * static_cast<float>(step));
+    drawn.stage.scene.SetMesh("/body", body);
+    drawn.stage.index->SyncAll();
+    drawn.stage.wait_for_scene();
+    drawn.pass->Execute(drawn.state);
+    return drawn.stage.stat("memoryInUse");
+  };
+  const double once = shape(0);
+  double edited = 0;
+  for (int step = 1; step < 4; ++step) edited = std::max(edited, shape(step));
+  constexpr double kSpare = 196608 * 40;  // less than a hierarchy of so many triangles
+  EXPECT_GT(edited, once + kSpare);
+  double rested = edited;
+  for (int i = 0; i < 100 && rested > edited - kSpare; ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+    rested = drawn.stage.stat("memoryInUse");
+  }
+  EXPECT_LT(rested, edited - kSpare) << "once " << once << ", edited " << edited;
+}
+
 TEST(Edits, CommitAndExecuteDoNotWaitForTheBuild) {
   Drawn drawn(1);
   ASSERT_TRUE(Stage::finish(*drawn.pass, drawn.state));
