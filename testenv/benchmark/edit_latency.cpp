@@ -1,8 +1,11 @@
 // Measures for how long each edit holds the host's thread, and how long it takes until its snapshot is rendered.
-//   edit_latency [--edits N] [--instances N] [--only PART OF A NAME]
+//   edit_latency [--edits N] [--instances N] [--only PART OF A NAME] [--longest N]
+// --longest tells of the N turns that held the host's thread longest where the time went.
 // A scene of about 1e6 triangles, all of bodies that scatter below their surface, a thousand more prims, a dome of
 // 4096 x 2048 texels, and an instancer of 1e6 points. A render at 1280 x 720 goes on throughout. Uses the public door
 // only. Prints Markdown.
+
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -85,8 +88,15 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
+  // One turn of a host's loop.
+  struct Turn {
+    double wall = 0, edit = 0, sync = 0, cpu = 0;  // milliseconds; the rest of `wall` is Execute
+    long faults = 0, preempted = 0, waits = 0;
+    int number = 0;  // of the edit, from 0
+    bool operator<(const Turn& other) const { return wall < other.wall; }
+  };
   struct Cost {
-    double host = 0;      // the longest that the host's thread was held by one turn of its loop
+    Turn host;            // the one that held the host's thread longest
     double snapshot = 0;  // until the edit is rendered
   };
   // One turn of a host's loop after the other, until the edit is rendered.
@@ -94,16 +104,10 @@ class Host {
   Cost measure(const Edit& edit, bool scene_changes) {
     const double before = number();
     const Clock::time_point start = Clock::now();
-    edit();
-    index_->SyncAll();
-    pass_->Execute(state_);
-    Cost cost{milliseconds_since(start), 0};
+    Cost cost{turn(edit), 0};
     while ((scene_changes && number() == before) || pass_->GetState() != PassState::rendering) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      const Clock::time_point turn = Clock::now();
-      index_->SyncAll();
-      pass_->Execute(state_);
-      cost.host = std::max(cost.host, milliseconds_since(turn));
+      cost.host = std::max(cost.host, turn([] {}));
     }
     cost.snapshot = milliseconds_since(start);
     return cost;
@@ -148,6 +152,28 @@ class Host {
   host::RetainedSceneDelegate scene;
 
  private:
+  template <class Edit>
+  Turn turn(const Edit& edit) {
+    rusage before{}, after{};
+    getrusage(RUSAGE_THREAD, &before);
+    Turn turn;
+    const Clock::time_point start = Clock::now();
+    edit();
+    turn.edit = milliseconds_since(start);
+    index_->SyncAll();
+    turn.sync = milliseconds_since(start) - turn.edit;
+    pass_->Execute(state_);
+    turn.wall = milliseconds_since(start);
+    getrusage(RUSAGE_THREAD, &after);
+    const auto spent = [](const timeval& a, const timeval& b) {
+      return 1e3 * static_cast<double>(b.tv_sec - a.tv_sec) + 1e-3 * static_cast<double>(b.tv_usec - a.tv_usec);
+    };
+    turn.cpu = spent(before.ru_utime, after.ru_utime) + spent(before.ru_stime, after.ru_stime);
+    turn.faults = after.ru_minflt - before.ru_minflt;
+    turn.preempted = after.ru_nivcsw - before.ru_nivcsw;
+    turn.waits = after.ru_nvcsw - before.ru_nvcsw;
+    return turn;
+  }
   double number() const { return delegate_->GetRenderStats()["sceneNumber"].number_or(0); }
 
   void fill() {
@@ -224,17 +250,31 @@ class Host {
   Array<int32_t> indices_;
 };
 
+int longest = 0;  // turns to tell of
+
+void tell_longest(std::vector<Host::Turn> turns) {
+  std::sort(turns.rbegin(), turns.rend());
+  turns.resize(std::min(turns.size(), static_cast<size_t>(longest)));
+  for (const Host::Turn& t : turns)
+    std::printf(
+        "  no. %d, %.1f ms: edit %.1f, sync %.1f, execute %.1f; CPU %.1f; %ld faults, %ld times preempted, %ld waits\n",
+        t.number, t.wall, t.edit, t.sync, t.wall - t.edit - t.sync, t.cpu, t.faults, t.preempted, t.waits);
+}
+
 // `edit(i)` is the i-th of them.
 template <class Edit>
 void row(Host& host, const char* name, int edits, const Edit& edit, bool scene_changes = true) {
   std::vector<double> held, shown;
+  std::vector<Host::Turn> turns;
   for (int i = 0; i < edits; ++i) {
     const Host::Cost cost = host.measure([&] { edit(i); }, scene_changes);
-    held.push_back(cost.host), shown.push_back(cost.snapshot);
+    held.push_back(cost.host.wall), shown.push_back(cost.snapshot), turns.push_back(cost.host);
+    turns.back().number = i;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the render gets under way
   }
   std::printf("| %s | %.1f | %.1f | %.1f | %.1f |\n", name, percentile(held, 0.5), percentile(held, 0.99),
               percentile(shown, 0.5), percentile(shown, 0.99));
+  tell_longest(std::move(turns));
   std::fflush(stdout);
 }
 
@@ -252,26 +292,33 @@ void storm(Host& host) {
       storm.seconds, percentile(storm.held, 0.5), percentile(storm.held, 0.99), storm.snapshots, kEdits, storm.last);
 }
 
+// Moves a point of the mesh.
+void reshape(Host& host, const Path& id, int i) {
+  host::MeshDescription mesh = host.scene.GetMeshes().at(id);
+  const auto& points = *mesh.primvars["points"].value.get<Array<Vec3f>>();
+  std::vector<Vec3f> other(points.begin(), points.end());
+  other[0] *= i % 2 ? 1.02f : 1 / 1.02f;
+  mesh.primvars["points"].value = Array<Vec3f>(std::move(other));
+  host.scene.SetMesh(id, mesh);
+}
+
+// Gives another of the hero's six faces another material.
+void choose_subset(Host& host, int i) {
+  host::MeshDescription mesh = host.scene.GetMeshes().at("/hero");
+  mesh.topology.geomSubsets = {{"/hero/part", "/matte", {i % 6}}};
+  host.scene.SetMesh("/hero", mesh);
+}
+
 void run(int edits, int instances, const std::string& only) {
   Host host(instances);
   const Host::Cost first = host.measure([] {}, true);
-  std::printf("The first snapshot: host %.0f ms, rendered after %.0f ms.\n\n", first.host, first.snapshot);
+  std::printf("The first snapshot: host %.0f ms, rendered after %.0f ms.\n\n", first.host.wall, first.snapshot);
   std::printf("| edit | host p50, ms | host p99, ms | rendered p50, ms | rendered p99, ms |\n|---|---|---|---|---|\n");
   const auto wanted = [&](const char* name) { return std::string(name).find(only) != std::string::npos; };
   const auto moved = [&](const Path& id) {
     return [&host, id](int i) {
       host::MeshDescription mesh = host.scene.GetMeshes().at(id);
       mesh.transform[3][1] += i % 2 ? 0.01 : -0.01;
-      host.scene.SetMesh(id, mesh);
-    };
-  };
-  const auto reshaped = [&](const Path& id) {
-    return [&host, id](int i) {
-      host::MeshDescription mesh = host.scene.GetMeshes().at(id);
-      const auto& points = *mesh.primvars["points"].value.get<Array<Vec3f>>();
-      std::vector<Vec3f> other(points.begin(), points.end());
-      other[0] *= i % 2 ? 1.02f : 1 / 1.02f;
-      mesh.primvars["points"].value = Array<Vec3f>(std::move(other));
       host.scene.SetMesh(id, mesh);
     };
   };
@@ -304,9 +351,10 @@ void run(int edits, int instances, const std::string& only) {
       host.scene.SetLight("/dome", dome);
     });
   if (wanted("points")) {
-    row(host, "points of a body, 12,288 triangles", edits, reshaped(body_path(20)));
-    row(host, "points of the hero, 196,608 triangles", edits, reshaped("/hero"));
+    row(host, "points of a body, 12,288 triangles", edits, [&](int i) { reshape(host, body_path(20), i); });
+    row(host, "points of the hero, 196,608 triangles", edits, [&](int i) { reshape(host, "/hero", i); });
   }
+  if (wanted("subsets")) row(host, "subsets of the hero", edits, [&](int i) { choose_subset(host, i); });
   if (wanted("instance") && instances > 0)
     row(host, ("one of " + std::to_string(instances) + " instances").c_str(), edits,
         [&](int i) { host.move_instance(i * 7919 % instances); });
@@ -322,6 +370,7 @@ int main(int argc, char** argv) {
   for (int i = 1; i + 1 < argc; i += 2) {
     if (!std::strcmp(argv[i], "--edits")) edits = std::atoi(argv[i + 1]);
     if (!std::strcmp(argv[i], "--instances")) instances = std::atoi(argv[i + 1]);
+    if (!std::strcmp(argv[i], "--longest")) alabaster::hd::longest = std::max(std::atoi(argv[i + 1]), 0);
     if (!std::strcmp(argv[i], "--only")) only = argv[i + 1];
   }
   alabaster::hd::run(std::max(edits, 1), instances, only);
