@@ -9,9 +9,7 @@ namespace alabaster::hd::rendering {
 
 namespace {
 
-// A host that has not edited for so long has stopped to. Until then the builder looks by itself for the next edit.
-constexpr std::chrono::seconds kEditsEnd(2);
-constexpr std::chrono::milliseconds kLook(1);
+constexpr std::chrono::seconds kEditsEnd(2);  // a host that has not edited for so long has stopped to
 
 }  // namespace
 
@@ -37,7 +35,6 @@ void SnapshotBuilder::post(std::list<prims::Edit>* edits, const View& view) {
     posted_view_ = std::move(posted_view);
     requested_ = pending_ = true;
     if (building_ && !cancelled_before_) cancel_ = true;
-    if (looks_by_itself_) return;
   }
   wake_.notify_all();
 }
@@ -84,7 +81,7 @@ void SnapshotBuilder::release_retired() {
   const std::lock_guard lock(mutex_);
   if (retired_.empty()) return;
   release_ = true;
-  if (!looks_by_itself_) wake_.notify_all();
+  wake_.notify_all();
 }
 
 void SnapshotBuilder::run() {
@@ -92,20 +89,9 @@ void SnapshotBuilder::run() {
 }
 
 // Until somebody wants something of the builder.
-//
-// A host that wakes another thread at the end of its turn may stand still for two slices of that one and of those that
-// render, 8 ms: it has run for a while, so where no core is idle the system takes its turn to be over. While edits
-// follow each other nobody is woken, therefore.
 void SnapshotBuilder::await_work(std::unique_lock<std::mutex>* lock) {
   const auto wanted = [&] { return quit_ || release_ || (requested_ && !stopped_); };
-  looks_by_itself_ = true;
-  const auto end = std::chrono::steady_clock::now() + kEditsEnd;
-  while (!wanted() && looks_by_itself_) {
-    wake_.wait_for(*lock, kLook, wanted);
-    looks_by_itself_ = built_once_ && std::chrono::steady_clock::now() < end;
-  }
-  looks_by_itself_ = false;
-  if (wanted()) return;
+  if (wake_.wait_for(*lock, kEditsEnd, wanted)) return;
   lock->unlock();
   meshes_.rest();
   lock->lock();
@@ -128,7 +114,7 @@ bool SnapshotBuilder::take_work() {
     edits_.splice(edits_.end(), posted_);
     view_ = posted_view_;
     requested_ = false;
-    building_ = built_once_ = true;
+    building_ = true;
     cancel_ = false;
     return true;
   }

@@ -92,7 +92,6 @@ class SnapshotBuilder {
   std::list<prims::Edit> posted_;
   std::shared_ptr<const View> posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;
-  bool looks_by_itself_ = false;                          // the builder: nobody needs to wake it
   std::vector<std::shared_ptr<const BuiltScene>> built_;  // by selection
   std::vector<std::shared_ptr<const BuiltScene>> retired_;
   std::atomic<bool> pending_{false}, failed_{false}, lost_{false}, cancel_{false};
@@ -107,7 +106,6 @@ class SnapshotBuilder {
   prims::Deformations deformations_;
   prims::SceneTranslator translator_;
   std::vector<Variant> variants_;
-  bool built_once_ = false;
   uint64_t scene_number_ = 0;
   bool stale_ = true;  // the scenes do not show the records
 
