@@ -33,6 +33,7 @@ float over(float room, float share) {
 // Facets that are rougher than the material's reflect as much of the light along wo as the material's would: their
 // Fresnel factor alone makes a grazing mirror brighter than a rough one.
 void DisneyBsdf::keep_specular_albedo(const DisneyParameters& p) {
+  if (specular_.film.share > 0) return;  // its colours are no function of a reflectance above 1
   DisneySpecular own = specular_;
   own.ggx = disney_ggx(p.roughness, p.anisotropic);
   const Rgb kept = albedo_of(own, wo_), widened = albedo_of(specular_, wo_);
