@@ -44,13 +44,8 @@ Film::Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras
       locks_(tiles_.size()) {}
 
 // A tile's memory is taken, or blanked, by the worker that draws into it first.
-void Film::clear() {
-  std::fill(drawn_.begin(), drawn_.end(), uint8_t(0));
-  for (auto& revision : tile_revisions_) revision = 0;
-  empty_tiles_ = tile_count();
-  revision_ = denoised_revision_ = 0;
-  denoised_ = nullptr;
-  ended_ = false;
+void Film::take_memory(Film* old) {
+  if (window_ == old->window_ && aovs_ == old->aovs_ && extras_ == old->extras_) tiles_.swap(old->tiles_);
 }
 
 PixelRect Film::tile_rect(int tile) const {

@@ -37,8 +37,9 @@ class Film {
   static constexpr int kTileSize = 32;
   /// `aovs`: bits of Aov. Color and alpha are always there.
   Film(const PixelRect& data_window, uint32_t aovs, const FilmExtras& extras = {});
-  /// Takes all samples away, but keeps the memory. Nobody else may use the film meanwhile.
-  void clear();
+  /// Takes over the memory of a film of the same window and AOVs, whose samples are lost. Nobody uses that one, and
+  /// this has no sample yet; it may be read meanwhile.
+  void take_memory(Film* old);
 
   const PixelRect& data_window() const { return window_; }
   uint32_t aovs() const { return aovs_; }
@@ -110,7 +111,7 @@ class Film {
   std::atomic<bool> ended_{false};
   std::atomic<FilmRevision> revision_{0}, denoised_revision_{0};
   FilmTile background_;          // one pixel without samples
-  std::vector<FilmTile> tiles_;  // those that are not drawn may hold what an earlier render left
+  std::vector<FilmTile> tiles_;  // those that are not drawn may hold what an earlier film left
   std::vector<uint8_t> drawn_;   // guarded by the tile's lock
   std::vector<std::atomic<FilmRevision>> tile_revisions_;
   mutable std::vector<std::mutex> locks_;

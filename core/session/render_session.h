@@ -4,17 +4,21 @@
 //                   Rendering <--pause/resume--> Paused
 //                   Rendering/Paused --stop--> Stopped
 //                   Rendering --out of memory or another exception--> Failed (RenderProgress::error says what)
-// start() from any state stops and replaces the render that runs. Nothing is rendered in the caller's thread.
+// start() from any state stops and replaces the render that runs. Nothing is rendered in the caller's thread. It waits
+// for the last render only where the next one continues it.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "core/convergence/frame_error.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
 #include "core/session/tile_renderer.h"
+#include "core/session/wake_relay.h"
 
 namespace alabaster {
 
@@ -45,9 +49,17 @@ struct RenderProgress {
   std::optional<SampleAddress> failed_sample;  // the sample that failed a check, if one did
 };
 
+/// The owner of a session, as far as it is told or asked.
+struct SessionOwner {
+  /// Called on a thread of the session's whenever it may have let go of a scene; must not throw.
+  std::function<void()> released = {};
+  /// Threads that render carry it. Null: nobody asks.
+  std::shared_ptr<WakeRelay> wakes = {};
+};
+
 class RenderSession {
  public:
-  RenderSession();
+  explicit RenderSession(SessionOwner owner = {});
   ~RenderSession();  // stops
   RenderSession(const RenderSession&) = delete;
   RenderSession& operator=(const RenderSession&) = delete;
@@ -79,8 +91,15 @@ class RenderSession {
   std::shared_ptr<const Film> film() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Render;
+  class Driver;
+  static bool goes_on(const RenderRequest& last, const RenderRequest& next);
+  std::shared_ptr<Render> current() const;
+
+  const std::shared_ptr<WakeRelay> wakes_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<Render> current_;  // never null
+  std::unique_ptr<Driver> driver_;
 };
 
 }  // namespace alabaster

@@ -2,7 +2,8 @@
 #include <new>
 #include <optional>
 
-#include "core/session/session_state.h"
+#include "core/session/session_render.h"
+#include "core/session/wake_relay.h"
 #include "core/session/worker_threads.h"
 
 namespace alabaster {
@@ -22,14 +23,14 @@ struct TileRelease {
 
 }  // namespace
 
-bool RenderSession::State::time_is_over() {
+bool RenderSession::Render::time_is_over() {
   if (!(time_limit > 0)) return false;
   if (!out_of_time.load(std::memory_order_relaxed) && seconds_since(started) >= time_limit) out_of_time = true;
   return out_of_time.load(std::memory_order_relaxed);
 }
 
 // True: the caller is to measure the noise so far, once the tile is free.
-bool RenderSession::State::tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds) {
+bool RenderSession::Render::tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds) {
   const std::lock_guard lock(mutex);
   progress.counters.add(counters);
   progress.samples_done = progress.counters.samples;
@@ -42,7 +43,7 @@ bool RenderSession::State::tile_done(uint32_t pass, bool done, const RenderCount
 }
 
 // Under the mutex, at the end of a pass. The end of a round measures the noise anyway.
-bool RenderSession::State::takes_noise() {
+bool RenderSession::Render::takes_noise() {
   constexpr uint32_t kLeastPasses = 2;  // with less than two samples in a pixel no noise is known
   if (!noise_asked || progress.passes_done < kLeastPasses || finished.count() == schedule.size()) return false;
   if (request.settings.target_error > 0 || SessionClock::now() < next_noise) return false;
@@ -53,7 +54,7 @@ bool RenderSession::State::takes_noise() {
 
 // In the thread of one worker, while the others render on. Without memory the noise stays unknown: the frame needs
 // none.
-void RenderSession::State::measure_so_far() {
+void RenderSession::Render::measure_so_far() {
   constexpr int kRest = 20;  // times as long as a measurement took, until the next one, of whichever frame
   const SessionClock::time_point begun = SessionClock::now();
   uint64_t samples = 0;
@@ -78,8 +79,8 @@ void RenderSession::State::measure_so_far() {
 
 // Work items are (pass, tile) in order. Passes overlap, so that no worker idles at the end of one. The passes of one
 // tile do not: its sums are taken in sample order, by whichever worker.
-void RenderSession::State::render_items(const TileRenderer& renderer) {
-  const size_t items = tile_order.size() * schedule.size();
+void RenderSession::Render::render_items(const TileRenderer& renderer) {
+  const size_t items = tile_order->size() * schedule.size();
   for (size_t item; (item = next_item.fetch_add(1)) < items;) {
     bool noise_is_due = false;
     if (!render_item(renderer, item, &noise_is_due)) return;
@@ -88,10 +89,10 @@ void RenderSession::State::render_items(const TileRenderer& renderer) {
 }
 
 // False: the worker ends.
-bool RenderSession::State::render_item(const TileRenderer& renderer, size_t item, bool* noise_is_due) {
+bool RenderSession::Render::render_item(const TileRenderer& renderer, size_t item, bool* noise_is_due) {
   // Wait until the tile's pass before it is done.
-  const int tile = tile_order[item % tile_order.size()];
-  const auto pass = static_cast<uint32_t>(item / tile_order.size());
+  const int tile = (*tile_order)[item % tile_order->size()];
+  const auto pass = static_cast<uint32_t>(item / tile_order->size());
   std::atomic<uint32_t>& passes = tile_passes[static_cast<size_t>(tile)];
   for (uint32_t done; (done = passes.load()) != pass && !stop_requested;) passes.wait(done);
 
@@ -112,18 +113,22 @@ bool RenderSession::State::render_item(const TileRenderer& renderer, size_t item
   return done;
 }
 
-bool RenderSession::State::render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile,
-                                       RenderCounters* counters) {
-  const auto may_go_on = [&] { return wait_while_paused() && (pass.end <= kLeastSamples || !time_is_over()); };
+bool RenderSession::Render::render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile,
+                                        RenderCounters* counters) {
+  const WakeRelay::Carrier carrier(wakes);
+  const auto may_go_on = [&] {
+    carrier.pass_on();
+    return wait_while_paused() && (pass.end <= kLeastSamples || !time_is_over());
+  };
   const TileSamples samples{film->tile_rect(tile), pass, allocation, stopping.groups_to_trace()};
   FilmWriter pixels(film.get(), tile);
   return renderer.render(samples, may_go_on, &pixels, counters);
 }
 
 // Renders one round.
-void RenderSession::State::run_workers(const TileRenderer& renderer, const SampleRange& round, int threads) {
+void RenderSession::Render::run_workers(const TileRenderer& renderer, const SampleRange& round, int threads) {
   next_item = 0;
-  tile_passes = std::vector<std::atomic<uint32_t>>(tile_order.size());
+  tile_passes = std::vector<std::atomic<uint32_t>>(tile_order->size());
   {
     const std::lock_guard lock(mutex);
     noise_is_known = false;
@@ -136,7 +141,7 @@ void RenderSession::State::run_workers(const TileRenderer& renderer, const Sampl
 
 // A frame is rendered in rounds. All decisions fall between rounds, when every tile stands at the same sample, so they
 // do not depend on threads. The caller is in an arena of `threads`.
-void RenderSession::State::run_rounds(int threads) {
+void RenderSession::Render::run_rounds(int threads) {
   const RenderSettings& settings = request.settings;
   const bool has_target = settings.target_error > 0;
   const bool adaptive = is_adaptive(settings);
@@ -171,7 +176,7 @@ void RenderSession::State::run_rounds(int threads) {
 }
 
 // Groups that ended before others show what they had then. Where that makes the frame, nothing is left to decide.
-void RenderSession::State::show_ended_groups() {
+void RenderSession::Render::show_ended_groups() {
   const std::lock_guard still(decisions);
   if (!stopping.restore_ended(film.get())) return;
   restored = stop_requested;
@@ -183,7 +188,7 @@ void RenderSession::State::show_ended_groups() {
 
 // Measures what the film has, and reports its error. Where a target decides, the error also predicts how many samples
 // the frame will take. A stop cancels it: then what it returns is not to be used.
-NoiseImage RenderSession::State::measure_noise(uint32_t samples) {
+NoiseImage RenderSession::Render::measure_noise(uint32_t samples) {
   NoiseImage noise;
   FrameError error;
   try {

@@ -56,6 +56,8 @@ class RenderCore {
   bool wait_for_build(double seconds) { return builder_.wait(seconds); }
   /// A pass has let go of a snapshot.
   void release_retired() { builder_.release_retired(); }
+  /// For the threads of passes that render.
+  const std::shared_ptr<WakeRelay>& wakes() const { return builder_.wakes(); }
   /// In the shutter of `scene`. Empty: there is no such camera.
   std::optional<CameraParameters> camera(const Path& path, const Shutter& scene) const;
   /// Why a pass has no snapshot; empty if it has one, or may get one.

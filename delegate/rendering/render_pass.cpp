@@ -111,6 +111,15 @@ std::vector<Token> primvars_of(const RenderPassState& state) {
 
 }  // namespace
 
+// Buffers keep the session longer than the pass, but stopped.
+PassControl::PassControl(std::shared_ptr<RenderCore> core)
+    : core_(std::move(core)), frame_memory_(core_->param->memory(), MemoryUse::frames) {
+  SessionOwner owner;
+  owner.released = [held = core_.get()] { held->release_retired(); };
+  owner.wakes = core_->wakes();
+  session_ = std::make_shared<RenderSession>(std::move(owner));
+}
+
 std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& state, const Path& path,
                                                        const Shutter& shutter) const {
   return state.freeCamera ? prims::posed_camera(free_record_, shutter) : core_->camera(path, shutter);
@@ -190,8 +199,8 @@ void PassControl::fail(std::string error) {
   set_converged(true);
 }
 
+// The render of before may end while the host goes on. One that nothing follows ends here.
 void PassControl::start(PassInputs next) {
-  session_->stop();
   set_converged(false);
   const bool first = !active_;
   running_ = std::move(next);
@@ -205,10 +214,11 @@ void PassControl::start(PassInputs next) {
     error_.clear();
   }
   set_converged(false);
+  const bool is_empty = running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0;
+  if (is_empty || !running_.error.empty()) session_->stop();
   if (!running_.error.empty()) return fail(running_.error);
   frame_memory_.resize(frame_bytes(running_), frame_text(running_));
-  if (running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0)
-    return set_converged(true);  // nothing to draw
+  if (is_empty) return set_converged(true);  // nothing to draw
 
   RenderRequest request = request_of(running_);
   core_->set_last_request(request, weak_from_this());
@@ -233,10 +243,7 @@ void PassControl::update(PassInputs next, bool building, std::vector<alabaster::
   const std::lock_guard lock(control_);
   if (core_->is_stopped()) return;
   stale_ = building;
-  if (!active_ || cancelled_ || running_ != next) {
-    start(std::move(next));
-    return core_->release_retired();
-  }
+  if (!active_ || cancelled_ || running_ != next) return start(std::move(next));
   const RenderProgress progress = session_->progress();
   if (building) return;
   if (failed_ || converged_) return set_converged(converged_);

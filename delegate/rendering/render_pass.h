@@ -41,8 +41,7 @@ struct PassInputs {
 /// The part of a pass that Stop, Pause, Resume and GetRenderStats reach from any thread.
 class PassControl : public std::enable_shared_from_this<PassControl> {
  public:
-  explicit PassControl(std::shared_ptr<RenderCore> core)
-      : core_(std::move(core)), frame_memory_(core_->param->memory(), MemoryUse::frames) {}
+  explicit PassControl(std::shared_ptr<RenderCore> core);
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
@@ -83,7 +82,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   void set_converged(bool converged);
 
   std::shared_ptr<RenderCore> core_;
-  std::shared_ptr<RenderSession> session_ = std::make_shared<RenderSession>();
+  std::shared_ptr<RenderSession> session_;
 
   std::mutex control_;  // one at a time drives the session; never held while reporting or waiting for a frame
   PassInputs running_;

@@ -9,12 +9,16 @@ namespace alabaster::hd::rendering {
 
 namespace {
 
-constexpr std::chrono::seconds kEditsEnd(2);  // a host that has not edited for so long has stopped to
+constexpr std::chrono::seconds kEditsEnd(2);         // a host that has not edited for so long has stopped to
+constexpr std::chrono::microseconds kHostTurn(300);  // longer than most calls of Execute
 
 }  // namespace
 
 SnapshotBuilder::SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, std::function<void()> published)
-    : param_(std::move(param)), published_(std::move(published)), translator_(param_->sink()) {}
+    : param_(std::move(param)),
+      published_(std::move(published)),
+      wakes_(std::make_shared<WakeRelay>([this] { wake_.notify_all(); }, kHostTurn)),
+      translator_(param_->sink()) {}
 
 SnapshotBuilder::~SnapshotBuilder() {
   {
@@ -36,7 +40,7 @@ void SnapshotBuilder::post(std::list<prims::Edit>* edits, const View& view) {
     requested_ = pending_ = true;
     if (building_ && !cancelled_before_) cancel_ = true;
   }
-  wake_.notify_all();
+  wakes_->ask();
 }
 
 void SnapshotBuilder::set_stopped(bool stopped) {

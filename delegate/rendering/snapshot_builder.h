@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "core/scene/snapshot_compiler.h"
+#include "core/session/wake_relay.h"
 #include "delegate/prims/deformation.h"
 #include "delegate/prims/mesh_build.h"
 #include "delegate/prims/render_param.h"
@@ -59,6 +60,8 @@ class SnapshotBuilder {
   double compile_seconds() const { return compile_seconds_; }
   /// Passes have let go of scenes: those that nobody uses are destroyed on the builder's thread.
   void release_retired();
+  /// Threads that render carry it, so that post() need not wake the builder.
+  const std::shared_ptr<WakeRelay>& wakes() const { return wakes_; }
 
  private:
   void run();
@@ -89,6 +92,7 @@ class SnapshotBuilder {
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, rested_;
+  const std::shared_ptr<WakeRelay> wakes_;
   std::list<prims::Edit> posted_;
   std::shared_ptr<const View> posted_view_;
   bool requested_ = false, building_ = false, stopped_ = false, quit_ = false, release_ = false;

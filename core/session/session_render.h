@@ -1,5 +1,4 @@
-// The state of a RenderSession, for the two files that define it: render_session.cpp starts, stops and reports;
-// session_workers.cpp renders.
+// One render of a RenderSession: session_render.cpp begins, ends and reports it; session_workers.cpp renders.
 #pragma once
 
 #include <time.h>
@@ -8,7 +7,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
-#include <thread>
 #include <vector>
 
 #include "core/convergence/group_stopping.h"
@@ -34,20 +32,26 @@ inline bool is_adaptive(const RenderSettings& settings) {
   return settings.adaptive && settings.samples >= 2 * kPilotSamples;
 }
 
-// One render from start to end. The session holds the current one; a stopped one is joined before it is replaced.
-struct RenderSession::State {
+// One render from start to end.
+struct RenderSession::Render {
+  Render() = default;  // idle
+  // It continues the checkpoint of the request, or `last` if that is the same picture, which has ended then.
+  Render(const RenderRequest& next, Render* last, WakeRelay* wakes);
+
+  RenderRequest request;                               // not changed after the constructor, like the two below
+  WakeRelay* wakes = nullptr;                          // null: nobody asks for it
+  std::shared_ptr<const std::vector<int>> tile_order;  // from the centre outwards
+
   mutable std::mutex mutex;  // guards the members down to next_noise; never held while rendering
   std::condition_variable changed;
   RenderProgress progress;
-  std::shared_ptr<Film> film;
-  RenderRequest request;        // of the current or last render
+  std::shared_ptr<Film> film;   // null: the render after this one has taken its memory
   bool noise_is_known = false;  // progress.noise is the film's
   SessionClock::time_point started;
   PassSchedule schedule;  // of the current round
   FinishedPasses finished{0, 0};
   uint32_t passes_before = 0;                // in earlier rounds
   std::shared_ptr<const Denoiser> denoiser;  // null: none is asked for, or the film is denoised
-  uint32_t denoise_threads = 0;
 
   SessionClock::time_point next_noise;  // not measured before, while workers render
 
@@ -57,9 +61,6 @@ struct RenderSession::State {
   double time_limit = 0;                     // seconds; 0: none
   std::atomic<bool> pause_requested{false};  // changed under the mutex
   std::mutex stopped_denoise;                // one caller denoises a stopped film, and the others wait for it
-  std::thread driver;
-
-  std::vector<int> tile_order;  // from the centre outwards
 
   // Changed by the driver between rounds only, under a mutex that save() holds while it writes.
   std::mutex decisions;
@@ -72,8 +73,16 @@ struct RenderSession::State {
   std::atomic<size_t> next_item{0};
   std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
 
-  void begin(const RenderRequest& next);
   void render();
+  void request_stop();
+  void give_up();
+  void take_film_memory(Render* last);
+  bool wait(double seconds);
+  RenderProgress report();
+  bool save(const BlockSink& sink);
+  RenderProgress take(RenderState* from);
+  RenderProgress go_on_from(const Render& last);
+  void show_begin(const RenderProgress& before);
   void run_rounds(int threads);
   bool has_first_samples_of(const RenderRequest& next) const;
   void show_ended_groups();

@@ -1,0 +1,59 @@
+#include "core/session/render_driver.h"
+
+#include <utility>
+
+namespace alabaster {
+
+RenderSession::Driver::~Driver() {
+  {
+    const std::lock_guard lock(mutex_);
+    quit_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void RenderSession::Driver::begin() {
+  if (!thread_.joinable()) thread_ = std::thread([this] { loop(); });
+}
+
+// A driver that is at work needs no waking. Somebody may wait for the render that this one replaces.
+void RenderSession::Driver::run(std::shared_ptr<Render> render) {
+  bool asleep = false;
+  {
+    const std::lock_guard lock(mutex_);
+    next_.swap(render);
+    asleep = !busy_;
+    busy_ = true;
+  }
+  if (asleep) changed_.notify_all();
+  if (render) render->give_up();
+}
+
+void RenderSession::Driver::wait() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return !busy_; });
+}
+
+// Null: the driver ends.
+std::shared_ptr<RenderSession::Render> RenderSession::Driver::take_next() {
+  std::unique_lock lock(mutex_);
+  if (!next_) {
+    busy_ = false;
+    changed_.notify_all();
+  }
+  changed_.wait(lock, [this] { return next_ || quit_; });
+  return std::exchange(next_, nullptr);
+}
+
+void RenderSession::Driver::loop() {
+  std::shared_ptr<Render> last;
+  while (std::shared_ptr<Render> render = take_next()) {
+    if (last) render->take_film_memory(last.get());
+    last = std::move(render);
+    if (released_) released_();
+    last->render();
+  }
+}
+
+}  // namespace alabaster

@@ -1,0 +1,73 @@
+// Wakes a thread of an owner from one that can spare its turn.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <utility>
+
+namespace alabaster {
+
+/// Who wakes a thread while all cores are busy may lose its own core for 6 to 12 ms (Linux 6.18; edit_latency). So a
+/// host's thread leaves a wake-up to those that render, which look for it before each sample. Where none renders, cores
+/// are free, and who asks wakes.
+class WakeRelay {
+ public:
+  using Clock = std::chrono::steady_clock;
+  /// `wake` is called on any thread, on several at once, and must not throw. A carrier waits with it for `grace`: the
+  /// thread that wakes up may take the core of the one that has asked, which should be done by then.
+  explicit WakeRelay(std::function<void()> wake, Clock::duration grace) : wake_(std::move(wake)), grace_(grace) {}
+
+  void ask();
+
+  /// While it lives, its thread calls pass_on() again and again. Null: there is nothing to carry.
+  class Carrier {
+   public:
+    explicit Carrier(WakeRelay* relay) : relay_(relay) {
+      if (relay_) relay_->take_up();
+    }
+    ~Carrier() {
+      if (relay_) relay_->lay_down();
+    }
+    Carrier(const Carrier&) = delete;
+    Carrier& operator=(const Carrier&) = delete;
+    void pass_on() const {
+      if (relay_) relay_->pass_on();
+    }
+
+   private:
+    WakeRelay* const relay_;
+  };
+
+  /// While it lives, its thread, which is a Carrier's, waits and passes nothing on.
+  class Rest {
+   public:
+    explicit Rest(WakeRelay* relay) : relay_(relay) {
+      if (relay_) relay_->lay_down();
+    }
+    ~Rest() {
+      if (relay_) relay_->take_up();
+    }
+    Rest(const Rest&) = delete;
+    Rest& operator=(const Rest&) = delete;
+
+   private:
+    WakeRelay* const relay_;
+  };
+
+ private:
+  void pass_on() {
+    if (asked_ && Clock::now() >= due_.load()) wake();
+  }
+  void take_up();
+  void lay_down();
+  void wake();
+
+  const std::function<void()> wake_;
+  const Clock::duration grace_;
+  std::atomic<bool> asked_{false};
+  std::atomic<Clock::time_point> due_{};  // when carriers pass it on
+  std::atomic<int> carriers_{0};
+};
+
+}  // namespace alabaster
