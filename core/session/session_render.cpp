@@ -61,9 +61,9 @@ bool RenderSession::goes_on(const RenderRequest& last, const RenderRequest& next
          last.primvars == next.primvars && settings == next.settings;
 }
 
-// Under the mutex.
+// Under the mutex. A render that another continues has ended; one that another replaces may still run.
 bool RenderSession::Render::has_first_samples_of(const RenderRequest& next) const {
-  if (!film || progress.state == SessionState::failed || restored || !goes_on(request, next)) return false;
+  if (!goes_on(request, next) || !film || progress.state == SessionState::failed || restored) return false;
   // A time limit ends the last round of a decided render early, and its decisions with it.
   return decides(next.settings) ? !out_of_time : film->most_samples() <= next.settings.samples;
 }
