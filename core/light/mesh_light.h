@@ -3,8 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
+#include "core/diagnostics/cancel.h"
 #include "core/light/light_description.h"
 #include "core/sampling/distribution.h"
 
@@ -22,9 +24,9 @@ class MeshLight {
   /// The radiance of a textured light at a point: of triangle `triangle_id`, p0 (1-b.x-b.y) + p1 b.x + p2 b.y.
   using Emission = std::function<Rgb(uint32_t triangle_id, const Vec2f& b)>;
   /// `triangle_ids[i]`: which triangle of the mesh `triangles[i]` is. Same length.
-  /// `emission` empty: each triangle emits its radiance all over.
+  /// `emission` empty: each triangle emits its radiance all over. Throws BuildCancelled.
   MeshLight(uint32_t instance, std::vector<Triangle> triangles, const std::vector<uint32_t>& triangle_ids,
-            Emission emission = {});
+            Emission emission = {}, const CancelToken& cancel = {});
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
   /// pdf of sampling the point where a ray from `p` with unit `wi` met triangle `triangle_id` at distance t; 0 for
   /// triangles that are never chosen or not of this light.
@@ -32,7 +34,7 @@ class MeshLight {
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
   uint32_t instance() const { return instance_; }
-  /// The same light as that of another instance.
+  /// The same light as that of another instance. Copies share what they hold.
   MeshLight of_instance(uint32_t instance) const {
     MeshLight other = *this;
     other.instance_ = instance;
@@ -42,17 +44,23 @@ class MeshLight {
   size_t memory_bytes() const;
 
  private:
-  float pdf_of_entry(size_t entry, const Vec3d& wi, double distance) const;
+  struct Emitter {
+    std::vector<Triangle> triangles;
+    Emission emission;
+    std::vector<uint32_t> triangle_ids;       // only with `emission`
+    std::vector<uint32_t> index_of_triangle;  // mesh triangle -> entry, or ~0u
+    Distribution1D distribution;              // by area times luminance
+    double power = 0;                         // sum of area times luminance
+    Vec3d center{0, 0, 0};                    // of the bounds of the triangles that give light
+    double squared_radius = 0;
+
+    void measure(const CancelToken& cancel);
+    void index(const std::vector<uint32_t>& ids, const CancelToken& cancel);
+    float pdf(size_t entry, const Vec3d& wi, double distance) const;
+  };
 
   uint32_t instance_;
-  std::vector<Triangle> triangles_;
-  Emission emission_;
-  std::vector<uint32_t> triangle_ids_;       // only with emission_
-  std::vector<uint32_t> index_of_triangle_;  // mesh triangle -> entry, or ~0u
-  Distribution1D distribution_;              // by area times luminance
-  double power_ = 0;                         // sum of area times luminance
-  Vec3d center_{0, 0, 0};                    // of the bounds of the triangles that give light
-  double squared_radius_ = 0;
+  std::shared_ptr<const Emitter> emitter_;
 };
 
 }  // namespace alabaster

@@ -54,6 +54,9 @@ MeshLight make_mesh_light(const Instance& instance, uint32_t index, const Cancel
   std::vector<MeshLight::Triangle> triangles;
   std::vector<uint32_t> ids;
   bool varies = false;
+  const bool all = instance.materials.size() == 1;
+  triangles.reserve(all ? mesh.triangles.size() : 0);
+  ids.reserve(triangles.capacity());
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     cancel.check();
     const DisneyMaterial& material = instance.material(static_cast<uint32_t>(i));
@@ -64,10 +67,10 @@ MeshLight make_mesh_light(const Instance& instance, uint32_t index, const Cancel
     ids.push_back(static_cast<uint32_t>(i));
     varies |= has_varying_emission(material);
   }
-  if (!varies) return MeshLight(index, std::move(triangles), ids);
+  if (!varies) return MeshLight(index, std::move(triangles), ids, {}, cancel);
   // A copy, since later snapshots may share the light. They keep what it points to.
-  return MeshLight(index, std::move(triangles), ids,
-                   [instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); });
+  const auto emission = [instance](uint32_t triangle, const Vec2f& b) { return emission_at(instance, triangle, b); };
+  return MeshLight(index, std::move(triangles), ids, emission, cancel);
 }
 
 KnownMeshLights::KnownMeshLights(const SceneSnapshot* snapshot) : snapshot_(snapshot) {

@@ -1,7 +1,7 @@
 // Meshes that deform, as the renderer traces them: at even times over the shutter.
 #pragma once
 
-#include "delegate/prims/mesh_build.h"
+#include "delegate/prims/built_meshes.h"
 #include "delegate/prims/scene_translation.h"
 
 namespace alabaster::hd::prims {

@@ -1,26 +1,11 @@
 #include "delegate/prims/mesh_build.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "delegate/prims/motion.h"
 
 namespace alabaster::hd::prims {
 namespace {
-
-// By the mesh's slots; empty if no material of it displaces.
-Displacements displacements_of(const MeshRecord& mesh, const Records& records) {
-  Displacements all;
-  bool any = false;
-  for (const Path& path : mesh.materials) {
-    const auto found = records.find(path);
-    const auto* record = found == records.end() ? nullptr : std::get_if<MaterialRecord>(&found->second);
-    all.push_back(record ? record->material->displacement : std::nullopt);
-    any |= all.back().has_value();
-  }
-  return any ? all : Displacements();
-}
 
 // How many edges of the length asked for a piece of the surface is long in the picture, where it appears largest, if it
 // were seen face-on: so silhouettes are as fine as what faces the camera.
@@ -65,21 +50,6 @@ class EdgeMeasure {
   PixelCone cone_;  // of an edge length
   std::vector<Matrix4d> placements_;
 };
-
-bool is_refined(const PulledMesh& mesh) {
-  // One that deforms is the same mesh at all times.
-  return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && !mesh.topology.scheme.empty() &&
-         !(mesh.topology.scheme == Token("none"));
-}
-
-// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report.
-std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, support::Placements& placements) {
-  if (mesh.instancer.empty()) return {mesh.transform};
-  std::vector<Matrix4d> all;
-  for (const support::Placement& placed : placements.place(path, mesh.instancer, mesh.instance_indices))
-    if (placed.used) all.push_back(mesh.transform * placed.matrix);
-  return all;
-}
 
 std::vector<Vec3f> read_points(const Value& value) {
   const auto* array = value.get<Array<Vec3f>>();
@@ -134,51 +104,18 @@ class KeptReports {
 // Cage, refinement, displacement, BVH.
 class MeshBuilder {
  public:
-  struct Source {
-    const PulledMesh& mesh;
-    const FaceSlots& slots;
-    PointEdits* edits;  // null: it is built for the first time
-  };
-  MeshBuilder(const Source& source, const Path& id, SceneParam& param, const CancelToken& cancel)
-      : mesh_(source.mesh),
-        slots_(source.slots),
-        edits_(source.edits),
-        where_(id.str()),
-        param_(param),
+  MeshBuilder(const MeshJob& job, SceneParam* param, const CancelToken& cancel)
+      : job_(job),
+        mesh_(*job.source),
+        edits_(job.edits.get()),
+        where_(job.path.str()),
+        param_(*param),
         cancel_(cancel) {}
 
-  MeshBuild build(const MeshRequest& request, KnownFaults* known) {
-    return reported(known, [&] { return build_silently(request); });
-  }
-
-  // The same shape with other slots. Nothing was reported when it was built: its faces are those of the topology.
-  MeshBuild assign_slots(const MeshBuild& shape, KnownFaults* known) {
-    return reported(known, [&] {
-      MeshBuild out = shape;
-      const std::vector<int32_t>& face = shape.prototype->mesh.triangle_face;
-      struct Held {
-        MemoryReservation memory;
-        TriangleSlots slots;
-      };
-      const std::vector<int32_t> of_faces =
-          slots_of_faces(slots_, mesh_.topology.faceVertexCounts.size(), where_, sink_);
-      auto held = std::make_shared<Held>();
-      held->memory = MemoryReservation(param_.memory(), MemoryUse::meshes,
-                                       of_faces.empty() ? 0 : face.size() * sizeof(int32_t), where_);
-      held->slots.reserve(of_faces.empty() ? 0 : face.size());
-      if (!of_faces.empty())
-        for (const int32_t f : face) held->slots.push_back(of_faces[static_cast<size_t>(f)]);
-      out.slots = std::shared_ptr<const TriangleSlots>(held, &held->slots);
-      return out;
-    });
-  }
-
- private:
-  template <class Make>
-  MeshBuild reported(KnownFaults* known, const Make& make) {
+  MeshResult run() {
     MeshBuild out;
     try {
-      out = make();
+      out = job_.shape ? assign_slots(*job_.shape) : build();
     } catch (const MemoryRefused& e) {
       out.fault = SceneFault{false, e.what()};
       sink_({alabaster::Severity::error, "mesh.memory", where_, out.fault->text});
@@ -186,17 +123,38 @@ class MeshBuilder {
     for (const alabaster::Diagnostic& d : reports_)
       if (d.severity == alabaster::Severity::error && !out.fault) out.fault = SceneFault{true, d.text};
     out.reported = !reports_.empty();
-    known->report(param_.sink(), std::move(reports_));
+    return {std::move(out), std::move(reports_)};
+  }
+
+ private:
+  // The same shape with other slots. Nothing was reported when it was built: its faces are those of the topology.
+  MeshBuild assign_slots(const MeshBuild& shape) {
+    MeshBuild out = shape;
+    const std::vector<int32_t>& face = shape.prototype->mesh.triangle_face;
+    struct Held {
+      MemoryReservation memory;
+      TriangleSlots slots;
+    };
+    const std::vector<int32_t> of_faces =
+        slots_of_faces(*job_.slots, mesh_.topology.faceVertexCounts.size(), where_, sink_);
+    auto held = std::make_shared<Held>();
+    held->memory = MemoryReservation(param_.memory(), MemoryUse::meshes,
+                                     of_faces.empty() ? 0 : face.size() * sizeof(int32_t), where_);
+    held->slots.reserve(of_faces.empty() ? 0 : face.size());
+    if (!of_faces.empty())
+      for (const int32_t f : face) held->slots.push_back(of_faces[static_cast<size_t>(f)]);
+    out.slots = std::shared_ptr<const TriangleSlots>(held, &held->slots);
     return out;
   }
 
-  MeshBuild build_silently(const MeshRequest& request) {
+  MeshBuild build() {
+    const MeshRequest& request = job_.request;
     MeshBuild out;
     const size_t faces = mesh_.topology.faceVertexCounts.size();
     const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes,
                                         memory_bytes(mesh_) + faces * sizeof(int32_t), "a copy of its cage");
     Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
-    cage.face_material = slots_of_faces(slots_, faces, where_, sink_);
+    cage.face_material = slots_of_faces(*job_.slots, faces, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
     cancel_.check();
     auto prototype = std::make_shared<MeshPrototype>();
@@ -251,8 +209,8 @@ class MeshBuilder {
            out->fault->text + "; raise memoryLimit, lower its refineLevel, or render on a machine with more memory"});
   }
 
+  const MeshJob& job_;
   const PulledMesh& mesh_;
-  const FaceSlots& slots_;
   PointEdits* const edits_;
   const std::string& where_;
   SceneParam& param_;
@@ -263,113 +221,8 @@ class MeshBuilder {
 
 }  // namespace
 
-const MeshBuild* BuiltMeshes::find(const Path& mesh) const {
-  const auto held = held_.find(mesh);
-  return held == held_.end() || !held->second.done ? nullptr : &held->second.built;
-}
-
-bool BuiltMeshes::incomplete() const {
-  return std::any_of(held_.begin(), held_.end(), [](const Entry& entry) { return !entry.second.done; });
-}
-
-SceneFaults BuiltMeshes::faults(const Records& records, const Selection& selection) const {
-  SceneFaults faults;
-  for (const auto& [path, held] : held_)
-    if (held.built.fault && selection.includes(path, std::get<MeshRecord>(records.at(path))))
-      faults.emplace(path, *held.built.fault);
-  return faults;
-}
-
-// Drops the meshes that are gone or hidden, and what edits of others left behind; answers with those to build.
-std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Records& records, const std::vector<Selection>& selections,
-                                                      const MeshView& view,
-                                                      const std::shared_ptr<MemoryBudget>& budget) {
-  support::Placements placements(
-      [&](const Path& path) -> const InstancerRecord* {
-        const auto found = records.find(path);
-        return found == records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
-      },
-      [](const char*, const Path&, const std::string&) {});
-  std::map<Path, Held> needed;
-  std::vector<Entry*> to_build;
-  for (const auto& [path, record] : records) {
-    const auto* mesh = std::get_if<MeshRecord>(&record);
-    if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
-    MeshRequest request{displacements_of(*mesh, records), {}, {}, {}};
-    if (!view.primvars.empty()) request.primvars = {view.primvars, mesh->other_primvars};
-    if (view.dicing.edge_length > 0 && is_refined(*mesh->source)) {
-      request.dicing = view.dicing;
-      request.placements = placements_of(path, *mesh, placements);
-    }
-    const auto held = held_.find(path);
-    const bool same_shape =
-        held != held_.end() && held->second.source == mesh->source && held->second.request == request;
-    const bool same_slots = same_shape && held->second.slots == mesh->slots;
-    if (same_slots && held->second.done) {
-      constexpr int kMostOthers = 16;
-      if (held->second.edits && ++held->second.edits_of_others == kMostOthers) held->second.edits->rest();
-      needed.insert(held_.extract(held));
-      continue;
-    }
-    if (std::none_of(selections.begin(), selections.end(),
-                     [&id = path, &shown = *mesh](const Selection& s) { return s.includes(id, shown); }))
-      continue;
-    Held made{mesh->source, mesh->slots, std::move(request), {}};
-    if (held != held_.end()) {
-      made.faults = held->second.faults;
-      keep_edits(held->second, budget, &made);
-    }
-    // Displacement is a material's.
-    if (same_shape && held->second.has_shape && made.request.displacements.empty()) {
-      made.built = held->second.built;
-      made.has_shape = true;
-    }
-    to_build.push_back(&*needed.emplace(path, std::move(made)).first);
-  }
-  held_ = std::move(needed);
-  view_ = view;
-  return to_build;
-}
-
-// Where the topology is the same, the triangles mostly are. With motion samples there are several shapes to build.
-void BuiltMeshes::keep_edits(const Held& from, const std::shared_ptr<MemoryBudget>& budget, Held* made) {
-  const PulledMesh &a = *from.source, &b = *made->source;
-  if (!(a.topology == b.topology) || !(a.tags == b.tags) || !(a.style == b.style)) return;
-  if (b.point_samples.times.size() > 1 || made->request.dicing.edge_length > 0) return;
-  made->edits = from.edits;
-  if (!made->edits && from.built.prototype) made->edits = std::make_shared<PointEdits>(budget);
-}
-
-void BuiltMeshes::rest() {
-  for (auto& [path, held] : held_)
-    if (held.edits) held.edits->rest();
-}
-
-void BuiltMeshes::build(const Records& records, const std::vector<Selection>& selections, const MeshView& view,
-                        SceneParam& param, const CancelToken& cancel) {
-  if (incomplete()) rest();  // it may be memory that they lack
-  const std::vector<Entry*> to_build = collect(records, selections, view, param.memory());
-  if (to_build.empty()) return;
-  const auto build_one = [&](Entry* entry) {
-    if (cancel.is_cancelled()) return;
-    Held& held = entry->second;
-    bool cancelled = false;
-    const bool built = guarded(param.sink(), entry->first.str(), [&] {
-      try {
-        MeshBuilder builder({*held.source, *held.slots, held.edits.get()}, entry->first, param, cancel);
-        held.built =
-            held.has_shape ? builder.assign_slots(held.built, &held.faults) : builder.build(held.request, &held.faults);
-      } catch (const BuildCancelled&) {
-        cancelled = true;
-      }
-    });
-    const bool refused = held.built.fault && !held.built.fault->input;
-    held.done = built && !cancelled && !refused;
-    held.has_shape = cancelled ? held.has_shape : held.built.prototype && !held.built.reported;
-    if (!built) held.built.fault = SceneFault{false, "the mesh could not be built"};
-  };
-  param.run([&] { tbb::parallel_for(size_t(0), to_build.size(), [&](size_t i) { build_one(to_build[i]); }); });
-  cancel.check();
+MeshResult build_mesh_job(const MeshJob& job, SceneParam* param, const CancelToken& cancel) {
+  return MeshBuilder(job, param, cancel).run();
 }
 
 }  // namespace alabaster::hd::prims

@@ -5,7 +5,6 @@
 #include "core/diagnostics/cancel.h"
 #include "core/geometry/edited_object.h"
 #include "delegate/prims/render_param.h"
-#include "delegate/prims/selection.h"
 
 namespace alabaster::hd::prims {
 
@@ -32,13 +31,6 @@ struct Dicing {
   bool operator==(const Dicing&) const = default;
 };
 
-/// The demands of all passes on meshes.
-struct MeshView {
-  Dicing dicing;
-  std::vector<Token> primvars;  // that AOVs show; sorted
-  bool operator==(const MeshView&) const = default;
-};
-
 /// Beside the mesh itself, all that decides what it becomes.
 struct MeshRequest {
   Displacements displacements;
@@ -62,50 +54,23 @@ struct PointEdits {
   std::weak_ptr<const MeshPrototype> before;  // as it was built last
 };
 
-/// The built meshes of a scene. A mesh is built where it is first drawn, again when its shape, its displacement or its
-/// dicing changes, and kept until then, also while no selection includes it. Other material slots of its faces build
-/// nothing again. One thread at a time.
-class BuiltMeshes {
- public:
-  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
-  /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
-  /// kept.
-  void build(const Records& records, const std::vector<Selection>& selections, const MeshView& view, SceneParam& param,
-             const CancelToken& cancel);
-  /// No edits are expected for now: frees what would make those of points quick.
-  void rest();
-  /// Null: it has not been built.
-  const MeshBuild* find(const Path& mesh) const;
-  template <class Visit>
-  void for_each(const Visit& visit) const {
-    for (const auto& [path, held] : held_)
-      if (held.done) visit(path, held.built);
-  }
-  bool is_built_for(const MeshView& view) const { return view == view_; }
-  /// Memory or threads did not suffice for some mesh: the next build() tries again.
-  bool incomplete() const;
-  SceneFaults faults(const Records& records, const Selection& selection) const;
-
- private:
-  struct Held {
-    std::shared_ptr<const PulledMesh> source;
-    std::shared_ptr<const FaceSlots> slots;
-    MeshRequest request;
-    MeshBuild built;
-    bool done = false;
-    bool has_shape = false;                       // only the slots are missing
-    std::shared_ptr<PointEdits> edits = nullptr;  // null: none so far
-    int edits_of_others = 0;                      // since the last one
-    KnownFaults faults = {};
-  };
-  using Entry = std::pair<const Path, Held>;
-  std::vector<Entry*> collect(const Records& records, const std::vector<Selection>& selections, const MeshView& view,
-                              const std::shared_ptr<MemoryBudget>& budget);
-
-  void keep_edits(const Held& from, const std::shared_ptr<MemoryBudget>& budget, Held* made);
-
-  std::map<Path, Held> held_;
-  MeshView view_;
+/// A mesh to build. Immutable, but for `edits`, which one build at a time may use.
+struct MeshJob {
+  Path path;
+  std::shared_ptr<const PulledMesh> source;
+  std::shared_ptr<const FaceSlots> slots;
+  MeshRequest request;
+  std::shared_ptr<PointEdits> edits;  // null: none so far
+  std::optional<MeshBuild> shape;     // the same mesh with other slots: only those are built
 };
+
+struct MeshResult {
+  MeshBuild built;
+  std::vector<alabaster::Diagnostic> reports;         // faults of the mesh
+  std::optional<alabaster::Diagnostic> failure = {};  // an exception; nothing was built
+};
+
+/// In the caller's arena. Want of memory is a fault of the result. Throws BuildCancelled.
+MeshResult build_mesh_job(const MeshJob& job, SceneParam* param, const CancelToken& cancel);
 
 }  // namespace alabaster::hd::prims

@@ -34,7 +34,7 @@ class RecordedPrim : public Base {
   bool failed_ = false;
 };
 
-/// Pulls only: the shape is built where it is first drawn (mesh_build.h), once for each edit of it.
+/// Pulls only: the shape is built where it is first drawn (built_meshes.h), once for each edit of it.
 class MeshPrim final : public RecordedPrim<Rprim> {
  public:
   using RecordedPrim::RecordedPrim;

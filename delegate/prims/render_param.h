@@ -61,6 +61,8 @@ class SceneParam final : public RenderParam {
   void run(F&& work) {
     arena()->execute(work);
   }
+  /// What runs stays in its arena; what comes has another.
+  void leave_arena();
   void set_threads(uint32_t threads) { threads_ = threads; }
   /// MiB, for images that are read from then on. A value of the host counts before that of a settings prim.
   void set_texture_memory(uint32_t mib, bool by_host);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "delegate/prims/mesh_build.h"
+#include "delegate/prims/built_meshes.h"
 
 namespace alabaster::hd::prims {
 namespace {

@@ -111,7 +111,7 @@ bool SnapshotBuilder::take_work() {
     if (release_) {
       release_ = false;
       lock.unlock();
-      prims::guarded(param_->sink(), "CommitResources", [&] { destroy_retired(); });
+      prims::guarded(param_->sink(), "CommitResources", [&] { destroy_unused(); });
       lock.lock();
       continue;
     }
@@ -144,6 +144,7 @@ void SnapshotBuilder::build() {
     if (cancelled) requested_ = true;
     building_ = false;
     pending_ = requested_;
+    release_ |= !cancelled;
   }
   rested_.notify_all();
 }
@@ -220,7 +221,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
   choose_variants(view.selections);
   if (stale_ || !std::all_of(view.selections.begin(), view.selections.end(), is_current)) {
     stale_ = true;  // until all of it is done
-    meshes_.build(records_, view.selections, view.meshes, *param_, cancel);
+    meshes_.build({records_, view.selections, view.meshes}, param_.get(), cancel);
     const auto start = std::chrono::steady_clock::now();
     const prims::DeformedMeshes deformed = deformations_.in(view.shutter, meshes_, param_.get(), cancel);
     translator_.begin();
@@ -314,7 +315,6 @@ void SnapshotBuilder::publish(std::shared_ptr<const BuiltScene> scene) {
     }
   }
   published_();
-  destroy_retired();
 }
 
 // The scenes of selections that nobody asks for any more.
@@ -330,7 +330,6 @@ void SnapshotBuilder::retire_unselected() {
     retired_.insert(retired_.end(), unselected, built_.end());
     built_.erase(unselected, built_.end());
   }
-  destroy_retired();
 }
 
 bool SnapshotBuilder::lacks_snapshots() const {
@@ -341,7 +340,8 @@ bool SnapshotBuilder::lacks_snapshots() const {
 }
 
 // Passes hold snapshots, which hold most of what a scene is.
-void SnapshotBuilder::destroy_retired() {
+void SnapshotBuilder::destroy_unused() {
+  meshes_.release_dropped();
   std::vector<std::shared_ptr<const BuiltScene>> unused;
   const std::lock_guard guard(mutex_);
   const auto is_unused = [&](const std::shared_ptr<const BuiltScene>& scene) {

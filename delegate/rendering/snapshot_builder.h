@@ -7,8 +7,8 @@
 
 #include "core/scene/snapshot_compiler.h"
 #include "core/session/wake_relay.h"
+#include "delegate/prims/built_meshes.h"
 #include "delegate/prims/deformation.h"
-#include "delegate/prims/mesh_build.h"
 #include "delegate/prims/render_param.h"
 #include "delegate/prims/scene_translation.h"
 
@@ -85,7 +85,7 @@ class SnapshotBuilder {
   void publish(std::shared_ptr<const BuiltScene> scene);
   void retire_unselected();
   bool lacks_snapshots() const;  // under mutex_
-  void destroy_retired();
+  void destroy_unused();
 
   const std::shared_ptr<prims::SceneParam> param_;
   const std::function<void()> published_;

@@ -1,0 +1,173 @@
+#include "delegate/prims/built_meshes.h"
+
+#include <algorithm>
+
+namespace alabaster::hd::prims {
+namespace {
+
+constexpr size_t kMostLeft = 3;  // batches, each of which takes the memory of a build
+
+// By the mesh's slots; empty if no material of it displaces.
+Displacements displacements_of(const MeshRecord& mesh, const Records& records) {
+  Displacements all;
+  bool any = false;
+  for (const Path& path : mesh.materials) {
+    const auto found = records.find(path);
+    const auto* record = found == records.end() ? nullptr : std::get_if<MaterialRecord>(&found->second);
+    all.push_back(record ? record->material->displacement : std::nullopt);
+    any |= all.back().has_value();
+  }
+  return any ? all : Displacements();
+}
+
+bool is_refined(const PulledMesh& mesh) {
+  // One that deforms is the same mesh at all times.
+  return mesh.point_samples.times.size() < 2 && mesh.style.refineLevel > 0 && !mesh.topology.scheme.empty() &&
+         !(mesh.topology.scheme == Token("none"));
+}
+
+// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report.
+std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, support::Placements& placements) {
+  if (mesh.instancer.empty()) return {mesh.transform};
+  std::vector<Matrix4d> all;
+  for (const support::Placement& placed : placements.place(path, mesh.instancer, mesh.instance_indices))
+    if (placed.used) all.push_back(mesh.transform * placed.matrix);
+  return all;
+}
+
+MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& records, const MeshView& view,
+                       support::Placements& placements) {
+  MeshRequest request{displacements_of(mesh, records), {}, {}, {}};
+  if (!view.primvars.empty()) request.primvars = {view.primvars, mesh.other_primvars};
+  if (view.dicing.edge_length > 0 && is_refined(*mesh.source)) {
+    request.dicing = view.dicing;
+    request.placements = placements_of(path, mesh, placements);
+  }
+  return request;
+}
+
+}  // namespace
+
+const MeshBuild* BuiltMeshes::find(const Path& mesh) const {
+  const auto held = held_.find(mesh);
+  return held == held_.end() || !held->second.done ? nullptr : &held->second.built;
+}
+
+bool BuiltMeshes::incomplete() const {
+  return std::any_of(held_.begin(), held_.end(), [](const Entry& entry) { return !entry.second.done; });
+}
+
+SceneFaults BuiltMeshes::faults(const Records& records, const Selection& selection) const {
+  SceneFaults faults;
+  for (const auto& [path, held] : held_)
+    if (held.built.fault && selection.includes(path, std::get<MeshRecord>(records.at(path))))
+      faults.emplace(path, *held.built.fault);
+  return faults;
+}
+
+// Puts the meshes aside that are gone or hidden, and what edits of others left behind; answers with those to build.
+std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget) {
+  const auto& [records, selections, view] = scene;
+  support::Placements placements(
+      [&](const Path& path) -> const InstancerRecord* {
+        const auto found = scene.records.find(path);
+        return found == scene.records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
+      },
+      [](const char*, const Path&, const std::string&) {});
+  std::map<Path, Held> needed;
+  std::vector<Entry*> to_build;
+  for (const auto& [path, record] : records) {
+    const auto* mesh = std::get_if<MeshRecord>(&record);
+    if (!mesh || !mesh->visible || !mesh->source || !mesh->slots) continue;
+    MeshJob job{path, mesh->source, mesh->slots, request_of(path, *mesh, scene.records, view, placements), nullptr, {}};
+    const auto held = held_.find(path);
+    const bool same_shape =
+        held != held_.end() && held->second.job->source == job.source && held->second.job->request == job.request;
+    if (same_shape && held->second.job->slots == job.slots && held->second.done) {
+      constexpr int kMostOthers = 16;
+      if (held->second.edits && ++held->second.edits_of_others == kMostOthers) held->second.edits->rest();
+      needed.insert(held_.extract(held));
+      continue;
+    }
+    if (std::none_of(selections.begin(), selections.end(),
+                     [&id = path, &shown = *mesh](const Selection& s) { return s.includes(id, shown); }))
+      continue;
+    Held made{nullptr, {}};
+    if (held != held_.end()) {
+      made.faults = held->second.faults;
+      job.edits = made.edits = edits_after(held->second, job, budget);
+    }
+    // Displacement is a material's.
+    if (same_shape && held->second.has_shape && job.request.displacements.empty()) {
+      job.shape = made.built = held->second.built;
+      made.has_shape = true;
+    }
+    made.job = std::make_shared<const MeshJob>(std::move(job));
+    to_build.push_back(&*needed.emplace(path, std::move(made)).first);
+  }
+  for (auto& [path, held] : held_) dropped_.push_back(std::move(held));
+  held_ = std::move(needed);
+  view_ = view;
+  return to_build;
+}
+
+// Where the topology is the same, the triangles mostly are. With motion samples there are several shapes to build.
+std::shared_ptr<PointEdits> BuiltMeshes::edits_after(const Held& from, const MeshJob& next,
+                                                     const std::shared_ptr<MemoryBudget>& budget) const {
+  const PulledMesh &a = *from.job->source, &b = *next.source;
+  if (!(a.topology == b.topology) || !(a.tags == b.tags) || !(a.style == b.style)) return nullptr;
+  if (b.point_samples.times.size() > 1 || next.request.dicing.edge_length > 0) return nullptr;
+  if (!from.edits && from.built.prototype) return std::make_shared<PointEdits>(budget);
+  return from.edits;
+}
+
+void BuiltMeshes::rest() {
+  for (auto& [path, held] : held_)
+    if (held.edits) held.edits->rest();
+}
+
+void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink) {
+  const bool refused = result.built.fault && !result.built.fault->input;
+  held->has_shape = result.built.prototype && !result.built.reported;
+  held->built = std::move(result.built);
+  held->done = !refused;
+  if (!result.failure)
+    held->faults.report(sink, std::move(result.reports));
+  else if (sink)
+    sink(*result.failure);
+}
+
+void BuiltMeshes::build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel) {
+  const std::vector<Entry*> to_build = collect(scene, param->memory());
+  if (to_build.empty()) return;
+  release_dropped();  // their memory may be needed
+  std::vector<std::shared_ptr<const MeshJob>> jobs;
+  for (const Entry* entry : to_build) jobs.push_back(entry->second.job);
+  std::list<MeshBatch> batches;
+  MeshBatch& batch = batches.emplace_back(std::move(jobs), param);
+  const bool ended = batch.build(cancel);
+  for (size_t i = 0; i < to_build.size(); ++i) {
+    Held& held = to_build[i]->second;
+    if (auto result = batch.result(i))
+      adopt(&held, std::move(*result), param->sink());
+    else if (!ended)
+      held.edits = nullptr;  // that build may still use them
+  }
+  if (!ended) {
+    batch.leave();
+    left_.splice(left_.end(), batches);
+    left_.remove_if([](const MeshBatch& left) { return left.has_ended(); });
+    while (left_.size() > kMostLeft) left_.pop_front();
+  }
+  cancel.check();
+}
+
+void BuiltMeshes::build(const Scene& scene, SceneParam* param, const CancelToken& cancel) {
+  if (incomplete()) rest();  // it may be memory that they lack
+  build_missing(scene, param, cancel);
+  if (left_.empty() || !incomplete()) return;
+  left_.clear();  // or the memory of these
+  build_missing(scene, param, cancel);
+}
+
+}  // namespace alabaster::hd::prims

@@ -1,0 +1,71 @@
+// The meshes of a scene as they are traced.
+#pragma once
+
+#include <list>
+
+#include "delegate/prims/mesh_batch.h"
+#include "delegate/prims/selection.h"
+
+namespace alabaster::hd::prims {
+
+/// The demands of all passes on meshes.
+struct MeshView {
+  Dicing dicing;
+  std::vector<Token> primvars;  // that AOVs show; sorted
+  bool operator==(const MeshView&) const = default;
+};
+
+/// The built meshes of a scene. A mesh is built where it is first drawn, again when its shape, its displacement or its
+/// dicing changes, and kept until then, also while no selection includes it. Other material slots of its faces build
+/// nothing again. One thread at a time.
+class BuiltMeshes {
+ public:
+  struct Scene {
+    const Records& records;
+    const std::vector<Selection>& selections;  // that show it
+    const MeshView& view;
+  };
+  /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
+  /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
+  /// kept. A large mesh that does not give way at once is left to end on a thread of its own.
+  void build(const Scene& scene, SceneParam* param, const CancelToken& cancel);
+  /// Frees the meshes that are gone or built anew, which the last build() put aside.
+  void release_dropped() { dropped_.clear(); }
+  /// No edits are expected for now: frees what would make those of points quick.
+  void rest();
+  /// Null: it has not been built.
+  const MeshBuild* find(const Path& mesh) const;
+  template <class Visit>
+  void for_each(const Visit& visit) const {
+    for (const auto& [path, held] : held_)
+      if (held.done) visit(path, held.built);
+  }
+  bool is_built_for(const MeshView& view) const { return view == view_; }
+  /// Memory or threads did not suffice for some mesh: the next build() tries again.
+  bool incomplete() const;
+  SceneFaults faults(const Records& records, const Selection& selection) const;
+
+ private:
+  struct Held {
+    std::shared_ptr<const MeshJob> job;
+    MeshBuild built;
+    bool done = false;
+    bool has_shape = false;                       // only the slots are missing
+    std::shared_ptr<PointEdits> edits = nullptr;  // null: none so far
+    int edits_of_others = 0;                      // since the last one
+    KnownFaults faults = {};
+  };
+  using Entry = std::pair<const Path, Held>;
+  std::vector<Entry*> collect(const Scene& scene, const std::shared_ptr<MemoryBudget>& budget);
+  static void adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink);
+  void build_missing(const Scene& scene, SceneParam* param, const CancelToken& cancel);
+  std::shared_ptr<PointEdits> edits_after(const Held& from, const MeshJob& next,
+                                          const std::shared_ptr<MemoryBudget>& budget) const;
+
+  std::map<Path, Held> held_;
+  std::vector<Held> dropped_;
+  MeshView view_;
+  std::list<MeshBatch> left_;  // that were cancelled and had not ended
+};
+
+}  // namespace alabaster::hd::prims
