@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -26,7 +27,13 @@ class GroupedItems {
     // filled.
     each([&](size_t group, const Item&) { ++begin_[group + 2]; });
     for (size_t g = 2; g < begin_.size(); ++g) begin_[g] += begin_[g - 1];
-    items_.resize(begin_.back());
+    cancel.check();
+    items_.reserve(begin_.back());
+    constexpr size_t kStep = 65536;  // the first touch of memory takes longer than all else here
+    while (items_.size() < begin_.back()) {
+      cancel.check();
+      items_.resize(std::min(begin_.back(), items_.size() + kStep));
+    }
     each([&](size_t group, const Item& item) { items_[begin_[group + 1]++] = item; });
     cancel.check();
     tbb::parallel_for(tbb::blocked_range<size_t>(0, groups, 256), [&](const tbb::blocked_range<size_t>& range) {

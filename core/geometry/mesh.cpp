@@ -266,6 +266,7 @@ std::vector<int> weld_by_position(const std::vector<Vec3f>& points, const Cancel
   tbb::parallel_sort(keys.begin(), keys.end(), CancellableLess{cancel});
   std::vector<int> first(points.size());
   for (size_t i = 0, run = 0; i < keys.size(); ++i) {
+    cancel.check();
     if (!std::equal(keys[i].begin(), keys[i].begin() + 3, keys[run].begin())) run = i;
     first[keys[i][3]] = static_cast<int>(keys[run][3]);
   }

@@ -159,7 +159,10 @@ bool rasterize(const Mesh& mesh, const Vec3f& lower, float voxels_per_unit, Voxe
     return piece;
   };
   double cost = 0;
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) cost += rasterization_cost(piece_of(i));
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    if (i % 4096 == 0) cancel.check();
+    cost += rasterization_cost(piece_of(i));
+  }
   if (!(cost < kMostPieces)) return false;
   tbb::parallel_for(tbb::blocked_range<size_t>(0, mesh.triangles.size(), 256),
                     [&](const tbb::blocked_range<size_t>& r) {

@@ -74,12 +74,16 @@ class TopologyFinder {
 
   std::shared_ptr<const ShellTopology> find() {
     find_degenerate();
+    cancel_.check();
     merge_coincident();
     join_by_edges();
     number_shells();
     out_.has_walls = !walls_.empty();
     out_.turned.resize(corners_.size());
-    for (uint32_t t = 0; t < corners_.size(); ++t) out_.turned[t] = surfaces_.is_turned(t);
+    for (uint32_t t = 0; t < corners_.size(); ++t) {
+      cancel_.check();
+      out_.turned[t] = surfaces_.is_turned(t);
+    }
     return std::make_shared<const ShellTopology>(std::move(out_));
   }
 
@@ -107,12 +111,14 @@ class TopologyFinder {
       }
     };
     const GroupedItems<Fellow> triangles(points_, each, cancel_);
-    for (size_t point = 0; point < triangles.size(); ++point)
+    for (size_t point = 0; point < triangles.size(); ++point) {
+      cancel_.check();
       for_each_run(
           triangles[point], [](const Fellow& a, const Fellow& b) { return a.others == b.others; },
           [&](std::span<const Fellow> coincident) {
             if (coincident.size() > 1) merge(coincident);
           });
+    }
   }
 
   void merge(std::span<const Fellow> group) {
@@ -182,6 +188,7 @@ class TopologyFinder {
   void number_shells() {
     out_.shell.assign(corners_.size(), kNone);
     for (uint32_t t = 0; t < corners_.size(); ++t) {
+      cancel_.check();
       if (kind_[t] == kDegenerate) continue;
       const uint32_t root = surfaces_.root(t);
       if (out_.shell[root] == kNone) {

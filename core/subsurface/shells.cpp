@@ -53,6 +53,7 @@ class ShellFinder {
   void orient() {
     const Vec3d centre(mesh_.bounds.center());
     for (uint32_t t = 0; t < corners_.size(); ++t) {
+      cancel_.check();
       if (kind_[t] != kSingle) continue;
       const auto p = [&](size_t i) { return Vec3d(mesh_.points[corners_[t][i]]) - centre; };
       const double volume = dot(p(0), cross(p(1), p(2)));

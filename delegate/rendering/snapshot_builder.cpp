@@ -203,6 +203,7 @@ void SnapshotBuilder::apply_edits() {
     }
     prims::Record& held = records_[edit->id];
     stale_ |= held != edit->record;
+    replaced_.push_back(std::move(held));
     held = std::move(edit->record);
     if (std::holds_alternative<std::monostate>(held)) records_.erase(edit->id);
     edit = edits_.erase(edit);
@@ -210,6 +211,7 @@ void SnapshotBuilder::apply_edits() {
 }
 
 void SnapshotBuilder::update(const CancelToken& cancel) {
+  replaced_.clear();
   read_files(cancel);
   apply_edits();
   const View& view = *view_;
@@ -342,6 +344,7 @@ bool SnapshotBuilder::lacks_snapshots() const {
 // Passes hold snapshots, which hold most of what a scene is.
 void SnapshotBuilder::destroy_unused() {
   meshes_.release_dropped();
+  replaced_.clear();
   std::vector<std::shared_ptr<const BuiltScene>> unused;
   const std::lock_guard guard(mutex_);
   const auto is_unused = [&](const std::shared_ptr<const BuiltScene>& scene) {

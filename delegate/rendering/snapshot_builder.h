@@ -106,6 +106,7 @@ class SnapshotBuilder {
   std::list<prims::Edit> edits_;  // taken, but not applied yet, or of materials that no mesh uses
   std::shared_ptr<const View> view_;
   prims::Records records_;
+  std::vector<prims::Record> replaced_;  // freed once the new scene stands
   prims::BuiltMeshes meshes_;
   prims::Deformations deformations_;
   prims::SceneTranslator translator_;
