@@ -35,6 +35,11 @@ std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, su
   return all;
 }
 
+// For want of memory or threads.
+bool is_refused(const MeshBuild& built) {
+  return built.fault && !built.fault->input;
+}
+
 MeshRequest request_of(const Path& path, const MeshRecord& mesh, const Records& records, const MeshView& view,
                        support::Placements& placements) {
   MeshRequest request{displacements_of(mesh, records), {}, {}, {}};
@@ -127,10 +132,9 @@ void BuiltMeshes::rest() {
 }
 
 void BuiltMeshes::adopt(Held* held, MeshResult result, const alabaster::DiagnosticSink& sink) {
-  const bool refused = result.built.fault && !result.built.fault->input;
   held->has_shape = result.built.prototype && !result.built.reported;
   held->built = std::move(result.built);
-  held->done = !refused;
+  held->done = !is_refused(held->built);
   if (!result.failure)
     held->faults.report(sink, std::move(result.reports));
   else if (sink)
@@ -148,7 +152,9 @@ void BuiltMeshes::build_missing(const Scene& scene, SceneParam* param, const Can
   const bool ended = batch.build(cancel);
   for (size_t i = 0; i < to_build.size(); ++i) {
     Held& held = to_build[i]->second;
-    if (auto result = batch.result(i))
+    auto result = batch.result(i);
+    if (result && is_refused(result->built) && !left_.empty()) continue;  // build() tries once more
+    if (result)
       adopt(&held, std::move(*result), param->sink());
     else if (!ended)
       held.edits = nullptr;  // that build may still use them
