@@ -29,7 +29,7 @@ class BuiltMeshes {
   /// want of memory the next build() tries again. Meshes that are done when the build is cancelled (BuildCancelled) are
   /// kept. A large mesh that does not give way at once is left to end on a thread of its own.
   void build(const Scene& scene, SceneParam* param, const CancelToken& cancel);
-  /// Frees the meshes that are gone or built anew, which the last build() put aside.
+  /// Frees the meshes that are gone or were built again, which the last build() put aside.
   void release_dropped() { dropped_.clear(); }
   /// No edits are expected for now: frees what would make those of points quick.
   void rest();

@@ -61,7 +61,7 @@ class SceneParam final : public RenderParam {
   void run(F&& work) {
     arena()->execute(work);
   }
-  /// What runs stays in its arena; what comes has another.
+  /// Work that runs now stays in its arena. Later work has another.
   void leave_arena();
   void set_threads(uint32_t threads) { threads_ = threads; }
   /// MiB, for images that are read from then on. A value of the host counts before that of a settings prim.
