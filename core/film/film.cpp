@@ -175,7 +175,7 @@ void Film::resolve_denoised(int tile, const TakeRow<float>& take) const {
   }
   if (!rgb) return resolve_float(tile, Aov::color, take);
   resolve_float(tile, Aov::color, [&](int x, int y, std::span<const float> color) {
-    std::array<float, kTileSize * 4> row;
+    std::array<float, size_t(kTileSize) * 4> row;
     const size_t first = static_cast<size_t>(y - window_.y0) * static_cast<size_t>(window_.width()) +
                          static_cast<size_t>(x - window_.x0);
     for (size_t i = 0; i < color.size(); ++i) row[i] = i % 4 < 3 ? (*rgb)[3 * (first + i / 4) + i % 4] : color[i];

@@ -362,7 +362,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     // Find the surface and the material at the vertex.
     PathVertex vertex = find_vertex<kMode>(context, hit, path);
     if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (vertex.material.transmits() && !meet_boundary(&vertex, path, &numbers.bsdf[0])) [[unlikely]] {
+    if (vertex.material.transmits() && !meet_boundary(&vertex, path, numbers.bsdf.data())) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       path->ray.tmax = reach - hit.t;
       is_vertex = false;

@@ -131,7 +131,7 @@ std::optional<bool> leave_clear_surface(const PathContext& context, const PixelS
   v.material.spec_trans = 1;
   path->throughput = exit.throughput;
   if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, exit.throughput);
-  return !meet_boundary(&v, path, &numbers.bsdf[0]) || scatter_at_boundary(context, v, numbers, path, nullptr);
+  return !meet_boundary(&v, path, numbers.bsdf.data()) || scatter_at_boundary(context, v, numbers, path, nullptr);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ class TexelPlane {
   static constexpr bool kBytes = sizeof(Element) == 1;
   // The size of a tile that fits one of the store's.
   static constexpr uint32_t kTileWidth = kBytes && kCount == 1 ? 128 : 64;
-  static constexpr uint32_t kTileHeight = TexelStore::kTileBytes / (kTileWidth * kCount * sizeof(Element));
+  static constexpr uint32_t kTileHeight = TexelStore::kTileBytes / (sizeof(Element) * kTileWidth * kCount);
 
   float value(Element e, [[maybe_unused]] size_t row) const {
     if constexpr (kBytes) {
@@ -132,7 +132,7 @@ bool TexelPlane<Element, kCount>::write_tiles() {
     for (uint32_t y = row * kTileHeight; y < std::min(h, (row + 1) * kTileHeight); ++y)
       for (uint32_t column = 0; column < columns_; ++column) {
         const uint32_t x = column * kTileWidth;
-        std::memcpy(&strip[column * TexelStore::kTileBytes + y % kTileHeight * kTileWidth * kTexel],
+        std::memcpy(&strip[column * TexelStore::kTileBytes + size_t(y % kTileHeight) * kTileWidth * kTexel],
                     &texels_.elements[kCount * (size_t(y) * w + x)], std::min(kTileWidth, w - x) * kTexel);
       }
     if (!store_->write(first_tile_ + size_t(row) * columns_, strip)) return false;

@@ -125,7 +125,7 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
   std::vector<Path> paths;
   if (entry.contains("name")) {
     paths = {Path("/materials").append(entry["name"].get<std::string>())};
-    if (reader.scene().GetMaterials().count(paths[0]))
+    if (reader.scene().GetMaterials().contains(paths[0]))
       return reader.fail(pointer, "A material '" + paths[0].str() + "' already exists; match it instead.");
   } else {
     paths = find_prims(reader, PrimKind::material, entry["match"], pointer_append(pointer, "match"));

@@ -65,7 +65,7 @@ class MaterialBuilder {
   void disconnect(const char* input) { surface_.inputConnections.erase(input); }
   /// Multiplies a colour's constant and all that is connected to it by itself.
   void square(const char* input);
-  bool connected(const char* input) const { return surface_.inputConnections.count(input) > 0; }
+  bool connected(const char* input) const { return surface_.inputConnections.contains(input); }
 
   /// `place` is below the material: "normalTexture".
   void warn(const char* code, const std::string& place, const std::string& text) const;

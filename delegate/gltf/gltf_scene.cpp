@@ -219,7 +219,7 @@ class MotionSampler {
   std::vector<Prims> poses_;
 };
 
-void hand_over(Prims prims, host::RetainedSceneDelegate* scene, GltfSummary* summary) {
+void hand_over(Prims&& prims, host::RetainedSceneDelegate* scene, GltfSummary* summary) {
   for (auto& [id, material] : prims.materials) {
     summary->materials.push_back(id);
     scene->SetMaterial(id, std::move(material));

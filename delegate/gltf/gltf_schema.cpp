@@ -191,7 +191,7 @@ bool reads_extension(const std::string& name) {
                                               "KHR_texture_transform",
                                               "KHR_xmp",  // metadata: the picture has nothing of it
                                               "KHR_xmp_json_ld"};
-  return names.count(name) > 0;
+  return names.contains(name);
 }
 
 }  // namespace alabaster::hd::gltf

@@ -26,13 +26,13 @@ class StructureCheck {
     check_declarations("extensionsRequired", &required);
     check_object(root_, "", document_schema());
     for (const std::string& name : required) {
-      if (!declared_.count(name))
+      if (!declared_.contains(name))
         report_.warning("extension.undeclared", "extensionsRequired", name + " is missing from extensionsUsed; add it");
       if (!reads_extension(name))
         report_.error("extension.required", "extensionsRequired", name + " is not supported; re-export without it");
     }
     for (const std::string& name : used_)
-      if (!declared_.count(name))
+      if (!declared_.contains(name))
         report_.warning("extension.undeclared", "extensionsUsed", name + " is used but not listed; add it");
   }
 
@@ -77,7 +77,7 @@ class StructureCheck {
         error(place, "must be an object");
       } else if (property) {
         check_object(value, place, *property->schema);
-      } else if (known_extensions_.count(name)) {
+      } else if (known_extensions_.contains(name)) {
         report_.warning("extension.misplaced", place, "the extension does not belong here and is ignored; move it");
       }
     }

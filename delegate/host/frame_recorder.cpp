@@ -89,7 +89,7 @@ class CancelWatch {
 /// A buffer's pixels, resolved and mapped.
 class MappedPixels {
  public:
-  MappedPixels(RenderBuffer* buffer, Vec2i size) : buffer_(buffer) {
+  MappedPixels(RenderBuffer* buffer, const Vec2i& size) : buffer_(buffer) {
     buffer->Resolve();
     const void* data = buffer->Map();
     mapped_ = data != nullptr;

@@ -10,8 +10,8 @@ namespace alabaster::hd::host {
 class RecordedCheckpoints {
  public:
   /// `delegate` and `options` must outlive it. Without RecordOptions::checkpoint nothing is written.
-  RecordedCheckpoints(RenderDelegate* delegate, const RecordOptions& options, Path settings)
-      : delegate_(delegate), options_(options), settings_(std::move(settings)) {}
+  RecordedCheckpoints(RenderDelegate* delegate, const RecordOptions& options, const Path& settings)
+      : delegate_(delegate), options_(options), settings_(settings) {}
 
   /// Has the delegate go on from the file, if RecordOptions::resume asks for it. False after a report.
   bool resume();

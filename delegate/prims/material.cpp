@@ -200,7 +200,7 @@ class MaterialReader {
     if (!row || !row->is_textured())
       return warn("material.connection", input.str() + " cannot be textured; the connection is ignored" +
                                              (row ? " and the constant used" : ""));
-    bool has_constant = surface.parameters.count(input) > 0, connected = false;
+    bool has_constant = surface.parameters.contains(input), connected = false;
     std::vector<std::pair<const Path*, Channel>> lost;
     for (const MaterialConnection& connection : connections) {
       const Channel channel = channel_of(connection, reads_of(*row));

@@ -163,7 +163,7 @@ std::string Checkpoints::show(const Array<std::string>& files) {
   auto state = std::make_shared<RenderState>();
   for (const Part& part : parts) {
     CheckpointReader& reader = *part.reader;
-    reader.finish(&part == &parts[0] ? read_state(reader.source(), support::usable_memory_bytes(), state.get())
+    reader.finish(&part == parts.data() ? read_state(reader.source(), support::usable_memory_bytes(), state.get())
                                      : append_state(reader.source(), state.get()));
     if (!reader.fault().empty()) return in_quotes(part.file) + ": " + reader.fault();
   }

@@ -52,8 +52,10 @@ Sprim* RenderDelegateImpl::CreateSprim(const Token& type, const Path& id) {
 
 Bprim* RenderDelegateImpl::CreateBprim(const Token& type, const Path& id) {
   return answer<Bprim*>("CreateBprim", [&](Bprim*& prim) {
-    if (type == Token("renderSettings")) prim = new prims::RenderSettingsPrim(id);
-    if (type == Token("renderBuffer")) prim = new RenderBufferPrim(id, core_->param);
+    if (type == Token("renderSettings"))
+      prim = new prims::RenderSettingsPrim(id);
+    else if (type == Token("renderBuffer"))
+      prim = new RenderBufferPrim(id, core_->param);
   });
 }
 

@@ -109,7 +109,7 @@ bool Panels::draw_row(const ParameterRow& row, bool changed, bool* reset, hd::Va
   same_line_as_label();
   const float back = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - back);
-  const auto shown = [this](hd::Vec3f color) { return session_->shown(color); };
+  const auto shown = [this](const hd::Vec3f& color) { return session_->shown(color); };
   const bool edited = edit_parameter(widgets_, row, session_->scene_size(), shown, value);
   if (changed) {
     ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::GetFrameHeight());
@@ -150,6 +150,7 @@ void Panels::draw_prim(const hd::Path& prim, const std::vector<ParameterRow>& ro
 
 void Panels::pick_prim(const char* name, const std::vector<hd::Path>& prims, hd::Path* chosen) {
   std::vector<std::string> items;
+  items.reserve(prims.size());
   std::string present = chosen->str();
   for (const hd::Path& path : prims) items.push_back(path.str());
   ImGui::SetNextItemWidth(-1);
