@@ -164,7 +164,7 @@ std::string Checkpoints::show(const Array<std::string>& files) {
   for (const Part& part : parts) {
     CheckpointReader& reader = *part.reader;
     reader.finish(&part == parts.data() ? read_state(reader.source(), support::usable_memory_bytes(), state.get())
-                                     : append_state(reader.source(), state.get()));
+                                        : append_state(reader.source(), state.get()));
     if (!reader.fault().empty()) return in_quotes(part.file) + ": " + reader.fault();
   }
   pending_ = Pending{parts[0].file, parts[0].reader->header(), std::move(state)};
