@@ -72,6 +72,7 @@ struct RenderSession::Render {
   // Work of the current round.
   std::atomic<size_t> next_item{0};
   std::vector<std::atomic<uint32_t>> tile_passes;  // passes that each tile has finished
+  bool lends_core = false;                         // one of the workers, to the owner's thread
 
   void render();
   void request_stop();

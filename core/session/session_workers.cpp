@@ -1,6 +1,8 @@
 #include <tbb/task_arena.h>
+
 #include <new>
 #include <optional>
+#include <thread>
 
 #include "core/session/session_render.h"
 #include "core/session/wake_relay.h"
@@ -118,6 +120,8 @@ bool RenderSession::Render::render_tile(const TileRenderer& renderer, const Samp
   const WakeRelay::Carrier carrier(wakes);
   const auto may_go_on = [&] {
     carrier.pass_on();
+    if (lends_core && wakes->wants_core()) [[unlikely]]
+      wakes->lend_core(stop_requested);
     return wait_while_paused() && (pass.end <= kLeastSamples || !time_is_over());
   };
   const TileSamples samples{film->tile_rect(tile), pass, allocation, stopping.groups_to_trace()};
@@ -127,6 +131,7 @@ bool RenderSession::Render::render_tile(const TileRenderer& renderer, const Samp
 
 // Renders one round.
 void RenderSession::Render::run_workers(const TileRenderer& renderer, const SampleRange& round, int threads) {
+  lends_core = wakes && threads > 1 && threads >= static_cast<int>(std::thread::hardware_concurrency());
   next_item = 0;
   tile_passes = std::vector<std::atomic<uint32_t>>(tile_order->size());
   {

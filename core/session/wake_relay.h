@@ -1,9 +1,11 @@
-// Wakes a thread of an owner from one that can spare its turn.
+// What threads that render do for a thread of their owner's: they wake it, and one of them lends it a core.
 #pragma once
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <functional>
+#include <mutex>
 #include <utility>
 
 namespace alabaster {
@@ -19,6 +21,14 @@ class WakeRelay {
   explicit WakeRelay(std::function<void()> wake, Clock::duration grace) : wake_(std::move(wake)), grace_(grace) {}
 
   void ask();
+
+  /// The owner's thread works between these calls, which are its own.
+  void begin_work();
+  void end_work();
+  bool wants_core() const { return core_wanted_.load(std::memory_order_relaxed); }
+  /// Called by a thread that renders where there are no more cores than such threads. The first one since begin_work()
+  /// returns once the work has ended, `stopped` is true, or 30 ms have passed; others return at once.
+  void lend_core(const std::atomic<bool>& stopped);
 
   /// While it lives, its thread calls pass_on() again and again. Null: there is nothing to carry.
   class Carrier {
@@ -68,6 +78,11 @@ class WakeRelay {
   std::atomic<bool> asked_{false};
   std::atomic<Clock::time_point> due_{};  // when carriers pass it on
   std::atomic<int> carriers_{0};
+  std::atomic<bool> core_wanted_{false};  // nobody has lent it yet
+
+  std::mutex mutex_;
+  std::condition_variable work_ended_;
+  bool working_ = false;  // under the mutex
 };
 
 }  // namespace alabaster

@@ -125,6 +125,7 @@ bool SnapshotBuilder::take_work() {
 }
 
 void SnapshotBuilder::build() {
+  wakes_->begin_work();
   bool cancelled = false;
   const bool done = prims::guarded(param_->sink(), "CommitResources", [&] {
     try {
@@ -146,6 +147,7 @@ void SnapshotBuilder::build() {
     pending_ = requested_;
     release_ |= !cancelled;
   }
+  wakes_->end_work();
   rested_.notify_all();
 }
 

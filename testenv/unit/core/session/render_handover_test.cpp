@@ -171,6 +171,64 @@ TEST(WakeRelay, CarriersWaitForTheGrace) {
   EXPECT_GE(waited.count(), 0.2);
 }
 
+// How long lend_core() takes a thread of its own, in seconds, while `meanwhile` runs here.
+template <class F>
+double lent_seconds(WakeRelay* relay, const std::atomic<bool>& stopped, const F& meanwhile) {
+  const auto lend = [&] {
+    const WakeRelay::Carrier carrier(relay);
+    const auto begun = WakeRelay::Clock::now();
+    relay->lend_core(stopped);
+    return std::chrono::duration<double>(WakeRelay::Clock::now() - begun).count();
+  };
+  auto lent = std::async(std::launch::async, lend);
+  meanwhile();
+  return lent.get();
+}
+
+TEST(WakeRelay, OneThreadLendsItsCoreUntilTheWorkEnds) {
+  WakeRelay relay([] {}, {});
+  const std::atomic<bool> go_on{false};
+  relay.lend_core(go_on);  // nobody works: it returns
+  EXPECT_FALSE(relay.wants_core());
+  relay.begin_work();
+  EXPECT_TRUE(relay.wants_core());
+  lent_seconds(&relay, go_on, [&] {
+    while (relay.wants_core()) std::this_thread::yield();
+    relay.lend_core(go_on);  // one lends already: it returns
+    relay.end_work();
+  });
+  EXPECT_FALSE(relay.wants_core());
+  relay.begin_work();
+  EXPECT_TRUE(relay.wants_core()) << "for other work it is asked again";
+  relay.end_work();
+}
+
+TEST(WakeRelay, LongWorkAndAStopGetNoCoreForLong) {
+  WakeRelay relay([] {}, {});
+  std::atomic<bool> stopped{false};
+  relay.begin_work();
+  EXPECT_GT(lent_seconds(&relay, stopped, [] {}), 0.029);
+  EXPECT_FALSE(relay.wants_core()) << "nobody lends twice for the same work";
+  relay.begin_work();
+  stopped = true;
+  EXPECT_LT(lent_seconds(&relay, stopped, [] {}), 0.029);
+  relay.end_work();
+}
+
+TEST(WakeRelay, AThreadThatLendsItsCoreCarriesNothing) {
+  std::atomic<int> wakes{0};
+  WakeRelay relay([&] { ++wakes; }, std::chrono::seconds(100));
+  const std::atomic<bool> go_on{false};
+  relay.begin_work();
+  lent_seconds(&relay, go_on, [&] {
+    while (relay.wants_core()) std::this_thread::yield();
+    relay.ask();
+    while (wakes == 0) std::this_thread::yield();  // by this thread, or by the other one when it begins to wait
+    relay.end_work();
+  });
+  EXPECT_EQ(wakes, 1);
+}
+
 TEST(WakeRelay, LosesNothingWhileCarriersComeAndGo) {
   std::atomic<int> asked{0}, seen{0};
   WakeRelay relay([&] { seen = asked.load(); }, std::chrono::microseconds(5));
