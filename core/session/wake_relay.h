@@ -1,4 +1,4 @@
-// What threads that render do for a thread of their owner's: they wake it, and one of them lends it a core.
+// Threads that render serve a thread of their owner: they wake it, and one of them lends it a core.
 #pragma once
 
 #include <atomic>
