@@ -70,7 +70,7 @@ class Displacer {
   // On the surface as it is before it moves: the limit surface, if the mesh is refined.
   void compute_tangent_frames() {
     for (const auto& d : displacements_)
-      if (d && d->space == DisplacementSpace::tangent && !tangents_.count(d->texture.uv_set.text())) {
+      if (d && d->space == DisplacementSpace::tangent && !tangents_.contains(d->texture.uv_set.text())) {
         const UvSet* const uvs = mesh_.uv_set(d->texture.uv_set);
         if (!mesh_.tangents.empty())
           tangents_[d->texture.uv_set.text()] = mesh_.tangents;

@@ -102,7 +102,7 @@ PackedImage TexelPacker::take() {
   PackedImage image;
   const Vec2i size(layout_.width, layout_.height);
   // Small images cost less without a palette.
-  if (palette_ && bytes_.size() / (is_grey_ ? 3 : 1) < 3 * 256 * sizeof(float)) leave_palette();
+  if (palette_ && bytes_.size() / (is_grey_ ? 3 : 1) < sizeof(float) * 3 * 256) leave_palette();
   image.is_grey = is_grey_;
   if (is_grey_) keep_one_of_three(&bytes_), keep_one_of_three(&halves_);
   if (!palette_) {
@@ -111,7 +111,7 @@ PackedImage TexelPacker::take() {
     return image;
   }
   image.bytes = {size, std::move(bytes_), {}};
-  image.bytes.palette.reserve(3 * 256);
+  image.bytes.palette.reserve(size_t(3) * 256);
   for (size_t c = 0; c < 3; ++c)
     for (size_t b = 0; b < 256; ++b)
       image.bytes.palette.push_back(palette_->known[c][b] ? from_bits(palette_->values[c][b]) : 0.0f);

@@ -91,7 +91,7 @@ bool change_light(const Reader& reader, const std::string& pointer, const json& 
       light.parameters[name] = category;
     }
   // A point light has no radius unless one is given.
-  if (entry.value("treatAsPoint", false) && !light.parameters.count("radius")) light.parameters["radius"] = 0.0f;
+  if (entry.value("treatAsPoint", false) && !light.parameters.contains("radius")) light.parameters["radius"] = 0.0f;
   if (!place_light(reader, pointer, entry, &light)) return false;
   reader.scene().SetLight(path, std::move(light));
   return true;
@@ -107,7 +107,7 @@ bool apply_entry(const Reader& reader, const std::string& pointer, const json& e
     return !paths.empty();
   }
   const Path path = Path("/lights").append(entry["name"]);
-  if (reader.scene().GetLights().count(path))
+  if (reader.scene().GetLights().contains(path))
     return reader.fail(pointer + "/name", "There is already a light '" + path.str() + "'; choose another name.");
   host::LightDescription light;
   light.type = entry["type"].get<std::string>();

@@ -72,7 +72,7 @@ bool complete_camera(LoadState* state) {
     }
     const Framed framed = frame_points(enclosing_points(*state->scene), visible_frustum(camera, state->settings));
     camera.transform = framed.camera;
-    if (!camera.parameters.count("focusDistance"))
+    if (!camera.parameters.contains("focusDistance"))
       camera.parameters["focusDistance"] = static_cast<float>(framed.distance);
     state->result->notes.push_back("no camera: framed the scene");
     state->result->framed = true;
@@ -91,7 +91,7 @@ bool is_light(const MaterialNode& node) {
     return found == node.parameters.end() ? fallback : found->second.number_or(fallback);
   };
   const auto emission = node.parameters.find("emission");
-  if (emission == node.parameters.end() || node.inputConnections.count("emission")) return false;
+  if (emission == node.parameters.end() || node.inputConnections.contains("emission")) return false;
   const bool unlit = number("specular", 1) == 0 && number("ior", 1.5) == 1;
   return !unlit && emission->second.get_or(Vec3f(0)).length() > 0;
 }

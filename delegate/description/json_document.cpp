@@ -139,7 +139,7 @@ class LineRecorder : public nlohmann::json_sax<json> {
 std::string JsonDocument::place(const std::string& pointer) const {
   if (lines.empty()) return origin;
   std::string known = pointer;
-  while (!known.empty() && !lines.count(known)) known.resize(known.rfind('/'));
+  while (!known.empty() && !lines.contains(known)) known.resize(known.rfind('/'));
   const auto line = lines.find(known);
   constexpr size_t kLongestPointer = 200;
   const std::string shown = pointer.size() > kLongestPointer ? pointer.substr(0, kLongestPointer - 3) + "..." : pointer;

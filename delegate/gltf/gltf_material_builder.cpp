@@ -76,7 +76,7 @@ MaterialNode MaterialBuilder::texture_node(const TextureUse& use, const Reading&
 
 void MaterialBuilder::connect_node(const char* input, const std::string& name, MaterialNode node, const char* output) {
   Path path = id_.append(name);
-  for (int copy = 2; sources_.count(path) && sources_[path] != node; ++copy)
+  for (int copy = 2; sources_.contains(path) && sources_[path] != node; ++copy)
     path = id_.append(name + "_" + std::to_string(copy));
   for (const auto& [known, source] : sources_)
     if (source == node) path = known;

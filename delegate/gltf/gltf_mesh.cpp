@@ -119,8 +119,8 @@ void set_triangles(SkinnedVertices vertices, const std::vector<Primvar>& primvar
 }  // namespace
 
 bool follows_skin(const tinygltf::Primitive& primitive, const PrimitiveShape& shape) {
-  return !shape.joint_matrices.empty() && primitive.attributes.count("JOINTS_0") > 0 &&
-         primitive.attributes.count("WEIGHTS_0") > 0;
+  return !shape.joint_matrices.empty() && primitive.attributes.contains("JOINTS_0") &&
+         primitive.attributes.contains("WEIGHTS_0");
 }
 
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& indices, int mode) {
@@ -160,7 +160,7 @@ std::optional<host::MeshDescription> translate_primitive(const Document& documen
   const std::vector<Primvar> primvars = read_primvars(document, primitive, shape.weights);
   mesh.doubleSided = primitive.material >= 0 && document.model.materials[size_t(primitive.material)].doubleSided;
   if (vertices.mirrored) mesh.topology.orientation = "leftHanded";
-  if (primitive.extensions.count("FB_ngon_encoding") && mode == TINYGLTF_MODE_TRIANGLES) {
+  if (primitive.extensions.contains("FB_ngon_encoding") && mode == TINYGLTF_MODE_TRIANGLES) {
     const auto rest = to_vectors<Vec3f>(read_attribute(document, primitive, "POSITION", {}));
     mesh.displayStyle.refineLevel = shape.refine_level;
     if (!set_cage({rest, vertices.points, triangles}, primvars, element, report, &mesh)) return {};
