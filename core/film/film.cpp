@@ -1,6 +1,7 @@
 #include "core/film/film.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -116,15 +117,36 @@ FilmRevision Film::revision(int tile, Aov aov) const {
   return aov == Aov::denoised && own ? std::max(own, denoised_revision_.load()) : own;
 }
 
-// Itself, or the corner of the smallest block with a sample.
-size_t Film::shown_pixel(const FilmTile& pixels, const PixelRect& rect, size_t x, size_t y) const {
-  const auto width = static_cast<size_t>(rect.width());
-  for (size_t block = 1; block <= kTileSize; block *= 2) {
-    const size_t corner = (y & ~(block - 1)) * width + (x & ~(block - 1));
-    if (pixels.samples(corner)) return corner;
-  }
-  return y * width + x;
+namespace {
+
+// By pixel of a tile: itself, or the corner of the smallest block with a sample. Each corner comes before its block.
+using ShownPixels = std::array<uint16_t, size_t(Film::kTileSize) * Film::kTileSize>;
+ShownPixels shown_pixels(const FilmTile& tile, size_t width, size_t height) {
+  ShownPixels shown;
+  for (size_t y = 0; y < height; ++y)
+    for (size_t x = 0; x < width; ++x) {
+      const size_t pixel = y * width + x, lowest_bit = (x | y) & (~(x | y) + 1);
+      const bool shows_itself = tile.samples(pixel) > 0 || pixel == 0;
+      shown[pixel] = shows_itself ? static_cast<uint16_t>(pixel) : shown[(y & ~lowest_bit) * width + (x & ~lowest_bit)];
+    }
+  return shown;
 }
+
+// Resolves the pixels of a row one by one run of neighbours after the other.
+template <class T, class Resolve>
+void resolve_shown(std::span<const uint16_t> row, const FilmTile& tile, size_t n, const Resolve& resolve, T* values) {
+  for (size_t x = 0, run = 1; x < row.size(); x += run) {
+    for (run = 1; x + run < row.size() && row[x + run] == row[x] + run;) ++run;
+    if (x > 0 && row[x] == row[x - 1]) {
+      std::copy_n(values + (x - 1) * n, n, values + x * n);
+      run = 1;
+    } else {
+      resolve(tile, row[x], values + x * n, run);
+    }
+  }
+}
+
+}  // namespace
 
 template <class T, class Resolve>
 void Film::resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow<T>& take) const {
@@ -136,12 +158,15 @@ void Film::resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow
   const std::lock_guard lock(locks_[static_cast<size_t>(tile)]);
   const FilmTile* const drawn = find_drawn(static_cast<size_t>(tile));
   const bool fills = drawn && !drawn->is_covered() && aov != Aov::sample_count;
+  const ShownPixels shown = fills ? shown_pixels(*drawn, width, height) : ShownPixels();
+  if (!drawn)
+    for (size_t x = 0; x < width; ++x) resolve(background_, 0, values.data() + x * n, 1);
   for (size_t y = 0; y < height; ++y) {
+    const std::span row(shown.data() + y * width, width);
     if (drawn && !fills)
       resolve(*drawn, y * width, values.data(), width);
-    else
-      for (size_t x = 0; x < width; ++x)
-        resolve(drawn ? *drawn : background_, drawn ? shown_pixel(*drawn, r, x, y) : 0, values.data() + x * n, 1);
+    else if (drawn && (y == 0 || !std::equal(row.begin(), row.end(), row.data() - width)))  // else as the row before
+      resolve_shown(row, *drawn, n, resolve, values.data());
     take(r.x0, r.y0 + static_cast<int>(y), {values.data(), width * n});
   }
 }

@@ -101,7 +101,6 @@ class Film {
   FilmTile new_tile(int tile) const;
   FilmTile& drawn_tile(size_t tile);
   const FilmTile* find_drawn(size_t tile) const { return drawn_[tile] ? &tiles_[tile] : nullptr; }
-  size_t shown_pixel(const FilmTile& pixels, const PixelRect& rect, size_t x, size_t y) const;
 
   PixelRect window_;
   uint32_t aovs_ = 0;

@@ -31,6 +31,39 @@ void accumulate(const std::array<float, 3>& value, std::array<UnitSum, 3>* sum) 
   for (size_t i = 0; i < 3; ++i) (*sum)[i].add(value[i]);
 }
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+constexpr struct {
+  Aov aov;
+  float FilmSample::*member;
+} kDepths[] = {{Aov::depth, &FilmSample::depth}, {Aov::camera_depth, &FilmSample::camera_depth}};
+constexpr struct {
+  Aov aov;
+  int32_t FilmSample::*member;
+} kIds[] = {{Aov::prim_id, &FilmSample::prim_id},
+            {Aov::instance_id, &FilmSample::instance_id},
+            {Aov::element_id, &FilmSample::element_id}};
+
+template <class T>
+T background(Aov aov) {
+  return static_cast<T>(aov_info(aov).background);
+}
+
+template <class Table, class Plane>
+void add_planes(const Table& table, uint32_t aovs, size_t pixels, std::vector<Plane>* planes) {
+  using T = typename decltype(Plane::values)::value_type;
+  for (const auto& [aov, member] : table)
+    if (aovs & aov_bit(aov)) planes->push_back({aov, member, std::vector<T>(pixels, background<T>(aov))});
+}
+
+// The plane of an AOV, or null.
+template <class Plane>
+const Plane* find_plane(const std::vector<Plane>& planes, Aov aov) {
+  for (const Plane& plane : planes)
+    if (plane.aov == aov) return &plane;
+  return nullptr;
+}
+
 template <class Plane>
 void append_plane(const Plane& from, Plane* to) {
   for (size_t i = 0; i < to->size(); ++i) {
@@ -53,7 +86,9 @@ FilmTile::FilmTile(size_t pixels, uint32_t aovs, const FilmExtras& extras)
       marks_(pixels * marks_per_pixel_) {
   if (aovs & aov_bit(Aov::normal)) normal_.resize(pixels);
   if (aovs & aov_bit(Aov::albedo)) albedo_.resize(pixels);
-  if (aovs & kClosestAovs) closest_.resize(pixels);
+  if (aovs & kClosestAovs) distance_.assign(pixels, kFar);
+  add_planes(kDepths, aovs, pixels, &depths_);
+  add_planes(kIds, aovs, pixels, &ids_);
   if (aovs & aov_bit(Aov::nonfinite)) nonfinite_.resize(pixels);
   for (const AovInfo& info : kAovs)
     if (aovs & kLayerAovs & aov_bit(info.aov)) layers_.push_back({info.aov, std::vector<RgbSum>(pixels)});
@@ -68,8 +103,11 @@ void FilmTile::clear() {
   const auto blank = [](auto& plane) {
     std::fill(plane.begin(), plane.end(), typename std::decay_t<decltype(plane)>::value_type{});
   };
-  blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(closest_);
-  blank(rays_), blank(nonfinite_), blank(marks_);
+  blank(samples_), blank(color_), blank(alpha_), blank(normal_), blank(albedo_), blank(halves_), blank(rays_);
+  blank(nonfinite_), blank(marks_);
+  std::fill(distance_.begin(), distance_.end(), kFar);
+  for (auto& plane : depths_) std::fill(plane.values.begin(), plane.values.end(), background<float>(plane.aov));
+  for (auto& plane : ids_) std::fill(plane.values.begin(), plane.values.end(), background<int32_t>(plane.aov));
   for (LayerPlane& layer : layers_) blank(layer.sums);
   for (VectorPlane& plane : vectors_) blank(plane.closest);
 }
@@ -98,7 +136,9 @@ std::vector<std::span<std::byte>> FilmTile::planes() {
   add(halves_);
   add(normal_);
   add(albedo_);
-  add(closest_);
+  add(distance_);
+  for (auto& plane : depths_) add(plane.values);
+  for (auto& plane : ids_) add(plane.values);
   for (LayerPlane& layer : layers_) add(layer.sums);
   for (VectorPlane& plane : vectors_) add(plane.closest);
   add(rays_);
@@ -138,8 +178,10 @@ void FilmTile::add(size_t pixel, const FilmSample& s, const LightLayers* layers,
     for (LayerPlane& plane : layers_) plane.sums[pixel].add(layer_of(*layers, plane.aov));
   if (!rays_.empty()) rays_[pixel] += rays;
   if (!nonfinite_.empty() && s.nonfinite) ++nonfinite_[pixel];
-  if (!closest_.empty() && s.distance < closest_[pixel].distance) {
-    closest_[pixel] = {s.distance, s.depth, s.camera_depth, s.prim_id, s.instance_id, s.element_id};
+  if (!distance_.empty() && s.distance < distance_[pixel]) {
+    distance_[pixel] = s.distance;
+    for (auto& plane : depths_) plane.values[pixel] = s.*plane.member;
+    for (auto& plane : ids_) plane.values[pixel] = s.*plane.member;
     if (s.vectors)
       for (VectorPlane& plane : vectors_) plane.closest[pixel] = s.vectors->of(plane.aov);
   }
@@ -149,10 +191,7 @@ void FilmTile::append(const FilmTile& next) {
   for (size_t pixel = 0; pixel < samples_.size(); ++pixel) {
     append_halves(pixel, next);
     samples_[pixel] += next.samples_[pixel];
-    if (!closest_.empty() && next.closest_[pixel].distance < closest_[pixel].distance) {
-      closest_[pixel] = next.closest_[pixel];
-      for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = next.vectors_[i].closest[pixel];
-    }
+    if (!distance_.empty() && next.distance_[pixel] < distance_[pixel]) take_closest(pixel, next);
     if (!rays_.empty()) rays_[pixel] += next.rays_[pixel];
     if (!nonfinite_.empty()) nonfinite_[pixel] += next.nonfinite_[pixel];
   }
@@ -161,6 +200,13 @@ void FilmTile::append(const FilmTile& next) {
   append_plane(next.normal_, &normal_);
   append_plane(next.albedo_, &albedo_);
   for (size_t i = 0; i < layers_.size(); ++i) append_plane(next.layers_[i].sums, &layers_[i].sums);
+}
+
+void FilmTile::take_closest(size_t pixel, const FilmTile& from) {
+  if (!distance_.empty()) distance_[pixel] = from.distance_[pixel];
+  for (size_t i = 0; i < depths_.size(); ++i) depths_[i].values[pixel] = from.depths_[i].values[pixel];
+  for (size_t i = 0; i < ids_.size(); ++i) ids_[i].values[pixel] = from.ids_[i].values[pixel];
+  for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = from.vectors_[i].closest[pixel];
 }
 
 // Compares the halves at each power of two that the part reaches, as if its samples came one by one.
@@ -226,10 +272,9 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   halves_[pixel] = from.halves_[pixel];
   if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
-  if (!closest_.empty()) closest_[pixel] = from.closest_[pixel];
+  take_closest(pixel, from);
   if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
-  for (size_t i = 0; i < vectors_.size(); ++i) vectors_[i].closest[pixel] = from.vectors_[i].closest[pixel];
 }
 
 namespace {
@@ -245,6 +290,17 @@ void average(const std::array<UnitSum, 3>& sums, double scale, float* out) {
 
 }  // namespace
 
+namespace {
+
+// Asks for a sum that the next rows need: processors look ahead within a page of memory, which is 51 sums of color.
+template <class Sums>
+void look_ahead(const Sums& sums, size_t pixel) {
+  constexpr size_t kAhead = 64;
+  __builtin_prefetch(sums.data() + std::min(pixel + kAhead, sums.size() - 1));
+}
+
+}  // namespace
+
 void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
   const auto components = static_cast<size_t>(aov_info(aov).components());
   const auto each = [&](const auto& write) {
@@ -255,17 +311,15 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
     if (sums.empty())
       std::fill_n(out, components * count, 0.0f);
     else
-      each([&](size_t i, double scale, float* to) { average(sums[i], scale, to); });
-  };
-  const auto each_closest = [&](float Closest::*member) {
-    if (closest_.empty())
-      std::fill_n(out, count, aov_info(aov).background);
-    else
-      each([&](size_t i, double, float* to) { *to = closest_[i].*member; });
+      each([&](size_t i, double scale, float* to) {
+        look_ahead(sums, i);
+        average(sums[i], scale, to);
+      });
   };
   switch (aov) {
     case Aov::color:
       return each([&](size_t i, double scale, float* to) {
+        look_ahead(color_, i);
         average(color_[i], scale, to);
         to[3] = static_cast<float>(alpha_[i].value() * scale);
       });
@@ -277,17 +331,15 @@ void FilmTile::resolve(size_t pixel, Aov aov, float* out, size_t count) const {
       return each_average(normal_);
     case Aov::albedo:
       return each_average(albedo_);
-    case Aov::depth:
-      return each_closest(&Closest::depth);
-    case Aov::camera_depth:
-      return each_closest(&Closest::camera_depth);
     default:
-      for (const LayerPlane& plane : layers_)
-        if (plane.aov == aov) return each_average(plane.sums);
-      for (const VectorPlane& plane : vectors_)
-        if (plane.aov == aov)
-          return each([&](size_t i, double, float* to) { std::copy_n(plane.closest[i].begin(), components, to); });
-      std::fill_n(out, components * count, 0.0f);
+      if (const auto* layer = find_plane(layers_, aov)) return each_average(layer->sums);
+      if (const auto* depth = find_plane(depths_, aov)) {
+        std::copy_n(depth->values.data() + pixel, count, out);
+        return;
+      }
+      if (const auto* vector = find_plane(vectors_, aov))
+        return each([&](size_t i, double, float* to) { std::copy_n(vector->closest[i].begin(), components, to); });
+      std::fill_n(out, components * count, background<float>(aov));
   }
 }
 
@@ -295,13 +347,10 @@ void FilmTile::resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count) co
   if (aov == Aov::sample_count || aov == Aov::nonfinite) {
     const std::vector<uint32_t>& counts = aov == Aov::nonfinite ? nonfinite_ : samples_;
     for (size_t i = 0; i < count; ++i) out[i] = counts.empty() ? 0 : static_cast<int32_t>(counts[pixel + i]);
-  } else if (closest_.empty()) {
-    std::fill_n(out, count, static_cast<int32_t>(aov_info(aov).background));
+  } else if (const auto* ids = find_plane(ids_, aov)) {
+    std::copy_n(ids->values.data() + pixel, count, out);
   } else {
-    const auto member = aov == Aov::prim_id       ? &Closest::prim_id
-                        : aov == Aov::instance_id ? &Closest::instance_id
-                                                  : &Closest::element_id;
-    for (size_t i = 0; i < count; ++i) out[i] = closest_[pixel + i].*member;
+    std::fill_n(out, count, background<int32_t>(aov));
   }
 }
 

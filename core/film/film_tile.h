@@ -116,9 +116,12 @@ class FilmTile {
     Aov aov;
     std::vector<std::array<float, 3>> closest;
   };
-  struct Closest {
-    float distance = std::numeric_limits<float>::infinity(), depth = 1, camera_depth = 0;
-    int32_t prim_id = -1, instance_id = -1, element_id = -1;
+  // A value of the closest sample. Each has a plane of its own: a buffer that shows one reads no other.
+  template <class T>
+  struct ClosestPlane {
+    Aov aov;
+    T FilmSample::*member;
+    std::vector<T> values;
   };
   struct Halves {
     std::array<float, 3> first{};  // sum of color over the first m samples
@@ -133,6 +136,7 @@ class FilmTile {
   }
   void compare_halves(size_t pixel);
   void append_halves(size_t pixel, const FilmTile& next);
+  void take_closest(size_t pixel, const FilmTile& from);
 
   size_t covered_ = 0;  // pixels that have samples
   uint32_t begin_ = 0;  // the first sample
@@ -142,9 +146,11 @@ class FilmTile {
   std::vector<UnitSum> alpha_;
   UnitSums normal_, albedo_;
   std::vector<Halves> halves_;
-  std::vector<LayerPlane> layers_;    // those that are requested
-  std::vector<VectorPlane> vectors_;  // the same
-  std::vector<Closest> closest_;
+  std::vector<LayerPlane> layers_;           // those that are requested
+  std::vector<VectorPlane> vectors_;         // the same
+  std::vector<float> distance_;              // to the closest sample, where any AOV shows that one
+  std::vector<ClosestPlane<float>> depths_;  // those that are requested
+  std::vector<ClosestPlane<int32_t>> ids_;   // the same
   std::vector<uint32_t> rays_, nonfinite_;
   std::vector<RgbSum> marks_;
 };

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 // The number rises whenever the state or the header changes its meaning.
-constexpr std::string_view kMagic = "Alabaster checkpoint 3\n", kAnyMagic = "Alabaster checkpoint ";
+constexpr std::string_view kMagic = "Alabaster checkpoint 4\n", kAnyMagic = "Alabaster checkpoint ";
 constexpr size_t kMostHeader = size_t(64) << 20;
 
 struct BlockHead {

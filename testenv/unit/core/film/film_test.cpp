@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <random>
 #include <thread>
 
 namespace alabaster {
@@ -33,13 +34,13 @@ TEST(Film, AveragesColorAndKeepsTheClosestId) {
 }
 
 // A film's tiles hold: 4 bytes of count, a sum of color (80 bytes) and of alpha (8), 6 floats of noise, 3 sums of
-// normal (8 each) and 3 of albedo, a sum of each of the 7 layers, 6 words of the closest sample and 3 floats of each of
-// its vectors (3 and 8 primvars), a count of samples that were not finite; and the film 3 floats that are denoised. A
-// part holds up to four more sums of color.
+// normal (8 each) and 3 of albedo, a sum of each of the 7 layers, the distance to the closest sample, a word for each
+// of its 5 values and 3 floats of each of its vectors (3 and 8 primvars), a count of samples that were not finite; and
+// the film 3 floats that are denoised. A part holds up to four more sums of color.
 TEST(Film, BytesAreKnownBeforehand) {
   constexpr size_t kSum = 80, kLeast = 4 + kSum + 8 + 24;
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0), 70u * kLeast);
-  EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (kLeast + 24));
+  EXPECT_EQ(film_bytes({-5, 3, 5, 10}, aov_bit(Aov::depth) | aov_bit(Aov::prim_id)), 70u * (kLeast + 12));
   EXPECT_EQ(film_bytes({0, 0, 1 << 20, 1 << 20}, ~0u),
             (size_t(1) << 40) * (kLeast + 24 + 24 + 24 + 7 * kSum + 11 * 12 + 4 + 12));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, aov_bit(Aov::specular) | aov_bit(Aov::emission)), 70u * (kLeast + 2 * kSum));
@@ -47,6 +48,39 @@ TEST(Film, BytesAreKnownBeforehand) {
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {256, 511}}), 70u * kLeast);
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {256, 512}}), 70u * (kLeast + kSum));
   EXPECT_EQ(film_bytes({0, 0, 10, 7}, 0, {false, {1, 1 << 20}}), 70u * (kLeast + 4 * kSum));
+}
+
+// By the rule as film.h has it: the corner of the smallest block that has a sample.
+TEST(Film, PixelsWithoutASampleShowTheCornerOfTheirBlock) {
+  const PixelRect window{3, -2, 48, 39};  // one whole tile, and parts of three
+  std::mt19937 random(5);
+  for (const uint32_t rarity : {2u, 9u, 70u, 5000u}) {
+    Film film(window, ~0u);
+    std::vector<float> values(static_cast<size_t>(window.width() * window.height()), 0.0f);
+    std::vector<int32_t> ids(values.size(), -1);
+    for (int t = 0; t < film.tile_count(); ++t) {
+      const PixelRect r = film.tile_rect(t);
+      const auto width = static_cast<size_t>(r.width()), height = static_cast<size_t>(r.height());
+      FilmTile tile = film.load_tile(t);
+      for (size_t pixel = 0; pixel < width * height; ++pixel)
+        if (random() % rarity == 0)
+          tile.add(pixel, sample(static_cast<float>(pixel) + 1, 1, static_cast<int32_t>(pixel)));
+      film.store_tile(t, tile);
+      for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x)
+          for (size_t block = 1; block <= Film::kTileSize; block *= 2) {
+            const size_t corner = y / block * block * width + x / block * block;
+            if (tile.samples(corner) == 0) continue;
+            const size_t at = (static_cast<size_t>(r.y0 + 2) + y) * static_cast<size_t>(window.width()) +
+                              static_cast<size_t>(r.x0 - 3) + x;
+            values[at] = static_cast<float>(corner) + 1, ids[at] = static_cast<int32_t>(corner);
+            break;
+          }
+    }
+    EXPECT_EQ(film.resolve_int(Aov::prim_id), ids);
+    const std::vector<float> color = film.resolve_float(Aov::color);
+    for (size_t i = 0; i < values.size(); ++i) ASSERT_EQ(color[4 * i], values[i]) << i << ", one in " << rarity;
+  }
 }
 
 TEST(Film, TilesCoverTheWindowOnce) {
@@ -151,7 +185,7 @@ TEST(Film, KeepsTheVectorsOfTheClosestSample) {
   tile.append(next);
   film.store_tile(0, tile);
   EXPECT_EQ(film.resolve_float(Aov::motion)[0], 1) << "of a closer part";
-  EXPECT_EQ(FilmTile::bytes_per_pixel(aovs), FilmTile::bytes_per_pixel(aov_bit(Aov::depth)) + 3 * 12);
+  EXPECT_EQ(FilmTile::bytes_per_pixel(aovs), FilmTile::bytes_per_pixel(0) + 4 + 3 * 12);
 }
 
 TEST(Aov, PrimvarsAreFoundByTheirPrefix) {
