@@ -6,8 +6,6 @@
 namespace alabaster {
 namespace {
 
-constexpr size_t kLook = 4096;  // triangles between looks at the token
-
 // Twice the area, along the normal.
 Vec3d area_vector(const MeshLight::Triangle& t) {
   const Vec3d p0(t.p0);
@@ -18,18 +16,19 @@ Vec3d area_vector(const MeshLight::Triangle& t) {
 
 // By area times luminance.
 void MeshLight::Emitter::measure(const CancelToken& cancel) {
-  std::vector<double> powers(triangles.size());
+  std::vector<double> powers;
+  powers.reserve(triangles.size());
   double largest = 0;
   BoundsDouble bounds;
-  for (size_t i = 0; i < triangles.size(); ++i) {
-    if (i % kLook == 0) cancel.check();
-    Triangle& t = triangles[i];
+  for (Triangle& t : triangles) {
+    cancel.check();
     t.radiance = finite_or_black(t.radiance, 1);
     const double area = 0.5 * length(area_vector(t));
-    powers[i] = std::isfinite(area) ? area * static_cast<double>(luminance(t.radiance)) : 0;
-    largest = std::max(largest, powers[i]);
-    power += powers[i];
-    if (powers[i] > 0)
+    const double emitted = std::isfinite(area) ? area * static_cast<double>(luminance(t.radiance)) : 0;
+    powers.push_back(emitted);
+    largest = std::max(largest, emitted);
+    power += emitted;
+    if (emitted > 0)
       for (const Vec3f& p : {t.p0, t.p1, t.p2}) bounds.extend(Vec3d(p));
   }
   if (power > 0) {
@@ -37,16 +36,19 @@ void MeshLight::Emitter::measure(const CancelToken& cancel) {
     center = bounds.lower + diagonal * 0.5;
     squared_radius = 0.25 * dot(diagonal, diagonal);
   }
-  std::vector<float> weights(triangles.size(), 0.0f);
-  for (size_t i = 0; i < weights.size() && largest > 0; ++i) weights[i] = static_cast<float>(powers[i] / largest);
-  cancel.check();
-  distribution = Distribution1D(weights);
+  std::vector<float> weights;
+  weights.reserve(powers.size());
+  for (const double emitted : powers) {
+    cancel.check();
+    weights.push_back(largest > 0 ? static_cast<float>(emitted / largest) : 0.0f);
+  }
+  distribution = Distribution1D(weights, cancel);
 }
 
 void MeshLight::Emitter::index(const std::vector<uint32_t>& ids, const CancelToken& cancel) {
   const size_t known = std::min(ids.size(), triangles.size());
   for (size_t i = 0; i < known; ++i) {
-    if (i % kLook == 0) cancel.check();
+    cancel.check();
     if (ids[i] >= index_of_triangle.size()) index_of_triangle.resize(ids[i] + size_t(1), ~0u);
     index_of_triangle[ids[i]] = static_cast<uint32_t>(i);
   }

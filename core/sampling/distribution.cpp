@@ -13,32 +13,40 @@ constexpr int64_t kSteps = int64_t(1) << 24;
 
 }  // namespace
 
-Distribution1D::Distribution1D(const std::vector<float>& weights) {
-  for (float w : weights) sum_ += w;
+Distribution1D::Distribution1D(const std::vector<float>& weights, const CancelToken& cancel) {
+  for (float w : weights) {
+    cancel.check();
+    sum_ += w;
+  }
   if (weights.empty()) return;
   const bool uniform = !(sum_ > 0);
   const auto weight = [&](size_t i) { return uniform ? 1.0 : static_cast<double>(weights[i]); };
   const double total = uniform ? static_cast<double>(weights.size()) : sum_;
   int64_t positive = 0;
-  for (size_t i = 0; i < weights.size(); ++i) positive += weight(i) > 0 ? 1 : 0;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    cancel.check();
+    positive += weight(i) > 0 ? 1 : 0;
+  }
   const int64_t least = positive <= kSteps ? 1 : 0;
 
-  cdf_.resize(weights.size() + 1);
+  cdf_.reserve(weights.size() + 1);
+  cdf_.push_back(0);
   int64_t steps = 0, left = positive;
   double running = 0;
   for (size_t i = 0; i < weights.size(); ++i) {
+    cancel.check();
     if (weight(i) > 0) {
       running += weight(i);
       --left;
       const int64_t ideal = left == 0 ? kSteps : std::llround(running / total * static_cast<double>(kSteps));
       steps = std::max(steps + least, std::min(ideal, kSteps - left * least));
     }
-    cdf_[i + 1] = static_cast<float>(steps) / static_cast<float>(kSteps);
+    cdf_.push_back(static_cast<float>(steps) / static_cast<float>(kSteps));
   }
-  make_guide();
+  make_guide(cancel);
 }
 
-void Distribution1D::make_guide() {
+void Distribution1D::make_guide(const CancelToken& cancel) {
   constexpr size_t kCellsAPart = 4;
   const size_t parts =
       std::bit_ceil(size()) / kCellsAPart;  // a power of two, so that multiples of its inverse are exact
@@ -46,6 +54,7 @@ void Distribution1D::make_guide() {
   guide_.reserve(parts + 1);
   size_t cell = 0;
   for (size_t part = 0; part < parts; ++part) {
+    cancel.check();
     const float begin = static_cast<float>(part) / static_cast<float>(parts);
     while (cdf_[cell + 1] <= begin) ++cell;
     guide_.push_back(static_cast<uint32_t>(cell));

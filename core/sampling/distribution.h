@@ -20,7 +20,7 @@ namespace alabaster {
 class Distribution1D {
  public:
   Distribution1D() = default;
-  explicit Distribution1D(const std::vector<float>& weights);
+  explicit Distribution1D(const std::vector<float>& weights, const CancelToken& cancel = {});
 
   struct Sample {
     float x = 0;         // in [0,1), and in the cell: pdf(x) == pdf
@@ -40,7 +40,7 @@ class Distribution1D {
 
  private:
   size_t cell_of(float x) const;
-  void make_guide();
+  void make_guide(const CancelToken& cancel);
   std::vector<float> cdf_;  // size()+1 entries, 0 .. 1
   // For even parts of [0, 1], and for 1: the cell that holds its begin. A search in all of a large image's cells would
   // miss the caches at each step.

@@ -12,7 +12,7 @@ namespace {
 // Smaller batches give way in less than the time of a few frames, and are spared the change of threads.
 constexpr double kLargeFaces = 250e3;
 constexpr std::chrono::milliseconds kLook(1);      // between looks at the caller's token
-constexpr std::chrono::milliseconds kPatience(8);  // what is left costs memory, and the next build half of the cores
+constexpr std::chrono::milliseconds kPatience(4);  // what is left costs memory, and the next build half of the cores
 
 double faces_of(const PulledMesh& mesh) {
   const bool refined = !mesh.topology.scheme.empty() && !(mesh.topology.scheme == Token("none"));

@@ -58,9 +58,12 @@ TEST(Cancel, EveryStretchAsksAndIsWholeTheNextTime) {
        [&](const CancelToken& cancel) {
          return LightImage(texture, Rgb(1.0f), LightImage::Shape::lat_long, cancel).mean().r == 1;
        }},
-      {"density", [&](const CancelToken& cancel) {
+      {"density of an image",
+       [&](const CancelToken& cancel) {
          return Distribution2D(std::vector<float>(4, 1.0f), 2, 2, cancel).memory_bytes() > 0;
-       }}};
+       }},
+      {"density of a mesh",
+       [&](const CancelToken& cancel) { return Distribution1D(std::vector<float>(4, 1.0f), cancel).size() == 4; }}};
   for (const auto& [name, run] : stretches) {
     std::atomic<bool> flag{true};
     EXPECT_THROW(run(CancelToken(&flag)), BuildCancelled) << name;
