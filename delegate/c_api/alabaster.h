@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-#define ALABASTER_API_VERSION 2
+#define ALABASTER_API_VERSION 3
 /* The table: further functions are added at its end -------------------------------------------- */
 typedef struct AlabasterApi {
   size_t size;
@@ -112,6 +112,12 @@ typedef struct AlabasterApi {
   /* Writes what the pass shows now to a file (.exr .png .tif .jpg), from the buffer that the last start bound to AOV
      color; the pass goes on. A file of an unfinished render is marked so. */
   AlabasterStatus (*snapshot)(AlabasterPass*, const char* file);
+
+  /* Since version 3. Replaces elements of an instancer's primvar, from number `first` on: positions, scales, rotations
+     or matrices. Costs what it changes; set_instancer costs a look at all instances. `values` has the type that the
+     primvar has: INVALID_ARGUMENT if not, or if they lie beyond its end. */
+  AlabasterStatus (*set_instance_values)(AlabasterScene*, const char* instancer, const AlabasterPrimvar* values,
+                                         size_t first);
 } AlabasterApi;
 
 /* Null if the library is older than `version`. The table lives as long as the library is loaded. */

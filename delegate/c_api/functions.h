@@ -18,6 +18,8 @@ AlabasterStatus set_transform(AlabasterScene* scene, const char* path, const dou
 AlabasterStatus set_visible(AlabasterScene* scene, const char* path, int32_t visible);
 AlabasterStatus bind_material(AlabasterScene* scene, const char* mesh, const char* material);
 AlabasterStatus set_instancer(AlabasterScene* scene, const char* path, const AlabasterInstancer* instancer);
+AlabasterStatus set_instance_values(AlabasterScene* scene, const char* path, const AlabasterPrimvar* values,
+                                    size_t first);
 AlabasterStatus set_material(AlabasterScene* scene, const char* path, const AlabasterMaterial* material);
 AlabasterStatus set_light(AlabasterScene* scene, const char* path, const AlabasterLight* light);
 AlabasterStatus set_camera(AlabasterScene* scene, const char* path, const AlabasterCamera* camera);

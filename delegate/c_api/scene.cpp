@@ -171,6 +171,22 @@ AlabasterStatus set_instancer(AlabasterScene* handle, const char* path, const Al
   });
 }
 
+AlabasterStatus set_instance_values(AlabasterScene* handle, const char* path, const AlabasterPrimvar* values,
+                                    size_t first) {
+  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
+    ValueReader reader;
+    host::MeshDescription one;
+    read_primvar(required(values, "values"), reader, &one);
+    reader.finish();
+    const auto& [name, primvar] = *one.primvars.begin();
+    if (!copy_of(scene.GetInstancers(), id, "instancer").primvars.contains(name))
+      throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str());
+    if (!scene.SetInstanceValues(id, name, first, primvar.value))
+      throw Failure(ALABASTER_INVALID_ARGUMENT,
+                    "the values of " + name.str() + " are of another type or beyond its end");
+  });
+}
+
 AlabasterStatus set_material(AlabasterScene* handle, const char* path, const AlabasterMaterial* material) {
   return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
     scene.SetMaterial(id, read_material(id, material));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "delegate/host/array_turns.h"
+
 namespace alabaster::hd::host {
 namespace {
 
@@ -81,7 +83,7 @@ DirtyBits difference(const RenderSettingsDescription& a, const RenderSettingsDes
 }
 
 template <class Map>
-auto find(const Map& map, const Path& id) -> const typename Map::mapped_type* {
+auto find(const Map& map, const typename Map::key_type& id) -> const typename Map::mapped_type* {
   const auto found = map.find(id);
   return found == map.end() ? nullptr : &found->second;
 }
@@ -108,6 +110,7 @@ struct RetainedSceneDelegate::State {
   std::map<Path, CameraDescription> cameras;
   std::map<Path, RenderBufferDescriptor> buffers;
   std::map<Path, RenderSettingsDescription> settings;
+  std::map<std::pair<Path, Token>, EditedArray> edited;  // primvars of instancers
   RenderIndex* index = nullptr;
 
   /// Stores `value`; returns whether `id` is new in `map`.
@@ -124,6 +127,15 @@ struct RetainedSceneDelegate::State {
   }
   void mark(const Path& id, DirtyBits bits) {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
+  }
+  /// Gives up the copies of arrays that another one has replaced.
+  void forget_edits(const Path& instancer) {
+    const auto* description = find(instancers, instancer);
+    std::erase_if(edited, [&](const auto& entry) {
+      if (!(entry.first.first == instancer)) return false;
+      const Value* now = description ? find(description->primvars, entry.first.second) : nullptr;
+      return !now || !entry.second.is_latest(*now);
+    });
   }
   /// Prototypes whose indices differ pull them again; so do those that came or went.
   void mark_prototypes(const InstancerDescription& a, const InstancerDescription& b) {
@@ -150,6 +162,20 @@ void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription in
   const bool is_new = state_->set(state_->instancers, id, std::move(instancer));
   if (is_new && state_->index) state_->index->InsertInstancer(this, id);
   state_->mark_prototypes(before, state_->instancers[id]);
+  state_->forget_edits(id);
+}
+
+bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, const Token& primvar, size_t first,
+                                              const Value& elements) {
+  const auto found = state_->instancers.find(instancer);
+  if (found == state_->instancers.end()) return false;
+  const auto held = found->second.primvars.find(primvar);
+  if (held == found->second.primvars.end()) return false;
+  Value edited = state_->edited[{instancer, primvar}].edit(held->second, first, elements);
+  if (edited.empty()) return false;
+  held->second = std::move(edited);
+  state_->mark(instancer, dirty::kPrimvar);
+  return true;
 }
 
 void RetainedSceneDelegate::SetMaterial(const Path& id, MaterialNetwork network) {
@@ -190,6 +216,7 @@ void RetainedSceneDelegate::Remove(const Path& id) {
   s.buffers.erase(id);
   s.settings.erase(id);
   s.mark_prototypes(instancer, {});
+  s.forget_edits(id);
 }
 
 const std::map<Path, MeshDescription>& RetainedSceneDelegate::GetMeshes() const {

@@ -70,6 +70,10 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
 
   void SetMesh(const Path& id, MeshDescription mesh);
   void SetInstancer(const Path& id, InstancerDescription instancer);
+  /// Replaces elements of an instancer's primvar, from number `first` on. Costs the host what it changes, where
+  /// SetInstancer costs a copy of the array and a comparison. False, and nothing is changed: there is no such primvar,
+  /// its array is of another type than `elements`, or it ends before them.
+  bool SetInstanceValues(const Path& instancer, const Token& primvar, size_t first, const Value& elements);
   void SetMaterial(const Path& id, MaterialNetwork network);
   void SetLight(const Path& id, LightDescription light);
   void SetCamera(const Path& id, CameraDescription camera);

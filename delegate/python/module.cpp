@@ -103,6 +103,14 @@ void add_looks(py::class_<Scene>& scene) {
           "(n, 4; the real part first), scales (n, 3), each an array or a Primvar; transform, motion, parent. The "
           "meshes name the instancer, too.")
       .def(
+          "set_instance_values",
+          [](Scene& s, const std::string& path, size_t first, const py::kwargs& options) {
+            s.set_instance_values(path, first, options);
+          },
+          py::arg("path"), py::arg("first"),
+          "Replaces instances from number first on, in arrays that set_instancer was given: transforms, translations, "
+          "rotations, scales. Costs what it changes.")
+      .def(
           "set_material",
           [](Scene& s, const std::string& path, const py::object& nodes, const std::string& displacement,
              const py::kwargs& parameters) { s.set_material(path, nodes, displacement, parameters); },

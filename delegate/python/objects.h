@@ -75,6 +75,7 @@ class Scene {
   void set_primvar(const std::string& mesh, const std::string& name, const py::object& values,
                    const std::string& interpolation);
   void set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options);
+  void set_instance_values(const std::string& path, size_t first, const py::dict& options);
   void set_material(const std::string& path, const py::object& nodes, const std::string& displacement,
                     const py::dict& parameters);
   void set_light(const std::string& path, const std::string& type, const py::object& transform, bool visible,

@@ -306,12 +306,18 @@ void Scene::set_primvar(const std::string& mesh, const std::string& name, const 
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_primvar(scene, mesh.c_str(), &raw); });
 }
 
+namespace {
+// The options of instancers, and the primvars that they are.
+constexpr std::pair<const char*, const char*> kPlaces[] = {{"transforms", "hydra:instanceTransforms"},
+                                                           {"translations", "hydra:instanceTranslations"},
+                                                           {"rotations", "hydra:instanceRotations"},
+                                                           {"scales", "hydra:instanceScales"}};
+}  // namespace
+
 void Scene::set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options) {
   check_options(options, {"transforms", "translations", "rotations", "scales", "transform", "parent", "motion"});
   Primvars primvars;
-  for (const auto& [option_name, name] :
-       {std::pair("transforms", "hydra:instanceTransforms"), std::pair("translations", "hydra:instanceTranslations"),
-        std::pair("rotations", "hydra:instanceRotations"), std::pair("scales", "hydra:instanceScales")})
+  for (const auto& [option_name, name] : kPlaces)
     if (const py::object values = option(options, option_name); !values.is_none())
       primvars.add(
           name, py::isinstance<Primvar>(values) ? values.cast<Primvar>() : Primvar{values, "instance", py::none(), ""});
@@ -333,6 +339,20 @@ void Scene::set_instancer(const std::string& path, const py::dict& prototypes, c
   run([&](const AlabasterApi& api, AlabasterScene* scene) {
     return api.set_instancer(scene, path.c_str(), &instancer);
   });
+}
+
+void Scene::set_instance_values(const std::string& path, size_t first, const py::dict& options) {
+  check_options(options, {"transforms", "translations", "rotations", "scales"});
+  for (const auto& [option_name, name] : kPlaces) {
+    const py::object values = option(options, option_name);
+    if (values.is_none()) continue;
+    Primvars primvars;
+    primvars.add(name, Primvar{values, "instance", py::none(), ""});
+    const AlabasterPrimvar raw = primvars.pass()[0];
+    run([&](const AlabasterApi& api, AlabasterScene* scene) {
+      return api.set_instance_values(scene, path.c_str(), &raw, first);
+    });
+  }
 }
 
 void Scene::set_material(const std::string& path, const py::object& nodes, const std::string& displacement,

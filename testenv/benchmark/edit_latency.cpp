@@ -23,6 +23,7 @@ namespace alabaster::hd {
 namespace {
 
 constexpr int kBodies = 64, kPrims = 1000, kWidth = 1280, kHeight = 720;
+constexpr const char* kPlaces = "hydra:instanceTranslations";
 
 host::MeshDescription cube(float size, int refine_level) {
   host::MeshDescription mesh;
@@ -143,6 +144,13 @@ class Host {
   }
 
   void move_instance(int i) {
+    const auto place = static_cast<size_t>(i);
+    const Value& places = scene.GetInstancers().at("/leaves").primvars.at(kPlaces);
+    const Vec3f moved = (*places.get<Array<Vec3f>>())[place] + Vec3f(0, 0.01f, 0);
+    scene.SetInstanceValues("/leaves", kPlaces, place, Array<Vec3f>{moved});
+  }
+  // As a host does that makes a new array of all places for each edit.
+  void replace_instances(int i) {
     std::vector<Vec3f> moved(*places_);
     moved[static_cast<size_t>(i)].y += 0.01f;
     places_ = std::make_shared<const std::vector<Vec3f>>(std::move(moved));
@@ -227,7 +235,7 @@ class Host {
 
   void place_instances() {
     host::InstancerDescription leaves;
-    leaves.primvars["hydra:instanceTranslations"] = Array<Vec3f>(places_, places_->data(), places_->size());
+    leaves.primvars[kPlaces] = Array<Vec3f>(places_, places_->data(), places_->size());
     leaves.indices["/leaf"] = indices_;
     scene.SetInstancer("/leaves", leaves);
   }
@@ -356,9 +364,12 @@ void run(int edits, int instances, const std::string& only) {
     row(host, "points of the hero, 196,608 triangles", edits, [&](int i) { reshape(host, "/hero", i); });
   }
   if (wanted("subsets")) row(host, "subsets of the hero", edits, [&](int i) { choose_subset(host, i); });
-  if (wanted("instance") && instances > 0)
-    row(host, ("one of " + std::to_string(instances) + " instances").c_str(), edits,
-        [&](int i) { host.move_instance(i * 7919 % instances); });
+  const std::string one = "one of " + std::to_string(instances) + " instances";
+  if (wanted("instance") && instances > 0) {
+    row(host, one.c_str(), edits, [&](int i) { host.move_instance(int(int64_t(i) * 7919 % instances)); });
+    row(host, (one + ", by a new array of all").c_str(), edits,
+        [&](int i) { host.replace_instances(int(int64_t(i) * 7919 % instances)); });
+  }
   if (wanted("storm")) storm(host);
 }
 

@@ -133,6 +133,12 @@ class Renders(unittest.TestCase):
         scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-9, 0, 0), (0, 0, 0)])
         render = draw(alabaster.Renderer(scene, samples=4), aovs=["instanceId"])
         self.assertEqual(pixel(render, 8, 8, "instanceId"), 1)
+        scene.set_instance_values("/many", 0, translations=[(0, 0, 1)])
+        render.update()
+        render.wait()
+        self.assertEqual(pixel(render, 8, 8, "instanceId"), 0)
+        with self.assertRaises(ValueError):
+            scene.set_instance_values("/many", 2, translations=[(0, 0, 1)])
 
     def test_refined_cage_with_primvars_and_creases(self):
         scene = square()

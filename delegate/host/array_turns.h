@@ -1,0 +1,153 @@
+// An array that is edited element by element while threads still read it as it was.
+// Internal to this room.
+#pragma once
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <mutex>
+#include <new>
+
+#include "delegate/api/types.h"
+
+namespace alabaster::hd::host {
+
+/// Asks the system for large pages: the first touch of small ones takes longer than what is copied into them.
+template <class T>
+struct LargePages {
+  using value_type = T;
+  LargePages() = default;
+  template <class U>
+  LargePages(const LargePages<U>&) {}  // NOLINT(google-explicit-constructor)
+  T* allocate(size_t count) {
+    constexpr size_t kPage = size_t(2) << 20;
+    if (count > (~size_t(0) - kPage) / sizeof(T)) throw std::bad_alloc();
+    const size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
+    const bool is_large = count * sizeof(T) >= kPage;
+    void* const memory = is_large ? std::aligned_alloc(kPage, bytes) : std::malloc(count * sizeof(T));
+    if (!memory) throw std::bad_alloc();
+    if (is_large) madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: it may fail
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, size_t) { std::free(memory); }
+  bool operator==(const LargePages&) const { return true; }
+};
+
+/// Copies of one array that take turns: an edit is written into a copy that nobody reads any more, so it costs what
+/// has changed since that copy was the latest. One thread at a time.
+template <class T>
+class ArrayTurns {
+ public:
+  /// `now` with the elements from `first` on replaced. `now` is what the last edit returned, or another array: then all
+  /// of it is copied. The elements lie within it.
+  Array<T> edit(const Array<T>& now, size_t first, const Array<T>& elements) {
+    if (!is_latest(now)) begin(now);
+    Copy copy = pool_->take();
+    bring_up_to_date(&copy, now);
+    std::copy(elements.begin(), elements.end(), copy.values.begin() + static_cast<std::ptrdiff_t>(first));
+    copy.edit = ++edits_;
+    changes_.push_back({first, elements.size()});
+    if (changes_.size() > kMostChanges) changes_.pop_front();
+    const auto lent = std::make_shared<const Lent>(std::move(copy), pool_);
+    latest_ = lent->copy.values.data();
+    return Array<T>(lent, latest_, size_);
+  }
+  bool is_latest(const Array<T>& array) const { return array.data() == latest_ && array.size() == size_; }
+
+ private:
+  static constexpr size_t kMostChanges = 64, kMostCopies = 3;
+  struct Copy {
+    std::vector<T, LargePages<T>> values;  // empty: none yet
+    uint64_t edit = 0;                     // the last that it has
+  };
+  /// The copies that nobody reads. Any thread.
+  class Pool {
+   public:
+    Pool() { free_.reserve(kMostCopies); }
+    Copy take() {
+      const std::lock_guard lock(mutex_);
+      if (free_.empty()) return {};
+      Copy copy = std::move(free_.back());
+      free_.pop_back();
+      return copy;
+    }
+    void give(Copy* copy) {
+      const std::lock_guard lock(mutex_);
+      if (free_.size() < kMostCopies) free_.push_back(std::move(*copy));
+    }
+
+   private:
+    std::mutex mutex_;
+    std::vector<Copy> free_;
+  };
+  /// A copy that is read.
+  struct Lent {
+    Lent(Copy taken, std::shared_ptr<Pool> from) : copy(std::move(taken)), pool(std::move(from)) {}
+    ~Lent() { pool->give(&copy); }
+    Lent(const Lent&) = delete;
+    Lent& operator=(const Lent&) = delete;
+    Copy copy;
+    std::shared_ptr<Pool> pool;
+  };
+  struct Change {
+    size_t first = 0, count = 0;
+  };
+
+  void begin(const Array<T>& now) {
+    pool_ = std::make_shared<Pool>();
+    changes_.clear();
+    size_ = now.size();
+  }
+  void bring_up_to_date(Copy* copy, const Array<T>& now) const {
+    const uint64_t missed = edits_ - copy->edit;
+    if (copy->values.empty() || missed > changes_.size()) {
+      copy->values.assign(now.begin(), now.end());
+      return;
+    }
+    for (auto change = changes_.end() - static_cast<std::ptrdiff_t>(missed); change != changes_.end(); ++change)
+      std::copy_n(now.begin() + change->first, change->count,
+                  copy->values.begin() + static_cast<std::ptrdiff_t>(change->first));
+  }
+
+  std::shared_ptr<Pool> pool_;
+  std::deque<Change> changes_;  // the latest edits
+  uint64_t edits_ = 0;
+  const T* latest_ = nullptr;
+  size_t size_ = 0;
+};
+
+/// An array of one of the types that Sync takes as they are, and the copies of it.
+class EditedArray {
+ public:
+  /// Empty: it is of another type, `elements` are, or they lie beyond its end.
+  Value edit(const Value& now, size_t first, const Value& elements) {
+    Value edited = edit(&translations_, now, first, elements);
+    if (edited.empty()) edited = edit(&rotations_, now, first, elements);
+    return edited.empty() ? edit(&transforms_, now, first, elements) : edited;
+  }
+  /// True if `now` is what the last edit() returned.
+  bool is_latest(const Value& now) const {
+    return is_latest(translations_, now) || is_latest(rotations_, now) || is_latest(transforms_, now);
+  }
+
+ private:
+  template <class T>
+  static bool is_latest(const ArrayTurns<T>& turns, const Value& now) {
+    const auto* array = now.get<Array<T>>();
+    return array && turns.is_latest(*array);
+  }
+  template <class T>
+  static Value edit(ArrayTurns<T>* turns, const Value& now, size_t first, const Value& elements) {
+    const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
+    if (!array || !part || first > array->size() || part->size() > array->size() - first) return {};
+    return turns->edit(*array, first, *part);
+  }
+
+  ArrayTurns<Vec3f> translations_;
+  ArrayTurns<Quatf> rotations_;
+  ArrayTurns<Matrix4d> transforms_;
+};
+
+}  // namespace alabaster::hd::host

@@ -1,0 +1,102 @@
+// Edits of parts of an instancer's arrays, while others still read the arrays of before.
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "delegate/host/retained_scene_delegate.h"
+#include "testenv/unit/delegate/host/fake_delegate.h"
+
+namespace alabaster::hd::host {
+namespace {
+
+constexpr const char* kPlaces = "hydra:instanceTranslations";
+
+std::vector<Vec3f> in_a_row(size_t count) {
+  std::vector<Vec3f> places;
+  for (size_t i = 0; i < count; ++i) places.emplace_back(static_cast<float>(i), 0.0f, 0.0f);
+  return places;
+}
+
+struct Leaves {
+  RetainedSceneDelegate scene;
+
+  explicit Leaves(const std::vector<Vec3f>& places) { set(places); }
+  void set(const std::vector<Vec3f>& places) {
+    InstancerDescription leaves;
+    leaves.primvars[kPlaces] = Array<Vec3f>(places);
+    leaves.primvars["hydra:instanceRotations"] = Array<Quatf>(std::vector<Quatf>(places.size()));
+    scene.SetInstancer("/leaves", leaves);
+  }
+  Array<Vec3f> now() { return *scene.GetInstancers().at("/leaves").primvars.at(kPlaces).get<Array<Vec3f>>(); }
+  bool move(size_t first, std::vector<Vec3f> places) {
+    return scene.SetInstanceValues("/leaves", kPlaces, first, Array<Vec3f>(std::move(places)));
+  }
+};
+
+bool same(const Array<Vec3f>& a, const std::vector<Vec3f>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+TEST(InstanceValues, AreThoseOfTheLastEditAndOthersKeepTheirs) {
+  std::mt19937 random(3);
+  std::vector<Vec3f> expected = in_a_row(50);
+  Leaves leaves(expected);
+  std::vector<std::pair<Array<Vec3f>, std::vector<Vec3f>>> held;
+  for (int edit = 0; edit < 2000; ++edit) {
+    const size_t count = random() % 4, first = random() % (expected.size() - count + 1);
+    std::vector<Vec3f> places;
+    for (size_t i = 0; i < count; ++i) places.emplace_back(static_cast<float>(edit), static_cast<float>(i), 1.0f);
+    std::copy(places.begin(), places.end(), expected.begin() + static_cast<std::ptrdiff_t>(first));
+    ASSERT_TRUE(leaves.move(first, places));
+    ASSERT_TRUE(same(leaves.now(), expected)) << edit;
+    // Some are read for a while, a few of them for longer than the edits are remembered.
+    if (random() % 3 == 0) held.emplace_back(leaves.now(), expected);
+    if (held.size() > 5) held.erase(held.begin() + static_cast<std::ptrdiff_t>(random() % held.size()));
+    for (const auto& [array, values] : held) ASSERT_TRUE(same(array, values)) << edit;
+    if (edit % 500 == 499) leaves.set(expected = in_a_row(50 + size_t(edit) / 100));
+  }
+}
+
+TEST(InstanceValues, CopiesTakeTurns) {
+  Leaves leaves(in_a_row(10));
+  std::set<const Vec3f*> copies;
+  Array<Vec3f> rendered = leaves.now();
+  for (size_t edit = 0; edit < 300; ++edit) {
+    ASSERT_TRUE(leaves.move(edit % 10, {Vec3f(0)}));
+    rendered = leaves.now();  // lets go of the array of before
+    copies.insert(rendered.data());
+  }
+  EXPECT_EQ(copies.size(), 2u);
+}
+
+TEST(InstanceValues, AreRefusedWhereTheArrayHasNone) {
+  Leaves leaves(in_a_row(3));
+  const Array<Vec3f> one{Vec3f(7)}, two{Vec3f(7), Vec3f(8)};
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/nobody", kPlaces, 0, one));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", "hydra:instanceScales", 0, one));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", "hydra:instanceRotations", 0, one));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", kPlaces, 0, Vec3f(7)));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", kPlaces, 3, one));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", kPlaces, 2, two));
+  EXPECT_FALSE(leaves.scene.SetInstanceValues("/leaves", kPlaces, ~size_t(0), two));
+  EXPECT_TRUE(same(leaves.now(), in_a_row(3)));
+  EXPECT_TRUE(leaves.scene.SetInstanceValues("/leaves", kPlaces, 1, two));
+  EXPECT_EQ(leaves.now()[2], Vec3f(8));
+}
+
+TEST(InstanceValues, MarkTheirInstancerAlone) {
+  FakeDelegate delegate;
+  RenderIndex index(&delegate);
+  Leaves leaves(in_a_row(3));
+  leaves.scene.SetMesh("/leaf", {});
+  leaves.scene.Populate(&index);
+  index.SyncAll();
+  ASSERT_TRUE(leaves.move(0, {Vec3f(1)}));
+  EXPECT_EQ(index.GetChangeTracker().Get("/leaves"), dirty::kPrimvar);
+  EXPECT_EQ(index.GetChangeTracker().GetDirty().size(), 1u);
+  leaves.scene.Depopulate();
+}
+
+}  // namespace
+}  // namespace alabaster::hd::host
