@@ -4,7 +4,10 @@
 
 #include <bit>
 #include <chrono>
+#include <ctime>
+#include <random>
 
+#include "core/geometry/triangulation.h"
 #include "testenv/support/cages.h"
 
 namespace alabaster {
@@ -54,6 +57,28 @@ TEST(Triangulation, ConcavePolygonsDoNotFoldOver) {
   }
   doubled = Vec3f(0, 0, 300 * 0.3f * std::sin(kTwoPi / 300));
   expect_exact_cover(polygon_cage(star), doubled);
+}
+
+// A polygon that intersects itself all over has few ears: a search for each one took minutes.
+TEST(Triangulation, NoPolygonIsSlow) {
+  constexpr int kCorners = 30000;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3d> star, tangle;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * kPiDouble * i / kCorners, radius = i % 2 ? 1 : 0.7 + 0.2 * uniform(random);
+    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+    tangle.emplace_back(uniform(random), uniform(random), 0);
+  }
+  const auto seconds = [](const std::vector<Vec3d>& corners) {
+    std::vector<std::array<int, 3>> triangles;
+    const std::clock_t start = std::clock();
+    triangulate_polygon(corners, &triangles);
+    EXPECT_EQ(triangles.size(), corners.size() - 2);
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  const double usual = seconds(star);
+  EXPECT_LT(seconds(tangle), 20 * usual + 1);
 }
 
 TEST(Triangulation, CollinearCornersAreCovered) {
