@@ -12,10 +12,12 @@ inline float safe_sqrt(float x) {
   return std::sqrt(std::max(0.0f, x));
 }
 
-/// Cosine-weighted hemisphere about +z (Malley).
+/// Cosine-weighted hemisphere about +z (Malley). The height is from how far the disk's point is from the rim, which u
+/// tells: 1 - x^2 - y^2 cancels towards the horizon.
 inline Vec3f sample_cosine_hemisphere(const Vec2f& u) {
   const Vec2f d = sample_concentric_disk(u);
-  return {d.x, d.y, safe_sqrt(1 - d.x * d.x - d.y * d.y)};
+  const float to_rim = 2 * std::min(std::min(u.x, 1 - u.x), std::min(u.y, 1 - u.y));
+  return {d.x, d.y, safe_sqrt(to_rim * (2 - to_rim))};
 }
 inline float pdf_cosine_hemisphere(const Vec3f& w) {
   return w.z > 0 ? w.z * kInvPi : 0;

@@ -58,7 +58,7 @@ inline double x_over_sinh(double x) {
 
 /// Inverse distribution function of the density proportional to exp(x mu) on [-1,1], x >= 0.
 inline double sample_exponential_cosine(double u, double x) {
-  const double mu = x > 1e-4 ? 1 + std::log(u + (1 - u) * std::exp(-2 * x)) / x : 2 * u - 1;
+  const double mu = x > 1e-4 ? 1 + std::log(u + (1 - u) * std::exp(-2 * x)) / x : 2 * u - 1 + 2 * x * u * (1 - u);
   return std::fmin(std::fmax(mu, -1.0), 1.0);
 }
 /// The same density over the uniform one, 1/2: exp(x mu) x/sinh(x).

@@ -6,6 +6,8 @@
 #include "core/material/fresnel.h"
 #include "core/material/microfacet.h"
 #include "core/sampling/warp.h"
+#include "core/subsurface/dwivedi.h"
+#include "core/subsurface/henyey_greenstein.h"
 #include "testenv/extremes/rows.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/half_space.h"
@@ -158,15 +160,11 @@ void print_warps(Kernels& k) {
     const Vec3f w = sample_cosine_hemisphere(uniform2(rng));
     e->add(Exact(w.x) * w.x + Exact(w.y) * w.y + Exact(w.z) * w.z, 1, 1);
   });
-  k.row("cosine hemisphere", "z where it is above .01", "relative", 3e4,
-        "z^2 = 1 - x^2 - y^2 cancels towards the horizon: 1 / z^2; pdf and cosine are of the same z, so weights are "
-        "right",
+  k.row("cosine hemisphere", "z, to the horizon", "relative", 8, "from the way to the rim, not from 1 - x^2 - y^2",
         [](Rng& rng, LargestError* e) {
-          const Vec2f u = uniform2(rng);
-          const Vec3f w = sample_cosine_hemisphere(u);
+          const Vec2f u(log_uniform(rng, 1e-7, 0.5), rng.uniform());
           const Exact a = 2 * Exact(u.x) - 1, b = 2 * Exact(u.y) - 1, r = std::max(std::abs(a), std::abs(b));
-          const Exact z = std::sqrt((1 - r) * (1 + r));
-          if (z > 0.01L) e->add_relative(w.z, z);
+          e->add_relative(sample_cosine_hemisphere(u).z, std::sqrt((1 - r) * (1 + r)));
         });
   k.row("GGX, visible normals", "alpha 1e-4: slope", "absolute", 16, "of the lobe's width",
         [](Rng& rng, LargestError* e) {
@@ -188,6 +186,51 @@ void print_warps(Kernels& k) {
           if (nz < 0.1L) return;
           e->add(Exact(wm.x) / wm.z / kAlpha, nx / nz, std::max(Exact(1), 1 / (nz * nz)) * 10);
           e->add(Exact(wm.y) / wm.z / kAlpha, ny / nz, std::max(Exact(1), 1 / (nz * nz)) * 10);
+        });
+}
+
+// ---- below the surface
+
+void print_walks(Kernels& k) {
+  const auto phase = [](auto&& part) {
+    return [part](Rng& rng, LargestError* e) {
+      const float g = (rng.next() % 2 ? 1 : -1) * (1 - log_uniform(rng, 1e-4, 1));
+      const Vec2f u(rng.next() % 2 ? log_uniform(rng, 1e-6, 0.5) : 1 - log_uniform(rng, 1e-6, 0.5), rng.uniform());
+      const Exact x = u.x, v = 1 - x, q = (1 + Exact(g)) * v + (1 - Exact(g)) * x;
+      // 1 - cos and 1 + cos: sums of positive terms.
+      const Exact behind = 2 * (1 - Exact(g)) * (1 - Exact(g)) * x * (1 + g * v) / (q * q);
+      const Exact ahead = 2 * (1 + Exact(g)) * (1 + Exact(g)) * v * (1 - g * x) / (q * q);
+      part(sample_henyey_greenstein(u, g), behind, ahead, e);
+    };
+  };
+  k.row(
+      "Henyey and Greenstein", "g to .9999, to both poles: cosine", "absolute", 16, "sums of positive terms",
+      phase([](const Vec3f& w, Exact behind, Exact ahead, LargestError* e) { e->add(w.z, (ahead - behind) / 2, 1); }));
+  k.row("Henyey and Greenstein", "g to .9999, to both poles: sine", "relative", 16, "not from 1 - cos^2",
+        phase([](const Vec3f& w, Exact behind, Exact ahead, LargestError* e) {
+          e->add_relative(std::hypot(Exact(w.x), Exact(w.y)), std::sqrt(behind * ahead));
+        }));
+  k.row("Dwivedi's mode, in double", "1 - alpha from 1e-12 to .999: x", "relative", 8, "the fit's error of 4e-7",
+        [](Rng& rng, LargestError* e) {
+          const double c = double(log_uniform(rng, 1e-12, 0.999));
+          Exact x = dwivedi_mode(c).x;
+          // Newton's method on alpha atanh(x) = x.
+          for (int i = 0; i < 3; ++i)
+            x -= ((1 - Exact(c)) * std::atanh(x) - x) / ((1 - Exact(c)) / ((1 - x) * (1 + x)) - 1);
+          e->add_relative(dwivedi_mode(c).x, x);
+        });
+  k.row("Dwivedi's cosine, in double", "1 - alpha from 1e-8 to .999", "absolute", 0.001, "a cancellation of 1e-16 / x",
+        [](Rng& rng, LargestError* e) {
+          const DwivediMode mode = dwivedi_mode(double(log_uniform(rng, 1e-8, 0.999)));
+          const double u = double(rng.uniform());
+          const Exact x = mode.x;
+          e->add(sample_dwivedi(u, mode), (1 - (1 + x) * std::exp(-2 * Exact(mode.theta) * u)) / x, 1);
+        });
+  k.row("cosine of exponential density, in double", "x from 1e-8 to 700: its distribution function", "absolute", 0.1,
+        "below x = 1e-4 the second term of its series", [](Rng& rng, LargestError* e) {
+          const double x = double(log_uniform(rng, 1e-8, 700)), u = double(rng.uniform());
+          const Exact above = 1 - Exact(sample_exponential_cosine(u, x));
+          e->add(std::expm1(-Exact(x) * above) / std::expm1(-2 * Exact(x)), 1 - Exact(u), 1);
         });
 }
 
@@ -283,6 +326,7 @@ void print_precision(Report& report) {
   print_fresnel(kernels);
   print_microfacets(kernels);
   print_warps(kernels);
+  print_walks(kernels);
   print_inversion(kernels);
   print_offsets(kernels);
   print_cameras_rays(kernels);
