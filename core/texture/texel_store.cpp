@@ -90,7 +90,7 @@ void TexelStore::read_file(uint64_t tile, std::byte* buffer) {
       std::memset(buffer, 0, kTileBytes);
       if (!failed_.exchange(true))
         report(sink_, Severity::error, "texture.memory", "the temporary file of textures",
-               std::string("cannot be read: ") + std::strerror(errno) +
+               std::string("cannot be read: ") + (n < 0 ? std::strerror(errno) : "it has been cut short") +
                    "; parts of textures are black. Free its disk, or raise textureMemory");
       return;
     }

@@ -63,6 +63,8 @@ class TexelStore {
 
   /// Tiles read from the file so far.
   uint64_t fetched() const { return fetched_; }
+  /// A tile could not be read back.
+  bool failed() const { return failed_; }
 
  private:
   /// A slot may be filled with another tile while it is read. Its version, odd meanwhile, tells: a sequence lock (Boehm

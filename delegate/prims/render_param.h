@@ -51,6 +51,8 @@ class SceneParam final : public RenderParam {
   /// (reported, and in *fault) if it cannot be had. Within run() only. Throws BuildCancelled while it decodes.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
+  /// Texels that were in the file of `textureMemory` are gone (reported): they are black.
+  bool has_lost_texels() const { return texels_->failed(); }
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
   using Reread = std::function<void(const std::string& file)>;
   void set_reread(const Path& id, Reread reread);

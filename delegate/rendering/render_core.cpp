@@ -275,6 +275,10 @@ std::vector<std::string> RenderCore::scene_faults(bool* input) const {
     texts.push_back(std::to_string(failed) + " prims or commits failed, for want of memory or by the host's scene");
     *input = false;
   }
+  if (param->has_lost_texels()) {
+    texts.emplace_back("the temporary file of textures cannot be read: parts of textures are black");
+    *input = false;
+  }
   if (built && built->snapshot) {
     const SceneSnapshot* const held = built->snapshot.get();
     for (const std::string& name : held->left_out) texts.push_back(name + ": could not be placed");

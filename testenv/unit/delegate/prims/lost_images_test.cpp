@@ -1,6 +1,12 @@
 // Images that cannot be read, where the host renders without them.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <filesystem>
+
+#include "delegate/host/frame_recorder.h"
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -73,6 +79,51 @@ TEST(LostImages, ShowBesideAnotherConnection) {
 TEST(LostImages, ShowInTheBaseColor) {
   expect_constant({"baseColor", "rgb", {{"baseColor", Vec3f(0.5f)}}, kOne, kZero, "baseColor (1, 0, 1)"});
   expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
+}
+
+/// Cuts the open files of this process that have no name and at least so many bytes. Returns how many.
+int cut_unnamed_files(off_t least) {
+  int cut = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    const int file = std::stoi(entry.path().filename().string());
+    struct stat status {};
+    if (fstat(file, &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0 && status.st_size >= least)
+      cut += ftruncate(file, 0) == 0;
+  }
+  return cut;
+}
+
+/// An image of a million texels, 6 MB as halves.
+AssetPath large_image() {
+  const std::string bytes =
+      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 64\n" + std::string(size_t(4) << 20, '\x80');
+  return {"tall.hdr", "tall.hdr", std::make_shared<const std::vector<uint8_t>>(bytes.begin(), bytes.end())};
+}
+
+// A disk may fail while a frame is rendered. Its picture is marked, and none of the later ones is `done`.
+TEST(LostImages, TexelsThatCannotBeReadBackAreAFault) {
+  Stage stage({{"samples", 4}, {"textureMemory", 1}});
+  stage.add_basic_scene();
+  MaterialNetwork network;
+  network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}}}}};
+  network.nodes["/m/map"] = {"AlabasterTexture", {{"file", large_image()}}, {}};
+  network.terminals["surface"] = {"/m/surface", "surface"};
+  stage.scene.SetMaterial("/m", network);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.material = "/m";
+  mesh.primvars["st"] = {Interpolation::vertex, "textureCoordinate", Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}};
+  stage.scene.SetMesh("/quad", mesh);
+  RenderSettingsDescription settings;
+  settings.camera = "/camera";
+  settings.width = settings.height = 16;
+  stage.scene.SetRenderSettings("/settings", settings);
+  const auto record = [&] { return host::RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status; };
+  ASSERT_EQ(record(), host::RecordStatus::done);
+  ASSERT_EQ(cut_unnamed_files(6 << 20), 1);
+  EXPECT_EQ(record(), host::RecordStatus::degraded);
+  EXPECT_EQ(stage.count("texture.memory"), 1u);
+  EXPECT_NE(stage.text_stat("scene.faults").find("the temporary file of textures"), std::string::npos);
+  EXPECT_EQ(record(), host::RecordStatus::render_failed) << "it is known before this one begins";
 }
 
 }  // namespace
