@@ -157,11 +157,15 @@ bool write_state(const RenderState& state, const BlockSink& sink) {
   return write_film(*state.film, sink) && (!head.kept || write_film(*state.stopping.kept_film(), sink));
 }
 
-bool read_state(const BlockSource& source, size_t most_memory, RenderState* state) {
+bool read_state(const BlockSource& source, const MemoryBudget& memory, RenderState* state) {
   Head head;
   if (!read_head(source, &head)) return false;
   const size_t films = head.kept ? 2 : 1;
-  if (films * film_bytes(head.window, head.aovs, {head.rays != 0, head.range}) > most_memory) return false;
+  if (const size_t bytes = films * film_bytes(head.window, head.aovs, {head.rays != 0, head.range});
+      bytes > memory.left())
+    throw MemoryRefused(memory.refusal(MemoryUse::frames, bytes,
+                                       "a checkpoint of " + std::to_string(head.window.width()) + " x " +
+                                           std::to_string(head.window.height()) + " pixels"));
   std::vector<float> rates;
   if (head.has_rates && !read_rates(source, head, &rates)) return false;
   state->film = read_film(source, head);

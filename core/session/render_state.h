@@ -12,6 +12,7 @@
 #include "core/convergence/sample_allocation.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
+#include "core/memory/memory_budget.h"
 
 namespace alabaster {
 
@@ -36,8 +37,9 @@ struct RenderState {
 /// False: the sink did not take them.
 bool write_state(const RenderState& state, const BlockSink& sink);
 
-/// Reads it. False, whatever the bytes are, if they are not such a state. `most_memory`: bytes that its films may take.
-bool read_state(const BlockSource& source, size_t most_memory, RenderState* state);
+/// Reads it. False, whatever the bytes are, if they are not such a state. Throws MemoryRefused if its films take more
+/// than `memory` has left. They are not counted: the render that takes the state does that.
+bool read_state(const BlockSource& source, const MemoryBudget& memory, RenderState* state);
 
 /// Appends the next part of the same frame's samples, which are those of `to` and then its own. One of its tiles is in
 /// memory at a time. False, with `to` spoilt, if the blocks are not such a state.

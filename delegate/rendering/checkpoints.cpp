@@ -6,7 +6,6 @@
 #include "delegate/prims/scene_digest.h"
 #include "delegate/rendering/render_core.h"
 #include "delegate/rendering/render_pass.h"
-#include "delegate/support/process_usage.h"
 
 namespace alabaster::hd::rendering {
 namespace {
@@ -70,14 +69,27 @@ std::string Checkpoints::write(const RenderCore& core, const std::string& file, 
   return write_checkpoint(file, header, [&](const BlockSink& sink) { return pass->save(sink); });
 }
 
-std::string Checkpoints::resume(const std::string& file) {
+namespace {
+
+// Answers with the reader's fault, or with that of memory.
+std::string read(CheckpointReader* reader, const MemoryBudget& memory, RenderState* state) {
+  try {
+    if (reader->fault().empty()) reader->finish(read_state(reader->source(), memory, state));
+    return reader->fault();
+  } catch (const MemoryRefused& e) {
+    return e.what();
+  }
+}
+
+}  // namespace
+
+std::string Checkpoints::resume(const std::string& file, const MemoryBudget& memory) {
   pending_.reset();
   shown_ = false;
   if (file.empty()) return {};
   CheckpointReader reader(file);
   auto state = std::make_shared<RenderState>();
-  if (reader.fault().empty()) reader.finish(read_state(reader.source(), support::usable_memory_bytes(), state.get()));
-  if (!reader.fault().empty()) return reader.fault();
+  if (std::string fault = read(&reader, memory, state.get()); !fault.empty()) return fault;
   pending_ = Pending{file, reader.header(), std::move(state)};
   return {};
 }
@@ -85,10 +97,9 @@ std::string Checkpoints::resume(const std::string& file) {
 namespace {
 
 // How far the pixels are: the mean number of samples that they have, and the noise of those.
-std::string measure_pixels(CheckpointReader* reader, Dictionary* description) {
+std::string measure_pixels(CheckpointReader* reader, const MemoryBudget& memory, Dictionary* description) {
   RenderState state;
-  reader->finish(read_state(reader->source(), support::usable_memory_bytes(), &state));
-  if (!reader->fault().empty()) return reader->fault();
+  if (std::string fault = read(reader, memory, &state); !fault.empty()) return fault;
   const NoiseImage noise = film_noise(*state.film);
   double taken = 0;
   for (const PixelNoise& pixel : noise.pixels) taken += pixel.samples;
@@ -100,7 +111,7 @@ std::string measure_pixels(CheckpointReader* reader, Dictionary* description) {
 
 }  // namespace
 
-std::string Checkpoints::describe(const std::string& file, bool measure, Dictionary* description) {
+std::string Checkpoints::describe(const std::string& file, const MemoryBudget* measure, Dictionary* description) {
   CheckpointReader reader(file);
   if (!reader.fault().empty()) return reader.fault();
   const SampleRange range = range_of(reader.header());
@@ -109,7 +120,7 @@ std::string Checkpoints::describe(const std::string& file, bool measure, Diction
   (*description)["samples"] = static_cast<int64_t>(range.end);
   (*description)["complete"] = is_complete(reader.header());
   (*description)["note"] = note_of(reader.header());
-  return measure ? measure_pixels(&reader, description) : std::string();
+  return measure ? measure_pixels(&reader, *measure, description) : std::string();
 }
 
 namespace {
@@ -153,7 +164,7 @@ std::vector<Part> open_parts(const Array<std::string>& files, std::string* fault
 
 }  // namespace
 
-std::string Checkpoints::show(const Array<std::string>& files) {
+std::string Checkpoints::show(const Array<std::string>& files, const MemoryBudget& memory) {
   pending_.reset();
   shown_ = false;
   if (files.empty()) return {};
@@ -163,9 +174,11 @@ std::string Checkpoints::show(const Array<std::string>& files) {
   auto state = std::make_shared<RenderState>();
   for (const Part& part : parts) {
     CheckpointReader& reader = *part.reader;
-    reader.finish(&part == parts.data() ? read_state(reader.source(), support::usable_memory_bytes(), state.get())
-                                        : append_state(reader.source(), state.get()));
-    if (!reader.fault().empty()) return in_quotes(part.file) + ": " + reader.fault();
+    if (&part == parts.data())
+      fault = read(&reader, memory, state.get());
+    else
+      reader.finish(append_state(reader.source(), state.get())), fault = reader.fault();
+    if (!fault.empty()) return in_quotes(part.file) + ": " + fault;
   }
   pending_ = Pending{parts[0].file, parts[0].reader->header(), std::move(state)};
   shown_ = true;

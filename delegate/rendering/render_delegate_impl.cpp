@@ -208,18 +208,19 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
     }
     if (command == Token("flush")) core_->param->reload({}), value = std::string();
     Checkpoints& checkpoints = core_->checkpoints;
+    const MemoryBudget& memory = *core_->param->memory();
     if (command == Token("writeCheckpoint")) value = checkpoints.write(*core_, text("file"), text("note"));
-    if (command == Token("resumeCheckpoint")) value = checkpoints.resume(text("file"));
+    if (command == Token("resumeCheckpoint")) value = checkpoints.resume(text("file"), memory);
     if (command == Token("showCheckpoints")) {
       const auto files = arguments.find("files");
-      value = checkpoints.show(files == arguments.end() ? Array<std::string>()
-                                                        : files->second.get_or(Array<std::string>()));
+      value = checkpoints.show(
+          files == arguments.end() ? Array<std::string>() : files->second.get_or(Array<std::string>()), memory);
     }
     if (command == Token("describeCheckpoint")) {
       Dictionary description;
       const auto measure = arguments.find("measure");
       const bool measured = measure != arguments.end() && measure->second.get_or(false);
-      const std::string fault = Checkpoints::describe(text("file"), measured, &description);
+      const std::string fault = Checkpoints::describe(text("file"), measured ? &memory : nullptr, &description);
       if (fault.empty())
         value = std::make_shared<const Dictionary>(std::move(description));
       else

@@ -31,11 +31,13 @@ BlockSource from(const Blocks& blocks) {
   };
 }
 
-constexpr size_t kMuch = size_t(1) << 30;
-
 std::shared_ptr<RenderState> read(const Blocks& blocks) {
   auto state = std::make_shared<RenderState>();
-  return read_state(from(blocks), kMuch, state.get()) ? state : nullptr;
+  try {
+    return read_state(from(blocks), MemoryBudget(size_t(1) << 30), state.get()) ? state : nullptr;
+  } catch (const MemoryRefused&) {
+    return nullptr;
+  }
 }
 
 RenderRequest request_of(uint32_t samples) {
@@ -242,7 +244,7 @@ TEST(RenderState, SurvivesBytesOfAnyKind) {
     EXPECT_FALSE(read(bad));
   }
   RenderState state;
-  EXPECT_FALSE(read_state(from(good), 1000, &state)) << "more memory than it may take";
+  EXPECT_THROW(read_state(from(good), MemoryBudget(1000), &state), MemoryRefused);
 }
 
 }  // namespace

@@ -192,6 +192,25 @@ TEST_F(Checkpoints, DamagedFilesAreRefused) {
   EXPECT_NE(frame.command("resumeCheckpoint", {{"file", folder_.string()}}), "");
 }
 
+// By arithmetic, before any of its pixels is read. The same of parts that are shown and of pixels that are measured.
+TEST_F(Checkpoints, AFrameThatTheMemoryLimitDoesNotHoldIsRefused) {
+  Frame large({{"samples", 1}});
+  large.buffer = large.stage.add_buffer("/large", 200, 100, Format::float32vec4);
+  large.state = Stage::state_for(200, 100, "color", large.buffer);
+  written(large);
+  const Frame small({{"samples", 1}, {"memoryLimit", 1}});
+  const std::pair<const char*, Dictionary> commands[] = {{"resumeCheckpoint", {{"file", file_}}},
+                                                         {"showCheckpoints", {{"files", Array<std::string>{file_}}}},
+                                                         {"describeCheckpoint", {{"file", file_}, {"measure", true}}}};
+  for (const auto& [command, arguments] : commands) {
+    const std::string fault = small.command(command, arguments);
+    EXPECT_NE(fault.find("a checkpoint of 200 x 100 pixels needs 3 MiB more"), std::string::npos) << fault;
+    EXPECT_NE(fault.find("raise memoryLimit"), std::string::npos) << fault;
+  }
+  small.stage.delegate->SetRenderSetting("memoryLimit", 64);
+  EXPECT_EQ(small.command("resumeCheckpoint", {{"file", file_}}), "");
+}
+
 TEST_F(Checkpoints, NothingIsWrittenWithoutARender) {
   Frame frame;
   EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}}), "nothing has been rendered");
