@@ -102,23 +102,40 @@ MeshAttribute<Vec4f> compute_tangents(const Mesh& mesh, const MeshAttribute<Vec2
   return TangentBuilder(mesh, uvs).run();
 }
 
+namespace {
+
+size_t bytes_of(const MeshAttribute<Vec4f>& tangents) {
+  return tangents.values.capacity() * sizeof(Vec4f) + tangents.triangles.capacity() * sizeof(Corners);
+}
+
+}  // namespace
+
+TangentCache::Counted TangentCache::compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs) const {
+  constexpr size_t kBuildBytes = 276;  // of a triangle: its corners while they are sorted, and tangents while they grow
+  const size_t triangles = mesh.triangles.size();
+  Counted counted{{},
+                  {budget_, MemoryUse::meshes, kBuildBytes * triangles,
+                   "the tangents of a mesh of " + std::to_string(triangles) + " triangles"}};
+  // A thread that waits for the sort must not take up a task that asks for the lock of the cache.
+  tbb::this_task_arena::isolate([&] { counted.tangents = compute_tangents(mesh, uvs); });
+  counted.memory.shrink(bytes_of(counted.tangents));
+  return counted;
+}
+
 const MeshAttribute<Vec4f>* TangentCache::of(const Mesh& mesh, const UvSetName& uv_set) const {
   if (!mesh.tangents.empty()) return &mesh.tangents;
   const UvSet* const uvs = mesh.uv_set(uv_set);
   if (!uvs) return nullptr;
   const std::scoped_lock lock(mutex_);
-  const auto [found, is_new] = computed_.try_emplace(uv_set.text());
-  MeshAttribute<Vec4f>& tangents = found->second;
-  // A thread that waits for the sort must not take up a task that asks for this lock.
-  if (is_new) tbb::this_task_arena::isolate([&] { tangents = compute_tangents(mesh, *uvs); });
-  return &tangents;
+  auto found = computed_.find(uv_set.text());
+  if (found == computed_.end()) found = computed_.emplace(uv_set.text(), compute(mesh, *uvs)).first;
+  return &found->second.tangents;
 }
 
 size_t TangentCache::memory_bytes() const {
   const std::scoped_lock lock(mutex_);
   size_t bytes = 0;
-  for (const auto& [name, tangents] : computed_)
-    bytes += tangents.values.capacity() * sizeof(Vec4f) + tangents.triangles.capacity() * sizeof(Corners);
+  for (const auto& [name, counted] : computed_) bytes += bytes_of(counted.tangents);
   return bytes;
 }
 

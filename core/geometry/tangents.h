@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/geometry/mesh.h"
+#include "core/memory/memory_budget.h"
 
 namespace alabaster {
 
@@ -19,13 +20,22 @@ MeshAttribute<Vec4f> compute_tangents(const Mesh& mesh, const MeshAttribute<Vec2
 /// each call.
 class TangentCache {
  public:
+  /// Counts the tangents, also while they are computed (MemoryRefused). Called before any other.
+  void count_in(std::shared_ptr<MemoryBudget> budget) { budget_ = std::move(budget); }
   /// The authored ones if the mesh has some; null without that uv set.
   const MeshAttribute<Vec4f>* of(const Mesh& mesh, const UvSetName& uv_set) const;
   size_t memory_bytes() const;
 
  private:
+  struct Counted {
+    MeshAttribute<Vec4f> tangents;
+    MemoryReservation memory;
+  };
+  Counted compute(const Mesh& mesh, const MeshAttribute<Vec2f>& uvs) const;
+
+  std::shared_ptr<MemoryBudget> budget_;
   mutable std::mutex mutex_;
-  mutable std::map<std::string, MeshAttribute<Vec4f>> computed_;
+  mutable std::map<std::string, Counted> computed_;
 };
 
 }  // namespace alabaster

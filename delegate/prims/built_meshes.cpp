@@ -26,12 +26,19 @@ bool is_refined(const PulledMesh& mesh) {
          !(mesh.topology.scheme == Token("none"));
 }
 
-// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report.
+// Where the instances of a mesh stand at the frame's time. Faults of instancers are the translation's to report, and so
+// are instances that memory does not hold.
 std::vector<Matrix4d> placements_of(const Path& path, const MeshRecord& mesh, support::Placements& placements) {
   if (mesh.instancer.empty()) return {mesh.transform};
   std::vector<Matrix4d> all;
-  for (const support::Placement& placed : placements.place(path, mesh.instancer, mesh.instance_indices))
-    if (placed.used) all.push_back(mesh.transform * placed.matrix);
+  try {
+    for (const support::Placement& placed : placements.place(path, mesh.instancer, mesh.instance_indices))
+      if (placed.used) all.push_back(mesh.transform * placed.matrix);
+  } catch (const MemoryRefused&) {
+    all.clear();
+  } catch (const support::TooManyInstances&) {
+    all.clear();
+  }
   return all;
 }
 
@@ -78,7 +85,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
         const auto found = scene.records.find(path);
         return found == scene.records.end() ? nullptr : std::get_if<InstancerRecord>(&found->second);
       },
-      [](const char*, const Path&, const std::string&) {});
+      [](const char*, const Path&, const std::string&) {}, hold_placements_in(budget));
   std::map<Path, Held> needed;
   std::vector<Entry*> to_build;
   for (const auto& [path, record] : records) {

@@ -35,6 +35,7 @@ std::shared_ptr<MeshPrototype> deformed(const Mesh& mesh, const Deformation& def
                         mesh.memory_bytes() + (count - 1) * (mesh.points.size() + mesh.normals.size()) * sizeof(Vec3f),
                         "a mesh in " + std::to_string(count) + " poses");
   prototype->interior.count_in(budget);
+  prototype->tangents.count_in(budget);
   Mesh& out = prototype->mesh = mesh;
   for (size_t i = 0; i < count; ++i) {
     const double share = count > 1 ? static_cast<double>(i) / static_cast<double>(count - 1) : 0;

@@ -120,7 +120,8 @@ void MeshPrim::pull_shape(SceneDelegate& scene, DirtyBits bits) {
 }
 
 // Those that no material reads are held beside the shape: they do not count as a change of it.
-void MeshPrim::pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSink& sink) {
+void MeshPrim::pull_primvars(SceneDelegate& scene, const SceneParam& param) {
+  const alabaster::DiagnosticSink& sink = param.sink();
   const std::vector<PrimvarDescriptor> descriptors = scene.GetPrimvarDescriptors(GetId());
   const std::pair<const char*, PulledPrimvar*> named[] = {{"normals", &pulled_.normals},
                                                           {"tangents", &pulled_.tangents},
@@ -140,18 +141,20 @@ void MeshPrim::pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSi
     }
   }
   update(&pulled_.uvs, std::move(uvs), &shape_changed_);
-  if (others.empty())
+  if (others.empty()) {
     record_.other_primvars = nullptr;
-  else if (!record_.other_primvars || !(*record_.other_primvars == others))
+  } else if (!record_.other_primvars || !(*record_.other_primvars == others)) {
+    hold_arrays(&others, param.memory(), GetId().str());
     record_.other_primvars = std::make_shared<const OtherPrimvars>(std::move(others));
+  }
   record_.subsurface_set = pull_subsurface_set(scene, GetId(), descriptors, sink);
   record_.holdout = pull_flag(scene, GetId(), "holdout", false, descriptors, sink);
   record_.visible_to_camera = pull_flag(scene, GetId(), "visibleToCamera", true, descriptors, sink);
 }
 
-void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink) {
+void MeshPrim::pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bits) {
   pull_shape(scene, bits);
-  if (bits & kPrimvarBits) pull_primvars(scene, sink);
+  if (bits & kPrimvarBits) pull_primvars(scene, param);
   if (bits & dirty::kVisibility) record_.visible = scene.GetVisible(GetId());
   if (bits & dirty::kRenderTag) record_.render_tag = scene.GetRenderTag(GetId());
   if (bits & dirty::kCategories) record_.categories = scene.GetCategories(GetId());
@@ -159,7 +162,7 @@ void MeshPrim::pull(SceneDelegate& scene, DirtyBits bits, const alabaster::Diagn
   if (bits & dirty::kCullStyle) cull_style_ = scene.GetCullStyle(GetId());
   if (bits & dirty::kTransform) {
     record_.transform = scene.GetTransform(GetId());
-    record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), sink);
+    record_.motion = checked_motion(scene.SampleTransform(GetId()), GetId(), param.sink());
   }
   if (bits & dirty::kMaterialId) material_ = scene.GetMaterialId(GetId());
   if (bits & dirty::kInstancer) record_.instancer = scene.GetInstancerId(GetId());
@@ -176,7 +179,7 @@ void MeshPrim::update_slots(SceneParam& param) {
 }
 
 DirtyBits MeshPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
-  pull(scene, bits, param.sink());
+  pull(scene, param, bits);
   hold_arrays(&pulled_, param.memory(), GetId().str());
   if (shape_changed_) record_.source = std::make_shared<const PulledMesh>(pulled_);
   shape_changed_ = false;

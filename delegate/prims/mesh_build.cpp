@@ -152,7 +152,8 @@ class MeshBuilder {
     MeshBuild out;
     const size_t faces = mesh_.topology.faceVertexCounts.size();
     const MemoryReservation cage_memory(param_.memory(), MemoryUse::meshes,
-                                        memory_bytes(mesh_) + faces * sizeof(int32_t), "a copy of its cage");
+                                        memory_bytes(mesh_, request.primvars) + faces * sizeof(int32_t),
+                                        "a copy of its cage");
     Cage cage = make_cage(mesh_, request.primvars, where_, sink_);
     cage.face_material = slots_of_faces(*job_.slots, faces, where_, sink_);
     if (!sanitize_cage(cage, where_, sink_)) return out;
@@ -164,6 +165,7 @@ class MeshBuilder {
     options.cancel = cancel_;
     options.memory = &(prototype->memory = MemoryReservation(param_.memory(), MemoryUse::meshes));
     prototype->interior.count_in(param_.memory());
+    prototype->tangents.count_in(param_.memory());
     if (edits_) prototype->interior.share_topology(edits_->shells);
     const auto before = edits_ ? edits_->before.lock() : nullptr;
     options.before = before ? &before->mesh : nullptr;

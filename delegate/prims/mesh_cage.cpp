@@ -203,9 +203,11 @@ Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::st
   return cage;
 }
 
-size_t memory_bytes(const PulledMesh& mesh) {
+size_t memory_bytes(const PulledMesh& mesh, const NamedPrimvars& named) {
   size_t all = 0;
   for_each_part(mesh, [&](size_t bytes, const SharedReservation*) { all += bytes; });
+  for (const Token& name : named.names)
+    if (const PulledPrimvar* const found = find_primvar(mesh, named, name)) all += bytes_in(*found);
   return all;
 }
 
@@ -220,6 +222,12 @@ void hold_arrays(FaceSlots* slots, const std::shared_ptr<MemoryBudget>& budget, 
   size_t bytes = 0;
   for (const Array<int32_t>& faces : slots->faces) bytes += bytes_in(faces);
   if (bytes > 0) slots->memory.held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
+}
+
+void hold_arrays(OtherPrimvars* primvars, const std::shared_ptr<MemoryBudget>& budget, const std::string& where) {
+  for (auto& [name, primvar] : *primvars)
+    if (const size_t bytes = bytes_in(primvar); bytes > 0)
+      primvar.memory.held = std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, bytes, where);
 }
 
 std::vector<int32_t> slots_of_faces(const FaceSlots& slots, size_t count, const std::string& where,

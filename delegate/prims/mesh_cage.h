@@ -37,15 +37,14 @@ struct FaceSlots {
   bool operator==(const FaceSlots&) const = default;
 };
 
-/// Bytes of all its arrays, its own and those of the host.
-size_t memory_bytes(const PulledMesh& mesh);
+/// Primvars that no material reads, by name.
+using OtherPrimvars = std::map<Token, PulledPrimvar>;
+
 /// Has the budget hold the arrays that it does not hold yet: a mesh and its copies hold each once. Throws
 /// MemoryRefused.
 void hold_arrays(PulledMesh* mesh, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
 void hold_arrays(FaceSlots* slots, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
-
-/// Primvars that no material reads, by name.
-using OtherPrimvars = std::map<Token, PulledPrimvar>;
+void hold_arrays(OtherPrimvars* primvars, const std::shared_ptr<MemoryBudget>& budget, const std::string& where);
 
 /// The primvars of a mesh that AOVs show.
 struct NamedPrimvars {
@@ -54,6 +53,8 @@ struct NamedPrimvars {
   bool operator==(const NamedPrimvars&) const = default;
 };
 
+/// Bytes of all arrays of its cage, its own and those of the host.
+size_t memory_bytes(const PulledMesh& mesh, const NamedPrimvars& named);
 /// The cage as it was given, faults included (sanitize_cage mends them), without material slots. Unknown words, and
 /// primvars of another type or interpolation, are reported and left out.
 Cage make_cage(const PulledMesh& mesh, const NamedPrimvars& named, const std::string& where,

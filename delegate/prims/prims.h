@@ -41,9 +41,9 @@ class MeshPrim final : public RecordedPrim<Rprim> {
 
  private:
   DirtyBits post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) override;
-  void pull(SceneDelegate& scene, DirtyBits bits, const alabaster::DiagnosticSink& sink);
+  void pull(SceneDelegate& scene, const SceneParam& param, DirtyBits bits);
   void pull_shape(SceneDelegate& scene, DirtyBits bits);
-  void pull_primvars(SceneDelegate& scene, const alabaster::DiagnosticSink& sink);
+  void pull_primvars(SceneDelegate& scene, const SceneParam& param);
   void update_slots(SceneParam& param);
 
   PulledMesh pulled_;

@@ -22,6 +22,9 @@ struct SceneFault {
 };
 using SceneFaults = std::map<Path, SceneFault>;
 
+/// Counts placements in `budget`. The answer throws MemoryRefused.
+support::HoldPlacements hold_placements_in(std::shared_ptr<MemoryBudget> budget);
+
 struct MeshRecord {
   std::shared_ptr<const PulledMesh> source;             // the shape; another one after each edit of it
   std::shared_ptr<const FaceSlots> slots;               // the same

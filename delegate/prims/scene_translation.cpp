@@ -117,6 +117,13 @@ DisneyMaterial default_material(bool color, bool opacity) {
 
 }  // namespace
 
+support::HoldPlacements hold_placements_in(std::shared_ptr<MemoryBudget> budget) {
+  return [budget = std::move(budget)](size_t count, const Path& prototype) {
+    return std::make_shared<const MemoryReservation>(budget, MemoryUse::scene, count * sizeof(support::Placement),
+                                                     std::to_string(count) + " instances of " + prototype.str());
+  };
+}
+
 std::optional<Shutter> shutter_of(const Records& records) {
   std::optional<Shutter> all;
   for (const auto& [path, record] : records)
@@ -149,6 +156,10 @@ void SceneTranslator::warn(const char* code, const Path& where, const std::strin
   found_.push_back({alabaster::Severity::warning, code, where.str(), text});
 }
 
+void SceneTranslator::fail(const char* code, const Path& where, const std::string& text) {
+  found_.push_back({alabaster::Severity::error, code, where.str(), text});
+}
+
 // One translation.
 struct SceneTranslator::Run {
   SceneTranslator& translator;
@@ -156,7 +167,8 @@ struct SceneTranslator::Run {
   const Records& records = parts.records;
   support::Placements placements{
       [this](const Path& path) { return find_instancer(path); },
-      [this](const char* code, const Path& where, const std::string& text) { translator.warn(code, where, text); }};
+      [this](const char* code, const Path& where, const std::string& text) { translator.warn(code, where, text); },
+      hold_placements_in(parts.memory)};
   Translation out;
   CategorySets category_sets;
 
@@ -183,6 +195,33 @@ struct SceneTranslator::Run {
       add(std::move(instance), mesh);
       return;
     }
+    const size_t instances = out.scene.instances.size(), materials = out.material_paths.size();
+    const size_t bytes = out.memory->bytes();
+    const auto take_back = [&](const char* reason, bool input) {
+      out.scene.instances.erase(out.scene.instances.begin() + std::ptrdiff_t(instances), out.scene.instances.end());
+      out.material_paths.erase(out.material_paths.begin() + std::ptrdiff_t(materials), out.material_paths.end());
+      out.memory->shrink(bytes);
+      translator.fail("instancer.size", path, reason);
+      out.faults[path] = {input, reason};
+    };
+    try {
+      add_instances(path, mesh, own, std::move(instance));
+    } catch (const MemoryRefused& e) {
+      take_back(e.what(), false);
+    } catch (const support::TooManyInstances& e) {
+      take_back(e.what(), true);
+    }
+  }
+
+  // Without its poses.
+  static size_t instance_bytes(const InstanceDescription& instance, const MeshRecord& mesh) {
+    return sizeof instance + instance.name.size() + instance.subsurface_set.size() +
+           mesh.materials.size() * (sizeof instance.materials[0] + sizeof(Path));
+  }
+
+  // Throws MemoryRefused, with some of them added.
+  void add_instances(const Path& path, const MeshRecord& mesh, const std::vector<Matrix4d>& own,
+                     InstanceDescription instance) {
     support::PlacementSource placed = placements.source(path, mesh.instancer, mesh.instance_indices);
     const std::vector<double> times = instancer_times(mesh.instancer);
     const bool has_categories = !category_sets.empty() && have_categories(mesh.instancer);
@@ -192,13 +231,20 @@ struct SceneTranslator::Run {
       out.scene.arrays.push_back({std::move(instance), std::make_shared<PointPlaces>(own.front(), std::move(placed))});
       return;
     }
+    const std::string text = std::to_string(placed.size()) + " instances of " + path.str();
+    const auto hold = [&](size_t more) { out.memory->resize(out.memory->bytes() + more, text); };
+    hold(placed.size() * instance_bytes(instance, mesh));
+    const MemoryReservation samples_memory(
+        parts.memory, MemoryUse::scene,
+        times.empty() ? 0 : (times.size() + mesh.motion.times.size()) * placed.size() * sizeof(Matrix4d), text);
     const PlacedSamples samples = times.empty() ? PlacedSamples() : place_at(times, path, mesh);
     for (size_t i = 0; i < placed.size(); ++i) {
       const support::Placement at = placed[i];
       if (!at.used) continue;
-      std::vector<Matrix4d> poses = own;
-      for (Matrix4d& pose : poses) pose = pose * at.matrix;
-      place(samples.times.empty() ? std::move(poses) : even_poses(samples.of(i), parts.shutter), &instance);
+      std::vector<Matrix4d> moved = own;
+      for (Matrix4d& pose : moved) pose = pose * at.matrix;
+      place(samples.times.empty() ? std::move(moved) : even_poses(samples.of(i), parts.shutter), &instance);
+      hold(instance.poses.size() * sizeof(Matrix4d));
       instance.instance_id = static_cast<int32_t>(i);
       if (has_categories) instance.category_set = category_sets.of(categories_of(mesh, i));
       add(instance, mesh);
@@ -278,7 +324,7 @@ struct SceneTranslator::Run {
             if (!record->moving_points.values.empty()) moved.points = points_at(record->moving_points, time);
             return &moved;
           },
-          {});
+          {}, hold_placements_in(parts.memory));
       const Matrix4d own = mesh.motion.moves() ? interpolate(mesh.motion, time) : mesh.transform;
       samples.matrices.emplace_back();
       for (const support::Placement& placed : then.place(path, mesh.instancer, mesh.instance_indices))
@@ -326,6 +372,7 @@ struct SceneTranslator::Run {
 Translation SceneTranslator::translate(const Parts& parts) {
   Run run{.translator = *this, .parts = parts, .out = {}, .category_sets = CategorySets(parts.records)};
   run.out.shutter = parts.shutter;
+  run.out.memory = std::make_shared<MemoryReservation>(parts.memory, MemoryUse::scene);
   for (const auto& [path, record] : parts.records) {
     if (const auto* mesh = std::get_if<MeshRecord>(&record)) run.add_mesh(path, *mesh);
     if (const auto* light = std::get_if<LightRecord>(&record); light && light->visible) run.add_light(path, *light);

@@ -28,6 +28,8 @@ struct Translation {
   std::vector<std::vector<Path>> array_materials;  // the same of each array's look
   std::vector<Path> light_paths;                   // parallel to scene.lights
   std::vector<Token> categories;                   // that lights name: the first is 1 in scene.lights
+  SceneFaults faults;                              // meshes that memory does not hold in all their places (reported)
+  std::shared_ptr<MemoryReservation> memory;       // of the instances
 };
 
 class BuiltMeshes;
@@ -42,6 +44,7 @@ class SceneTranslator {
     const Shutter& shutter;
     const BuiltMeshes& meshes;
     const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter
+    const std::shared_ptr<MemoryBudget>& memory;
   };
   Translation translate(const Parts& parts);
   /// Reports the faults that the translations since begin() have found.
@@ -51,6 +54,7 @@ class SceneTranslator {
  private:
   struct Run;
   void warn(const char* code, const Path& where, const std::string& text);
+  void fail(const char* code, const Path& where, const std::string& text);
 
   alabaster::DiagnosticSink sink_;
   // Without displayColor, with it, with displayOpacity, with both.

@@ -266,8 +266,9 @@ void SnapshotBuilder::choose_variants(const std::vector<prims::Selection>& selec
 
 void SnapshotBuilder::translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel) {
   prims::Translation translation =
-      translator_.translate({records_, variant->selection, view_->shutter, meshes_, deformed});
+      translator_.translate({records_, variant->selection, view_->shutter, meshes_, deformed, param_->memory()});
   prims::SceneFaults faults = this->faults(variant->selection);
+  faults.insert(translation.faults.begin(), translation.faults.end());
   if (auto same = snapshot_of(translation.scene))  // faults may differ, and paths
     publish(std::make_shared<const BuiltScene>(
         BuiltScene{variant->selection, std::move(translation), std::move(same), std::move(faults)}));

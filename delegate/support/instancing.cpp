@@ -10,6 +10,7 @@ namespace alabaster::hd::support {
 namespace {
 
 constexpr size_t kMaxInstances = size_t(1) << 27;  // of one prim: beyond it, memory for placements alone exceeds 16 GB
+constexpr size_t kMostNested = 100;
 
 // The value of an instance primvar.
 using PullPrimvar = std::function<Value(const char* name)>;
@@ -156,20 +157,41 @@ void Placements::warn(const char* code, const Path& where, const std::string& te
   if (report_) report_(code, where, text);
 }
 
+namespace {
+
+std::vector<Placement> placed(const PlacementSource& all) {
+  std::vector<Placement> placements;
+  placements.reserve(all.size());
+  for (size_t i = 0; i < all.size(); ++i) placements.push_back(all[i]);
+  return placements;
+}
+
+}  // namespace
+
 // An instancer stands once where it has no parent. Its own transform comes before that.
 std::shared_ptr<const std::vector<Placement>> Placements::bases(const Path& instancer, const InstancerRecord& record) {
   if (const auto known = bases_.find(instancer); known != bases_.end()) return known->second;
-  std::vector<Placement> bases;
+  struct Held {
+    std::shared_ptr<const void> memory;
+    std::vector<Placement> places;
+  };
+  const auto held = std::make_shared<Held>();
   if (record.parent.empty()) {
-    bases.emplace_back();
+    held->places.emplace_back();
+  } else if (visiting_.size() == kMostNested) {
+    warn("instancer.depth", instancer,
+         "instancers are nested deeper than 100; the prims that they place are not drawn");
   } else if (visiting_.insert(instancer).second) {
-    bases = place(instancer, record.parent, record.indices_in_parent);
-    visiting_.erase(instancer);
+    const std::shared_ptr<void> leaves(nullptr, [&](void*) { visiting_.erase(instancer); });
+    const PlacementSource all = source(instancer, record.parent, record.indices_in_parent);
+    if (hold_) held->memory = hold_(all.size(), instancer);
+    held->places = placed(all);
   } else {
     warn("instancer.cycle", instancer, "instancers contain each other; the prims that they place are not drawn");
   }
-  for (Placement& base : bases) base.matrix = record.transform * base.matrix;
-  return bases_.emplace(instancer, std::make_shared<const std::vector<Placement>>(std::move(bases))).first->second;
+  for (Placement& base : held->places) base.matrix = record.transform * base.matrix;
+  const std::shared_ptr<const std::vector<Placement>> bases(held, &held->places);
+  return bases_.emplace(instancer, bases).first->second;
 }
 
 // point * instancer * outer, for each outer placement and, fastest, each index.
@@ -180,10 +202,7 @@ PlacementSource Placements::source(const Path& prototype, const Path& instancer,
     return {};
   }
   PlacementSource source{record->points, indices, bases(instancer, *record)};
-  if (!indices.empty() && source.bases->size() > kMaxInstances / indices.size()) {
-    warn("instancer.size", prototype, "more than 2^27 instances; the prim is not drawn");
-    return {};
-  }
+  if (!indices.empty() && source.bases->size() > kMaxInstances / indices.size()) throw TooManyInstances(prototype);
   const bool dropped =
       std::any_of(indices.begin(), indices.end(), [&](int32_t index) { return !source.has_point(index); });
   if (dropped && !source.bases->empty())
@@ -194,10 +213,8 @@ PlacementSource Placements::source(const Path& prototype, const Path& instancer,
 
 std::vector<Placement> Placements::place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices) {
   const PlacementSource all = source(prototype, instancer, indices);
-  std::vector<Placement> placements;
-  placements.reserve(all.size());
-  for (size_t i = 0; i < all.size(); ++i) placements.push_back(all[i]);
-  return placements;
+  const std::shared_ptr<const void> memory = hold_ ? hold_(all.size(), prototype) : nullptr;
+  return placed(all);
 }
 
 bool PlacementSource::has_point(int32_t index) const {

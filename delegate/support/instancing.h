@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <set>
+#include <stdexcept>
 
 #include "delegate/api/scene_delegate.h"
 
@@ -70,15 +71,27 @@ struct PlacementSource {
   bool stand_alike(const PlacementSource& other, size_t begin, size_t end) const;
 };
 
+/// Called before so many placements of a prim are made: they are counted as long as the answer lives. It may throw.
+using HoldPlacements = std::function<std::shared_ptr<const void>(size_t count, const Path& prototype)>;
+
+/// One prim stands in more than 2^27 places.
+struct TooManyInstances : std::runtime_error {
+  explicit TooManyInstances(const Path& prototype)
+      : std::runtime_error("more than 2^27 instances of " + prototype.str() +
+                           "; place fewer, or render parts of the scene") {}
+};
+
 /// Places prototypes. Remembers where instancers themselves stand, since many prototypes share them.
 class Placements {
  public:
-  /// `find` answers with an instancer's record, or null; records must outlive this object.
-  Placements(std::function<const InstancerRecord*(const Path&)> find, InstancingReport report)
-      : find_(std::move(find)), report_(std::move(report)) {}
+  /// `find` answers with an instancer's record, or null; records must outlive this object. `hold` (may be empty) counts
+  /// the places that are remembered, and the others while they are made.
+  Placements(std::function<const InstancerRecord*(const Path&)> find, InstancingReport report, HoldPlacements hold = {})
+      : find_(std::move(find)), report_(std::move(report)), hold_(std::move(hold)) {}
 
   /// The instances of `prototype`, which `instancer` places at `indices`: the innermost index runs fastest. Empty and
-  /// reported if the instancer does not exist, if instancers contain each other, or beyond 2^27 instances.
+  /// reported if the instancer does not exist, or if instancers contain each other or a hundred others. Throws what
+  /// `hold` does, and TooManyInstances.
   std::vector<Placement> place(const Path& prototype, const Path& instancer, const Array<int32_t>& indices);
   /// The same, not yet placed.
   PlacementSource source(const Path& prototype, const Path& instancer, const Array<int32_t>& indices);
@@ -89,6 +102,7 @@ class Placements {
 
   std::function<const InstancerRecord*(const Path&)> find_;
   InstancingReport report_;
+  HoldPlacements hold_;
   std::map<Path, std::shared_ptr<const std::vector<Placement>>> bases_;  // where each instancer stands
   std::set<Path> visiting_;
 };

@@ -77,5 +77,21 @@ TEST(TangentCache, GivesAuthoredOnesFirstAndNoneWithoutTheUvSet) {
   EXPECT_EQ(cache.of(mesh, "st"), &mesh.tangents);
 }
 
+TEST(TangentCache, CountsWhatItHoldsAndIsAskedAgainWhereMemoryRefusedIt) {
+  const Mesh mesh = square([](const Vec3f& p) { return Vec2f(p.x, p.y); });
+  const auto budget = std::make_shared<MemoryBudget>(100);
+  {
+    TangentCache cache;
+    cache.count_in(budget);
+    EXPECT_THROW(cache.of(mesh, "st"), MemoryRefused);
+    EXPECT_EQ(budget->in_use(), 0u);
+    EXPECT_THROW(cache.of(mesh, "st"), MemoryRefused) << "and no empty ones";
+    budget->set_limit(10000);
+    ASSERT_NE(cache.of(mesh, "st"), nullptr);
+    EXPECT_EQ(budget->in_use(), cache.memory_bytes());
+  }
+  EXPECT_EQ(budget->in_use(), 0u);
+}
+
 }  // namespace
 }  // namespace alabaster

@@ -1,6 +1,8 @@
 // The memory limit inside a host: errors name who asks for more, and the delegate goes on.
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "testenv/support/failing_memory.h"
 #include "testenv/support/stage.h"
 
@@ -105,10 +107,11 @@ AssetPath image_file(const std::string& name, const std::string& bytes) {
 }
 
 /// An image in a material and a mesh for each of these wrap modes.
-void add_images(Stage& stage, const AssetPath& file, const std::vector<const char*>& wraps) {
+void add_images(Stage& stage, const AssetPath& file, const std::vector<const char*>& wraps,
+                const char* input = "baseColor") {
   for (const char* wrap : wraps) {
     MaterialNetwork network;
-    network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}}}}};
+    network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{input, {{"/m/map", "rgb"}}}}};
     network.nodes["/m/map"] = {"AlabasterTexture", {{"file", file}, {"wrapS", std::string(wrap)}}, {}};
     network.terminals["surface"] = {"/m/surface", "surface"};
     const std::string name = wrap;
@@ -195,6 +198,115 @@ TEST(MemoryLimit, AnImageOfLongRowsTakesMemoryForTheRowsThatItHas) {
   ASSERT_TRUE(drawing.draw());
   EXPECT_EQ(drawing.errors(), "");
   EXPECT_LE(largest.bytes(), kRows * kWidth * 4 * sizeof(float)) << "as floats with an alpha";
+}
+
+// A host may lend any number of primvars that nothing asks for.
+TEST(MemoryLimit, PrimvarsThatNoMaterialReadsCount) {
+  Drawing drawing(16);
+  ASSERT_TRUE(drawing.draw());
+  const double before = drawing.stage.stat("memoryInUse");
+  const auto set_numbers = [&](size_t count) {
+    host::MeshDescription mesh = Stage::quad();
+    mesh.primvars["temperature"] = {Interpolation::constant, {}, Array<float>(std::vector<float>(count, 1)), {}};
+    drawing.stage.scene.SetMesh("/quad_of_numbers", mesh);
+    return drawing.draw();
+  };
+  ASSERT_TRUE(set_numbers(size_t(1) << 20));
+  EXPECT_EQ(drawing.errors(), "");
+  EXPECT_GE(drawing.stage.stat("memoryInUse"), before + 4 * kMiB);
+  EXPECT_TRUE(set_numbers(size_t(8) << 20)) << "the rest of the scene";
+  const std::string errors = drawing.errors();
+  EXPECT_NE(errors.find("/quad_of_numbers needs 32 MiB more"), std::string::npos) << errors;
+  ASSERT_TRUE(set_numbers(1));
+  EXPECT_LT(drawing.stage.stat("memoryInUse"), before + kMiB);
+}
+
+TEST(MemoryLimit, TangentsOfNormalMapsCount) {
+  const auto in_use = [](bool mapped) {
+    Drawing drawing(256);
+    const AssetPath map =
+        image_file("flat.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n" + std::string("\x80\x80\xff\x80"));
+    add_images(drawing.stage, map, {"clamp"}, mapped ? "normal" : "baseColor");
+    host::MeshDescription mesh = refined_quad(8);
+    mesh.material = "/clamp";
+    mesh.primvars["st"] = {
+        Interpolation::vertex, "textureCoordinate", Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}};
+    drawing.stage.scene.SetMesh("/mesh_clamp", mesh);
+    EXPECT_TRUE(drawing.draw());
+    EXPECT_EQ(drawing.errors(), "");
+    return drawing.stage.stat("memoryInUse");
+  };
+  EXPECT_GE(in_use(true), in_use(false) + 131072.0 * 3 * sizeof(uint32_t));
+}
+
+/// Instancers in each other, each of which places the next one twice. Returns the name of the innermost.
+std::string add_nested_instancers(Stage& stage, int depth) {
+  std::string parent;
+  for (int i = 0; i < depth; ++i) {
+    const std::string name = "/instancer" + std::to_string(i);
+    host::InstancerDescription instancer;
+    instancer.primvars = {{"hydra:instanceTranslations", Array<Vec3f>{{0, 0, 0}, {1, 0, 0}}}};
+    const std::string inner = i + 1 < depth ? "/instancer" + std::to_string(i + 1) : "/many";
+    instancer.indices[inner] = {0, 1};
+    instancer.parent = parent;
+    stage.scene.SetInstancer(name, instancer);
+    parent = name;
+  }
+  return parent;
+}
+
+// A scene of a few hundred bytes has 2^24 instances, or any number.
+TEST(MemoryLimit, NestedInstancersThatItDoesNotHoldAreAFault) {
+  for (const int depth : {24, 64, 20000}) {
+    Drawing drawing(64);
+    ASSERT_TRUE(drawing.draw());
+    const double before = drawing.stage.stat("memoryInUse");
+    host::MeshDescription mesh = Stage::quad();
+    mesh.instancer = add_nested_instancers(drawing.stage, depth);
+    drawing.stage.scene.SetMesh("/many", mesh);
+    EXPECT_TRUE(drawing.draw()) << "the rest of the scene";
+    if (depth > 100) {
+      EXPECT_EQ(drawing.stage.count("instancer.depth"), 1u);
+    } else {
+      EXPECT_EQ(drawing.stage.stat("scene.faultCount"), 1) << depth;
+      EXPECT_EQ(drawing.stage.stat("scene.outOfMemory"), 1) << depth;
+      const std::string errors = drawing.errors();
+      EXPECT_NE(errors.find("instances of /instancer"), std::string::npos) << errors;
+    }
+    drawing.stage.scene.Remove("/many");
+    EXPECT_TRUE(drawing.draw());
+    EXPECT_EQ(drawing.stage.stat("scene.faultCount"), -1);
+    EXPECT_LT(drawing.stage.stat("memoryInUse"), before + kMiB);
+  }
+}
+
+// Turning instances have up to 129 poses each.
+TEST(MemoryLimit, InstancesThatMoveCount) {
+  const auto in_use = [](bool turning) {
+    Drawing drawing(256);
+    host::InstancerDescription instancer;
+    std::vector<Vec3f> places(4096, Vec3f(0, 0, 0));
+    instancer.primvars = {{"hydra:instanceTranslations", Array<Vec3f>(places)}};
+    std::vector<int32_t> indices(places.size());
+    std::iota(indices.begin(), indices.end(), 0);
+    instancer.indices["/many"] = indices;
+    host::MeshDescription mesh = Stage::quad();
+    mesh.instancer = "/instancer";
+    if (turning) {
+      Matrix4d half;
+      half.rotate(Vec3d(0, 0, 2));
+      instancer.transformSamples = {{0, 1}, {Matrix4d(), half}};
+      host::CameraDescription camera = drawing.stage.scene.GetCameras().at("/camera");
+      camera.parameters["shutterClose"] = 1.0;
+      drawing.stage.scene.SetCamera("/camera", camera);
+    }
+    drawing.stage.scene.SetInstancer("/instancer", instancer);
+    drawing.stage.scene.SetMesh("/many", mesh);
+    EXPECT_TRUE(drawing.draw());
+    EXPECT_EQ(drawing.errors(), "");
+    return drawing.stage.stat("memoryInUse");
+  };
+  EXPECT_GT(in_use(true), in_use(false) + 4096.0 * 39 * sizeof(Matrix4d)) << "two radians in steps of three degrees";
 }
 
 TEST(MemoryLimit, FramesCountForAsLongAsTheyAreDrawn) {
