@@ -267,9 +267,11 @@ class AccessorLoader {
     const uint64_t index_offset = integer_or(indices, "byteOffset", 0),
                    value_offset = integer_or(values, "byteOffset", 0);
     if (index_type != kUnsignedByte && index_type != kUnsignedShort && index_type != kUnsignedInt)
-      return report_.error("accessor.sparse", element + ".indices.componentType", "must be an unsigned integer type");
+      return report_.error("accessor.sparse", element + ".indices.componentType",
+                           "must be an unsigned integer type; export the file again");
     if (count > accessor->count)
-      return report_.error("accessor.sparse", element + ".count", "is larger than the accessor's count");
+      return report_.error("accessor.sparse", element + ".count",
+                           "is larger than the accessor's count; export the file again");
     if (index_offset + count * uint64_t(component_size(index_type)) > index_view.length ||
         value_offset + count * uint64_t(size) > value_view.length)
       return report_.error("accessor.sparse", element, "exceeds its buffer views; export the file again");
@@ -287,8 +289,9 @@ class AccessorLoader {
       const uint8_t* p = accessor.sparse_indices + k * component_size(accessor.sparse_index_type);
       const uint32_t index = read_index(p, accessor.sparse_index_type);
       if (index >= accessor.count)
-        return report_.error("accessor.sparse", element + ".indices",
-                             "index " + std::to_string(index) + " is not below the accessor's count");
+        return report_.error(
+            "accessor.sparse", element + ".indices",
+            "index " + std::to_string(index) + " is not below the accessor's count; export the file again");
       rising = rising && int64_t(index) > previous;
       previous = index;
     }

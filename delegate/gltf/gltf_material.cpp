@@ -11,7 +11,7 @@ std::string suggestion(const std::string& name) {
   std::vector<std::string> names;
   for (const MaterialParameter& parameter : material_parameters()) names.emplace_back(parameter.name);
   const std::string nearest = support::NearestName(name, names);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+  return nearest.empty() ? "; schemas/disney_material.json lists them" : "; did you mean '" + nearest + "'?";
 }
 
 // The parameter of "baseColorTexture"; empty for other keys.
@@ -60,7 +60,7 @@ void set_disney_extension(MaterialBuilder* material) {
       material->error("material.disney", place, "is not a parameter" + suggestion(key));
     } else if (textured.empty()) {
       if (!set_value(*parameter, disney->Get(key), material))
-        material->error("material.disney", place, type_of(*parameter));
+        material->error("material.disney", place, type_of(*parameter) + std::string("; correct the value"));
     } else {
       material->disconnect(parameter->name);
       material->connect(

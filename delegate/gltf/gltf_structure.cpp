@@ -37,7 +37,9 @@ class StructureCheck {
   }
 
  private:
-  void error(const std::string& element, const std::string& text) { report_.error("structure", element, text); }
+  void error(const std::string& element, const std::string& text) {
+    report_.error("structure", element, text + "; export the file again");
+  }
 
   void check_declarations(const char* name, std::set<std::string>* names) {
     const auto found = root_.find(name);
@@ -58,7 +60,7 @@ class StructureCheck {
       if (found != value.end()) {
         check_value(*found, name, property);
       } else if (property.required) {
-        error(name, "is required and missing; export the file again");
+        error(name, "is required and missing");
       }
     }
     const auto extensions = value.find("extensions");

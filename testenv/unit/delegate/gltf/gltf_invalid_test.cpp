@@ -236,6 +236,17 @@ TEST(GltfInvalid, EveryDamageIsReportedWithItsPlace) {
   }
 }
 
+// Texts tell the fault, and after a semicolon what to do about it.
+TEST(GltfInvalid, EveryErrorHasARemedy) {
+  for (const Case& damaged : kCases) {
+    Json document = sound_document();
+    damaged.damage(document);
+    for (const Diagnostic& d : load_document(document).diagnostics)
+      EXPECT_TRUE(d.severity != Severity::error || d.text.find("; ") != std::string::npos)
+          << damaged.name << ": " << d.where << " " << d.text;
+  }
+}
+
 TEST(GltfInvalid, DeepJsonIsRefusedBeforeAnyParserSeesIt) {
   const TemporaryFolder folder;
   for (const size_t depth : {size_t(129), size_t(20000), size_t(2000000)}) {
