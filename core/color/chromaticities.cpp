@@ -44,7 +44,8 @@ XyzColumns xyz_d65_columns(const Chromaticities& c) {
   // SMPTE RP 177: scale each primary so that together they make the white.
   Matrix33d primaries;
   for (int i = 0; i < 3; ++i) {
-    const double x = c[size_t(2 * i)], y = c[size_t(2 * i + 1)];
+    const size_t at = 2 * size_t(i);
+    const double x = c[at], y = c[at + 1];
     const Vec3d xyz(x, y, 1 - x - y);
     for (int j = 0; j < 3; ++j) primaries[i][j] = xyz[j];
   }

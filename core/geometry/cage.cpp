@@ -358,7 +358,7 @@ class Sanitizer {
       for (; first + 1 < end; ++first, ++edge) {
         const int a = cage_.crease_indices[first], b = cage_.crease_indices[first + 1];
         const float sharpness = cage_.crease_sharpnesses[per_crease ? crease : edge];
-        if (!existing.count(std::minmax({a, b}))) {
+        if (!existing.contains(std::minmax({a, b}))) {
           faults_.add("mesh.creases.edge", static_cast<int>(crease));
         } else if (!is_sharpness(sharpness)) {
           faults_.add("mesh.creases.sharpness", static_cast<int>(crease));

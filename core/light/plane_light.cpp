@@ -86,7 +86,7 @@ template <bool kPlain>
 std::optional<LightSample> PlaneLight::sample_as(const Vec3d& to_center, double height, const Vec2f& u) const {
   const bool shows = !kPlain && image_;
   const bool disk = !kPlain && disk_;
-  Vec3d to_light;
+  Vec3d to_light(0, 0, 0);
   double solid_angle = 0;
   if (kPlain || !is_sampled_by_area(to_center, height)) {
     const SphericalRectangle seen = view_from(to_center, height);

@@ -61,7 +61,7 @@ struct Edge {
 struct Fellow {
   std::array<uint32_t, 2> others;  // its other corners, ascending
   uint32_t triangle;
-  auto operator<=>(const Fellow&) const = default;
+  bool operator<(const Fellow& o) const { return others != o.others ? others < o.others : triangle < o.triangle; }
 };
 
 class TopologyFinder {

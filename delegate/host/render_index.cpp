@@ -225,7 +225,7 @@ void RenderIndex::Remove(const Path& id) {
 }
 
 bool RenderIndex::Has(const Path& id) const {
-  return state_->entries.count(id) != 0;
+  return state_->entries.contains(id);
 }
 
 Sprim* RenderIndex::GetSprim(const Path& id) const {

@@ -196,7 +196,8 @@ void RetainedSceneDelegate::SetCamera(const Path& id, CameraDescription camera) 
 }
 
 void RetainedSceneDelegate::SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer) {
-  if (state_->set(state_->buffers, id, buffer) && state_->index) state_->index->InsertBprim("renderBuffer", this, id);
+  if (state_->set(state_->buffers, id, std::move(buffer)) && state_->index)
+    state_->index->InsertBprim("renderBuffer", this, id);
 }
 
 void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDescription settings) {

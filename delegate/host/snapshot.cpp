@@ -16,7 +16,7 @@ struct Pixels {
 };
 
 /// Without components if the buffer has another size.
-Pixels read(RenderBuffer& buffer, Vec2i size) {
+Pixels read(RenderBuffer& buffer, const Vec2i& size) {
   constexpr Format kFloats[] = {Format::float32, Format::float32vec2, Format::float32vec3, Format::float32vec4};
   Pixels pixels;
   PixelMemory memory;

@@ -12,8 +12,8 @@ DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& para
   for (const SettingParameter& row : setting_parameters())
     if (const auto given = description.settings.find(row.name); given != description.settings.end())
       set_parameter(row, given->second, &settings);
-  if (description.settings.count("textureMemory")) param.set_texture_memory(settings.texture_memory, false);
-  if (description.settings.count("memoryLimit")) param.set_memory_limit(settings.memory_limit, false);
+  if (description.settings.contains("textureMemory")) param.set_texture_memory(settings.texture_memory, false);
+  if (description.settings.contains("memoryLimit")) param.set_memory_limit(settings.memory_limit, false);
   param.post(GetId(), SettingsRecord{description});
   return dirty::kClean;
 }
