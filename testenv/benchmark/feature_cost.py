@@ -36,10 +36,10 @@ USED = {"mixed_no_subsurface": ["coat, clear coat, sheen, thin film", "textures"
 CULLED = "culled sides, opacity, cut-outs"  # glTF's materials have one side unless they say otherwise
 
 
-def profile(program, scene, samples, folder):
+def profile(program, scene, samples, folder, flags=()):
     """Instructions by function, and in all."""
     data = folder / "callgrind.out"
-    render(program, scene, folder / "cost.exr", ["--size", f"{WIDTH}x{HEIGHT}", "--spp", str(samples), "--threads", "1"],
+    render(program, scene, folder / "cost.exr", ["--size", f"{WIDTH}x{HEIGHT}", "--spp", str(samples), "--threads", "1", *flags],
            ["valgrind", "--tool=callgrind", f"--callgrind-out-file={data}"])
     text = subprocess.run(["callgrind_annotate", "--threshold=100", str(data)], capture_output=True, text=True, check=True).stdout
     total = int(re.search(r"^ *([\d,]+) .*PROGRAM TOTALS", text, re.M)[1].replace(",", ""))
@@ -61,8 +61,9 @@ def totals_by_name(functions):
     return totals
 
 
-def per_sample(program, scene, folder):
-    (few, few_total), (many, many_total) = (profile(program, scene, n, folder) for n in (FEW, 2 * FEW))
+def per_sample(program, scene, folder, flags=()):
+    """Instructions of a camera sample by function, and in all."""
+    (few, few_total), (many, many_total) = (profile(program, scene, n, folder, flags) for n in (FEW, 2 * FEW))
     samples = WIDTH * HEIGHT * FEW
     return {name: (count - few.get(name, 0)) / samples for name, count in many.items()}, (many_total - few_total) / samples
 

@@ -6,7 +6,8 @@
 A trial begins a render with --checkpoint, kills it with SIGKILL at a moment spread evenly over the time that it takes,
 begins the same command again with --resume, and so on until it has been killed as often as the trial asks for (one to
 three times); then it lets the render end. The pixels of all layers must be those of the render without interruption, to
-the bit. Trials take turns among evenly sampled, adaptive and target-error renders. Exits with 1 at the first that differs.
+the bit, and no file but theirs may be left. Trials take turns among evenly sampled, adaptive and target-error renders. Exits
+with 1 at the first that differs.
 """
 import argparse
 import pathlib
@@ -80,6 +81,8 @@ def main():
             finish(words)
             if not same_pixels(whole[mode], output):
                 sys.exit(f"trial {trials} ({mode}, seed {args.seed}): the picture differs from that of the render in one")
+            if strangers := set(folder.iterdir()) - {checkpoint, output, *whole.values()}:
+                sys.exit(f"trial {trials} ({mode}, seed {args.seed}): files are left: {sorted(p.name for p in strangers)}")
             trials += 1
     print(f"{kills} kills in {trials} renders, {went_on} with a checkpoint: all pictures equal to the bit")
 
