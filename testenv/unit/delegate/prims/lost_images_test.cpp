@@ -93,7 +93,7 @@ int cut_unnamed_files(off_t least) {
   return cut;
 }
 
-/// An image of a million texels, 6 MB as halves.
+/// An image of a million texels.
 AssetPath large_image() {
   const std::string bytes =
       "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16384 +X 64\n" + std::string(size_t(4) << 20, '\x80');
@@ -119,7 +119,7 @@ TEST(LostImages, TexelsThatCannotBeReadBackAreAFault) {
   stage.scene.SetRenderSettings("/settings", settings);
   const auto record = [&] { return host::RecordFrame(stage.index.get(), &stage.scene, "/settings", {}).status; };
   ASSERT_EQ(record(), host::RecordStatus::done);
-  ASSERT_EQ(cut_unnamed_files(6 << 20), 1);
+  ASSERT_EQ(cut_unnamed_files(1 << 20), 1);
   EXPECT_EQ(record(), host::RecordStatus::degraded);
   EXPECT_EQ(stage.count("texture.memory"), 1u);
   EXPECT_NE(stage.text_stat("scene.faults").find("the temporary file of textures"), std::string::npos);
