@@ -216,9 +216,10 @@ class LimitTessellator {
     mesh_.uv_sets.resize(cage_.uvs.size());
     mesh_.primvars.resize(cage_.primvars.size());
     tracks_.clear();
+    constexpr size_t kNumberBytes = sizeof(float);
     const auto add = [&]<class T>(const Primvar<T>& primvar, MeshAttribute<T>* attribute) {
       attribute->values.resize(primvar.interpolation == Interpolation::face_varying ? corners : points, T(0.0f));
-      tracks_.push_back({primvar.interpolation, sizeof(T) / sizeof(float),
+      tracks_.push_back({primvar.interpolation, sizeof(T) / kNumberBytes,
                          reinterpret_cast<const float*>(primvar.values.data()), &primvar.indices,
                          reinterpret_cast<float*>(attribute->values.data())});
     };

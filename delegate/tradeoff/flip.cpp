@@ -117,9 +117,9 @@ Plane filter_columns(const Plane& in, Size size, const Kernel& kernel) {
   Plane out(in.size(), 0.0f);
   for (int y = 0; y < size.height; ++y) {
     float* to = out.data() + size_t(y) * width;
-    for (int k = -radius; k <= radius; ++k) {
-      const float* from = in.data() + size_t(std::clamp(y + k, 0, size.height - 1)) * width;
-      const float weight = kernel[size_t(k + radius)];
+    for (size_t k = 0; k < kernel.size(); ++k) {
+      const float* from = in.data() + size_t(std::clamp(y + int(k) - radius, 0, size.height - 1)) * width;
+      const float weight = kernel[k];
       for (size_t x = 0; x < width; ++x) to[x] += weight * from[x];
     }
   }

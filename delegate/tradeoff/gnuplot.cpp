@@ -17,8 +17,6 @@
 #include "delegate/support/output_file.h"
 #include "delegate/tradeoff/temporary_folder.h"
 
-extern char** environ;
-
 namespace alabaster::tradeoff {
 namespace {
 

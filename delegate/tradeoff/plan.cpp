@@ -71,7 +71,7 @@ class Planner {
   int missing(int configuration, uint64_t samples) const {
     const auto found = done_.find({configuration, samples});
     int replica = 0;
-    while (found != done_.end() && found->second.count(replica)) ++replica;
+    while (found != done_.end() && found->second.contains(replica)) ++replica;
     return replica;
   }
 

@@ -140,7 +140,7 @@ StudyOutcome run_study(const ConfigurationList& list, double budget, StudyStore*
   return Study(list, budget, store, hooks).run(problem);
 }
 
-hd::Vec2i affordable_size(hd::Vec2i size, double seconds, size_t configurations, double budget) {
+hd::Vec2i affordable_size(const hd::Vec2i& size, double seconds, size_t configurations, double budget) {
   constexpr double kSamples = kReplicas * (1 + 4 + 16 + 64);
   const double pixels = (1 - kReferenceShare) * budget / (kSamples * double(configurations) * std::max(seconds, 1e-12));
   constexpr double kFewest = 64 * 64;  // a smaller picture shows too little

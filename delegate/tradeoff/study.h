@@ -43,6 +43,6 @@ std::optional<int> find_configuration(const ConfigurationList& list, const Store
 
 /// A frame with the proportions of `size`, no larger, and small enough for four rungs of each configuration to fit into
 /// the budget beside the reference. `seconds` is the cost of one sample of one pixel of the base.
-hd::Vec2i affordable_size(hd::Vec2i size, double seconds, size_t configurations, double budget);
+hd::Vec2i affordable_size(const hd::Vec2i& size, double seconds, size_t configurations, double budget);
 
 }  // namespace alabaster::tradeoff

@@ -24,11 +24,11 @@ PictureFrame PictureFrame::fit(hd::Vec2f corner, hd::Vec2f room, double aspect, 
   return frame;
 }
 
-hd::Vec2d PictureFrame::place(hd::Vec2f cursor) const {
+hd::Vec2d PictureFrame::place(const hd::Vec2f& cursor) const {
   return {double(cursor.x - low_.x) / double(high_.x - low_.x), double(cursor.y - low_.y) / double(high_.y - low_.y)};
 }
 
-hd::Vec2f PictureFrame::cursor(hd::Vec2d place) const {
+hd::Vec2f PictureFrame::cursor(const hd::Vec2d& place) const {
   return low_ + hd::Vec2f(float(place.x), float(place.y)) * (high_ - low_);
 }
 

@@ -25,8 +25,8 @@ class PictureFrame {
   hd::Vec2f low() const { return low_; }
   hd::Vec2f high() const { return high_; }
   /// The cursor's place in the picture: 0 to 1 in it, y down.
-  hd::Vec2d place(hd::Vec2f cursor) const;
-  hd::Vec2f cursor(hd::Vec2d place) const;
+  hd::Vec2d place(const hd::Vec2f& cursor) const;
+  hd::Vec2f cursor(const hd::Vec2d& place) const;
   /// Pixels to render for it. `reduction`: 2 for half as many on a side.
   hd::Vec2i pixels(int reduction) const;
 

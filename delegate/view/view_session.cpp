@@ -216,7 +216,7 @@ void ViewSession::set_exposure(float stops) {
   ++display_version_;
 }
 
-hd::Vec3f ViewSession::shown(hd::Vec3f color) const {
+hd::Vec3f ViewSession::shown(const hd::Vec3f& color) const {
   float rgba[4] = {color.x, color.y, color.z, 1};
   if (display_) display_->Apply(rgba);
   return {rgba[0], rgba[1], rgba[2]};

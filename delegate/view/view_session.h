@@ -82,7 +82,7 @@ class ViewSession {
   void set_exposure(float stops);
   float exposure() const { return exposure_; }
   /// A colour of the rendering space as the display shows it.
-  hd::Vec3f shown(hd::Vec3f color) const;
+  hd::Vec3f shown(const hd::Vec3f& color) const;
 
   /// Ends rendering until it is resumed, and then denoises the samples so far if the denoised picture is shown.
   void pause(bool paused);
