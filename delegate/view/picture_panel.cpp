@@ -1,6 +1,7 @@
 #include "delegate/view/picture_panel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -12,10 +13,10 @@ constexpr float kDividerReach = 8;  // units
 constexpr double kTurn = 2 * std::numbers::pi;
 
 ImTextureID texture_id(unsigned texture) {
-  return reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture));
+  return std::bit_cast<ImTextureID>(static_cast<uintptr_t>(texture));
 }
 
-ImVec2 point(hd::Vec2f p) {
+ImVec2 point(const hd::Vec2f& p) {
   return {p.x, p.y};
 }
 
