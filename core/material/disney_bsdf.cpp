@@ -43,11 +43,8 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   if (is_bounded()) bound_energy(p);
 
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
-  // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none. Light that comes
-  // by way of a walk is noisier than what the other lobes bring, so it has twice its share of the samples
-  // (testenv/benchmark/results/sampling.md).
-  constexpr float kWalkPreference = 2;
-  set_probabilities(subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f)) * kWalkPreference);
+  // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
+  set_probabilities(subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f)));
 }
 
 std::optional<DisneyBsdf::Layers> DisneyBsdf::layers_of(const DisneyParameters& p) {
