@@ -60,7 +60,7 @@ void add_exceptions(py::module_& module) {
   e.cancelled = derive("Cancelled", "A render was cancelled; its picture so far is there.");
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      if (thrown) std::rethrow_exception(thrown);
+      if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const door::Error& error) {
       PyErr_SetString(exception_of(error.status).ptr(), error.what());
     }

@@ -127,7 +127,7 @@ void add_looks(py::class_<Scene>& scene) {
           "schemas/lights.json: intensity=2, color=(1, .9, .8).")
       .def(
           "set_camera",
-          [](Scene& s, const std::string& path, const py::object& transform, py::kwargs options) {
+          [](Scene& s, const std::string& path, const py::object& transform, const py::kwargs& options) {
             options["transform"] = transform;
             s.set_camera(path, options);
           },

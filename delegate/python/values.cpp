@@ -166,7 +166,7 @@ std::vector<size_t> shape_of(py::handle values) {
   if (!PySequence_Check(values.ptr()) || is_text(values)) return {};
   const auto sequence = py::reinterpret_borrow<py::sequence>(values);
   std::vector<size_t> shape = {sequence.size()};
-  if (sequence.size() > 0)
+  if (!sequence.empty())
     for (const size_t length : shape_of(py::object(sequence[0]))) shape.push_back(length);
   return shape;
 }

@@ -4,12 +4,13 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 
 namespace alabaster::hd::rendering {
 namespace {
 
-void write_component(float value, Format format, int i, uint8_t* pixel) {
+void write_component(float value, Format format, std::ptrdiff_t i, uint8_t* pixel) {
   switch (format) {
     case Format::unorm8:
     case Format::unorm8vec3:
@@ -34,7 +35,7 @@ void write_component(float value, Format format, int i, uint8_t* pixel) {
   }
 }
 
-float read_component(const uint8_t* pixel, Format format, int i) {
+float read_component(const uint8_t* pixel, Format format, std::ptrdiff_t i) {
   switch (format) {
     case Format::unorm8:
     case Format::unorm8vec3:
@@ -78,7 +79,10 @@ void write_pixels(std::span<const float> values, size_t components, Format forma
   }
   for (; !values.empty(); values = values.subspan(components), pixels += size)
     for (size_t i = 0; i < wanted; ++i)
-      write_component(i < components ? values[i] : i == 3 ? 1.0f : 0.0f, format, static_cast<int>(i), pixels);
+      write_component(i < components ? values[i]
+                      : i == 3       ? 1.0f
+                                     : 0.0f,
+                      format, static_cast<std::ptrdiff_t>(i), pixels);
 }
 
 void write_pixels(std::span<const int32_t> values, Format format, uint8_t* pixels) {
