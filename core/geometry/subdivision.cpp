@@ -213,8 +213,7 @@ class LimitTessellator {
   }
 
   void lay_out_primvars(uint32_t points, uint32_t corners) {
-    mesh_.uv_sets.resize(cage_.uvs.size());
-    mesh_.primvars.resize(cage_.primvars.size());
+    mesh_.uv_sets.resize(cage_.uvs.size()), mesh_.primvars.resize(cage_.primvars.size());
     tracks_.clear();
     constexpr size_t kNumberBytes = sizeof(float);
     const auto add = [&]<class T>(const Primvar<T>& primvar, MeshAttribute<T>* attribute) {
