@@ -91,9 +91,14 @@ struct FilterContext {
 
 inline void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
   const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
-  const TriangleHit hit{RTCRayN_tfar(args->ray, args->N, 0),      RTCHitN_u(args->hit, args->N, 0),
-                        RTCHitN_v(args->hit, args->N, 0),         RTCHitN_primID(args->hit, args->N, 0),
-                        RTCHitN_instID(args->hit, args->N, 0, 0), RTCRayN_time(args->ray, args->N, 0)};
+  const TriangleHit hit{
+      RTCRayN_tfar(args->ray, args->N, 0),
+      RTCHitN_u(args->hit, args->N, 0),
+      RTCHitN_v(args->hit, args->N, 0),
+      RTCHitN_primID(args->hit, args->N, 0),
+      RTCHitN_instID(args->hit, args->N, 0, 0),
+      RTCRayN_time(args->ray, args->N, 0),
+      {RTCHitN_Ng_x(args->hit, args->N, 0), RTCHitN_Ng_y(args->hit, args->N, 0), RTCHitN_Ng_z(args->hit, args->N, 0)}};
   if (!context.filter->stops(hit)) args->valid[0] = 0;
 }
 
@@ -116,6 +121,7 @@ inline bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, co
   hit->triangle = query.hit.primID;
   hit->instance = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID ? 0 : query.hit.instID[0];
   hit->time = ray.time;
+  hit->normal = {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
   return true;
 }
 

@@ -31,6 +31,8 @@ struct TriangleHit {
   uint32_t triangle = 0;
   uint32_t instance = 0;  // InstancedScene only: index into the instances it was built from
   float time = 0;         // of the ray: where the triangle was then
+  Vec3f normal{0, 0,
+               0};  // of the triangle in its own space then, of any length; its winding is seen from where it points
 };
 
 /// BVH of one mesh in object space, with its motion if it deforms. Immutable; traced from any thread.

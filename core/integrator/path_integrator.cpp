@@ -57,9 +57,11 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
 namespace {
 
 bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
-  if (!context.scene.features.see_through) return context.scene.top->intersect(path.ray, hit);
+  if (!context.scene.top->intersect(path.ray, hit)) return false;
+  if (!context.scene.features.see_through) return true;
+  // Most rays stop at the first surface. Only the others ask at all that they meet.
   const StochasticStop filter(context.scene, path.ray.dir, sampler, path.depth);
-  return context.scene.top->intersect(path.ray, hit, &filter);
+  return filter.stops(*hit) || context.scene.top->intersect(path.ray, hit, &filter);
 }
 
 bool intersect(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {

@@ -8,6 +8,14 @@ namespace {
 constexpr double kUnit = 0x1p32;
 constexpr int64_t kBlack = int64_t(-200) << 32;  // below the smallest float
 
+// As is_behind(), of a hit that a ray along `dir` has found: without a look at the triangle, which is far away.
+bool is_found_behind(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
+  if (instance.stands_alone()) [[likely]]
+    return dot(hit.normal, instance.world_to_object.vector(dir)) > 0;
+  std::optional<Placement> moved;
+  return dot(hit.normal, instance.at(hit, &moved).world_to_object.vector(dir)) > 0;
+}
+
 class LinkedTransmittance final : public HitFilter {
  public:
   LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link)
@@ -28,7 +36,7 @@ class LinkedTransmittance final : public HitFilter {
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir) {
   return instance.camera_cull == CameraCull::all ||
          (instance.camera_cull != CameraCull::none &&
-          is_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
+          is_found_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
 }
 
 float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit) {
@@ -36,7 +44,7 @@ float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHi
   if (!instance.see_through) return 1;
   const Mesh& mesh = instance.prototype->mesh;
   const DisneyMaterial& material = instance.material(hit.triangle);
-  if (instance.single_sided && !material.is_translucent() && is_behind(instance, hit, dir)) return 0;
+  if (instance.single_sided && !material.is_translucent() && is_found_behind(instance, hit, dir)) return 0;
   if (!material.is_partly_opaque()) return 1;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
   return material.coverage({mesh, hit, uv});

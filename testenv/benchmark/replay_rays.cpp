@@ -1,7 +1,8 @@
 // Preloaded into the program (LD_PRELOAD) by render_time.py: records each ray that a render hands to Embree, and traces
 // them all again, bare and in the same order, when the program lets the first of their scenes go. Writes the CPU
-// seconds of the fastest of several such replays to $ALABASTER_REPLAY. Rays that collect all hits by a filter are left
-// out: they belong to the set-up of bodies.
+// seconds of the fastest of several such replays to $ALABASTER_REPLAY. Rays that pass surfaces by a filter are traced
+// without it. Rays that collect all hits by a filter are left out: they belong to the set-up of bodies. Shadow rays
+// tell the two filters apart, because no shadow ray collects.
 #include <dlfcn.h>
 #include <embree3/rtcore.h>
 #include <time.h>
@@ -19,12 +20,14 @@ constexpr int kReplays = 3;
 struct RecordedRay {
   float org[3], tfar, dir[3];
   uint32_t scene : 31, occlusion : 1;
+  RTCFilterFunctionN filter;
 };
 
 struct Recording {
   std::mutex lock;
   std::vector<RecordedRay> rays;
   std::vector<RTCScene> scenes;
+  RTCFilterFunctionN passing = nullptr;  // the filter of shadow rays
 };
 Recording recording;
 
@@ -37,14 +40,18 @@ const auto occluded1 = next_definition(&rtcOccluded1, "rtcOccluded1");
 const auto release_scene = next_definition(&rtcReleaseScene, "rtcReleaseScene");
 
 void record(RTCScene scene, const RTCIntersectContext* context, const RTCRay& ray, bool occlusion) {
-  if (context->filter) return;
   const std::lock_guard hold(recording.lock);
+  if (occlusion && context->filter) recording.passing = context->filter;
   auto& scenes = recording.scenes;
   const auto found = std::find(scenes.begin(), scenes.end(), scene);
   const auto index = static_cast<uint32_t>(found - scenes.begin());
   if (found == scenes.end()) scenes.push_back(scene);
-  recording.rays.push_back(
-      {{ray.org_x, ray.org_y, ray.org_z}, ray.tfar, {ray.dir_x, ray.dir_y, ray.dir_z}, index & 0x7fffffffu, occlusion});
+  recording.rays.push_back({{ray.org_x, ray.org_y, ray.org_z},
+                            ray.tfar,
+                            {ray.dir_x, ray.dir_y, ray.dir_z},
+                            index & 0x7fffffffu,
+                            occlusion,
+                            context->filter});
 }
 
 double thread_cpu_seconds() {
@@ -73,6 +80,7 @@ double replay(size_t* hits) {
 }
 
 void replay_all() {
+  std::erase_if(recording.rays, [](const RecordedRay& r) { return r.filter && r.filter != recording.passing; });
   double fastest = 0;
   size_t hits = 0;
   for (int i = 0; i < kReplays; ++i) {
