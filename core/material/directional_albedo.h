@@ -11,8 +11,13 @@ namespace alabaster {
 struct GgxAlbedo {
   float white, schlick;
 };
-/// Bounds of GgxAlbedo::schlick, clearcoat_albedo() and sheen_albedo() for all facets where the cosine is at least 0.5.
-inline constexpr float kSteepSchlickAlbedo = 0.036f, kSteepClearcoatAlbedo = 0.016f, kSteepSheenAlbedo = 0.016f;
+/// Bounds of GgxAlbedo::schlick, clearcoat_albedo() and sheen_albedo() for all facets where the cosine is at least so
+/// much.
+struct SteepAlbedos {
+  float cosine, schlick, clearcoat, sheen;
+};
+inline constexpr SteepAlbedos kSteepAlbedos[] = {
+    {0.1f, 0.61f, 0.048f, 0.067f}, {0.25f, 0.25f, 0.041f, 0.042f}, {0.5f, 0.036f, 0.016f, 0.016f}};
 /// wo.z > 0. Within 1e-3 where cosine and alpha are above 0.01, of anisotropic facets 0.03.
 GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx);
 /// The cosine-weighted mean of the white albedo of isotropic facets over the hemisphere.

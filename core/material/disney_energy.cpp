@@ -53,17 +53,21 @@ void DisneyBsdf::bound_energy(const DisneyParameters& p) {
 }
 
 float DisneyBsdf::least_safe_cosine() const {
-  constexpr float kSteep = 0.5f, kNone = 2;
+  constexpr float kNone = 2;
   if (layers_ || specular_.film.share > 0 || diffuse_.flatness > 0) return kNone;
   const bool has_base = !is_black(diffuse_.retro_color) || !is_black(sheen_.color) || !is_black(beyond_);
   if (!has_base && clear_ == 0 && clearcoat_.strength == 0) return 0;  // facets alone give back what they receive
   if (!is_black(several_)) return kNone;
   // The walk takes the place of the Lambert term.
   const Rgb lambert = diffuse_.retro_color * DisneyDiffuse::lambert_albedo(1);
-  const Rgb retro = diffuse_.retro_color * DisneyDiffuse::retro_albedo(kSteep, diffuse_.roughness);
-  const Rgb most = lambert + retro + sheen_.color * kSteepSheenAlbedo + beyond_ + specular_.f0 +
-                   specular_.f90 * kSteepSchlickAlbedo + Rgb(clear_ + clearcoat_.strength * kSteepClearcoatAlbedo);
-  return max_component(most) <= 1 ? kSteep : kNone;
+  const Rgb everywhere = lambert + beyond_ + specular_.f0 + Rgb(clear_);
+  for (const SteepAlbedos& steep : kSteepAlbedos) {
+    const Rgb most = everywhere + diffuse_.retro_color * DisneyDiffuse::retro_albedo(steep.cosine, diffuse_.roughness) +
+                     sheen_.color * steep.sheen + specular_.f90 * steep.schlick +
+                     Rgb(clearcoat_.strength * steep.clearcoat);
+    if (max_component(most) <= 1) return steep.cosine;
+  }
+  return kNone;
 }
 
 // Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks": a lobe of the light that single scattering

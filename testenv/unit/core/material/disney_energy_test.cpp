@@ -212,18 +212,21 @@ struct FlatLobe {
 };
 
 TEST(DirectionalAlbedo, BoundsForSteepDirectionsHold) {
-  for (float cosine = 0.5f; cosine < 1.005f; cosine += 0.01f) {
-    const float c = std::min(1.0f, cosine);
-    EXPECT_LE(sheen_albedo(c), kSteepSheenAlbedo);
-    for (float roughness = 0.01f; roughness <= 1; roughness += 0.03f) {
-      EXPECT_LE(clearcoat_albedo(c, DisneyClearcoat::from(1, roughness).gtr1.alpha), kSteepClearcoatAlbedo);
-      EXPECT_LE(DisneyDiffuse::retro_albedo(c, roughness), DisneyDiffuse::retro_albedo(0.5f, roughness));
-      for (const float anisotropic : {0.0f, 0.6f, 1.0f})
-        for (const float phi : {0.0f, 0.7f, 1.57f})
-          EXPECT_LE(ggx_albedo(along(c, phi), disney_ggx(roughness, anisotropic)).schlick, kSteepSchlickAlbedo)
-              << c << " " << roughness << " " << anisotropic << " " << phi;
+  for (const SteepAlbedos& steep : kSteepAlbedos)
+    for (float cosine = steep.cosine; cosine < 1.005f; cosine += 0.01f) {
+      const float c = std::min(1.0f, cosine);
+      EXPECT_LE(sheen_albedo(c), steep.sheen);
+      for (float roughness = 0.01f; roughness <= 1; roughness += 0.03f) {
+        EXPECT_LE(clearcoat_albedo(c, DisneyClearcoat::from(1, roughness).gtr1.alpha), steep.clearcoat);
+        EXPECT_LE(DisneyDiffuse::retro_albedo(c, roughness), DisneyDiffuse::retro_albedo(steep.cosine, roughness));
+        for (const float anisotropic : {0.0f, 0.6f, 1.0f})
+          for (const float phi : {0.0f, 0.7f, 1.57f}) {
+            const GgxAlbedo facets = ggx_albedo(along(c, phi), disney_ggx(roughness, anisotropic));
+            EXPECT_LE(facets.schlick, steep.schlick) << c << " " << roughness << " " << anisotropic << " " << phi;
+            EXPECT_LE(facets.white, 1.0f) << c << " " << roughness << " " << anisotropic << " " << phi;
+          }
+      }
     }
-  }
 }
 
 TEST(DirectionalAlbedo, TablesAgreeWithSamples) {
