@@ -49,11 +49,12 @@ std::optional<LightSample> CylinderLight::sample(const Vec3f& p, const Vec2f& u)
   if (is_black(radiance_)) return std::nullopt;
   const auto v = view_from(Vec3d(p));
   if (!v) return std::nullopt;
-  const Vec3d point = v->window.sample(u);
+  const Vec3d direction = v->window.sample(u);
+  const double stretch = 1 / direction.z;
+  const Vec3d point = direction * stretch;
   const auto t = meet(*v, point.x, point.y);
   if (!t) return std::nullopt;
-  const double stretch = length(point);
-  const Vec3d wi = (axis_ * point.x + v->across * point.y - v->out) * (1 / stretch);
+  const Vec3d wi = axis_ * direction.x + v->across * direction.y - v->out * direction.z;
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(*t * stretch);

@@ -86,17 +86,20 @@ template <bool kPlain>
 std::optional<LightSample> PlaneLight::sample_as(const Vec3d& to_center, double height, const Vec2f& u) const {
   const bool shows = !kPlain && image_;
   const bool disk = !kPlain && disk_;
-  Vec3d to_light(0, 0, 0);
-  double solid_angle = 0;
+  Vec3d wi(0, 0, 0);
+  double distance = 0, pdf = 0;
   if (kPlain || !is_sampled_by_area(to_center, height)) {
     const SphericalRectangle seen = view_from(to_center, height);
-    solid_angle = seen.solid_angle();
-    const Vec3d point = seen.sample(u);
-    to_light = (x_ * point.x + y_ * point.y - n_) * height;
-    if (disk && solid_angle > 0 && !place_of(to_light - to_center)) return std::nullopt;
+    if (seen.solid_angle() > 0) {
+      const Vec3d direction = seen.sample(u);
+      wi = x_ * direction.x + y_ * direction.y - n_ * direction.z;
+      distance = height / direction.z;
+      pdf = 1 / seen.solid_angle();
+      if (disk && !place_of(wi * distance - to_center)) return std::nullopt;
+    }
   }
   LightImage::Look look{radiance_, 1};
-  if (!(solid_angle > 0)) {
+  if (!(pdf > 0)) {
     Place at{2.0 * u.x - 1, 2.0 * u.y - 1};
     if (disk) {
       const Vec2f drawn = sample_concentric_disk(u);
@@ -106,11 +109,11 @@ std::optional<LightSample> PlaneLight::sample_as(const Vec3d& to_center, double 
       look = image_->look(place);
       at = {1 - 2 * place.u, 1 - 2 * place.v};
     }
-    to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
+    const Vec3d to_light = to_center + x_ * (half_width_ * at.x) + y_ * (half_height_ * at.y);
+    distance = length(to_light);
+    pdf = pdf_by_area(look.density, distance, height);
+    wi = to_light * (1 / distance);
   }
-  const double distance = length(to_light);
-  const double pdf = solid_angle > 0 ? 1 / solid_angle : pdf_by_area(look.density, distance, height);
-  const Vec3d wi = to_light * (1 / distance);
   LightSample s;
   s.wi = to_float(wi);
   s.distance = static_cast<float>(distance);

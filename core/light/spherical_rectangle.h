@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/elementary.h"
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -16,9 +17,9 @@ class SphericalRectangle {
   SphericalRectangle(double x0, double x1, double y0, double y1);
   /// 0 where it is lost in the rounding of angles: small rectangles, and those seen edge-on. They are sampled by area.
   double solid_angle() const { return solid_angle_; }
-  /// A point (x, y, 1) of the plane, beyond which the direction goes on.
+  /// A unit direction; z, towards the plane, is positive.
   Vec3d sample(const Vec2f& u) const;
-  /// Per solid angle, of sample(), at a point of the rectangle.
+  /// Per solid angle, of sample(), at a point (x, y, 1) of the rectangle.
   double pdf(const Vec3d& point) const;
 
  private:
@@ -53,21 +54,20 @@ inline SphericalRectangle::SphericalRectangle(double x0, double x1, double y0, d
                                      right = spherical_rectangle::edge(x1, y0, y1);
   left_re_ = left.re;
   left_im_ = left.im;
-  // Beside the point both angles lie on one side of zero, and the quotient's is less than pi.
-  const double angle =
-      x0 < 0 && x1 > 0 ? std::atan2(right.im, right.re) - std::atan2(left.im, left.re)
-                       : std::atan2(right.im * left.re - right.re * left.im, right.re * left.re + right.im * left.im);
+  // Of the quotient. Both angles are less than pi, and more than pi together only if one is obtuse.
+  double angle = quick_atan2(right.im * left.re - right.re * left.im, right.re * left.re + right.im * left.im);
+  if (angle < 0 && (left.re < 0 || right.re < 0)) angle += 2 * std::numbers::pi;
   if (angle >= spherical_rectangle::kMinSolidAngle) solid_angle_ = angle;
 }
 
 // Urena et al. 2013, section 4, with the four interior angles written as arc tangents: acos loses half the digits for
 // rectangles seen edge-on. G(x) is the solid angle left of x, counted from x = 0.
 inline Vec3d SphericalRectangle::sample(const Vec2f& u) const {
-  if (solid_angle_ == 0) return {x0_ + u.x * (x1_ - x0_), y0_ + u.y * (y1_ - y0_), 1};
+  if (solid_angle_ == 0) return normalize(Vec3d(x0_ + u.x * (x1_ - x0_), y0_ + u.y * (y1_ - y0_), 1));
   // Sine and cosine of g = G(x0) + u.x * solid angle. |left| = (1 + x0^2) sqrt(1 + y0^2) sqrt(1 + y1^2).
   const double c0 = std::sqrt(1 + y0_ * y0_), c1 = std::sqrt(1 + y1_ * y1_), across2 = 1 + x0_ * x0_;
-  const double per_left = 1 / (across2 * c0 * c1), turn = u.x * solid_angle_;
-  const double cos_turn = std::cos(turn), sin_turn = std::sin(turn);
+  const double per_left = 1 / (across2 * c0 * c1);
+  const auto [sin_turn, cos_turn] = quick_sine_cosine(u.x * solid_angle_);
   const double cos_g = (left_re_ * cos_turn - left_im_ * sin_turn) * per_left;
   const double sin_g = (left_im_ * cos_turn + left_re_ * sin_turn) * per_left;
   // x = sign(f) / sqrt(f^2 - 1 / (1 + y0^2)), f = (far_edge - near_edge cos g) / sin g.
@@ -77,10 +77,13 @@ inline Vec3d SphericalRectangle::sample(const Vec2f& u) const {
   const double side = std::copysign(1.0, difference) * sin_g;
   const double x =
       std::clamp(reach > 0 ? std::copysign(sin_g / std::sqrt(reach), side) : std::copysign(x1_ - x0_, side), x0_, x1_);
+  // The direction's y is uniform between those of the two edges.
   const double d2 = x * x + 1, d0 = std::sqrt(d2 + y0_ * y0_), d1 = std::sqrt(d2 + y1_ * y1_), per_d = 1 / (d0 * d1);
   const double h0 = y0_ * d1 * per_d, h1 = y1_ * d0 * per_d, h = h0 + u.y * (h1 - h0);
-  const double y = h * h < 1 ? std::clamp(h * std::sqrt(d2 / (1 - h * h)), y0_, y1_) : (h > 0 ? y1_ : y0_);
-  return {x, y, 1};
+  const double z = std::sqrt(std::max(0.0, (1 - h * h) / d2)), lower = y0_ * z, upper = y1_ * z;
+  if (h >= lower && h <= upper && z > 0) [[likely]]
+    return {x * z, h, z};
+  return normalize(Vec3d(x, h > upper ? y1_ : y0_, 1));
 }
 
 // By area: d^3 / A, the cosine being 1 / d.

@@ -28,5 +28,26 @@ TEST(QuickSineCosine, IsRightAllTheWayAround) {
   }
 }
 
+TEST(QuickSineCosineDouble, IsRightAllTheWayAround) {
+  for (int i = 0; i <= 100000; ++i) {
+    const double angle = 2 * std::numbers::pi * 1e-5 * i;
+    const SineCosineDouble quick = quick_sine_cosine(angle);
+    ASSERT_NEAR(quick.sine, std::sin(angle), 1e-15) << angle;
+    ASSERT_NEAR(quick.cosine, std::cos(angle), 1e-15) << angle;
+  }
+  for (double angle = 1e-12; angle < 0.7; angle *= 1.37)
+    ASSERT_NEAR(quick_sine_cosine(angle).sine / std::sin(angle), 1, 1e-15) << angle;
+}
+
+TEST(QuickAtan2, IsRightAllTheWayAround) {
+  for (int i = -100000; i <= 100000; ++i) {
+    const double angle = std::numbers::pi * 1e-5 * i, radius = std::exp(0.0007 * i);
+    const double x = radius * std::cos(angle), y = radius * std::sin(angle), expected = std::atan2(y, x);
+    ASSERT_NEAR(quick_atan2(y, x), expected, 1e-15 * std::abs(expected)) << angle;
+  }
+  EXPECT_EQ(quick_atan2(0.0, 2.0), 0);
+  EXPECT_NEAR(quick_atan2(3.0, 0.0), std::numbers::pi / 2, 1e-15);
+}
+
 }  // namespace
 }  // namespace alabaster
