@@ -2,38 +2,15 @@
 // Internal to this room.
 #pragma once
 
-#include <sys/mman.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <deque>
+#include <future>
 #include <mutex>
-#include <new>
+#include <system_error>
 
 #include "delegate/api/types.h"
 
 namespace alabaster::hd::host {
-
-/// Asks the system for large pages: the first touch of small ones takes longer than what is copied into them.
-template <class T>
-struct LargePages {
-  using value_type = T;
-  LargePages() = default;
-  template <class U>
-  LargePages(const LargePages<U>&) {}  // NOLINT(google-explicit-constructor)
-  T* allocate(size_t count) {
-    constexpr size_t kPage = size_t(2) << 20;
-    if (count > (~size_t(0) - kPage) / sizeof(T)) throw std::bad_alloc();
-    const size_t bytes = (count * sizeof(T) + kPage - 1) / kPage * kPage;
-    const bool is_large = count * sizeof(T) >= kPage;
-    void* const memory = is_large ? std::aligned_alloc(kPage, bytes) : std::malloc(count * sizeof(T));
-    if (!memory) throw std::bad_alloc();
-    if (is_large) madvise(memory, bytes, MADV_HUGEPAGE);  // a hint: it may fail
-    return static_cast<T*>(memory);
-  }
-  void deallocate(T* memory, size_t) { std::free(memory); }
-  bool operator==(const LargePages&) const { return true; }
-};
 
 /// Copies of one array that take turns: an edit is written into a copy that nobody reads any more, so it costs what
 /// has changed since that copy was the latest. One thread at a time.
@@ -47,9 +24,9 @@ class ArrayTurns {
     Copy copy = pool_->take();
     bring_up_to_date(&copy, now);
     std::copy(elements.begin(), elements.end(), copy.values.begin() + static_cast<std::ptrdiff_t>(first));
-    copy.edit = ++edits_;
     changes_.push_back({first, elements.size()});
     if (changes_.size() > kMostChanges) changes_.pop_front();
+    copy.edit = ++edits_;
     const auto lent = std::make_shared<const Lent>(std::move(copy), pool_);
     latest_ = lent->copy.values.data();
     return Array<T>(lent, latest_, size_);
@@ -57,10 +34,10 @@ class ArrayTurns {
   bool is_latest(const Array<T>& array) const { return array.data() == latest_ && array.size() == size_; }
 
  private:
-  static constexpr size_t kMostChanges = 64, kMostCopies = 3;
+  static constexpr size_t kMostChanges = 64, kMostCopies = 3, kWorthAThread = size_t(1) << 20;
   struct Copy {
-    std::vector<T, LargePages<T>> values;  // empty: none yet
-    uint64_t edit = 0;                     // the last that it has
+    std::vector<T> values;  // empty: none yet
+    uint64_t edit = 0;      // the last that it has
   };
   /// The copies that nobody reads. Any thread.
   class Pool {
@@ -99,6 +76,19 @@ class ArrayTurns {
     pool_ = std::make_shared<Pool>();
     changes_.clear();
     size_ = now.size();
+    if (size_ * sizeof(T) < kWorthAThread) return;
+    try {
+      spares_ = std::async(std::launch::async, &ArrayTurns::make_spares, pool_, now, edits_);
+    } catch (const std::system_error&) {
+      // Without a thread the next edits copy.
+    }
+  }
+  // The first touch of memory waits for the system: the host's thread does so once.
+  static void make_spares(const std::shared_ptr<Pool>& pool, const Array<T>& now, uint64_t edit) {
+    for (size_t i = 1; i < kMostCopies; ++i) {
+      Copy copy{std::vector<T>(now.begin(), now.end()), edit};
+      pool->give(&copy);
+    }
   }
   void bring_up_to_date(Copy* copy, const Array<T>& now) const {
     const uint64_t missed = edits_ - copy->edit;
@@ -112,6 +102,7 @@ class ArrayTurns {
   }
 
   std::shared_ptr<Pool> pool_;
+  std::future<void> spares_;    // ends before this does
   std::deque<Change> changes_;  // the latest edits
   uint64_t edits_ = 0;
   const T* latest_ = nullptr;

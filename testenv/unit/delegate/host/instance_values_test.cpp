@@ -58,6 +58,22 @@ TEST(InstanceValues, AreThoseOfTheLastEditAndOthersKeepTheirs) {
   }
 }
 
+// Copies of large arrays are made beforehand, by a thread.
+TEST(InstanceValues, OfALargeArrayAreThoseOfTheLastEdit) {
+  std::vector<Vec3f> expected = in_a_row(200000);
+  Leaves leaves(expected);
+  std::vector<Array<Vec3f>> held;
+  for (size_t edit = 0; edit < 200; ++edit) {
+    const size_t place = edit * 7919 % expected.size();
+    expected[place] = Vec3f(static_cast<float>(edit), 1, 2);
+    ASSERT_TRUE(leaves.move(place, {expected[place]}));
+    ASSERT_TRUE(edit % 10 != 0 || same(leaves.now(), expected)) << edit;
+    if (edit % 3 == 0) held.push_back(leaves.now());
+    if (held.size() > 3) held.erase(held.begin());
+  }
+  EXPECT_TRUE(same(leaves.now(), expected));
+}
+
 TEST(InstanceValues, CopiesTakeTurns) {
   Leaves leaves(in_a_row(10));
   std::set<const Vec3f*> copies;
