@@ -1,4 +1,4 @@
-// What tests of the C door share: a quad under a dome, and calls in short.
+// Shared by tests of the C door: a quad under a dome, and calls in short.
 #pragma once
 
 #include <gtest/gtest.h>
