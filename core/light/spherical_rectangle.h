@@ -54,7 +54,7 @@ inline SphericalRectangle::SphericalRectangle(double x0, double x1, double y0, d
                                      right = spherical_rectangle::edge(x1, y0, y1);
   left_re_ = left.re;
   left_im_ = left.im;
-  // Of the quotient. Both angles are less than pi, and more than pi together only if one is obtuse.
+  // The angle of the quotient. Both angles are less than pi, and more than pi together only if one is obtuse.
   double angle = quick_atan2(right.im * left.re - right.re * left.im, right.re * left.re + right.im * left.im);
   if (angle < 0 && (left.re < 0 || right.re < 0)) angle += 2 * std::numbers::pi;
   if (angle >= spherical_rectangle::kMinSolidAngle) solid_angle_ = angle;
