@@ -150,7 +150,7 @@ void RenderSession::Render::run_rounds(int threads) {
   const RenderSettings& settings = request.settings;
   const bool has_target = settings.target_error > 0;
   const bool adaptive = is_adaptive(settings);
-  const TileRenderer renderer(request);
+  const TileRenderer renderer(request, CancelToken(&stop_requested));
 
   // Where decisions follow, the first round is a pilot; else it is the rest of the frame.
   const bool decides = has_target || adaptive;

@@ -18,8 +18,9 @@ SampleFailure::SampleFailure(const std::string& failure, const SampleAddress& wh
 namespace {
 
 // A scene without images does not need to know what its paths cover.
-IntegratorSettings settings_for(const RenderRequest& request) {
+IntegratorSettings settings_for(const RenderRequest& request, const CancelToken& cancel) {
   IntegratorSettings settings = integrator_settings(request.settings);
+  settings.walk.cancel = cancel;
   if (!request.scene->features.textures) settings.texture_filter = 0;
   return settings;
 }
@@ -45,12 +46,12 @@ void expose(float factor, FilmSample* sample, LightLayers* layers) {
 
 }  // namespace
 
-TileRenderer::TileRenderer(const RenderRequest& request)
+TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& cancel)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
       has_motion_(camera_.moves() || request.scene->features.motion),
       exposure_(std::exp2(request.camera.exposure)),
-      integrator_settings_(settings_for(request)),
+      integrator_settings_(settings_for(request, cancel)),
       has_layers_((request.aovs & kLayerAovs) != 0),
       has_vectors_((request.aovs & kVectorAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {

@@ -53,8 +53,8 @@ struct SampleFailure : std::logic_error {
 /// Immutable: any number of threads may share one.
 class TileRenderer {
  public:
-  /// `request` must outlive the renderer.
-  explicit TileRenderer(const RenderRequest& request);
+  /// `request` must outlive the renderer. `cancel` leaves samples that take long.
+  explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {});
 
   /// Traces one camera sample. The result depends on its address and the request alone. A colour that is not finite is
   /// counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs; then the path is
@@ -63,7 +63,8 @@ class TileRenderer {
                           PathRecord* record = nullptr) const;
 
   /// Adds to `tile`, a FilmTile or what looks like one, the samples that its pixels lack up to the end of the pass.
-  /// `may_go_on()` is asked before each sample. False: it returned false, and some pixels lack their samples.
+  /// `may_go_on()` is asked before each sample. False: it returned false, or a sample was cancelled, and some pixels
+  /// lack their samples. The rays of that sample are counted.
   template <class MayGoOn, class Tile>
   bool render(const TileSamples& samples, const MayGoOn& may_go_on, Tile* tile, RenderCounters* counters) const;
 
@@ -112,9 +113,13 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
       for (uint32_t s = tile->next_sample(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
         const uint64_t rays_before = counters->rays();
-        const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, parts);
-        tile->add(pixel, sample, has_layers_ ? &layers : nullptr,
-                  static_cast<uint32_t>(counters->rays() - rays_before));
+        try {
+          const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, parts);
+          tile->add(pixel, sample, has_layers_ ? &layers : nullptr,
+                    static_cast<uint32_t>(counters->rays() - rays_before));
+        } catch (const BuildCancelled&) {
+          return false;
+        }
       }
     }
   return true;

@@ -7,6 +7,7 @@
 // geometry and is counted.
 #pragma once
 
+#include "core/diagnostics/cancel.h"
 #include "core/diagnostics/counters.h"
 #include "core/subsurface/body.h"
 #include "core/subsurface/entry_exit.h"
@@ -24,6 +25,7 @@ struct WalkSettings {
   bool guiding = true;       // Dwivedi guiding, where it pays; affects noise only
   bool sphere_steps = true;  // jumps through the interior, where they pay; their bias is below 3e-4 of the albedo
   uint32_t safety_cap = 1000000;
+  CancelToken cancel = {};  // a walk throws BuildCancelled within 4096 events
 };
 
 /// The direction in which light enters, unit, world: from the cosine hemisphere about `ns_inward`. The lobe's

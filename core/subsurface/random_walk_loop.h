@@ -31,6 +31,9 @@ inline bool survives(double q, Rng& rng) {
 /// back the noise that guiding has taken away (testenv/benchmark/results/sampling.md).
 inline constexpr double kRouletteBelow = 0.25, kLiftedTo = 0.5;
 
+/// A walk asks after as many events whether it is cancelled, which is after a millisecond or less.
+inline constexpr uint32_t kEventsPerLook = 4096;
+
 /// The beginning of a walk. `throughput` is the path's, relative to its largest channel: the weights go on from it, as
 /// the paper's do, so that no walk follows a channel that the path has already lost.
 struct WalkStart {
@@ -90,9 +93,13 @@ class WalkLoop {
     ++counters_.walks;
     if (!(max_value(throughput_) > 0)) return std::nullopt;
     while (events_ < settings_.safety_cap) {
-      const auto exit = step();
-      if (exit) return exit;
-      if (ended_) return std::nullopt;
+      next_look_ = std::min(events_ + kEventsPerLook, settings_.safety_cap);
+      while (events_ < next_look_) {
+        const auto exit = step();
+        if (exit) return exit;
+        if (ended_) return std::nullopt;
+      }
+      settings_.cancel.check();
     }
     ++counters_.walk_safety_cap;
     return std::nullopt;
@@ -190,7 +197,7 @@ class WalkLoop {
   }
 
   void take_sphere_steps() {
-    while (events_ < settings_.safety_cap) {
+    while (events_ < next_look_) {
       double mfp = 0;
       for (size_t c = 0; c < 3; ++c)
         if (throughput_[c] > 0) mfp = std::max(mfp, 1 / medium_.sigma_t[c]);
@@ -245,7 +252,7 @@ class WalkLoop {
   Vec3f direction_;
   ChannelValues throughput_;
   double entering_ = 0;  // sum of the throughput at the start
-  uint32_t events_ = 0;
+  uint32_t events_ = 0, next_look_ = 0;
   bool ended_ = false, thickness_known_ = false;
 };
 

@@ -203,5 +203,27 @@ TEST(TileRenderer, EndsBeforeTheSampleThatIsRefused) {
   EXPECT_EQ(counters.samples, 10u);
 }
 
+// In a ball that loses no light some walks are long.
+TEST(TileRenderer, ACancelledSampleIsLeftAndLeavesNoTrace) {
+  testing::SceneBuilder b;
+  DisneyParameters white;
+  white.base_color = Rgb(1.0f);
+  white.scatter_distance = Rgb(2e-4f);
+  RenderRequest request = mixed_request(2);
+  request.settings.walk_guiding = request.settings.walk_sphere_steps = false;
+  b.add(b.prototype(testing::sphere_mesh(0.5f, 16, true)), b.material(white), Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
+  b.add(testing::constant_dome(0.3f, true));
+  request.scene = b.snapshot();
+  FilmTile tile(kPixels, request.aovs), whole(kPixels, request.aovs);
+  RenderCounters counters;
+  const std::atomic<bool> stop{true};
+  ASSERT_FALSE(TileRenderer(request, CancelToken(&stop)).render(samples_of({2}), always, &tile, &counters));
+  EXPECT_EQ(counters.walk_safety_cap, 0u);
+  // The tile goes on from there.
+  ASSERT_TRUE(TileRenderer(request).render(samples_of({2}), always, &tile, &counters));
+  ASSERT_TRUE(TileRenderer(request).render(samples_of({2}), always, &whole, &counters));
+  EXPECT_TRUE(same_bytes(contents(tile), contents(whole)));
+}
+
 }  // namespace
 }  // namespace alabaster

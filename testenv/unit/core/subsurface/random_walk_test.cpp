@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+
 #include "testenv/support/analytic_bodies.h"
 #include "testenv/support/lone_body.h"
 
@@ -191,6 +194,33 @@ TEST(RandomWalkLoop, SafetyCapEndsAndIsCounted) {
   }
   EXPECT_GT(counters.walk_safety_cap, 0u);
   EXPECT_EQ(counters.walk_safety_cap + counters.walk_exits, 100u);
+}
+
+TEST(RandomWalkLoop, LongWalksAreLeftWhenCancelled) {
+  const Medium white = make_medium(Rgb(1.0f), Rgb(1e-3f), AlbedoInversion::exact);
+  const auto count_left = [&](const std::atomic<bool>& stop, uint64_t* longest) {
+    Rng rng(8, 1);
+    WalkSettings settings;
+    settings.guiding = settings.sphere_steps = false;
+    settings.cancel = CancelToken(&stop);
+    int left = 0;
+    for (int i = 0; i < 400; ++i) {
+      SphereTracer tracer(1);
+      RenderCounters counters;
+      try {
+        walk_body(tracer, white, settings, rng, counters);
+      } catch (const BuildCancelled&) {
+        ++left;
+      }
+      *longest = std::max(*longest, counters.walk_events);
+    }
+    return left;
+  };
+  uint64_t longest = 0, longest_cancelled = 0;
+  EXPECT_EQ(count_left(std::atomic<bool>(false), &longest), 0);
+  EXPECT_GT(longest, 8 * kEventsPerLook);
+  EXPECT_GT(count_left(std::atomic<bool>(true), &longest_cancelled), 0);
+  EXPECT_EQ(longest_cancelled, kEventsPerLook);
 }
 
 TEST(RandomWalkLoop, InactiveChannelsCarryNothing) {
