@@ -140,6 +140,10 @@ bool is_mirror(const PathVertex& v, Lobe lobe) {
   return (lobe == Lobe::specular || lobe == Lobe::dielectric) && v.material.roughness <= kLargestRoughness;
 }
 
+// Roulette ends paths whose throughput has fallen below this, and lifts survivors to it. A survivor that is lifted far
+// is a firefly where a later lobe meets a light (testenv/benchmark/results/sampling.md).
+constexpr float kRouletteBelow = 0.125f;
+
 // Unbiased: survivors carry the weight of the ended. `draw` gives the random number, where one is needed.
 template <class Draw>
 bool survives_roulette(const PathContext& context, const Draw& draw, PathState* path) {
@@ -147,8 +151,8 @@ bool survives_roulette(const PathContext& context, const Draw& draw, PathState* 
   float throughput = max_component(path->throughput);
   // Radiance in a medium is larger by its index squared, and the throughput of a path that enters it smaller.
   if (!path->interiors.empty()) throughput *= sqr(path->interiors.index());
-  const float survival = std::min(1.0f, throughput);
-  DCHECK_LE(survival, 1.0f);
+  if (!(throughput < kRouletteBelow)) return true;
+  const float survival = throughput * (1 / kRouletteBelow);
   if (!(draw() < survival)) return false;
   path->throughput *= 1 / survival;
   return true;

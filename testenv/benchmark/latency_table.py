@@ -33,7 +33,7 @@ def run(*command):
     print(" ".join(map(str, command)), file=sys.stderr, flush=True)
     text = subprocess.run(list(map(str, command)), check=True, stdout=subprocess.PIPE, text=True).stdout
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if re.match(r"\|.*\d", line)]
-    return {row[0]: row for row in rows}, text
+    return {row[0]: row for row in rows if re.fullmatch(r"[\d.]+", row[-1])}, text
 
 
 def print_row(what, p50, p99, goal):
