@@ -112,6 +112,7 @@ TABLE = {
     "takes_255_subsets": ["Subsets.MayBeMany"],
     "takes_any_aov": ["Buffers.EveryAovOfAViewportIsThere"],
     "takes_any_version": ["Delegates.OfAnotherVersionAreNotMade"],
+    "takes_the_hosts_workers": ["Workers.ALoopOfTheHostHasAllItsThreadsWhileARenderGoesOn"],
 }
 MAY = {"restarts_on_every_sync": ["Resume.PartsAddUpToTheWhole"]}
 # Some mend or worsen others.

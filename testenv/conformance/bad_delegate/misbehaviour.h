@@ -34,7 +34,10 @@ struct Memory {
   std::map<Path, std::map<std::string, Value>> first;  // answers by prim and question
   std::vector<std::vector<char>> leaked;
   std::vector<std::vector<uint8_t>> kept;  // pixels that may still be mapped
+  std::shared_ptr<std::atomic<bool>> holds_workers = std::make_shared<std::atomic<bool>>(false);  // of the host's TBB
 
+  ~Memory() { *holds_workers = false; }
+  void hold_workers();
   /// The first answer that was not empty.
   Value latched(const Path& id, const std::string& question, const Value& answer);
 };

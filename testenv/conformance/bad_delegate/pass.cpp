@@ -1,5 +1,9 @@
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "testenv/conformance/bad_delegate/misbehaviour.h"
 
@@ -109,8 +113,18 @@ RenderPassState Pass::translated(const RenderPassState& state) const {
   return real;
 }
 
+// For half a minute at most, because the host's own thread may take such a task.
+void Memory::hold_workers() {
+  if (holds_workers->exchange(true)) return;
+  for (int i = 1; i < tbb::this_task_arena::max_concurrency(); ++i)
+    tbb::this_task_arena::enqueue([held = holds_workers] {
+      for (int ms = 0; ms < 30000 && *held; ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    });
+}
+
 void Pass::Execute(const RenderPassState& state) {
   RenderDelegate& delegate = *memory_->real;
+  if (is("takes_the_hosts_workers")) memory_->hold_workers();
   if (is("stop_does_not_latch") && delegate.IsStopped()) delegate.Restart();
   if (memory_->must_restart.exchange(false)) {  // equal requests would continue
     const Value seed = delegate.GetRenderSetting("seed");

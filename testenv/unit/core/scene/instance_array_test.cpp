@@ -70,6 +70,7 @@ class InstanceArrayTest : public ::testing::Test {
     request.width = request.height = 32;
     request.data_window = {0, 0, 32, 32};
     request.settings.samples = 4;
+    request.settings.max_depth = 4;  // longer paths part, once they meet another triangle
     request.aovs = aov_bit(aov);
     request.scene = scene;
     return request;

@@ -211,7 +211,8 @@ TEST(TileRenderer, ACancelledSampleIsLeftAndLeavesNoTrace) {
   white.scatter_distance = Rgb(2e-4f);
   RenderRequest request = mixed_request(2);
   request.settings.walk_guiding = request.settings.walk_sphere_steps = false;
-  b.add(b.prototype(testing::sphere_mesh(0.5f, 16, true)), b.material(white), Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
+  b.add(b.prototype(testing::sphere_mesh(0.5f, 16, true)), b.material(white),
+        Matrix4d().setTranslation(Vec3d(0, 0.5, 0)));
   b.add(testing::constant_dome(0.3f, true));
   request.scene = b.snapshot();
   FilmTile tile(kPixels, request.aovs), whole(kPixels, request.aovs);
@@ -219,7 +220,7 @@ TEST(TileRenderer, ACancelledSampleIsLeftAndLeavesNoTrace) {
   const std::atomic<bool> stop{true};
   ASSERT_FALSE(TileRenderer(request, CancelToken(&stop)).render(samples_of({2}), always, &tile, &counters));
   EXPECT_EQ(counters.walk_safety_cap, 0u);
-  // The tile goes on from there.
+  // Its samples are taken again.
   ASSERT_TRUE(TileRenderer(request).render(samples_of({2}), always, &tile, &counters));
   ASSERT_TRUE(TileRenderer(request).render(samples_of({2}), always, &whole, &counters));
   EXPECT_TRUE(same_bytes(contents(tile), contents(whole)));
