@@ -1,0 +1,307 @@
+#include "delegate/description/write_scene.h"
+
+#include <algorithm>
+#include <set>
+
+#include "delegate/description/description_reader.h"
+#include "delegate/description/schema_check.h"
+#include "delegate/description/written_gltf.h"
+#include "delegate/description/written_parts.h"
+#include "delegate/support/instancing.h"
+#include "delegate/support/selection.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+// More nodes than a glTF document may have by the limits of our reader (10 million values).
+constexpr size_t kMostPlaces = 400000;
+
+std::string without_slashes(const Path& id) {
+  constexpr size_t kLongest = 100;  // readers shorten names
+  std::string name = id.str();
+  if (!is_utf8(name)) throw NotWritten(id, "has a name that is not UTF-8, as names in files are; rename it");
+  for (char& c : name)
+    if (c == '/' || static_cast<unsigned char>(c) <= ' ' || c == 0x7f) c = '_';
+  if (name.size() > kLongest) {
+    size_t begin = name.size() - kLongest;
+    while (begin < name.size() && (static_cast<unsigned char>(name[begin]) & 0xc0) == 0x80) ++begin;
+    name.erase(0, begin);
+  }
+  // Readers take digits and a '_' at the beginning for a number of theirs.
+  return name.empty() || (name[0] >= '0' && name[0] <= '9') ? "_" + name : name;
+}
+
+/// Names of prims of one kind in these files.
+class Names {
+ public:
+  std::string give(const Path& id) {
+    const std::string plain = without_slashes(id);
+    std::string name = plain;
+    for (int copy = 2; !taken_.insert(name).second; ++copy) name = plain + "_" + std::to_string(copy);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+struct DrawnMesh {
+  Path id;
+  const host::MeshDescription* mesh;
+  PlacedMesh placed;
+};
+
+/// Collects the parts of one scene.
+class SceneWriter {
+ public:
+  SceneWriter(const std::string& file, const SceneParts& scene, const RenderPassState& state)
+      : scene_(scene), state_(state), files_(file) {}
+
+  std::string write(const std::map<Token, Value>& settings) {
+    find_meshes();
+    number_uv_sets();
+    GltfText gltf = make_gltf();
+    files_.add(".bin", std::move(gltf.buffer));
+    files_.add(".gltf", std::move(gltf.document));
+    json description = {{"gltf", {{{"file", files_.beside(".gltf")}}}},
+                        {"products", {{{"file", files_.beside(".exr")}, {"dataType", "float"}}}},
+                        {"camera", written_camera(state_, scene_.cameras)},
+                        {"settings", written_settings(state_, settings)}};
+    if (const auto config = settings.find("ocio"); config != settings.end())
+      if (const std::string name = files_.name_of("setting ocio", config->second); !name.empty())
+        description["ocio"] = name;
+    const auto add = [&](const char* key, json entries) {
+      if (!entries.empty()) description[key] = std::move(entries);
+    };
+    add("materials", materials());
+    add("meshes", meshes());
+    add("lights", lights());
+    std::string text = description.dump(1);
+    check(text);
+    files_.add(".json", std::move(text));
+    return files_.write();
+  }
+
+ private:
+  bool has_material(const host::MeshDescription& mesh) const {
+    return !mesh.material.empty() && scene_.materials.contains(mesh.material);
+  }
+
+  // Those that the pass draws, with their names and places.
+  void find_meshes() {
+    const support::Selection selection(state_.renderTags, state_.collection);
+    host::RetainedSceneDelegate instancers;  // answers the questions that the renderer asks
+    for (const auto& [id, instancer] : scene_.instancers) instancers.SetInstancer(id, instancer);
+    std::map<Path, support::InstancerRecord> records;
+    for (const auto& [id, instancer] : scene_.instancers) records[id] = support::pull_instancer(instancers, id, {});
+    support::Placements placements(
+        [&](const Path& id) {
+          const auto found = records.find(id);
+          return found == records.end() ? nullptr : &found->second;
+        },
+        {});
+    Names names;
+    for (const auto& [id, mesh] : scene_.meshes) {
+      if (!selection.includes(id, mesh.visible, mesh.renderTag) || mesh.topology.faceVertexCounts.empty()) continue;
+      DrawnMesh drawn{id, &mesh, {}};
+      drawn.placed.places = places_of(id, mesh, &placements);
+      if (drawn.placed.places.empty()) continue;
+      drawn.placed.name = names.give(id);
+      drawn.placed.material = material_name(id, mesh);
+      drawn.placed.double_sided = is_double_sided(id, mesh);
+      drawn_.push_back(std::move(drawn));
+    }
+  }
+
+  std::vector<Matrix4d> places_of(const Path& id, const host::MeshDescription& mesh, support::Placements* placements) {
+    if (mesh.instancer.empty()) return {mesh.transform};
+    const auto instancer = scene_.instancers.find(mesh.instancer);
+    if (instancer == scene_.instancers.end()) return {};
+    check_instancers(mesh.instancer);
+    const auto indices = instancer->second.indices.find(id);
+    if (indices == instancer->second.indices.end()) return {};
+    if (placements->source(id, mesh.instancer, indices->second).size() + placed_ > kMostPlaces)
+      throw NotWritten(id, "and other meshes have more than " + std::to_string(kMostPlaces) +
+                               " instances in all, which is not written; select a part of the scene");
+    std::vector<Matrix4d> places;
+    for (const support::Placement& place : placements->place(id, mesh.instancer, indices->second))
+      if (place.used) places.push_back(mesh.transform * place.matrix);
+    placed_ += places.size();
+    return places;
+  }
+
+  // Itself and those that place it. Placements leave out instancers that place each other.
+  void check_instancers(Path id) const {
+    for (std::set<Path> seen; !id.empty() && seen.insert(id).second;) {
+      const auto found = scene_.instancers.find(id);
+      if (found == scene_.instancers.end()) return;
+      const host::InstancerDescription& instancer = found->second;
+      bool moves = instancer.transformSamples.values.size() > 1;
+      for (const auto& [name, samples] : instancer.primvarSamples) moves |= samples.values.size() > 1;
+      if (moves) throw NotWritten(id, "moves, which is not written; set it without samples");
+      id = instancer.parent;
+    }
+  }
+
+  // Meshes without a material look alike if they have no colour of their own.
+  std::string material_name(const Path& id, const host::MeshDescription& mesh) {
+    if (has_material(mesh)) {
+      const auto [name, is_new] = material_names_.try_emplace(mesh.material);
+      if (is_new) name->second = names_of_materials_.give(mesh.material);
+      return name->second;
+    }
+    json look = written_default_material(id, mesh);
+    for (const auto& [name, known] : default_materials_)
+      if (known == look) return name;
+    default_materials_.emplace_back(names_of_materials_.give("/default"), std::move(look));
+    return default_materials_.back().first;
+  }
+
+  // Sets that have the reader's names keep them. The others get those that are free.
+  void number_uv_sets() {
+    std::set<Token> names;
+    for (const DrawnMesh& drawn : drawn_)
+      for (const Token& name : uv_names(*drawn.mesh)) names.insert(name);
+    std::set<int> taken;
+    constexpr int kSets = 1000;
+    for (int set = 0; set < kSets; ++set)
+      if (const Token name = set == 0 ? Token("st") : Token("st" + std::to_string(set)); names.erase(name) > 0)
+        sets_[name] = set, taken.insert(set);
+    int next = 0;
+    for (const Token& name : names) {
+      while (taken.contains(next)) ++next;
+      sets_[name] = next, taken.insert(next);
+    }
+  }
+
+  GltfText make_gltf() const {
+    GltfWriter gltf(drawn_.size());
+    for (const DrawnMesh& drawn : drawn_) gltf.add(drawn.placed, triangles_of(drawn.id, *drawn.mesh, sets_));
+    return gltf.finish(files_.beside(".bin"));
+  }
+
+  json materials() {
+    json all = json::array();
+    const auto add = [&](const std::string& name, json entry) {
+      entry["match"] = pattern_of(name);
+      all.push_back(std::move(entry));
+    };
+    for (const auto& [id, name] : material_names_)
+      add(name, written_material(id, scene_.materials.at(id), sets_, &files_));
+    for (const auto& [name, look] : default_materials_) add(name, look);
+    return all;
+  }
+
+  json meshes() const {
+    json all = json::array();
+    for (const DrawnMesh& drawn : drawn_) {
+      json entry = written_mesh(drawn.id, *drawn.mesh);
+      if (entry.empty()) continue;
+      if (entry.value("subsurfaceSet", "") == "byMaterial") check_sides(drawn);
+      entry["match"] = pattern_of(drawn.placed.name);
+      all.push_back(std::move(entry));
+    }
+    return all;
+  }
+
+  // glTF has two materials for one that is bound to meshes with one side and with two.
+  void check_sides(const DrawnMesh& one) const {
+    for (const DrawnMesh& other : drawn_)
+      if (other.placed.material == one.placed.material && other.placed.double_sided != one.placed.double_sided)
+        throw NotWritten(one.id, "and " + other.id.str() +
+                                     " differ in their sides and scatter byMaterial, which is not " +
+                                     "written; name the subsurfaceSet");
+  }
+
+  // The reader's lights sort by their names: these sort as the scene's.
+  json lights() {
+    std::vector<std::string> names;
+    Names given;
+    for (const auto& [id, light] : scene_.lights)
+      if (light.visible) names.push_back(given.give(id));
+    constexpr size_t kFirst = 100000;
+    if (!std::is_sorted(names.begin(), names.end()))
+      for (size_t i = 0; i < names.size(); ++i) names[i] = "light" + std::to_string(kFirst + i) + names[i];
+    json all = json::array();
+    for (const auto& [id, light] : scene_.lights) {
+      if (!light.visible) continue;
+      json entry = written_light(id, light, &files_);
+      entry["name"] = names[all.size()];
+      for (const char* link : {"lightLink", "shadowLink"})
+        if (const auto category = light.parameters.find(link); category != light.parameters.end())
+          if (const std::string name = category->second.text_or(""); !name.empty()) entry[link] = linked(id, name);
+      all.push_back(std::move(entry));
+    }
+    // A scene without light gets some from the reader: this one gives none.
+    if (all.empty() && !gives_light()) all.push_back({{"name", "no_light"}, {"type", "domeLight"}, {"intensity", 0}});
+    return all;
+  }
+
+  bool gives_light() const {
+    return std::any_of(material_names_.begin(), material_names_.end(),
+                       [&](const auto& held) { return description::gives_light(scene_.materials.at(held.first)); });
+  }
+
+  // The meshes in a category.
+  json linked(const Path& light, const Token& category) const {
+    const auto is_in = [&](const std::vector<Token>& all) {
+      return std::find(all.begin(), all.end(), category) != all.end();
+    };
+    for (const auto& [id, instancer] : scene_.instancers)
+      if (std::any_of(instancer.categories.begin(), instancer.categories.end(), is_in))
+        throw NotWritten(light, "is linked to single instances of " + id.str() +
+                                    ", which is not written; give them a mesh of their own");
+    json names = json::array();
+    for (const DrawnMesh& drawn : drawn_)
+      if (is_in(drawn.mesh->categories)) names.push_back(pattern_of(drawn.placed.name));
+    return names;
+  }
+
+  // Values that the reader would refuse.
+  static void check(const std::string& description) {
+    JsonDocument document;
+    document.value = json::parse(description);
+    document.origin = "the description";
+    std::string fault;
+    const DiagnosticSink sink = [&](const Diagnostic& d) {
+      if (fault.empty() && d.severity == Severity::error) fault = d.where + ": " + d.text;
+    };
+    if (!check_schema(document, expanded_schema("render_description"), sink))
+      throw std::runtime_error("the scene has a value that descriptions must not have; " + fault);
+  }
+
+  const SceneParts& scene_;
+  const RenderPassState& state_;
+  WrittenFiles files_;
+  std::vector<DrawnMesh> drawn_;
+  size_t placed_ = 0;  // instances so far
+  UvSets sets_;
+  Names names_of_materials_;
+  std::map<Path, std::string> material_names_;
+  std::vector<std::pair<std::string, json>> default_materials_;
+};
+
+}  // namespace
+
+std::string WriteScene(const std::string& file, const SceneParts& scene, const RenderPassState& state,
+                       const std::map<Token, Value>& settings) try {
+  if (!file.ends_with(".json")) return file + " must end in .json";
+  if (file == ".json" || file.ends_with("/.json")) return file + " needs a name before .json";
+  if (!is_utf8(file)) return "the name of the file must be UTF-8";
+  return SceneWriter(file, scene, state).write(settings);
+} catch (const std::bad_alloc&) {
+  return "memory ran out; select a part of the scene";
+} catch (const std::exception& e) {
+  return e.what();
+}
+
+std::string WriteScene(const std::string& file, const host::RetainedSceneDelegate& scene, const RenderPassState& state,
+                       const std::map<Token, Value>& settings) {
+  return WriteScene(
+      file, {scene.GetMeshes(), scene.GetInstancers(), scene.GetMaterials(), scene.GetLights(), scene.GetCameras()},
+      state, settings);
+}
+
+}  // namespace alabaster::hd::description

@@ -1,0 +1,181 @@
+#include <algorithm>
+
+#include "delegate/description/schema_check.h"
+#include "delegate/description/written_parts.h"
+#include "delegate/support/preview_surface.h"
+
+namespace alabaster::hd::description {
+namespace {
+
+using nlohmann::json;
+
+const json& properties() {
+  static const json all = expanded_schema("disney_material")["properties"];
+  return all;
+}
+
+const MaterialNode* find_node(const MaterialNetwork& network, const Path& path, const char* type) {
+  const auto found = network.nodes.find(path);
+  return found != network.nodes.end() && found->second.nodeTypeId == Token(type) ? &found->second : nullptr;
+}
+
+const Value* find(const MaterialNode& node, const char* name) {
+  const auto found = node.parameters.find(name);
+  return found == node.parameters.end() ? nullptr : &found->second;
+}
+
+std::string word(const MaterialNode& node, const char* name, const char* otherwise) {
+  const Value* const held = find(node, name);
+  return held ? held->text_or(otherwise) : otherwise;
+}
+
+/// The number that a vector holds in all of its components, if there is one.
+std::optional<double> same_in_all(const Value* value, double otherwise) {
+  if (!value) return otherwise;
+  std::array<double, 4> numbers{};
+  const size_t count = value->components(&numbers);
+  if (count == 0 || std::any_of(numbers.begin(), numbers.begin() + static_cast<ptrdiff_t>(count),
+                                [&](double n) { return n != numbers[0]; }))
+    return std::nullopt;
+  return numbers[0];
+}
+
+/// Writes the parts of one material.
+class MaterialWriter {
+ public:
+  MaterialWriter(const Path& id, const MaterialNetwork& network, const UvSets& sets, WrittenFiles* files)
+      : id_(id), network_(network), sets_(sets), files_(*files) {}
+
+  json run() {
+    const auto terminal = network_.terminals.find("surface");
+    const MaterialNode* const surface = terminal == network_.terminals.end()
+                                            ? nullptr
+                                            : find_node(network_, terminal->second.upstreamNode, "AlabasterDisney");
+    if (!surface) refuse("is neither a UsdPreviewSurface nor made of AlabasterDisney nodes, which alone are written");
+    json made = {{"replace", parameters(*surface)}};
+    if (const MaterialConnection* bump = connection(*surface, "bump")) made["bump"] = heights(*bump, "bump");
+    if (const auto moved = network_.terminals.find("displacement"); moved != network_.terminals.end())
+      made["displacement"] = displacement(moved->second);
+    return made;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& why) const { throw NotWritten(id_, why); }
+
+  /// The connection of an input, or null. Throws where there are several.
+  const MaterialConnection* connection(const MaterialNode& node, const Token& name) const {
+    const auto found = node.inputConnections.find(name);
+    if (found == node.inputConnections.end() || found->second.empty()) return nullptr;
+    if (found->second.size() > 1) refuse("has two textures for " + name.str() + ", which are not written");
+    return &found->second.front();
+  }
+
+  json parameters(const MaterialNode& surface) const {
+    for (const char* name : {"normal", "coatNormal"})
+      if (connection(surface, name))
+        refuse(std::string("has a texture for ") + name + ", which is not written; a bump is");
+    json made = json::object();
+    for (const auto& [name, property] : properties().items()) {
+      const Value* const constant = find(surface, name.c_str());
+      if (const MaterialConnection* connected = connection(surface, name)) {
+        made[name] = texture(*connected, false);
+        if (constant) made[name]["scale"] = to_json(*constant);
+      } else if (constant) {
+        made[name] = to_json(*constant, property);
+      }
+    }
+    return made;
+  }
+
+  // The keys that all textures have. `scaled`: its scale is written elsewhere.
+  json texture(const MaterialConnection& from, bool scaled) const {
+    const MaterialNode* const node = find_node(network_, from.upstreamNode, "AlabasterTexture");
+    if (!node) refuse("reads " + from.upstreamNode.str() + ", which is no AlabasterTexture and is not written");
+    const auto has = [&](const char* name, double otherwise) {
+      return same_in_all(find(*node, name), otherwise) != otherwise;
+    };
+    for (const auto& [name, otherwise] :
+         {std::pair("stScale", 1.0), std::pair("stOffset", 0.0), std::pair("stRotation", 0.0), std::pair("bias", 0.0)})
+      if (has(name, otherwise)) refuse(std::string("has a texture with ") + name + ", which is not written");
+    if (!scaled && has("scale", 1)) refuse("has a texture with scale, which is not written");
+    if (word(*node, "filter", "linear") != "linear") refuse("has a texture with filter, which is not written");
+    if (word(*node, "wrapS", "repeat") != word(*node, "wrapT", "repeat"))
+      refuse("has a texture with two ways to wrap, which is not written");
+    const Value* const file = find(*node, "file");
+    json made = {{"file", files_.name_of(id_, file ? *file : Value())},
+                 {"colorSpace", word(*node, "sourceColorSpace", "auto")},
+                 {"wrap", word(*node, "wrapS", "repeat")},
+                 {"st", uv_set(word(*node, "st", "st"))}};
+    if (const std::string channel = from.upstreamOutput.str(); channel != "rgb") made["channel"] = channel;
+    return made;
+  }
+
+  // The name that the reader gives to the set.
+  std::string uv_set(const std::string& name) const {
+    const auto found = sets_.find(name);
+    if (found == sets_.end()) return name;  // no mesh has it
+    return found->second == 0 ? "st" : "st" + std::to_string(found->second);
+  }
+
+  json heights(const MaterialConnection& from, const char* what) const {
+    json made = texture(from, true);
+    const MaterialNode& node = network_.nodes.at(from.upstreamNode);
+    const std::optional<double> scale = same_in_all(find(node, "scale"), 1);
+    if (!scale) refuse(std::string("has a ") + what + " with several scales, which is not written");
+    made["scale"] = *scale;
+    if (!made.contains("channel"))
+      refuse(std::string("has a ") + what + " by rgb, which is not written; name a channel");
+    return made;
+  }
+
+  json displacement(const MaterialConnection& from) const {
+    const MaterialNode* const node = find_node(network_, from.upstreamNode, "AlabasterDisplacement");
+    const MaterialConnection* const image = node ? connection(*node, "displacement") : nullptr;
+    if (!image) refuse("displaces its meshes by no AlabasterDisplacement of a texture, which alone is written");
+    json made = texture(*image, false);
+    const std::string space = word(*node, "space", "normal");
+    made["space"] = space;
+    if (space == "normal" && !made.contains("channel"))
+      refuse("displaces its meshes by rgb, which is not written; name a channel");
+    if (space != "normal" && made.contains("channel"))
+      refuse("displaces its meshes by one channel along several axes, which is not written");
+    for (const auto& [name, otherwise] : {std::pair("scale", 1.0f), std::pair("midlevel", 0.0f)})
+      if (const Value* const held = find(*node, name)) made[name] = to_json(*held);
+    return made;
+  }
+
+  const Path& id_;
+  const MaterialNetwork& network_;
+  const UvSets& sets_;
+  WrittenFiles& files_;
+};
+
+}  // namespace
+
+json written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets, WrittenFiles* files) {
+  // The faults of a UsdPreviewSurface were warnings when it was synced.
+  return MaterialWriter(id, support::TranslatePreviewSurface(network, [](auto&&...) {}), sets, files).run();
+}
+
+json written_default_material(const Path& mesh, const host::MeshDescription& description) {
+  json replace = json::object();
+  for (const auto& [primvar, parameter] :
+       {std::pair("displayColor", "baseColor"), std::pair("displayOpacity", "opacity")}) {
+    const auto found = description.primvars.find(primvar);
+    if (found == description.primvars.end() || found->second.value.empty()) continue;
+    const host::PrimvarValue& held = found->second;
+    Value one = held.value;
+    if (const auto* all = one.get<Array<Vec3f>>(); all && all->size() == 1) one = Value((*all)[0]);
+    if (const auto* all = one.get<Array<float>>(); all && all->size() == 1) one = Value((*all)[0]);
+    std::array<double, 4> numbers{};
+    const size_t wanted = parameter == std::string("baseColor") ? 3 : 1;
+    if (held.interpolation != Interpolation::constant || one.components(&numbers) != wanted)
+      throw NotWritten(mesh,
+                       "has no material but a colour of its own that is not one for all of it, which is not "
+                       "written; give it a material");
+    replace[parameter] = to_json(one);
+  }
+  return {{"replace", std::move(replace)}};
+}
+
+}  // namespace alabaster::hd::description
