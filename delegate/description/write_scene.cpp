@@ -62,7 +62,9 @@ class SceneWriter {
   std::string write(const std::map<Token, Value>& settings) {
     find_meshes();
     number_uv_sets();
-    GltfText gltf = make_gltf();
+    std::map<std::string, NormalMaps> normals;
+    json materials = make_materials(&normals);
+    GltfText gltf = make_gltf(normals);
     files_.add(".bin", std::move(gltf.buffer));
     files_.add(".gltf", std::move(gltf.document));
     json description = {{"gltf", {{{"file", files_.beside(".gltf")}}}},
@@ -75,7 +77,7 @@ class SceneWriter {
     const auto add = [&](const char* key, json entries) {
       if (!entries.empty()) description[key] = std::move(entries);
     };
-    add("materials", materials());
+    add("materials", std::move(materials));
     add("meshes", meshes());
     add("lights", lights());
     std::string text = description.dump(1);
@@ -176,20 +178,29 @@ class SceneWriter {
     }
   }
 
-  GltfText make_gltf() const {
-    GltfWriter gltf(drawn_.size());
-    for (const DrawnMesh& drawn : drawn_) gltf.add(drawn.placed, triangles_of(drawn.id, *drawn.mesh, sets_));
+  GltfText make_gltf(const std::map<std::string, NormalMaps>& normals) const {
+    GltfWriter gltf(drawn_.size(), normals);
+    for (const DrawnMesh& drawn : drawn_) {
+      const auto& primvars = drawn.mesh->primvars;
+      if (normals.contains(drawn.placed.material) && !is_cage(*drawn.mesh) && primvars.contains("tangents") &&
+          !primvars.contains("normals"))
+        throw NotWritten(drawn.id, "has tangents for a texture of normals but no normals, which glTF cannot hold");
+      gltf.add(drawn.placed, triangles_of(drawn.id, *drawn.mesh, sets_));
+    }
     return gltf.finish(files_.beside(".bin"));
   }
 
-  json materials() {
+  json make_materials(std::map<std::string, NormalMaps>* normals) {
     json all = json::array();
     const auto add = [&](const std::string& name, json entry) {
       entry["match"] = pattern_of(name);
       all.push_back(std::move(entry));
     };
-    for (const auto& [id, name] : material_names_)
-      add(name, written_material(id, scene_.materials.at(id), sets_, &files_));
+    for (const auto& [id, name] : material_names_) {
+      WrittenMaterial written = written_material(id, scene_.materials.at(id), sets_, &files_);
+      add(name, std::move(written.entry));
+      if (!written.normals.empty()) normals->emplace(name, std::move(written.normals));
+    }
     for (const auto& [name, look] : default_materials_) add(name, look);
     return all;
   }
@@ -289,6 +300,8 @@ std::string WriteScene(const std::string& file, const SceneParts& scene, const R
                        const std::map<Token, Value>& settings) try {
   if (!file.ends_with(".json")) return file + " must end in .json";
   if (file == ".json" || file.ends_with("/.json")) return file + " needs a name before .json";
+  if (file.find('\\') != std::string::npos)
+    return file + " has a backslash, which URIs in glTF cannot hold; leave it out";
   if (!is_utf8(file)) return "the name of the file must be UTF-8";
   return SceneWriter(file, scene, state).write(settings);
 } catch (const std::bad_alloc&) {

@@ -9,10 +9,10 @@ namespace {
 
 using nlohmann::json;
 
-// RFC 3986: all but unreserved characters are written as %XX.
+// RFC 3986: all but unreserved characters and the slashes of paths are written as %XX.
 std::string uri_of(const std::string& file) {
   constexpr const char* kHex = "0123456789ABCDEF";
-  constexpr std::string_view kMarks = "-._~";
+  constexpr std::string_view kMarks = "-._~/";
   std::string uri;
   for (const char c : file) {
     const auto byte = static_cast<unsigned char>(c);
@@ -36,8 +36,8 @@ std::vector<size_t> numbers_that_sort(size_t count) {
 
 }  // namespace
 
-GltfWriter::GltfWriter(size_t mesh_count)
-    : first_nodes_(numbers_that_sort(mesh_count)), nodes_(json::array()), roots_(json::array()) {
+GltfWriter::GltfWriter(size_t mesh_count, const std::map<std::string, NormalMaps>& normals)
+    : normals_(normals), first_nodes_(numbers_that_sort(mesh_count)), nodes_(json::array()), roots_(json::array()) {
   for (size_t i = 0; i < mesh_count; ++i) nodes_.push_back(nullptr);
   document_["asset"]["version"] = "2.0";
 }
@@ -45,13 +45,14 @@ GltfWriter::GltfWriter(size_t mesh_count)
 void GltfWriter::add(const PlacedMesh& placed, const TriangleList& triangles) {
   json attributes = {{"POSITION", write_points(triangles.points)}};
   if (!triangles.normals.empty()) attributes["NORMAL"] = write(triangles.normals, "VEC3");
+  if (!triangles.tangents.empty()) attributes["TANGENT"] = write(triangles.tangents, "VEC4");
   for (const auto& [set, values] : triangles.uvs) attributes["TEXCOORD_" + std::to_string(set)] = write(values, "VEC2");
   json primitive = {{"attributes", std::move(attributes)},
                     {"indices", write(triangles.indices, "SCALAR")},
                     {"material", material(placed.material, placed.double_sided)}};
   if (triangles.is_cage) {
     primitive["extensions"]["FB_ngon_encoding"] = json::object();
-    document_["extensionsUsed"] = {"FB_ngon_encoding"};
+    extensions_.insert("FB_ngon_encoding");
   }
   document_["meshes"].push_back({{"name", placed.name}, {"primitives", {std::move(primitive)}}});
   place(first_nodes_[added_], placed, placed.places.front());
@@ -63,6 +64,7 @@ void GltfWriter::add(const PlacedMesh& placed, const TriangleList& triangles) {
 }
 
 GltfText GltfWriter::finish(const std::string& buffer_name) {
+  if (!extensions_.empty()) document_["extensionsUsed"] = extensions_;
   if (!nodes_.empty()) {
     document_["nodes"] = std::move(nodes_);
     document_["scenes"] = {{{"nodes", std::move(roots_)}}};
@@ -100,12 +102,39 @@ size_t GltfWriter::write_points(const std::vector<Vec3f>& points) {
   return accessor;
 }
 
+json GltfWriter::texture(const NormalMap& map) {
+  const auto index_of = [&](const char* key, json entry) {
+    json& all = document_[key];
+    for (size_t i = 0; i < all.size(); ++i)
+      if (all[i] == entry) return i;
+    all.push_back(std::move(entry));
+    return all.size() - 1;
+  };
+  constexpr int kRepeat = 10497, kMirror = 33648, kClamp = 33071;
+  const int wrap = map.wrap == "repeat" ? kRepeat : map.wrap == "mirror" ? kMirror : kClamp;
+  const size_t image = index_of("images", {{"uri", uri_of(map.file)}});
+  const size_t sampler = index_of("samplers", {{"wrapS", wrap}, {"wrapT", wrap}});
+  const size_t used = index_of("textures", {{"source", image}, {"sampler", sampler}});
+  return {{"index", used}, {"texCoord", map.set}, {"scale", map.scale}};
+}
+
 // In glTF a material says whether its meshes have a back. Two of one name are both what the description matches.
 size_t GltfWriter::material(const std::string& name, bool is_double_sided) {
   json& all = document_["materials"];
   for (size_t i = 0; i < all.size(); ++i)
     if (all[i]["name"] == name && all[i]["doubleSided"] == is_double_sided) return i;
-  all.push_back({{"name", name}, {"doubleSided", is_double_sided}});
+  json made = {{"name", name}, {"doubleSided", is_double_sided}};
+  if (const auto maps = normals_.find(name); maps != normals_.end())
+    for (const auto& [input, map] : maps->second) {
+      if (input == "normal") {
+        made["normalTexture"] = texture(map);
+        continue;
+      }
+      extensions_.insert("KHR_materials_clearcoat");
+      made["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1},
+                                                       {"clearcoatNormalTexture", texture(map)}};
+    }
+  all.push_back(std::move(made));
   return all.size() - 1;
 }
 

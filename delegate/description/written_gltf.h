@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "delegate/description/written_mesh.h"
 
@@ -10,6 +11,16 @@ namespace alabaster::hd::description {
 struct GltfText {
   std::string document, buffer;
 };
+
+/// A texture of normals in tangent space.
+struct NormalMap {
+  std::string file;  // relative to the document, or absolute
+  std::string wrap;
+  int set = 0;       // of texture coordinates
+  double scale = 1;  // of x and y
+};
+/// Those of a material: "normal" and "coatNormal".
+using NormalMaps = std::map<std::string, NormalMap>;
 
 struct PlacedMesh {
   std::string name, material;
@@ -20,7 +31,8 @@ struct PlacedMesh {
 /// Takes the meshes one by one. LoadGltf gives them paths that sort as they were taken.
 class GltfWriter {
  public:
-  explicit GltfWriter(size_t mesh_count);
+  /// `normals`: of materials by name.
+  GltfWriter(size_t mesh_count, const std::map<std::string, NormalMaps>& normals);
   void add(const PlacedMesh& placed, const TriangleList& triangles);
   /// `buffer_name`: of the file beside the document.
   GltfText finish(const std::string& buffer_name);
@@ -30,11 +42,14 @@ class GltfWriter {
   size_t write(const std::vector<T>& values, const char* type);
   size_t write_points(const std::vector<Vec3f>& points);
   size_t material(const std::string& name, bool is_double_sided);
+  nlohmann::json texture(const NormalMap& map);
   void place(size_t node, const PlacedMesh& placed, const Matrix4d& matrix);
 
+  const std::map<std::string, NormalMaps>& normals_;
   std::vector<size_t> first_nodes_;  // of each mesh
   size_t added_ = 0;
   nlohmann::json document_, nodes_, roots_;
+  std::set<std::string> extensions_;
   std::string bytes_;
 };
 

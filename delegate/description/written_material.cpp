@@ -46,16 +46,23 @@ class MaterialWriter {
   MaterialWriter(const Path& id, const MaterialNetwork& network, const UvSets& sets, WrittenFiles* files)
       : id_(id), network_(network), sets_(sets), files_(*files) {}
 
-  json run() {
+  WrittenMaterial run() {
     const auto terminal = network_.terminals.find("surface");
     const MaterialNode* const surface = terminal == network_.terminals.end()
                                             ? nullptr
                                             : find_node(network_, terminal->second.upstreamNode, "AlabasterDisney");
     if (!surface) refuse("is neither a UsdPreviewSurface nor made of AlabasterDisney nodes, which alone are written");
-    json made = {{"replace", parameters(*surface)}};
-    if (const MaterialConnection* bump = connection(*surface, "bump")) made["bump"] = heights(*bump, "bump");
+    WrittenMaterial made;
+    for (const char* input : {"normal", "coatNormal"})
+      if (const MaterialConnection* map = connection(*surface, input)) made.normals[input] = normals(*map, input);
+    const bool keeps = !made.normals.empty();
+    made.entry[keeps ? "set" : "replace"] = parameters(*surface, keeps);
+    if (const MaterialConnection* bump = connection(*surface, "bump")) {
+      if (made.normals.contains("normal")) refuse("has textures for bump and for normal, which are not written");
+      made.entry["bump"] = heights(*bump, "bump");
+    }
     if (const auto moved = network_.terminals.find("displacement"); moved != network_.terminals.end())
-      made["displacement"] = displacement(moved->second);
+      made.entry["displacement"] = displacement(moved->second);
     return made;
   }
 
@@ -70,11 +77,12 @@ class MaterialWriter {
     return &found->second.front();
   }
 
-  json parameters(const MaterialNode& surface) const {
-    for (const char* name : {"normal", "coatNormal"})
-      if (connection(surface, name))
-        refuse(std::string("has a texture for ") + name + ", which is not written; a bump is");
+  // `all`: a material of glTF has values of its own for some, which the defaults replace.
+  json parameters(const MaterialNode& surface, bool all) const {
     json made = json::object();
+    if (all)
+      for (const char* name : {"baseColor", "metallic", "roughness", "ior", "coat", "coatRoughness"})
+        made[name] = properties().at(name).at("default");
     for (const auto& [name, property] : properties().items()) {
       const Value* const constant = find(surface, name.c_str());
       if (const MaterialConnection* connected = connection(surface, name)) {
@@ -87,7 +95,7 @@ class MaterialWriter {
     return made;
   }
 
-  // The keys that all textures have. `scaled`: its scale is written elsewhere.
+  // The keys that all textures have. `scaled`: its scale and bias are written elsewhere.
   json texture(const MaterialConnection& from, bool scaled) const {
     const MaterialNode* const node = find_node(network_, from.upstreamNode, "AlabasterTexture");
     if (!node) refuse("reads " + from.upstreamNode.str() + ", which is no AlabasterTexture and is not written");
@@ -95,9 +103,10 @@ class MaterialWriter {
       return same_in_all(find(*node, name), otherwise) != otherwise;
     };
     for (const auto& [name, otherwise] :
-         {std::pair("stScale", 1.0), std::pair("stOffset", 0.0), std::pair("stRotation", 0.0), std::pair("bias", 0.0)})
+         {std::pair("stScale", 1.0), std::pair("stOffset", 0.0), std::pair("stRotation", 0.0)})
       if (has(name, otherwise)) refuse(std::string("has a texture with ") + name + ", which is not written");
-    if (!scaled && has("scale", 1)) refuse("has a texture with scale, which is not written");
+    if (!scaled && (has("scale", 1) || has("bias", 0)))
+      refuse("has a texture with scale or bias, which is not written");
     if (word(*node, "filter", "linear") != "linear") refuse("has a texture with filter, which is not written");
     if (word(*node, "wrapS", "repeat") != word(*node, "wrapT", "repeat"))
       refuse("has a texture with two ways to wrap, which is not written");
@@ -117,11 +126,35 @@ class MaterialWriter {
     return found->second == 0 ? "st" : "st" + std::to_string(found->second);
   }
 
+  NormalMap normals(const MaterialConnection& from, const std::string& input) const {
+    const json plain = texture(from, true);
+    const MaterialNode& node = network_.nodes.at(from.upstreamNode);
+    NormalMap map{plain["file"], plain["wrap"], 0, 1};
+    const std::string what = "has a texture for " + input;
+    const auto vector = [&](const char* name, const Vec4f& otherwise) {
+      const Value* const held = find(node, name);
+      return held ? held->get_or(otherwise) : otherwise;
+    };
+    const Vec4f scale = vector("scale", Vec4f(1));
+    const float s = scale.x / 2;
+    if (scale != Vec4f(2 * s, 2 * s, 2, 1) || vector("bias", Vec4f(0)) != Vec4f(-s, -s, -1, 0))
+      refuse(what + " whose scale and bias are not glTF's, which is not written");
+    if (plain["colorSpace"] != "raw" || plain.contains("channel") || map.wrap == "black")
+      refuse(what + " that is not raw, has one channel or wraps to black, which is not written");
+    if (map.file.find("<UDIM>") != std::string::npos) refuse(what + " of several images, which is not written");
+    const auto set = sets_.find(word(node, "st", "st"));
+    if (set == sets_.end()) refuse(what + " by texture coordinates that no mesh has, which is not written");
+    map.set = set->second;
+    map.scale = double(s);
+    return map;
+  }
+
   json heights(const MaterialConnection& from, const char* what) const {
     json made = texture(from, true);
     const MaterialNode& node = network_.nodes.at(from.upstreamNode);
     const std::optional<double> scale = same_in_all(find(node, "scale"), 1);
-    if (!scale) refuse(std::string("has a ") + what + " with several scales, which is not written");
+    if (!scale || same_in_all(find(node, "bias"), 0) != 0.0)
+      refuse(std::string("has a ") + what + " with several scales or a bias, which is not written");
     made["scale"] = *scale;
     if (!made.contains("channel"))
       refuse(std::string("has a ") + what + " by rgb, which is not written; name a channel");
@@ -152,7 +185,8 @@ class MaterialWriter {
 
 }  // namespace
 
-json written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets, WrittenFiles* files) {
+WrittenMaterial written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets,
+                                 WrittenFiles* files) {
   // The faults of a UsdPreviewSurface were warnings when it was synced.
   return MaterialWriter(id, support::TranslatePreviewSurface(network, [](auto&&...) {}), sets, files).run();
 }

@@ -128,7 +128,7 @@ Vec3f before_normalizing(const Vec3f& n) {
 /// What the corners of a mesh carry besides their points, as floats one after the other.
 struct CornerData {
   size_t width = 0;
-  bool has_normals = false;
+  bool has_normals = false, has_tangents = false;
   std::vector<int> sets;  // of texture coordinates, in their order here
   std::vector<float> values;
 };
@@ -145,7 +145,9 @@ CornerData read_corners(const Path& id, const host::MeshDescription& mesh, const
   }
   data.has_normals = !is_cage(mesh) && mesh.primvars.contains("normals");
   const auto normals = data.has_normals ? corner_values<Vec3f>(id, mesh, "normals") : std::vector<Vec3f>();
-  data.width = (data.has_normals ? 3 : 0) + 2 * uvs.size();
+  data.has_tangents = data.has_normals && mesh.primvars.contains("tangents");
+  const auto tangents = data.has_tangents ? corner_values<Vec4f>(id, mesh, "tangents") : std::vector<Vec4f>();
+  data.width = (data.has_normals ? 3 : 0) + (data.has_tangents ? 4 : 0) + 2 * uvs.size();
   const size_t corners = mesh.topology.faceVertexIndices.size();
   data.values.reserve(corners * data.width);
   for (size_t i = 0; i < corners; ++i) {
@@ -153,6 +155,8 @@ CornerData read_corners(const Path& id, const host::MeshDescription& mesh, const
       const Vec3f n = before_normalizing(normals[i]);
       data.values.insert(data.values.end(), {n.x, n.y, n.z});
     }
+    if (data.has_tangents)
+      for (int k = 0; k < 4; ++k) data.values.push_back(tangents[i][k]);
     for (const std::vector<Vec2f>& st : uvs) data.values.insert(data.values.end(), {st[i].x, 1 - st[i].y});
   }
   return data;
@@ -271,6 +275,7 @@ TriangleList triangles_of(const Path& id, const host::MeshDescription& mesh, con
     list.points.push_back(all_points[vertices.point(order[i])]);
     const float* values = data.width == 0 ? nullptr : vertices.values(order[i]);
     if (data.has_normals) list.normals.emplace_back(values[0], values[1], values[2]), values += 3;
+    if (data.has_tangents) list.tangents.emplace_back(values[0], values[1], values[2], values[3]), values += 4;
     for (const int set : data.sets) list.uvs[set].emplace_back(values[0], values[1]), values += 2;
   }
   for (uint32_t& index : list.indices) index = place[index];

@@ -21,6 +21,7 @@ std::vector<Token> uv_names(const host::MeshDescription& mesh);
 struct TriangleList {
   std::vector<Vec3f> points;
   std::vector<Vec3f> normals;             // empty: none
+  std::vector<Vec4f> tangents;            // empty: none
   std::map<int, std::vector<Vec2f>> uvs;  // by the number of the set; v counts downwards
   std::vector<uint32_t> indices;
   bool is_cage = false;  // polygons are runs of triangles (support/ngon_encoding.h)

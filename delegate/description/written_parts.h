@@ -1,9 +1,7 @@
 // The parts of a scene as entries of a render description. Internal to this room.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
-#include "delegate/description/written_mesh.h"
+#include "delegate/description/written_gltf.h"
 
 namespace alabaster::hd::description {
 
@@ -37,8 +35,13 @@ nlohmann::json to_json(const Matrix4d& matrix);
 /// A pattern that matches just this name.
 std::string pattern_of(const std::string& name);
 
-nlohmann::json written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets,
-                                WrittenFiles* files);
+/// Of a material the entry, and what belongs into the glTF document.
+struct WrittenMaterial {
+  nlohmann::json entry;
+  NormalMaps normals;
+};
+WrittenMaterial written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets,
+                                 WrittenFiles* files);
 /// The material of meshes without one. Throws NotWritten where the mesh has a colour for each point.
 nlohmann::json written_default_material(const Path& mesh, const host::MeshDescription& description);
 /// Without its links and its name.
