@@ -29,17 +29,6 @@ const host::CameraDescription& camera_of(const RenderPassState& state,
   return found->second;
 }
 
-json placement_of(const Path& id, const host::CameraDescription& camera) {
-  const TimeSamples<Matrix4d>& samples = camera.transformSamples;
-  if (samples.values.size() < 2) return {{"transform", to_json(camera.transform)}};
-  if (samples.times.size() != samples.values.size() || transform_at(samples, 0) != camera.transform)
-    throw NotWritten(id, "moves, and stands elsewhere at time 0 than its samples say, which is not written");
-  json motion = json::array();
-  for (size_t i = 0; i < samples.times.size(); ++i)
-    motion.push_back({{"time", samples.times[i]}, {"transform", to_json(samples.values[i])}});
-  return {{"motion", std::move(motion)}};
-}
-
 // The whole frame, and the part of it that the pass draws.
 void set_window(const Framing& framing, json* settings) {
   const Rect2i& data = framing.dataWindow;
@@ -60,10 +49,22 @@ void set_window(const Framing& framing, json* settings) {
 
 }  // namespace
 
+json written_motion(const Path& id, const Matrix4d& now, const TimeSamples<Matrix4d>& samples) {
+  if (samples.values.size() < 2) return {};
+  if (samples.times.size() != samples.values.size() || transform_at(samples, 0) != now)
+    throw NotWritten(id, "moves, and stands elsewhere at time 0 than its samples say, which is not written");
+  json motion = json::array();
+  for (size_t i = 0; i < samples.times.size(); ++i)
+    motion.push_back({{"time", samples.times[i]}, {"transform", to_json(samples.values[i])}});
+  return motion;
+}
+
 json written_camera(const RenderPassState& state, const std::map<Path, host::CameraDescription>& cameras) {
   static const json properties = expanded_schema("camera")["properties"];
   const host::CameraDescription& camera = camera_of(state, cameras);
-  json made = placement_of(state.freeCamera ? Path("the camera") : state.camera, camera);
+  json motion =
+      written_motion(state.freeCamera ? "the camera" : state.camera, camera.transform, camera.transformSamples);
+  json made = motion.empty() ? json{{"transform", to_json(camera.transform)}} : json{{"motion", std::move(motion)}};
   for (const auto& [name, property] : properties.items()) {
     const auto held = camera.parameters.find(name);
     if (held == camera.parameters.end() || held->second.empty()) continue;

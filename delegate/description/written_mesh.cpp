@@ -33,9 +33,8 @@ void check(const Path& id, const host::MeshDescription& mesh) {
     if (!subset.materialId.empty() && !subset.indices.empty())
       refuse(id, "has subsets with materials of their own, which is not written; give each a mesh");
   const auto moves = [](const auto& samples) { return samples.second.values.size() > 1; };
-  if (mesh.transformSamples.values.size() > 1 ||
-      std::any_of(mesh.primvarSamples.begin(), mesh.primvarSamples.end(), moves))
-    refuse(id, "moves, which is not written; set it without samples");
+  if (std::any_of(mesh.primvarSamples.begin(), mesh.primvarSamples.end(), moves))
+    refuse(id, "deforms, which is not written; set it without samples of its primvars");
   if (const auto points = mesh.primvars.find("points");
       points != mesh.primvars.end() && !points->second.indices.empty())
     refuse(id, "has indexed points, which is not written; let its faces name the points");

@@ -54,6 +54,10 @@ Value constant(const Path& id, const host::MeshDescription& mesh, const char* na
 json written_mesh(const Path& id, const host::MeshDescription& mesh) {
   json made = json::object();
   if (is_cage(mesh)) set_cage(id, mesh, &made);
+  if (json motion = written_motion(id, mesh.transform, mesh.transformSamples); !motion.empty()) {
+    if (!mesh.instancer.empty()) throw NotWritten(id, "moves within its instances, which is not written");
+    made["motion"] = std::move(motion);
+  }
   if (const Value set = constant(id, mesh, "subsurfaceSet"); !set.empty()) {
     if (set.text_or("").empty()) throw NotWritten(id, "has a subsurfaceSet that is no name, which is not written");
     made["subsurfaceSet"] = set.text_or("");

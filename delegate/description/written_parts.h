@@ -48,6 +48,8 @@ nlohmann::json written_default_material(const Path& mesh, const host::MeshDescri
 nlohmann::json written_light(const Path& id, const host::LightDescription& light, WrittenFiles* files);
 /// The parts of a mesh that glTF has no place for; empty if there are none.
 nlohmann::json written_mesh(const Path& id, const host::MeshDescription& mesh);
+/// Placements at times; empty if nothing moves. `now`: the placement at time 0.
+nlohmann::json written_motion(const Path& id, const Matrix4d& now, const TimeSamples<Matrix4d>& samples);
 nlohmann::json written_camera(const RenderPassState& state, const std::map<Path, host::CameraDescription>& cameras);
 nlohmann::json written_settings(const RenderPassState& state, const std::map<Token, Value>& settings);
 
