@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/math/transform.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/description/written_gltf.h"
@@ -110,8 +111,10 @@ class SceneWriter {
       DrawnMesh drawn{id, &mesh, {}};
       drawn.placed.places = places_of(id, mesh, &placements);
       if (drawn.placed.places.empty()) continue;
+      if (!std::all_of(drawn.placed.places.begin(), drawn.placed.places.end(), is_valid_affine))
+        throw NotWritten(id, "has a place that is not finite or cannot be inverted; mend its transform");
       drawn.placed.name = names.give(id);
-      drawn.placed.material = material_name(id, mesh);
+      set_look(mesh, &drawn.placed);
       drawn.placed.double_sided = is_double_sided(id, mesh);
       drawn_.push_back(std::move(drawn));
     }
@@ -147,18 +150,19 @@ class SceneWriter {
     }
   }
 
-  // Meshes without a material look alike if they have no colour of their own.
-  std::string material_name(const Path& id, const host::MeshDescription& mesh) {
+  void set_look(const host::MeshDescription& mesh, PlacedMesh* placed) {
     if (has_material(mesh)) {
       const auto [name, is_new] = material_names_.try_emplace(mesh.material);
       if (is_new) name->second = names_of_materials_.give(mesh.material);
-      return name->second;
+      placed->material = name->second;
+      return;
     }
-    json look = written_default_material(id, mesh);
-    for (const auto& [name, known] : default_materials_)
-      if (known == look) return name;
-    default_materials_.emplace_back(names_of_materials_.give("/default"), std::move(look));
-    return default_materials_.back().first;
+    placed->look = own_look(mesh);
+    for (const auto& [look, name] : default_names_)
+      if (look == *placed->look) placed->material = name;
+    if (!placed->material.empty()) return;
+    placed->material = names_of_materials_.give("/default");
+    default_names_.emplace_back(*placed->look, placed->material);
   }
 
   // Sets that have the reader's names keep them. The others get those that are free.
@@ -185,7 +189,7 @@ class SceneWriter {
       if (normals.contains(drawn.placed.material) && !is_cage(*drawn.mesh) && primvars.contains("tangents") &&
           !primvars.contains("normals"))
         throw NotWritten(drawn.id, "has tangents for a texture of normals but no normals, which glTF cannot hold");
-      gltf.add(drawn.placed, triangles_of(drawn.id, *drawn.mesh, sets_));
+      gltf.add(drawn.placed, triangles_of(drawn.id, *drawn.mesh, sets_, drawn.placed.look.value_or(OwnLook())));
     }
     return gltf.finish(files_.beside(".bin"));
   }
@@ -201,7 +205,6 @@ class SceneWriter {
       add(name, std::move(written.entry));
       if (!written.normals.empty()) normals->emplace(name, std::move(written.normals));
     }
-    for (const auto& [name, look] : default_materials_) add(name, look);
     return all;
   }
 
@@ -270,17 +273,22 @@ class SceneWriter {
     return names;
   }
 
-  // Values that the reader would refuse.
+  // Values that the reader would refuse. The entry of a prim names it.
   static void check(const std::string& description) {
     JsonDocument document;
-    document.value = json::parse(description);
-    document.origin = "the description";
-    std::string fault;
+    std::string fault, problem;
+    if (!parse_json(description, "", &document, &problem)) throw std::runtime_error(problem);
     const DiagnosticSink sink = [&](const Diagnostic& d) {
-      if (fault.empty() && d.severity == Severity::error) fault = d.where + ": " + d.text;
+      if (!fault.empty() || d.severity != Severity::error) return;
+      const std::string pointer = d.where.substr(std::min(d.where.find('/'), d.where.size()));
+      const json::json_pointer entry(pointer.substr(0, pointer.find('/', pointer.find('/', 1) + 1)));
+      if (document.value.contains(entry) && document.value[entry].is_object())
+        for (const char* key : {"match", "name"})
+          if (document.value[entry].contains(key)) fault = " of " + document.value[entry][key].get<std::string>();
+      fault = pointer + fault + ": " + d.text;
     };
     if (!check_schema(document, expanded_schema("render_description"), sink))
-      throw std::runtime_error("the scene has a value that descriptions must not have; " + fault);
+      throw std::runtime_error("the scene has a value that descriptions must not have, " + fault);
   }
 
   const SceneParts& scene_;
@@ -291,7 +299,7 @@ class SceneWriter {
   UvSets sets_;
   Names names_of_materials_;
   std::map<Path, std::string> material_names_;
-  std::vector<std::pair<std::string, json>> default_materials_;
+  std::vector<std::pair<OwnLook, std::string>> default_names_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 
 #include "delegate/description/written_parts.h"
 #include "delegate/support/output_file.h"
@@ -57,6 +58,17 @@ std::string WrittenFiles::name_of(const Path& id, const Value& file) {
       throw NotWritten(id, "names the file " + whole + ", which would be replaced; write elsewhere");
   const fs::path relative = fs::path(whole).lexically_relative(folder_);
   return relative.empty() || *relative.begin() == ".." ? whole : relative.string();
+}
+
+bool WrittenFiles::is_gltf_image(const Value& file) {
+  const auto* asset = file.get<AssetPath>();
+  std::vector<uint8_t> first(8);
+  if (asset && asset->bytes)
+    first = *asset->bytes;
+  else
+    std::ifstream(file.text_or(""), std::ios::binary).read(reinterpret_cast<char*>(first.data()), 8);
+  const std::string ending = ending_of(first);
+  return ending == ".png" || ending == ".jpg" || ending == ".webp";
 }
 
 std::string WrittenFiles::write() const {

@@ -46,10 +46,11 @@ void GltfWriter::add(const PlacedMesh& placed, const TriangleList& triangles) {
   json attributes = {{"POSITION", write_points(triangles.points)}};
   if (!triangles.normals.empty()) attributes["NORMAL"] = write(triangles.normals, "VEC3");
   if (!triangles.tangents.empty()) attributes["TANGENT"] = write(triangles.tangents, "VEC4");
+  if (!triangles.colors.empty()) attributes["COLOR_0"] = write(triangles.colors, "VEC4");
   for (const auto& [set, values] : triangles.uvs) attributes["TEXCOORD_" + std::to_string(set)] = write(values, "VEC2");
   json primitive = {{"attributes", std::move(attributes)},
                     {"indices", write(triangles.indices, "SCALAR")},
-                    {"material", material(placed.material, placed.double_sided)}};
+                    {"material", material(placed)}};
   if (triangles.is_cage) {
     primitive["extensions"]["FB_ngon_encoding"] = json::object();
     extensions_.insert("FB_ngon_encoding");
@@ -118,24 +119,35 @@ json GltfWriter::texture(const NormalMap& map) {
   return {{"index", used}, {"texCoord", map.set}, {"scale", map.scale}};
 }
 
+json GltfWriter::make_material(const PlacedMesh& placed) {
+  json made = {{"name", placed.material}, {"doubleSided", placed.double_sided}};
+  if (placed.look) {  // the renderer's default: grey, or what the mesh shows
+    const double base = placed.look->has_color ? 1 : double(0.8f), roughness = 0.5;
+    made["pbrMetallicRoughness"] = {
+        {"baseColorFactor", {base, base, base, 1}}, {"metallicFactor", 0}, {"roughnessFactor", roughness}};
+    if (placed.look->has_opacity) made["alphaMode"] = "BLEND";
+  }
+  const auto maps = normals_.find(placed.material);
+  if (maps == normals_.end()) return made;
+  for (const auto& [input, map] : maps->second) {
+    if (input == "normal") {
+      made["normalTexture"] = texture(map);
+      continue;
+    }
+    extensions_.insert("KHR_materials_clearcoat");
+    made["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", texture(map)}};
+  }
+  return made;
+}
+
 // In glTF a material says whether its meshes have a back. Two of one name are both what the description matches.
-size_t GltfWriter::material(const std::string& name, bool is_double_sided) {
+size_t GltfWriter::material(const PlacedMesh& placed) {
   json& all = document_["materials"];
   for (size_t i = 0; i < all.size(); ++i)
-    if (all[i]["name"] == name && all[i]["doubleSided"] == is_double_sided) return i;
-  json made = {{"name", name}, {"doubleSided", is_double_sided}};
-  if (const auto maps = normals_.find(name); maps != normals_.end())
-    for (const auto& [input, map] : maps->second) {
-      if (input == "normal") {
-        made["normalTexture"] = texture(map);
-        continue;
-      }
-      extensions_.insert("KHR_materials_clearcoat");
-      made["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1},
-                                                       {"clearcoatNormalTexture", texture(map)}};
-    }
-  all.push_back(std::move(made));
-  return all.size() - 1;
+    if (all[i]["name"] == placed.material && all[i]["doubleSided"] == placed.double_sided) return i;
+  json made = make_material(placed);  // before the list grows
+  document_["materials"].push_back(std::move(made));
+  return document_["materials"].size() - 1;
 }
 
 }  // namespace alabaster::hd::description

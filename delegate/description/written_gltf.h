@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "delegate/description/written_mesh.h"
@@ -24,6 +25,7 @@ using NormalMaps = std::map<std::string, NormalMap>;
 
 struct PlacedMesh {
   std::string name, material;
+  std::optional<OwnLook> look;  // of a mesh without a material of the scene
   bool double_sided = true;
   std::vector<Matrix4d> places;  // one at least
 };
@@ -41,7 +43,8 @@ class GltfWriter {
   template <class T>
   size_t write(const std::vector<T>& values, const char* type);
   size_t write_points(const std::vector<Vec3f>& points);
-  size_t material(const std::string& name, bool is_double_sided);
+  size_t material(const PlacedMesh& placed);
+  nlohmann::json make_material(const PlacedMesh& placed);
   nlohmann::json texture(const NormalMap& map);
   void place(size_t node, const PlacedMesh& placed, const Matrix4d& matrix);
 

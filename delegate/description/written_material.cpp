@@ -142,6 +142,9 @@ class MaterialWriter {
     if (plain["colorSpace"] != "raw" || plain.contains("channel") || map.wrap == "black")
       refuse(what + " that is not raw, has one channel or wraps to black, which is not written");
     if (map.file.find("<UDIM>") != std::string::npos) refuse(what + " of several images, which is not written");
+    const Value* const file = find(node, "file");
+    if (!file || !WrittenFiles::is_gltf_image(*file))
+      refuse(what + " that is neither PNG, JPEG nor WebP, which glTF cannot hold; convert the image");
     const auto set = sets_.find(word(node, "st", "st"));
     if (set == sets_.end()) refuse(what + " by texture coordinates that no mesh has, which is not written");
     map.set = set->second;
@@ -189,27 +192,6 @@ WrittenMaterial written_material(const Path& id, const MaterialNetwork& network,
                                  WrittenFiles* files) {
   // The faults of a UsdPreviewSurface were warnings when it was synced.
   return MaterialWriter(id, support::TranslatePreviewSurface(network, [](auto&&...) {}), sets, files).run();
-}
-
-json written_default_material(const Path& mesh, const host::MeshDescription& description) {
-  json replace = json::object();
-  for (const auto& [primvar, parameter] :
-       {std::pair("displayColor", "baseColor"), std::pair("displayOpacity", "opacity")}) {
-    const auto found = description.primvars.find(primvar);
-    if (found == description.primvars.end() || found->second.value.empty()) continue;
-    const host::PrimvarValue& held = found->second;
-    Value one = held.value;
-    if (const auto* all = one.get<Array<Vec3f>>(); all && all->size() == 1) one = Value((*all)[0]);
-    if (const auto* all = one.get<Array<float>>(); all && all->size() == 1) one = Value((*all)[0]);
-    std::array<double, 4> numbers{};
-    const size_t wanted = parameter == std::string("baseColor") ? 3 : 1;
-    if (held.interpolation != Interpolation::constant || one.components(&numbers) != wanted)
-      throw NotWritten(mesh,
-                       "has no material but a colour of its own that is not one for all of it, which is not "
-                       "written; give it a material");
-    replace[parameter] = to_json(one);
-  }
-  return {{"replace", std::move(replace)}};
 }
 
 }  // namespace alabaster::hd::description

@@ -96,13 +96,19 @@ std::vector<T> corner_values(const Path& id, const host::MeshDescription& mesh, 
   const auto* values = numbers.get<Array<T>>();
   if (!values) refuse(id, "has a primvar " + name.str() + " of another type, which is not written");
   const bool by_corner = primvar.interpolation == Interpolation::faceVarying;
-  if (!by_corner && primvar.interpolation != Interpolation::vertex && primvar.interpolation != Interpolation::varying)
-    refuse(id, "has " + name.str() + " by face or for all of it, which is not written; give it by corner");
-  const Array<int32_t>& vertices = mesh.topology.faceVertexIndices;
+  if (is_cage(mesh) && name != Token("points") && !by_corner)
+    refuse(id, "is a cage with " + name.str() + " not by corner (faceVarying), which glTF cannot hold");
+  if (primvar.interpolation == Interpolation::instance) refuse(id, "has " + name.str() + " by instance");
   std::vector<T> all;
-  all.reserve(vertices.size());
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    size_t at = by_corner ? i : static_cast<size_t>(vertices[i]);
+  size_t face = 0, last = 0;  // the number of the first corner behind the face
+  const MeshTopology& topology = mesh.topology;
+  for (size_t i = 0; i < topology.faceVertexIndices.size(); ++i) {
+    while (i >= last && face < topology.faceVertexCounts.size())
+      last += static_cast<size_t>(std::max(topology.faceVertexCounts[face++], 0));
+    size_t at = static_cast<size_t>(topology.faceVertexIndices[i]);
+    if (by_corner) at = i;
+    if (primvar.interpolation == Interpolation::constant) at = 0;
+    if (primvar.interpolation == Interpolation::uniform) at = face - 1;
     if (!primvar.indices.empty()) {
       if (at >= primvar.indices.size()) refuse(id, "has too few indices of " + name.str());
       at = static_cast<size_t>(primvar.indices[at]);
@@ -124,39 +130,60 @@ Vec3f before_normalizing(const Vec3f& n) {
   return n;
 }
 
-/// What the corners of a mesh carry besides their points, as floats one after the other.
+/// Values that corners carry besides their points, as floats one after the other.
 struct CornerData {
   size_t width = 0;
-  bool has_normals = false, has_tangents = false;
+  bool has_normals = false, has_tangents = false, has_colors = false;
   std::vector<int> sets;  // of texture coordinates, in their order here
   std::vector<float> values;
+
+  /// Adds `columns` values to each corner.
+  template <class T>
+  void add(const std::vector<T>& more) {
+    constexpr size_t kColumns = T::dimensions();
+    std::vector<float> wider;
+    wider.reserve(more.size() * (width + kColumns));
+    for (size_t i = 0; i < more.size(); ++i) {
+      wider.insert(wider.end(), values.begin() + ptrdiff_t(i * width), values.begin() + ptrdiff_t((i + 1) * width));
+      for (unsigned k = 0; k < kColumns; ++k) wider.push_back(more[i][int(k)]);
+    }
+    values = std::move(wider);
+    width += kColumns;
+  }
 };
 
-CornerData read_corners(const Path& id, const host::MeshDescription& mesh, const UvSets& all_sets) {
-  CornerData data;
-  std::vector<std::vector<Vec2f>> uvs;
-  for (const Token& name : uv_names(mesh)) {
-    const auto interpolation = mesh.primvars.at(name).interpolation;
-    if (is_cage(mesh) && interpolation != Interpolation::faceVarying)
-      refuse(id, "is a cage with " + name.str() + " by point, which glTF cannot hold; give it by corner (faceVarying)");
-    uvs.push_back(corner_values<Vec2f>(id, mesh, name));
-    data.sets.push_back(all_sets.at(name));
+// The white of glTF where the mesh has opacities alone.
+std::vector<Vec4f> own_colors(const Path& id, const host::MeshDescription& mesh, const OwnLook& look) {
+  std::vector<Vec4f> all(mesh.topology.faceVertexIndices.size(), Vec4f(1));
+  if (look.has_color) {
+    const auto colors = corner_values<Vec3f>(id, mesh, "displayColor");
+    for (size_t i = 0; i < all.size(); ++i) all[i] = Vec4f(colors[i].x, colors[i].y, colors[i].z, 1);
   }
+  if (look.has_opacity) {
+    const auto opacities = corner_values<float>(id, mesh, "displayOpacity");
+    for (size_t i = 0; i < all.size(); ++i) all[i].w = opacities[i];
+  }
+  return all;
+}
+
+CornerData read_corners(const Path& id, const host::MeshDescription& mesh, const UvSets& all_sets,
+                        const OwnLook& look) {
+  CornerData data;
   data.has_normals = !is_cage(mesh) && mesh.primvars.contains("normals");
-  const auto normals = data.has_normals ? corner_values<Vec3f>(id, mesh, "normals") : std::vector<Vec3f>();
+  if (data.has_normals) {
+    auto normals = corner_values<Vec3f>(id, mesh, "normals");
+    for (Vec3f& n : normals) n = before_normalizing(n);
+    data.add(normals);
+  }
   data.has_tangents = data.has_normals && mesh.primvars.contains("tangents");
-  const auto tangents = data.has_tangents ? corner_values<Vec4f>(id, mesh, "tangents") : std::vector<Vec4f>();
-  data.width = (data.has_normals ? 3 : 0) + (data.has_tangents ? 4 : 0) + 2 * uvs.size();
-  const size_t corners = mesh.topology.faceVertexIndices.size();
-  data.values.reserve(corners * data.width);
-  for (size_t i = 0; i < corners; ++i) {
-    if (data.has_normals) {
-      const Vec3f n = before_normalizing(normals[i]);
-      data.values.insert(data.values.end(), {n.x, n.y, n.z});
-    }
-    if (data.has_tangents)
-      for (int k = 0; k < 4; ++k) data.values.push_back(tangents[i][k]);
-    for (const std::vector<Vec2f>& st : uvs) data.values.insert(data.values.end(), {st[i].x, 1 - st[i].y});
+  if (data.has_tangents) data.add(corner_values<Vec4f>(id, mesh, "tangents"));
+  data.has_colors = look.has_color || look.has_opacity;
+  if (data.has_colors) data.add(own_colors(id, mesh, look));
+  for (const Token& name : uv_names(mesh)) {
+    auto st = corner_values<Vec2f>(id, mesh, name);
+    for (Vec2f& one : st) one.y = 1 - one.y;
+    data.add(st);
+    data.sets.push_back(all_sets.at(name));
   }
   return data;
 }
@@ -253,13 +280,24 @@ bool is_double_sided(const Path& id, const host::MeshDescription& mesh) {
   return mesh.doubleSided || mesh.cullStyle == CullStyle::nothing;
 }
 
-TriangleList triangles_of(const Path& id, const host::MeshDescription& mesh, const UvSets& sets) {
+OwnLook own_look(const host::MeshDescription& mesh) {
+  const auto has = [&](const char* name) {
+    const auto found = mesh.primvars.find(name);
+    return found != mesh.primvars.end() && !found->second.value.empty();
+  };
+  return {has("displayColor"), has("displayOpacity")};
+}
+
+TriangleList triangles_of(const Path& id, const host::MeshDescription& mesh, const UvSets& sets, const OwnLook& look) {
   check(id, mesh);
   const std::vector<Vec3f> points = corner_values<Vec3f>(id, mesh, "points");
   const Array<int32_t>& corner_points = mesh.topology.faceVertexIndices;
   const Value numbers = support::FloatValues(mesh.primvars.at("points").value);
   const auto& all_points = *numbers.get<Array<Vec3f>>();
-  const CornerData data = read_corners(id, mesh, sets);
+  const auto is_finite = [](const Vec3f& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); };
+  if (!std::all_of(all_points.begin(), all_points.end(), is_finite))
+    refuse(id, "has points that are not finite, which glTF cannot hold; mend them");
+  const CornerData data = read_corners(id, mesh, sets, look);
   Vertices vertices(all_points.size(), data.width);
   TriangleList list;
   for (const size_t i : triangle_corners(id, mesh, points))
@@ -275,6 +313,7 @@ TriangleList triangles_of(const Path& id, const host::MeshDescription& mesh, con
     const float* values = data.width == 0 ? nullptr : vertices.values(order[i]);
     if (data.has_normals) list.normals.emplace_back(values[0], values[1], values[2]), values += 3;
     if (data.has_tangents) list.tangents.emplace_back(values[0], values[1], values[2], values[3]), values += 4;
+    if (data.has_colors) list.colors.emplace_back(values[0], values[1], values[2], values[3]), values += 4;
     for (const int set : data.sets) list.uvs[set].emplace_back(values[0], values[1]), values += 2;
   }
   for (uint32_t& index : list.indices) index = place[index];

@@ -22,6 +22,7 @@ struct TriangleList {
   std::vector<Vec3f> points;
   std::vector<Vec3f> normals;             // empty: none
   std::vector<Vec4f> tangents;            // empty: none
+  std::vector<Vec4f> colors;              // with opacities; empty: none
   std::map<int, std::vector<Vec2f>> uvs;  // by the number of the set; v counts downwards
   std::vector<uint32_t> indices;
   bool is_cage = false;  // polygons are runs of triangles (support/ngon_encoding.h)
@@ -33,7 +34,15 @@ bool is_cage(const host::MeshDescription& mesh);
 /// The sides that all rays see. Throws NotWritten where the camera's rays see others.
 bool is_double_sided(const Path& id, const host::MeshDescription& mesh);
 
+/// What a mesh shows that has no material.
+struct OwnLook {
+  bool has_color = false, has_opacity = false;
+  bool operator==(const OwnLook&) const = default;
+};
+OwnLook own_look(const host::MeshDescription& mesh);
+
 /// The points of a cage keep their numbers, its faces their order and their first corners. Throws NotWritten.
-TriangleList triangles_of(const Path& id, const host::MeshDescription& mesh, const UvSets& sets);
+/// `look`: of a mesh without a material, else the default.
+TriangleList triangles_of(const Path& id, const host::MeshDescription& mesh, const UvSets& sets, const OwnLook& look);
 
 }  // namespace alabaster::hd::description

@@ -17,6 +17,8 @@ class WrittenFiles {
   /// The name of a file of `id`'s: relative to the description where it lies below its folder, else absolute. Contents
   /// that are in memory become a file of their own. Throws NotWritten where the scene's own files would replace it.
   std::string name_of(const Path& id, const Value& file);
+  /// True if glTF has images of this kind.
+  static bool is_gltf_image(const Value& file);
   /// Writes all. Returns nothing, or why that failed; then those that were written before stay.
   std::string write() const;
 
@@ -42,8 +44,6 @@ struct WrittenMaterial {
 };
 WrittenMaterial written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets,
                                  WrittenFiles* files);
-/// The material of meshes without one. Throws NotWritten where the mesh has a colour for each point.
-nlohmann::json written_default_material(const Path& mesh, const host::MeshDescription& description);
 /// Without its links and its name.
 nlohmann::json written_light(const Path& id, const host::LightDescription& light, WrittenFiles* files);
 /// The parts of a mesh that glTF has no place for; empty if there are none.

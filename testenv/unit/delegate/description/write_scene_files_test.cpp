@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, WriteSceneOfFile,
                          ::testing::Values("backlit/backlit.json", "lights/lights.json", "sample/sample.json",
                                            "hard_light/hard_light.json", "thick_thin/thick_thin.json",
                                            "skin_closeup/skin_closeup.json", "still_life/still_life.json",
-                                           "mixed_no_subsurface/mixed_no_subsurface.json", "motion/motion.json",
+                                           "mixed_no_subsurface/mixed_no_subsurface.json",
                                            "dome_high_contrast/dome_high_contrast.json"));
 
 }  // namespace
