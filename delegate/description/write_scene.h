@@ -22,9 +22,10 @@ struct SceneParts {
 /// The files hold the picture of a pass of `state`: the meshes that it draws, the materials of these, all lights, its
 /// camera (`freeCamera`, else `camera`), window and window policy, and those of `settings` that
 /// schemas/render_settings.json has. "ocio" among them names the OpenColorIO config. The description names one product,
-/// NAME.exr, with AOV color as floats. Floats are written as they are, so that the picture is the same to the byte;
-/// except that normals become of unit length, and texture coordinates may change by 6e-8, because glTF counts v
-/// downwards. Primvars that no part of AOV color reads are left out, and so is what the renderer leaves out itself.
+/// NAME.exr, with AOV color as floats. Floats are written as they are, so that the picture is the same to the byte,
+/// but for the last bits of normals that are not of unit length, of texture coordinates (glTF counts v downwards), of
+/// film (in millimetres) and of meshes that move. Primvars that no part of AOV color reads are left out, and so is what
+/// the renderer leaves out itself.
 ///
 /// Returns an empty string, or the reason why nothing was written, which names the prim and a remedy: the scene holds
 /// what these files cannot (delegate/README.md has the list), or a file cannot be written. Never throws.

@@ -34,7 +34,7 @@ bool is_cage(const host::MeshDescription& mesh);
 /// The sides that all rays see. Throws NotWritten where the camera's rays see others.
 bool is_double_sided(const Path& id, const host::MeshDescription& mesh);
 
-/// What a mesh shows that has no material.
+/// The primvars that a mesh without a material shows.
 struct OwnLook {
   bool has_color = false, has_opacity = false;
   bool operator==(const OwnLook&) const = default;

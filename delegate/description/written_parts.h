@@ -37,7 +37,7 @@ nlohmann::json to_json(const Matrix4d& matrix);
 /// A pattern that matches just this name.
 std::string pattern_of(const std::string& name);
 
-/// Of a material the entry, and what belongs into the glTF document.
+/// A material: its entry, and its textures of normals, which belong into the glTF document.
 struct WrittenMaterial {
   nlohmann::json entry;
   NormalMaps normals;

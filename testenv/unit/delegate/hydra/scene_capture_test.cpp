@@ -122,60 +122,60 @@ TEST(SceneCapture, PreviewSurfacesAreWrittenAsWhatTheyBecome) {
             json({{"file", "skin.png"}, {"colorSpace", "auto"}, {"wrap", "clamp"}, {"st", "st"}, {"channel", "g"}}));
 }
 
+struct Refusal {
+  const char* says;
+  void (*edit)(Captured&);
+};
+const Refusal kRefusals[] = {
+    {"/mesh is a cage with two points at one place",
+     [](Captured& c) {
+       c.mesh.topology.scheme = "catmullClark";
+       c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
+     }},
+    {"/mesh has creaseMethod chaikin",
+     [](Captured& c) { c.mesh.topology.scheme = "loop", c.mesh.subdivTags.creaseMethod = "chaikin"; }},
+    {"/mesh hides sides", [](Captured& c) { c.mesh.cullStyle = hd::CullStyle::front; }},
+    {"/mesh deforms",
+     [](Captured& c) {
+       const Value points = c.mesh.primvars["points"].value;
+       c.mesh.primvarSamples["points"] = {{0, 1}, {points, points}};
+     }},
+    {"/mesh has a primvar subsurfaceSet", [](Captured& c) { c.mesh.primvars["subsurfaceSet"].value = hd::Token("a"); }},
+    {"/mesh has too few displayColor",
+     [](Captured& c) {
+       c.mesh.material = {}, c.mesh.doubleSided = false;
+       c.mesh.primvars["displayColor"].value = Array<Vec3f>{{1, 0, 0}};
+     }},
+    {"/sun is linked", [](Captured& c) { c.sun.parameters["lightLink"] = hd::Token("some"); }},
+    {"/m displaces",
+     [](Captured& c) {
+       c.network.terminals["displacement"] = {"/m/d", "displacement"};
+     }},
+    {"/m has a bump by rgb",
+     [](Captured& c) {
+       c.surface().inputConnections["bump"] = {{"/m/t", "rgb"}};
+     }},
+    {"/m reads /m/gone",
+     [](Captured& c) {
+       c.surface().inputConnections["sheen"] = {{"/m/gone", "r"}};
+     }},
+    {"/m has a texture with stOffset",
+     [](Captured& c) {
+       c.surface().inputConnections["sheen"] = {{"/m/t", "r"}};
+       c.network.nodes["/m/t"].parameters["stOffset"] = hd::Vec2f(1, 0);
+     }},
+    {"/m is neither a UsdPreviewSurface", [](Captured& c) { c.surface().nodeTypeId = "ND_unlit_surface"; }},
+    {"/mesh has a face that is not convex",
+     [](Captured& c) {
+       c.mesh.topology.faceVertexCounts = {4};
+       c.mesh.topology.faceVertexIndices = {0, 1, 2, 3};
+       c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 0.2f}, {1, 0, 0}};
+     }},
+    {"/mesh has faces of fewer", [](Captured& c) { c.mesh.topology.faceVertexCounts = {4}; }},
+};
+
 TEST(SceneCapture, FilesCannotHoldAllAndSayWhat) {
-  struct Refusal {
-    const char* says;
-    void (*edit)(Captured&);
-  };
-  const Refusal refusals[] = {
-      {"/mesh is a cage with two points at one place",
-       [](Captured& c) {
-         c.mesh.topology.scheme = "catmullClark";
-         c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
-       }},
-      {"/mesh has creaseMethod chaikin",
-       [](Captured& c) { c.mesh.topology.scheme = "loop", c.mesh.subdivTags.creaseMethod = "chaikin"; }},
-      {"/mesh hides sides", [](Captured& c) { c.mesh.cullStyle = hd::CullStyle::front; }},
-      {"/mesh deforms",
-       [](Captured& c) {
-         const Value points = c.mesh.primvars["points"].value;
-         c.mesh.primvarSamples["points"] = {{0, 1}, {points, points}};
-       }},
-      {"/mesh has a primvar subsurfaceSet",
-       [](Captured& c) { c.mesh.primvars["subsurfaceSet"].value = hd::Token("a"); }},
-      {"/mesh has too few displayColor",
-       [](Captured& c) {
-         c.mesh.material = {}, c.mesh.doubleSided = false;
-         c.mesh.primvars["displayColor"].value = Array<Vec3f>{{1, 0, 0}};
-       }},
-      {"/sun is linked", [](Captured& c) { c.sun.parameters["lightLink"] = hd::Token("some"); }},
-      {"/m displaces",
-       [](Captured& c) {
-         c.network.terminals["displacement"] = {"/m/d", "displacement"};
-       }},
-      {"/m has a bump by rgb",
-       [](Captured& c) {
-         c.surface().inputConnections["bump"] = {{"/m/t", "rgb"}};
-       }},
-      {"/m reads /m/gone",
-       [](Captured& c) {
-         c.surface().inputConnections["sheen"] = {{"/m/gone", "r"}};
-       }},
-      {"/m has a texture with stOffset",
-       [](Captured& c) {
-         c.surface().inputConnections["sheen"] = {{"/m/t", "r"}};
-         c.network.nodes["/m/t"].parameters["stOffset"] = hd::Vec2f(1, 0);
-       }},
-      {"/m is neither a UsdPreviewSurface", [](Captured& c) { c.surface().nodeTypeId = "ND_unlit_surface"; }},
-      {"/mesh has a face that is not convex",
-       [](Captured& c) {
-         c.mesh.topology.faceVertexCounts = {4};
-         c.mesh.topology.faceVertexIndices = {0, 1, 2, 3};
-         c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 0.2f}, {1, 0, 0}};
-       }},
-      {"/mesh has faces of fewer", [](Captured& c) { c.mesh.topology.faceVertexCounts = {4}; }},
-  };
-  for (const Refusal& refusal : refusals) {
+  for (const Refusal& refusal : kRefusals) {
     Captured c;
     refusal.edit(c);
     const std::string fault = c.write();
