@@ -48,6 +48,32 @@ class Names {
   std::set<std::string> taken_;
 };
 
+// Arrays are worth an extension from here on.
+constexpr size_t kManyInstances = 64;
+
+// The points of an instancer as arrays, if there are many and that is all that they are.
+std::optional<InstanceList> instance_list(const support::PlacementSource& source, const Matrix4d& before) {
+  if (source.indices.size() < kManyInstances || !source.points || !source.points->transforms.empty() ||
+      before != Matrix4d())
+    return std::nullopt;
+  const support::InstanceArrays& points = *source.points;
+  InstanceList list;
+  for (const int32_t index : source.indices) {
+    if (!source.has_point(index)) continue;
+    const auto i = static_cast<size_t>(index);
+    const auto add = [&](const auto& from, const auto& otherwise, auto* to) {
+      if (!from.empty()) to->push_back(i < from.size() ? from[i] : otherwise);
+    };
+    add(points.translations, Vec3f(0), &list.translations);
+    add(points.scales, Vec3f(1), &list.scales);
+    if (points.rotations.empty()) continue;
+    const Quatf q = i < points.rotations.size() ? points.rotations[i] : Quatf();
+    list.rotations.emplace_back(q.v.x, q.v.y, q.v.z, q.r);
+  }
+  if (list.translations.empty() && list.scales.empty() && list.rotations.empty()) return std::nullopt;
+  return list;
+}
+
 struct DrawnMesh {
   Path id;
   const host::MeshDescription* mesh;
@@ -109,7 +135,7 @@ class SceneWriter {
     for (const auto& [id, mesh] : scene_.meshes) {
       if (!selection.includes(id, mesh.visible, mesh.renderTag) || mesh.topology.faceVertexCounts.empty()) continue;
       DrawnMesh drawn{id, &mesh, {}};
-      drawn.placed.places = places_of(id, mesh, &placements);
+      set_places(id, mesh, &placements, &drawn.placed);
       if (drawn.placed.places.empty()) continue;
       if (!std::all_of(drawn.placed.places.begin(), drawn.placed.places.end(), is_valid_affine))
         throw NotWritten(id, "has a place that is not finite or cannot be inverted; mend its transform");
@@ -120,21 +146,27 @@ class SceneWriter {
     }
   }
 
-  std::vector<Matrix4d> places_of(const Path& id, const host::MeshDescription& mesh, support::Placements* placements) {
-    if (mesh.instancer.empty()) return {mesh.transform};
+  // Leaves the places empty where the mesh stands nowhere.
+  void set_places(const Path& id, const host::MeshDescription& mesh, support::Placements* placements,
+                  PlacedMesh* placed) {
+    if (mesh.instancer.empty()) return placed->places.push_back(mesh.transform);
     const auto instancer = scene_.instancers.find(mesh.instancer);
-    if (instancer == scene_.instancers.end()) return {};
+    if (instancer == scene_.instancers.end()) return;
     check_instancers(mesh.instancer);
     const auto indices = instancer->second.indices.find(id);
-    if (indices == instancer->second.indices.end()) return {};
-    if (placements->source(id, mesh.instancer, indices->second).size() + placed_ > kMostPlaces)
+    if (indices == instancer->second.indices.end()) return;
+    const support::PlacementSource source = placements->source(id, mesh.instancer, indices->second);
+    placed->instances = instance_list(source, mesh.transform);
+    const size_t count = placed->instances ? source.bases->size() : source.size();
+    if (count + placed_ > kMostPlaces)
       throw NotWritten(id, "and other meshes have more than " + std::to_string(kMostPlaces) +
-                               " instances in all, which is not written; select a part of the scene");
-    std::vector<Matrix4d> places;
-    for (const support::Placement& place : placements->place(id, mesh.instancer, indices->second))
-      if (place.used) places.push_back(mesh.transform * place.matrix);
-    placed_ += places.size();
-    return places;
+                               " instances that are not placed by translations, rotations and scales alone, which is "
+                               "not written; select a part of the scene");
+    for (size_t i = 0; i < count; ++i) {
+      const support::Placement place = placed->instances ? (*source.bases)[i] : source[i];
+      if (place.used) placed->places.push_back(mesh.transform * place.matrix);
+    }
+    placed_ += placed->places.size();
   }
 
   // Itself and those that place it. Placements leave out instancers that place each other.

@@ -9,6 +9,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+
 // RFC 3986: all but unreserved characters and the slashes of paths are written as %XX.
 std::string uri_of(const std::string& file) {
   constexpr const char* kHex = "0123456789ABCDEF";
@@ -56,16 +58,18 @@ void GltfWriter::add(const PlacedMesh& placed, const TriangleList& triangles) {
     extensions_.insert("FB_ngon_encoding");
   }
   document_["meshes"].push_back({{"name", placed.name}, {"primitives", {std::move(primitive)}}});
-  place(first_nodes_[added_], placed, placed.places.front());
+  const json extensions = placed.instances ? instance_extension(*placed.instances) : json();
+  place(first_nodes_[added_], placed, placed.places.front(), extensions);
   for (size_t i = 1; i < placed.places.size(); ++i) {
     nodes_.push_back(nullptr);
-    place(nodes_.size() - 1, placed, placed.places[i]);
+    place(nodes_.size() - 1, placed, placed.places[i], extensions);
   }
   ++added_;
 }
 
 GltfText GltfWriter::finish(const std::string& buffer_name) {
   if (!extensions_.empty()) document_["extensionsUsed"] = extensions_;
+  if (extensions_.contains(kInstancing)) document_["extensionsRequired"] = {kInstancing};
   if (!nodes_.empty()) {
     document_["nodes"] = std::move(nodes_);
     document_["scenes"] = {{{"nodes", std::move(roots_)}}};
@@ -75,9 +79,19 @@ GltfText GltfWriter::finish(const std::string& buffer_name) {
   return {document_.dump(1), std::move(bytes_)};
 }
 
-void GltfWriter::place(size_t node, const PlacedMesh& placed, const Matrix4d& matrix) {
+json GltfWriter::instance_extension(const InstanceList& instances) {
+  json attributes = json::object();
+  if (!instances.translations.empty()) attributes["TRANSLATION"] = write(instances.translations, "VEC3");
+  if (!instances.rotations.empty()) attributes["ROTATION"] = write(instances.rotations, "VEC4");
+  if (!instances.scales.empty()) attributes["SCALE"] = write(instances.scales, "VEC3");
+  extensions_.insert(kInstancing);
+  return {{kInstancing, {{"attributes", std::move(attributes)}}}};
+}
+
+void GltfWriter::place(size_t node, const PlacedMesh& placed, const Matrix4d& matrix, const json& extensions) {
   nodes_[node] = {{"name", placed.name}, {"mesh", added_}};
   if (matrix != Matrix4d()) nodes_[node]["matrix"] = std::vector<double>(&matrix.x[0][0], &matrix.x[0][0] + 16);
+  if (!extensions.is_null()) nodes_[node]["extensions"] = extensions;
   roots_.push_back(node);
 }
 

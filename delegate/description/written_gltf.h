@@ -23,11 +23,18 @@ struct NormalMap {
 /// Those of a material: "normal" and "coatNormal".
 using NormalMaps = std::map<std::string, NormalMap>;
 
+/// Many places as arrays: each is scaled, turned and moved (EXT_mesh_gpu_instancing).
+struct InstanceList {
+  std::vector<Vec3f> translations, scales;  // empty: none of them moves or scales
+  std::vector<Vec4f> rotations;             // x, y, z, w; empty: none of them turns
+};
+
 struct PlacedMesh {
   std::string name, material;
   std::optional<OwnLook> look;  // of a mesh without a material of the scene
   bool double_sided = true;
-  std::vector<Matrix4d> places;  // one at least
+  std::vector<Matrix4d> places;           // one at least
+  std::optional<InstanceList> instances;  // before each of the places
 };
 
 /// Takes the meshes one by one. LoadGltf gives them paths that sort as they were taken.
@@ -46,7 +53,8 @@ class GltfWriter {
   size_t material(const PlacedMesh& placed);
   nlohmann::json make_material(const PlacedMesh& placed);
   nlohmann::json texture(const NormalMap& map);
-  void place(size_t node, const PlacedMesh& placed, const Matrix4d& matrix);
+  nlohmann::json instance_extension(const InstanceList& instances);
+  void place(size_t node, const PlacedMesh& placed, const Matrix4d& matrix, const nlohmann::json& extensions);
 
   const std::map<std::string, NormalMaps>& normals_;
   std::vector<size_t> first_nodes_;  // of each mesh

@@ -99,7 +99,8 @@ TEST_F(RefusedScene, NamesInstancersThatMoveAndLinksToInstances) {
   EXPECT_SAYS(write(), "/many moves");
   EXPECT_TRUE(is_empty());
   many.transformSamples = {};
-  many.indices["/quad"] = std::vector<int32_t>(500000, 1);
+  many.primvars = {{"hydra:instanceTransforms", Array<Matrix4d>{Matrix4d()}}};
+  many.indices["/quad"] = std::vector<int32_t>(500000, 0);
   stage_.scene.SetInstancer("/many", many);
   EXPECT_SAYS(write(), "/quad and other meshes have more than 400000 instances");
 }

@@ -84,6 +84,37 @@ TEST_F(WrittenScene, HoldsInstancersInInstancers) {
   EXPECT_EQ(document("copy.gltf")["nodes"].size(), 4u) << "index 7 names no place";
 }
 
+TEST_F(WrittenScene, HoldsManyInstancesAsArrays) {
+  host::MeshDescription quad = Stage::quad();
+  quad.instancer = "/inner";
+  scene().SetMesh("/quad", quad);
+  std::vector<Vec3f> places, scales;
+  std::vector<Quatf> turns;
+  std::vector<int32_t> indices;
+  for (int32_t i = 0; i < 100; ++i) {
+    const float t = float(i);
+    places.emplace_back(1.5f * std::sin(t), std::cos(1.7f * t), 0.01f * t);
+    turns.emplace_back(0.3f + std::sin(t), 0.1f, 0.2f, std::cos(t));
+    if (i < 90) scales.emplace_back(0.05f, 0.07f, 0.1f);
+    indices.push_back(i == 50 ? 1000 : 99 - i);
+  }
+  turns[7] = Quatf(0, 0, 0, 0);
+  host::InstancerDescription inner;
+  inner.transform = Matrix4d().setTranslation(Vec3d(0.1, 0.2, 0.3));
+  inner.parent = "/outer";
+  inner.primvars = {{"hydra:instanceTranslations", Array<Vec3f>(places)},
+                    {"hydra:instanceRotations", Array<Quatf>(turns)},
+                    {"hydra:instanceScales", Array<Vec3f>(scales)}};
+  inner.indices["/quad"] = indices;
+  scene().SetInstancer("/inner", inner);
+  host::InstancerDescription outer;
+  outer.primvars["hydra:instanceRotations"] = Array<Quatf>{{0.9f, 0.1f, 0.2f, 0.3f}, {1, 0, 0, 0.5f}};
+  outer.indices["/inner"] = {0, 1};
+  scene().SetInstancer("/outer", outer);
+  expect_same_picture();
+  EXPECT_EQ(document("copy.gltf")["nodes"].size(), 2u);
+}
+
 TEST_F(WrittenScene, LeavesOutWhatIsNotDrawn) {
   add_quad("/hidden", 1, 0, {});
   host::MeshDescription hidden = scene().GetMeshes().at("/hidden");
