@@ -121,8 +121,8 @@ std::vector<T> corner_values(const Path& id, const host::MeshDescription& mesh, 
 
 // Readers of glTF normalize: a vector of almost unit length that they turn into `n`, if there is one near it.
 Vec3f before_normalizing(const Vec3f& n) {
-  constexpr float kAlmost = 1e-5f, kStep = 0x1p-22f;
-  constexpr int kTries = 128;
+  constexpr float kAlmost = 1e-5f, kStep = 0x1p-20f;
+  constexpr int kTries = 512;
   if (!(std::abs(n.length2() - 1) < kAlmost) || n.normalized() == n) return n;
   for (int i = 1; i <= kTries; ++i)
     for (const float scale : {1 + float(i) * kStep, 1 - float(i) * kStep})
