@@ -350,8 +350,14 @@ std::string WriteScene(const std::string& file, const SceneParts& scene, const R
   return e.what();
 }
 
-std::string WriteScene(const std::string& file, const host::RetainedSceneDelegate& scene, const RenderPassState& state,
+std::string WriteScene(const std::string& file, const host::RetainedSceneDelegate& scene, const RenderPassState& given,
                        const std::map<Token, Value>& settings) {
+  RenderPassState state = given;
+  const auto& all = scene.GetAllRenderSettings();
+  if (const auto named = settings.find("renderSettingsPrimPath"); state.camera.empty() && !all.empty()) {
+    const auto prim = named == settings.end() ? all.begin() : all.find(Path(named->second.text_or("")));
+    if (prim != all.end()) state.camera = prim->second.camera;
+  }
   return WriteScene(
       file, {scene.GetMeshes(), scene.GetInstancers(), scene.GetMaterials(), scene.GetLights(), scene.GetCameras()},
       state, settings);

@@ -31,6 +31,8 @@ struct SceneParts {
 /// what these files cannot (delegate/README.md has the list), or a file cannot be written. Never throws.
 ALABASTER_API std::string WriteScene(const std::string& file, const SceneParts& scene, const RenderPassState& state,
                                      const std::map<Token, Value>& settings);
+/// A state without a camera has that of the render settings which setting "renderSettingsPrimPath" names, else of the
+/// first ones.
 ALABASTER_API std::string WriteScene(const std::string& file, const host::RetainedSceneDelegate& scene,
                                      const RenderPassState& state, const std::map<Token, Value>& settings);
 

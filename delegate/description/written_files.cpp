@@ -46,7 +46,7 @@ std::string WrittenFiles::name_of(const Path& id, const Value& file) {
     std::string& name = images_[asset->bytes.get()];
     if (!name.empty()) return name;
     const std::string ending = "_image" + std::to_string(images_.size()) + ending_of(*asset->bytes);
-    files_.emplace_back(ending, std::string(asset->bytes->begin(), asset->bytes->end()));
+    add(ending, std::string(asset->bytes->begin(), asset->bytes->end()));
     return name = beside(ending);
   }
   const std::string given = file.text_or("");

@@ -128,6 +128,14 @@ TEST_F(RefusedScene, NamesCamerasAndWindows) {
   EXPECT_SAYS(write(), "/gone is no camera of the scene");
   state_.camera = {};
   EXPECT_SAYS(write(), "the pass has no camera");
+  RenderSettingsDescription render;
+  render.camera = "/first";
+  stage_.scene.SetRenderSettings("/a", render);
+  render.camera = "/second";
+  stage_.scene.SetRenderSettings("/b", render);
+  EXPECT_SAYS(write(), "/first is no camera of the scene");
+  settings_["renderSettingsPrimPath"] = Path("/b");
+  EXPECT_SAYS(write(), "/second is no camera of the scene");
   state_.camera = "/camera";
   state_.framing.displayMin = {0.5f, 0};
   EXPECT_SAYS(write(), "the display window ends within pixels");
