@@ -27,7 +27,7 @@
 extern "C" {
 #endif
 
-#define ALABASTER_API_VERSION 3
+#define ALABASTER_API_VERSION 4
 /* The table: further functions are added at its end -------------------------------------------- */
 typedef struct AlabasterApi {
   size_t size;
@@ -118,6 +118,16 @@ typedef struct AlabasterApi {
      primvar has: INVALID_ARGUMENT if not, or if they lie beyond its end. */
   AlabasterStatus (*set_instance_values)(AlabasterScene*, const char* instancer, const AlabasterPrimvar* values,
                                          size_t first);
+
+  /* Since version 4. Writes the scene as a pass of `frame` draws it, as files that scene_load reads: `file`, a render
+     description (NAME.json), and beside it NAME.gltf and NAME.bin, and images that are in memory. Files of these names
+     are replaced. `frame` may be null; its bindings count for nothing. `settings` come over those of the frame's render
+     settings, as a delegate's do. "ocio" among them names the OpenColorIO config; else it is that of the file that was
+     loaded last. OUTPUT_FAILED: the scene holds what files cannot, or a file cannot be
+     written; last_error names the prim and a remedy, and nothing is written. description/write_scene.h says what the
+     files hold. */
+  AlabasterStatus (*scene_write)(AlabasterScene*, const char* file, const AlabasterFrame* frame,
+                                 const AlabasterParameter* settings, size_t count);
 } AlabasterApi;
 
 /* Null if the library is older than `version`. The table lives as long as the library is loaded. */

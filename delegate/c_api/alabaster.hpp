@@ -166,6 +166,13 @@ inline Scene make_scene(AlabasterReport report = nullptr, void* user = nullptr) 
   return Scene(made);
 }
 
+/// Writes the scene as a pass of `frame` draws it; null: as the first render settings say.
+inline void write_scene(const Scene& scene, const std::string& file, const AlabasterFrame* frame = nullptr,
+                        const Parameters& settings = {}) {
+  const auto raw = pass(settings);
+  check(api().scene_write(scene.get(), file.c_str(), frame, raw.data(), raw.size()));
+}
+
 inline Delegate make_delegate(const Scene& scene, const Parameters& settings = {}, AlabasterReport report = nullptr,
                               void* user = nullptr) {
   const auto raw = pass(settings);

@@ -10,6 +10,8 @@ AlabasterStatus scene_create(AlabasterReport report, void* user, AlabasterScene*
 void scene_destroy(AlabasterScene* scene);
 AlabasterStatus scene_load(AlabasterScene* scene, const char* file, const AlabasterLoadOptions* options,
                            AlabasterLoaded* loaded);
+AlabasterStatus scene_write(AlabasterScene* scene, const char* file, const AlabasterFrame* frame,
+                            const AlabasterParameter* settings, size_t count);
 AlabasterStatus scene_clear(AlabasterScene* scene);
 AlabasterStatus remove_prim(AlabasterScene* scene, const char* path);
 AlabasterStatus set_mesh(AlabasterScene* scene, const char* path, const AlabasterMesh* mesh);

@@ -1,5 +1,6 @@
 #include "delegate/c_api/functions.h"
 #include "delegate/c_api/scene_prims.h"
+#include "delegate/description/write_scene.h"
 #include "delegate/host/picker.h"
 #include "delegate/host/snapshot.h"
 
@@ -147,6 +148,29 @@ AlabasterStatus frame_size(AlabasterDelegate* handle, const AlabasterFrame* fram
     frame_pass(in, data.scene->scene, state);
     required(width, "width") = state.framing.dataWindow.width();
     required(height, "height") = state.framing.dataWindow.height();
+  });
+}
+
+AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const AlabasterFrame* frame,
+                            const AlabasterParameter* parameters, size_t count) {
+  return guarded([&] {
+    ValueReader reader;
+    if (count > 0) required(parameters, "settings");
+    std::map<Token, Value> settings = reader.parameters(parameters, count);
+    AlabasterFrame in{};
+    RenderPassState state;
+    if (frame) in = sized(frame, "frame"), select(in, state);
+    reader.finish();
+    SceneData& data = *required(handle, "scene").data;
+    const std::lock_guard lock(data.mutex);
+    if (const Path path = frame_pass(in, data.scene, state); !path.empty()) {
+      const RenderSettingsDescription& own = data.scene.GetAllRenderSettings().at(path);
+      if (own.frame != 0) settings.emplace("frame", own.frame);
+      for (const auto& [name, value] : own.settings) settings.emplace(name, value);
+    }
+    if (!data.loaded.color_config.empty()) settings.emplace("ocio", data.loaded.color_config);
+    const std::string fault = description::WriteScene(&required(file, "file"), data.scene, state, settings);
+    if (!fault.empty()) throw Failure(ALABASTER_OUTPUT_FAILED, fault);
   });
 }
 

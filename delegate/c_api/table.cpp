@@ -72,6 +72,7 @@ extern "C" const AlabasterApi* alabaster_api(uint32_t version) {
                                    c_api::buffer_show,
                                    c_api::pick,
                                    c_api::snapshot,
-                                   c_api::set_instance_values};
+                                   c_api::set_instance_values,
+                                   c_api::scene_write};
   return version >= 1 && version <= ALABASTER_API_VERSION ? &api : nullptr;
 }

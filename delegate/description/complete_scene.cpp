@@ -97,10 +97,8 @@ bool is_light(const MaterialNode& node) {
 }
 
 bool any_emission(const host::RetainedSceneDelegate& scene) {
-  for (const auto& [path, network] : scene.GetMaterials())
-    for (const auto& [node_path, node] : network.nodes)
-      if (is_light(node)) return true;
-  return false;
+  const auto& all = scene.GetMaterials();
+  return std::any_of(all.begin(), all.end(), [](const auto& material) { return gives_light(material.second); });
 }
 
 bool is_dome(const host::LightDescription& light) {
@@ -179,6 +177,11 @@ void complete_settings(LoadState* state) {
 }
 
 }  // namespace
+
+bool gives_light(const MaterialNetwork& material) {
+  return std::any_of(material.nodes.begin(), material.nodes.end(),
+                     [](const auto& node) { return is_light(node.second); });
+}
 
 bool complete_scene(LoadState* state) {
   const bool own_camera = state->camera.transform || !base_camera(*state).empty();

@@ -84,6 +84,9 @@ bool apply_camera(const Reader& reader);
 bool apply_settings(const Reader& reader);
 bool apply_products(const Reader& reader);
 
+/// True if a material lights a scene, which then needs no light of its own.
+bool gives_light(const MaterialNetwork& material);
+
 /// Makes the camera, default lights and RenderSettings prims, after everything else has been applied.
 bool complete_scene(LoadState* state);
 

@@ -2,30 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <stdexcept>
+#include <nlohmann/json.hpp>
 
-#include "delegate/hydra/captured_files.h"
+#include "delegate/description/render_description.h"
+#include "delegate/description/write_scene.h"
 
 namespace alabaster::hydra {
-namespace {
-
-// Removes what an earlier call left behind under the temporary name.
-std::string write_whole(const std::string& file, const std::string& bytes) {
-  const std::string temporary = file + ".partial";
-  {
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!out.flush()) return std::remove(temporary.c_str()), "cannot write " + temporary + "; is the folder writable?";
-  }
-  if (std::rename(temporary.c_str(), file.c_str()) == 0) return {};
-  std::remove(temporary.c_str());
-  return "cannot rename " + temporary + " to " + file;
-}
-
-}  // namespace
-
 namespace {
 
 // A direction that normalizing leaves as it is. To normalize once is not enough, because the rounded result may have
@@ -41,6 +23,24 @@ hd::Vec3f settled(hd::Vec3f n) {
   return n;
 }
 
+// Names of the parameters that schemas/lights.json has for lights of this type.
+std::vector<std::string> light_parameter_names(const std::string& type) {
+  static const auto schema = nlohmann::json::parse(hd::description::SchemaText("lights"));
+  std::vector<std::string> all;
+  for (const auto& [name, property] : schema.at("properties").items()) {
+    const nlohmann::json types = property.value("appliesTo", nlohmann::json{type});
+    if (std::find(types.begin(), types.end(), type) != types.end()) all.push_back(name);
+  }
+  return all;
+}
+
+// Samples of what moves; of what stands still there are none.
+void take_samples(hd::SceneDelegate& scene, const hd::Path& id, std::initializer_list<const char*> names,
+                  std::map<hd::Token, hd::TimeSamples<hd::Value>>* taken) {
+  for (const char* name : names)
+    if (auto samples = scene.SamplePrimvar(id, name); samples.values.size() > 1) (*taken)[name] = std::move(samples);
+}
+
 }  // namespace
 
 hd::Value UnitNormals(const hd::Value& normals) {
@@ -54,6 +54,7 @@ hd::Value UnitNormals(const hd::Value& normals) {
 void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   hd::host::MeshDescription mesh;
   mesh.topology = scene.GetMeshTopology(id);
+  mesh.subdivTags = scene.GetSubdivTags(id);
   mesh.displayStyle = scene.GetDisplayStyle(id);
   for (const hd::PrimvarDescriptor& primvar : scene.GetPrimvarDescriptors(id)) {
     auto& held = mesh.primvars[primvar.name];
@@ -65,9 +66,11 @@ void SceneCapture::TakeMesh(hd::SceneDelegate& scene, const hd::Path& id) {
   mesh.primvars["points"].value = scene.GetPrimvar(id, "points", &none);
   mesh.transform = scene.GetTransform(id);
   mesh.transformSamples = scene.SampleTransform(id);
+  take_samples(scene, id, {"points", "normals"}, &mesh.primvarSamples);
   mesh.visible = scene.GetVisible(id);
   mesh.renderTag = scene.GetRenderTag(id);
   mesh.doubleSided = scene.GetDoubleSided(id);
+  mesh.cullStyle = scene.GetCullStyle(id);
   mesh.material = scene.GetMaterialId(id);
   mesh.instancer = scene.GetInstancerId(id);
   const auto indices = mesh.instancer.empty() ? hd::Array<int32_t>() : scene.GetInstanceIndices(mesh.instancer, id);
@@ -84,9 +87,18 @@ void SceneCapture::TakeInstancer(hd::SceneDelegate& scene, const hd::Path& id) {
   }
   const hd::Matrix4d transform = scene.GetInstancerTransform(id);
   const hd::Path parent = scene.GetInstancerId(id);
+  const auto indices = parent.empty() ? hd::Array<int32_t>() : scene.GetInstanceIndices(parent, id);
+  auto motion = scene.SampleInstancerTransform(id);
+  std::map<hd::Token, hd::TimeSamples<hd::Value>> samples;
+  take_samples(
+      scene, id,
+      {"hydra:instanceTransforms", "hydra:instanceTranslations", "hydra:instanceRotations", "hydra:instanceScales"},
+      &samples);
   const std::lock_guard lock(mutex_);
+  if (!parent.empty()) instancers_[parent].indices[id] = indices;
   auto& held = instancers_[id];
   held.transform = transform, held.parent = parent, held.primvars = std::move(primvars);
+  held.transformSamples = std::move(motion), held.primvarSamples = std::move(samples);
 }
 
 void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
@@ -97,7 +109,7 @@ void SceneCapture::TakeMaterial(hd::SceneDelegate& scene, const hd::Path& id) {
 
 void SceneCapture::TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type) {
   hd::host::LightDescription light{.type = type, .transform = scene.GetTransform(id), .parameters = {}};
-  for (const std::string& name : LightParameterNames(type.str()))
+  for (const std::string& name : light_parameter_names(type.str()))
     if (hd::Value value = scene.GetLightParamValue(id, name); !value.empty()) light.parameters[name] = std::move(value);
   light.visible = scene.GetVisible(id);
   bool is_linked = false;
@@ -117,27 +129,9 @@ void SceneCapture::Remove(const hd::Path& id) {
 std::string SceneCapture::Write(const std::string& file, const hd::RenderPassState& state,
                                 const std::map<hd::Token, hd::Value>& settings) const {
   const std::lock_guard lock(mutex_);
-  if (!file.ends_with(".json")) return file + " must end in .json";
-  const std::string stem = file.substr(0, file.size() - 5);
-  const std::string name = stem.substr(stem.rfind('/') + 1);
-  try {
-    for (const hd::Path& id : linked_)
-      if (lights_.at(id).visible)
-        throw std::runtime_error(id.str() + " is linked to a part of the scene, which is not written");
-    // Only those that the pass draws.
-    auto meshes = meshes_;
-    std::erase_if(meshes, [&tags = state.renderTags](const auto& mesh) {
-      return std::find(tags.begin(), tags.end(), mesh.second.renderTag) == tags.end();
-    });
-    const CapturedGltf gltf = MakeGltf(meshes, instancers_, name + ".bin");
-    const std::string description = MakeDescription({meshes, materials_, lights_, state, settings}, name);
-    for (const auto& [ending, text] :
-         {std::pair{".bin", &gltf.buffer}, std::pair{".gltf", &gltf.document}, std::pair{".json", &description}})
-      if (std::string fault = write_whole(stem + ending, *text); !fault.empty()) return fault;
-  } catch (const std::exception& e) {
-    return e.what();
-  }
-  return {};
+  for (const hd::Path& id : linked_)
+    if (lights_.at(id).visible) return id.str() + " is linked to a part of the scene, which is not written";
+  return hd::description::WriteScene(file, {meshes_, instancers_, materials_, lights_, {}}, state, settings);
 }
 
 }  // namespace alabaster::hydra

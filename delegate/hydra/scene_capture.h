@@ -21,9 +21,8 @@ class SceneCapture {
   void TakeLight(hd::SceneDelegate& scene, const hd::Path& id, const hd::Token& type);
   void Remove(const hd::Path& id);
 
-  /// Writes a render description, which `file` names (.json), and beside it the meshes as .gltf and .bin. They are
-  /// renamed from temporary names once they are complete. Returns the reason if that fails, or if the scene holds what
-  /// these files cannot: README.md has the list.
+  /// Writes the scene as description::WriteScene does. Returns the reason if that fails, or if the scene holds what
+  /// these files cannot.
   std::string Write(const std::string& file, const hd::RenderPassState& state,
                     const std::map<hd::Token, hd::Value>& settings) const;
 

@@ -5,6 +5,10 @@
 namespace alabaster::hd::prims {
 namespace {
 
+bool is_shown(const support::Selection& selection, const Path& path, const MeshRecord& mesh) {
+  return selection.includes(path, mesh.visible, mesh.render_tag);
+}
+
 constexpr size_t kMostLeft = 3;  // batches, each of which takes the memory of a build
 
 // By the mesh's slots; empty if no material of it displaces.
@@ -69,10 +73,10 @@ bool BuiltMeshes::incomplete() const {
   return std::any_of(held_.begin(), held_.end(), [](const Entry& entry) { return !entry.second.done; });
 }
 
-SceneFaults BuiltMeshes::faults(const Records& records, const Selection& selection) const {
+SceneFaults BuiltMeshes::faults(const Records& records, const support::Selection& selection) const {
   SceneFaults faults;
   for (const auto& [path, held] : held_)
-    if (held.built.fault && selection.includes(path, std::get<MeshRecord>(records.at(path))))
+    if (held.built.fault && is_shown(selection, path, std::get<MeshRecord>(records.at(path))))
       faults.emplace(path, *held.built.fault);
   return faults;
 }
@@ -102,7 +106,7 @@ std::vector<BuiltMeshes::Entry*> BuiltMeshes::collect(const Scene& scene, const 
       continue;
     }
     if (std::none_of(selections.begin(), selections.end(),
-                     [&id = path, &shown = *mesh](const Selection& s) { return s.includes(id, shown); }))
+                     [&id = path, &shown = *mesh](const auto& s) { return is_shown(s, id, shown); }))
       continue;
     Held made{nullptr, {}};
     if (held != held_.end()) {

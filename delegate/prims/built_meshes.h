@@ -4,7 +4,7 @@
 #include <list>
 
 #include "delegate/prims/mesh_batch.h"
-#include "delegate/prims/selection.h"
+#include "delegate/support/selection.h"
 
 namespace alabaster::hd::prims {
 
@@ -22,7 +22,7 @@ class BuiltMeshes {
  public:
   struct Scene {
     const Records& records;
-    const std::vector<Selection>& selections;  // that show it
+    const std::vector<support::Selection>& selections;  // that show it
     const MeshView& view;
   };
   /// Builds those that are missing, in the delegate's arena. A mesh that cannot be built is reported and not drawn; for
@@ -43,7 +43,7 @@ class BuiltMeshes {
   bool is_built_for(const MeshView& view) const { return view == view_; }
   /// Memory or threads did not suffice for some mesh: the next build() tries again.
   bool incomplete() const;
-  SceneFaults faults(const Records& records, const Selection& selection) const;
+  SceneFaults faults(const Records& records, const support::Selection& selection) const;
 
  private:
   struct Held {

@@ -174,7 +174,7 @@ struct SceneTranslator::Run {
 
   void add_mesh(const Path& path, const MeshRecord& mesh) {
     const MeshBuild* const built = parts.meshes.find(path);
-    if (!parts.selection.includes(path, mesh) || !built || !built->prototype) return;
+    if (!parts.selection.includes(path, mesh.visible, mesh.render_tag) || !built || !built->prototype) return;
     InstanceDescription instance;
     const auto moved = parts.deformed.find(path);
     instance.prototype = moved == parts.deformed.end() ? built->prototype : moved->second;

@@ -8,7 +8,7 @@
 #include "core/scene/scene.h"
 #include "delegate/prims/diagnostics.h"
 #include "delegate/prims/records.h"
-#include "delegate/prims/selection.h"
+#include "delegate/support/selection.h"
 
 namespace alabaster::hd::prims {
 
@@ -40,7 +40,7 @@ class SceneTranslator {
   explicit SceneTranslator(alabaster::DiagnosticSink sink);
   struct Parts {
     const Records& records;
-    const Selection& selection;
+    const support::Selection& selection;
     const Shutter& shutter;
     const BuiltMeshes& meshes;
     const DeformedMeshes& deformed;  // in the place of those of `meshes` that deform in the shutter

@@ -34,6 +34,17 @@ py::class_<Scene> add_files(py::module_& module) {
           "time, keep_going, allow_outside. Returns settings (the path of the render settings), color_config and "
           "notes.")
       .def(
+          "write",
+          [](Scene& s, const py::object& file, const py::object& overrides, const py::kwargs& frame) {
+            s.write(file, overrides, frame);
+          },
+          py::arg("file"), py::kw_only(), py::arg("overrides") = py::none(),
+          "Writes the scene as a render draws it: a render description (NAME.json) and beside it NAME.gltf and "
+          "NAME.bin, "
+          "which load and the program read. Options are those of Renderer.render without aovs: width, height, camera, "
+          "settings, window, pixel_aspect, render_tags, roots, excluded. overrides={'samples': 16} come over the "
+          "render settings. OutputError names the prim that files cannot hold; then nothing is written.")
+      .def(
           "clear",
           [](Scene& s) { s.run([](const AlabasterApi& api, AlabasterScene* h) { return api.scene_clear(h); }); },
           "Removes every prim.")

@@ -69,6 +69,7 @@ class Scene {
   Messages& messages() { return messages_; }
 
   py::dict load(const py::object& file, const py::dict& options);
+  void write(const py::object& file, const py::object& overrides, const py::kwargs& frame);
   py::dict prims();
   void set_mesh(const std::string& path, const py::object& points, const py::object& indices, const py::object& counts,
                 const py::dict& options);
@@ -132,6 +133,8 @@ struct FrameOptions {
 
   /// Changes what is given; other names are an error.
   void change(const py::kwargs& given);
+  /// For one call, to which it gives what is lent. The frame points at `held`.
+  AlabasterFrame pass(AlabasterCamera* held) const;
 };
 
 class Display {

@@ -102,6 +102,19 @@ py::buffer_info Pixels::info() const {
 }
 
 // Renders ------------------------------------------------------------------------------------------
+AlabasterFrame FrameOptions::pass(AlabasterCamera* held) const {
+  auto frame = door::sized<AlabasterFrame>();
+  frame.settings = door::or_null(settings);
+  frame.camera = door::or_null(camera);
+  frame.width = width, frame.height = height;
+  frame.window = window;
+  frame.pixel_aspect = pixel_aspect;
+  if (free_camera) *held = free_camera->pass(), frame.free_camera = held;
+  frame.render_tags = render_tags.pass();
+  frame.roots = roots.pass(), frame.excluded = excluded.pass();
+  return frame;
+}
+
 Render::Render(std::shared_ptr<Engine> engine, FrameOptions options)
     : engine_(std::move(engine)), options_(std::move(options)) {
   const py::gil_scoped_release unlocked;
@@ -114,16 +127,8 @@ Render::~Render() {
 
 void Render::update(const py::kwargs& changes) {
   options_.change(changes);
-  auto frame = door::sized<AlabasterFrame>();
-  frame.settings = door::or_null(options_.settings);
-  frame.camera = door::or_null(options_.camera);
-  frame.width = options_.width, frame.height = options_.height;
-  frame.window = options_.window;
-  frame.pixel_aspect = options_.pixel_aspect;
   auto camera = door::sized<AlabasterCamera>();
-  if (options_.free_camera) camera = options_.free_camera->pass(), frame.free_camera = &camera;
-  frame.render_tags = options_.render_tags.pass();
-  frame.roots = options_.roots.pass(), frame.excluded = options_.excluded.pass();
+  AlabasterFrame frame = options_.pass(&camera);
   int32_t width = 0, height = 0;
   std::vector<AlabasterBinding> bindings;
   run(engine_->messages, [&](const AlabasterApi& api) {

@@ -195,6 +195,21 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   return told;
 }
 
+void Scene::write(const py::object& file, const py::object& overrides, const py::kwargs& frame) {
+  if (frame.contains("aovs")) throw py::type_error("unexpected keyword argument 'aovs'");
+  FrameOptions options;
+  options.change(frame);
+  const door::Parameters held =
+      overrides.is_none() ? door::Parameters() : python::parameters(overrides.cast<py::dict>());
+  const auto name = py::str(file).cast<std::string>();
+  auto camera = door::sized<AlabasterCamera>();
+  const std::vector<AlabasterParameter> raw = door::pass(held);
+  const AlabasterFrame in = options.pass(&camera);
+  run([&](const AlabasterApi& api, AlabasterScene* scene) {
+    return api.scene_write(scene, name.c_str(), &in, raw.data(), raw.size());
+  });
+}
+
 py::dict Scene::prims() {
   py::dict all;
   ask(

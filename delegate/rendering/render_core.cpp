@@ -187,7 +187,7 @@ SnapshotBuilder::View RenderCore::wanted_view() {
     const std::lock_guard lock(mutex_);
     shutter = prims::shutter_of(views_);
   }
-  std::vector<prims::Selection> selections;
+  std::vector<support::Selection> selections;
   for (const auto& pass : passes()) {
     const std::optional<PassView> seen = pass->view();
     if (!seen) continue;
@@ -215,7 +215,7 @@ void RenderCore::hand_over() {
   if (drawn_.empty() && view_ == view && !builder_.has_failed()) return;
   const bool same_scenes = drawn_.empty() && !builder_.has_failed() && view_ && view_->shutter == view.shutter &&
                            view_->meshes == view.meshes;
-  const std::vector<prims::Selection> built = same_scenes ? view_->selections : std::vector<prims::Selection>();
+  const std::vector<support::Selection> built = same_scenes ? view_->selections : std::vector<support::Selection>();
   builder_.post(&drawn_, view);
   view_ = view;
   // Another selection that some pass asks for changes nothing for the others.
@@ -254,7 +254,7 @@ std::shared_ptr<const BuiltScene> RenderCore::scene() const {
   const auto all = passes();
   for (auto pass = all.rbegin(); pass != all.rend(); ++pass)
     if (const auto view = (*pass)->view()) return scene(view->selection);
-  return scene(prims::Selection());
+  return scene(support::Selection());
 }
 
 std::shared_ptr<const SceneSnapshot> RenderCore::snapshot() const {

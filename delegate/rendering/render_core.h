@@ -44,7 +44,9 @@ class RenderCore {
 
   // Any thread.
   /// Null: none has been built yet.
-  std::shared_ptr<const BuiltScene> scene(const prims::Selection& selection) const { return builder_.built(selection); }
+  std::shared_ptr<const BuiltScene> scene(const support::Selection& selection) const {
+    return builder_.built(selection);
+  }
   std::shared_ptr<const BuiltScene> scene(const std::shared_ptr<const SceneSnapshot>& snapshot) const {
     return builder_.built(snapshot);
   }

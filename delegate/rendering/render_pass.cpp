@@ -263,7 +263,7 @@ void PassControl::look(const RenderPassState& state) {
   if (state.freeCamera && state.freeCamera != free_camera_)
     free_record_ = prims::record_of(*state.freeCamera, kFreeCamera, core_->param->sink());
   free_camera_ = state.freeCamera;
-  PassView now{prims::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
+  PassView now{support::Selection(state.renderTags, state.collection), std::nullopt, primvars_of(state)};
   if (state.freeCamera) now.shutter = free_record_.shutter();
   const std::lock_guard lock(view_mutex_);
   if (!view_ || *view_ != now) core_->note_view();

@@ -10,7 +10,7 @@ namespace alabaster::hd::rendering {
 
 /// How a pass looks at the scene, as far as the scene is built for it.
 struct PassView {
-  prims::Selection selection;
+  support::Selection selection;
   std::optional<Shutter> shutter;  // of a free camera
   std::vector<Token> primvars;     // that AOVs show
   bool operator==(const PassView&) const = default;

@@ -65,7 +65,7 @@ bool SnapshotBuilder::wait(double seconds) {
   return !pending_;
 }
 
-std::shared_ptr<const BuiltScene> SnapshotBuilder::built(const prims::Selection& selection) const {
+std::shared_ptr<const BuiltScene> SnapshotBuilder::built(const support::Selection& selection) const {
   const std::lock_guard lock(mutex_);
   if (lost_) return nullptr;
   for (const auto& scene : built_)
@@ -185,7 +185,7 @@ void SnapshotBuilder::read_files(const CancelToken& cancel) {
   edits_.remove_if([&](const prims::Edit& edit) { return edit.read && last.at(edit.id) != &edit; });
 }
 
-prims::SceneFaults SnapshotBuilder::faults(const prims::Selection& selection) const {
+prims::SceneFaults SnapshotBuilder::faults(const support::Selection& selection) const {
   prims::SceneFaults all = meshes_.faults(records_, selection);
   for (const auto& [path, record] : records_) {
     const auto* material = std::get_if<prims::MaterialRecord>(&record);
@@ -217,7 +217,7 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
   read_files(cancel);
   apply_edits();
   const View& view = *view_;
-  const auto is_current = [&](const prims::Selection& selection) {
+  const auto is_current = [&](const support::Selection& selection) {
     const auto last = built(selection);
     return last && last->snapshot && last->translation.shutter == view.shutter;
   };
@@ -243,12 +243,12 @@ void SnapshotBuilder::update(const CancelToken& cancel) {
 
 // A new selection shares parts with the scene of one that nobody asks for any more. Memory may run out until the new
 // list is there. The rest only swaps.
-void SnapshotBuilder::choose_variants(const std::vector<prims::Selection>& selections) {
+void SnapshotBuilder::choose_variants(const std::vector<support::Selection>& selections) {
   std::vector<Variant> chosen;
   chosen.reserve(selections.size());
-  for (const prims::Selection& selection : selections)
+  for (const support::Selection& selection : selections)
     chosen.push_back({selection, SnapshotCompiler(param_->device(), param_->sink())});
-  const auto find = [](std::vector<Variant>& in, const prims::Selection& selection) {
+  const auto find = [](std::vector<Variant>& in, const support::Selection& selection) {
     return std::find_if(in.begin(), in.end(), [&](const Variant& v) { return v.selection == selection; });
   };
   auto unused = variants_.begin();

@@ -16,7 +16,7 @@ namespace alabaster::hd::rendering {
 
 /// Immutable.
 struct BuiltScene {
-  prims::Selection selection;
+  support::Selection selection;
   prims::Translation translation;
   std::shared_ptr<const SceneSnapshot> snapshot;  // of the translation; null: it could not be compiled
   prims::SceneFaults faults;
@@ -34,7 +34,7 @@ class SnapshotBuilder {
 
   /// Beside the records, all that decides what is built.
   struct View {
-    std::vector<prims::Selection> selections{prims::Selection()};  // a scene is built for each; no two are equal
+    std::vector<support::Selection> selections{support::Selection()};  // a scene is built for each; no two are equal
     Shutter shutter;
     prims::MeshView meshes;
     bool operator==(const View&) const = default;
@@ -51,7 +51,7 @@ class SnapshotBuilder {
   /// Blocks until nothing is pending (true), the builder is stopped, or `seconds` have passed.
   bool wait(double seconds);
   /// Null: none of this selection yet, or the last build ended in an exception.
-  std::shared_ptr<const BuiltScene> built(const prims::Selection& selection) const;
+  std::shared_ptr<const BuiltScene> built(const support::Selection& selection) const;
   /// The one that has this snapshot, or null.
   std::shared_ptr<const BuiltScene> built(const std::shared_ptr<const SceneSnapshot>& snapshot) const;
   /// The last build failed, for want of memory or threads. Reported; the next post() tries again.
@@ -71,14 +71,14 @@ class SnapshotBuilder {
   std::set<Path> used_materials(const std::map<Path, prims::Edit*>& edits) const;
   void read_files(const CancelToken& cancel);
   void apply_edits();
-  prims::SceneFaults faults(const prims::Selection& selection) const;
+  prims::SceneFaults faults(const support::Selection& selection) const;
   /// The scene of a selection, and the compiler of its snapshots.
   struct Variant {
-    prims::Selection selection;
+    support::Selection selection;
     SnapshotCompiler compiler;
   };
   void update(const CancelToken& cancel);
-  void choose_variants(const std::vector<prims::Selection>& selections);
+  void choose_variants(const std::vector<support::Selection>& selections);
   void translate(Variant* variant, const prims::DeformedMeshes& deformed, const CancelToken& cancel);
   void compile(Variant* variant, BuiltScene scene, const CancelToken& cancel);
   std::shared_ptr<const SceneSnapshot> snapshot_of(const SceneDescription& scene) const;

@@ -145,7 +145,8 @@ def own_context(_):
 def refused_capture(folder):
     """A scene that files cannot hold is refused by name, and rendered all the same."""
     picture(folder / "white.tga", [[(255, 255, 255)] * 4] * 4)
-    bumpy = disney("bumpy", "color3f inputs:emission = (0.5, 0.5, 0.5)", *DARK, "float inputs:bump.connect = </bumpy/t.outputs:r>", nodes=[texture("t", folder / "white.tga")])
+    bumpy = disney("bumpy", "color3f inputs:emission = (0.5, 0.5, 0.5)", *DARK, "float inputs:bump.connect = </bumpy/t.outputs:r>",
+                   nodes=[texture("t", folder / "white.tga", 'token inputs:filter = "nearest"')])
     return {"stage": HEAD + camera() + bumpy + octahedron("body", bound("/bumpy")), "frames": [{"settings": {"alabaster:writeScene": str(folder / "refused.json")}}],
-            "warns": "/bumpy has a texture for bump, which is not written",
+            "warns": "/bumpy has a texture with filter, which is not written",
             "check": lambda p: colors_at(p[0], {(0, 0): (0.5, 0.5, 0.5)}) or ("it is written" if (folder / "refused.json").exists() else "")}

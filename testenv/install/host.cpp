@@ -1,5 +1,5 @@
 // A host in C++17 that sees nothing but the C door: a mesh whose points it lends, a material, a light, a camera; two
-// AOVs; an edit.
+// AOVs; a written scene.
 #include <alabaster/alabaster.hpp>
 #include <cstdio>
 
@@ -45,7 +45,8 @@ void add_rest(const Scene& scene) {
 
 }  // namespace
 
-int main() try {
+// Writes its scene to the file that it is given.
+int main(int argc, char** argv) try {
   auto points = std::make_shared<const std::vector<float>>(std::vector<float>{-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0});
   float centre[4] = {}, depth = 0;
   {
@@ -61,6 +62,7 @@ int main() try {
     frame.bindings = bindings, frame.binding_count = 2;
     frame.camera = "/camera";
     frame.width = frame.height = kSide;
+    if (argc > 1) write_scene(scene, argv[1], &frame, {{"samples", 4}});
     check(api().pass_start(pass.get(), &frame));
     check(api().pass_wait(pass.get(), -1, nullptr));
     const Pixels pixels(color), distances(depths);

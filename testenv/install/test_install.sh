@@ -44,7 +44,8 @@ oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn
 # A host in C++17 on the same door, and one in Python.
 c++ -std=c++17 -pedantic -Wall -Wextra -Werror -O2 -I "$scratch/prefix/include" "$here/host.cpp" -o "$scratch/host_cpp" \
   -L "$libraries" -lhdAlabaster "-Wl,-rpath,$libraries"
-"$scratch/host_cpp"
+"$scratch/host_cpp" "$scratch/written.json"
+"$scratch/prefix/bin/alabaster" check "$scratch/written.json" --quiet
 module=$(find "$scratch/prefix" -name '_alabaster*.so')
 if [ -n "$module" ]; then
   python=$(sed -n 's/^_Python_EXECUTABLE:INTERNAL=//p' "$1/CMakeCache.txt")

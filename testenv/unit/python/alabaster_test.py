@@ -97,6 +97,31 @@ class Renders(unittest.TestCase):
                                    "--warn", "0", "--diff"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 0, done.stdout)
 
+    def test_a_written_scene_has_the_same_pixels(self):
+        scene = square()
+        scene.set_instancer("/many", {"/square": [0, 1]}, translations=[(-0.3, 0, 0), (0.4, 0, 0.1)])
+        scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], material="/wax", instancer="/many")
+        frame = {"camera": "/camera", "width": 24, "height": 16}
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "copy.json"
+            scene.write(file, overrides={"samples": 4}, **frame)
+            copy = alabaster.Scene()
+            loaded = copy.load(file)
+            self.assertEqual(loaded["notes"], [])
+            pixels = [bytes(alabaster.Renderer(s, **given).render(**how)["color"])
+                      for s, given, how in [(scene, {"samples": 4}, frame), (copy, {}, {"settings": loaded["settings"]})]]
+            self.assertEqual(pixels[0], pixels[1])
+            with self.assertRaisesRegex(alabaster.OutputError, "copy.txt must end in .json"):
+                scene.write(file.with_suffix(".txt"), **frame)
+            with self.assertRaisesRegex(TypeError, "aovs"):
+                scene.write(file, aovs=["depth"])
+            with self.assertRaisesRegex(alabaster.OutputError, "/gone is no camera"):
+                scene.write(file, camera="/gone")
+            scene.set_mesh("/cut", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [0, 1, 2], invisible_faces=[0])
+            with self.assertRaisesRegex(alabaster.OutputError, "/cut has faces that are not drawn"):
+                scene.write(file, **frame)
+            scene.write(file, excluded=["/cut"], **frame)
+
     def test_edits(self):
         scene = square()
         renderer = alabaster.Renderer(scene, samples=4)

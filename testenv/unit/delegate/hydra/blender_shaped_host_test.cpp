@@ -255,12 +255,14 @@ TEST_F(BlenderShapedHost, WritesItsSceneAsFilesOfTheSamePicture) {
 
 TEST_F(BlenderShapedHost, ScenesThatFilesCannotHoldAreRefusedByName) {
   hd::Stage stage;
-  stage.scene.SetMesh("/quad", hd::Stage::quad());
+  hd::host::MeshDescription quad = hd::Stage::quad();
+  quad.topology.orientation = "leftHanded";
+  stage.scene.SetMesh("/quad", quad);
   SceneCapture capture;
   capture.TakeMesh(stage.scene, "/quad");
   const Folder folder;
   const std::string fault = capture.Write(folder.file("held.json"), state_of(buffer_), {});
-  EXPECT_NE(fault.find("/quad has two sides and no material"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("/quad is left-handed"), std::string::npos) << fault;
   EXPECT_TRUE(folder.is_empty());
   EXPECT_NE(SceneCapture().Write(folder.file("held.txt"), state_of(buffer_), {}), "");
   EXPECT_NE(SceneCapture().Write("/gone/held.json", state_of(buffer_), {}).find("/gone"), std::string::npos);

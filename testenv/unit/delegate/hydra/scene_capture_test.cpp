@@ -27,7 +27,7 @@ struct Captured {
     mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     mesh.material = "/m";
     network.nodes["/m/s"] = {"AlabasterDisney", {{"roughness", 0.25f}}, {}};
-    network.nodes["/m/t"] = {"AlabasterTexture", {{"file", std::string("skin.png")}}, {}};
+    network.nodes["/m/t"] = {"AlabasterTexture", {{"file", image}}, {}};
     network.terminals["surface"] = {"/m/s", "surface"};
     sun.type = "distantLight";
     state.freeCamera = hd::CameraDescription{};
@@ -52,6 +52,7 @@ struct Captured {
   }
 
   std::string stem = ::testing::TempDir() + "capture_" + std::to_string(getpid());
+  std::string image = ::testing::TempDir() + "skin.png";
   hd::Stage stage;
   hd::host::RetainedSceneDelegate& scene = stage.scene;
   hd::host::MeshDescription mesh;
@@ -111,8 +112,7 @@ TEST(SceneCapture, PreviewSurfacesAreWrittenAsWhatTheyBecome) {
   c.surface() = {"UsdPreviewSurface",
                  {{"diffuseColor", Vec3f(0.5f, 0.25f, 0.75f)}, {"clearcoat", 0.5f}, {"opacityThreshold", 0.25f}},
                  {{"roughness", {{"/m/t", "g"}}}}};
-  c.network.nodes["/m/t"] = {
-      "UsdUVTexture", {{"file", std::string("skin.png")}, {"wrapS", "clamp"}, {"wrapT", "clamp"}}, {}};
+  c.network.nodes["/m/t"] = {"UsdUVTexture", {{"file", c.image}, {"wrapS", "clamp"}, {"wrapT", "clamp"}}, {}};
   ASSERT_EQ(c.write(), "");
   const json written = c.document(".json")["materials"][0]["replace"];
   EXPECT_EQ(written["baseColor"], json({0.5, 0.25, 0.75}));
@@ -122,49 +122,60 @@ TEST(SceneCapture, PreviewSurfacesAreWrittenAsWhatTheyBecome) {
             json({{"file", "skin.png"}, {"colorSpace", "auto"}, {"wrap", "clamp"}, {"st", "st"}, {"channel", "g"}}));
 }
 
+struct Refusal {
+  const char* says;
+  void (*edit)(Captured&);
+};
+const Refusal kRefusals[] = {
+    {"/mesh is a cage with two points at one place",
+     [](Captured& c) {
+       c.mesh.topology.scheme = "catmullClark";
+       c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}};
+     }},
+    {"/mesh has creaseMethod chaikin",
+     [](Captured& c) { c.mesh.topology.scheme = "loop", c.mesh.subdivTags.creaseMethod = "chaikin"; }},
+    {"/mesh hides sides", [](Captured& c) { c.mesh.cullStyle = hd::CullStyle::front; }},
+    {"/mesh deforms",
+     [](Captured& c) {
+       const Value points = c.mesh.primvars["points"].value;
+       c.mesh.primvarSamples["points"] = {{0, 1}, {points, points}};
+     }},
+    {"/mesh has a primvar subsurfaceSet", [](Captured& c) { c.mesh.primvars["subsurfaceSet"].value = hd::Token("a"); }},
+    {"/mesh has too few displayColor",
+     [](Captured& c) {
+       c.mesh.material = {}, c.mesh.doubleSided = false;
+       c.mesh.primvars["displayColor"].value = Array<Vec3f>{{1, 0, 0}};
+     }},
+    {"/sun is linked", [](Captured& c) { c.sun.parameters["lightLink"] = hd::Token("some"); }},
+    {"/m displaces",
+     [](Captured& c) {
+       c.network.terminals["displacement"] = {"/m/d", "displacement"};
+     }},
+    {"/m has a bump by rgb",
+     [](Captured& c) {
+       c.surface().inputConnections["bump"] = {{"/m/t", "rgb"}};
+     }},
+    {"/m reads /m/gone",
+     [](Captured& c) {
+       c.surface().inputConnections["sheen"] = {{"/m/gone", "r"}};
+     }},
+    {"/m has a texture with stOffset",
+     [](Captured& c) {
+       c.surface().inputConnections["sheen"] = {{"/m/t", "r"}};
+       c.network.nodes["/m/t"].parameters["stOffset"] = hd::Vec2f(1, 0);
+     }},
+    {"/m is neither a UsdPreviewSurface", [](Captured& c) { c.surface().nodeTypeId = "ND_unlit_surface"; }},
+    {"/mesh has a face that is not convex",
+     [](Captured& c) {
+       c.mesh.topology.faceVertexCounts = {4};
+       c.mesh.topology.faceVertexIndices = {0, 1, 2, 3};
+       c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 0.2f}, {1, 0, 0}};
+     }},
+    {"/mesh has faces of fewer", [](Captured& c) { c.mesh.topology.faceVertexCounts = {4}; }},
+};
+
 TEST(SceneCapture, FilesCannotHoldAllAndSayWhat) {
-  struct Refusal {
-    const char* says;
-    void (*edit)(Captured&);
-  };
-  const Refusal refusals[] = {
-      {"/mesh is a cage", [](Captured& c) { c.mesh.topology.scheme = "catmullClark"; }},
-      {"/mesh has two sides and no material", [](Captured& c) { c.mesh.material = {}; }},
-      {"/mesh has a primvar subsurfaceSet",
-       [](Captured& c) { c.mesh.primvars["subsurfaceSet"].value = hd::Token("a"); }},
-      {"/mesh has no material but a colour",
-       [](Captured& c) {
-         c.mesh.material = {}, c.mesh.doubleSided = false;
-         c.mesh.primvars["displayColor"].value = Array<Vec3f>{{1, 0, 0}};
-       }},
-      {"/sun is linked", [](Captured& c) { c.sun.parameters["lightLink"] = hd::Token("some"); }},
-      {"/m displaces",
-       [](Captured& c) {
-         c.network.terminals["displacement"] = {"/m/d", "displacement"};
-       }},
-      {"/m has a texture for bump",
-       [](Captured& c) {
-         c.surface().inputConnections["bump"] = {{"/m/t", "r"}};
-       }},
-      {"/m reads /m/gone",
-       [](Captured& c) {
-         c.surface().inputConnections["sheen"] = {{"/m/gone", "r"}};
-       }},
-      {"/m has a texture with stOffset",
-       [](Captured& c) {
-         c.surface().inputConnections["sheen"] = {{"/m/t", "r"}};
-         c.network.nodes["/m/t"].parameters["stOffset"] = hd::Vec2f(1, 0);
-       }},
-      {"/m is neither a UsdPreviewSurface", [](Captured& c) { c.surface().nodeTypeId = "ND_unlit_surface"; }},
-      {"/mesh has a face that is not convex",
-       [](Captured& c) {
-         c.mesh.topology.faceVertexCounts = {4};
-         c.mesh.topology.faceVertexIndices = {0, 1, 2, 3};
-         c.mesh.primvars["points"].value = Array<Vec3f>{{0, 0, 0}, {0, 0, 1}, {0.2f, 0, 0.2f}, {1, 0, 0}};
-       }},
-      {"/mesh has faces of fewer", [](Captured& c) { c.mesh.topology.faceVertexCounts = {4}; }},
-  };
-  for (const Refusal& refusal : refusals) {
+  for (const Refusal& refusal : kRefusals) {
     Captured c;
     refusal.edit(c);
     const std::string fault = c.write();

@@ -1,11 +1,11 @@
-#include "delegate/gltf/gltf_ngon.h"
+#include "delegate/support/ngon_encoding.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <map>
 
-namespace alabaster::hd::gltf {
+namespace alabaster::hd::support {
 namespace {
 
 Imath::V3d newell_normal(const std::vector<Imath::V3d>& polygon) {
@@ -148,4 +148,4 @@ CornerValues weld_corners(const Cage& cage, const std::vector<float>& values, si
   return welded;
 }
 
-}  // namespace alabaster::hd::gltf
+}  // namespace alabaster::hd::support

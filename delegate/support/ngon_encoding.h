@@ -7,7 +7,7 @@
 
 #include "delegate/api/types.h"
 
-namespace alabaster::hd::gltf {
+namespace alabaster::hd::support {
 
 /// A control cage: vertices welded by position. Vertices are those of the triangles that it was made from.
 struct Cage {
@@ -36,4 +36,4 @@ struct CornerValues {
 /// 1 to 4 components for each vertex.
 CornerValues weld_corners(const Cage& cage, const std::vector<float>& values, size_t components);
 
-}  // namespace alabaster::hd::gltf
+}  // namespace alabaster::hd::support

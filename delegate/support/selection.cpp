@@ -1,8 +1,6 @@
-#include "delegate/prims/selection.h"
+#include "delegate/support/selection.h"
 
-#include "delegate/api/prims.h"
-
-namespace alabaster::hd::prims {
+namespace alabaster::hd::support {
 namespace {
 
 std::set<std::string_view> without_slashes(const std::vector<Path>& paths) {
@@ -36,10 +34,10 @@ Selection::Selection(const std::vector<Token>& render_tags, const Collection& co
       roots_(without_slashes(collection.rootPaths)),
       excludes_(without_slashes(collection.excludePaths)) {}
 
-bool Selection::includes(const Path& path, const MeshRecord& mesh) const {
-  if (!mesh.visible) return false;
-  const bool tagged = tags_.empty() ? !(mesh.render_tag == Token("hidden")) : tags_.contains(mesh.render_tag);
-  return tagged && (roots_.empty() || covers(roots_, path.str())) && !covers(excludes_, path.str());
+bool Selection::includes(const Path& mesh, bool is_visible, const Token& render_tag) const {
+  if (!is_visible) return false;
+  const bool tagged = tags_.empty() ? !(render_tag == Token("hidden")) : tags_.contains(render_tag);
+  return tagged && (roots_.empty() || covers(roots_, mesh.str())) && !covers(excludes_, mesh.str());
 }
 
-}  // namespace alabaster::hd::prims
+}  // namespace alabaster::hd::support

@@ -4,9 +4,9 @@
 #include <set>
 #include <string_view>
 
-#include "delegate/prims/records.h"
+#include "delegate/api/prims.h"
 
-namespace alabaster::hd::prims {
+namespace alabaster::hd::support {
 
 /// Immutable. Selections that list the same in another order are equal.
 class Selection {
@@ -14,7 +14,7 @@ class Selection {
   /// The default of RenderPassState.
   Selection();
   Selection(const std::vector<Token>& render_tags, const Collection& collection);
-  bool includes(const Path& path, const MeshRecord& mesh) const;
+  bool includes(const Path& mesh, bool is_visible, const Token& render_tag) const;
   bool operator==(const Selection&) const = default;
 
  private:
@@ -22,4 +22,4 @@ class Selection {
   std::set<std::string_view> roots_, excludes_;  // of interned paths, without a slash at their end; no root: all
 };
 
-}  // namespace alabaster::hd::prims
+}  // namespace alabaster::hd::support

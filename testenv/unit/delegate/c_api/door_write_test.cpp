@@ -1,0 +1,61 @@
+// Scenes that the C door writes.
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "testenv/unit/delegate/c_api/door_fixture.h"
+
+namespace alabaster::door_testing {
+namespace {
+
+class DoorWrite : public Door {
+ protected:
+  DoorWrite() { std::filesystem::create_directories(folder_); }
+  ~DoorWrite() override { std::filesystem::remove_all(folder_); }
+
+  std::string file(const char* name) const { return (folder_ / name).string(); }
+  AlabasterStatus write(const char* name, const char* camera = "/camera") {
+    const AlabasterValue samples = whole(samples_);
+    const AlabasterParameter settings[] = {{"samples", samples}};
+    AlabasterFrame frame = {};
+    frame.size = sizeof frame;
+    frame.camera = camera;
+    frame.width = frame.height = kSide;
+    return api().scene_write(scene_, file(name).c_str(), &frame, settings, 1);
+  }
+
+  const int32_t samples_ = 4;
+  const std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / ("door_write_" + std::to_string(getpid()));
+};
+
+TEST_F(DoorWrite, LoadsAsTheSamePicture) {
+  ASSERT_EQ(write("copy.json"), ALABASTER_OK) << api().last_error();
+  const std::vector<float> before = render();
+  ASSERT_EQ(api().scene_clear(scene_), ALABASTER_OK);
+  AlabasterLoaded loaded = {};
+  loaded.size = sizeof loaded;
+  ASSERT_EQ(api().scene_load(scene_, file("copy.json").c_str(), nullptr, &loaded), ALABASTER_OK) << api().last_error();
+  EXPECT_STREQ(loaded.notes, "");
+  EXPECT_EQ(render(), before);
+  EXPECT_EQ(api().scene_write(scene_, file("again.json").c_str(), nullptr, nullptr, 0), ALABASTER_OK)
+      << "by its own render settings";
+}
+
+TEST_F(DoorWrite, SaysWhyItFails) {
+  EXPECT_EQ(write("copy.json", "/gone"), ALABASTER_OUTPUT_FAILED);
+  EXPECT_STREQ(api().last_error(), "/gone is no camera of the scene; name one that is");
+  EXPECT_EQ(write("copy.txt"), ALABASTER_OUTPUT_FAILED);
+  EXPECT_NE(std::string(api().last_error()).find("must end in .json"), std::string::npos);
+  EXPECT_EQ(write("no/copy.json"), ALABASTER_OUTPUT_FAILED);
+  EXPECT_NE(std::string(api().last_error()).find("there is no folder"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  const AlabasterFrame frame = {};
+  EXPECT_EQ(api().scene_write(scene_, "copy.json", &frame, nullptr, 0), ALABASTER_INVALID_ARGUMENT) << "without a size";
+  EXPECT_EQ(api().scene_write(scene_, nullptr, nullptr, nullptr, 0), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_write(nullptr, "copy.json", nullptr, nullptr, 0), ALABASTER_INVALID_ARGUMENT);
+  EXPECT_EQ(api().scene_write(scene_, "copy.json", nullptr, nullptr, 1), ALABASTER_INVALID_ARGUMENT);
+}
+
+}  // namespace
+}  // namespace alabaster::door_testing
