@@ -220,7 +220,7 @@ TEST(TileRenderer, ACancelledSampleIsLeftAndLeavesNoTrace) {
   const std::atomic<bool> stop{true};
   ASSERT_FALSE(TileRenderer(request, CancelToken(&stop)).render(samples_of({2}), always, &tile, &counters));
   EXPECT_EQ(counters.walk_safety_cap, 0u);
-  // What it lacks is taken again.
+  // The next call takes the samples that are missing.
   ASSERT_TRUE(TileRenderer(request).render(samples_of({2}), always, &tile, &counters));
   ASSERT_TRUE(TileRenderer(request).render(samples_of({2}), always, &whole, &counters));
   EXPECT_TRUE(same_bytes(contents(tile), contents(whole)));
