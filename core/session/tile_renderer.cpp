@@ -113,8 +113,10 @@ NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray&
   PathRecord record;
   RenderCounters counters;
   LightLayers layers;
-  const PathContext context{*request_.scene, path.camera, integrator_settings_, counters, &layers, request_.aovs,
-                            &record,         path.time};
+  IntegratorSettings settings = integrator_settings_;
+  settings.walk.cancel = {};  // the sample has been counted
+  const PathContext context{*request_.scene, path.camera,   settings, counters,
+                            &layers,         request_.aovs, &record,  path.time};
   const FilmSample unexposed =
       select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
   return is_finite(unexposed.color) ? NonfiniteCause::exposure : record.cause();

@@ -53,7 +53,8 @@ struct SampleFailure : std::logic_error {
 /// Immutable: any number of threads may share one.
 class TileRenderer {
  public:
-  /// `request` must outlive the renderer. `cancel` leaves samples that take long.
+  /// `request` must outlive the renderer. A walk below a surface asks `cancel`, and
+  /// a sample ends in it without being added.
   explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {});
 
   /// Traces one camera sample. The result depends on its address and the request alone. A colour that is not finite is

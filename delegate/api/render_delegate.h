@@ -149,6 +149,8 @@ extern "C" {
 /// The one exported factory. Null if the ABI versions differ or the renderer cannot start (reported to the sink).
 ALABASTER_API alabaster::hd::RenderDelegate* CreateAlabasterRenderDelegate(
     uint32_t abi_version, const alabaster::hd::DelegateOptions* options);
+/// The last delegate of a process ends TBB's workers, so that the library can be unloaded: this waits until the host's
+/// own tasks in them have ended, unless another thread uses TBB.
 ALABASTER_API void DestroyAlabasterRenderDelegate(alabaster::hd::RenderDelegate* delegate);
 /// "0.1.0", then one line per library it stands on with its version.
 ALABASTER_API const char* AlabasterVersions();

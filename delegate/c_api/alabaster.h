@@ -123,9 +123,8 @@ typedef struct AlabasterApi {
      description (NAME.json), and beside it NAME.gltf and NAME.bin, and images that are in memory. Files of these names
      are replaced. `frame` may be null; its bindings count for nothing. `settings` come over those of the frame's render
      settings, as a delegate's do. "ocio" among them names the OpenColorIO config; else it is that of the file that was
-     loaded last. OUTPUT_FAILED: the scene holds what files cannot, or a file cannot be
-     written; last_error names the prim and a remedy, and nothing is written. description/write_scene.h says what the
-     files hold. */
+     loaded last. OUTPUT_FAILED: the scene holds what files cannot, and nothing is written, or a file cannot be
+     written; last_error names the prim and a remedy. description/write_scene.h says what the files hold. */
   AlabasterStatus (*scene_write)(AlabasterScene*, const char* file, const AlabasterFrame* frame,
                                  const AlabasterParameter* settings, size_t count);
 } AlabasterApi;

@@ -106,5 +106,7 @@ JsonDocument dome_document(const std::string& dome);
 /// The schema's validator counts characters, and reads beyond a table where bytes are none: texts that come from a
 /// command line are checked first.
 bool is_utf8(const std::string& text);
+/// A larger description is refused.
+inline constexpr uintmax_t kMaxDescriptionBytes = 64u << 20;
 
 }  // namespace alabaster::hd::description

@@ -13,7 +13,6 @@
 namespace alabaster::hd::description {
 namespace {
 
-constexpr uintmax_t kMaxDescriptionBytes = 64u << 20;
 // A value takes a node of the document, and one of the table of its lines.
 constexpr size_t kValueBytes = 300;
 

@@ -16,8 +16,15 @@ namespace {
 
 using nlohmann::json;
 
-// More nodes than a glTF document may have by the limits of our reader (10 million values).
+// Limits of our reader of glTF: the values of a document as it counts them, and more nodes than these leave room for.
+constexpr ptrdiff_t kMostValues = 10'000'000;
 constexpr size_t kMostPlaces = 400000;
+
+void check_size(const std::string& gltf) {
+  const auto is_value = [](char c) { return c == '{' || c == '[' || c == ','; };
+  if (std::count_if(gltf.begin(), gltf.end(), is_value) > kMostValues)
+    throw std::runtime_error("the scene has more meshes and nodes than readers of glTF take; select a part of it");
+}
 
 std::string without_slashes(const Path& id) {
   constexpr size_t kLongest = 100;  // readers shorten names
@@ -61,6 +68,7 @@ std::optional<InstanceList> instance_list(const support::PlacementSource& source
   for (const int32_t index : source.indices) {
     if (!source.has_point(index)) continue;
     const auto i = static_cast<size_t>(index);
+    if (!is_valid_affine(points[i])) continue;
     const auto add = [&](const auto& from, const auto& otherwise, auto* to) {
       if (!from.empty()) to->push_back(i < from.size() ? from[i] : otherwise);
     };
@@ -92,6 +100,7 @@ class SceneWriter {
     std::map<std::string, NormalMaps> normals;
     json materials = make_materials(&normals);
     GltfText gltf = make_gltf(normals);
+    check_size(gltf.document);
     files_.add(".bin", std::move(gltf.buffer));
     files_.add(".gltf", std::move(gltf.document));
     json description = {{"gltf", {{{"file", files_.beside(".gltf")}}}},
@@ -108,6 +117,9 @@ class SceneWriter {
     add("meshes", meshes());
     add("lights", lights());
     std::string text = description.dump(1);
+    if (text.size() > kMaxDescriptionBytes)
+      return "the description would be larger than " + std::to_string(kMaxDescriptionBytes >> 20) +
+             " MiB, which readers refuse; select a part of the scene";
     check(text);
     files_.add(".json", std::move(text));
     return files_.write();
@@ -137,8 +149,6 @@ class SceneWriter {
       DrawnMesh drawn{id, &mesh, {}};
       set_places(id, mesh, &placements, &drawn.placed);
       if (drawn.placed.places.empty()) continue;
-      if (!std::all_of(drawn.placed.places.begin(), drawn.placed.places.end(), is_valid_affine))
-        throw NotWritten(id, "has a place that is not finite or cannot be inverted; mend its transform");
       drawn.placed.name = names.give(id);
       set_look(mesh, &drawn.placed);
       drawn.placed.double_sided = is_double_sided(id, mesh);
@@ -146,10 +156,13 @@ class SceneWriter {
     }
   }
 
-  // Leaves the places empty where the mesh stands nowhere.
+  // Leaves the places empty where the mesh stands nowhere. The renderer leaves out places that it cannot invert.
   void set_places(const Path& id, const host::MeshDescription& mesh, support::Placements* placements,
                   PlacedMesh* placed) {
-    if (mesh.instancer.empty()) return placed->places.push_back(mesh.transform);
+    const auto add = [&](const Matrix4d& place) {
+      if (is_valid_affine(place)) placed->places.push_back(place);
+    };
+    if (mesh.instancer.empty()) return add(mesh.transform);
     const auto instancer = scene_.instancers.find(mesh.instancer);
     if (instancer == scene_.instancers.end()) return;
     check_instancers(mesh.instancer);
@@ -164,12 +177,12 @@ class SceneWriter {
                                "not written; select a part of the scene");
     for (size_t i = 0; i < count; ++i) {
       const support::Placement place = placed->instances ? (*source.bases)[i] : source[i];
-      if (place.used) placed->places.push_back(mesh.transform * place.matrix);
+      if (place.used) add(mesh.transform * place.matrix);
     }
     placed_ += placed->places.size();
   }
 
-  // Itself and those that place it. Placements leave out instancers that place each other.
+  // Checks an instancer and those that place it. Placements leave out instancers that place each other.
   void check_instancers(Path id) const {
     for (std::set<Path> seen; !id.empty() && seen.insert(id).second;) {
       const auto found = scene_.instancers.find(id);
@@ -261,18 +274,21 @@ class SceneWriter {
                                      "written; name the subsurfaceSet");
   }
 
+  // The renderer leaves out a light that stands nowhere.
+  static bool is_lit(const host::LightDescription& light) { return light.visible && is_valid_affine(light.transform); }
+
   // The reader's lights sort by their names: these sort as the scene's.
   json lights() {
     std::vector<std::string> names;
     Names given;
     for (const auto& [id, light] : scene_.lights)
-      if (light.visible) names.push_back(given.give(id));
+      if (is_lit(light)) names.push_back(given.give(id));
     constexpr size_t kFirst = 100000;
     if (!std::is_sorted(names.begin(), names.end()))
       for (size_t i = 0; i < names.size(); ++i) names[i] = "light" + std::to_string(kFirst + i) + names[i];
     json all = json::array();
     for (const auto& [id, light] : scene_.lights) {
-      if (!light.visible) continue;
+      if (!is_lit(light)) continue;
       json entry = written_light(id, light, &files_);
       entry["name"] = names[all.size()];
       for (const char* link : {"lightLink", "shadowLink"})
@@ -345,13 +361,13 @@ std::string WriteScene(const std::string& file, const SceneParts& scene, const R
   if (!is_utf8(file)) return "the name of the file must be UTF-8";
   return SceneWriter(file, scene, state).write(settings);
 } catch (const std::bad_alloc&) {
-  return "memory ran out; select a part of the scene";
+  return "out of memory";  // needs none itself
 } catch (const std::exception& e) {
   return e.what();
 }
 
 std::string WriteScene(const std::string& file, const host::RetainedSceneDelegate& scene, const RenderPassState& given,
-                       const std::map<Token, Value>& settings) {
+                       const std::map<Token, Value>& settings) try {
   RenderPassState state = given;
   const auto& all = scene.GetAllRenderSettings();
   if (const auto named = settings.find("renderSettingsPrimPath"); state.camera.empty() && !all.empty()) {
@@ -361,6 +377,8 @@ std::string WriteScene(const std::string& file, const host::RetainedSceneDelegat
   return WriteScene(
       file, {scene.GetMeshes(), scene.GetInstancers(), scene.GetMaterials(), scene.GetLights(), scene.GetCameras()},
       state, settings);
+} catch (const std::bad_alloc&) {
+  return "out of memory";  // needs none itself
 }
 
 }  // namespace alabaster::hd::description

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "delegate/description/description_reader.h"
 #include "delegate/description/written_parts.h"
 #include "delegate/support/output_file.h"
 
@@ -21,23 +22,39 @@ const char* ending_of(const std::vector<uint8_t>& bytes) {
   return ".image";
 }
 
-std::string absolute(const std::string& file) {
-  return fs::absolute(file).lexically_normal().string();
+// The file that a name leads to, through symbolic links.
+std::string target_of(const fs::path& file) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(file), error);
+  return (error ? fs::absolute(file).lexically_normal() : whole).string();
+}
+
+// A glTF document that others made is no copy of a scene.
+bool is_foreign_gltf(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return false;
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  return text.find(kGenerator) == std::string::npos;
 }
 
 }  // namespace
 
 WrittenFiles::WrittenFiles(const std::string& description) {
-  const fs::path whole = fs::absolute(description).lexically_normal();
-  folder_ = whole.parent_path().string();
+  const fs::path whole = fs::absolute(description);
+  folder_ = target_of(whole.parent_path());
   name_ = whole.stem().string();
 }
 
 void WrittenFiles::add(const std::string& ending, std::string bytes) {
-  const std::string file = (fs::path(folder_) / beside(ending)).string();
+  check_taken(ending);
+  files_.emplace_back(ending, std::move(bytes));
+}
+
+// Throws where a file of the scene would be replaced.
+void WrittenFiles::check_taken(const std::string& ending) const {
+  const std::string file = target_of(fs::path(folder_) / beside(ending));
   for (const auto& [id, other] : named_)
     if (file == other) throw NotWritten(id, "names the file " + other + ", which would be replaced; write elsewhere");
-  files_.emplace_back(ending, std::move(bytes));
 }
 
 std::string WrittenFiles::name_of(const Path& id, const Value& file) {
@@ -51,11 +68,11 @@ std::string WrittenFiles::name_of(const Path& id, const Value& file) {
   }
   const std::string given = file.text_or("");
   if (given.empty()) return given;
-  const std::string whole = absolute(given);
+  if (!is_utf8(given)) throw NotWritten(id, "names a file that is not UTF-8, as names in descriptions are; rename it");
+  const std::string whole = target_of(given);
   named_.emplace_back(id, whole);
-  for (const auto& [ending, bytes] : files_)
-    if (whole == (fs::path(folder_) / beside(ending)).string())
-      throw NotWritten(id, "names the file " + whole + ", which would be replaced; write elsewhere");
+  for (const auto& [ending, bytes] : files_) check_taken(ending);
+  check_taken(".exr");  // of the product
   const fs::path relative = fs::path(whole).lexically_relative(folder_);
   return relative.empty() || *relative.begin() == ".." ? whole : relative.string();
 }
@@ -76,6 +93,8 @@ std::string WrittenFiles::write() const {
   for (const auto& [ending, bytes] : files_)
     if (const std::string fault = support::OutputFault(whole(ending)); !fault.empty())
       return whole(ending) + ": " + fault;
+  if (is_foreign_gltf(whole(".gltf")))
+    return whole(".gltf") + ": this glTF document is no written scene and would be replaced; choose another name";
   for (const auto& [ending, bytes] : files_) {
     const std::span<const uint8_t> all(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
     if (const std::string fault = support::WriteOutputFile(whole(ending), all); !fault.empty())

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/math/transform.h"
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/description/written_parts.h"
@@ -53,6 +54,11 @@ json written_motion(const Path& id, const Matrix4d& now, const TimeSamples<Matri
   if (samples.values.size() < 2) return {};
   if (samples.times.size() != samples.values.size() || transform_at(samples, 0) != now)
     throw NotWritten(id, "moves, and stands elsewhere at time 0 than its samples say, which is not written");
+  for (size_t i = 0; i < samples.times.size(); ++i)
+    if (!std::isfinite(samples.times[i]) || (i > 0 && !(samples.times[i] > samples.times[i - 1])) ||
+        !is_valid_affine(samples.values[i]))
+      throw NotWritten(id,
+                       "moves at times that do not rise or through a place that cannot be inverted; mend its samples");
   json motion = json::array();
   for (size_t i = 0; i < samples.times.size(); ++i)
     motion.push_back({{"time", samples.times[i]}, {"transform", to_json(samples.values[i])}});
@@ -62,6 +68,8 @@ json written_motion(const Path& id, const Matrix4d& now, const TimeSamples<Matri
 json written_camera(const RenderPassState& state, const std::map<Path, host::CameraDescription>& cameras) {
   static const json properties = expanded_schema("camera")["properties"];
   const host::CameraDescription& camera = camera_of(state, cameras);
+  if (!is_valid_affine(camera.transform))
+    throw std::runtime_error("the camera stands at no place that can be inverted; mend its transform");
   json motion =
       written_motion(state.freeCamera ? "the camera" : state.camera, camera.transform, camera.transformSamples);
   json made = motion.empty() ? json{{"transform", to_json(camera.transform)}} : json{{"motion", std::move(motion)}};

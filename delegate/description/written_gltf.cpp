@@ -41,7 +41,7 @@ std::vector<size_t> numbers_that_sort(size_t count) {
 GltfWriter::GltfWriter(size_t mesh_count, const std::map<std::string, NormalMaps>& normals)
     : normals_(normals), first_nodes_(numbers_that_sort(mesh_count)), nodes_(json::array()), roots_(json::array()) {
   for (size_t i = 0; i < mesh_count; ++i) nodes_.push_back(nullptr);
-  document_["asset"]["version"] = "2.0";
+  document_["asset"] = {{"version", "2.0"}, {"generator", kGenerator}};
 }
 
 void GltfWriter::add(const PlacedMesh& placed, const TriangleList& triangles) {

@@ -37,6 +37,9 @@ struct PlacedMesh {
   std::optional<InstanceList> instances;  // before each of the places
 };
 
+/// Tells our documents from those of others.
+inline constexpr const char* kGenerator = "Alabaster WriteScene";
+
 /// Takes the meshes one by one. LoadGltf gives them paths that sort as they were taken.
 class GltfWriter {
  public:

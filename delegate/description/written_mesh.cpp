@@ -42,6 +42,9 @@ void check(const Path& id, const host::MeshDescription& mesh) {
   if (!topology.holeIndices.empty() || !topology.invisibleFaces.empty())
     refuse(id, "has faces that are not drawn, which is not written; leave them out of the mesh");
   if (!is_cage(mesh)) return;
+  const Array<int32_t>& counts = topology.faceVertexCounts;
+  if (topology.scheme == Token("loop") && std::any_of(counts.begin(), counts.end(), [](int32_t n) { return n != 3; }))
+    refuse(id, "has scheme loop and faces that are no triangles, which is not written; cut them");
   check_tags(id, mesh.subdivTags);
   if (mesh.displayStyle.refineLevel == 0 && mesh.primvars.contains("normals"))
     refuse(id, "is a cage of refineLevel 0 with normals, which glTF cannot hold; refine it or set its scheme to none");
@@ -95,10 +98,12 @@ std::vector<T> corner_values(const Path& id, const host::MeshDescription& mesh, 
   const Value numbers = support::FloatValues(primvar.value);
   const auto* values = numbers.get<Array<T>>();
   if (!values) refuse(id, "has a primvar " + name.str() + " of another type, which is not written");
-  const bool by_corner = primvar.interpolation == Interpolation::faceVarying;
+  // Faces name points, whatever their interpolation says.
+  const Interpolation interpolation = name == Token("points") ? Interpolation::vertex : primvar.interpolation;
+  const bool by_corner = interpolation == Interpolation::faceVarying;
   if (is_cage(mesh) && name != Token("points") && !by_corner)
     refuse(id, "is a cage with " + name.str() + " not by corner (faceVarying), which glTF cannot hold");
-  if (primvar.interpolation == Interpolation::instance) refuse(id, "has " + name.str() + " by instance");
+  if (interpolation == Interpolation::instance) refuse(id, "has " + name.str() + " by instance");
   std::vector<T> all;
   size_t face = 0, last = 0;  // the number of the first corner behind the face
   const MeshTopology& topology = mesh.topology;
@@ -107,8 +112,8 @@ std::vector<T> corner_values(const Path& id, const host::MeshDescription& mesh, 
       last += static_cast<size_t>(std::max(topology.faceVertexCounts[face++], 0));
     size_t at = static_cast<size_t>(topology.faceVertexIndices[i]);
     if (by_corner) at = i;
-    if (primvar.interpolation == Interpolation::constant) at = 0;
-    if (primvar.interpolation == Interpolation::uniform) at = face - 1;
+    if (interpolation == Interpolation::constant) at = 0;
+    if (interpolation == Interpolation::uniform) at = face - 1;
     if (!primvar.indices.empty()) {
       if (at >= primvar.indices.size()) refuse(id, "has too few indices of " + name.str());
       at = static_cast<size_t>(primvar.indices[at]);
@@ -163,6 +168,11 @@ std::vector<Vec4f> own_colors(const Path& id, const host::MeshDescription& mesh,
     const auto opacities = corner_values<float>(id, mesh, "displayOpacity");
     for (size_t i = 0; i < all.size(); ++i) all[i].w = opacities[i];
   }
+  const auto is_held = [](const Vec4f& c) {
+    return std::min({c.x, c.y, c.z, c.w}) >= 0 && std::max({c.x, c.y, c.z, c.w}) <= 1;
+  };
+  if (!std::all_of(all.begin(), all.end(), is_held))
+    refuse(id, "has colours or opacities beyond 0 to 1, which glTF cannot hold; give it a material");
   return all;
 }
 
@@ -225,15 +235,19 @@ class Vertices {
   std::vector<float> values_;
 };
 
-// True if corners of one point share texture coordinates just where they did.
-bool keeps_seams(const support::Cage& cage, const host::PrimvarValue& given, const std::vector<Vec2f>& written) {
+// True if corners of one point share values just where they did. Without indices the renderer makes equal values of a
+// point one, as the reader does.
+template <class T>
+bool keeps_seams(const support::Cage& cage, const host::PrimvarValue& given, const std::vector<T>& written) {
+  if (given.indices.empty()) return true;
   std::vector<float> numbers;
-  for (const Vec2f& st : written) numbers.insert(numbers.end(), {st.x, st.y});
-  const std::vector<int32_t> welded = support::weld_corners(cage, numbers, 2).indices;
+  for (const T& value : written)
+    for (unsigned k = 0; k < T::dimensions(); ++k) numbers.push_back(value[int(k)]);
+  const std::vector<int32_t> welded = support::weld_corners(cage, numbers, int(T::dimensions())).indices;
   std::map<std::pair<int32_t, int32_t>, int32_t> there, back;  // by point
   for (size_t i = 0; i < welded.size(); ++i) {
     const int32_t point = cage.face_vertex_indices[i];
-    const int32_t own = given.indices.empty() ? static_cast<int32_t>(i) : given.indices[i];
+    const int32_t own = given.indices[i];
     if (there.emplace(std::pair(point, own), welded[i]).first->second != welded[i]) return false;
     if (back.emplace(std::pair(point, welded[i]), own).first->second != own) return false;
   }
@@ -254,9 +268,14 @@ void check_cage(const Path& id, const host::MeshDescription& mesh, const UvSets&
   if (!is_same(cage.face_vertex_counts, mesh.topology.faceVertexCounts) ||
       !is_same(cage.face_vertex_indices, mesh.topology.faceVertexIndices))
     refuse(id, "is a cage whose faces glTF would join or cut; let faces that follow each other begin at other points");
-  for (const Token& name : uv_names(mesh))
-    if (!keeps_seams(cage, mesh.primvars.at(name), list.uvs.at(sets.at(name))))
-      refuse(id, "has other seams of " + name.str() + " than its values show, which glTF cannot hold; index them");
+  const auto check_seams = [&](const Token& name, const auto& written) {
+    if (!keeps_seams(cage, mesh.primvars.at(name), written))
+      refuse(id,
+             "has other seams of " + name.str() + " than its values show, which glTF cannot hold; leave out indices");
+  };
+  for (const Token& name : uv_names(mesh)) check_seams(name, list.uvs.at(sets.at(name)));
+  for (const char* name : {"displayColor", "displayOpacity"})
+    if (!list.colors.empty() && mesh.primvars.contains(name)) check_seams(name, list.colors);
 }
 
 }  // namespace

@@ -8,24 +8,37 @@ namespace {
 
 using nlohmann::json;
 
-json creases_of(const Path& id, const SubdivTags& tags) {
+int32_t point_of(const Path& id, const host::MeshDescription& mesh, int32_t index) {
+  const auto points = mesh.primvars.find("points");
+  const auto* held = points == mesh.primvars.end() ? nullptr : points->second.value.get<Array<Vec3f>>();
+  if (held && (index < 0 || static_cast<size_t>(index) >= held->size()))
+    throw NotWritten(id, "has creases or corners at points that it lacks, which is not written; mend its subdivTags");
+  return index;
+}
+
+json creases_of(const Path& id, const host::MeshDescription& mesh) {
+  const SubdivTags& tags = mesh.subdivTags;
   json creases = json::array();
   size_t first = 0;
   for (size_t i = 0; i < tags.creaseLengths.size(); ++i) {
     const auto length = static_cast<size_t>(std::max(tags.creaseLengths[i], 0));
     if (first + length > tags.creaseIndices.size()) throw NotWritten(id, "has too few points of its creases");
     json points = json::array();
-    for (size_t k = 0; k < length; ++k) points.push_back(tags.creaseIndices[first + k]);
+    for (size_t k = 0; k < length; ++k) points.push_back(point_of(id, mesh, tags.creaseIndices[first + k]));
     creases.push_back({{"points", std::move(points)}, {"sharpness", tags.creaseWeights[i]}});
     first += length;
   }
+  if (first != tags.creaseIndices.size())
+    throw NotWritten(id,
+                     "has more points of creases than their lengths say, which is not written; mend its subdivTags");
   return creases;
 }
 
-json corners_of(const SubdivTags& tags) {
+json corners_of(const Path& id, const host::MeshDescription& mesh) {
+  const SubdivTags& tags = mesh.subdivTags;
   json corners = json::array();
   for (size_t i = 0; i < std::min(tags.cornerIndices.size(), tags.cornerWeights.size()); ++i)
-    corners.push_back({{"point", tags.cornerIndices[i]}, {"sharpness", tags.cornerWeights[i]}});
+    corners.push_back({{"point", point_of(id, mesh, tags.cornerIndices[i])}, {"sharpness", tags.cornerWeights[i]}});
   return corners;
 }
 
@@ -33,8 +46,8 @@ void set_cage(const Path& id, const host::MeshDescription& mesh, json* made) {
   (*made)["scheme"] = mesh.topology.scheme.str();
   (*made)["refineLevel"] = mesh.displayStyle.refineLevel;
   const SubdivTags& tags = mesh.subdivTags;
-  if (!tags.creaseLengths.empty()) (*made)["creases"] = creases_of(id, tags);
-  if (!tags.cornerIndices.empty()) (*made)["corners"] = corners_of(tags);
+  if (!tags.creaseLengths.empty()) (*made)["creases"] = creases_of(id, mesh);
+  if (!tags.cornerIndices.empty()) (*made)["corners"] = corners_of(id, mesh);
   if (!tags.interpolateBoundary.empty()) (*made)["interpolateBoundary"] = tags.interpolateBoundary.str();
   if (!tags.faceVaryingLinearInterpolation.empty())
     (*made)["faceVaryingLinearInterpolation"] = tags.faceVaryingLinearInterpolation.str();

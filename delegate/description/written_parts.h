@@ -23,6 +23,7 @@ class WrittenFiles {
   std::string write() const;
 
  private:
+  void check_taken(const std::string& ending) const;
   std::string folder_, name_;                               // the folder is absolute
   std::vector<std::pair<std::string, std::string>> files_;  // endings and bytes, the description last
   std::map<const void*, std::string> images_;               // those that were in memory, by their bytes
@@ -44,7 +45,7 @@ struct WrittenMaterial {
 };
 WrittenMaterial written_material(const Path& id, const MaterialNetwork& network, const UvSets& sets,
                                  WrittenFiles* files);
-/// Without its links and its name.
+/// A light without its links and its name.
 nlohmann::json written_light(const Path& id, const host::LightDescription& light, WrittenFiles* files);
 /// The parts of a mesh that glTF has no place for; empty if there are none.
 nlohmann::json written_mesh(const Path& id, const host::MeshDescription& mesh);

@@ -40,8 +40,8 @@ py::class_<Scene> add_files(py::module_& module) {
           },
           py::arg("file"), py::kw_only(), py::arg("overrides") = py::none(),
           "Writes the scene as a render draws it: a render description (NAME.json) and beside it NAME.gltf and "
-          "NAME.bin, "
-          "which load and the program read. Options are those of Renderer.render without aovs: width, height, camera, "
+          "NAME.bin, which load and the program read. Options are those of Renderer.render without aovs: width, "
+          "height, camera, "
           "settings, window, pixel_aspect, render_tags, roots, excluded. overrides={'samples': 16} come over the "
           "render settings. OutputError names the prim that files cannot hold; then nothing is written.")
       .def(

@@ -94,6 +94,7 @@ class Delegate final : public RenderDelegate {
       if (is("one_delegates_end_stops_all"))
         for (RenderDelegate* other : all_delegates) other->Stop();
     }
+    *memory_.holds_workers = false;  // the last delegate's end waits for them
     destroy_real(memory_.real);
   }
 

@@ -36,7 +36,6 @@ struct Memory {
   std::vector<std::vector<uint8_t>> kept;  // pixels that may still be mapped
   std::shared_ptr<std::atomic<bool>> holds_workers = std::make_shared<std::atomic<bool>>(false);  // of the host's TBB
 
-  ~Memory() { *holds_workers = false; }
   void hold_workers();
   /// The first answer that was not empty.
   Value latched(const Path& id, const std::string& question, const Value& answer);

@@ -6,6 +6,8 @@
 namespace alabaster::hd::description {
 namespace {
 
+using Mesh = host::MeshDescription;
+
 class RefusedScene : public WriteSceneTest {
  protected:
   RefusedScene() { stage_.add_basic_scene(); }
@@ -25,7 +27,6 @@ class RefusedScene : public WriteSceneTest {
 #define EXPECT_SAYS(fault, text) EXPECT_NE((fault).find(text), std::string::npos) << (fault)
 
 TEST_F(RefusedScene, NamesMeshesThatGltfCannotHold) {
-  using Mesh = host::MeshDescription;
   const std::pair<const char*, void (*)(Mesh&)> cases[] = {
       {"/quad is left-handed", [](Mesh& m) { m.topology.orientation = "leftHanded"; }},
       {"/quad has faces that are not drawn", [](Mesh& m) { m.topology.invisibleFaces = {0}; }},
@@ -42,20 +43,24 @@ TEST_F(RefusedScene, NamesMeshesThatGltfCannotHold) {
        [](Mesh& m) {
          m.transformSamples = {{1, 2}, {Matrix4d(2.0), Matrix4d()}};
        }},
-      {"/quad is a cage of refineLevel 0 with normals",
+      {"/quad has too few points",
        [](Mesh& m) {
-         m.topology.scheme = "catmullClark";
-         m.primvars["normals"].value = Array<Vec3f>(std::vector<Vec3f>(4, Vec3f(0, 0, 1)));
+         m.primvars["points"].interpolation = Interpolation::constant;
+         m.topology.faceVertexIndices = {0, 1, 1000, 3};
        }},
-      {"/quad is a cage with st not by corner",
+      {"/quad has too few points",
        [](Mesh& m) {
-         m.topology.scheme = "catmullClark";
-         m.primvars["st"].value = Array<Vec2f>(std::vector<Vec2f>(4, Vec2f(0, 0)));
+         m.topology.faceVertexIndices = {0, 1, -3, 3};
        }},
-      {"/quad has a sharpness for each edge",
+      {"/quad has colours or opacities beyond 0 to 1",
        [](Mesh& m) {
-         m.topology.scheme = "catmullClark";
-         m.subdivTags.creaseIndices = {0, 1, 2}, m.subdivTags.creaseLengths = {3}, m.subdivTags.creaseWeights = {1, 2};
+         m.material = {};
+         m.primvars["displayColor"] = {
+             Interpolation::vertex, "", Array<Vec3f>(std::vector<Vec3f>(4, Vec3f(0, 2, 0))), {}};
+       }},
+      {"/quad moves at times that do not rise",
+       [](Mesh& m) {
+         m.transformSamples = {{0, 0}, {m.transform, m.transform}};
        }},
       {"/quad has a primvar holdout that is no bool",
        [](Mesh& m) {
@@ -77,6 +82,46 @@ TEST_F(RefusedScene, NamesMeshesThatGltfCannotHold) {
       {"/quad has too few points",
        [](Mesh& m) {
          m.topology.faceVertexIndices = {0, 1, 2, -3};
+       }},
+  };
+  for (const auto& [text, edit] : cases) EXPECT_SAYS(fault_of_mesh(edit), text);
+}
+
+TEST_F(RefusedScene, NamesCagesThatGltfCannotHold) {
+  const std::pair<const char*, void (*)(Mesh&)> cases[] = {
+      {"/quad is a cage of refineLevel 0 with normals",
+       [](Mesh& m) {
+         m.topology.scheme = "catmullClark";
+         m.primvars["normals"].value = Array<Vec3f>(std::vector<Vec3f>(4, Vec3f(0, 0, 1)));
+       }},
+      {"/quad is a cage with st not by corner",
+       [](Mesh& m) {
+         m.topology.scheme = "catmullClark";
+         m.primvars["st"].value = Array<Vec2f>(std::vector<Vec2f>(4, Vec2f(0, 0)));
+       }},
+      {"/quad has scheme loop and faces", [](Mesh& m) { m.topology.scheme = "loop"; }},
+      {"/quad has more points of creases",
+       [](Mesh& m) {
+         m.topology.scheme = "catmullClark";
+         m.subdivTags.creaseIndices = {0, 1, 2}, m.subdivTags.creaseLengths = {2}, m.subdivTags.creaseWeights = {1};
+       }},
+      {"/quad has creases or corners at points that it lacks",
+       [](Mesh& m) {
+         m.topology.scheme = "catmullClark";
+         m.subdivTags.creaseIndices = {0, 9}, m.subdivTags.creaseLengths = {2}, m.subdivTags.creaseWeights = {1};
+       }},
+      {"/quad has other seams of displayColor",
+       [](Mesh& m) {
+         m.topology.scheme = "catmullClark";
+         m.topology.faceVertexCounts = {3, 3}, m.topology.faceVertexIndices = {0, 1, 2, 2, 3, 0};
+         m.material = {};
+         m.primvars["displayColor"] = {
+             Interpolation::faceVarying, "", Array<Vec3f>{{0, 0, 1}, {0, 0, 1}}, {0, 0, 0, 1, 1, 1}};
+       }},
+      {"/quad has a sharpness for each edge",
+       [](Mesh& m) {
+         m.topology.scheme = "catmullClark";
+         m.subdivTags.creaseIndices = {0, 1, 2}, m.subdivTags.creaseLengths = {3}, m.subdivTags.creaseWeights = {1, 2};
        }},
   };
   for (const auto& [text, edit] : cases) EXPECT_SAYS(fault_of_mesh(edit), text);
@@ -110,10 +155,6 @@ TEST_F(RefusedScene, NamesValuesThatDescriptionsMustNotHave) {
   EXPECT_SAYS(write(), "/lights/0/intensity of _dome: -2.0");
   stage_.scene.SetLight("/dome", {.type = "domeLight", .transform = {}, .parameters = {}});
   host::MeshDescription quad = Stage::quad();
-  quad.transform[3][0] = std::numeric_limits<double>::quiet_NaN();
-  stage_.scene.SetMesh("/quad", quad);
-  EXPECT_SAYS(write(), "/quad has a place that is not finite");
-  quad = Stage::quad();
   quad.primvars["points"].value = Array<Vec3f>(std::vector<Vec3f>(4, Vec3f(std::numeric_limits<float>::infinity())));
   stage_.scene.SetMesh("/quad", quad);
   EXPECT_SAYS(write(), "/quad has points that are not finite");
@@ -162,6 +203,24 @@ TEST_F(RefusedScene, DoesNotReplaceFilesThatTheSceneNames) {
   stage_.scene.SetLight("/dome",
                         {.type = "domeLight", .transform = {}, .parameters = {{"texture:file", file("copy.bin")}}});
   EXPECT_SAYS(write(), "/dome names the file " + file("copy.bin") + ", which would be replaced");
+  const auto name_image = [&](const std::string& image) {
+    stage_.scene.SetLight("/dome", {.type = "domeLight", .transform = {}, .parameters = {{"texture:file", image}}});
+  };
+  name_image(file("copy.exr"));
+  EXPECT_SAYS(write(), "/dome names the file " + file("copy.exr") + ", which would be replaced") << "by the product";
+  std::filesystem::create_directory_symlink(folder_, folder_ / "link");
+  name_image(file("link/copy.bin"));
+  EXPECT_SAYS(write(), "/dome names the file " + file("copy.bin") + ", which would be replaced");
+  name_image(file("\xff.hdr"));
+  EXPECT_SAYS(write(), "/dome names a file that is not UTF-8");
+}
+
+TEST_F(RefusedScene, ReplacesWrittenScenesAndNoOtherGltf) {
+  ASSERT_EQ(write(), "");
+  EXPECT_EQ(write(), "") << "a written scene";
+  std::ofstream(file("copy.gltf")) << R"({"asset": {"version": "2.0"}})";
+  EXPECT_SAYS(write(), "copy.gltf: this glTF document is no written scene");
+  EXPECT_EQ(document("copy.gltf").size(), 1u);
 }
 
 }  // namespace

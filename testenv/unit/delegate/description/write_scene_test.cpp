@@ -1,4 +1,6 @@
 // Scenes of a host's own, written and read again.
+#include <limits>
+
 #include "testenv/unit/delegate/description/write_scene_fixture.h"
 
 namespace alabaster::hd::description {
@@ -99,6 +101,8 @@ TEST_F(WrittenScene, HoldsManyInstancesAsArrays) {
     indices.push_back(i == 50 ? 1000 : 99 - i);
   }
   turns[7] = Quatf(0, 0, 0, 0);
+  places[20].x = std::numeric_limits<float>::quiet_NaN();
+  scales[30].y = 0;
   host::InstancerDescription inner;
   inner.transform = Matrix4d().setTranslation(Vec3d(0.1, 0.2, 0.3));
   inner.parent = "/outer";
@@ -131,6 +135,10 @@ TEST_F(WrittenScene, LeavesOutWhatIsNotDrawn) {
   hidden.instancer = "/none";
   scene().SetMesh("/not_placed", hidden);
   scene().SetLight("/off", {.type = "distantLight", .transform = {}, .parameters = {}, .visible = false});
+  scene().SetLight("/flat", {.type = "rectLight", .transform = Matrix4d().setScale(Vec3d(1, 0, 1)), .parameters = {}});
+  hidden = Stage::quad();
+  hidden.transform[3][0] = std::numeric_limits<double>::quiet_NaN();
+  scene().SetMesh("/nowhere_at_all", hidden);
   state_.collection.excludePaths = {"/group"};
   expect_same_picture();
   EXPECT_EQ(document("copy.gltf")["meshes"].size(), 1u);
