@@ -167,6 +167,7 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
       const RenderSettingsDescription& own = data.scene.GetAllRenderSettings().at(path);
       if (own.frame != 0) settings.emplace("frame", own.frame);
       for (const auto& [name, value] : own.settings) settings.emplace(name, value);
+      settings.emplace("renderSettingsPrimPath", path);  // its camera, where the frame has none
     }
     if (!data.loaded.color_config.empty()) settings.emplace("ocio", data.loaded.color_config);
     const std::string fault = description::WriteScene(&required(file, "file"), data.scene, state, settings);

@@ -42,6 +42,20 @@ TEST_F(DoorWrite, LoadsAsTheSamePicture) {
       << "by its own render settings";
 }
 
+TEST_F(DoorWrite, TakesTheCameraOfTheFramesOwnRenderSettings) {
+  const AlabasterRenderSettings first = {sizeof first, "/camera", kSide, kSide, 0, {}, 0, nullptr, 0};
+  const AlabasterRenderSettings second = {sizeof second, nullptr, kSide, kSide, 0, {}, 0, nullptr, 0};
+  ASSERT_EQ(api().set_render_settings(scene_, "/a", &first), ALABASTER_OK);
+  ASSERT_EQ(api().set_render_settings(scene_, "/b", &second), ALABASTER_OK);
+  AlabasterFrame frame = {};
+  frame.size = sizeof frame;
+  frame.settings = "/b";
+  EXPECT_EQ(api().scene_write(scene_, file("copy.json").c_str(), &frame, nullptr, 0), ALABASTER_OUTPUT_FAILED);
+  EXPECT_NE(std::string(api().last_error()).find("has no camera"), std::string::npos) << api().last_error();
+  frame.settings = "/a";
+  EXPECT_EQ(api().scene_write(scene_, file("copy.json").c_str(), &frame, nullptr, 0), ALABASTER_OK);
+}
+
 TEST_F(DoorWrite, SaysWhyItFails) {
   EXPECT_EQ(write("copy.json", "/gone"), ALABASTER_OUTPUT_FAILED);
   EXPECT_STREQ(api().last_error(), "/gone is no camera of the scene; name one that is");
