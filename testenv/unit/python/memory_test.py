@@ -1,0 +1,109 @@
+"""What the Python module does with memory: a part of alabaster_test.py, which runs it."""
+import ctypes
+import gc
+import unittest
+
+import alabaster
+from square_scene import CORNERS, draw, moved, square
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+
+class MallocInfo(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_size_t) for name in ["arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks",
+                                                     "uordblks", "fordblks", "keepcost"]]
+
+
+def allocated():
+    """Bytes that are in use; those that malloc keeps for later do not count."""
+    gc.collect()
+    mallinfo2 = ctypes.CDLL(None).mallinfo2
+    mallinfo2.restype = MallocInfo
+    info = mallinfo2()
+    return info.uordblks + info.hblkhd
+
+
+class Memory(unittest.TestCase):
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_arrays_are_not_copied(self):
+        render = draw(alabaster.Renderer(square(), samples=4))
+        first, second = render.pixels().numpy(), numpy.asarray(render.pixels())
+        self.assertEqual((first.shape, first.dtype), ((16, 16, 4), numpy.float32))
+        self.assertEqual(first.ctypes.data, second.ctypes.data)
+        self.assertEqual(first.strides, (-256, 16, 4))
+        into = numpy.empty((16, 16, 4), numpy.float32)
+        render.read("color", into)
+        self.assertTrue((into == first).all())
+        with self.assertRaises(alabaster.ArgumentError):
+            render.read("color", into[:8].copy())
+        with self.assertRaises(ValueError):
+            render.read("color", into[:, ::-1])
+
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_shows_pixels_in_an_array_of_the_host(self):
+        scene = square()
+        render = draw(alabaster.Renderer(scene, samples=4))
+        linear = numpy.zeros((16, 16, 4), numpy.float32)
+        self.assertTrue(render.show("color", linear, top_down=False))
+        self.assertTrue((linear[::-1] == render.pixels().numpy()).all())
+        linear[:] = 7
+        self.assertTrue(render.show("color", linear, top_down=False))
+        self.assertTrue((linear == 7).all())  # it was up to date
+        display = alabaster.Display()
+        shown = numpy.zeros((16, 16, 4), numpy.uint8)
+        self.assertTrue(render.show("color", shown, display))
+        middle = int(shown[8, 8, 0])
+        display.exposure = -1.0
+        self.assertTrue(render.show("color", shown, display))
+        self.assertTrue(0 < shown[8, 8, 0] < middle)
+        self.assertFalse(render.show("color", numpy.zeros((8, 16, 4), numpy.float32)))
+        with self.assertRaises(ValueError):
+            render.show("color", numpy.zeros((16, 16, 4), numpy.int64))
+
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_arrays_outlive_everything(self):
+        render = draw(alabaster.Renderer(square(), samples=4))
+        pixels = render.pixels().numpy()
+        before = pixels.copy()
+        del render
+        gc.collect()
+        draw(alabaster.Renderer(square(), samples=1))
+        self.assertTrue((pixels == before).all())
+
+    @unittest.skipUnless(numpy, "numpy is missing")
+    def test_lent_arrays_live_as_long_as_the_scene_and_no_longer(self):
+        points = numpy.array(CORNERS, numpy.float32)
+        scene = square()
+        scene.set_mesh("/square", points, numpy.array([[0, 1, 2, 3]], numpy.int32), material="/wax")
+        with self.assertRaises(ValueError):
+            points.resize((5, 3))  # it is exported
+        renderer = alabaster.Renderer(scene, samples=4)
+        picture = draw(renderer).pixels().numpy().copy()
+        strided = numpy.asfortranarray(numpy.array(CORNERS, numpy.float64))
+        scene.set_mesh("/square", strided, [[0, 1, 2, 3]], material="/wax")  # converted
+        self.assertTrue((draw(renderer).pixels().numpy() == picture).all())
+        scene.prims  # a call gives back what the library has returned
+        points.resize((5, 3), refcheck=False)
+
+    def test_a_thousand_renders(self):
+        scene = square()
+        renderer = alabaster.Renderer(scene, samples=1)
+
+        def render_thousand():
+            for i in range(1000):
+                scene.set_transform("/square", moved(i / 1000))
+                draw(renderer)
+            return allocated()
+
+        settled = render_thousand()
+        self.assertLess(render_thousand() - settled, 1 << 15)
+
+    def test_a_hundred_renderers(self):
+        for i in range(100):
+            draw(alabaster.Renderer(square(), samples=1))
+            if i == 19:
+                settled = allocated()
+        self.assertLess(allocated() - settled, 1 << 15)
