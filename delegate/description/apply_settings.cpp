@@ -3,6 +3,7 @@
 #include "delegate/description/description_reader.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/host/product_writer.h"
+#include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -22,12 +23,11 @@ bool read_crop(const Reader& reader, const std::string& pointer, const json& ent
   return reader.fail(pointer + "/crop", "The crop is empty: give x0, y0, x1, y1 with x1 > x0 and y1 > y0.");
 }
 
+// The schema allows no other names.
 WindowPolicy policy_of(const std::string& name) {
-  if (name == "matchHorizontally") return WindowPolicy::matchHorizontally;
-  if (name == "fit") return WindowPolicy::fit;
-  if (name == "crop") return WindowPolicy::crop;
-  if (name == "dontConform") return WindowPolicy::dontConform;
-  return WindowPolicy::matchVertically;
+  const auto& names = support::kWindowPolicyNames;
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? WindowPolicy::matchVertically : static_cast<WindowPolicy>(found - names.begin());
 }
 
 StudioChoice studio_of(const std::string& name) {

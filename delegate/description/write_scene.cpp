@@ -8,6 +8,7 @@
 #include "delegate/description/schema_check.h"
 #include "delegate/description/written_gltf.h"
 #include "delegate/description/written_parts.h"
+#include "delegate/gltf/gltf_container.h"
 #include "delegate/support/instancing.h"
 #include "delegate/support/selection.h"
 
@@ -16,13 +17,12 @@ namespace {
 
 using nlohmann::json;
 
-// Limits of our reader of glTF: the values of a document as it counts them, and more nodes than these leave room for.
-constexpr ptrdiff_t kMostValues = 10'000'000;
+// More nodes than a document of gltf::kMostValues has room for.
 constexpr size_t kMostPlaces = 400000;
 
-void check_size(const std::string& gltf) {
+void check_size(const std::string& document) {
   const auto is_value = [](char c) { return c == '{' || c == '[' || c == ','; };
-  if (std::count_if(gltf.begin(), gltf.end(), is_value) > kMostValues)
+  if (static_cast<size_t>(std::count_if(document.begin(), document.end(), is_value)) > gltf::kMostValues)
     throw std::runtime_error("the scene has more meshes and nodes than readers of glTF take; select a part of it");
 }
 

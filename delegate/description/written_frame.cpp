@@ -4,6 +4,7 @@
 #include "delegate/description/apply_motion.h"
 #include "delegate/description/schema_check.h"
 #include "delegate/description/written_parts.h"
+#include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -86,8 +87,8 @@ json written_camera(const RenderPassState& state, const std::map<Path, host::Cam
 
 json written_settings(const RenderPassState& state, const std::map<Token, Value>& settings) {
   static const json properties = expanded_schema("render_settings")["properties"];
-  static constexpr const char* kPolicies[] = {"matchVertically", "matchHorizontally", "fit", "crop", "dontConform"};
-  json made = {{"windowPolicy", kPolicies[static_cast<size_t>(state.windowPolicy)]}, {"studio", "off"}};
+  json made = {{"windowPolicy", support::kWindowPolicyNames[static_cast<size_t>(state.windowPolicy)]},
+               {"studio", "off"}};
   set_window(state.framing, &made);
   if (state.framing.pixelAspectRatio != 1) made["pixelAspectRatio"] = state.framing.pixelAspectRatio;
   for (const auto& [name, property] : properties.items())

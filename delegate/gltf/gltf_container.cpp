@@ -11,7 +11,6 @@ namespace {
 constexpr size_t kMostDepth = 128;
 // A parsed JSON value takes up to three hundred bytes while the document is read, beside three copies of its text.
 constexpr size_t kValueBytes = 300;
-constexpr size_t kMostValues = 10'000'000;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // glTF 2.0, section 4.4
 

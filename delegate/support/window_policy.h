@@ -1,9 +1,15 @@
 // How a camera's window takes the shape of an image: Hydra's conformed window.
 #pragma once
 
+#include <array>
+
 #include "delegate/api/scene_types.h"
 
 namespace alabaster::hd::support {
+
+/// The names that files have for WindowPolicy, in its order.
+inline constexpr std::array<const char*, 5> kWindowPolicyNames = {"matchVertically", "matchHorizontally", "fit", "crop",
+                                                                  "dontConform"};
 
 /// Width and height of what a camera sees: apertures, or the tangents that they make with a focal length.
 struct CameraWindow {
