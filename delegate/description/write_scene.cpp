@@ -8,7 +8,7 @@
 #include "delegate/description/schema_check.h"
 #include "delegate/description/written_gltf.h"
 #include "delegate/description/written_parts.h"
-#include "delegate/gltf/gltf_container.h"
+#include "delegate/support/gltf_limits.h"
 #include "delegate/support/instancing.h"
 #include "delegate/support/selection.h"
 
@@ -17,12 +17,12 @@ namespace {
 
 using nlohmann::json;
 
-// More nodes than a document of gltf::kMostValues has room for.
+// More nodes than a document of support::kMostGltfValues has room for.
 constexpr size_t kMostPlaces = 400000;
 
 void check_size(const std::string& document) {
   const auto is_value = [](char c) { return c == '{' || c == '[' || c == ','; };
-  if (static_cast<size_t>(std::count_if(document.begin(), document.end(), is_value)) > gltf::kMostValues)
+  if (static_cast<size_t>(std::count_if(document.begin(), document.end(), is_value)) > support::kMostGltfValues)
     throw std::runtime_error("the scene has more meshes and nodes than readers of glTF take; select a part of it");
 }
 

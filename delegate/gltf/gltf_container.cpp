@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "delegate/support/gltf_limits.h"
+
 namespace alabaster::hd::gltf {
 namespace {
 
@@ -39,7 +41,7 @@ bool json_is_bounded(std::string_view text, MemoryReservation* memory, Report& r
                        std::to_string(i) + "; flatten it");
       return false;
     }
-    if (values > kMostValues) {
+    if (values > support::kMostGltfValues) {
       report.error("json.size", "", "the JSON holds too many values; store bulk data in buffers");
       return false;
     }

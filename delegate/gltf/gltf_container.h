@@ -14,9 +14,6 @@ namespace alabaster::hd::gltf {
 using Json = nlohmann::json;
 using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
 
-/// Documents of more values are refused: '{', '[' and ',' outside of strings are counted.
-inline constexpr size_t kMostValues = 10'000'000;
-
 struct Container {
   Json root;
   bool is_glb = false;

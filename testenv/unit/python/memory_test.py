@@ -1,4 +1,4 @@
-"""What the Python module does with memory: a part of alabaster_test.py, which runs it."""
+"""Tests of the Python module's memory; alabaster_test.py runs them."""
 import ctypes
 import gc
 import unittest
