@@ -71,6 +71,12 @@ json written_camera(const RenderPassState& state, const std::map<Path, host::Cam
   const host::CameraDescription& camera = camera_of(state, cameras);
   if (!is_valid_affine(camera.transform))
     throw std::runtime_error("the camera stands at no place that can be inverted; mend its transform");
+  const auto shutter = [&](const char* name) {
+    const auto held = camera.parameters.find(name);
+    return held == camera.parameters.end() ? 0.0 : held->second.number_or(0);
+  };
+  if (shutter("shutterClose") < shutter("shutterOpen"))
+    throw std::runtime_error("the camera's shutter closes before it opens; give shutterClose a later time");
   json motion =
       written_motion(state.freeCamera ? "the camera" : state.camera, camera.transform, camera.transformSamples);
   json made = motion.empty() ? json{{"transform", to_json(camera.transform)}} : json{{"motion", std::move(motion)}};

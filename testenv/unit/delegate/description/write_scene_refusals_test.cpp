@@ -178,6 +178,12 @@ TEST_F(RefusedScene, NamesCamerasAndWindows) {
   settings_["renderSettingsPrimPath"] = Path("/b");
   EXPECT_SAYS(write(), "/second is no camera of the scene");
   state_.camera = "/camera";
+  const host::CameraDescription camera = stage_.scene.GetCameras().at("/camera");
+  host::CameraDescription backwards = camera;
+  backwards.parameters["shutterOpen"] = 0.25f;
+  stage_.scene.SetCamera("/camera", backwards);
+  EXPECT_SAYS(write(), "the camera's shutter closes before it opens");
+  stage_.scene.SetCamera("/camera", camera);
   state_.framing.displayMin = {0.5f, 0};
   EXPECT_SAYS(write(), "the display window ends within pixels");
   state_.framing = {};
