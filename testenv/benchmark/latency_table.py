@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures how long a host waits for the delegate, beside what it should wait at most, in one table.
 
-  latency_table.py PROGRAMS [--repeats N] > testenv/benchmark/results/latency.md
+  latency_table.py PROGRAMS [--repeats N] [--cancels N] > testenv/benchmark/results/latency.md
 
-PROGRAMS is the folder with cancel_latency, edit_latency and viewport_latency, which take about 20 minutes with 100 repeats. The machine
+PROGRAMS is the folder with edit_latency, viewport_latency and cancel_latency, whose 100 repeats of each build take 20 minutes. The machine
 has to be idle: two threads render throughout, and the host and the builder compute beside them.
 """
 import argparse
@@ -44,15 +44,16 @@ def print_row(what, p50, p99, goal, of=None):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", type=pathlib.Path)
-    parser.add_argument("--repeats", type=int, default=100)
+    parser.add_argument("--repeats", type=int, default=100, help="of edits and of what a viewport asks for")
+    parser.add_argument("--cancels", type=int, default=100, help="of builds that are cancelled")
     arguments = parser.parse_args()
-    if arguments.repeats < 1:
-        parser.error("--repeats must be 1 or more")
+    if min(arguments.repeats, arguments.cancels) < 1:
+        parser.error("--repeats and --cancels must be 1 or more")
     edits, told = run(arguments.programs / "edit_latency", "--edits", arguments.repeats)
     viewport, resolved = run(arguments.programs / "viewport_latency", SCENE, 1280, 720, 2, arguments.repeats)
     print(f"""# How long a host waits
 
-`testenv/benchmark/latency_table.py PROGRAMS --repeats {arguments.repeats}` on {os.cpu_count()} cores ({platform.machine()}), in ms. Two threads render at
+`testenv/benchmark/latency_table.py PROGRAMS --repeats {arguments.repeats} --cancels {arguments.cancels}` on {os.cpu_count()} cores ({platform.machine()}), in ms. Two threads render at
 1280 x 720 throughout. The scene of the edits has 1e6 triangles of bodies that scatter, 1000 more prims, a dome of 4096 x 2048 texels
 and an instancer of 1,000,000 points. "Rendered" ends where Execute has taken the new scene up; the host asks each millisecond. A frame is covered where each pixel
 shows the new scene, by a sample of its own or of a neighbour in its block. All is synced again 20 times at most. Goals are of the p99,
@@ -67,7 +68,7 @@ but for resolving, whose goal is of the p50.
                 print_row(f"{column}: {name}", edits[name][at], edits[name][at + 1], goals.get(name))
     for name, goal in VIEWPORT.items():
         print_row(name, viewport[name][1], viewport[name][2], goal, of=viewport[name][1])
-    cancelled, _ = run(arguments.programs / "cancel_latency", "--repeats", arguments.repeats)
+    cancelled, _ = run(arguments.programs / "cancel_latency", "--repeats", arguments.cancels)
     for name, row in cancelled.items():
         print_row(f"newer scene in place of a build of {name} ({row[1]} ms)", row[2], row[3], CANCELLED)
     for text in (told, resolved):
