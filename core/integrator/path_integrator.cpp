@@ -8,51 +8,10 @@
 #include "core/integrator/path_record.h"
 #include "core/integrator/path_state.h"
 #include "core/integrator/see_through.h"
-#include "core/integrator/shading_normal.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
 
 namespace alabaster {
-
-namespace {
-
-// Counter-clockwise about the normal.
-Frame turned(const Frame& frame, float turns) {
-  const float angle = (turns - std::floor(turns)) * 2 * float(M_PI);
-  return frame_from_normal_tangent(frame.n, frame.s * std::cos(angle) + frame.t * std::sin(angle));
-}
-
-}  // namespace
-
-PathVertex make_vertex(const PathContext& context, const Ray& ray, const TriangleHit& triangle, float footprint) {
-  PathVertex v;
-  v.instance = &context.scene.instance(triangle.instance);
-  v.triangle = triangle;
-  const Vec3f wo = -ray.dir;
-  const Placement& placement = v.instance->at(triangle, &v.moved);
-  const Mesh& mesh = v.instance->prototype->mesh;
-  v.hit = surface_on_side(*v.instance, placement, triangle, wo);
-  const Vec3f surface = bend_towards(v.hit.ns, v.hit.ng, wo);
-  v.departure = depart(mesh, placement.object_to_world, triangle, v.hit, surface);
-  const DisneyMaterial& material = v.instance->material(triangle.triangle);
-  v.mapped = material.normal_map.has_value();
-  const auto mapped = [&](const NormalMap& map) {
-    return reflecting_normal(mapped_normal(*v.instance, placement, triangle, v.hit, map), surface, wo);
-  };
-  const Vec3f n = v.mapped ? mapped(*material.normal_map) : surface;
-  v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
-  v.material = material.evaluate({mesh, triangle, v.hit.uv, {footprint, &placement.object_to_world}});
-  if (v.material.anisotropic_rotation != 0) [[unlikely]] {
-    const bool clockwise = winds_clockwise(*v.instance, placement, triangle, v.hit);
-    v.frame = turned(v.frame, v.material.anisotropic_rotation * (clockwise ? -1.0f : 1.0f));
-  }
-  if (v.material.coat > 0 && (v.mapped || material.coat_normal_map)) {
-    Vec3f coat = surface;
-    if (material.coat_normal_map) coat = mapped(*material.coat_normal_map);
-    v.material.coat_normal = v.frame.to_local(coat);
-  }
-  return v;
-}
 
 namespace {
 
@@ -127,10 +86,10 @@ void hold_out(PathRecord* record, PathState* path, FilmSample* out) {
 
 // The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the
 // mirrors before it, or of the last mirror if the path meets nothing else.
-void record_guides(const PathContext& context, const PathVertex& v, const PathState& path, FilmSample* out) {
-  if (context.aovs & aov_bit(Aov::normal)) out->normal = v.frame.n;
+void record_guides(const PathContext& context, const PathVertex& v, const PathState& path) {
+  if (context.aovs & aov_bit(Aov::normal)) path.guides->normal = v.frame.n;
   if (context.aovs & aov_bit(Aov::albedo))
-    out->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
+    path.guides->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
 }
 
 // Shows an image of its surroundings: at most a few pixels wide blurred. Rougher lobes are surfaces to a denoiser.
@@ -191,47 +150,121 @@ template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split);
 
-// Paths that a path becomes where it goes below the surface that the camera sees. The camera's ray and the surface's
-// own lobes give little of the noise there, and a walk gives much: two gain 1.3 on skin and cost as much on bodies
-// whose noise comes by way of other surfaces; three gain nothing (testenv/benchmark/results/sampling.md).
-constexpr uint32_t kWalksPerSample = 2;
+// Paths that a path becomes at the surface that the camera sees. The camera's ray and the lights sampled there give
+// little of the noise, and what comes by way of bodies and other surfaces gives much; more than two gain on skin alone
+// (testenv/benchmark/results/sampling.md).
+constexpr uint32_t kPathsPerSample = 2;
 
-// Splits the path at the first surface into paths that go below it, each with its share of the light.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-void split_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
-                         PathState* path, LayerSplit* split) {
-  for (uint32_t i = 0; i < kWalksPerSample; ++i) {
-    const PixelSampler branch_sampler = sampler.of_branch(i, kWalksPerSample);
-    if (PathRecord* record = record_of<kLayers>(context)) record->branch(i, kWalksPerSample);
+// Splits the path at the first surface into paths, each with its share of the light. `go_on(sampler, path)` sends one
+// on, and is false if it ends; `sort(light, path)` puts the share that it brought into a layer.
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers, class GoOn, class Sort>
+void split_path(const PathContext& context, const PixelSampler& sampler, PathState* path, const GoOn& go_on,
+                const Sort& sort) {
+  for (uint32_t i = 0; i < kPathsPerSample; ++i) {
+    const PixelSampler branch_sampler = sampler.of_branch(i, kPathsPerSample);
+    if (PathRecord* record = record_of<kLayers>(context)) record->branch(i, kPathsPerSample);
     PathState branch = *path;
     branch.radiance = Rgb(0.0f);
-    if (scatter_below_surface<kMode>(context, branch_sampler, below, &branch)) {
-      ++branch.depth;
-      if (keeps_footprints<kMode>(context)) branch.footprint.scatter(branch.scatter_pdf);
-      if (survives<kLayers>(
-              context, [&] { return branch_sampler.draw(Dimension::bsdf, 0)[3]; }, &branch))
-        follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
-    }
-    const Rgb share = branch.radiance * (1 / static_cast<float>(kWalksPerSample));
+    if (i > 0) branch.guides = nullptr;
+    if (go_on(branch_sampler, &branch))
+      follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
+    const Rgb share = branch.radiance * (1 / static_cast<float>(kPathsPerSample));
     path->radiance += share;
-    if (kLayers) split->add_below(share, branch.walk_events);
+    if (kLayers) sort(share, branch);
   }
 }
 
-// Continues below the surface. `within`: the path came to the vertex through the medium.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
-bool continue_below(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
-                    PathState* path, LayerSplit* split) {
-  path->seeks_guides = false;
-  const VertexBelow below(v, context.settings, within);
-  if (path->depth == 0) {
-    split_below_surface<kMode, kMeshLights, kLayers>(context, sampler, below, path, split);
-    return false;
-  }
+// Continues below the surface.
+template <SubsurfaceMode kMode, bool kLayers>
+bool continue_below(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
+                    PathState* path) {
+  path->guides = nullptr;
   const bool goes_on = scatter_below_surface<kMode>(context, sampler, below, path);
   const auto draw = [&, depth = path->depth] { return sampler.draw(Dimension::bsdf, depth)[3]; };
   ++path->depth;
   return goes_on && survives<kLayers>(context, draw, path);
+}
+
+// Continues below the surface, once the path's throughput has the weight of the entry. `within`: the path came to the
+// vertex through the medium.
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
+bool enter_below(const PathContext& context, const PixelSampler& sampler, const PathVertex& v, bool within,
+                 PathState* path, LayerSplit* split) {
+  const VertexBelow below(v, context.settings, within);
+  if (path->depth > 0) return continue_below<kMode, kLayers>(context, sampler, below, path);
+  split_path<kMode, kMeshLights, kLayers>(
+      context, sampler, path,
+      [&](const PixelSampler& branch_sampler, PathState* branch) {
+        if (!continue_below<kMode, kLayers>(context, branch_sampler, below, branch)) return false;
+        if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
+        return true;
+      },
+      [&](const Rgb& light, const PathState& branch) { split->add_below(light, branch.walk_events); });
+  return false;
+}
+
+// A surface whose lobes send the path on, and below which it may go.
+struct LobedVertex {
+  const PathVertex& v;
+  const DisneyBsdf& bsdf;
+  std::optional<VertexBelow> below;  // made once it is needed
+};
+
+// What a lobe did with a path.
+struct LobeChoice {
+  Lobe lobe = Lobe::straight;
+  Rgb specular_share{0.0f};  // of f; only where layers are split
+};
+
+// Samples a lobe, and sends the path on by it. False: the path ends.
+template <SubsurfaceMode kMode, bool kLayers>
+bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, const std::array<float, 4>& u,
+                      LobedVertex* at, PathState* path, LobeChoice* choice) {
+  PathRecord* const record = record_of<kLayers>(context);
+  const bool splits = kLayers && path->depth == 0;
+  Rgb specular;
+  const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
+  if (sample) DCHECK_GE(sample->pdf, 0.0f);
+  if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
+  if (record && !sample) record->end("no direction was sampled");
+  if (!sample) return false;
+  choice->lobe = sample->lobe;
+  if (!is_mirror(at->v, sample->lobe)) path->guides = nullptr;
+  if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
+    path->throughput *= sample->f * (1 / sample->pdf);
+    if (!at->below) at->below.emplace(at->v, context.settings, false);
+    return continue_below<kMode, kLayers>(context, sampler, *at->below, path);
+  }
+  const bool leaves = scatter_at_surface(context, at->v, *sample, path);
+  if (record && !leaves) record->end("the direction leads into the surface");
+  if (!leaves) return false;
+  if (splits) choice->specular_share = share_of(specular, sample->f);
+  ++path->depth;
+  return survives<kLayers>(
+      context, [&] { return u[3]; }, path);
+}
+
+// Splits the path at the first surface into paths that its lobes send on.
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
+void split_by_lobes(const PathContext& context, const PixelSampler& sampler, LobedVertex* at, PathState* path,
+                    LayerSplit* split) {
+  LobeChoice choice;
+  split_path<kMode, kMeshLights, kLayers>(
+      context, sampler, path,
+      [&](const PixelSampler& branch_sampler, PathState* branch) {
+        const auto u = branch_sampler.draw(Dimension::bsdf, 0);
+        if (!continue_by_lobe<kMode, kLayers>(context, branch_sampler, u, at, branch, &choice)) return false;
+        if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
+        // So many directions compete with each sampled light.
+        if (choice.lobe != Lobe::subsurface) branch->scatter_pdf *= kPathsPerSample;
+        return true;
+      },
+      [&](const Rgb& light, const PathState& branch) {
+        if (choice.lobe == Lobe::subsurface)
+          split->add_below(light, branch.walk_events);
+        else
+          split->add_local(light, choice.specular_share);
+      });
 }
 
 // Samples direct light and the next direction at the vertex. False: the path ends.
@@ -240,16 +273,17 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
              PathState* path, LayerSplit* split) {
   // Evaluate the BSDF's parameters for the viewer's direction.
   const bool splits = kLayers && path->depth == 0;
-  if (splits) split->emission = path->radiance;
+  if (splits) split->emission = path->radiance, split->scattered = true;
   PathRecord* const record = record_of<kLayers>(context);
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), context.settings.energy);
+  const float directions = path->depth == 0 ? static_cast<float>(kPathsPerSample) : 1.0f;
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
     const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
     if (record) record->sample_light(wi_world, value.f * wi.z, value.pdf);
-    return {value.f * wi.z, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
+    return {value.f * wi.z, value.pdf * directions, splits ? share_of(specular, value.f) : Rgb(0.0f)};
   };
 
   // Sample the lights.
@@ -265,30 +299,15 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
                      if (splits) split->add_local(path->throughput * light, value.specular_share);
                    });
   path->radiance += path->throughput * direct;
-  if (splits) split->gathered = path->radiance, split->scattered = true;
 
-  // Sample a lobe and a direction.
-  const auto& u = numbers.bsdf;
-  Rgb specular;
-  const auto sample = bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
-  if (sample) DCHECK_GE(sample->pdf, 0.0f);
-  if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
-  if (record && !sample) record->end("no direction was sampled");
-  if (!sample) return false;
-  path->seeks_guides = path->seeks_guides && is_mirror(v, sample->lobe);
-
-  // Continue below the surface if the subsurface lobe was chosen, else from it.
-  if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
-    path->throughput *= sample->f * (1 / sample->pdf);
-    return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
+  // Sample lobes and directions.
+  LobedVertex at{v, bsdf, std::nullopt};
+  if (path->depth == 0) {
+    split_by_lobes<kMode, kMeshLights, kLayers>(context, sampler, &at, path, split);
+    return false;
   }
-  const bool leaves = scatter_at_surface(context, v, *sample, path);
-  if (record && !leaves) record->end("the direction leads into the surface");
-  if (!leaves) return false;
-  if (splits) split->specular_share = share_of(specular, sample->f), split->went_on = true;
-  ++path->depth;
-  return survives<kLayers>(
-      context, [&] { return u[3]; }, path);
+  LobeChoice choice;
+  return continue_by_lobe<kMode, kLayers>(context, sampler, numbers.bsdf, &at, path, &choice);
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
@@ -299,14 +318,14 @@ bool continue_path(const PathContext& context, const PixelSampler& sampler, cons
     if (is_within_medium(v, *path)) {
       // The surface has no lobes on that side.
       if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
-      return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
+      return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
     }
   if (v.material.transmits()) [[unlikely]] {
     const std::optional<Lobe> lobe = scatter_at_boundary(context, v, numbers, path, split);
     if (!lobe) return false;
-    path->seeks_guides = path->seeks_guides && is_mirror(v, *lobe);
+    if (!is_mirror(v, *lobe)) path->guides = nullptr;
     if (kMode != SubsurfaceMode::lambert && *lobe == Lobe::subsurface)
-      return continue_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
+      return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, false, path, split);
     ++path->depth;
     return survives<kLayers>(
         context, [&] { return numbers.bsdf[3]; }, path);
@@ -377,7 +396,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
 
     // Record the first hit and add the surface's emission; end at a hold-out or the depth limit.
     if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
-    if (path->seeks_guides) record_guides(context, vertex, *path, first_hit);
+    if (path->guides) record_guides(context, vertex, *path);
     if (path->depth == 0 && vertex.instance->holdout) [[unlikely]]
       return hold_out(record, path, first_hit);
     const Rgb before = path->radiance;
@@ -400,7 +419,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   PathState path;
   path.ray = camera_ray;
   path.lights = &context.scene.lights;
-  path.seeks_guides = (context.aovs & kGuideAovs) != 0;
+  if (context.aovs & kGuideAovs) path.guides = &out;
   if (context.scene.clear_bodies.contains(camera_ray.org)) [[unlikely]]
     path.interiors = interiors_at(context, camera_ray);
   if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);

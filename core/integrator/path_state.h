@@ -28,15 +28,15 @@ struct PathState {
   Ray ray;  // all of a path's have one time
   Rgb throughput{1.0f};
   Rgb radiance{0.0f};
-  /// Density of the ray's direction; 0 for the camera ray, which no light sampling competes with, and infinite after a
-  /// discrete choice, with which it cannot.
+  /// Density of the ray's direction, of all paths that a split sent on together; 0 for the camera ray, which no light
+  /// sampling competes with, and infinite after a discrete choice, with which it cannot.
   float scatter_pdf = 0;
   ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
   const LightSet* lights = nullptr;              // that light the last vertex; of camera rays all
   uint32_t depth = 0;
-  bool seeks_guides = false;  // the next surface gives the values of kGuideAovs
-  bool held_out = false;      // the camera's ray ended at a hold-out
-  uint32_t walk_events = 0;   // of the last subsurface walk; any other carrier of light counts as many
+  FilmSample* guides = nullptr;  // takes the values of kGuideAovs at the next surface; null: they are not sought
+  bool held_out = false;         // the camera's ray ended at a hold-out
+  uint32_t walk_events = 0;      // of the last subsurface walk; any other carrier of light counts as many
   Footprint footprint;
   Interiors interiors;  // that the ray is in
 

@@ -41,7 +41,7 @@ testing::RunningStatistics radiance(const std::shared_ptr<const SceneSnapshot>& 
   tracer.settings.glossy_filter = filter;
   tracer.settings.max_depth = max_depth;
   testing::RunningStatistics statistics;
-  for (uint32_t i = 0; i < 20000; ++i) statistics.add(double(tracer.trace(i).color.g));
+  for (uint32_t i = 0; i < 200000; ++i) statistics.add(double(tracer.trace(i).color.g));
   return statistics;
 }
 
