@@ -12,7 +12,7 @@ namespace alabaster {
 /// A scattering function's answer for a direction.
 struct ScatterValue {
   Rgb f_cos{0.0f};
-  float pdf = 0;             // of sampling the direction
+  float pdf = 0;             // of sampling the direction, times the number of directions that are sampled
   Rgb specular_share{0.0f};  // of f, per channel; only where layers are split
 };
 

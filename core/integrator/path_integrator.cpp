@@ -3,7 +3,7 @@
 #include "core/diagnostics/check.h"
 #include "core/integrator/boundary.h"
 #include "core/integrator/direct_light.h"
-#include "core/integrator/hit_vectors.h"
+#include "core/integrator/first_hit.h"
 #include "core/integrator/layer_split.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/path_state.h"
@@ -64,39 +64,11 @@ void add_mesh_emission(const PathVertex& v, const TriangleHit& hit, PathState* p
   path->radiance += path->throughput * v.material.emission * weight;
 }
 
-void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out) {
-  out->alpha = 1;
-  if (!(context.aovs & kClosestAovs)) return;
-  out->distance = hit.t;
-  out->camera_depth = context.camera.axial_depth(v.hit.p);
-  out->depth = context.camera.clip_depth(out->camera_depth);
-  out->prim_id = v.instance->prim_id;
-  out->instance_id = v.instance->id_of(hit);
-  out->element_id = v.instance->prototype->mesh.element(hit.triangle);
-  if (context.vectors) [[unlikely]]
-    record_hit_vectors(context, v, out);
-}
-
 // Ends a camera's path at a hold-out: only lights that it met on its way show.
 void hold_out(PathRecord* record, PathState* path, FilmSample* out) {
   path->held_out = true;
   out->alpha = 0;
   if (record) record->end("a hold-out");
-}
-
-// The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the
-// mirrors before it, or of the last mirror if the path meets nothing else.
-void record_guides(const PathContext& context, const PathVertex& v, const PathState& path) {
-  if (context.aovs & aov_bit(Aov::normal)) path.guides->normal = v.frame.n;
-  if (context.aovs & aov_bit(Aov::albedo))
-    path.guides->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
-}
-
-// Shows an image of its surroundings: at most a few pixels wide blurred. Rougher lobes are surfaces to a denoiser.
-bool is_mirror(const PathVertex& v, Lobe lobe) {
-  constexpr float kLargestRoughness = 0.1f;
-  if (lobe == Lobe::straight) return true;
-  return (lobe == Lobe::specular || lobe == Lobe::dielectric) && v.material.roughness <= kLargestRoughness;
 }
 
 // Roulette ends paths whose throughput has fallen below this, and lifts survivors to it. A survivor that is lifted far
@@ -150,27 +122,29 @@ template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split);
 
-// Paths that a path becomes at the surface that the camera sees. The camera's ray and the lights sampled there give
-// little of the noise, and what comes by way of bodies and other surfaces gives much; more than two gain on skin alone
-// (testenv/benchmark/results/sampling.md).
+// Paths that a path becomes at the surface that the camera sees, unless that lets light through. The camera's ray and
+// the lights sampled there give little of the noise, and what comes by way of bodies and other surfaces gives much.
+// More than two gain beyond doubt on skin alone (testenv/benchmark/results/sampling.md).
 constexpr uint32_t kPathsPerSample = 2;
 
-// Splits the path at the first surface into paths, each with its share of the light. `go_on(sampler, path)` sends one
-// on, and is false if it ends; `sort(light, path)` puts the share that it brought into a layer.
-template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers, class GoOn, class Sort>
-void split_path(const PathContext& context, const PixelSampler& sampler, PathState* path, const GoOn& go_on,
+// Splits the path at the first surface into paths, each with its share of the light. `send(sampler, path)` sends one
+// on, and is false if it ends; `sort(light, events)` puts what it brought into a layer, with the scattering events of
+// the walk that it began with.
+template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers, class Send, class Sort>
+void split_path(const PathContext& context, const PixelSampler& sampler, PathState* path, const Send& send,
                 const Sort& sort) {
   for (uint32_t i = 0; i < kPathsPerSample; ++i) {
     const PixelSampler branch_sampler = sampler.of_branch(i, kPathsPerSample);
     if (PathRecord* record = record_of<kLayers>(context)) record->branch(i, kPathsPerSample);
     PathState branch = *path;
     branch.radiance = Rgb(0.0f);
-    if (i > 0) branch.guides = nullptr;
-    if (go_on(branch_sampler, &branch))
-      follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
+    if (i > 0) branch.guides = nullptr;  // one path finds them
+    const bool goes_on = send(branch_sampler, &branch);
+    const uint32_t events = branch.walk_events;
+    if (goes_on) follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
     const Rgb share = branch.radiance * (1 / static_cast<float>(kPathsPerSample));
     path->radiance += share;
-    if (kLayers) sort(share, branch);
+    if (kLayers) sort(share, events);
   }
 }
 
@@ -199,7 +173,7 @@ bool enter_below(const PathContext& context, const PixelSampler& sampler, const 
         if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
         return true;
       },
-      [&](const Rgb& light, const PathState& branch) { split->add_below(light, branch.walk_events); });
+      [&](const Rgb& light, uint32_t events) { split->add_below(light, events); });
   return false;
 }
 
@@ -210,7 +184,7 @@ struct LobedVertex {
   std::optional<VertexBelow> below;  // made once it is needed
 };
 
-// What a lobe did with a path.
+// The lobe that sent a path on, and the layer of what it brings.
 struct LobeChoice {
   Lobe lobe = Lobe::straight;
   Rgb specular_share{0.0f};  // of f; only where layers are split
@@ -252,16 +226,17 @@ void split_by_lobes(const PathContext& context, const PixelSampler& sampler, Lob
   split_path<kMode, kMeshLights, kLayers>(
       context, sampler, path,
       [&](const PixelSampler& branch_sampler, PathState* branch) {
+        choice = {};
         const auto u = branch_sampler.draw(Dimension::bsdf, 0);
         if (!continue_by_lobe<kMode, kLayers>(context, branch_sampler, u, at, branch, &choice)) return false;
         if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
-        // So many directions compete with each sampled light.
+        // The directions of all paths compete with each sampled light. The footprint is that of one.
         if (choice.lobe != Lobe::subsurface) branch->scatter_pdf *= kPathsPerSample;
         return true;
       },
-      [&](const Rgb& light, const PathState& branch) {
+      [&](const Rgb& light, uint32_t events) {
         if (choice.lobe == Lobe::subsurface)
-          split->add_below(light, branch.walk_events);
+          split->add_below(light, events);
         else
           split->add_local(light, choice.specular_share);
       });
@@ -282,8 +257,9 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
     if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
     const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
-    if (record) record->sample_light(wi_world, value.f * wi.z, value.pdf);
-    return {value.f * wi.z, value.pdf * directions, splits ? share_of(specular, value.f) : Rgb(0.0f)};
+    const float pdf = value.pdf * directions;
+    if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
+    return {value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
   };
 
   // Sample the lights.

@@ -12,6 +12,10 @@
 
 namespace alabaster {
 
+/// Raised where equal scenes, settings and seeds no longer give equal samples: sums of different samples cannot be
+/// parts of one picture.
+inline constexpr int kSamplingVersion = 2;
+
 enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse
   walk,       // path-traced random walk, with the shortcuts that pay

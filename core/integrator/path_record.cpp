@@ -118,7 +118,7 @@ void PathRecord::branch(uint32_t index, uint32_t count) {
   if (!is_written_) return;
   if (index == 0) vertices_before_split_ = vertices_;
   vertices_ = vertices_before_split_;
-  line(0, format("walk %u of %u, which counts 1/%u:", index + 1, count, count));
+  line(0, format("path %u of %u, which counts 1/%u:", index + 1, count, count));
 }
 
 void PathRecord::end(const char* reason) {

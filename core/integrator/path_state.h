@@ -28,8 +28,8 @@ struct PathState {
   Ray ray;  // all of a path's have one time
   Rgb throughput{1.0f};
   Rgb radiance{0.0f};
-  /// Density of the ray's direction, of all paths that a split sent on together; 0 for the camera ray, which no light
-  /// sampling competes with, and infinite after a discrete choice, with which it cannot.
+  /// Density of the ray's direction, summed over the paths that a split sent on together; 0 for the camera ray, which
+  /// no light sampling competes with, and infinite after a discrete choice, with which it cannot.
   float scatter_pdf = 0;
   ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
   const LightSet* lights = nullptr;              // that light the last vertex; of camera rays all

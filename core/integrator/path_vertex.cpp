@@ -1,4 +1,3 @@
-#include "core/integrator/hit_vectors.h"
 #include "core/integrator/path_state.h"
 #include "core/integrator/shading_normal.h"
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "core/digest/digest.h"
+#include "core/integrator/path_integrator.h"
 #include "delegate/api/render_delegate.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/scene_digest.h"
@@ -28,8 +29,7 @@ struct BlockHead {
 /// Settings that change no pixel, or only how many samples there are.
 bool is_compared(const std::string& setting, const RenderSettings& settings) {
   if (setting == "samples") return settings.adaptive || settings.target_error > 0;
-  for (const char* name :
-       {"firstSample", "timeLimit", "threads", "textureMemory", "memoryLimit", "denoise", "interactive"})
+  for (const char* name : {"firstSample", "timeLimit", "threads", "textureMemory", "memoryLimit", "denoise"})
     if (setting == name) return false;
   return true;
 }
@@ -42,6 +42,7 @@ json library_versions() {
     versions[space == std::string::npos ? "Alabaster" : line.substr(0, space)] =
         space == std::string::npos ? line : line.substr(space + 1);
   }
+  versions["sampling"] = std::to_string(kSamplingVersion);
   return versions;
 }
 

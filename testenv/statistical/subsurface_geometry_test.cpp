@@ -208,7 +208,7 @@ TEST(OpenMesh, WhatIsLostIsCounted) {
   camera.orthographic = true;
   camera.horizontal_aperture = camera.vertical_aperture = 0.05f;
   RenderRequest request = request_of(&b, camera, 64);
-  request.settings.max_depth = 1;  // one walk per sample
+  request.settings.max_depth = 1;
   RenderProgress progress;
   const MeanError m = testing::film_mean(*testing::render(request, &progress), 1);
   const auto& n = progress.counters;

@@ -40,7 +40,6 @@ TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
   LayerSplit split;
   split.scattered = true;
   split.add_local(Rgb(2.0f), Rgb(0.5f));
-  split.gathered = Rgb(2.0f);
   const std::pair<uint32_t, float> walks[] = {{0, 1.0f}, {1, 2.0f}, {2, 4.0f}, {7, 8.0f}, {1, 16.0f}};
   for (const auto& [events, light] : walks) split.add_below(Rgb(light), events);
   const LightLayers layers = split.finish(Rgb(33.0f));
@@ -50,30 +49,67 @@ TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
   EXPECT_EQ(sum_of(layers), Rgb(33.0f));
 }
 
-// Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers.
-TEST(LayerSplit, LayersOfEverySampleAddUpToItsColor) {
-  testing::SceneBuilder b;
-  DisneyParameters lacquer;
-  lacquer.base_color = {0.8f, 0.6f, 0.3f};
-  lacquer.clearcoat = lacquer.sheen = 1;
-  lacquer.scatter_distance = {0.3f, 0.1f, 0};
-  lacquer.emission = Rgb(0.1f);
-  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(lacquer)).add(testing::constant_dome(1, true));
-  testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
+// Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers. Returns
+// the sums.
+LightLayers traced_layers(testing::PathTracer* tracer) {
   LightLayers total;
   for (uint32_t i = 0; i < 512; ++i) {
     LightLayers layers;
-    const Rgb color = tracer.trace(i, &layers).color, sum = sum_of(layers);
-    EXPECT_EQ(tracer.trace(i).color, color) << i;
-    for (int c = 0; c < 3; ++c) ASSERT_NEAR(sum[c], color[c], 16 * 0x1p-24 * double(color[c])) << i;
+    const Rgb color = tracer->trace(i, &layers).color, sum = sum_of(layers);
+    EXPECT_EQ(tracer->trace(i).color, color) << i;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], color[c], 16 * 0x1p-24 * double(color[c])) << i;
     total.diffuse += layers.diffuse;
     total.specular += layers.specular;
+    total.unscattered += layers.unscattered;
     total.single += layers.single;
     total.multiple += layers.multiple;
     total.emission += layers.emission;
   }
+  return total;
+}
+
+DisneyParameters lacquer() {
+  DisneyParameters p;
+  p.base_color = {0.8f, 0.6f, 0.3f};
+  p.clearcoat = p.sheen = 1;
+  p.scatter_distance = {0.3f, 0.1f, 0};
+  p.emission = Rgb(0.1f);
+  return p;
+}
+
+TEST(LayerSplit, LayersOfEverySampleAddUpToItsColor) {
+  testing::SceneBuilder b;
+  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(lacquer())).add(testing::constant_dome(1, true));
+  testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
+  const LightLayers total = traced_layers(&tracer);
   for (const Rgb& layer : {total.diffuse, total.specular, total.single, total.multiple, total.emission})
     EXPECT_GT(layer.r, 0);
+}
+
+TEST(LayerSplit, SoDoThoseOfASurfaceThatLetsLightThrough) {
+  testing::SceneBuilder b;
+  DisneyParameters glass = lacquer();
+  glass.spec_trans = 0.5f;
+  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(glass)).add(testing::constant_dome(1, true));
+  testing::PathTracer tracer(b.snapshot(), {0, 1, 3});
+  const LightLayers total = traced_layers(&tracer);
+  for (const Rgb& layer : {total.specular, total.single, total.multiple, total.emission}) EXPECT_GT(layer.r, 0);
+}
+
+// A body of mist before a body of wax: light that crosses the mist is unscattered, although the wax scattered it.
+TEST(LayerSplit, OnlyTheFirstBodyCounts) {
+  testing::SceneBuilder b;
+  DisneyParameters mist = testing::matt(Rgb(0.8f)), wax = testing::matt(Rgb(0.8f));
+  mist.scatter_distance = Rgb(1e3f);
+  wax.scatter_distance = Rgb(0.1f);
+  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(mist));
+  b.add(b.prototype(testing::sphere_mesh(20, 24, true)), b.material(wax),
+        Matrix4d().setTranslation(Imath::V3d(0, 0, -25)));
+  b.add(testing::constant_dome(1, true));
+  testing::PathTracer tracer(b.snapshot(), {0, 0, 3});
+  const LightLayers total = traced_layers(&tracer);
+  EXPECT_GT(total.unscattered.g, 50 * (total.single.g + total.multiple.g));
+  EXPECT_GT(tracer.counters.walks, 2 * tracer.counters.camera_rays) << "paths met the wax";
 }
 
 }  // namespace

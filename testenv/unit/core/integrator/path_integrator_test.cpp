@@ -72,6 +72,15 @@ TEST(PathIntegrator, RouletteKeepsTheRadianceInsideAGlowingSphere) {
   }
 }
 
+TEST(PathIntegrator, APathBecomesTwoAtTheFirstSurface) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::plane_mesh(20)), b.material(matt(Rgb(0.7f)))).add(testing::constant_dome(1, false));
+  PathTracer tracer(b.snapshot(), {0, 4, 4});
+  for (uint32_t i = 0; i < 8; ++i) tracer.trace(i);
+  EXPECT_EQ(tracer.counters.camera_rays, 8u);
+  EXPECT_EQ(tracer.counters.bounce_rays, 16u);
+}
+
 // A plane two units below the camera, by hand.
 TEST(PathIntegrator, FirstHitValuesAreComputedForBoundAovsOnly) {
   SceneBuilder b;

@@ -59,7 +59,7 @@ TEST(SampleReport, NamesHitsLobesLightsAndWalkEvents) {
   std::string text;
   for (uint32_t s = 0; s < 8; ++s) text += report_sample(request, 8, 8, s);
   for (const char* part : {"vertex 0, distance ", "primId 0", "samples the lobe subsurface",
-                           "walk 2 of 2, which counts 1/2", "scatter after ", "surface after ", "leaves the body at ",
+                           "path 2 of 2, which counts 1/2", "scatter after ", "surface after ", "leaves the body at ",
                            "light towards ", "lobe pdf ", "light pdf ", "weight ", "; adds ("})
     EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in\n" << text;
 }

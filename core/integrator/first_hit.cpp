@@ -1,0 +1,33 @@
+#include "core/integrator/first_hit.h"
+
+#include "core/integrator/hit_vectors.h"
+#include "core/material/disney_bsdf.h"
+
+namespace alabaster {
+
+void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out) {
+  out->alpha = 1;
+  if (!(context.aovs & kClosestAovs)) return;
+  out->distance = hit.t;
+  out->camera_depth = context.camera.axial_depth(v.hit.p);
+  out->depth = context.camera.clip_depth(out->camera_depth);
+  out->prim_id = v.instance->prim_id;
+  out->instance_id = v.instance->id_of(hit);
+  out->element_id = v.instance->prototype->mesh.element(hit.triangle);
+  if (context.vectors) [[unlikely]]
+    record_hit_vectors(context, v, out);
+}
+
+void record_guides(const PathContext& context, const PathVertex& v, const PathState& path) {
+  if (context.aovs & aov_bit(Aov::normal)) path.guides->normal = v.frame.n;
+  if (context.aovs & aov_bit(Aov::albedo))
+    path.guides->albedo = DisneyBsdf(v.material, {0, 0, 1}).albedo() * clamp01(path.throughput);
+}
+
+bool is_mirror(const PathVertex& v, Lobe lobe) {
+  constexpr float kLargestRoughness = 0.1f;
+  if (lobe == Lobe::straight) return true;
+  return (lobe == Lobe::specular || lobe == Lobe::dielectric) && v.material.roughness <= kLargestRoughness;
+}
+
+}  // namespace alabaster
