@@ -27,7 +27,7 @@ enum class SubsurfaceMode {
 /// The part of a render's settings that paths read. core/session/render_settings.h has the defaults.
 struct IntegratorSettings {
   uint32_t max_depth;       // bounces between surfaces; 1 = direct light only; a subsurface walk counts as one
-  uint32_t roulette_depth;  // vertices before roulette may end a path: they carry most of the picture
+  uint32_t roulette_depth;  // bounces before roulette may end a path
   SubsurfaceMode subsurface;
   AlbedoInversion inversion;
   WalkSettings walk;

@@ -22,7 +22,7 @@ struct RenderSettings {
   uint32_t seed = 0;
   uint32_t frame = 0;
   uint32_t max_depth = 8;       // bounces between surfaces; a subsurface walk counts as one
-  uint32_t roulette_depth = 3;  // bounces after which roulette may end a path: changes noise and time, adds no bias
+  uint32_t roulette_depth = 1;  // bounces after which roulette may end a path: changes noise and time, adds no bias
   uint32_t threads = 0;         // 0: all
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
   AlbedoInversion inversion = AlbedoInversion::exact;

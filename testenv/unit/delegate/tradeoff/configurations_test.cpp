@@ -28,7 +28,7 @@ TEST(Configurations, EveryRungAndKnobOfASceneThatHasAll) {
   const ConfigurationList list = make_configurations({true, 2}, {}, known(), "");
   const auto all = names(list);
   for (const char* name :
-       {"walk", "lambert", "diffusion", "auto", "reference", "maxDepth=2", "maxDepth=16", "rouletteDepth=1",
+       {"walk", "lambert", "diffusion", "auto", "reference", "maxDepth=2", "maxDepth=16", "rouletteDepth=3",
         "walkGuiding=off", "walkSphereSteps=off", "inversion=chiang2016", "inversion=vanDeHulst",
         "walkWeights=throughputTimesAlbedo", "refineLevel-1", "refineLevel-2"})
     EXPECT_TRUE(all.count(name)) << name;
