@@ -106,7 +106,8 @@ Value another_value(const RenderSettingDescriptor& setting) {
     return setting.choices.front() == now.text_or("") ? setting.choices.back() : setting.choices.front();
   if (setting.key == Token("samples")) return 5;
   if (setting.key == Token("timeLimit")) return 1000.0f;
-  return now.get<float>() ? Value(0.5f) : Value(1);
+  if (now.get<float>()) return 0.5f;
+  return now.number_or(0) == 1 ? 2 : 1;
 }
 
 TEST(RenderPass, SettingsHaveTheEffectThatTheySay) {
