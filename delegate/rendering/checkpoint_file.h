@@ -13,7 +13,7 @@
 namespace alabaster::hd::rendering {
 
 /// All that a render's pixels depend on. Its members, with text for a value each:
-/// - library {line: version}: the renderer and the libraries that it stands on
+/// - library {line: version}: the renderer, its sampling, and the libraries that it stands on
 /// - scene {kind and path: digest}: digest_scene()
 /// - camera {name: value}, frame {name: value}, aovs text
 /// - settings {name: value}: those that change pixels; where samples decide where others go, their number, too

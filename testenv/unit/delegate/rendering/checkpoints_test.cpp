@@ -250,23 +250,29 @@ TEST_F(Checkpoints, APartOfAFrameThatDecidesIsRefused) {
   EXPECT_NE(Frame({{"firstSample", 8}, {"samples", 8}}).refusal("").find("must be below samples"), std::string::npos);
 }
 
-// With a right checksum, as somebody can make it.
-TEST_F(Checkpoints, APartWithoutSamplesIsRefused) {
+// A file with another text in its header, which has the same length, and a right checksum, as somebody can make it.
+std::string with_header(std::string file, const std::string& from, const std::string& to) {
   constexpr size_t kMagic = 23, kHead = 2 * sizeof(uint64_t);
-  std::string bytes;
-  {
-    std::ifstream in(written(), std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(in), {});
-  }
-  const std::string range = "\"samples\":[0,3]";
-  const size_t at = bytes.find(range);
-  ASSERT_NE(at, std::string::npos);
-  bytes.replace(at, range.size(), "\"samples\":[3,3]");
+  const size_t at = file.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at == std::string::npos) return file;
+  file.replace(at, from.size(), to);
   uint64_t size = 0;
-  std::memcpy(&size, bytes.data() + kMagic, sizeof size);
-  const uint64_t sum = checksum(std::as_bytes(std::span(bytes).subspan(kMagic + kHead, size)), 0);
-  std::memcpy(bytes.data() + kMagic + sizeof size, &sum, sizeof sum);
-  std::ofstream(file_, std::ios::binary) << bytes;
+  std::memcpy(&size, file.data() + kMagic, sizeof size);
+  const uint64_t sum = checksum(std::as_bytes(std::span(file).subspan(kMagic + kHead, size)), 0);
+  std::memcpy(file.data() + kMagic + sizeof size, &sum, sizeof sum);
+  return file;
+}
+
+TEST_F(Checkpoints, SamplesOfAnotherKindAreRefused) {
+  written();
+  replace(with_header(bytes(), "\"sampling\":\"2\"", "\"sampling\":\"1\""));
+  EXPECT_NE(Frame().refusal(file_).find("the version of sampling was 1 and is 2"), std::string::npos);
+}
+
+TEST_F(Checkpoints, APartWithoutSamplesIsRefused) {
+  written();
+  replace(with_header(bytes(), "\"samples\":[0,3]", "\"samples\":[3,3]"));
   Frame frame;
   EXPECT_NE(frame.command("describeCheckpoint", {{"file", file_}}).find("does not say which samples"),
             std::string::npos);
