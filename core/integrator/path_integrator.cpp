@@ -309,13 +309,12 @@ bool continue_path(const PathContext& context, const PixelSampler& sampler, cons
   return scatter<kMode, kMeshLights, kLayers>(context, sampler, v, numbers, path, split);
 }
 
-// Draws the vertex's random numbers while its triangle comes from memory. Paths that leave the first surface draw their
-// own for its lobes.
+// Draws the vertex's random numbers while its triangle comes from memory.
 inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, const Mesh& mesh, uint32_t triangle) {
   VertexNumbers numbers;
   numbers.light = sampler.draw(Dimension::light, depth);
   prefetch_corners(mesh, triangle, Attributes::normals_and_uvs);
-  if (depth > 0) numbers.bsdf = sampler.draw(Dimension::bsdf, depth);
+  numbers.bsdf = sampler.draw(Dimension::bsdf, depth);
   return numbers;
 }
 
@@ -364,7 +363,6 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     // Find the surface and the material at the vertex.
     PathVertex vertex = find_vertex<kMode>(context, hit, path);
     if (record) record->meet_surface(*vertex.instance, hit, vertex.hit);
-    if (vertex.material.transmits() && path->depth == 0) numbers.bsdf = sampler.draw(Dimension::bsdf, 0);
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, numbers.bsdf.data())) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       path->ray.tmax = reach - hit.t;
