@@ -19,11 +19,11 @@ struct LayerSplit {
   Rgb emission{0.0f};                             // seen directly
   bool scattered = false;                         // false: no such vertex, all light is seen directly
   Rgb local_diffuse{0.0f}, local_specular{0.0f};  // scattered at the vertex itself, gathered so far
+  LightLayers below;                              // what its paths below brought out
   // These are set where a path goes on undivided, from a surface that lets light through.
   Rgb gathered{0.0f};        // the path's radiance when it left the vertex
   Rgb specular_share{0.0f};  // of f in the direction that it left in
   bool went_on = false;      // it left from the surface
-  LightLayers below;         // what its paths below brought out
 
   void add_local(const Rgb& light, const Rgb& share) {
     local_specular += light * share;

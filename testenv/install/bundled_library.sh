@@ -44,8 +44,9 @@ static embree "$build/embree_source" -DEMBREE_STATIC_LIB=ON -DEMBREE_ISPC_SUPPOR
   -DEMBREE_TASKING_SYSTEM=TBB
 
 cmake -S "$here/../.." -B "$build/ours" -G Ninja -DCMAKE_BUILD_TYPE=Release -DALABASTER_BUNDLE=ON -DCMAKE_PREFIX_PATH="$prefix" \
-  -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF | grep Bundle
-cmake --build "$build/ours" -j2 >"$build/ours.log"
+  -DALABASTER_TESTS=OFF -DALABASTER_BENCHMARKS=OFF >"$build/ours.log"
+grep Bundle "$build/ours.log"
+cmake --build "$build/ours" -j2 >>"$build/ours.log"
 cmake --install "$build/ours" --prefix "$build/installed" >>"$build/ours.log"
 
 # The contract's suite on it, and the cost of loading.
