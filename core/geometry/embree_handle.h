@@ -82,6 +82,18 @@ inline RTCRayHit to_query(const Ray& ray) {
   return query;
 }
 
+// A mesh is one geometry of its scene: of triangles, or of quads where all its triangles are in pairs
+// (triangle_pairs.h).
+inline constexpr unsigned kTriangles = 0, kQuads = 1;
+
+// The triangle of a hit, where Embree's answer names a quad. Its second triangle has the coordinates 1 - u and 1 - v.
+inline void name_triangle(unsigned geometry, TriangleHit* hit) {
+  if (geometry != kQuads) return;
+  const bool second = hit->u + hit->v > 1;
+  hit->triangle = 2 * hit->triangle + (second ? 1 : 0);
+  if (second) hit->u = 1 - hit->u, hit->v = 1 - hit->v;
+}
+
 // Embree hands the context back to the filter, so it must begin with Embree's.
 struct FilterContext {
   RTCIntersectContext embree;
@@ -91,7 +103,7 @@ struct FilterContext {
 
 inline void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
   const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
-  const TriangleHit hit{
+  TriangleHit hit{
       RTCRayN_tfar(args->ray, args->N, 0),
       RTCHitN_u(args->hit, args->N, 0),
       RTCHitN_v(args->hit, args->N, 0),
@@ -99,6 +111,7 @@ inline void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
       RTCHitN_instID(args->hit, args->N, 0, 0),
       RTCRayN_time(args->ray, args->N, 0),
       {RTCHitN_Ng_x(args->hit, args->N, 0), RTCHitN_Ng_y(args->hit, args->N, 0), RTCHitN_Ng_z(args->hit, args->N, 0)}};
+  name_triangle(RTCHitN_geomID(args->hit, args->N, 0), &hit);
   if (!context.filter->stops(hit)) args->valid[0] = 0;
 }
 
@@ -119,6 +132,7 @@ inline bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, co
   hit->u = query.hit.u;
   hit->v = query.hit.v;
   hit->triangle = query.hit.primID;
+  name_triangle(query.hit.geomID, hit);
   hit->instance = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID ? 0 : query.hit.instID[0];
   hit->time = ray.time;
   hit->normal = {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};

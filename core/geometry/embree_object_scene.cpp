@@ -10,11 +10,8 @@ namespace {
 
 // Embree takes a hit for one of the first corner where twice the triangle's area is below 1e-18 (its min_rcp_input):
 // scenes a nanometre wide in metres. The coordinates in its place; `to_world` carries the mesh to the ray's space.
-void mend_corner(RTCScene mesh, const Affine& to_world, const Ray& ray, TriangleHit* hit) {
-  const RTCGeometry geometry = rtcGetGeometry(mesh, 0);
-  const auto* points = static_cast<const Vec3f*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
-  const auto* triangles = static_cast<const Corners*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0));
-  const Corners& c = triangles[hit->triangle];
+void mend_corner(RTCGeometry mesh, const Corners& c, const Affine& to_world, const Ray& ray, TriangleHit* hit) {
+  const auto* points = static_cast<const Vec3f*>(rtcGetGeometryBufferData(mesh, RTC_BUFFER_TYPE_VERTEX, 0));
   const Vec3d e1 = Vec3d(points[c[1]]) - Vec3d(points[c[0]]), e2 = Vec3d(points[c[2]]) - Vec3d(points[c[0]]);
   if (length(cross(e1, e2)) > 1e-17) return;
   // Moeller and Trumbore 1997, in double.
@@ -42,9 +39,14 @@ void collect_hit(const RTCFilterFunctionNArguments* args) noexcept {
   auto& context = *reinterpret_cast<CollectContext*>(args->context);
   args->valid[0] = 0;
   try {
-    context.hits->push_back({RTCRayN_tfar(args->ray, args->N, 0), RTCHitN_u(args->hit, args->N, 0),
-                             RTCHitN_v(args->hit, args->N, 0), RTCHitN_primID(args->hit, args->N, 0), 0,
-                             RTCRayN_time(args->ray, args->N, 0)});
+    TriangleHit& hit = context.hits->emplace_back();
+    hit = {RTCRayN_tfar(args->ray, args->N, 0),
+           RTCHitN_u(args->hit, args->N, 0),
+           RTCHitN_v(args->hit, args->N, 0),
+           RTCHitN_primID(args->hit, args->N, 0),
+           0,
+           RTCRayN_time(args->ray, args->N, 0)};
+    name_triangle(RTCHitN_geomID(args->hit, args->N, 0), &hit);
   } catch (...) {
     context.out_of_memory = true;
   }
@@ -77,43 +79,65 @@ bool fill(RTCGeometry geometry, const Slot& to, const void* data, size_t stride,
   return true;
 }
 
+bool fill_quads(RTCGeometry geometry, const std::vector<Corners>& triangles) {
+  const size_t quads = triangles.size() / 2;
+  auto* const buffer = static_cast<QuadCorners*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(QuadCorners), quads));
+  for (size_t i = 0; buffer && i < quads; ++i) buffer[i] = quad_of(triangles[2 * i], triangles[2 * i + 1]);
+  return buffer;
+}
+
 }  // namespace
 
 bool EmbreeObjectScene::attach(const Mesh& mesh) {
-  RTCGeometry geometry = rtcNewGeometry(scene_.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry geometry = rtcNewGeometry(scene_.device(), quads_ ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
   if (!geometry) return false;
   if (use_ == Use::refitted) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
   rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(poses_));
-  bool filled = fill(geometry, {RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3}, mesh.triangles.data(),
-                     3 * sizeof(uint32_t), triangles_);
+  bool filled = quads_ ? fill_quads(geometry, mesh.triangles)
+                       : fill(geometry, {RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3}, mesh.triangles.data(),
+                              sizeof(Corners), triangles_);
   for (unsigned i = 0; i < poses_ && filled; ++i)
     filled = fill(geometry, {RTC_BUFFER_TYPE_VERTEX, i, RTC_FORMAT_FLOAT3}, mesh.points_of_pose(i).data(),
                   sizeof(Vec3f), points_);
   if (filled) {
     rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(scene_.get(), geometry, 0);
+    rtcAttachGeometryByID(scene_.get(), geometry, quads_ ? kQuads : kTriangles);
   }
   rtcReleaseGeometry(geometry);
   return filled;
+}
+
+RTCGeometry EmbreeObjectScene::geometry() const {
+  return rtcGetGeometry(scene_.get(), quads_ ? kQuads : kTriangles);
+}
+
+const void* EmbreeObjectScene::indices() const {
+  return rtcGetGeometryBufferData(geometry(), RTC_BUFFER_TYPE_INDEX, 0);
+}
+
+Corners EmbreeObjectScene::corners(const void* indices, size_t triangle) const {
+  if (!quads_) return static_cast<const Corners*>(indices)[triangle];
+  return triangle_of(static_cast<const QuadCorners*>(indices)[triangle / 2], triangle % 2 != 0);
 }
 
 bool EmbreeObjectScene::has_triangles_of(const Mesh& mesh) const {
   if (poses_ != 1 || mesh.deforms() || mesh.points.size() != points_ || mesh.triangles.size() != triangles_)
     return false;
   if (triangles_ == 0) return false;
-  const RTCGeometry geometry = rtcGetGeometry(scene_.get(), 0);
-  const void* const triangles = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
-  return std::memcmp(triangles, mesh.triangles.data(), triangles_ * sizeof(Corners)) == 0;
+  const void* const own = indices();
+  for (size_t i = 0; i < triangles_; ++i)
+    if (corners(own, i) != mesh.triangles[i]) return false;
+  return true;
 }
 
 bool EmbreeObjectScene::replace_points(const Mesh& mesh) {
   scene_.take_error();  // an earlier error is not ours
-  const RTCGeometry geometry = rtcGetGeometry(scene_.get(), 0);
-  void* const points = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  void* const points = rtcGetGeometryBufferData(geometry(), RTC_BUFFER_TYPE_VERTEX, 0);
   if (!points) return false;
   std::memcpy(points, mesh.points.data(), points_ * sizeof(Vec3f));
-  rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-  rtcCommitGeometry(geometry);
+  rtcUpdateGeometryBuffer(geometry(), RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(geometry());
   return true;
 }
 
@@ -125,7 +149,7 @@ bool EmbreeObjectScene::intersect(const Ray& ray, TriangleHit* hit) const {
 }
 
 void EmbreeObjectScene::mend(const Affine& to_world, const Ray& ray, TriangleHit* hit) const {
-  if (poses_ == 1) mend_corner(scene_.get(), to_world, ray, hit);
+  if (poses_ == 1) mend_corner(geometry(), corners(indices(), hit->triangle), to_world, ray, hit);
 }
 
 void EmbreeObjectScene::intersect_all(const Ray& ray, std::pmr::vector<TriangleHit>* hits) const {

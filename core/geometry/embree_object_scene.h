@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/geometry/embree_handle.h"
+#include "core/geometry/triangle_pairs.h"
 
 namespace alabaster {
 
@@ -11,6 +12,7 @@ class EmbreeObjectScene final : public ObjectScene {
   EmbreeObjectScene(std::shared_ptr<TraceDevice> device, const Mesh& mesh, Use use = Use::traced)
       : scene_(std::move(device), use == Use::refitted),
         use_(use),
+        quads_(are_pairs(mesh.triangles)),
         points_(mesh.points.size()),
         triangles_(mesh.triangles.size()),
         poses_(1 + mesh.later_poses.size()) {}
@@ -30,16 +32,24 @@ class EmbreeObjectScene final : public ObjectScene {
   void mend(const Affine& to_world, const Ray& ray, TriangleHit* hit) const;
 
   size_t memory_bytes() const override {
-    // The buffers are known; the hierarchy takes about 66 bytes a triangle (Embree 3.13 does not tell per scene).
-    const size_t hierarchy_per_triangle = poses_ > 1 ? 200 : 66;
-    return poses_ * points_ * sizeof(Vec3f) + triangles_ * (3 * sizeof(uint32_t) + hierarchy_per_triangle);
+    // The buffers are known; the hierarchy takes about 66 bytes a triangle, and 36 where two are a quad (Embree 3.13
+    // does not tell per scene).
+    const size_t hierarchy_per_triangle = poses_ > 1 ? 200 : quads_ ? 36 : 66;
+    const size_t corners_per_triangle = quads_ ? 2 : 3;
+    return poses_ * points_ * sizeof(Vec3f) +
+           triangles_ * (corners_per_triangle * sizeof(uint32_t) + hierarchy_per_triangle);
   }
   RTCScene get() const { return scene_.get(); }
   bool take_error() const { return scene_.take_error(); }
 
  private:
+  RTCGeometry geometry() const;
+  const void* indices() const;
+  Corners corners(const void* indices, size_t triangle) const;
+
   SceneHandle scene_;
   Use use_;
+  bool quads_;  // its triangles are in pairs
   size_t points_, triangles_, poses_;
 };
 

@@ -1,7 +1,6 @@
 #include "core/geometry/subdivision.h"
 
 #include <opensubdiv/bfr/surface.h>
-#include <opensubdiv/bfr/tessellation.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -11,6 +10,7 @@
 #include <string>
 
 #include "core/geometry/edge_rates.h"
+#include "core/geometry/face_pattern.h"
 #include "core/geometry/subdivision_topology.h"
 
 namespace alabaster {
@@ -25,29 +25,6 @@ constexpr uint32_t kNone = ~0u;
 
 size_t at(int i) {
   return static_cast<size_t>(i);
-}
-
-// The tessellation of faces of one size: samples on the boundary first (corner 0, edge 0, corner 1, ...), then the
-// interior.
-struct Pattern {
-  uint32_t boundary = 0, samples = 0;
-  std::vector<float> coordinates;
-  std::vector<int> facets;
-  uint32_t interior() const { return samples - boundary; }
-  uint32_t triangles() const { return static_cast<uint32_t>(facets.size() / 3); }
-};
-
-// One rate for all edges, or one for each.
-Pattern make_pattern(const Bfr::Parameterization& face, const std::vector<int>& rates) {
-  const Bfr::Tessellation tessellation(face, static_cast<int>(rates.size()), rates.data());
-  Pattern pattern;
-  pattern.boundary = static_cast<uint32_t>(tessellation.GetNumBoundaryCoords());
-  pattern.samples = static_cast<uint32_t>(tessellation.GetNumCoords());
-  pattern.coordinates.resize(2 * size_t(pattern.samples));
-  tessellation.GetCoords(pattern.coordinates.data());
-  pattern.facets.resize(3 * at(tessellation.GetNumFacets()));
-  tessellation.GetFacets(pattern.facets.data());
-  return pattern;
 }
 
 // Where in the mesh the samples of a face lie.
@@ -102,7 +79,7 @@ struct PointTracks {
 // Arrays that a task reuses from face to face.
 struct Workspace {
   Surface points, varying, corners;
-  Pattern pattern;
+  FacePattern pattern;
   std::vector<float> point_controls, varying_controls, corner_controls;
   std::vector<float> value, du, dv;  // of one sample
 };
@@ -156,15 +133,15 @@ class LimitTessellator {
     for (int face = 0; face < base_.GetNumFaces(); ++face) {
       cancel_.check();
       if (invisible[at(face)] || !factory_.FaceHasLimitSurface(face)) continue;
-      Pattern own;
-      const Pattern& pattern = pattern_of(face, &own);
+      FacePattern own;
+      const FacePattern& pattern = pattern_of(face, &own);
       faces_[at(face)] = {
           .drawn = true, .boundary = pattern.boundary, .samples = pattern.samples, .facets = pattern.triangles()};
     }
   }
 
   // With one rate for all edges, faces of one size share a pattern; any other is made where it is needed.
-  const Pattern& pattern_of(int face, Pattern* own) {
+  const FacePattern& pattern_of(int face, FacePattern* own) {
     const auto parameterization = [&] { return factory_.GetFaceParameterization(face); };
     if (!rates_.uniform) {
       std::vector<int> rates;
@@ -313,7 +290,7 @@ class LimitTessellator {
   bool tessellate(int face, Workspace* w) {
     if (!factory_.InitVertexSurface(face, &w->points)) return false;
     const std::vector<Sample> samples = place_samples(face);
-    const Pattern& pattern = pattern_of(face, &w->pattern);
+    const FacePattern& pattern = pattern_of(face, &w->pattern);
     evaluate_points(pattern, samples, w);
     if (varying_.width > 0 && !evaluate_varying(face, pattern, samples, w)) return false;
     for (size_t i = 0; i < corners_.size(); ++i)
@@ -322,7 +299,7 @@ class LimitTessellator {
     return true;
   }
 
-  void evaluate_points(const Pattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
+  void evaluate_points(const FacePattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
     const Surface::PointDescriptor layout(vertex_.width);
     w->point_controls.resize(at(w->points.GetNumPatchPoints()) * at(vertex_.width));
     w->points.PreparePatchPoints(vertex_.controls.data(), layout, w->point_controls.data(), layout);
@@ -340,7 +317,7 @@ class LimitTessellator {
     }
   }
 
-  bool evaluate_varying(int face, const Pattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
+  bool evaluate_varying(int face, const FacePattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
     if (!factory_.InitVaryingSurface(face, &w->varying)) return false;
     const Surface::PointDescriptor layout(varying_.width);
     w->varying_controls.resize(at(w->varying.GetNumPatchPoints()) * at(varying_.width));
@@ -364,7 +341,7 @@ class LimitTessellator {
     mesh_.normals[index] = usable ? Vec3f(normalize(n)) : Vec3f(0, 0, 0);
   }
 
-  bool evaluate_corners(int f, const Pattern& pattern, size_t channel, Workspace* w) {
+  bool evaluate_corners(int f, const FacePattern& pattern, size_t channel, Workspace* w) {
     if (!factory_.InitFaceVaryingSurface(f, &w->corners, static_cast<std::intptr_t>(channel))) return false;
     const FaceLayout& face = faces_[at(f)];
     const Track& track = *corners_[channel];
@@ -377,12 +354,12 @@ class LimitTessellator {
     return true;
   }
 
-  void write_triangles(int f, const Pattern& pattern, const std::vector<Sample>& samples) {
+  void write_triangles(int f, const FacePattern& pattern, const std::vector<Sample>& samples) {
     const FaceLayout& face = faces_[at(f)];
     for (uint32_t t = 0; t < face.facets; ++t) {
       const size_t triangle = face.triangles + t;
       for (size_t i = 0; i < 3; ++i) {
-        const auto corner = static_cast<uint32_t>(pattern.facets[3 * size_t(t) + i]);
+        const auto corner = static_cast<uint32_t>(pattern.facets[t][i]);
         mesh_.triangles[triangle][i] = samples[corner].point;
         if (!mesh_.normal_triangles.empty()) mesh_.normal_triangles[triangle][i] = samples[corner].normal;
         if (!corners_.empty()) corner_triangles_[triangle][i] = face.corners + corner;
@@ -421,7 +398,7 @@ class LimitTessellator {
   std::vector<const Track*> corners_;  // face-varying, by channel of the refiner
   std::vector<Corners> corner_triangles_;
   bool again_ = false;
-  std::map<int, Pattern> patterns_;  // by face size; stable addresses
+  std::map<int, FacePattern> patterns_;  // by face size; stable addresses
   std::vector<FaceLayout> faces_;
   std::vector<bool> sharp_edge_, sharp_vertex_;
   std::vector<SharedSamples> vertices_, edges_;

@@ -89,8 +89,9 @@ TEST(Triangulation, ConvexPolygonsAreFansFromTheirFirstCorner) {
   Cage cage = test::cube_cage();
   const Mesh mesh = build_mesh(cage, {}, {});
   ASSERT_EQ(mesh.triangles.size(), 12u);
-  EXPECT_EQ(mesh.triangles[0], (std::array<uint32_t, 3>{0, 2, 3}));
-  EXPECT_EQ(mesh.triangles[1], (std::array<uint32_t, 3>{0, 3, 1}));
+  // 0, 2, 3 and 0, 3, 1, turned to be a pair.
+  EXPECT_EQ(mesh.triangles[0], (std::array<uint32_t, 3>{2, 3, 0}));
+  EXPECT_EQ(mesh.triangles[1], (std::array<uint32_t, 3>{1, 0, 3}));
   EXPECT_EQ(mesh.triangle_face[11], 5);
   EXPECT_TRUE(mesh.normals.empty());  // scheme none: flat
   EXPECT_TRUE(mesh.closed);
@@ -121,7 +122,7 @@ TEST(Mesh, AuthoredAttributesAreFoundThroughTheirIndices) {
   for (int i = 0; i < 8; ++i) cage.uvs[0].values.emplace_back(static_cast<float>(i), 0.0f);
   cage.face_material = {0, 3, 0, 0, 0, 0};
   const Mesh mesh = build_mesh(cage, {}, {});
-  EXPECT_EQ(mesh.normal_triangles[0], (std::array<uint32_t, 3>{1, 1, 0}));
+  EXPECT_EQ(mesh.normal_triangles[0], (std::array<uint32_t, 3>{1, 0, 1}));  // of the face's corners 1, 2, 0
   EXPECT_EQ(mesh.normals[0], Vec3f(0, 0, 1));
   EXPECT_TRUE(mesh.uv_sets[0].triangles.empty());
   EXPECT_EQ(mesh.triangle_material[2], 3);
