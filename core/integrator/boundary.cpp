@@ -104,7 +104,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   Interiors interiors_beyond = path->interiors;
   cross_boundary(v, v.boundary.inside, &interiors_beyond);
   // Sample the lights, on each side for the directions that leave there.
-  path->domes = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
+  path->search = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
   path->lights = &context.scene.lights_of(*v.instance);
   const auto sample_lights = [&](const Departure& from, Side side) {
     const auto lobes = [&](const Vec3f& wi_world) -> ScatterValue {
@@ -117,7 +117,7 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
       return {f_cos, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
     };
     const Interiors& interiors = side == Side::far ? interiors_beyond : path->interiors;
-    for_direct_light(context, from, {*path->lights, numbers.light, path->domes}, lobes,
+    for_direct_light(context, from, {*path->lights, numbers.light, path->search}, lobes,
                      [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
                        const Rgb light = path->throughput * arriving * interiors.transmittance(weight.distance);
                        path->radiance += light;

@@ -38,7 +38,7 @@ inline float visibility(const PathContext& context, const Vec3f& p, const LightS
 struct LightNumbers {
   const LightSet& lights;
   std::array<float, 4> u;
-  ConstantDomes domes;
+  LightSearch search;
 };
 
 /// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. No direction below
@@ -47,7 +47,7 @@ struct LightNumbers {
 template <class Scatter, class Add>
 void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon& horizon, const LightNumbers& numbers,
                       const Scatter& scatter, const Add& add) {
-  numbers.lights.sample_lights(p, horizon, numbers.u, numbers.domes, [&](const LightSample& light) {
+  numbers.lights.sample_lights(p, horizon, numbers.u, numbers.search, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos)) return;
     const float arrives = visibility(context, p, light);

@@ -35,8 +35,8 @@ Rgb analytic_light_emission(const PathState& path, bool escaped) {
   const float pdf = path.scatter_pdf;
   const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
   const LightSet& lights = *path.lights;
-  if (path.interiors.empty()) return lights.emitted(path.ray, escaped, path.depth == 0, path.domes, weigh);
-  return lights.emitted(path.ray, escaped, path.depth == 0, path.domes, [&](float light_pdf, float distance) {
+  if (path.interiors.empty()) return lights.emitted(path.ray, escaped, path.depth == 0, path.search, weigh);
+  return lights.emitted(path.ray, escaped, path.depth == 0, path.search, [&](float light_pdf, float distance) {
     return path.interiors.transmittance(distance) * weigh(light_pdf);
   });
 }
@@ -47,7 +47,7 @@ Rgb linked_light_emission(const PathContext& context, const PathState& path, boo
   const float pdf = path.scatter_pdf;
   const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
   const bool is_clear = escaped && !context.scene.features.see_through;
-  return path.lights->emitted_with_links(path.ray, path.domes, weigh, [&](uint32_t link, float distance) -> Rgb {
+  return path.lights->emitted_with_links(path.ray, path.search, weigh, [&](uint32_t link, float distance) -> Rgb {
     const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
     if (is_clear) return path.through_interiors(Rgb(1.0f), distance);
     ++context.counters.shadow_rays;
@@ -264,10 +264,10 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
 
   // Sample the lights.
   Rgb direct(0.0f);
-  path->domes =
-      kMode != SubsurfaceMode::lambert && v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
+  const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
+  path->search = {walks ? ConstantDomes::sampled : ConstantDomes::left_to_lobes, v.frame.n};
   path->lights = &context.scene.lights_of(*v.instance);
-  for_direct_light(context, v.departure, {*path->lights, numbers.light, path->domes}, local_lobes,
+  for_direct_light(context, v.departure, {*path->lights, numbers.light, path->search}, local_lobes,
                    [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
                      const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;

@@ -31,8 +31,8 @@ struct PathState {
   /// Density of the ray's direction, summed over the paths that a split sent on together; 0 for the camera ray, which
   /// no light sampling competes with, and infinite after a discrete choice, with which it cannot.
   float scatter_pdf = 0;
-  ConstantDomes domes = ConstantDomes::sampled;  // at the last vertex
-  const LightSet* lights = nullptr;              // that light the last vertex; of camera rays all
+  LightSearch search;                // at the last vertex
+  const LightSet* lights = nullptr;  // that light the last vertex; of camera rays all
   uint32_t depth = 0;
   FilmSample* guides = nullptr;  // takes the values of kGuideAovs at the next surface; null: they are not sought
   bool held_out = false;         // the camera's ray ended at a hold-out

@@ -96,9 +96,9 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
     return value;
   };
   Rgb direct(0.0f);
-  path->domes = ConstantDomes::left_to_lobes;
+  path->search = {ConstantDomes::left_to_lobes, n};
   path->lights = &context.scene.lights_of(instance);
-  for_direct_light(context, departure, {*path->lights, u_light, path->domes}, recorded_lobe,
+  for_direct_light(context, departure, {*path->lights, u_light, path->search}, recorded_lobe,
                    [&](const ScatterValue&, const Rgb& arriving, LightWeight weight) {
                      const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;

@@ -28,16 +28,23 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
 }
 
-std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u) const {
+std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u, const Vec3f& n) const {
   const auto chosen = tree_.empty() ? LightChoice(lights_, p).choose(u_light) : tree_.choose(lights_, p, u_light);
   if (!chosen) return std::nullopt;
-  auto s = sample_light(chosen->index, p, u);
+  auto s = sample_light(chosen->index, p, u, n);
   if (s) s->pdf *= chosen->probability;
   return s;
 }
 
-std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u) const {
-  auto s = std::visit([&](const auto& light) { return light.sample(p, u); }, lights_[i]);
+std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const {
+  auto s = std::visit(
+      [&](const auto& light) {
+        if constexpr (requires { light.sample(p, u, n); })
+          return light.sample(p, u, n);
+        else
+          return light.sample(p, u);
+      },
+      lights_[i]);
   if (!shadow_links_.empty() && s) [[unlikely]]
     s->shadow_link = shadow_links_[i];
   return s;
@@ -62,11 +69,13 @@ Vec2f LightSet::shifted(const Vec2f& u, size_t i) {
   return {wrap(u.x + n * 0.7548776662f), wrap(u.y + n * 0.5698402910f)};
 }
 
-std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray) const {
+std::optional<LightHit> LightSet::intersect(size_t i, const Ray& ray, const Vec3f& n) const {
   return std::visit(
       [&](const auto& light) -> std::optional<LightHit> {
         if constexpr (std::is_same_v<std::decay_t<decltype(light)>, MeshLight>)
           return std::nullopt;
+        else if constexpr (requires { light.intersect(ray, n); })
+          return light.intersect(ray, n);
         else
           return light.intersect(ray);
       },

@@ -17,6 +17,13 @@ namespace alabaster {
 /// below the surface, light sampling must look for it too.
 enum class ConstantDomes { sampled, left_to_lobes };
 
+/// How lights are sampled at a point. The pdf of a light that a ray from there meets must be asked for the same.
+struct LightSearch {
+  LightSearch(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0)) : domes(how), n(lobe) {}
+  ConstantDomes domes;
+  Vec3f n;  // unit: a lobe weighs light by the cosine to it; zero: none does
+};
+
 /// Unit normals of two planes through a point: of its surface and of its lobe. A light that lies wholly below either
 /// gives nothing there.
 using Horizon = std::array<Vec3f, 2>;
@@ -40,28 +47,30 @@ class LightSet {
   /// One direction for each light to be sampled at p (all, or the chosen one): visit(const LightSample&), pdf with the
   /// choice in it. A set that samples all leaves out those below the horizon. u: the choice, then the direction.
   template <class Visit>
-  void sample_lights(const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u, ConstantDomes domes,
+  void sample_lights(const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u, const LightSearch& search,
                      const Visit& visit) const {
     if (!sample_all_) {
-      if (const auto s = sample(p, u[0], {u[1], u[2]})) visit(*s);
+      if (const auto s = sample(p, u[0], {u[1], u[2]}, search.n)) visit(*s);
       return;
     }
     for (size_t i = 0; i < lights_.size(); ++i) {
-      if (is_left(domes, i) || is_below(i, p, horizon)) continue;
-      if (const auto s = sample_light(i, p, shifted({u[1], u[2]}, i))) visit(*s);
+      if (is_left(search.domes, i) || is_below(i, p, horizon)) continue;
+      if (const auto s = sample_light(i, p, shifted({u[1], u[2]}, i), search.n)) visit(*s);
     }
   }
 
   /// One direction of one chosen light. The pdf includes the choice of light, for a delta light too. Empty: no light
   /// arrives.
-  std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u) const;
+  std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u,
+                                    const Vec3f& n = Vec3f(0, 0, 0)) const;
 
   /// Sum of the light that lights without geometry emit along the ray: finite ones nearer than ray.tmax
   /// and, if the ray `escaped` from the scene, infinite ones (distant, dome). Lights do not block rays: all are added,
-  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, u, domes, ...) has for
-  /// this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera rays.
+  /// each weighed by `weigh(pdf)` or `weigh(pdf, distance)`, the pdf that sample_lights(ray.org, u, search, ...) has
+  /// for this direction of this light, with the choice in it. Lights with a shadow link are left out, but of camera
+  /// rays.
   template <class Weigh>
-  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, ConstantDomes domes, const Weigh& weigh) const {
+  Rgb emitted(const Ray& ray, bool escaped, bool camera_ray, const LightSearch& search, const Weigh& weigh) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;  // most rays meet no light
     const auto weight = [&](float pdf, float distance) {
@@ -72,9 +81,9 @@ class LightSet {
     };
     const auto add = [&](size_t i) {
       if (camera_ray && !visible_to_camera_[i]) return;
-      const auto hit = intersect(i, ray);
+      const auto hit = intersect(i, ray, search.n);
       if (!hit || (hit->t > ray.tmax && !is_infinite(i))) return;  // clipping cuts no sky off
-      sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, domes, &choice), hit->t);
+      sum += hit->radiance * weight(pdf_of(i, *hit, ray.org, search.domes, &choice), hit->t);
     };
     if (tree_.empty())
       for (const uint32_t i : finite_) add(i);
@@ -94,14 +103,14 @@ class LightSet {
   /// The same sum for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
   /// Rgb `arrives(shadow_link, distance)` is the share of the light that does.
   template <class Weigh, class Arrives>
-  Rgb emitted_with_links(const Ray& ray, ConstantDomes domes, const Weigh& weigh, const Arrives& arrives) const {
+  Rgb emitted_with_links(const Ray& ray, const LightSearch& search, const Weigh& weigh, const Arrives& arrives) const {
     Rgb sum(0.0f);
     std::optional<LightChoice> choice;
     for (const uint32_t i : shadow_linked_) {
-      const auto hit = intersect(i, ray);
+      const auto hit = intersect(i, ray, search.n);
       if (!hit) continue;
       const Rgb share = arrives(shadow_links_[i], hit->t);
-      if (!is_black(share)) sum += hit->radiance * share * weigh(pdf_of(i, *hit, ray.org, domes, &choice));
+      if (!is_black(share)) sum += hit->radiance * share * weigh(pdf_of(i, *hit, ray.org, search.domes, &choice));
     }
     return sum;
   }
@@ -119,8 +128,8 @@ class LightSet {
   }
 
  private:
-  std::optional<LightHit> intersect(size_t i, const Ray& ray) const;
-  std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u) const;
+  std::optional<LightHit> intersect(size_t i, const Ray& ray, const Vec3f& n) const;
+  std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i);
   bool is_below(size_t i, const Vec3f& p, const Horizon& horizon) const;

@@ -6,15 +6,19 @@
 #include "core/light/light_image.h"
 #include "core/light/light_shaping.h"
 #include "core/light/spherical_rectangle.h"
+#include "core/sampling/warp.h"
 
 namespace alabaster {
 
 /// A rectangle or a disk in the local xy plane about the origin, emitting down local -z only (UsdLuxRectLight,
 /// UsdLuxDiskLight). A disk becomes an ellipse under a transform that scales unevenly.
 ///
-/// Directions are drawn uniformly over the solid angle of the rectangle, so that sample weights stay bounded however
-/// near the point is: the variance of the irradiance under a unit square is 16 times less than by area at distance 1,
-/// 60 times at 0.1. Points are drawn uniformly over the area instead where that solid angle is lost in the rounding of
+/// A rectangle is sampled in one of two ways. From near, directions are drawn uniformly over its solid angle, so that
+/// sample weights stay bounded however near the point is: the variance of the irradiance under a unit square is 16
+/// times less than by area at distance 1, 60 times at 0.1. From farther away, places are drawn by a density that is
+/// bilinear between the irradiances of the four corners, which knows the cosine at the surface too (after Hart, Pharr,
+/// Mueller, Lopes, McGuire, Shirley 2020, "Practical Product Sampling by Fitting and Composing Warps"). It costs less
+/// and leaves less noise. Points are drawn uniformly over the area where the solid angle is lost in the rounding of
 /// angles, and where a shear has made the rectangle a parallelogram.
 ///
 /// A rectangle may show an image: upright and not mirrored for who faces it with its +y up, its first texel at (+x, +y)
@@ -25,9 +29,11 @@ namespace alabaster {
 class PlaneLight {
  public:
   PlaneLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
-  /// Empty for points behind or in the plane of the light.
-  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
-  std::optional<LightHit> intersect(const Ray& ray) const;
+  /// Empty for points behind or in the plane of the light. `n`: unit, a lobe at p weighs light by the cosine to it;
+  /// zero: none does.
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
+  /// The pdf is that of sample(ray.org, ., n).
+  std::optional<LightHit> intersect(const Ray& ray, const Vec3f& n = Vec3f(0, 0, 0)) const;
   /// 0 exactly behind and in the plane, and outside the spot of every part.
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
@@ -48,8 +54,17 @@ class PlaneLight {
     LightImage::Place image_place() const { return {0.5 - 0.5 * x, 0.5 - 0.5 * y}; }
   };
   std::optional<Place> place_of(const Vec3d& from_center) const;
+  /// Where a point sees the light, and what it knows of its surface.
+  struct View {
+    Vec3d to_center;
+    double height;  // over the light's plane
+    Vec3f n;
+  };
+  /// The density of places on a rectangle that is not near; else empty.
+  std::optional<BilinearDensity> corner_irradiances(const View& from) const;
   template <bool kPlain>
-  std::optional<LightSample> sample_as(const Vec3d& to_center, double height, const Vec2f& u) const;
+  std::optional<LightSample> sample_as(const View& from, const Vec2f& u) const;
+  double pdf_of(const View& from, const Place& place, double density, double distance) const;
   /// Per solid angle. `density`: of places in the unit square, 1 where they are uniform.
   double pdf_by_area(double density, double distance, double height) const {
     return density * distance * distance * distance / (area_ * height);

@@ -1,6 +1,16 @@
 #include "core/sampling/warp.h"
 
 namespace alabaster {
+namespace {
+
+// By a density that is linear from a at 0 to b at 1. The root of its integral, without cancellation where a is near b
+// (Pharr, Jakob, Humphreys 2023, section 2.3.2).
+float sample_linear(float u, float a, float b) {
+  const float root = std::sqrt(a * a + (b * b - a * a) * u);
+  return a + root > 0 ? std::min(u * (a + b) / (a + root), kOneMinusEpsilon) : 0;
+}
+
+}  // namespace
 
 // Shirley and Chiu 1997, "A Low Distortion Map Between Disk and Square".
 Vec2f sample_concentric_disk(const Vec2f& u) {
@@ -21,6 +31,12 @@ Vec3f sample_uniform_cone(const Vec2f& u, float one_minus_cos_max) {
 Vec2f sample_uniform_triangle(const Vec2f& u) {
   const float root = std::sqrt(u.x);
   return {1 - root, u.y * root};
+}
+
+Vec2f BilinearDensity::sample(const Vec2f& u) const {
+  const auto& w = weights;
+  const float y = sample_linear(u.y, w[0] + w[1], w[2] + w[3]);
+  return {sample_linear(u.x, w[0] + (w[2] - w[0]) * y, w[1] + (w[3] - w[1]) * y), y};
 }
 
 }  // namespace alabaster

@@ -2,6 +2,8 @@
 // u in [0,1)^2; on the very edge of it a cosine-weighted direction may lie in the plane (pdf 0): check before dividing.
 #pragma once
 
+#include <array>
+
 #include "core/math/vector.h"
 
 namespace alabaster {
@@ -41,5 +43,19 @@ inline float pdf_uniform_cone(float one_minus_cos_max) {
 
 /// Uniform barycentric coordinates (b0, b1) of a triangle; area measure 1/area.
 Vec2f sample_uniform_triangle(const Vec2f& u);
+
+/// A density over the unit square that is bilinear between its corners, in any unit: those of weights[0] and [1] lie at
+/// y = 0. None is negative, and not all are 0.
+struct BilinearDensity {
+  std::array<float, 4> weights;
+
+  Vec2f sample(const Vec2f& u) const;
+  /// Integrates to 1.
+  float pdf(const Vec2f& at) const {
+    const auto& w = weights;
+    const float lower = w[0] + (w[1] - w[0]) * at.x, upper = w[2] + (w[3] - w[2]) * at.x;
+    return 4 * (lower + (upper - lower) * at.y) / ((w[0] + w[1]) + (w[2] + w[3]));
+  }
+};
 
 }  // namespace alabaster

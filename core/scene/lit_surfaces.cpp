@@ -39,7 +39,8 @@ float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, con
       sum += luminance(light.radiance) * cosine / light.pdf;
   };
   for (int i = 0; i < kDirections; ++i) {
-    snapshot.lights_of(instance).sample_lights(p, {hit.ng, hit.ng}, spread(i, shift), ConstantDomes::sampled, add);
+    const LightSearch search{ConstantDomes::sampled, hit.ng};
+    snapshot.lights_of(instance).sample_lights(p, {hit.ng, hit.ng}, spread(i, shift), search, add);
   }
   return std::isfinite(sum) ? sum : 0;
 }

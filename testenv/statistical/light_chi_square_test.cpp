@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 37;  // in this file
+constexpr int kTests = 44;  // in this file
 
 // Directions are binned on a chart of the light as seen from p. It maps to the unit square, where the light's outline
 // follows bin edges, so that the pdf has no jumps within bins. Half the square lies outside the light.
@@ -164,6 +164,14 @@ void check(const L& light, const char* name, const Vec3f& p, const Chart& chart,
   EXPECT_TRUE(r.passed) << name << '\n' << r.report;
 }
 
+// A rectangle for a lobe that weighs light by the cosine.
+struct Facing {
+  PlaneLight light;
+  Vec3f n;
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return light.sample(p, u, n); }
+  std::optional<LightHit> intersect(const Ray& ray) const { return light.intersect(ray, n); }
+};
+
 LightDescription described(LightType type) {
   LightDescription d;
   d.type = type;
@@ -183,6 +191,22 @@ TEST(LightChiSquare, Rect) {
                                 View{"beside", {1.5f, -0.2f, -0.4f}}, View{"grazing", {0, 0.7f, -0.02f}},
                                 View{"far", {40, 10, -70}}, View{"so far that it is sampled by area", {200, 0, -200}}})
     check(light, name, p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
+}
+
+TEST(LightChiSquare, RectAsLobesSeeIt) {
+  LightDescription d = described(LightType::rect);
+  d.width = 2;
+  const PlaneLight light(d, Vec3d(0, 0, 0));
+  struct View {
+    const char* name;
+    Vec3f p, n;
+  };
+  uint64_t seed = 120;
+  for (const auto& [name, p, n] :
+       {View{"near", {0.2f, 0.1f, -0.3f}, {0, 0, 1}}, View{"as near as it may be", {0.8f, -0.3f, -2.1f}, {0, 0, 1}},
+        View{"tilted", {0.8f, -0.3f, -2.1f}, {0.8f, 0, 0.6f}}, View{"half below the horizon", {0, 0, -2.3f}, {1, 0, 0}},
+        View{"wholly below it", {3, 0.5f, -1}, {1, 0, 0}}, View{"far", {40, 10, -70}, {0, 1, 0}}})
+    check(Facing{light, n}, name, p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
 }
 
 TEST(LightChiSquare, RectWithAnImage) {
@@ -341,6 +365,15 @@ TEST(LightChiSquare, WrongPdfsFail) {
   EXPECT_TRUE(test_light(Wrong{light, light, 0}, p, chart, 80).passed);
   EXPECT_FALSE(test_light(Wrong{light, larger, 0}, p, chart, 81).passed);
   EXPECT_FALSE(test_light(Wrong{light, light, 1}, p, chart, 82).passed);
+  // And a pdf that takes the lobe for another.
+  struct WrongLobe {
+    Facing sampled, stated;
+    std::optional<LightSample> sample(const Vec3f& from, const Vec2f& u) const { return sampled.sample(from, u); }
+    std::optional<LightHit> intersect(const Ray& ray) const { return stated.intersect(ray); }
+  };
+  const Vec3f far(1.6f, 0.2f, -1.2f);
+  const Facing lobe{light, {0, 0.6f, 0.8f}}, tilted{light, normalize(Vec3f(0.4f, 0.6f, 0.8f))};
+  EXPECT_FALSE(test_light(WrongLobe{lobe, tilted}, far, parallelogram(far, Vec3d(1, 0, 0), Vec3d(0, 1, 0)), 83).passed);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 11;  // in this file
+constexpr int kTests = 15;  // in this file
 
 TEST(WarpChiSquare, UniformSphere) {
   const auto sample = [](Rng& rng) -> std::optional<Vec3f> { return sample_uniform_sphere(uniform2(rng)); };
@@ -23,6 +23,18 @@ TEST(WarpChiSquare, CosineHemisphere) {
   const auto r = chi_square_sphere(sample, [](const Vec3f& w) { return pdf_cosine_hemisphere(w); },
                                    {.seed = 2, .number_of_tests = kTests});
   EXPECT_TRUE(r.passed) << r.report;
+}
+
+TEST(WarpChiSquare, BilinearDensity) {
+  uint64_t seed = 20;
+  for (const std::array<float, 4>& weights : {std::array<float, 4>{1, 1, 1, 1}, std::array<float, 4>{3, 0.5f, 1, 7},
+                                              std::array<float, 4>{0, 0, 1e-3f, 0}, std::array<float, 4>{0, 2, 0, 5}}) {
+    const BilinearDensity density{weights};
+    const auto r = chi_square_square([&](Rng& rng) -> std::optional<Vec2f> { return density.sample(uniform2(rng)); },
+                                     [&](const Vec2f& at) { return density.pdf(at); },
+                                     {.seed = seed++, .number_of_tests = kTests});
+    EXPECT_TRUE(r.passed) << r.report;
+  }
 }
 
 TEST(WarpChiSquare, UniformConeFromWideToNarrow) {
