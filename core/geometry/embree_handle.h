@@ -87,6 +87,7 @@ inline RTCRayHit to_query(const Ray& ray) {
 inline constexpr unsigned kTriangles = 0, kQuads = 1;
 
 // The triangle of a hit, where Embree's answer names a quad. Its second triangle has the coordinates 1 - u and 1 - v.
+// Hits on the common edge are of the first.
 inline void name_triangle(unsigned geometry, TriangleHit* hit) {
   if (geometry != kQuads) return;
   const bool second = hit->u + hit->v > 1;

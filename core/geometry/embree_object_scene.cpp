@@ -84,7 +84,7 @@ bool fill_quads(RTCGeometry geometry, const std::vector<Corners>& triangles) {
   auto* const buffer = static_cast<QuadCorners*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, sizeof(QuadCorners), quads));
   for (size_t i = 0; buffer && i < quads; ++i) buffer[i] = quad_of(triangles[2 * i], triangles[2 * i + 1]);
-  return buffer;
+  return buffer != nullptr;
 }
 
 }  // namespace

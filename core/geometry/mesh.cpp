@@ -100,7 +100,7 @@ class FlatBuilder {
       if (!hole_[face]) add_face(face, first);
       first += count;
     }
-    pair_triangles();
+    pair_up(&mesh_.triangles, &face_corners_);
     if (cage_.has_smooth_normals()) mesh_.normals = smooth_normals();
     if (!cage_.normals.empty()) mesh_.normal_triangles = attribute_triangles(cage_.normals);
     mesh_.tangents = attribute(cage_.tangents);
@@ -167,16 +167,6 @@ class FlatBuilder {
       face_corners_.push_back(corners);
       mesh_.triangle_face.push_back(static_cast<int32_t>(face));
       if (!cage_.face_material.empty()) mesh_.triangle_material.push_back(cage_.face_material[face]);
-    }
-  }
-
-  // Where a file has cut quads into triangles, the two halves follow one another.
-  void pair_triangles() {
-    for (size_t t = 0; t + 1 < mesh_.triangles.size(); t += 2) {
-      const auto turns = turns_to_pair(mesh_.triangles[t], mesh_.triangles[t + 1]);
-      if (!turns) continue;
-      for (std::vector<Corners>* corners : {&mesh_.triangles, &face_corners_})
-        turn(&(*corners)[t], turns->first), turn(&(*corners)[t + 1], turns->second);
     }
   }
 

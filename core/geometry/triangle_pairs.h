@@ -13,7 +13,7 @@
 
 namespace alabaster {
 
-/// How many corners each of two triangles turns on by, so that they are a pair.
+/// By how many corners to turn each of two triangles to make them a pair.
 struct PairTurns {
   size_t first, second;
 };
@@ -30,6 +30,18 @@ std::optional<PairTurns> turns_to_pair(const std::array<Index, 3>& first, const 
 template <class Index>
 void turn(std::array<Index, 3>* triangle, size_t corners) {
   std::rotate(triangle->begin(), triangle->begin() + corners, triangle->end());
+}
+
+/// Makes a pair of triangles 2k and 2k + 1 wherever they have a common edge. The corners of `also`, which may be null,
+/// turn with them.
+template <class Index>
+void pair_up(std::vector<std::array<Index, 3>>* triangles, std::vector<std::array<Index, 3>>* also = nullptr) {
+  for (size_t t = 0; t + 1 < triangles->size(); t += 2) {
+    const auto turns = turns_to_pair((*triangles)[t], (*triangles)[t + 1]);
+    if (!turns) continue;
+    for (auto* corners : {triangles, also})
+      if (corners) turn(&(*corners)[t], turns->first), turn(&(*corners)[t + 1], turns->second);
+  }
 }
 
 inline bool is_pair(const Corners& first, const Corners& second) {

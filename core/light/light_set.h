@@ -17,7 +17,8 @@ namespace alabaster {
 /// below the surface, light sampling must look for it too.
 enum class ConstantDomes { sampled, left_to_lobes };
 
-/// How lights are sampled at a point. The pdf of a light that a ray from there meets must be asked for the same.
+/// How lights are sampled at a point. The pdf of a light that a ray from there meets must be asked with the same
+/// search.
 struct LightSearch {
   LightSearch(ConstantDomes how = ConstantDomes::sampled, const Vec3f& lobe = Vec3f(0, 0, 0)) : domes(how), n(lobe) {}
   ConstantDomes domes;

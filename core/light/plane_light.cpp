@@ -10,11 +10,10 @@ constexpr double kMaxSkew = 0x1p-20;
 // the same at the bounds.
 constexpr double kNearHeight = 0.75, kNearDistance = 2;
 // A rectangle is near where its half diagonal squared is more than this share of the squared distance of its centre.
-// There its irradiance is no longer nearly bilinear: at half diagonals of 0.71, 0.5 and 0.33 the variance is 1.04, 0.68
-// and 0.47 of that by solid angle (RectLight.IsSampledWithLessNoiseFromAfar).
+// There its irradiance is no longer nearly bilinear: at half diagonals of 0.71, 0.5 and 0.33 of the distance the
+// variance is 1.04, 0.68 and 0.47 of that by solid angle (RectLight.IsSampledWithLessNoiseFromAfar).
 constexpr double kNearRectangle = 0.25;
-// Corners at or below the horizon count as if they were this share of the largest cosine above it: the lobes may be
-// tilted by a normal map, or not be diffuse.
+// No corner's n . d counts less than this share of the largest: lobes may be tilted by a normal map, or not be diffuse.
 constexpr float kLeastCosine = 0.1f;
 
 }  // namespace
@@ -99,9 +98,10 @@ std::optional<BilinearDensity> PlaneLight::corner_irradiances(const View& from) 
   const auto by_x = static_cast<float>(2 * half_width_ * dot(from.to_center, x_) * unit);
   const auto by_y = static_cast<float>(2 * half_height_ * dot(from.to_center, y_) * unit);
   const Vec3d n(from.n);
-  const auto cosine = static_cast<float>(dot(from.to_center, n));
-  const auto cosine_by_x = static_cast<float>(half_width_ * dot(x_, n));
-  const auto cosine_by_y = static_cast<float>(half_height_ * dot(y_, n));
+  const double per_distance = std::sqrt(unit);
+  const auto cosine = static_cast<float>(dot(from.to_center, n) * per_distance);
+  const auto cosine_by_x = static_cast<float>(half_width_ * dot(x_, n) * per_distance);
+  const auto cosine_by_y = static_cast<float>(half_height_ * dot(y_, n) * per_distance);
   const float largest = cosine + std::abs(cosine_by_x) + std::abs(cosine_by_y);
   const bool weighs = largest > 0;
   const auto irradiance = [&](float x, float y) {

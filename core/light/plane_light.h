@@ -13,13 +13,13 @@ namespace alabaster {
 /// A rectangle or a disk in the local xy plane about the origin, emitting down local -z only (UsdLuxRectLight,
 /// UsdLuxDiskLight). A disk becomes an ellipse under a transform that scales unevenly.
 ///
-/// A rectangle is sampled in one of two ways. From near, directions are drawn uniformly over its solid angle, so that
-/// sample weights stay bounded however near the point is: the variance of the irradiance under a unit square is 16
-/// times less than by area at distance 1, 60 times at 0.1. From farther away, places are drawn by a density that is
-/// bilinear between the irradiances of the four corners, which knows the cosine at the surface too (after Hart, Pharr,
-/// Mueller, Lopes, McGuire, Shirley 2020, "Practical Product Sampling by Fitting and Composing Warps"). It costs less
-/// and leaves less noise. Points are drawn uniformly over the area where the solid angle is lost in the rounding of
-/// angles, and where a shear has made the rectangle a parallelogram.
+/// A rectangle without an image is sampled in one of two ways, mostly. From near, directions are drawn uniformly over
+/// its solid angle, so that sample weights stay bounded however near the point is: the variance of the irradiance under
+/// a unit square is 16 times less than by area at distance 1, 60 times at 0.1. From farther away, places are drawn by a
+/// density that is bilinear between the irradiances of the four corners, which knows the cosine at the surface too
+/// (after Hart, Pharr, Mueller, Lopes, McGuire, Shirley 2020, "Practical Product Sampling by Fitting and Composing
+/// Warps"). It costs less, and leaves less noise but on the axis. Points are drawn uniformly over the area where the
+/// solid angle is lost in the rounding of angles, and where a shear has made the rectangle a parallelogram.
 ///
 /// A rectangle may show an image: upright and not mirrored for who faces it with its +y up, its first texel at (+x, +y)
 /// (UsdLuxRectLight). Places are then drawn by its density (light_image.h).

@@ -31,7 +31,7 @@ class SphericalRectangle {
 namespace spherical_rectangle {
 
 // Below this solid angle the sum of four angles has lost too many digits to invert; a rectangle that small is either
-// far (density by area is then as good) or seen edge-on (it gives next to nothing).
+// far (no rectangle light is sampled by it from there) or seen edge-on (it gives next to nothing).
 inline constexpr double kMinSolidAngle = 0x1p-14;
 
 struct Complex {

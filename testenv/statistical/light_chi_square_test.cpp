@@ -13,7 +13,7 @@
 namespace alabaster::testing {
 namespace {
 
-constexpr int kTests = 44;  // in this file
+constexpr int kTests = 45;  // in this file
 
 // Directions are binned on a chart of the light as seen from p. It maps to the unit square, where the light's outline
 // follows bin edges, so that the pdf has no jumps within bins. Half the square lies outside the light.
@@ -187,9 +187,10 @@ TEST(LightChiSquare, Rect) {
     Vec3f p;
   };
   uint64_t seed = 10;
-  for (const auto& [name, p] : {View{"near", {0.2f, 0.1f, -0.3f}}, View{"nearly touching", {0.2f, 0.1f, -0.03f}},
-                                View{"beside", {1.5f, -0.2f, -0.4f}}, View{"grazing", {0, 0.7f, -0.02f}},
-                                View{"far", {40, 10, -70}}, View{"so far that it is sampled by area", {200, 0, -200}}})
+  for (const auto& [name, p] :
+       {View{"near", {0.2f, 0.1f, -0.3f}}, View{"nearly touching", {0.2f, 0.1f, -0.03f}},
+        View{"beside", {1.5f, -0.2f, -0.4f}}, View{"grazing", {0, 0.7f, -0.02f}}, View{"far", {40, 10, -70}},
+        View{"very far", {200, 0, -200}}, View{"so flat that it is sampled by area", {0, 0.9f, -2e-5f}}})
     check(light, name, p, parallelogram(p, Vec3d(2, 0, 0), Vec3d(0, 1, 0)), seed++);
 }
 

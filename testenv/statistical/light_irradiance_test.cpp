@@ -396,7 +396,7 @@ TEST(LightIrradiance, ATreeOfManyLightsPays) {
   }
 }
 
-// This is why the rect light samples solid angles: compares the variance of irradiance with sampling points of its
+// This is why the rect light samples solid angles from near: compares the variance of irradiance with sampling points of its
 // area.
 TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
   LightDescription d;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/geometry/hierarchy_cost.h"
+#include "core/geometry/triangle_pairs.h"
 #include "testenv/support/cages.h"
 #include "testenv/support/scene_builder.h"
 
@@ -67,6 +68,26 @@ TEST_F(EditedObjects, AreMadeFromThoseThatNobodyHoldsAndHitWhatAFreshOneDoes) {
   }
   for (size_t i = 2; i < seen.size(); ++i) EXPECT_EQ(seen[i], seen[i - 2]) << "two take turns";
   EXPECT_NE(seen[0], seen[1]);
+}
+
+// Embree has this one as quads.
+TEST_F(EditedObjects, OfQuadsAreMadeFromThoseThatNobodyHolds) {
+  const auto edited = [](float by) {
+    RefinementOptions options;
+    options.level = 4;
+    Cage cage = test::cube_cage(SubdivisionScheme::catmull_clark);
+    for (Vec3f& p : cage.points) p = p * (1.5f + by * p.y);
+    return build_mesh(cage, options, {});
+  };
+  const Mesh first = edited(0), second = edited(0.01f);
+  ASSERT_TRUE(are_pairs(first.triangles));
+  const void* const place = edited_.build(device_, first, {}).get();
+  const auto refitted = edited_.build(device_, second, {});
+  EXPECT_EQ(refitted.get(), place) << "has the place of the first";
+  expect_same(hits(*refitted), hits(*build_object_scene(device_, second, {})));
+  Mesh turned = first;
+  for (Corners& c : turned.triangles) turn(&c, 1);
+  expect_same(hits(*edited_.build(device_, turned, {})), hits(*build_object_scene(device_, turned, {})));
 }
 
 TEST_F(EditedObjects, OfOtherTrianglesAreBuilt) {

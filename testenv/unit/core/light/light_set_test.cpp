@@ -116,6 +116,41 @@ TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
   EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0}));
 }
 
+// Alone, chosen of few, chosen by a tree, and with a shadow link.
+TEST(LightSet, RaysThatMeetALightHaveThePdfThatItsSamplesHaveForALobe) {
+  const Vec3f p(0.4f, -0.2f, -4), n = normalize(Vec3f(0.6f, 0, 0.8f));
+  const PlaneLight rect(described(LightType::rect, 1), kOrigin);
+  std::vector<Light> many{rect};
+  for (int i = 1; i < 200; ++i) {
+    LightDescription behind = described(LightType::sphere, 0.1f);
+    behind.light_to_world = Matrix4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3 * i, 0, -100, 1);
+    many.emplace_back(SphereLight(behind, kOrigin));
+  }
+  const std::vector<Light> few(many.begin(), many.begin() + 3);
+  const LightSet sets[] = {LightSet({rect}, {}, 8), LightSet(few, {}), LightSet(many, {}),
+                           LightSet({rect}, {.visible_to_camera = {}, .shadow_links = {1}}, 8)};
+  for (const LightSet& set : sets) {
+    const LightSearch search{ConstantDomes::sampled, n};
+    std::optional<LightSample> sampled;
+    for (float choice = 0.01f; choice < 1 && !sampled; choice += 0.02f)
+      set.sample_lights(p, {n, n}, {choice, 0.9f, 0.3f, 0}, search, [&](const LightSample& s) {
+        if (s.wi.z > 0) sampled = s;
+      });
+    ASSERT_TRUE(sampled);
+    const auto met = [&](const LightSearch& by) {
+      std::vector<float> pdfs;
+      const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
+      const Ray ray{p, sampled->wi};
+      set.emitted(ray, true, false, by, keep);
+      if (set.has_shadow_links()) set.emitted_with_links(ray, by, keep, [](uint32_t, float) { return Rgb(1.0f); });
+      EXPECT_EQ(pdfs.size(), 1u);
+      return pdfs.empty() ? 0 : pdfs[0];
+    };
+    EXPECT_NEAR(met(search) / sampled->pdf, 1, 1e-4f);
+    EXPECT_GT(std::abs(met(ConstantDomes::sampled) / sampled->pdf - 1), 0.01f);
+  }
+}
+
 // Lights near the origin, and planes through points around them.
 TEST(LightSet, OnlyLightsBelowTheHorizonAreLeftOut) {
   LightDescription rect = described(LightType::rect, 1);
