@@ -396,8 +396,8 @@ TEST(LightIrradiance, ATreeOfManyLightsPays) {
   }
 }
 
-// This is why the rect light samples solid angles from near: compares the variance of irradiance with sampling points of its
-// area.
+// This is why the rect light samples solid angles from near: compares the variance of irradiance with sampling points
+// of its area.
 TEST(LightIrradiance, SolidAngleSamplingOfTheRectPays) {
   LightDescription d;
   d.light_to_world = translation(0, 0, 1);
