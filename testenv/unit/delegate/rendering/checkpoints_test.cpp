@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/digest/digest.h"
+#include "core/integrator/path_integrator.h"
 #include "testenv/support/stage.h"
 
 namespace alabaster::hd {
@@ -266,8 +267,10 @@ std::string with_header(std::string file, const std::string& from, const std::st
 
 TEST_F(Checkpoints, SamplesOfAnotherKindAreRefused) {
   written();
-  replace(with_header(bytes(), "\"sampling\":\"2\"", "\"sampling\":\"1\""));
-  EXPECT_NE(Frame().refusal(file_).find("the version of sampling was 1 and is 2"), std::string::npos);
+  static_assert(kSamplingVersion > 1 && kSamplingVersion < 10, "of one digit, as the other");
+  const std::string now = std::to_string(kSamplingVersion);
+  replace(with_header(bytes(), "\"sampling\":\"" + now + "\"", "\"sampling\":\"1\""));
+  EXPECT_NE(Frame().refusal(file_).find("the version of sampling was 1 and is " + now), std::string::npos);
 }
 
 TEST_F(Checkpoints, APartWithoutSamplesIsRefused) {
