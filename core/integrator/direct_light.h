@@ -14,6 +14,7 @@ struct ScatterValue {
   Rgb f_cos{0.0f};
   float pdf = 0;             // of sampling the direction, times the number of directions that are sampled
   Rgb specular_share{0.0f};  // of f, per channel; only where layers are split
+  float exit_cos = 0;        // f cos of the exit lobe; only where FlatExit::light is sought
 };
 
 /// The weight of a sampled light.
@@ -21,6 +22,7 @@ struct LightWeight {
   float pdf;  // of sampling the direction, with the choice of light
   float mis;  // against sampling of the lobe
   float distance = 0;
+  Rgb incident{0.0f};  // radiance over pdf, without the weight
 };
 
 /// The share of the light that arrives at `p`.
@@ -49,12 +51,12 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon&
                       const Scatter& scatter, const Add& add) {
   numbers.lights.sample_lights(p, horizon, numbers.u, numbers.search, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
-    if (is_black(value.f_cos)) return;
+    if (is_black(value.f_cos) && !(value.exit_cos > 0)) return;
     const float arrives = visibility(context, p, light);
     if (!(arrives > 0)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    add(value, value.f_cos * light.radiance * (arrives * weight / light.pdf),
-        LightWeight{light.pdf, weight, light.distance});
+    const Rgb incident = light.radiance * (arrives / light.pdf);
+    add(value, value.f_cos * incident * weight, LightWeight{light.pdf, weight, light.distance, incident});
   });
 }
 

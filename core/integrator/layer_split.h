@@ -12,6 +12,12 @@ inline Rgb share_of(const Rgb& part, const Rgb& all) {
   return share;
 }
 
+/// The first walk of a path below the surface.
+struct WalkLayers {
+  uint32_t events;  // of scattering
+  Rgb twin_light;   // that its twin took: of all numbers of events, so it counts as many
+};
+
 /// The state of a path at its first vertex, which decides the layers. A direction is sampled with the f of all local
 /// lobes together, so light that comes back along it belongs to each group by the group's share of that f, per channel:
 /// the estimate of a group is then the one that f_group alone would give, unbiased, and the groups add up to the path.
@@ -30,9 +36,12 @@ struct LayerSplit {
     local_diffuse += light - light * share;
   }
 
-  /// Light of one path that went below the surface, and the scattering events of its first walk.
-  void add_below(const Rgb& light, uint32_t events) {
-    (events == 0 ? below.unscattered : events == 1 ? below.single : below.multiple) += light;
+  /// Light of one path that went below the surface.
+  void add_below(const Rgb& light, const WalkLayers& walk) {
+    (walk.events == 0   ? below.unscattered
+     : walk.events == 1 ? below.single
+                        : below.multiple) += light - walk.twin_light;
+    below.multiple += walk.twin_light;
   }
 
   /// `radiance`: all light of the finished path.

@@ -2,14 +2,9 @@
 
 #include "core/diagnostics/check.h"
 #include "core/integrator/boundary.h"
-#include "core/integrator/direct_light.h"
 #include "core/integrator/first_hit.h"
-#include "core/integrator/layer_split.h"
-#include "core/integrator/path_record.h"
-#include "core/integrator/path_state.h"
 #include "core/integrator/see_through.h"
-#include "core/integrator/subsurface_scatter.h"
-#include "core/material/disney_bsdf.h"
+#include "core/integrator/surface_light.h"
 
 namespace alabaster {
 
@@ -99,12 +94,6 @@ bool scatter_at_surface(const PathContext& context, const PathVertex& v, const B
   return true;
 }
 
-// The record of a path, where the integrator can write one. Variants without layers do not ask at a vertex.
-template <bool kLayers>
-PathRecord* record_of(const PathContext& context) {
-  return kLayers ? context.record : nullptr;
-}
-
 template <bool kLayers, class Draw>
 bool survives(const PathContext& context, const Draw& draw, PathState* path) {
   if (!is_black(path->throughput) && survives_roulette(context, draw, path)) return true;
@@ -122,14 +111,8 @@ template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split);
 
-// Paths that a path becomes at the surface that the camera sees, unless that lets light through. The camera's ray and
-// the lights sampled there give little of the noise, and what comes by way of bodies and other surfaces gives much.
-// More than two gain beyond doubt on skin alone (testenv/benchmark/results/sampling.md).
-constexpr uint32_t kPathsPerSample = 2;
-
 // Splits the path at the first surface into paths, each with its share of the light. `send(sampler, path)` sends one
-// on, and is false if it ends; `sort(light, events)` puts what it brought into a layer, with the scattering events of
-// the walk that it began with.
+// on, and is false if it ends; `sort(light, walk)` puts what it brought into layers, with the walk that it began with.
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers, class Send, class Sort>
 void split_path(const PathContext& context, const PixelSampler& sampler, PathState* path, const Send& send,
                 const Sort& sort) {
@@ -140,11 +123,12 @@ void split_path(const PathContext& context, const PixelSampler& sampler, PathSta
     branch.radiance = Rgb(0.0f);
     if (i > 0) branch.guides = nullptr;  // one path finds them
     const bool goes_on = send(branch_sampler, &branch);
-    const uint32_t events = branch.walk_events;
+    const float share = 1 / static_cast<float>(kPathsPerSample);
+    const WalkLayers walk{branch.walk_events, branch.twin_light * share};
     if (goes_on) follow_path<kMode, kMeshLights, kLayers>(context, branch_sampler, &branch, nullptr, nullptr);
-    const Rgb share = branch.radiance * (1 / static_cast<float>(kPathsPerSample));
-    path->radiance += share;
-    if (kLayers) sort(share, events);
+    const Rgb light = branch.radiance * share;
+    path->radiance += light;
+    if (kLayers) sort(light, walk);
   }
 }
 
@@ -173,16 +157,9 @@ bool enter_below(const PathContext& context, const PixelSampler& sampler, const 
         if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
         return true;
       },
-      [&](const Rgb& light, uint32_t events) { split->add_below(light, events); });
+      [&](const Rgb& light, const WalkLayers& walk) { split->add_below(light, walk); });
   return false;
 }
-
-// A surface whose lobes send the path on, and below which it may go.
-struct LobedVertex {
-  const PathVertex& v;
-  const DisneyBsdf& bsdf;
-  std::optional<VertexBelow> below;  // made once it is needed
-};
 
 // The lobe that sent a path on, and the layer of what it brings.
 struct LobeChoice {
@@ -206,7 +183,7 @@ bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, c
   if (!is_mirror(at->v, sample->lobe)) path->guides = nullptr;
   if (kMode != SubsurfaceMode::lambert && sample->lobe == Lobe::subsurface) {
     path->throughput *= sample->f * (1 / sample->pdf);
-    if (!at->below) at->below.emplace(at->v, context.settings, false);
+    if (!at->below) at->below.emplace(at->v, context.settings, false).flat = at->flat;
     return continue_below<kMode, kLayers>(context, sampler, *at->below, path);
   }
   const bool leaves = scatter_at_surface(context, at->v, *sample, path);
@@ -234,9 +211,9 @@ void split_by_lobes(const PathContext& context, const PixelSampler& sampler, Lob
         if (choice.lobe != Lobe::subsurface) branch->scatter_pdf *= kPathsPerSample;
         return true;
       },
-      [&](const Rgb& light, uint32_t events) {
+      [&](const Rgb& light, const WalkLayers& walk) {
         if (choice.lobe == Lobe::subsurface)
-          split->add_below(light, events);
+          split->add_below(light, walk);
         else
           split->add_local(light, choice.specular_share);
       });
@@ -249,35 +226,13 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   // Evaluate the BSDF's parameters for the viewer's direction.
   const bool splits = kLayers && path->depth == 0;
   if (splits) split->emission = path->radiance, split->scattered = true;
-  PathRecord* const record = record_of<kLayers>(context);
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), context.settings.energy);
-  const float directions = path->depth == 0 ? static_cast<float>(kPathsPerSample) : 1.0f;
-  const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
-    const Vec3f wi = v.frame.to_local(wi_world);
-    if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
-    Rgb specular;
-    const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
-    const float pdf = value.pdf * directions;
-    if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
-    return {value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
-  };
+  LobedVertex at{v, bsdf};
 
   // Sample the lights.
-  Rgb direct(0.0f);
-  const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
-  path->search = {walks ? ConstantDomes::sampled : ConstantDomes::left_to_lobes, v.frame.n};
-  path->lights = &context.scene.lights_of(*v.instance);
-  for_direct_light(context, v.departure, {*path->lights, numbers.light, path->search}, local_lobes,
-                   [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
-                     const Rgb light = path->through_interiors(arriving, weight.distance);
-                     direct += light;
-                     if (record) record->light_arrives(path->throughput * light, weight);
-                     if (splits) split->add_local(path->throughput * light, value.specular_share);
-                   });
-  path->radiance += path->throughput * direct;
+  add_direct_light<kMode, kLayers>(context, numbers.light, &at, path, split);
 
   // Sample lobes and directions.
-  LobedVertex at{v, bsdf, std::nullopt};
   if (path->depth == 0) {
     split_by_lobes<kMode, kMeshLights, kLayers>(context, sampler, &at, path, split);
     return false;

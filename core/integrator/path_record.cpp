@@ -114,6 +114,16 @@ void PathRecord::leave_body(const Instance& instance, const TriangleHit& triangl
   line(2, "leaves the body at " + surface(instance, triangle, hit) + ", throughput " + three(throughput));
 }
 
+void PathRecord::add_flat_light(const Rgb& light) {
+  check(light, NonfiniteCause::light);
+  if (is_written_) line(2, "adds " + three(light) + ", as if the body filled a half-space");
+}
+
+void PathRecord::twin_leaves(const Rgb& light) {
+  check(light, NonfiniteCause::walk);
+  if (is_written_) line(2, "adds " + three(light) + ", for what the same walk brings out of a half-space");
+}
+
 void PathRecord::branch(uint32_t index, uint32_t count) {
   if (!is_written_) return;
   if (index == 0) vertices_before_split_ = vertices_;

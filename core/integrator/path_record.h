@@ -35,6 +35,9 @@ class PathRecord {
   /// For RandomWalk, which writes its steps there; leave_body() writes them down.
   WalkRecord* walk() { return is_written_ ? &walk_ : nullptr; }
   void leave_body(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit, const Rgb& throughput);
+  /// Light that a half-space would send on at the vertex was added; the twin of a walk takes it away again, on average.
+  void add_flat_light(const Rgb& light);
+  void twin_leaves(const Rgb& light);
   /// The path splits: all until the next call belongs to path `index` of `count`, whose light counts 1 / count.
   void branch(uint32_t index, uint32_t count);
   void end(const char* reason);

@@ -37,6 +37,7 @@ struct PathState {
   FilmSample* guides = nullptr;  // takes the values of kGuideAovs at the next surface; null: they are not sought
   bool held_out = false;         // the camera's ray ended at a hold-out
   uint32_t walk_events = 0;      // of the last subsurface walk; any other carrier of light counts as many
+  Rgb twin_light{0.0f};          // that its twin took out of the path's radiance
   Footprint footprint;
   Interiors interiors;  // that the ray is in
 

@@ -38,7 +38,8 @@ SubsurfaceEntry entry_at(const VertexBelow& below, const PathState& path) {
 
 template <SubsurfaceMode kMode>
 std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampler& sampler,
-                                    const SubsurfaceEntry& entry, const SubsurfaceBody& body, const PathState& path) {
+                                    const SubsurfaceEntry& entry, const SubsurfaceBody& body, const PathState& path,
+                                    Rgb* twin) {
   if constexpr (kMode == SubsurfaceMode::diffusion) {
     SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path.depth);
     return NormalizedDiffusion{}.carry(body, entry, numbers, context.counters);
@@ -50,7 +51,7 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
     if (const auto exit = limit.carry(body, entry, rung, context.counters)) return exit;
   }
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path.depth);
-  return RandomWalk{context.settings.walk, context.record ? context.record->walk() : nullptr}.carry(
+  return RandomWalk{context.settings.walk, context.record ? context.record->walk() : nullptr, twin}.carry(
       body, entry, numbers, context.counters);
 }
 
@@ -60,14 +61,14 @@ const NormalMap* exit_normal_map(const Instance& instance, const SubsurfaceExit&
   return map ? &*map : nullptr;
 }
 
-/// The exit lobe: light sampling, and the direction in which the path goes on.
+/// The exit lobe: light sampling, and the direction in which the path goes on. `flat`: VertexBelow's.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
-                   PathState* path) {
+                   const std::optional<FlatExit>& flat, PathState* path) {
   const Instance& instance = context.scene.instance(exit.hit.instance);
   path->throughput = exit.throughput;
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;
-  const auto u_light = sampler.draw(Dimension::exit_light, path->depth);
+  const auto u_light = flat ? flat->numbers : sampler.draw(Dimension::exit_light, path->depth);
   prefetch_corners(mesh, exit.hit.triangle, Attributes::normals);
   const auto u_bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
   std::optional<Placement> moved;
@@ -142,7 +143,16 @@ VertexBelow::VertexBelow(const PathVertex& v, const IntegratorSettings& settings
 template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
                            PathState* path) {
-  const auto exit = carry<kMode>(context, sampler, entry_at(below, *path), *below.vertex.instance->body, *path);
+  const SubsurfaceEntry entry = entry_at(below, *path);
+  Rgb twin(0.0f);
+  const bool has_twin = below.flat && !is_black(below.flat->light);
+  // Where no walk is followed, the twin has its expectation.
+  if (has_twin) twin = entry.throughput * half_space_albedo(below.vertex.material, context.settings.inversion);
+  const auto exit =
+      carry<kMode>(context, sampler, entry, *below.vertex.instance->body, *path, has_twin ? &twin : nullptr);
+  path->twin_light = has_twin ? twin * below.flat->light * -1.0f : Rgb(0.0f);
+  path->radiance += path->twin_light;
+  if (context.record && has_twin) context.record->twin_leaves(path->twin_light);
   if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;
   path->walk_events = exit->events;
@@ -152,7 +162,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, *exit, path)) return *left;
-  return leave_surface(context, sampler, *exit, path);
+  return leave_surface(context, sampler, *exit, below.flat, path);
 }
 
 template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const VertexBelow&,
@@ -161,6 +171,12 @@ template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext
                                                                const VertexBelow&, PathState*);
 template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext&, const PixelSampler&,
                                                                const VertexBelow&, PathState*);
+
+Rgb half_space_albedo(const DisneyParameters& material, AlbedoInversion inversion) {
+  Rgb albedo;
+  for (int c = 0; c < 3; ++c) albedo[c] = obtained_albedo(material.base_color[c], inversion);
+  return albedo;
+}
 
 void drop_unresolved_distances(PathVertex* v) {
   const float depth = depth_below_surface(v->hit, v->placement().object_to_world);

@@ -5,6 +5,13 @@
 
 namespace alabaster {
 
+/// An exit at the vertex itself. The walk's twin in a half-space takes away what it brings out in this light, and its
+/// expectation has been added: a control variate (core/subsurface/random_walk.md).
+struct FlatExit {
+  Rgb light{0.0f};               // that the exit lobe sends on there, of throughput one
+  std::array<float, 4> numbers;  // that sampled it: exits are lit with the same, so that their light differs little
+};
+
 /// A vertex seen from below. All paths that go on from it through its medium share one.
 class VertexBelow {
  public:
@@ -17,6 +24,8 @@ class VertexBelow {
   const PathVertex& vertex;
   const bool within;
   const WalkMedium& medium() const { return *medium_; }
+  /// Where walks have twins: never for entries from within, nor where scattering has a preferred direction.
+  std::optional<FlatExit> flat;
 
  private:
   std::optional<WalkMedium> made_;
@@ -29,6 +38,18 @@ class VertexBelow {
 template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& vertex,
                            PathState* path);
+
+/// True where walks have twins in a half-space, a control variate (core/subsurface/random_walk.md).
+template <SubsurfaceMode kMode>
+bool has_twins(const PathContext& context, const DisneyParameters& material) {
+  constexpr bool kWalks = kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic;
+  constexpr float kOverflows = 1e30f;  // beyond, a drawn distance may be infinite
+  return kWalks && context.settings.walk.twins && material.scatter_anisotropy == 0 &&
+         max_component(material.scatter_distance) < kOverflows;
+}
+
+/// The share of light entering a half-space of a material that scatters isotropically which leaves it again.
+Rgb half_space_albedo(const DisneyParameters& material, AlbedoInversion inversion);
 
 /// Scatter distances too small for walks to resolve at the vertex become zero: Lambert, in that channel.
 void drop_unresolved_distances(PathVertex* vertex);

@@ -1,5 +1,6 @@
 #include "core/light/dome_light.h"
 
+#include "core/math/frame.h"
 #include "core/sampling/warp.h"
 
 namespace alabaster {
@@ -19,14 +20,24 @@ DomeLight::DomeLight(const LightDescription& description, const Vec3d& /*render_
   radiance_ = image_->mean();
 }
 
-std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u) const {
+namespace {
+
+// The density of directions to a constant dome.
+float constant_pdf(const Vec3f& wi, const Vec3f& n) {
+  return n == Vec3f(0, 0, 0) ? pdf_uniform_sphere() : std::max(0.0f, dot(wi, n)) * kInvPi;
+}
+
+}  // namespace
+
+std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u, const Vec3f& n) const {
   if (is_black(radiance_)) return std::nullopt;
   LightSample s;
   s.distance = kInfinity;
   if (!image_) {
-    s.wi = sample_uniform_sphere(u);
-    s.pdf = pdf_uniform_sphere();
+    s.wi = n == Vec3f(0, 0, 0) ? sample_uniform_sphere(u) : frame_from_normal(n).to_world(sample_cosine_hemisphere(u));
+    s.pdf = constant_pdf(s.wi, n);
     s.radiance = radiance_;
+    if (!(s.pdf > 0)) return std::nullopt;
     return s;
   }
   const LightImage::Place place = image_->sample(u);
@@ -40,9 +51,9 @@ std::optional<LightSample> DomeLight::sample(const Vec3f& /*p*/, const Vec2f& u)
   return s;
 }
 
-std::optional<LightHit> DomeLight::intersect(const Ray& ray) const {
+std::optional<LightHit> DomeLight::intersect(const Ray& ray, const Vec3f& n) const {
   if (is_black(radiance_)) return std::nullopt;
-  if (!image_) return LightHit{kInfinity, radiance_, pdf_uniform_sphere()};
+  if (!image_) return LightHit{kInfinity, radiance_, constant_pdf(ray.dir, n)};
   const Vec3d w(ray.dir);
   const double x = dot(w, x_), y = dot(w, y_), z = dot(w, z_), across = std::sqrt(x * x + z * z);
   if (!(across + std::abs(y) > 0)) return std::nullopt;

@@ -15,13 +15,16 @@ namespace alabaster {
 /// axes. (glTF viewers often centre on another axis; turn the dome by its transform.) Only the transform's rotation
 /// and mirroring count.
 ///
-/// Directions are drawn from the image's density (light_image.h).
+/// Directions are drawn from the image's density (light_image.h). Those of a constant dome are drawn in proportion to
+/// the lobe's cosine, where there is one.
 class DomeLight {
  public:
   DomeLight(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
-  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const;
-  /// Always hits, at infinity, unless the dome is black or an image is asked for the direction zero.
-  std::optional<LightHit> intersect(const Ray& ray) const;
+  /// `n`: unit, a lobe at p weighs light by the cosine to it; zero: none does.
+  std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u, const Vec3f& n = Vec3f(0, 0, 0)) const;
+  /// Always hits, at infinity, unless the dome is black or an image is asked for the direction zero. The pdf is that of
+  /// sample(., ., n).
+  std::optional<LightHit> intersect(const Ray& ray, const Vec3f& n = Vec3f(0, 0, 0)) const;
   double importance(const Vec3f& p) const;
   LightExtent extent() const;
   /// Null: a constant dome.

@@ -39,6 +39,7 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   if (!shortcuts) out.glossy_filter = 0;
   out.walk.weights = s.walk_weights;
   out.walk.guiding = shortcuts && s.walk_guiding;
+  out.walk.twins = shortcuts;
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
   return out;
 }

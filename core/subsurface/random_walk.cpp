@@ -12,8 +12,18 @@ namespace {
 struct WalkBeginning {
   Vec3f p;  // in the space that walks are traced in
   WalkStart start;
-  float depth = 0;  // world distance of p below the surface: medium that nothing was traced in
+  float depth = 0;      // world distance of p below the surface: medium that nothing was traced in
+  Vec3f lobe{0, 0, 0};  // unit: where the entry lobe sends the walk, before it is mirrored into the body
 };
+
+Vec3f mirrored_into(const Vec3f& inward, const Vec3f& direction) {
+  const float along = dot(direction, inward);
+  return along >= 0 ? direction : direction - inward * (2 * along);
+}
+
+Vec3f sample_entry_lobe(const Vec3f& ns_inward, const Vec2f& u) {
+  return frame_from_normal(ns_inward).to_world(sample_cosine_hemisphere(u));
+}
 
 WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entry, const Affine& to_body,
                          const Vec2f& u) {
@@ -22,10 +32,19 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
   const ChannelValues throughput{relative.r, relative.g, relative.b};
   if (entry.within)  // the side that the path comes from is the inner one
     return {body.to_walk_space(entry, entry.within->org), {entry.within->dir, entry.hit.ng, throughput}};
-  const Vec3f inward = -entry.hit.ng;
+  const Vec3f inward = -entry.hit.ng, lobe = sample_entry_lobe(-entry.ns, u);
   return {body.below(entry),
-          {sample_entry_direction(-entry.ns, inward, u), inward, throughput},
-          depth_below_surface(entry.hit, to_body)};
+          {mirrored_into(inward, lobe), inward, throughput},
+          depth_below_surface(entry.hit, to_body),
+          lobe};
+}
+
+// A walk that was mirrored into the body cannot be followed: the twin goes one segment along the lobe's direction.
+void part_at_entry(const WalkBeginning& beginning, const WalkMedium& medium, WalkWeights weights,
+                   const SubsurfaceNumbers& numbers) {
+  const ChromaticSegment segment(medium, beginning.start.throughput, weights);
+  const float t = segment.sample_distance({numbers.first()[2], numbers.first()[3]});
+  beginning.start.twin->follow(segment, beginning.lobe, t, true);
 }
 
 // Distance from the surface to where the walk begins, along its direction. Grazing directions, which would have been
@@ -58,9 +77,7 @@ Vec3f direction_to_light(const LitSurface& lit, const SubsurfaceEntry& entry) {
 }  // namespace
 
 Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, const Vec2f& u) {
-  const Vec3f direction = frame_from_normal(ns_inward).to_world(sample_cosine_hemisphere(u));
-  const float inward = dot(direction, ng_inward);
-  return inward >= 0 ? direction : direction - ng_inward * (2 * inward);
+  return mirrored_into(ng_inward, sample_entry_lobe(ns_inward, u));
 }
 
 std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
@@ -77,6 +94,12 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   if (const LitSurface* const lit = looks_for_light ? body.lit->get() : nullptr; lit && !lit->faces_light(entry.hit.ng))
     beginning.start.to_light = direction_to_light(*lit, entry);
   used.guiding &= body.members[entry.member].room_to_guide || beginning.start.to_light != Vec3f(0, 0, 0);
+  std::optional<HalfSpaceTwin> follower;
+  if (twin && beginning.start.to_light == Vec3f(0, 0, 0)) {
+    follower.emplace(entry.ns, *entry.medium);
+    beginning.start.twin = &*follower;
+    if (beginning.lobe != beginning.start.direction) part_at_entry(beginning, *entry.medium, settings.weights, numbers);
+  }
   const auto walk = [&](auto tracer) {
     if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers, counters);
     RecordingTracer recording(tracer, record);
@@ -89,6 +112,8 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
       body.is_union()
           ? walk(UnionTracer(body, {entry.member, beginning.p, distance, enters_from_behind(body, entry), time}))
           : walk(MeshTracer(body, {beginning.p, distance, maps.to_object, time}));
+  if (follower)
+    for (int c = 0; c < 3; ++c) (*twin)[c] = static_cast<float>(follower->throughput()[static_cast<size_t>(c)]) * scale;
   if (!end) return std::nullopt;
   SubsurfaceExit exit{end->hit, end->direction, {}, end->events};
   exit.hit.instance = body.members[body.is_union() ? end->hit.instance : 0].instance_of(entry.triangle);

@@ -24,6 +24,7 @@ struct WalkSettings {
   WalkWeights weights = WalkWeights::throughput;
   bool guiding = true;       // Dwivedi guiding, where it pays; affects noise only
   bool sphere_steps = true;  // jumps through the interior, where they pay; their bias is below 3e-4 of the albedo
+  bool twins = true;         // the integrator asks for RandomWalk::twin; affects noise only
   uint32_t safety_cap = 1000000;
   CancelToken cancel = {};  // a walk throws BuildCancelled within 4096 events
 };
@@ -38,6 +39,9 @@ Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, con
 struct RandomWalk {
   WalkSettings settings;
   WalkRecord* record = nullptr;  // null: nobody looks
+  /// Takes what the walk's twin in a half-space brings out, like SubsurfaceExit::throughput; its expectation is the
+  /// albedo times the throughput of the entry. Null: no twin. For isotropic scattering, and entries from outside.
+  Rgb* twin = nullptr;
 
   std::optional<SubsurfaceExit> carry(const SubsurfaceBody& body, const SubsurfaceEntry& entry,
                                       SubsurfaceNumbers& numbers, RenderCounters& counters) const;

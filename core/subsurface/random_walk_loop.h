@@ -9,6 +9,7 @@
 #include "core/diagnostics/check.h"
 #include "core/subsurface/chromatic_segment.h"
 #include "core/subsurface/guided_segment.h"
+#include "core/subsurface/half_space_twin.h"
 #include "core/subsurface/henyey_greenstein.h"
 #include "core/subsurface/random_walk.h"
 
@@ -42,6 +43,7 @@ struct WalkStart {
   ChannelValues throughput{1, 1, 1};
   /// Unit: walks are guided this way alone. Zero: to the surface that they entered through and to the opposite one.
   Vec3f to_light{0, 0, 0};
+  HalfSpaceTwin* twin = nullptr;  // follows the walk; null: none
 };
 
 template <class Hit>
@@ -79,6 +81,7 @@ class WalkLoop {
         numbers_(numbers),
         counters_(counters),
         medium_(medium),
+        twin_(start.twin),
         guide_(start.to_light == Vec3f(0, 0, 0) ? start.inward : -start.to_light),
         phase_(medium.medium.g),
         direction_(start.direction),
@@ -102,6 +105,7 @@ class WalkLoop {
       settings_.cancel.check();
     }
     ++counters_.walk_safety_cap;
+    if (twin_) twin_->part(throughput_);
     return std::nullopt;
   }
 
@@ -121,7 +125,9 @@ class WalkLoop {
 
     // Leave where the segment meets the end of the medium.
     typename Tracer::Hit hit{};
-    if (tracer_.intersect(direction_, t, &hit)) {
+    const bool meets_surface = tracer_.intersect(direction_, t, &hit);
+    if (twin_) twin_->follow(segment, direction_, t, meets_surface);
+    if (meets_surface) {
       throughput_ = segment.exit_throughput(tracer_.exit_distance(hit));
       note_weight();
       ++counters_.walk_exits;
@@ -151,6 +157,7 @@ class WalkLoop {
   /// Counts a walk that left through an open mesh, or that never ends without extinction, and its throughput.
   void lose(const ChannelValues& lost) {
     ended_ = true;
+    if (twin_) twin_->part(lost);
     ++counters_.walk_lost;
     counters_.walk_lost_energy += sum_of(lost) / entering_;
   }
@@ -172,6 +179,11 @@ class WalkLoop {
     }
   }
 
+  bool leap(const Vec3f& direction, double radius) {
+    if (twin_) twin_->jump(direction, static_cast<float>(radius));  // as far as the tracer will
+    return move(direction, radius);
+  }
+
   bool move(const Vec3f& direction, double t) {
     if constexpr (kShortcuts.guiding) guide_.advance(direction, t);
     return tracer_.advance(direction, static_cast<float>(t));
@@ -190,6 +202,7 @@ class WalkLoop {
     if (!survives(q, numbers_.rng())) {
       ++counters_.walk_roulette_ends;
       ended_ = true;
+      if (twin_) twin_->end();
       return false;
     }
     for (double& channel : throughput_) channel /= q;
@@ -204,6 +217,7 @@ class WalkLoop {
       // A radius below one mean free path gains less than an ordinary event.
       const double bound = tracer_.distance_bound((kSphereMargin + 1) * mfp), radius = bound - kSphereMargin * mfp;
       if (!(radius > mfp)) return;
+      if (twin_ && !twin_->has_room(bound)) twin_->part(throughput_);
       if (!jump(radius)) return lose(throughput_);
       ++counters_.walk_sphere_steps;
       ++events_;
@@ -216,11 +230,11 @@ class WalkLoop {
   bool jump(double radius) {
     const auto u = numbers_.of_event(events_);
     if constexpr (kShortcuts.guiding) {
-      return move(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, u), radius);
+      return leap(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, u), radius);
     } else {
       const Vec3f direction = phase_.sample(direction_, {u[0], u[1]});
       for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(medium_.modes.kappa[c] * radius);
-      return move(direction, radius);
+      return leap(direction, radius);
     }
   }
 
@@ -247,6 +261,7 @@ class WalkLoop {
   SubsurfaceNumbers& numbers_;
   RenderCounters& counters_;
   const WalkMedium& medium_;
+  HalfSpaceTwin* const twin_;
   Guide guide_;
   const Phase phase_;
   Vec3f direction_;

@@ -80,6 +80,12 @@ struct WalkMedium {
     if (worthwhile.guiding || worthwhile.sphere_steps) find_modes();
   }
 
+  /// 1/nu0 of a channel.
+  double x_of(size_t c) const {
+    return worthwhile.guiding || worthwhile.sphere_steps ? modes.mode[c].x
+                                                         : dwivedi_mode(medium.one_minus_alpha[static_cast<int>(c)]).x;
+  }
+
   /// World units; 0: nothing scatters.
   float longest_mean_free_path() const {
     float longest = 0;

@@ -107,7 +107,8 @@ TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
       const auto layer = channel(*film, part, c);
       double total = 0;
       for (const double v : layer) {
-        EXPECT_GE(v, 0) << aov_info(part).name;
+        // A walk's twin may take more than few walks bring.
+        EXPECT_TRUE(v >= 0 || part == Aov::subsurface) << aov_info(part).name;
         total += v;
       }
       EXPECT_EQ(total > 0, !(part == Aov::subsurface && c == 2)) << aov_info(part).name << c;

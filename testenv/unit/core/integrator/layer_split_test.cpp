@@ -41,12 +41,21 @@ TEST(LayerSplit, LightFromBelowGoesByTheScatteringEventsOfEachWalk) {
   split.scattered = true;
   split.add_local(Rgb(2.0f), Rgb(0.5f));
   const std::pair<uint32_t, float> walks[] = {{0, 1.0f}, {1, 2.0f}, {2, 4.0f}, {7, 8.0f}, {1, 16.0f}};
-  for (const auto& [events, light] : walks) split.add_below(Rgb(light), events);
+  for (const auto& [events, light] : walks) split.add_below(Rgb(light), {events, Rgb(0.0f)});
   const LightLayers layers = split.finish(Rgb(33.0f));
   EXPECT_EQ(layers.unscattered, Rgb(1.0f));
   EXPECT_EQ(layers.single, Rgb(18.0f));
   EXPECT_EQ(layers.multiple, Rgb(12.0f));
   EXPECT_EQ(sum_of(layers), Rgb(33.0f));
+}
+
+TEST(LayerSplit, WhatATwinTakesIsOfManyEvents) {
+  LayerSplit split;
+  split.scattered = true;
+  split.add_below(Rgb(-1.0f), {0, Rgb(-4.0f)});
+  const LightLayers layers = split.finish(Rgb(-1.0f));
+  EXPECT_EQ(layers.unscattered, Rgb(3.0f));
+  EXPECT_EQ(layers.multiple, Rgb(-4.0f));
 }
 
 // Sample by sample, not only in the mean: each of them is sorted without a rest, and traced as without layers. Returns

@@ -116,6 +116,27 @@ TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
   EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0}));
 }
 
+TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
+  const LightSet alone({dome(4)}, {}, 8), chosen({sphere(1), dome(4)}, {});
+  const Vec3f p(0, 0, -30), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
+  const LightSearch search{ConstantDomes::sampled, n};
+  for (const LightSet* set : {&alone, &chosen})
+    for (const Vec2f& u : {Vec2f(0.1f, 0.2f), Vec2f(0.5f, 0.9f), Vec2f(0.95f, 0.4f)}) {
+      std::optional<LightSample> sampled;
+      set->sample_lights(p, {n, n}, {0.999f, u.x, u.y, 0}, search, [&](const LightSample& s) { sampled = s; });
+      ASSERT_TRUE(sampled);
+      const float cosine = dot(sampled->wi, n), choice = set->choice_probability(set->size() - 1, p);
+      EXPECT_NEAR(sampled->pdf / (cosine * kInvPi * choice), 1, 1e-5f);
+      std::vector<float> pdfs;
+      const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
+      set->emitted({p, sampled->wi}, true, false, search, keep);
+      set->emitted({p, -sampled->wi}, true, false, search, keep);
+      ASSERT_EQ(pdfs.size(), 2u);
+      EXPECT_NEAR(pdfs[0] / sampled->pdf, 1, 1e-5f);
+      EXPECT_EQ(pdfs[1], 0) << "below the lobe";
+    }
+}
+
 // Alone, chosen of few, chosen by a tree, and with a shadow link.
 TEST(LightSet, RaysThatMeetALightHaveThePdfThatItsSamplesHaveForALobe) {
   const Vec3f p(0.4f, -0.2f, -4), n = normalize(Vec3f(0.6f, 0, 0.8f));

@@ -1,0 +1,180 @@
+// The twin of a walk in a half-space obtains the half-space's albedo on average, whatever body the walk itself is in.
+#include <gtest/gtest.h>
+
+#include "testenv/support/analytic_bodies.h"
+#include "testenv/support/lone_body.h"
+#include "testenv/support/path_tracer.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster::testing {
+namespace {
+
+const Rgb kScatterDistance(1.0f, 0.35f, 0.2f);
+const Rgb kSkin(0.9f, 0.6f, 0.45f), kMarble(0.99f, 0.97f, 0.9f), kDark(0.4f, 0.15f, 0.03f);
+
+WalkSettings with(bool guiding, bool sphere_steps) {
+  WalkSettings settings;
+  settings.guiding = guiding;
+  settings.sphere_steps = sphere_steps;
+  return settings;
+}
+const WalkSettings kSettings[] = {with(false, false), with(true, false), with(false, true), with(true, true)};
+
+struct TwinMeans {
+  RunningStatistics channel[3];
+};
+
+/// `plane`: normal of the twin's half-space.
+template <class Tracer>
+TwinMeans twins_in(const Tracer& body, const WalkMedium& medium, const WalkSettings& settings, const Vec3f& to_light,
+                   uint64_t seed, const Vec3f& plane = {0, 0, -1}) {
+  TwinMeans means;
+  Rng rng(seed, 91);
+  RenderCounters counters;
+  for (int i = 0; i < 40000; ++i) {
+    Tracer tracer = body;
+    SubsurfaceNumbers numbers(rng);
+    WalkStart start = start_walk(numbers);
+    HalfSpaceTwin twin(plane, medium);
+    start.to_light = to_light;
+    start.twin = &twin;
+    run_walk(tracer, start, medium, settings, numbers, counters);
+    rng = numbers.rng();
+    for (size_t c = 0; c < 3; ++c) means.channel[c].add(twin.throughput()[c]);
+  }
+  return means;
+}
+
+// Sphere steps are off by 1e-4 (walk_shortcuts_test.cpp).
+void expect_albedo(const TwinMeans& means, const Rgb& albedo, bool sphere_steps, int number_of_tests) {
+  for (int c = 0; c < 3; ++c) {
+    const ZTestResult result =
+        z_test(means.channel[c], static_cast<double>(albedo[c]), {0.01, number_of_tests, sphere_steps ? 1e-4 : 1e-5});
+    EXPECT_TRUE(result.passed) << c << ": " << result.report;
+  }
+}
+
+template <class Tracer>
+void expect_albedo_in(const Tracer& body, int number_of_tests, uint64_t seed) {
+  for (const Rgb& albedo : {kSkin, kMarble, kDark})
+    for (const WalkSettings& settings : kSettings) {
+      SCOPED_TRACE(++seed);
+      const WalkMedium medium = make_medium(albedo, kScatterDistance, AlbedoInversion::exact);
+      expect_albedo(twins_in(body, medium, settings, {0, 0, 0}, seed), albedo, settings.sphere_steps, number_of_tests);
+    }
+}
+
+TEST(HalfSpaceTwin, ObtainsTheAlbedoBesideWalksInAnyBody) {
+  constexpr int kTests = 4 * 36;
+  expect_albedo_in(SlabTracer(2), kTests, 100);
+  expect_albedo_in(EdgeTracer(0.5), kTests, 200);
+  expect_albedo_in(SphereTracer(3), kTests, 300);
+  expect_albedo_in(SphereTracer(0.3), kTests, 400);
+}
+
+TEST(HalfSpaceTwin, ObtainsTheAlbedoBesideWalksThatAreGuidedElsewhere) {
+  const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
+  uint64_t seed = 500;
+  for (const Vec3f& to_light : {Vec3f(0, 0, 1), Vec3f(0.8f, 0, 0.6f)})
+    expect_albedo(twins_in(SlabTracer(4), medium, with(true, true), to_light, ++seed), kSkin, true, 6);
+}
+
+// Many of the lobe's directions lead out of the body and are mirrored, which the twin must not follow.
+TEST(HalfSpaceTwin, OfATiltedNormalObtainsTheAlbedo) {
+  const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
+  const BodyInWorld ball(sphere_mesh(1, 24, false));
+  SubsurfaceEntry entry = ball.entry({0, 0, -3}, {0, 0, 1}, medium);
+  entry.ns = normalize(entry.hit.ng + frame_from_normal(entry.hit.ng).s * 2.0f);
+  entry.throughput = {0.5f, 2, 1};
+  Rng rng(700, 91);
+  RenderCounters counters;
+  TwinMeans means;
+  for (int i = 0; i < 60000; ++i) {
+    Rgb twin(0.0f);
+    carry(RandomWalk{{}, nullptr, &twin}, ball.body(), entry, rng, counters);
+    for (int c = 0; c < 3; ++c) means.channel[c].add(static_cast<double>(twin[c] / entry.throughput[c]));
+  }
+  expect_albedo(means, kSkin, true, 3);
+}
+
+struct PixelMeans {
+  RunningStatistics channel[3];
+  double variance() const { return channel[0].variance() + channel[1].variance() + channel[2].variance(); }
+};
+
+PixelMeans pixel(const std::shared_ptr<const SceneSnapshot>& scene, bool twins) {
+  PathTracer tracer(scene, {0.5, 1, 3});
+  tracer.settings.walk.twins = twins;
+  tracer.settings.max_depth = 3;
+  PixelMeans means;
+  // Blocks of 64 samples: within one they depend on each other.
+  for (uint32_t block = 0; block < 600; ++block) {
+    Rgb sum(0.0f);
+    for (uint32_t i = 0; i < 64; ++i) sum += tracer.trace(block * 64 + i).color;
+    for (int c = 0; c < 3; ++c) means.channel[c].add(static_cast<double>(sum[c]) / 64);
+  }
+  return means;
+}
+
+// A ball under a lamp and a sky, from where the body is nearly flat to where it is thin, and a mirror of gloss beside
+// it that shows it to itself.
+TEST(HalfSpaceTwin, ChangesTheNoiseOfAPixelAndNotItsMean) {
+  const float reaches[] = {0.01f, 0.1f, 1};
+  for (const float reach : reaches) {
+    SceneBuilder b;
+    DisneyParameters skin, mirror;
+    skin.base_color = kSkin;
+    skin.scatter_distance = kScatterDistance * reach;
+    mirror.metallic = 1;
+    mirror.roughness = 0.3f;
+    LightDescription lamp;
+    lamp.type = LightType::rect;
+    lamp.intensity = 40;
+    lamp.light_to_world.setTranslation(Vec3d(0, 0, 3));
+    b.add(b.prototype(sphere_mesh(1, 64, true)), b.material(skin));
+    b.add(b.prototype(plane_mesh(2)), b.material(mirror), Matrix4d().setTranslation(Vec3d(0, -1, 0)));
+    b.add(lamp).add(constant_dome(0.2f, false));
+    const auto scene = b.snapshot();
+    const PixelMeans with = pixel(scene, true), without = pixel(scene, false);
+    for (int c = 0; c < 3; ++c) {
+      const double error = std::hypot(with.channel[c].standard_error(), without.channel[c].standard_error());
+      const double z = std::abs(with.channel[c].mean() - without.channel[c].mean()) / error;
+      EXPECT_GT(std::erfc(z / std::sqrt(2.0)), sidak_level(0.01, 9)) << reach << " " << c << ", z " << z;
+    }
+    if (reach < 0.05f) {
+      EXPECT_LT(with.variance(), 0.3 * without.variance()) << "where the ball is flat";
+    }
+  }
+}
+
+// The lobe is not about the normal of this half-space.
+TEST(HalfSpaceTwin, InTheWrongHalfSpaceIsNoticed) {
+  const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
+  const TwinMeans means = twins_in(SphereTracer(3), medium, {}, {0, 0, 0}, 600, {0.6f, 0, -0.8f});
+  int failures = 0;
+  for (int c = 0; c < 3; ++c)
+    failures += z_test(means.channel[c], static_cast<double>(kSkin[c]), {1e-6, 3, 1e-4}).passed ? 0 : 1;
+  EXPECT_GT(failures, 0);
+}
+
+TEST(HalfSpaceTwin, OfAWalkInAHalfSpaceIsTheWalk) {
+  for (const Rgb& albedo : {kSkin, kMarble})
+    for (const WalkSettings& settings : kSettings) {
+      const WalkMedium medium = make_medium(albedo, kScatterDistance, AlbedoInversion::exact);
+      Rng rng(7, 91);
+      RenderCounters counters;
+      for (int i = 0; i < 2000; ++i) {
+        SlabTracer tracer;
+        SubsurfaceNumbers numbers(rng);
+        WalkStart start = start_walk(numbers);
+        HalfSpaceTwin twin(-start.inward, medium);
+        start.twin = &twin;
+        const auto exit = run_walk(tracer, start, medium, settings, numbers, counters);
+        rng = numbers.rng();
+        for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(twin.throughput()[c], exit ? exit->throughput[c] : 0, 1e-9) << i;
+      }
+    }
+}
+
+}  // namespace
+}  // namespace alabaster::testing
