@@ -61,6 +61,12 @@ const NormalMap* exit_normal_map(const Instance& instance, const SubsurfaceExit&
   return map ? &*map : nullptr;
 }
 
+Vec2f onward_numbers(const PixelSampler& sampler, const std::optional<FlatExit>& flat, uint32_t depth) {
+  if (flat && flat->onward) return *flat->onward;
+  const auto u = sampler.draw(Dimension::exit_bsdf, depth);
+  return {u[0], u[1]};
+}
+
 /// The exit lobe: light sampling, and the direction in which the path goes on. `flat`: VertexBelow's.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
                    const std::optional<FlatExit>& flat, PathState* path) {
@@ -70,7 +76,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   const Mesh& mesh = instance.prototype->mesh;
   const auto u_light = flat ? flat->numbers : sampler.draw(Dimension::exit_light, path->depth);
   prefetch_corners(mesh, exit.hit.triangle, Attributes::normals);
-  const auto u_bsdf = sampler.draw(Dimension::exit_bsdf, path->depth);
+  const auto u_onward = onward_numbers(sampler, flat, path->depth);
   std::optional<Placement> moved;
   const Placement& placement = instance.at(exit.hit, &moved);
   const SurfacePoint hit =
@@ -107,7 +113,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
                    });
   path->radiance += path->throughput * direct;
 
-  const Vec3f wi = frame.to_world(sample_cosine_hemisphere({u_bsdf[0], u_bsdf[1]}));
+  const Vec3f wi = frame.to_world(sample_cosine_hemisphere(u_onward));
   const ScatterValue value = exit_lobe(wi);
   if (!(value.pdf > 0) && record) record->end("the exit lobe gave no direction");
   if (!(value.pdf > 0)) return false;

@@ -10,6 +10,8 @@ namespace alabaster {
 struct FlatExit {
   Rgb light{0.0f};               // that the exit lobe sends on there, of throughput one
   std::array<float, 4> numbers;  // that sampled it: exits are lit with the same, so that their light differs little
+  /// Those of a constant dome's direction, where it gives most light: paths go on that way, and meet it if it was met.
+  std::optional<Vec2f> onward = {};
 };
 
 /// A vertex seen from below. All paths that go on from it through its medium share one.

@@ -23,6 +23,7 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
       shadow_linked_.push_back(i);
     else
       (is_infinite(i) ? infinite_ : finite_).push_back(i);
+    if (sample_all_ && !constant_dome_ && is_left(ConstantDomes::left_to_lobes, i)) constant_dome_ = i;
   }
   if (!sample_all_ && lights_.size() > kMostWeighed && lights_.size() < size_t(1) << 24) tree_ = LightTree(lights_);
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
@@ -48,6 +49,18 @@ std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, cons
   if (!shadow_links_.empty() && s) [[unlikely]]
     s->shadow_link = shadow_links_[i];
   return s;
+}
+
+std::optional<Vec2f> LightSet::leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const {
+  if (!constant_dome_) return std::nullopt;
+  double others = 0;
+  const auto importance = [&](size_t i) {
+    return std::visit([&](const auto& light) { return light.importance(p); }, lights_[i]);
+  };
+  for (size_t i = 0; i < lights_.size(); ++i)
+    if (i != *constant_dome_) others += importance(i);
+  if (!(importance(*constant_dome_) >= others)) return std::nullopt;
+  return shifted({u[1], u[2]}, *constant_dome_);
 }
 
 bool LightSet::is_below(size_t i, const Vec3f& p, const Horizon& horizon) const {

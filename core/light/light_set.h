@@ -100,6 +100,12 @@ class LightSet {
     return sum;
   }
 
+  /// Where a constant dome gives at least as much light at p as all other lights, unoccluded, and sample_lights(p, .,
+  /// u,
+  /// ...) with ConstantDomes::sampled and a lobe samples its direction as sample_cosine_hemisphere does about the lobe:
+  /// the numbers for that. They depend on u alone, and being there does not depend on u.
+  std::optional<Vec2f> leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const;
+
   bool has_shadow_links() const { return !shadow_linked_.empty(); }
   /// The same sum for a ray that is no camera ray, of the lights with a shadow link. No surface stops them here:
   /// Rgb `arrives(shadow_link, distance)` is the share of the light that does.
@@ -161,6 +167,7 @@ class LightSet {
   std::vector<bool> visible_to_camera_;
   std::vector<uint32_t> shadow_links_;                                 // empty: no light has one
   std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
+  std::optional<uint32_t> constant_dome_;                              // the first, of a set that samples all
   std::vector<uint32_t> shadow_linked_;                                // the same, of those with a shadow link
   std::vector<std::pair<uint32_t, uint32_t>> mesh_light_of_instance_;  // sorted (instance, light index)
 };

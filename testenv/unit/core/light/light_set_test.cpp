@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/math/frame.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/sampling/warp.h"
 
@@ -114,6 +115,21 @@ TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
   set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
   set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::left_to_lobes, keep);
   EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0}));
+}
+
+TEST(LightSet, ALeadingDomesNumbersGiveItsSample) {
+  const Vec3f p(0, 0, -3), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
+  const LightSet bright({sphere(0.1f), dome(4)}, {}, 8), dim({sphere(100), dome(4)}, {}, 8), chosen({dome(4)}, {});
+  const std::array<float, 4> u = {0.3f, 0.7f, 0.2f, 0};
+  EXPECT_FALSE(dim.leading_dome_numbers(p, u));
+  EXPECT_FALSE(chosen.leading_dome_numbers(p, u)) << "of the lights one is chosen";
+  const auto numbers = bright.leading_dome_numbers(p, u);
+  ASSERT_TRUE(numbers);
+  std::vector<Vec3f> directions;
+  bright.sample_lights(p, {n, n}, u, {ConstantDomes::sampled, n},
+                       [&](const LightSample& s) { directions.push_back(s.wi); });
+  ASSERT_FALSE(directions.empty());
+  EXPECT_EQ(directions.back(), frame_from_normal(n).to_world(sample_cosine_hemisphere(*numbers)));
 }
 
 TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
