@@ -100,10 +100,8 @@ class LightSet {
     return sum;
   }
 
-  /// Where a constant dome gives at least as much light at p as all other lights, unoccluded, and sample_lights(p, .,
-  /// u,
-  /// ...) with ConstantDomes::sampled and a lobe samples its direction as sample_cosine_hemisphere does about the lobe:
-  /// the numbers for that. They depend on u alone, and being there does not depend on u.
+  /// The numbers with which sample_cosine_hemisphere, about the lobe, gives the direction of a constant dome that
+  /// sample_lights(p, ., u, ...) gives. Empty: all other lights give more at p, unoccluded. That depends on p alone.
   std::optional<Vec2f> leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const;
 
   bool has_shadow_links() const { return !shadow_linked_.empty(); }

@@ -115,7 +115,7 @@ TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
       left = difference(std::move(left), layer);
     }
     for (const Aov walk : walks) subsurface_left = difference(std::move(subsurface_left), channel(*film, walk, c));
-    // Float rounding: of a sample's dozen additions, and of the averages. What twins add and take is up to the color.
+    // Float rounding: of a sample's dozen additions, and of the averages. Twins add and take up to the color.
     for (size_t i = 0; i < color.size(); ++i) {
       ASSERT_LE(std::abs(left[i]), 16 * 0x1p-24 * color[i]) << i;
       ASSERT_LE(std::abs(subsurface_left[i]), 4 * 0x1p-24 * color[i]) << i;

@@ -119,7 +119,7 @@ TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
 
 TEST(LightSet, ALeadingDomesNumbersGiveItsSample) {
   const Vec3f p(0, 0, -3), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
-  const LightSet bright({sphere(0.1f), dome(4)}, {}, 8), dim({sphere(100), dome(4)}, {}, 8), chosen({dome(4)}, {});
+  const LightSet bright({sphere(0.1f), dome(4)}, {}, 8), dim({sphere(1e4f), dome(4)}, {}, 8), chosen({dome(4)}, {});
   const std::array<float, 4> u = {0.3f, 0.7f, 0.2f, 0};
   EXPECT_FALSE(dim.leading_dome_numbers(p, u));
   EXPECT_FALSE(chosen.leading_dome_numbers(p, u)) << "of the lights one is chosen";
