@@ -12,9 +12,9 @@ namespace alabaster {
 /// A scattering function's answer for a direction.
 struct ScatterValue {
   Rgb f_cos{0.0f};
-  float pdf = 0;             // of sampling the direction, times the number of directions that are sampled
-  Rgb specular_share{0.0f};  // of f, per channel; only where layers are split
-  float exit_cos = 0;        // f cos of the exit lobe; only where FlatExit::light is sought
+  float pdf = 0;                     // of sampling the direction, times the number of directions that are sampled
+  Rgb specular_share{0.0f};          // of f, per channel; only where layers are split
+  float exit_cos = 0, exit_pdf = 0;  // f cos and pdf of an exit lobe; only where FlatExit::light is sought
 };
 
 /// The weight of a sampled light.
@@ -22,7 +22,7 @@ struct LightWeight {
   float pdf;  // of sampling the direction, with the choice of light
   float mis;  // against sampling of the lobe
   float distance = 0;
-  Rgb incident{0.0f};  // radiance over pdf, without the weight
+  Rgb exit_light{0.0f};  // that the exit lobe of ScatterValue sends on, with the weight that it has at exits
 };
 
 /// The share of the light that arrives at `p`.
@@ -34,6 +34,13 @@ inline float visibility(const PathContext& context, const Vec3f& p, const LightS
   if (!context.scene.features.see_through) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
   const Transmittance transmittance(context.scene, ray.dir);
   return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
+}
+
+/// LightWeight's. A light that fits into no float is left out, as its numbers alone decide.
+inline Rgb exit_light(const ScatterValue& value, const LightSample& light, float arrives) {
+  const float weight = light.delta || light.left_to_lobes ? 1.0f : power_heuristic(light.pdf, value.exit_pdf);
+  const Rgb sent = light.radiance * (value.exit_cos * arrives * weight / light.pdf);
+  return is_finite(sent) ? sent : Rgb(0.0f);
 }
 
 /// How which lights are sampled at a point.
@@ -55,8 +62,9 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon&
     const float arrives = visibility(context, p, light);
     if (!(arrives > 0)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
-    const Rgb incident = light.radiance * (arrives / light.pdf);
-    add(value, value.f_cos * incident * weight, LightWeight{light.pdf, weight, light.distance, incident});
+    LightWeight how{light.pdf, weight, light.distance};
+    if (value.exit_cos > 0) how.exit_light = exit_light(value, light, arrives);
+    add(value, value.f_cos * light.radiance * (arrives * weight / light.pdf), how);
   });
 }
 
@@ -84,12 +92,13 @@ void for_direct_light(const PathContext& context, const Departure& from, const L
   std::optional<bool> reached;
   const auto below = [&](const Vec3f& wi) {
     const ScatterValue value = from.is_above(wi) ? ScatterValue() : scatter(wi);
-    if (is_black(value.f_cos)) return ScatterValue();
+    if (is_black(value.f_cos) && !(value.exit_cos > 0)) return ScatterValue();
     if (!reached) reached = reaches_curved_surface(context, from);
     return *reached ? value : ScatterValue();
   };
   for_direct_light(context, from.curved, {from.n, from.n}, numbers, below,
                    [&](const ScatterValue& value, const Rgb& light, LightWeight weight) {
+                     weight.exit_light *= 1 / chance;
                      add(value, light * (1 / chance), weight);
                    });
 }

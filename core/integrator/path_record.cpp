@@ -116,7 +116,7 @@ void PathRecord::leave_body(const Instance& instance, const TriangleHit& triangl
 
 void PathRecord::add_flat_light(const Rgb& light) {
   check(light, NonfiniteCause::light);
-  if (is_written_) line(2, "adds " + three(light) + ", as if the body filled a half-space");
+  if (is_written_ && !is_black(light)) line(2, "adds " + three(light) + ", as if the body filled a half-space");
 }
 
 void PathRecord::twin_leaves(const Rgb& light) {

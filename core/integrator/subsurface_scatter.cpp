@@ -153,6 +153,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   Rgb twin(0.0f);
   const bool has_twin = below.flat && !is_black(below.flat->light);
   // Where no walk is followed, the twin has its expectation.
+  if (has_twin) DCHECK(below.medium().medium.albedo == below.vertex.material.base_color);
   if (has_twin) twin = entry.throughput * half_space_albedo(below.vertex.material, context.settings.inversion);
   const auto exit =
       carry<kMode>(context, sampler, entry, *below.vertex.instance->body, *path, has_twin ? &twin : nullptr);

@@ -47,7 +47,8 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
   PathRecord* const record = record_of<kLayers>(context);
   const float directions = path->depth == 0 ? static_cast<float>(kPathsPerSample) : 1.0f;
   const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
-  if (walks && has_twins<kMode>(context, v.material)) at->flat.emplace().numbers = u;
+  if (walks && has_twins<kMode>(context, v.material) && !is_black(at->bsdf.subsurface_entry()))
+    at->flat.emplace().numbers = u;
   const auto local_lobes = [&](const Vec3f& wi_world) -> ScatterValue {
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
@@ -55,8 +56,9 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     const BsdfValue value = at->bsdf.evaluate(wi, splits ? &specular : nullptr);
     const float pdf = value.pdf * directions;
     if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
-    return {value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f),
-            at->flat ? eval_subsurface_exit(wi) * wi.z : 0.0f};
+    ScatterValue scattered{value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
+    if (at->flat) scattered.exit_cos = eval_subsurface_exit(wi) * wi.z, scattered.exit_pdf = wi.z * kInvPi;
+    return scattered;
   };
   Rgb direct(0.0f);
   path->search = {walks ? ConstantDomes::sampled : ConstantDomes::left_to_lobes, v.frame.n};
@@ -66,9 +68,8 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
                    [&](const ScatterValue& value, const Rgb& arriving, const LightWeight& weight) {
                      const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;
-                     if (at->flat)
-                       at->flat->light += path->through_interiors(weight.incident * value.exit_cos, weight.distance);
-                     if (record) record->light_arrives(path->throughput * light, weight);
+                     if (at->flat) at->flat->light += path->through_interiors(weight.exit_light, weight.distance);
+                     if (record && !is_black(value.f_cos)) record->light_arrives(path->throughput * light, weight);
                      if (splits) split->add_local(path->throughput * light, value.specular_share);
                    });
   path->radiance += path->throughput * direct;

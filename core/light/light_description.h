@@ -29,8 +29,9 @@ struct LightSample {
   Rgb radiance{0.0f};  // arriving along wi; for a delta light: irradiance on a plane facing it (pdf = 1)
   float pdf = 0;       // per solid angle; 1 for delta lights
   bool delta = false;
-  bool on_mesh = false;      // the point lies on geometry
-  uint32_t shadow_link = 0;  // LightDescription::shadow_link
+  bool on_mesh = false;        // the point lies on geometry
+  bool left_to_lobes = false;  // of a light that ConstantDomes::left_to_lobes leaves out
+  uint32_t shadow_link = 0;    // LightDescription::shadow_link
 
   /// Length of a shadow ray along wi. It stops short of a point on a mesh, so that the light does not shade itself;
   /// lights that are no geometry need no such margin.

@@ -56,7 +56,10 @@ class LightSet {
     }
     for (size_t i = 0; i < lights_.size(); ++i) {
       if (is_left(search.domes, i) || is_below(i, p, horizon)) continue;
-      if (const auto s = sample_light(i, p, shifted({u[1], u[2]}, i), search.n)) visit(*s);
+      if (auto s = sample_light(i, p, shifted({u[1], u[2]}, i), search.n)) {
+        s->left_to_lobes = is_left(ConstantDomes::left_to_lobes, i);
+        visit(std::as_const(*s));
+      }
     }
   }
 
@@ -101,7 +104,8 @@ class LightSet {
   }
 
   /// The numbers with which sample_cosine_hemisphere, about the lobe, gives the direction of a constant dome that
-  /// sample_lights(p, ., u, ...) gives. Empty: all other lights give more at p, unoccluded. That depends on p alone.
+  /// sample_lights(p, ., u, ...) gives. Empty: there is none, one light is chosen of many, or all others together give
+  /// more at p, unoccluded. That depends on p alone.
   std::optional<Vec2f> leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const;
 
   bool has_shadow_links() const { return !shadow_linked_.empty(); }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 
 #include "core/math/vector.h"
 #include "core/subsurface/dwivedi.h"
@@ -104,9 +103,9 @@ class EscapeTable {
 }  // namespace
 
 double escape_probability(double one_minus_alpha, double x, double optical_depth) {
-  static const auto table = std::make_unique<const EscapeTable>();
+  static const EscapeTable table;
   const double root = std::sqrt(optical_depth);
-  return (*table)(std::sqrt(one_minus_alpha), root / (1 + root)) * std::exp(-x * optical_depth);
+  return table(std::sqrt(one_minus_alpha), root / (1 + root)) * std::exp(-x * optical_depth);
 }
 
 }  // namespace alabaster

@@ -5,8 +5,8 @@ namespace alabaster {
 
 /// The probability that a particle leaves again which scatters isotropically (already counted) at `optical_depth` below
 /// the plane: by reciprocity the mean intensity there under radiance 1 from all sides. `x`: 1/nu0 of the medium
-/// (dwivedi.h). Within 3e-5 of the theory, 3e-6 in the mean over depths. The first call in a process makes a table,
-/// which takes a few milliseconds.
+/// (dwivedi.h). Within 6e-5 of the theory, 2e-4 below depth 3e-4, and 3e-6 in the mean over depths. The first call in a
+/// process makes a table, which takes a few milliseconds.
 ///
 /// The Laplace transform of that intensity J is known: Int alpha J(t) exp(-t/mu) dt/mu = 1 - sqrt(1-alpha) H(mu), the
 /// directional albedo (Chandrasekhar 1960, section 38). Inverted along the cut where H(z) H(-z) = 1/Lambda(z) jumps,

@@ -3,7 +3,6 @@
 // twin's way is not walked: its expectation is known.
 #pragma once
 
-#include <algorithm>
 #include <limits>
 
 #include "core/subsurface/half_space.h"

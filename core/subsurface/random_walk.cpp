@@ -42,7 +42,10 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
 // A walk that was mirrored into the body cannot be followed: the twin goes one segment along the lobe's direction.
 void part_at_entry(const WalkBeginning& beginning, const WalkMedium& medium, WalkWeights weights,
                    const SubsurfaceNumbers& numbers) {
-  const ChromaticSegment segment(medium, beginning.start.throughput, weights);
+  ChannelValues throughput = beginning.start.throughput;
+  for (size_t c = 0; c < 3; ++c)
+    if (!medium.medium.active[c]) throughput[c] = 0;
+  const ChromaticSegment segment(medium, throughput, weights);
   const float t = segment.sample_distance({numbers.first()[2], numbers.first()[3]});
   beginning.start.twin->follow(segment, beginning.lobe, t, true);
 }
