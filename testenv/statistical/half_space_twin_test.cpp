@@ -72,6 +72,20 @@ TEST(HalfSpaceTwin, ObtainsTheAlbedoBesideWalksInAnyBody) {
   expect_albedo_in(SphereTracer(0.3), kTests, 400);
 }
 
+TEST(HalfSpaceTwin, ObtainsTheAlbedoBesideWalksThatACapEnds) {
+  WalkSettings settings;
+  settings.safety_cap = 3;
+  const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
+  expect_albedo(twins_in(SphereTracer(3), medium, settings, {0, 0, 0}, 450), kSkin, true, 3);
+}
+
+TEST(HalfSpaceTwin, ObtainsTheAlbedoWithThePapersWeights) {
+  WalkSettings settings;
+  settings.weights = WalkWeights::throughput_times_albedo;
+  const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
+  expect_albedo(twins_in(SphereTracer(3), medium, settings, {0, 0, 0}, 460), kSkin, true, 3);
+}
+
 TEST(HalfSpaceTwin, ObtainsTheAlbedoBesideWalksThatAreGuidedElsewhere) {
   const WalkMedium medium = make_medium(kSkin, kScatterDistance, AlbedoInversion::exact);
   uint64_t seed = 500;
@@ -102,51 +116,102 @@ struct PixelMeans {
   double variance() const { return channel[0].variance() + channel[1].variance() + channel[2].variance(); }
 };
 
-PixelMeans pixel(const std::shared_ptr<const SceneSnapshot>& scene, bool twins) {
-  PathTracer tracer(scene, {0.5, 1, 3});
-  tracer.settings.walk.twins = twins;
-  tracer.settings.max_depth = 3;
+/// In blocks of 64 samples: within one they depend on each other.
+PixelMeans pixel(PathTracer* tracer, bool twins, uint32_t blocks) {
+  tracer->settings.walk.twins = twins;
+  tracer->settings.max_depth = 3;
   PixelMeans means;
-  // Blocks of 64 samples: within one they depend on each other.
-  for (uint32_t block = 0; block < 600; ++block) {
+  for (uint32_t block = 0; block < blocks; ++block) {
     Rgb sum(0.0f);
-    for (uint32_t i = 0; i < 64; ++i) sum += tracer.trace(block * 64 + i).color;
+    for (uint32_t i = 0; i < 64; ++i) sum += tracer->trace(block * 64 + i).color;
     for (int c = 0; c < 3; ++c) means.channel[c].add(static_cast<double>(sum[c]) / 64);
   }
   return means;
 }
 
-// A ball under a lamp and a sky, from where the body is nearly flat to where it is thin, and a mirror of gloss beside
-// it that shows it to itself.
+LightDescription lamp_of(float intensity) {
+  LightDescription lamp;
+  lamp.type = LightType::rect;
+  lamp.intensity = intensity;
+  lamp.light_to_world.setTranslation(Vec3d(0, 0, 3));
+  return lamp;
+}
+
+DisneyParameters skin_of(float reach) {
+  DisneyParameters skin;
+  skin.base_color = kSkin;
+  skin.scatter_distance = kScatterDistance * reach;
+  return skin;
+}
+
+void expect_same_means(const PixelMeans& with, const PixelMeans& without, int number_of_tests) {
+  for (int c = 0; c < 3; ++c) {
+    const double error = std::hypot(with.channel[c].standard_error(), without.channel[c].standard_error());
+    const double z = std::abs(with.channel[c].mean() - without.channel[c].mean()) / error;
+    EXPECT_LT(error, 0.01 * with.channel[c].mean()) << c << ": the test would see no bias";
+    EXPECT_GT(std::erfc(z / std::sqrt(2.0)), sidak_level(0.01, number_of_tests)) << c << ", z " << z;
+  }
+}
+
+// A ball under a lamp and a sky, from where it is nearly flat to where it is thin, beside a glossy floor that shows it
+// to itself.
 TEST(HalfSpaceTwin, ChangesTheNoiseOfAPixelAndNotItsMean) {
   // Light from the lamp, or mostly from the sky.
   const std::pair<float, float> cases[] = {{0.01f, 40.0f}, {0.1f, 40.0f}, {1.0f, 40.0f}, {0.01f, 0.1f}, {1.0f, 0.1f}};
   for (const auto& [reach, intensity] : cases) {
+    SCOPED_TRACE(reach * 1000 + intensity);
     SceneBuilder b;
-    DisneyParameters skin, mirror;
-    skin.base_color = kSkin;
-    skin.scatter_distance = kScatterDistance * reach;
+    DisneyParameters mirror;
     mirror.metallic = 1;
     mirror.roughness = 0.3f;
-    LightDescription lamp;
-    lamp.type = LightType::rect;
-    lamp.intensity = intensity;
-    lamp.light_to_world.setTranslation(Vec3d(0, 0, 3));
-    b.add(b.prototype(sphere_mesh(1, 64, true)), b.material(skin));
+    b.add(b.prototype(sphere_mesh(1, 64, true)), b.material(skin_of(reach)));
     b.add(b.prototype(plane_mesh(2)), b.material(mirror), Matrix4d().setTranslation(Vec3d(0, -1, 0)));
-    b.add(lamp).add(constant_dome(0.2f, false));
-    const auto scene = b.snapshot();
-    const PixelMeans with = pixel(scene, true), without = pixel(scene, false);
-    for (int c = 0; c < 3; ++c) {
-      const double error = std::hypot(with.channel[c].standard_error(), without.channel[c].standard_error());
-      const double z = std::abs(with.channel[c].mean() - without.channel[c].mean()) / error;
-      EXPECT_GT(std::erfc(z / std::sqrt(2.0)), sidak_level(0.01, 15))
-          << reach << " " << intensity << " " << c << ", z " << z;
-    }
+    b.add(lamp_of(intensity)).add(constant_dome(0.2f, false));
+    PathTracer tracer(b.snapshot(), {0.5, 1, 3});
+    const PixelMeans with = pixel(&tracer, true, 600), without = pixel(&tracer, false, 600);
+    expect_same_means(with, without, 15);
     if (reach < 0.05f) {
       EXPECT_LT(with.variance(), 0.3 * without.variance()) << "where the ball is flat";
     }
   }
+}
+
+// One channel does not scatter; one light of six is chosen; a lamp is a mesh that nearly touches the ball.
+TEST(HalfSpaceTwin, ChangesNoMeanWhateverLightsTheBall) {
+  for (const SubsurfaceMode mode : {SubsurfaceMode::walk, SubsurfaceMode::automatic})
+    for (const AlbedoInversion inversion : {AlbedoInversion::chiang2016, AlbedoInversion::van_de_hulst}) {
+      SCOPED_TRACE(static_cast<int>(mode) * 10 + static_cast<int>(inversion));
+      SceneBuilder b;
+      DisneyParameters skin = skin_of(0.02f), glowing;
+      skin.scatter_distance.b = 0;
+      glowing.emission = Rgb(2.0f);
+      b.add(b.prototype(sphere_mesh(1, 64, true)), b.material(skin));
+      b.add(b.prototype(sphere_mesh(0.2f, 8, false)), b.material(glowing),
+            Matrix4d().setTranslation(Vec3d(0.2, 0.9, 0.9)));
+      for (int i = 0; i < 5; ++i) {
+        LightDescription lamp = lamp_of(20);
+        lamp.light_to_world.setTranslation(Vec3d(i - 2, 1, 3));
+        b.add(lamp);
+      }
+      PathTracer tracer(b.snapshot(), {0.5, 1, 3});
+      tracer.settings.subsurface = mode;
+      tracer.settings.inversion = inversion;
+      const PixelMeans with = pixel(&tracer, true, 600), without = pixel(&tracer, false, 600);
+      expect_same_means(with, without, 12);
+      EXPECT_LT(with.variance(), without.variance());
+    }
+}
+
+// Every walk is followed to its end, and every exit sees the sky that the entry saw. The unevenness of the
+// exit lobe is left.
+TEST(HalfSpaceTwin, LeavesHardlyAnyNoiseUnderAnEvenSky) {
+  SceneBuilder b;
+  DisneyParameters skin = matt(kSkin);
+  skin.scatter_distance = kScatterDistance * 0.01f;
+  b.add(b.prototype(plane_mesh(40)), b.material(skin)).add(constant_dome(1, false));
+  PathTracer tracer(b.snapshot(), {0, 5, 0.01});
+  const PixelMeans with = pixel(&tracer, true, 20), without = pixel(&tracer, false, 20);
+  EXPECT_LT(with.variance(), 0.01 * without.variance());
 }
 
 // The lobe is not about the normal of this half-space.
