@@ -175,7 +175,7 @@ TEST(LightLayers, ShowWhatIsSeenDirectlyAsEmission) {
   const auto film = testing::render(request_of(&b, testing::look_at({0, 0, 4}, {0, 0, 0}, 40), 32, 4));
   for (int c = 0; c < 3; ++c) EXPECT_EQ(channel(*film, Aov::emission, c), channel(*film, Aov::color, c));
   EXPECT_EQ(film->resolve_float(Aov::emission)[0], 0.5f) << "the backdrop";
-  EXPECT_EQ(film->resolve_float(Aov::emission)[3 * (16 * 32 + 16)], 3.0f) << "the lamp";
+  EXPECT_EQ(film->resolve_float(Aov::emission)[size_t{3} * (16 * 32 + 16)], 3.0f) << "the lamp";
 }
 
 // On a convex body light scatters at one surface only, so its layers equal those of bodies without the other lobes.

@@ -48,9 +48,10 @@ TEST(EscapeProbability, HasTheDirectionalAlbedoAsItsLaplaceTransform) {
 
 TEST(EscapeProbability, FallsWithDepthAndAbsorption) {
   double last_row = 2;
-  for (double complement = 0; complement <= 1; complement += 1.0 / 64) {
-    double last = 2;
-    for (double depth = 0; depth < 1000; depth = depth * 1.1 + 0.001) {
+  for (int row = 0; row <= 64; ++row) {
+    const double complement = row / 64.0;
+    double last = 2, depth = 0;
+    for (int i = 0; i < 140; ++i, depth = depth * 1.1 + 0.001) {
       const double now = escape(complement, depth);
       ASSERT_TRUE(now >= 0 && now <= 1 + 1e-9) << complement << " " << depth;
       EXPECT_LE(now, last + 1e-9) << complement << " " << depth;
