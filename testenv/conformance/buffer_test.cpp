@@ -122,7 +122,9 @@ TEST(Buffers, TheOldPictureStaysUntilTheNewOneCovers) {
   for (const int size : {40, 16, 32}) {
     host.resize(size, size);
     host.sync();
-    for (int i = 0; i < 5000; ++i) {
+    // Long enough for a machine that has much else to do.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (std::chrono::steady_clock::now() < end) {
       host.pass->Execute(host.state);
       const Picture seen = read(host.buffer());
       ASSERT_EQ(seen.bytes.size(), size_t(seen.width) * size_t(seen.height) * 16);
@@ -152,7 +154,8 @@ TEST(Buffers, TheFirstPictureAfterARestartIsNotEmpty) {
   for (int move = 1; move <= 3; ++move) {
     host.camera(dirty::kTransform).transform = moved(0.01 * move, 0, 1.9);
     host.sync();
-    for (int i = 0; i < 5000; ++i) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (std::chrono::steady_clock::now() < end) {
       host.pass->Execute(host.state);
       ASSERT_EQ(empty_pixels(read(host.buffer())), 0) << "move " << move;
       if (host.pass->IsConverged()) break;
