@@ -3,20 +3,13 @@
 #include "core/diagnostics/check.h"
 #include "core/integrator/boundary.h"
 #include "core/integrator/first_hit.h"
-#include "core/integrator/see_through.h"
+#include "core/integrator/light_path.h"
+#include "core/integrator/path_surface.h"
 #include "core/integrator/surface_light.h"
 
 namespace alabaster {
 
 namespace {
-
-bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
-  if (!context.scene.top->intersect(path.ray, hit)) return false;
-  if (!context.scene.features.see_through) return true;
-  // Most rays stop at the first surface. Only the others ask at all that they meet.
-  const StochasticStop filter(context.scene, path.ray.dir, sampler, path.depth);
-  return filter.stops(*hit) || context.scene.top->intersect(path.ray, hit, &filter);
-}
 
 bool intersect(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
   const Ray& ray = path.ray;
@@ -25,10 +18,16 @@ bool intersect(const PathContext& context, const PixelSampler& sampler, const Pa
   return false;
 }
 
+// The weight of light that the path's ray meets, against sampling of that light and light paths.
+Rgb weight_of_met(const PathState& path, float light_pdf) {
+  if (!(path.scatter_pdf > 0)) return Rgb(1.0f);
+  const float weight = power_heuristic(path.scatter_pdf, light_pdf);
+  return light_pdf > 0 ? path.left_to_path * weight : Rgb(weight);
+}
+
 // Emission of the lights without geometry that the path's segment meets.
 Rgb analytic_light_emission(const PathState& path, bool escaped) {
-  const float pdf = path.scatter_pdf;
-  const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
+  const auto weigh = [&path](float light_pdf) { return weight_of_met(path, light_pdf); };
   const LightSet& lights = *path.lights;
   if (path.interiors.empty()) return lights.emitted(path.ray, escaped, path.depth == 0, path.search, weigh);
   return lights.emitted(path.ray, escaped, path.depth == 0, path.search, [&](float light_pdf, float distance) {
@@ -39,8 +38,7 @@ Rgb analytic_light_emission(const PathState& path, bool escaped) {
 // Emission of the lights with a shadow link that the path's ray meets beyond what casts no shadow for them. `escaped`:
 // the ray met no surface.
 Rgb linked_light_emission(const PathContext& context, const PathState& path, bool escaped) {
-  const float pdf = path.scatter_pdf;
-  const auto weigh = [pdf](float light_pdf) { return pdf > 0 ? power_heuristic(pdf, light_pdf) : 1.0f; };
+  const auto weigh = [&path](float light_pdf) { return weight_of_met(path, light_pdf); };
   const bool is_clear = escaped && !context.scene.features.see_through;
   return path.lights->emitted_with_links(path.ray, path.search, weigh, [&](uint32_t link, float distance) -> Rgb {
     const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
@@ -52,10 +50,9 @@ Rgb linked_light_emission(const PathContext& context, const PathState& path, boo
 
 void add_mesh_emission(const PathVertex& v, const TriangleHit& hit, PathState* path) {
   if (is_black(v.material.emission)) return;
-  float weight = 1;
+  Rgb weight(1.0f);
   if (path->scatter_pdf > 0)
-    weight =
-        power_heuristic(path->scatter_pdf, path->lights->mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
+    weight = weight_of_met(*path, path->lights->mesh_light_pdf(path->ray, hit.t, hit.instance, hit.triangle));
   path->radiance += path->throughput * v.material.emission * weight;
 }
 
@@ -99,12 +96,6 @@ bool survives(const PathContext& context, const Draw& draw, PathState* path) {
   if (!is_black(path->throughput) && survives_roulette(context, draw, path)) return true;
   if (PathRecord* record = record_of<kLayers>(context)) record->end("throughput is black, or roulette ended it");
   return false;
-}
-
-template <SubsurfaceMode kMode>
-bool keeps_footprints(const PathContext& context) {
-  return kMode == SubsurfaceMode::automatic || context.settings.texture_filter > 0 ||
-         context.settings.glossy_filter > 0;
 }
 
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
@@ -172,9 +163,9 @@ template <SubsurfaceMode kMode, bool kLayers>
 bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, const std::array<float, 4>& u,
                       LobedVertex* at, PathState* path, LobeChoice* choice) {
   PathRecord* const record = record_of<kLayers>(context);
-  const bool splits = kLayers && path->depth == 0;
+  const bool splits = kLayers && path->depth == 0, shares = path->light_path_ratio > 0;
   Rgb specular;
-  const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits ? &specular : nullptr);
+  const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits || shares ? &specular : nullptr);
   if (sample) DCHECK_GE(sample->pdf, 0.0f);
   if (record && sample) record->sample_lobe(lobe_name(sample->lobe), sample->f, sample->pdf);
   if (record && !sample) record->end("no direction was sampled");
@@ -186,7 +177,9 @@ bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, c
     if (!at->below) at->below.emplace(at->v, context.settings, false).flat = at->flat;
     return continue_below<kMode, kLayers>(context, sampler, *at->below, path);
   }
+  const Rgb left = shares ? left_to_path(context, *path, *at, sample->wi, share_of(specular, sample->f)) : Rgb(1.0f);
   const bool leaves = scatter_at_surface(context, at->v, *sample, path);
+  path->left_to_path = left;
   if (record && !leaves) record->end("the direction leads into the surface");
   if (!leaves) return false;
   if (splits) choice->specular_share = share_of(specular, sample->f);
@@ -208,7 +201,10 @@ void split_by_lobes(const PathContext& context, const PixelSampler& sampler, Lob
         if (!continue_by_lobe<kMode, kLayers>(context, branch_sampler, u, at, branch, &choice)) return false;
         if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
         // The directions of all paths compete with each sampled light. The footprint is that of one.
-        if (choice.lobe != Lobe::subsurface) branch->scatter_pdf *= kPathsPerSample;
+        if (choice.lobe == Lobe::subsurface) return true;
+        branch->scatter_pdf *= kPathsPerSample;
+        if (context.light_paths && path->interiors.empty() && !path->passed_boundary)
+          branch->light_path_ratio = light_path_ratio(context, at->v, *path, *branch);
         return true;
       },
       [&](const Rgb& light, const WalkLayers& walk) {
@@ -273,21 +269,6 @@ inline VertexNumbers draw_numbers(const PixelSampler& sampler, uint32_t depth, c
   return numbers;
 }
 
-// The surface where the path's ray ends, with the material as mode and filters have it.
-template <SubsurfaceMode kMode>
-PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
-  if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
-  PathVertex vertex =
-      make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
-  if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
-    vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
-  if (kMode == SubsurfaceMode::lambert)
-    vertex.material.scatter_distance = Rgb(0.0f);
-  else if (vertex.material.scatters())
-    drop_unresolved_distances(&vertex);
-  return vertex;
-}
-
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 void follow_path(const PathContext& context, const PixelSampler& sampler, PathState* path, FilmSample* first_hit,
                  LayerSplit* split) {
@@ -321,6 +302,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, numbers.bsdf.data())) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       path->ray.tmax = reach - hit.t;
+      path->passed_boundary = true;
       is_vertex = false;
       continue;
     }

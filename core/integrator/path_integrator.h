@@ -14,7 +14,7 @@ namespace alabaster {
 
 /// Raised where equal scenes, settings and seeds no longer give equal samples: sums of different samples cannot be
 /// parts of one picture.
-inline constexpr int kSamplingVersion = 4;
+inline constexpr int kSamplingVersion = 5;
 
 enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse
@@ -34,9 +34,11 @@ struct IntegratorSettings {
   EnergyModel energy = EnergyModel::bounded;
   float texture_filter = 0;  // of colour textures, in widths of a path's footprint; 0: none
   float glossy_filter = 0;   // see Footprint::least_alpha; 0: none
+  bool light_paths = true;   // where they pay (light_path.h)
 };
 
 class PathRecord;
+struct LightPathPlan;
 
 /// The vectors of the first hit that AOVs show (kVectorAovs), and what they are measured by.
 struct HitVectorRequest {
@@ -57,6 +59,7 @@ struct PathContext {
   PathRecord* record = nullptr;               // the path is written here; needs layers
   float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
+  const LightPathPlan* light_paths = nullptr;  // whose landings will be added to the sample; null: none
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space, at the context's time. Color and alpha are the

@@ -3,6 +3,7 @@
 
 #include "core/integrator/direct_light.h"
 #include "core/integrator/layer_split.h"
+#include "core/integrator/light_path.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/subsurface_scatter.h"
 #include "core/material/disney_bsdf.h"
@@ -38,12 +39,20 @@ void add_flat_light(const PathContext& context, const LobedVertex& at, PathState
   if (kLayers && path->depth == 0) split->below.multiple += light;
 }
 
+/// The share of light from `wi` that light paths leave to the path, if `specular_share` of f is specular.
+inline Rgb left_to_path(const PathContext& context, const PathState& path, const LobedVertex& at, const Vec3f& wi,
+                        const Rgb& specular_share) {
+  if (is_black(specular_share)) return Rgb(1.0f);
+  const float ratio = light_path_ratio(context, path, at.v, at.bsdf, at.v.frame.to_world(wi));
+  return Rgb(1.0f) - specular_share * light_path_share(ratio);
+}
+
 /// Samples the lights. Sets at->flat where walks have twins.
 template <SubsurfaceMode kMode, bool kLayers>
 void add_direct_light(const PathContext& context, const std::array<float, 4>& u, LobedVertex* at, PathState* path,
                       LayerSplit* split) {
   const PathVertex& v = at->v;
-  const bool splits = kLayers && path->depth == 0;
+  const bool splits = kLayers && path->depth == 0, shares = path->light_path_ratio > 0;
   PathRecord* const record = record_of<kLayers>(context);
   const float directions = path->depth == 0 ? static_cast<float>(kPathsPerSample) : 1.0f;
   const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
@@ -53,7 +62,8 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     const Vec3f wi = v.frame.to_local(wi_world);
     if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
-    const BsdfValue value = at->bsdf.evaluate(wi, splits ? &specular : nullptr);
+    BsdfValue value = at->bsdf.evaluate(wi, splits || shares ? &specular : nullptr);
+    if (shares) value.f *= left_to_path(context, *path, *at, wi, share_of(specular, value.f));
     const float pdf = value.pdf * directions;
     if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
     ScatterValue scattered{value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};

@@ -72,7 +72,8 @@ enum class Dimension : uint32_t {
   exit_light,
   subsurface_rung,
   opacity,
-  time
+  time,
+  light_path
 };
 
 class PixelSampler {

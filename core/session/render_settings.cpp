@@ -40,6 +40,7 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   out.walk.weights = s.walk_weights;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.twins = shortcuts;
+  out.light_paths = shortcuts && !s.adaptive;  // a pixel's samples would want those of many more
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
   return out;
 }

@@ -56,11 +56,16 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       has_vectors_((request.aovs & kVectorAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
   if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene);
+  if (integrator_settings_.light_paths && !has_motion_)
+    landings_ = std::make_unique<LightLandings>(LightLandingsRequest{
+        *request.scene, camera_.first(), integrator_settings_, request.width, request.height, request.data_window,
+        request.settings.filter, request.settings.frame, request.settings.seed});
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
-  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record});
+  LandedCache landed(landings_.get());
+  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record, &landed});
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
@@ -79,6 +84,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
   PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
                       parts.layers,    request_.aovs, parts.record,         time};
+  if (landings_) context.light_paths = landings_->plan(at.sample);
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {
@@ -95,6 +101,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     throw SampleFailure(failure.what(), at);
   }
   ++counters->samples;
+  if (context.light_paths) add_landed(at, counters, parts, &result);
   if (exposure_ != 1) expose(exposure_, &result, parts.layers);
 
   // One bad number would spoil every later sum of its pixel.
@@ -105,6 +112,18 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     *parts.layers = {};
   }
   return result;
+}
+
+// Adds what light paths bring to the pixel.
+void TileRenderer::add_landed(const SampleAddress& at, RenderCounters* counters, const SampleParts& parts,
+                              FilmSample* result) const {
+  const LandedLight* landed = parts.landed->of_sample(at.sample, counters).find(at.x, at.y);
+  if (!landed) return;
+  result->color += landed->color;
+  if (parts.record) parts.record->add_landed(landed->color);
+  if (!has_layers_) return;
+  parts.layers->specular += landed->specular;
+  parts.layers->diffuse += landed->color - landed->specular;
 }
 
 // Traces the path again, with a record that only looks for the cause.

@@ -16,6 +16,7 @@
 #include "core/film/film.h"
 #include "core/integrator/path_integrator.h"
 #include "core/scene/scene.h"
+#include "core/session/light_landings.h"
 #include "core/session/pass_schedule.h"
 #include "core/session/render_settings.h"
 #include "core/session/render_state.h"
@@ -76,10 +77,12 @@ class TileRenderer {
     LightLayers* layers;
     HitVectors* vectors;  // null: no AOV shows them
     PathRecord* record;   // null: none
+    LandedCache* landed;
   };
   FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                           const SampleParts& parts) const;
 
+  void add_landed(const SampleAddress& at, RenderCounters* counters, const SampleParts& parts, FilmSample* result) const;
   NonfiniteCause nonfinite_cause(const PathContext& path, const Ray& ray, const PixelSampler& sampler) const;
 
   const RenderRequest& request_;
@@ -89,6 +92,7 @@ class TileRenderer {
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
   PathIntegrator trace_path_;
+  std::unique_ptr<LightLandings> landings_;  // null: no sample has light paths
 };
 
 template <class MayGoOn, class Tile>
@@ -99,7 +103,8 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
   const int step = samples.pass.block;
   LightLayers layers;
   HitVectors vectors;
-  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr};
+  LandedCache landed(landings_.get());
+  const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr, &landed};
   for (int y = rect.y0; y < rect.y1; y += step)
     for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.

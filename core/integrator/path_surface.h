@@ -1,0 +1,42 @@
+// The next surface of a path: where its ray ends, with the material as the render's mode and filters have it.
+#pragma once
+
+#include <cmath>
+
+#include "core/integrator/path_state.h"
+#include "core/integrator/see_through.h"
+#include "core/integrator/subsurface_scatter.h"
+
+namespace alabaster {
+
+/// The nearest surface that stops the path's ray.
+inline bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
+  if (!context.scene.top->intersect(path.ray, hit)) return false;
+  if (!context.scene.features.see_through) return true;
+  // Most rays stop at the first surface. Only the others ask at all that they meet.
+  const StochasticStop filter(context.scene, path.ray.dir, sampler, path.depth);
+  return filter.stops(*hit) || context.scene.top->intersect(path.ray, hit, &filter);
+}
+
+template <SubsurfaceMode kMode>
+bool keeps_footprints(const PathContext& context) {
+  return kMode == SubsurfaceMode::automatic || context.settings.texture_filter > 0 ||
+         context.settings.glossy_filter > 0;
+}
+
+/// The surface where the path's ray ends.
+template <SubsurfaceMode kMode>
+PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
+  if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
+  PathVertex vertex =
+      make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
+  if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
+    vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
+  if (kMode == SubsurfaceMode::lambert)
+    vertex.material.scatter_distance = Rgb(0.0f);
+  else if (vertex.material.scatters())
+    drop_unresolved_distances(&vertex);
+  return vertex;
+}
+
+}  // namespace alabaster

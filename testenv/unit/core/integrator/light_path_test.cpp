@@ -1,0 +1,224 @@
+// Light paths and camera paths share light: what one finds, the other leaves.
+#include "core/integrator/light_path.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/path_tracer.h"
+#include "testenv/support/z_test.h"
+
+namespace alabaster {
+namespace {
+
+using testing::RunningStatistics;
+using testing::SceneBuilder;
+
+constexpr int kSide = 16;  // pixels of the film
+constexpr int kZTests = 12;
+
+DisneyParameters metal(float roughness) {
+  DisneyParameters p;
+  p.base_color = Rgb(0.9f);
+  p.metallic = 1;
+  p.roughness = roughness;
+  return p;
+}
+
+LightDescription small_light(LightType type = LightType::sphere) {
+  LightDescription light;
+  light.type = type;
+  light.color = Rgb(type == LightType::distant ? 3.0f : 200.0f);
+  light.radius = 0.1f;
+  light.light_to_world = Matrix4d().setTranslation(Vec3d(0, 3, 4));
+  return light;
+}
+
+struct Stage {
+  SceneBuilder builder;
+  CameraParameters camera = testing::look_at({0.3, 4, 4}, {0, 0, 0}, 40);
+  IntegratorSettings settings = integrator_settings({});
+  uint32_t caster = 0;  // light paths begin there
+
+  /// A floor, and a ball that stands on it behind what the camera looks at.
+  explicit Stage(const DisneyParameters& ball = metal(0.4f), const DisneyParameters& floor = testing::matt(Rgb(0.5f)),
+                 const LightDescription& light = small_light()) {
+    builder.add(builder.prototype(testing::sphere_mesh(1, 24, true)), builder.material(ball),
+                Matrix4d().setTranslation(Vec3d(0, 1, -1.2)));
+    builder.add(builder.prototype(testing::plane_mesh(20)), builder.material(floor)).add(light);
+  }
+};
+
+struct Shares {
+  RunningStatistics taken;   // of a camera sample, by light paths
+  RunningStatistics landed;  // of a light path, on all pixels, in units of a sample's light
+  RunningStatistics missed;  // taken less landed
+};
+
+/// Camera samples and light paths in pairs. `paths` of a sample of the frame are weighed as `weighed_as`.
+Shares measure_shares(Stage* stage, uint32_t samples, uint32_t paths = 256, uint32_t weighed_as = 256) {
+  const auto scene = stage->builder.snapshot();
+  const Camera camera(stage->camera, kSide, kSide, scene->origin);
+  RenderCounters counters;
+  LightPathPlan plan{weighed_as, {{stage->caster, 1}}, {}};
+  plan.spread_chances(*scene);
+  LightPathPlan traced = plan;
+  traced.paths = paths;
+  const PathContext alone{*scene, camera, stage->settings, counters};
+  PathContext shared = alone, landing = alone;
+  shared.light_paths = &plan;
+  landing.light_paths = &traced;
+  const PathIntegrator trace_camera = select_path_integrator(scene->features, stage->settings, false);
+  const LightPathTracer trace_light = select_light_path_tracer(scene->features, stage->settings);
+  Shares shares;
+  std::vector<LightLanding> landings;
+  Rng rng(7, 3);
+  for (uint32_t i = 0; i < samples; ++i) {
+    const float x = rng.uniform(), y = rng.uniform(), lens = rng.uniform();
+    const Ray ray = camera.generate_ray(Vec2f(x, y) * float(kSide), {lens, rng.uniform()});
+    const PixelSampler sampler(5, i);
+    const double taken = double(trace_camera(alone, ray, sampler).color.g) - double(trace_camera(shared, ray, sampler).color.g);
+    landings.clear();
+    trace_light(landing, PixelSampler(6, i), &landings);
+    double landed = 0;
+    for (const LightLanding& l : landings)
+      if (l.film.x >= 0 && l.film.x < kSide && l.film.y >= 0 && l.film.y < kSide) landed += double(l.color.g);
+    landed *= double(paths) / (kSide * kSide);
+    shares.taken.add(taken);
+    shares.landed.add(landed);
+    shares.missed.add(taken - landed);
+  }
+  return shares;
+}
+
+/// Light paths bring what they take from camera paths, and that is something.
+void expect_shared(Stage* stage, uint32_t samples = 100000) {
+  const Shares shares = measure_shares(stage, samples);
+  const auto result = z_test(shares.missed, 0, {.number_of_tests = kZTests});
+  EXPECT_TRUE(result.passed) << result.report << ", taken " << shares.taken.mean() << ", landed " << shares.landed.mean();
+  EXPECT_GT(shares.landed.mean(), 8 * shares.missed.standard_error()) << "or the comparison proves nothing";
+}
+
+TEST(LightPath, BringsWhatItTakes) {
+  Stage stage;
+  expect_shared(&stage);
+}
+
+TEST(LightPath, BringsWhatItTakesThroughALens) {
+  Stage stage;
+  stage.camera.focal_length = 50, stage.camera.horizontal_aperture *= 50, stage.camera.vertical_aperture *= 50;
+  stage.camera.f_stop = 50 / (2 * 0.4f);  // a lens of radius 0.4
+  stage.camera.focus_distance = 3;
+  expect_shared(&stage);
+}
+
+TEST(LightPath, BringsWhatItTakesBeforeAnOrthographicCamera) {
+  Stage stage;
+  stage.camera.orthographic = true;
+  stage.camera.horizontal_aperture = stage.camera.vertical_aperture = 3;
+  expect_shared(&stage);
+}
+
+TEST(LightPath, BringsWhatItTakesFromDistantLightsAndASky) {
+  Stage stage(metal(0.4f), testing::matt(Rgb(0.5f)), small_light(LightType::distant));
+  stage.builder.add(testing::constant_dome(0.5f, true));
+  expect_shared(&stage);
+}
+
+// One light is chosen of many, and some lie below the horizon.
+TEST(LightPath, BringsWhatItTakesFromManyLights) {
+  Stage stage;
+  for (int i = 0; i < 40; ++i) {
+    LightDescription light = small_light();
+    light.light_to_world = Matrix4d().setTranslation(Vec3d(3 * std::cos(i), 0.2 * i - 2, 3 * std::sin(i)));
+    light.color = Rgb(20.0f);
+    stage.builder.add(light);
+  }
+  expect_shared(&stage, 200000);
+}
+
+// The ball scatters and has a coat; the floor reflects, too.
+TEST(LightPath, BringsWhatItTakesFromABodyOntoGloss) {
+  DisneyParameters wax;
+  wax.base_color = {0.9f, 0.7f, 0.5f};
+  wax.scatter_distance = Rgb(0.2f);
+  wax.specular = 1;
+  wax.roughness = 0.35f;
+  wax.clearcoat = 1;
+  DisneyParameters floor;
+  floor.roughness = 0.6f;
+  Stage stage(wax, floor);
+  expect_shared(&stage, 200000);
+}
+
+// Light that lands on sheets which are seen from one side alone, or partly there: camera paths come the other way.
+TEST(LightPath, BringsWhatItTakesThroughSheets) {
+  Stage stage;
+  DisneyParameters film = testing::matt(Rgb(0.5f));
+  film.opacity = 0.5f;
+  SceneBuilder& b = stage.builder;
+  const auto sheet = b.prototype(testing::plane_mesh(1.5f));
+  b.add(sheet, b.material(film), Matrix4d().setTranslation(Vec3d(0.2, 0.3, 0.4)));
+  b.add(sheet, b.material(testing::matt(Rgb(0.7f))),
+        Matrix4d().setAxisAngle(Vec3d(1, 0, 0), 1.3) * Matrix4d().setTranslation(Vec3d(-0.6, 0.4, 0.3)));
+  b.description.instances.back().double_sided = false;
+  b.add(sheet, b.material(testing::matt(Rgb(0.7f))),
+        Matrix4d().setAxisAngle(Vec3d(1, 0, 0), -1.7) * Matrix4d().setTranslation(Vec3d(0.6, 0.4, 0.3)));
+  b.description.instances.back().double_sided = false;
+  ASSERT_TRUE(b.snapshot()->features.see_through);
+  expect_shared(&stage, 200000);
+}
+
+// A mesh of large and small triangles, stretched and mirrored.
+TEST(LightPath, BringsWhatItTakesFromStretchedMeshes) {
+  Stage stage;
+  stage.builder.description.instances[0].object_to_world =
+      Matrix4d().setScale(Vec3d(-1.5, 0.7, 0.8)) * Matrix4d().setTranslation(Vec3d(0, 0.8, -1.2));
+  expect_shared(&stage);
+}
+
+TEST(LightPath, AWrongNumberOfPathsFails) {
+  Stage stage;
+  const auto result = z_test(measure_shares(&stage, 100000, 256, 2048).missed, 0, {.number_of_tests = kZTests});
+  EXPECT_FALSE(result.passed) << result.report;
+}
+
+TEST(LightPath, TakesTheNoiseOfCaustics) {
+  Stage stage(metal(0.15f));
+  const auto scene = stage.builder.snapshot();
+  const Camera camera(stage.camera, kSide, kSide, scene->origin);
+  RenderCounters counters;
+  LightPathPlan plan{256, {{0, 1}}, {}};
+  plan.spread_chances(*scene);
+  PathContext context{*scene, camera, stage.settings, counters};
+  const PathIntegrator trace = select_path_integrator(scene->features, stage.settings, false);
+  const auto variance = [&] {
+    RunningStatistics statistics;
+    for (uint32_t i = 0; i < 200000; ++i)
+      statistics.add(double(trace(context, camera.generate_ray({8.5f, 9.5f}, {0, 0}), PixelSampler(9, i)).color.g));
+    return statistics.variance();
+  };
+  const double alone = variance();
+  context.light_paths = &plan;
+  EXPECT_LT(variance(), alone / 20);
+}
+
+TEST(LightPath, IsPlannedWhereReflectionsAreNoise) {
+  constexpr float kLevel = 0.05f;  // of the floor
+  const auto plan_of = [](Stage stage) {
+    const auto scene = stage.builder.snapshot();
+    const Camera camera(stage.camera, kSide, kSide, scene->origin);
+    RenderCounters counters;
+    return plan_light_paths({*scene, camera, stage.settings, counters}, {kSide, kSide}, kLevel);
+  };
+  const LightPathPlan plan = plan_of(Stage(metal(0.15f)));
+  ASSERT_EQ(plan.casters.size(), 1u);
+  EXPECT_EQ(plan.casters[0].instance, 0u);
+  EXPECT_FLOAT_EQ(plan.casters[0].chance, 1);
+  EXPECT_EQ(plan.paths, uint32_t(kSide * kSide / 16));
+  EXPECT_TRUE(plan_of(Stage(testing::matt(Rgb(0.5f)))).empty()) << "nothing shines";
+  Stage direct(metal(0.15f));
+  direct.settings.max_depth = 1;
+  EXPECT_TRUE(plan_of(std::move(direct)).empty()) << "no light comes by way of a second surface";
+}
+
+}  // namespace
+}  // namespace alabaster

@@ -1,0 +1,164 @@
+// What light paths bring belongs to samples of pixels: threads, tiles, crops and layers change no byte of it.
+#include "core/session/light_landings.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "core/session/tile_renderer.h"
+#include "testenv/support/path_tracer.h"
+
+namespace alabaster {
+namespace {
+
+using testing::SceneBuilder;
+
+// A metal ball on a matt floor, in the light of a small sphere.
+RenderRequest caustic_request(uint32_t samples) {
+  SceneBuilder b;
+  DisneyParameters ball;
+  ball.base_color = Rgb(0.9f);
+  ball.metallic = 1;
+  ball.roughness = 0.15f;
+  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(ball), Matrix4d().setTranslation(Vec3d(0, 1, -1.2)));
+  b.add(b.prototype(testing::plane_mesh(20)), b.material(testing::matt(Rgb(0.5f))));
+  LightDescription light;
+  light.type = LightType::sphere;
+  light.color = Rgb(200.0f);
+  light.radius = 0.1f;
+  light.light_to_world = Matrix4d().setTranslation(Vec3d(0, 3, 4));
+  b.add(light);
+  RenderRequest request;
+  request.scene = b.snapshot();
+  request.camera = testing::look_at({0.3, 4, 4}, {0, 0, 0}, 40);
+  request.width = request.height = 72;
+  request.data_window = {0, 0, 72, 72};
+  request.settings.samples = samples;
+  request.settings.threads = 1;
+  return request;
+}
+
+std::vector<float> color_of(const RenderRequest& request) {
+  return testing::render(request)->resolve_float(Aov::color);
+}
+
+bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+// The landings of a request, for tests that ask for them alone.
+struct Landings {
+  RenderRequest request;
+  Camera camera{request.camera, request.width, request.height, request.scene->origin};
+  IntegratorSettings settings = integrator_settings(request.settings);
+  LightLandings of{{*request.scene, camera, settings, request.width, request.height, request.data_window,
+                    request.settings.filter, request.settings.frame, request.settings.seed}};
+};
+
+double sum_of(const LandedSample& sample, const PixelRect& window) {
+  double sum = 0;
+  for (int y = window.y0; y < window.y1; ++y)
+    for (int x = window.x0; x < window.x1; ++x)
+      if (const LandedLight* light = sample.find(x, y)) sum += double(light->color.g);
+  return sum;
+}
+
+TEST(LightLandings, AllSamplesButTheFirstHaveThem) {
+  Landings landings{caustic_request(4)};
+  EXPECT_EQ(landings.of.plan(0), nullptr);
+  ASSERT_NE(landings.of.plan(1), nullptr);
+  RenderCounters counters;
+  const auto one = landings.of.of_sample(1, &counters), two = landings.of.of_sample(2, &counters);
+  EXPECT_GT(sum_of(*one, landings.request.data_window), 0);
+  EXPECT_NE(sum_of(*one, landings.request.data_window), sum_of(*two, landings.request.data_window));
+  EXPECT_EQ(landings.of.of_sample(1, &counters), one) << "traced once";
+  EXPECT_EQ(one->find(5, -1), nullptr);
+  EXPECT_EQ(one->find(5, 72), nullptr);
+}
+
+// Filters blur what lands, and keep its sum but for the borders.
+TEST(LightLandings, EveryFilterGivesAsMuch) {
+  const auto mean_of = [](PixelFilter filter) {
+    RenderRequest request = caustic_request(4);
+    request.settings.filter = filter;
+    Landings landings{std::move(request)};
+    EXPECT_NE(landings.of.plan(1), nullptr);
+    RenderCounters counters;
+    double sum = 0;
+    for (uint32_t s = 1; s <= 40; ++s) sum += sum_of(*landings.of.of_sample(s, &counters), {8, 8, 64, 64});
+    return sum / 40;
+  };
+  const double box = mean_of(PixelFilter::box);
+  EXPECT_GT(box, 0);
+  for (const PixelFilter filter : {PixelFilter::triangle, PixelFilter::gaussian, PixelFilter::blackman_harris})
+    EXPECT_NEAR(mean_of(filter), box, 0.03 * box);
+}
+
+TEST(LightLandings, ThreadsTileAndPassesChangeNoByte) {
+  RenderRequest request = caustic_request(6);
+  const auto one = color_of(request);
+  request.settings.threads = 5;
+  EXPECT_TRUE(same_bytes(one, color_of(request)));
+}
+
+TEST(LightLandings, ACropIsAPartOfTheFrame) {
+  RenderRequest request = caustic_request(6);
+  const auto full = color_of(request);
+  request.data_window = {20, 31, 60, 71};
+  const auto crop = color_of(request);
+  for (size_t y = 0; y < 40; ++y)
+    EXPECT_EQ(std::memcmp(&crop[y * 40 * 4], &full[((y + 31) * 72 + 20) * 4], 40 * 4 * sizeof(float)), 0) << y;
+}
+
+TEST(LightLandings, LayersAddUpToTheSameColour) {
+  RenderRequest request = caustic_request(6);
+  const auto alone = color_of(request);
+  request.aovs = ~0u;
+  const auto film = testing::render(request);
+  EXPECT_TRUE(same_bytes(alone, film->resolve_float(Aov::color)));
+  const auto diffuse = film->resolve_float(Aov::diffuse), specular = film->resolve_float(Aov::specular),
+             emission = film->resolve_float(Aov::emission);
+  for (size_t pixel = 0; pixel < 72 * 72; ++pixel) {
+    const double sum = double(diffuse[3 * pixel]) + double(specular[3 * pixel]) + double(emission[3 * pixel]);
+    EXPECT_NEAR(sum, double(alone[4 * pixel]), 1e-5 * std::abs(sum) + 1e-7) << pixel;
+  }
+}
+
+TEST(LightLandings, SamplesOfARangeAreThoseOfTheFrame) {
+  const RenderRequest request = caustic_request(3);
+  const TileRenderer renderer(request), another(request);
+  RenderCounters counters;
+  LightLayers layers;
+  const Rgb third = renderer.trace_sample({40, 50, 2}, &counters, &layers).color;
+  for (uint32_t s = 0; s < 3; ++s) {
+    const Rgb color = another.trace_sample({40, 50, s}, &counters, &layers).color;
+    EXPECT_EQ(color == third, s == 2);
+  }
+}
+
+// Whoever cancels does not wait for light paths, and neither do those who share their tracing.
+TEST(LightLandings, CancelEndsAllWhoWait) {
+  std::atomic<bool> stop{false};
+  Landings landings{caustic_request(4)};
+  landings.settings.walk.cancel = CancelToken(&stop);
+  ASSERT_NE(landings.of.plan(1), nullptr);
+  stop = true;
+  std::atomic<int> cancelled{0};
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i)
+    threads.emplace_back([&] {
+      RenderCounters counters;
+      try {
+        landings.of.of_sample(3, &counters);
+      } catch (const BuildCancelled&) {
+        ++cancelled;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(cancelled, 4);
+}
+
+}  // namespace
+}  // namespace alabaster
