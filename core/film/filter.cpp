@@ -88,7 +88,7 @@ float pixel_filter_density(PixelFilter filter, float offset) {
   const double distance = std::abs(double(offset));
   switch (filter) {
     case PixelFilter::box:
-      return distance <= 0.5 ? 1.0f : 0.0f;
+      return offset >= -0.5f && offset < 0.5f ? 1.0f : 0.0f;
     case PixelFilter::triangle:
       return static_cast<float>(std::max(0.0, 1 - distance));
     case PixelFilter::gaussian: {

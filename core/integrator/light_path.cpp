@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/integrator/boundary.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_surface.h"
 #include "core/integrator/surface_light.h"
@@ -15,14 +16,19 @@ namespace {
 // none does, so that both ways have the same frame.
 constexpr float kLeastCosine = 0.011f;
 
-// Denser directions at the first surface are those of a narrow lobe. They find the second surface well, and a light path
-// would meet the lobe by chance.
+// Denser directions at the first surface are those of a narrow lobe. They find the second surface well, and a light
+// path would meet the lobe by chance.
 constexpr float kMostPdf = 1;
 
-float triangle_area(const Instance& instance, uint32_t triangle) {
+// The density, by area in render space, with which light paths begin at the triangle; 0: none does.
+float begin_pdf(const SceneSnapshot& scene, const LightPathPlan& plan, uint32_t caster, uint32_t triangle) {
+  if (caster >= plan.triangle_chance.size() || !(plan.triangle_chance[caster] > 0)) return 0;
+  const Instance& instance = scene.instances[caster];
   const auto corners = instance.prototype->mesh.corners_at(triangle, 0);
   const Affine& map = instance.object_to_world;
-  return 0.5f * length(cross(map.vector(corners[1] - corners[0]), map.vector(corners[2] - corners[0])));
+  const Vec3d a(map.vector(corners[1] - corners[0])), b(map.vector(corners[2] - corners[0]));
+  const auto pdf = static_cast<float>(plan.triangle_chance[caster] / (0.5 * a.cross(b).length()));
+  return std::isfinite(pdf) ? pdf : 0;
 }
 
 // The point where a light path begins, on the outer side of its surface.
@@ -33,42 +39,55 @@ struct PathBegin {
 };
 
 std::optional<PathBegin> choose_begin(const PathContext& context, const PixelSampler& sampler) {
-  // Choose a caster, and a triangle of it; all its triangles have the same chance.
+  // Choose a caster, and a triangle of it; all its triangles have the same chance. A number of 24 bits could not reach
+  // each of many.
   const LightPathPlan& plan = *context.light_paths;
   const auto u = sampler.draw(Dimension::light_path, 0);
-  float rest = u[0];
+  double rest = double(u[0]) + double(u[3]) * 0x1p-24;
   size_t i = 0;
-  while (i + 1 < plan.casters.size() && rest >= plan.casters[i].chance) rest -= plan.casters[i++].chance;
+  while (i + 1 < plan.casters.size() && rest >= double(plan.casters[i].chance))
+    rest -= double(plan.casters[i++].chance);
   const auto [caster, chance] = plan.casters[i];
   const Instance& instance = context.scene.instances[caster];
   const Mesh& mesh = instance.prototype->mesh;
-  const auto count = static_cast<float>(mesh.triangles.size());
+  const size_t count = mesh.triangles.size();
 
   // Choose a point of the triangle.
   PathBegin begin;
   begin.triangle.instance = caster;
-  begin.triangle.triangle = static_cast<uint32_t>(std::min(std::max(rest / chance, 0.0f) * count, count - 1));
+  const auto chosen = static_cast<size_t>(std::clamp(rest / double(chance), 0.0, 1.0) * static_cast<double>(count));
+  begin.triangle.triangle = static_cast<uint32_t>(std::min(chosen, count - 1));
   const Vec2f b = sample_uniform_triangle({u[1], u[2]});
   begin.triangle.u = b.x, begin.triangle.v = b.y;
   const auto corners = mesh.corners_at(begin.triangle.triangle, 0);
   begin.triangle.normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
-  const float area = triangle_area(instance, begin.triangle.triangle);
-  if (!(area > 0)) return std::nullopt;
-  begin.pdf_area = plan.triangle_chance[caster] / area;
+  begin.pdf_area = begin_pdf(context.scene, plan, caster, begin.triangle.triangle);
+  if (!(begin.pdf_area > 0)) return std::nullopt;
 
   // Look at it from above.
   const SurfacePoint point = surface_point(mesh, begin.triangle, instance.object_to_world, instance.world_to_object);
   begin.v = make_vertex(context, {point.p + point.ng, -point.ng}, begin.triangle);
-  if (begin.v.mapped || begin.v.material.transmits()) return std::nullopt;
-  return begin;
+  return begin.v.mapped ? std::nullopt : std::optional(begin);
 }
 
-// True if the path's ray ends at `what`, at about this distance.
+// True if the triangles have one or two corners in common.
+bool are_neighbours(const Mesh& mesh, uint32_t a, uint32_t b) {
+  const Corners &of_a = mesh.triangles[a], &of_b = mesh.triangles[b];
+  const auto common = std::count_if(
+      of_a.begin(), of_a.end(), [&](auto corner) { return std::find(of_b.begin(), of_b.end(), corner) != of_b.end(); });
+  return common == 1 || common == 2;
+}
+
+// True if the path's ray ends at `what`, at about this distance. Rounding may lead it to the triangle beside, but not
+// to another surface that lies close by.
 bool ends_at(const PathContext& context, const PixelSampler& sampler, const TriangleHit& what, float distance,
              PathState* path, TriangleHit* hit) {
   if (!trace(context, sampler, *path, hit) || hit->instance != what.instance) return false;
-  const bool is_near = std::abs(hit->t - distance) < 1e-4f * distance;
-  if (hit->triangle != what.triangle && !is_near) return false;
+  if (hit->triangle != what.triangle) {
+    const Mesh& mesh = context.scene.instance(hit->instance).prototype->mesh;
+    if (!(std::abs(hit->t - distance) < 1e-4f * distance) || !are_neighbours(mesh, hit->triangle, what.triangle))
+      return false;
+  }
   path->ray.tmax = hit->t;
   return true;
 }
@@ -78,7 +97,8 @@ bool ends_at(const PathContext& context, const PixelSampler& sampler, const Tria
 template <class Visit>
 void for_each_landing(const PathContext& context, Ray ray, const Visit& visit) {
   const SceneSnapshot& scene = context.scene;
-  while (true) {
+  constexpr int kMost = 256;  // as of interiors: rounding may hold a ray up
+  for (int i = 0; i < kMost; ++i) {
     TriangleHit hit;
     ++context.counters.bounce_rays;
     if (!scene.top->intersect(ray, &hit)) return;
@@ -99,27 +119,29 @@ struct Reflection {
   LightSample light;
   float arrives;       // the share of the light
   Vec3f onward;        // unit
-  float pdf_specular;  // of it
+  float pdf_specular;  // of onward
 };
 
 // Follows the path that the camera would take to where the light landed, and from there to where the light path began:
 // everything but the densities of the light path itself is what that path would find.
 template <SubsurfaceMode kMode>
-std::optional<LightLanding> show_landing(const PathContext& context, const PixelSampler& sampler,
-                                         const Reflection& way, const TriangleHit& landed, const SurfacePoint& at) {
+std::optional<LightLanding> show_landing(const PathContext& context, const PixelSampler& sampler, const Reflection& way,
+                                         const TriangleHit& landed, const SurfacePoint& at) {
   // Find where the camera sees the point.
   const auto u = sampler.draw(Dimension::film_lens, 0);
   const auto film = context.camera.film_position(at.p, {u[0], u[1]});
-  if (!film) return std::nullopt;
+  if (!film || !context.light_paths->wants(*film)) return std::nullopt;
   PathState path;
   path.ray = context.camera.generate_ray(*film, {u[0], u[1]});
-  if (dot(at.ng, path.ray.dir) >= 0 || context.scene.clear_bodies.contains(path.ray.org)) return std::nullopt;
+  if (dot(at.ng, path.ray.dir) >= 0) return std::nullopt;
+  if (context.scene.clear_bodies.contains(path.ray.org) && !interiors_at(context, path.ray).empty())
+    return std::nullopt;
   if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(path.ray.dir);
   TriangleHit hit;
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, landed, dot(at.p - path.ray.org, path.ray.dir), &path, &hit)) return std::nullopt;
   const PathVertex x = find_vertex<kMode>(context, hit, &path);
-  if (x.material.transmits() || x.instance->holdout || is_within_medium(x, path)) return std::nullopt;
+  if (x.material.transmits() || x.instance->holdout || goes_on_within_medium<kMode>(x, path)) return std::nullopt;
 
   // Go on from there to where the light path began.
   const DisneyBsdf bsdf_x(x.material, x.frame.to_local(-path.ray.dir), context.settings.energy);
@@ -138,7 +160,9 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, way.begin.triangle, length(to_y), &second, &hit)) return std::nullopt;
   const PathVertex y = find_vertex<kMode>(context, hit, &second);
-  if (y.material.transmits() || is_within_medium(y, second)) return std::nullopt;
+  if (y.material.transmits() || goes_on_within_medium<kMode>(y, second)) return std::nullopt;
+  const bool walks = kMode != SubsurfaceMode::lambert && y.material.scatters();
+  if (way.light.left_to_lobes && !walks) return std::nullopt;
 
   // Reflect the light there.
   const DisneyBsdf bsdf_y(y.material, y.frame.to_local(-dir), context.settings.energy);
@@ -168,8 +192,8 @@ void trace_light_path(const PathContext& context, const PixelSampler& sampler, s
   const PathVertex& v = begin->v;
   const DisneySpecular lobe = DisneySpecular::from(v.material);
   const Vec3f& ng = v.departure.ng;
-  const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
-  const LightSearch search{walks ? ConstantDomes::sampled : ConstantDomes::left_to_lobes, ng};
+  const LightSearch search{kMode == SubsurfaceMode::lambert ? ConstantDomes::left_to_lobes : ConstantDomes::sampled,
+                           ng};
   const auto u = sampler.draw(Dimension::bsdf, 0);
   context.scene.lights_of(*v.instance)
       .sample_lights(v.departure.flat, {ng, ng}, sampler.draw(Dimension::light, 0), search,
@@ -192,10 +216,10 @@ void trace_light_path(const PathContext& context, const PixelSampler& sampler, s
                      });
 }
 
-// Sums over the light paths of a caster.
+// Relative variances of the light that a caster reflects, of a sample of a pixel.
 struct CasterNoise {
-  double camera = 0;  // relative variance that camera paths would leave in a sample of a pixel
-  double light = 0;   // the same of light paths, were all of them its
+  double camera = 0;  // without light paths
+  double light = 0;   // of light paths, if all begin at this caster
 };
 
 CasterNoise noise_of(const PathContext& context, const Vec2f& size, float mean_level, uint32_t samples) {
@@ -208,7 +232,6 @@ CasterNoise noise_of(const PathContext& context, const Vec2f& size, float mean_l
     landings.clear();
     trace(context, PixelSampler(seed, i), &landings);
     for (const LightLanding& l : landings) {
-      if (!(l.film.x >= 0 && l.film.y >= 0 && l.film.x < size.x && l.film.y < size.y)) continue;
       const double shared = luminance(l.color), whole = shared / l.share;
       noise.camera += whole * whole * l.ratio;
       noise.light += shared * shared;
@@ -216,18 +239,6 @@ CasterNoise noise_of(const PathContext& context, const Vec2f& size, float mean_l
   }
   const double scale = context.light_paths->paths / (double(samples) * size.x * size.y * mean_level * mean_level);
   return {noise.camera * scale, noise.light * scale};
-}
-
-// Surfaces at which light paths may begin.
-std::vector<uint32_t> find_casters(const SceneSnapshot& scene) {
-  constexpr size_t kMost = 256;
-  std::vector<uint32_t> casters;
-  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    if (instance.stands_alone() && !instance.prototype->mesh.triangles.empty()) casters.push_back(i);
-    if (casters.size() > kMost) return {};  // no pilot of many is cheap
-  }
-  return casters;
 }
 
 }  // namespace
@@ -248,23 +259,37 @@ float light_path_ratio(const PathContext& context, const PathVertex& v, const Pa
 
 float light_path_ratio(const PathContext& context, const PathState& path, const PathVertex& v, const DisneyBsdf& bsdf,
                        const Vec3f& wi) {
-  const auto& chances = context.light_paths->triangle_chance;
-  const uint32_t instance = v.triangle.instance;
-  if (!(path.light_path_ratio > 0) || instance >= chances.size() || !(chances[instance] > 0) || v.mapped) return 0;
+  if (!(path.light_path_ratio > 0) || v.mapped) return 0;
+  const float pdf_area = begin_pdf(context.scene, *context.light_paths, v.triangle.instance, v.triangle.triangle);
+  if (!(pdf_area > 0)) return 0;
   const Vec3f wo = -path.ray.dir;
   if (!v.departure.is_above(wi) || !(dot(v.hit.ns, wi) > kLeastCosine) || !(dot(v.hit.ns, wo) > kLeastCosine)) return 0;
   if (is_behind(*v.instance, v.triangle, path.ray.dir)) return 0;
-  const float pdf_area = chances[instance] / triangle_area(*v.instance, v.triangle.triangle);
   return path.light_path_ratio * pdf_area * bsdf.reverse_specular_pdf(v.frame.to_local(wi)) / dot(v.departure.ng, wo);
 }
 
-LightPathPlan plan_light_paths(const PathContext& context, const Vec2f& display_size, float mean_level) {
-  // Relative variances per sample. A frame in which all casters have less is left to camera paths, and so is each caster
-  // that has little.
+std::vector<uint32_t> find_casters(const SceneSnapshot& scene, const IntegratorSettings& settings) {
+  constexpr size_t kMost = 256;  // no pilot of more is cheap
+  std::vector<uint32_t> casters;
+  if (settings.max_depth < 2 || scene.lights.size() == 0) return casters;
+  for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const bool shines = std::any_of(instance.materials.begin(), instance.materials.end(), [](const DisneyMaterial* m) {
+      return !m->normal_map && (m->constants.specular > 0 || m->constants.metallic > 0);
+    });
+    if (shines && instance.stands_alone() && !instance.prototype->mesh.triangles.empty()) casters.push_back(i);
+    if (casters.size() > kMost) return {};
+  }
+  return casters;
+}
+
+LightPathPlan plan_light_paths(const PathContext& context, const std::vector<uint32_t>& casters,
+                               const Vec2f& display_size, float mean_level) {
+  // Relative variances per sample. A frame in which all casters have less is left to camera paths, and so is each
+  // caster that has little.
   constexpr double kLeastOfAll = 0.05, kLeast = 0.01, kLeastOfLargest = 0.02;
-  constexpr uint32_t kPilot = 16384, kPilotOfEach = 4096;
-  const std::vector<uint32_t> found = find_casters(context.scene);
-  if (found.empty() || !(mean_level > 0) || context.settings.max_depth < 2) return {};
+  constexpr uint32_t kPilot = 8192, kPilotOfEach = 2048;
+  if (casters.empty() || !(mean_level > 0)) return {};
   LightPathPlan plan;
   plan.paths = static_cast<uint32_t>(
       std::min(kMostLightPaths, std::ceil(kLightPathsPerPixel * display_size.x * display_size.y)));
@@ -273,13 +298,14 @@ LightPathPlan plan_light_paths(const PathContext& context, const Vec2f& display_
   PathContext pilot = context;
   LightPathPlan alone;
   alone.paths = plan.paths;
+  alone.film_begin = {0, 0}, alone.film_end = display_size;
   pilot.light_paths = &alone;
   std::vector<CasterNoise> noises;
   double all = 0, largest = 0;
-  for (const uint32_t caster : found) {
+  for (const uint32_t caster : casters) {
     alone.casters = {{caster, 1}};
     alone.spread_chances(context.scene);
-    const auto samples = std::min(kPilotOfEach, kPilot / static_cast<uint32_t>(found.size()));
+    const auto samples = std::min(kPilotOfEach, kPilot / static_cast<uint32_t>(casters.size()));
     noises.push_back(noise_of(pilot, display_size, mean_level, samples));
     all += noises.back().camera;
     largest = std::max(largest, noises.back().camera);
@@ -287,13 +313,15 @@ LightPathPlan plan_light_paths(const PathContext& context, const Vec2f& display_
   if (!(all > kLeastOfAll)) return {};
 
   // The least sum of the variances of light paths has them in proportion to the roots.
+  const double least = std::max(kLeast, kLeastOfLargest * largest);
   double total = 0;
-  for (size_t i = 0; i < found.size(); ++i) {
-    if (!(noises[i].camera > std::max(kLeast, kLeastOfLargest * largest)) || !(noises[i].light > 0)) continue;
-    plan.casters.push_back({found[i], static_cast<float>(std::sqrt(noises[i].light))});
-    total += plan.casters.back().chance;
+  for (const CasterNoise& noise : noises)
+    if (noise.camera > least) total += std::sqrt(noise.light);
+  if (!(total > 0) || !std::isfinite(total)) return {};
+  for (size_t i = 0; i < casters.size(); ++i) {
+    const auto chance = static_cast<float>(std::sqrt(noises[i].light) / total);
+    if (noises[i].camera > least && chance > 0) plan.casters.push_back({casters[i], chance});
   }
-  for (LightPathPlan::Caster& caster : plan.casters) caster.chance = static_cast<float>(caster.chance / total);
   plan.spread_chances(context.scene);
   return plan;
 }

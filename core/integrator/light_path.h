@@ -1,16 +1,16 @@
 // Light paths: light that a glossy surface reflects onto another, which the camera sees.
 //
 // From the camera such light is found by a direction at the first surface, x, that happens to lead to where the second,
-// y, shines: rarely, and then with a great weight, a firefly. A light path begins at y, at a point drawn by area, samples
-// a light there, reflects it by the specular lobe, and shows where it lands, x, to the camera (light tracing: Dutre,
-// Lafortune, Willems 1993; Veach 1997, 10.2.2). Both ways estimate the same integral. With the point of the light
-// sampled alike, their densities over the film and y differ by the ratio
+// y, shines: rarely, and then with a great weight, a firefly. A light path begins at y, at a point drawn by area,
+// samples a light there, reflects it by the specular lobe, and shows where it lands, x, to the camera (light tracing:
+// Dutre, Lafortune, Willems 1993; Veach 1997, 10.2.2). Both ways estimate the same integral. With the point of the
+// light sampled alike, their densities over the film and y differ by the ratio
 //
 //   r = n p_A(y) p_s(y -> x) cos_x / (J p(x -> y) cos_y)
 //
-// n: light paths a sample of the frame, p_A: density of y by area, p_s: density of the specular lobe for a viewer at the
-// light, p: density of the camera's path, summed over the paths that split there, cos: cosines of facets to the segment
-// x y, whose squared length cancels, J: pixels per area at x. The light path counts r^2 / (1 + r^2) (the power
+// n: light paths a sample of the frame, p_A: density of y by area, p_s: density of the specular lobe for a viewer at
+// the light, p: density of the camera's path, summed over the paths that split there, cos: cosines of facets to the
+// segment x y, whose squared length cancels, J: pixels per area at x. The light path counts r^2 / (1 + r^2) (the power
 // heuristic, Veach 1997, 9.2.3), the camera's the rest: of the part of f that is specular at y, whether a light was
 // sampled there or its direction met one that sampling knows. Where r is small, light paths have no share.
 //
@@ -23,21 +23,25 @@
 
 namespace alabaster {
 
-/// Light paths of a sample of the frame, for each pixel of the display window, and how many at most: their landings take
-/// memory.
-inline constexpr float kLightPathsPerPixel = 1.0f / 16, kMostLightPaths = 1 << 17;
+/// Light paths of a sample of the frame, for each pixel of the display window, and how many at most: their landings
+/// take memory.
+inline constexpr float kLightPathsPerPixel = 1.0f / 32, kMostLightPaths = 1 << 16;
 
 /// Where light paths begin, and how many there are.
 struct LightPathPlan {
   struct Caster {
     uint32_t instance;
-    float chance;  // of a light path to begin there; they sum to one
+    float chance;  // that a light path begins there; all chances sum to one
   };
-  uint32_t paths = 0;  // of a sample of the frame
+  uint32_t paths = 0;  // how many a sample of the frame has
   std::vector<Caster> casters;
-  std::vector<float> triangle_chance;  // by instance: of each of its triangles; beyond the end 0
+  std::vector<float> triangle_chance;  // that a light path begins at one triangle, by instance; 0 beyond the end
+  Vec2f film_begin{-1e9f, -1e9f}, film_end{1e9f, 1e9f};  // landings outside are not wanted
 
   bool empty() const { return casters.empty(); }
+  bool wants(const Vec2f& film) const {
+    return film.x >= film_begin.x && film.y >= film_begin.y && film.x < film_end.x && film.y < film_end.y;
+  }
   /// Makes triangle_chance from the casters.
   void spread_chances(const SceneSnapshot& scene);
 };
@@ -47,7 +51,7 @@ struct LightLanding {
   Vec2f film;
   Rgb color{0.0f};
   Rgb specular{0.0f};  // the part of color that x reflects by its specular lobes
-  float share = 0;     // of the light path, which color has
+  float share = 0;     // r^2 / (1 + r^2), a factor of color
   float ratio = 0;     // r
 };
 
@@ -71,9 +75,13 @@ inline float light_path_share(float ratio) {
   return squared < std::numeric_limits<float>::infinity() ? squared / (1 + squared) : 1;
 }
 
-/// Chooses the surfaces whose reflections would be noise, from a few light paths of each. `mean_level`: of the
-/// picture, mean of red, green and blue. An empty plan: none, and camera paths find all light. `context` stands for any
-/// sample; its `light_paths` are not read.
-LightPathPlan plan_light_paths(const PathContext& context, const Vec2f& display_size, float mean_level);
+/// The instances at which light paths may begin, in order. None if they are too many to be tried.
+std::vector<uint32_t> find_casters(const SceneSnapshot& scene, const IntegratorSettings& settings);
+
+/// Chooses the casters whose reflections would be noise, from a few light paths of each. `mean_level`: of the
+/// picture, mean of red, green and blue. An empty plan: camera paths find all light. `context` stands for any sample;
+/// its `light_paths` are not read. Throws BuildCancelled.
+LightPathPlan plan_light_paths(const PathContext& context, const std::vector<uint32_t>& casters,
+                               const Vec2f& display_size, float mean_level);
 
 }  // namespace alabaster

@@ -240,13 +240,11 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
 template <SubsurfaceMode kMode, bool kMeshLights, bool kLayers>
 bool continue_path(const PathContext& context, const PixelSampler& sampler, const PathVertex& v,
                    const VertexNumbers& numbers, PathState* path, LayerSplit* split) {
-  // A diffusion profile has no way through the medium, only ways into it.
-  if constexpr (kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic)
-    if (is_within_medium(v, *path)) {
-      // The surface has no lobes on that side.
-      if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
-      return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
-    }
+  if (goes_on_within_medium<kMode>(v, *path)) {
+    // The surface has no lobes on that side.
+    if (kLayers && path->depth == 0) split->emission = path->radiance, split->scattered = true;
+    return enter_below<kMode, kMeshLights, kLayers>(context, sampler, v, true, path, split);
+  }
   if (v.material.transmits()) [[unlikely]] {
     const std::optional<Lobe> lobe = scatter_at_boundary(context, v, numbers, path, split);
     if (!lobe) return false;

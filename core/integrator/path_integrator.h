@@ -54,11 +54,11 @@ struct PathContext {
   const Camera& camera;
   const IntegratorSettings& settings;
   RenderCounters& counters;
-  LightLayers* layers = nullptr;              // of the sample, for integrators that were selected with layers
-  uint32_t aovs = aov_bit(Aov::color);        // bits of Aov: values of the first hit are computed only for these
-  PathRecord* record = nullptr;               // the path is written here; needs layers
-  float time = 0;                             // of the shutter; all rays have it. `camera` stands as it does then
-  const HitVectorRequest* vectors = nullptr;  // null: no AOV shows them
+  LightLayers* layers = nullptr;               // of the sample, for integrators that were selected with layers
+  uint32_t aovs = aov_bit(Aov::color);         // bits of Aov: values of the first hit are computed only for these
+  PathRecord* record = nullptr;                // the path is written here; needs layers
+  float time = 0;                              // of the shutter; all rays have it. `camera` stands as it does then
+  const HitVectorRequest* vectors = nullptr;   // null: no AOV shows them
   const LightPathPlan* light_paths = nullptr;  // whose landings will be added to the sample; null: none
 };
 

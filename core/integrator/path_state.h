@@ -41,8 +41,8 @@ struct PathState {
   Rgb twin_light{0.0f};          // that its twin took out of the path's radiance
   Footprint footprint;
   Interiors interiors;  // that the ray is in
-  /// Of a ray from the first surface: the density of light paths over that of such rays, but for what depends on the
-  /// surface that it meets; 0: light paths do not come this way (light_path.h).
+  /// The density of light paths over that of rays from the first surface, but for factors of the surface that the ray
+  /// meets; 0: light paths do not come this way (light_path.h).
   float light_path_ratio = 0;
   /// The share of the light that the ray meets and light sampling knows which light paths leave to this one.
   Rgb left_to_path{1.0f};

@@ -24,6 +24,14 @@ bool keeps_footprints(const PathContext& context) {
          context.settings.glossy_filter > 0;
 }
 
+/// True if the path came to the vertex through the medium and goes on in it. A diffusion profile has no way through the
+/// medium, only ways into it.
+template <SubsurfaceMode kMode>
+bool goes_on_within_medium(const PathVertex& v, const PathState& path) {
+  if constexpr (kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic) return is_within_medium(v, path);
+  return false;
+}
+
 /// The surface where the path's ray ends.
 template <SubsurfaceMode kMode>
 PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {

@@ -17,10 +17,11 @@ constexpr uint32_t kChunk = 512;  // light paths that a thread traces at a time
 // Passes take up to 16 samples, and two of them overlap.
 constexpr size_t kMostBuilds = 34;
 
+constexpr int kReach = 2;  // pixels; no filter is wider
+
 // Chooses one of the pixels along an axis whose filters have the position in their support, by their densities there.
 // `weight`: the sum of those, next to 1.
 int choose_pixel(PixelFilter filter, float position, float u, float* weight) {
-  constexpr int kReach = 2;  // pixels; no filter is wider
   const int middle = static_cast<int>(std::floor(position));
   std::array<float, 2 * kReach + 1> densities;
   float sum = 0;
@@ -47,7 +48,8 @@ float measure_level(const LightLandingsRequest& request, RenderCounters* counter
   const PathContext context{request.scene, request.camera, request.settings, *counters};
   const PathIntegrator trace = select_path_integrator(request.scene.features, request.settings, false);
   double sum = 0;
-  for (int j = 0; j < kSide; ++j)
+  for (int j = 0; j < kSide; ++j) {
+    request.settings.walk.cancel.check();
     for (int i = 0; i < kSide; ++i) {
       const Vec2f film((static_cast<float>(i) + 0.5f) / kSide * static_cast<float>(request.width),
                        (static_cast<float>(j) + 0.5f) / kSide * static_cast<float>(request.height));
@@ -55,6 +57,7 @@ float measure_level(const LightLandingsRequest& request, RenderCounters* counter
       const Rgb color = trace(context, request.camera.generate_ray(film, {0.5f, 0.5f}), sampler).color;
       if (is_finite(color)) sum += (double(color.r) + double(color.g) + double(color.b)) / 3;
     }
+  }
   return static_cast<float>(sum / (kSide * kSide));
 }
 
@@ -84,7 +87,7 @@ LandedSample::LandedSample(const PixelRect& window, std::vector<Entry> entries)
 
 const LandedLight* LandedSample::find(int x, int y) const {
   const auto row = static_cast<size_t>(y - y0_);
-  if (row + 1 >= rows_.size()) return nullptr;
+  if (y < y0_ || row + 1 >= rows_.size()) return nullptr;
   const auto begin = entries_.begin() + rows_[row], end = entries_.begin() + rows_[row + 1];
   const auto found = std::lower_bound(begin, end, x, [](const Entry& entry, int at) { return entry.x < at; });
   return found != end && found->x == x ? &found->light : nullptr;
@@ -114,10 +117,15 @@ void LightLandings::make_plan() {
   if (is_planned_.load(std::memory_order_acquire)) return;
   const std::lock_guard lock(plan_lock_);
   if (is_planned_) return;
+  const std::vector<uint32_t> casters = find_casters(request_.scene, request_.settings);
+  if (casters.empty()) return is_planned_.store(true, std::memory_order_release);
   RenderCounters counters;  // nobody counts a pilot
   const PathContext context{request_.scene, request_.camera, request_.settings, counters};
   const Vec2f size(static_cast<float>(request_.width), static_cast<float>(request_.height));
-  plan_ = plan_light_paths(context, size, measure_level(request_, &counters));
+  plan_ = plan_light_paths(context, casters, size, measure_level(request_, &counters));
+  const PixelRect& window = request_.window;
+  plan_.film_begin = Vec2f(static_cast<float>(window.x0 - kReach), static_cast<float>(window.y0 - kReach));
+  plan_.film_end = Vec2f(static_cast<float>(window.x1 + kReach), static_cast<float>(window.y1 + kReach));
   is_planned_.store(true, std::memory_order_release);
 }
 
@@ -171,12 +179,16 @@ std::shared_ptr<const LandedSample> LightLandings::of_sample(uint32_t sample, Re
     } catch (...) {
       failure = std::current_exception();
     }
-
-    // The last puts all together.
     const std::lock_guard lock(build->lock);
     if (failure) build->failure = failure;
     if (--build->left > 0) continue;
-    if (!build->failure) build->landed = std::make_shared<LandedSample>(request_.window, joined(build->chunks));
+
+    // The last puts all together.
+    try {
+      if (!build->failure) build->landed = std::make_shared<LandedSample>(request_.window, joined(build->chunks));
+    } catch (...) {
+      build->failure = std::current_exception();
+    }
     build->chunks.clear();
     build->done.notify_all();
   }

@@ -1,5 +1,5 @@
-// What light paths bring to the samples of a frame (core/integrator/light_path.h). Each sample of the frame has light
-// paths of its own, so that a pixel's sample stays a function of its address.
+// Light that light paths bring to the samples of a frame (core/integrator/light_path.h). Each sample of the frame has
+// light paths of its own, so that a pixel's sample stays a function of its address.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace alabaster {
 
-/// What a pixel gets: colour, and the part of it that its first surface reflects by its specular lobes.
+/// Light that a pixel gets: colour, and the part of it that its first surface reflects by its specular lobes.
 struct LandedLight {
   Rgb color{0.0f}, specular{0.0f};
 };
@@ -58,7 +58,7 @@ class LandedCache {
   std::array<Slot, 16> slots_;  // as many as a pass has samples
 };
 
-/// What all light paths of a frame need to know.
+/// Everything that the light paths of a frame need to know.
 struct LightLandingsRequest {
   const SceneSnapshot& scene;
   const Camera& camera;
@@ -69,8 +69,8 @@ struct LightLandingsRequest {
   uint32_t frame, seed;
 };
 
-/// Traces light paths when a sample first asks for them, by all threads that ask for the same sample meanwhile. May be
-/// shared by any number of threads.
+/// Traces the light paths of a sample when a thread first asks for it, on all threads that ask for it meanwhile. Any
+/// number of threads may share one.
 class LightLandings {
  public:
   explicit LightLandings(const LightLandingsRequest& request) : request_(request) {}
@@ -83,7 +83,8 @@ class LightLandings {
  private:
   struct Build;
   void make_plan();
-  void trace_chunk(uint32_t sample, uint32_t chunk, RenderCounters* counters, std::vector<LandedSample::Entry>* out) const;
+  void trace_chunk(uint32_t sample, uint32_t chunk, RenderCounters* counters,
+                   std::vector<LandedSample::Entry>* out) const;
   std::shared_ptr<Build> build_of(uint32_t sample);
 
   const LightLandingsRequest request_;

@@ -82,7 +82,8 @@ class TileRenderer {
   FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
                           const SampleParts& parts) const;
 
-  void add_landed(const SampleAddress& at, RenderCounters* counters, const SampleParts& parts, FilmSample* result) const;
+  void add_landed(const SampleAddress& at, RenderCounters* counters, const SampleParts& parts,
+                  FilmSample* result) const;
   NonfiniteCause nonfinite_cause(const PathContext& path, const Ray& ray, const PixelSampler& sampler) const;
 
   const RenderRequest& request_;

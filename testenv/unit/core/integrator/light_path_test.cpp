@@ -1,4 +1,4 @@
-// Light paths and camera paths share light: what one finds, the other leaves.
+// Light paths bring as much light as they take from camera paths.
 #include "core/integrator/light_path.h"
 
 #include <gtest/gtest.h>
@@ -13,13 +13,22 @@ using testing::RunningStatistics;
 using testing::SceneBuilder;
 
 constexpr int kSide = 16;  // pixels of the film
-constexpr int kZTests = 12;
+constexpr int kZTests = 16;
 
 DisneyParameters metal(float roughness) {
   DisneyParameters p;
   p.base_color = Rgb(0.9f);
   p.metallic = 1;
   p.roughness = roughness;
+  return p;
+}
+
+DisneyParameters wax(float distance) {
+  DisneyParameters p;
+  p.base_color = {0.9f, 0.7f, 0.5f};
+  p.scatter_distance = Rgb(distance);
+  p.specular = 1;
+  p.roughness = 0.35f;
   return p;
 }
 
@@ -75,7 +84,8 @@ Shares measure_shares(Stage* stage, uint32_t samples, uint32_t paths = 256, uint
     const float x = rng.uniform(), y = rng.uniform(), lens = rng.uniform();
     const Ray ray = camera.generate_ray(Vec2f(x, y) * float(kSide), {lens, rng.uniform()});
     const PixelSampler sampler(5, i);
-    const double taken = double(trace_camera(alone, ray, sampler).color.g) - double(trace_camera(shared, ray, sampler).color.g);
+    const double taken =
+        double(trace_camera(alone, ray, sampler).color.g) - double(trace_camera(shared, ray, sampler).color.g);
     landings.clear();
     trace_light(landing, PixelSampler(6, i), &landings);
     double landed = 0;
@@ -93,7 +103,8 @@ Shares measure_shares(Stage* stage, uint32_t samples, uint32_t paths = 256, uint
 void expect_shared(Stage* stage, uint32_t samples = 100000) {
   const Shares shares = measure_shares(stage, samples);
   const auto result = z_test(shares.missed, 0, {.number_of_tests = kZTests});
-  EXPECT_TRUE(result.passed) << result.report << ", taken " << shares.taken.mean() << ", landed " << shares.landed.mean();
+  EXPECT_TRUE(result.passed) << result.report << ", taken " << shares.taken.mean() << ", landed "
+                             << shares.landed.mean();
   EXPECT_GT(shares.landed.mean(), 8 * shares.missed.standard_error()) << "or the comparison proves nothing";
 }
 
@@ -137,15 +148,10 @@ TEST(LightPath, BringsWhatItTakesFromManyLights) {
 
 // The ball scatters and has a coat; the floor reflects, too.
 TEST(LightPath, BringsWhatItTakesFromABodyOntoGloss) {
-  DisneyParameters wax;
-  wax.base_color = {0.9f, 0.7f, 0.5f};
-  wax.scatter_distance = Rgb(0.2f);
-  wax.specular = 1;
-  wax.roughness = 0.35f;
-  wax.clearcoat = 1;
-  DisneyParameters floor;
+  DisneyParameters coated = wax(0.2f), floor;
+  coated.clearcoat = 1;
   floor.roughness = 0.6f;
-  Stage stage(wax, floor);
+  Stage stage(coated, floor);
   expect_shared(&stage, 200000);
 }
 
@@ -172,6 +178,56 @@ TEST(LightPath, BringsWhatItTakesFromStretchedMeshes) {
   Stage stage;
   stage.builder.description.instances[0].object_to_world =
       Matrix4d().setScale(Vec3d(-1.5, 0.7, 0.8)) * Matrix4d().setTranslation(Vec3d(0, 0.8, -1.2));
+  expect_shared(&stage);
+}
+
+// Each face twice: a ray meets one of the two.
+TEST(LightPath, BringsWhatItTakesFromDoubledFaces) {
+  Stage stage;
+  Mesh doubled = testing::sphere_mesh(1, 24, true);
+  const auto once = doubled.triangles;
+  doubled.triangles.insert(doubled.triangles.end(), once.begin(), once.end());
+  if (!doubled.normal_triangles.empty()) {
+    const auto normals = doubled.normal_triangles;
+    doubled.normal_triangles.insert(doubled.normal_triangles.end(), normals.begin(), normals.end());
+  }
+  stage.builder.description.instances[0].prototype = stage.builder.prototype(std::move(doubled));
+  expect_shared(&stage);
+}
+
+// The dome is sampled where light enters a body, and left to the lobes where the body is too dense for a walk.
+TEST(LightPath, BringsWhatItTakesFromASkyOverBodies) {
+  for (const float distance : {0.2f, 1e-7f}) {
+    SCOPED_TRACE(distance);
+    Stage stage(wax(distance));
+    stage.builder.add(testing::constant_dome(0.5f, true));
+    expect_shared(&stage, 200000);
+  }
+}
+
+// Walls that scatter all around the camera. A diffusion profile has no way out of them, and light meets their lobes.
+TEST(LightPath, BringsWhatItTakesWithinBodies) {
+  for (const SubsurfaceMode mode : {SubsurfaceMode::diffusion, SubsurfaceMode::walk}) {
+    Stage stage;
+    stage.settings.subsurface = mode;
+    SceneBuilder& b = stage.builder;
+    b.add(b.prototype(testing::sphere_mesh(8, 24, true)), b.material(wax(0.2f)));
+    const Shares shares = measure_shares(&stage, 20000);
+    const auto result = z_test(shares.missed, 0, {.number_of_tests = kZTests});
+    EXPECT_TRUE(result.passed) << result.report;
+  }
+}
+
+// The camera stands between two glasses: in the box around both, in neither of them.
+TEST(LightPath, BringsWhatItTakesBetweenGlasses) {
+  Stage stage;
+  DisneyParameters glass;
+  glass.spec_trans = 1;
+  SceneBuilder& b = stage.builder;
+  const auto ball = b.prototype(testing::sphere_mesh(0.3f, 16, true));
+  b.add(ball, b.material(glass), Matrix4d().setTranslation(Vec3d(-4, 0.5, -4)));
+  b.add(ball, b.material(glass), Matrix4d().setTranslation(Vec3d(4, 6, 6)));
+  ASSERT_TRUE(b.snapshot()->clear_bodies.contains({0.3f, 1, 1}));
   expect_shared(&stage);
 }
 
@@ -207,13 +263,14 @@ TEST(LightPath, IsPlannedWhereReflectionsAreNoise) {
     const auto scene = stage.builder.snapshot();
     const Camera camera(stage.camera, kSide, kSide, scene->origin);
     RenderCounters counters;
-    return plan_light_paths({*scene, camera, stage.settings, counters}, {kSide, kSide}, kLevel);
+    return plan_light_paths({*scene, camera, stage.settings, counters}, find_casters(*scene, stage.settings),
+                            {kSide, kSide}, kLevel);
   };
   const LightPathPlan plan = plan_of(Stage(metal(0.15f)));
   ASSERT_EQ(plan.casters.size(), 1u);
   EXPECT_EQ(plan.casters[0].instance, 0u);
   EXPECT_FLOAT_EQ(plan.casters[0].chance, 1);
-  EXPECT_EQ(plan.paths, uint32_t(kSide * kSide / 16));
+  EXPECT_EQ(plan.paths, uint32_t(kSide * kSide / 32));
   EXPECT_TRUE(plan_of(Stage(testing::matt(Rgb(0.5f)))).empty()) << "nothing shines";
   Stage direct(metal(0.15f));
   direct.settings.max_depth = 1;

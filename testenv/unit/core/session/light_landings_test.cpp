@@ -1,4 +1,4 @@
-// What light paths bring belongs to samples of pixels: threads, tiles, crops and layers change no byte of it.
+// Light of light paths belongs to samples of pixels: threads, tiles, crops and layers change no byte of it.
 #include "core/session/light_landings.h"
 
 #include <gtest/gtest.h>
@@ -138,7 +138,7 @@ TEST(LightLandings, SamplesOfARangeAreThoseOfTheFrame) {
   }
 }
 
-// Whoever cancels does not wait for light paths, and neither do those who share their tracing.
+// No thread waits for light paths after a cancel, nor one that shares their tracing.
 TEST(LightLandings, CancelEndsAllWhoWait) {
   std::atomic<bool> stop{false};
   Landings landings{caustic_request(4)};
