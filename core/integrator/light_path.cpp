@@ -156,7 +156,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   if (keeps_footprints<kMode>(context)) second.footprint.scatter(value.pdf);
   second.go_on(x.departure.flat, dir);
   second.scatter_pdf = value.pdf * static_cast<float>(kPathsPerSample);
-  second.light_path_ratio = light_path_ratio(context, x, path, second);
+  second.light_path_ratio = light_path_ratio_from(context, x, path, second);
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, way.begin.triangle, length(to_y), &second, &hit)) return std::nullopt;
   const PathVertex y = find_vertex<kMode>(context, hit, &second);
@@ -170,7 +170,8 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   Rgb shine;
   bsdf_y.evaluate(to_light, &shine);
   LightLanding landing{*film};
-  landing.ratio = is_black(shine) ? 0 : light_path_ratio(context, second, y, bsdf_y, way.light.wi);
+  const float known = is_black(shine) ? 0 : light_path_ratio_at(context, second, y);
+  landing.ratio = light_path_ratio(known, y, bsdf_y, way.light.wi);
   landing.share = light_path_share(landing.ratio);
   if (!(landing.share > 0)) return std::nullopt;
 
@@ -250,22 +251,25 @@ void LightPathPlan::spread_chances(const SceneSnapshot& scene) {
         caster.chance / static_cast<float>(scene.instances[caster.instance].prototype->mesh.triangles.size());
 }
 
-float light_path_ratio(const PathContext& context, const PathVertex& v, const PathState& from, const PathState& to) {
+float light_path_ratio_from(const PathContext& context, const PathVertex& v, const PathState& from,
+                            const PathState& to) {
   const Vec3f& wi = to.ray.dir;
   if (!v.departure.is_above(wi) || to.scatter_pdf > kMostPdf) return 0;
   const float pixels = context.camera.pixels_per_area(from.ray.dir, v.hit.p) * -dot(v.departure.ng, from.ray.dir);
   return static_cast<float>(context.light_paths->paths) * dot(v.departure.ng, wi) / (pixels * to.scatter_pdf);
 }
 
-float light_path_ratio(const PathContext& context, const PathState& path, const PathVertex& v, const DisneyBsdf& bsdf,
-                       const Vec3f& wi) {
-  if (!(path.light_path_ratio > 0) || v.mapped) return 0;
-  const float pdf_area = begin_pdf(context.scene, *context.light_paths, v.triangle.instance, v.triangle.triangle);
-  if (!(pdf_area > 0)) return 0;
+float light_path_ratio_at(const PathContext& context, const PathState& path, const PathVertex& v) {
   const Vec3f wo = -path.ray.dir;
-  if (!v.departure.is_above(wi) || !(dot(v.hit.ns, wi) > kLeastCosine) || !(dot(v.hit.ns, wo) > kLeastCosine)) return 0;
-  if (is_behind(*v.instance, v.triangle, path.ray.dir)) return 0;
-  return path.light_path_ratio * pdf_area * bsdf.reverse_specular_pdf(v.frame.to_local(wi)) / dot(v.departure.ng, wo);
+  if (v.mapped || !(dot(v.hit.ns, wo) > kLeastCosine)) return 0;
+  const float pdf_area = begin_pdf(context.scene, *context.light_paths, v.triangle.instance, v.triangle.triangle);
+  if (!(pdf_area > 0) || is_behind(*v.instance, v.triangle, path.ray.dir)) return 0;
+  return path.light_path_ratio * pdf_area / dot(v.departure.ng, wo);
+}
+
+float light_path_ratio(float known, const PathVertex& v, const DisneyBsdf& bsdf, const Vec3f& wi) {
+  if (!(known > 0) || !v.departure.is_above(wi) || !(dot(v.hit.ns, wi) > kLeastCosine)) return 0;
+  return known * bsdf.reverse_specular_pdf(v.frame.to_local(wi));
 }
 
 std::vector<uint32_t> find_casters(const SceneSnapshot& scene, const IntegratorSettings& settings) {

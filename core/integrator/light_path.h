@@ -61,12 +61,13 @@ using LightPathTracer = void (*)(const PathContext& context, const PixelSampler&
                                  std::vector<LightLanding>* landings);
 LightPathTracer select_light_path_tracer(const SceneFeatures& features, const IntegratorSettings& settings);
 
-/// The part of r that is known at the first surface, `v`, where the ray of `from` ends and that of `to` begins.
-float light_path_ratio(const PathContext& context, const PathVertex& v, const PathState& from, const PathState& to);
-
-/// r of the path whose ray met `v`, for light from unit direction `wi`; 0 where light paths do not come.
-float light_path_ratio(const PathContext& context, const PathState& path, const PathVertex& v, const DisneyBsdf& bsdf,
-                       const Vec3f& wi);
+/// The factors of r that are known at the first surface, `v`, where the ray of `from` ends and that of `to` begins.
+float light_path_ratio_from(const PathContext& context, const PathVertex& v, const PathState& from,
+                            const PathState& to);
+/// All factors of r but p_s, where the ray of `path`, which has those, met `v`. 0 if light paths do not begin there.
+float light_path_ratio_at(const PathContext& context, const PathState& path, const PathVertex& v);
+/// r for light from unit direction `wi`. `known`: light_path_ratio_at(). `bsdf`: that of `v`.
+float light_path_ratio(float known, const PathVertex& v, const DisneyBsdf& bsdf, const Vec3f& wi);
 
 /// The share of light paths. Below a ratio of a twentieth it would be less than one part in 400.
 inline float light_path_share(float ratio) {

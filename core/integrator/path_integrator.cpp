@@ -163,7 +163,7 @@ template <SubsurfaceMode kMode, bool kLayers>
 bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, const std::array<float, 4>& u,
                       LobedVertex* at, PathState* path, LobeChoice* choice) {
   PathRecord* const record = record_of<kLayers>(context);
-  const bool splits = kLayers && path->depth == 0, shares = path->light_path_ratio > 0;
+  const bool splits = kLayers && path->depth == 0, shares = at->light_path_ratio > 0;
   Rgb specular;
   const auto sample = at->bsdf.sample(u[0], {u[1], u[2]}, splits || shares ? &specular : nullptr);
   if (sample) DCHECK_GE(sample->pdf, 0.0f);
@@ -177,7 +177,7 @@ bool continue_by_lobe(const PathContext& context, const PixelSampler& sampler, c
     if (!at->below) at->below.emplace(at->v, context.settings, false).flat = at->flat;
     return continue_below<kMode, kLayers>(context, sampler, *at->below, path);
   }
-  const Rgb left = shares ? left_to_path(context, *path, *at, sample->wi, share_of(specular, sample->f)) : Rgb(1.0f);
+  const Rgb left = shares ? left_to_path(*at, sample->wi, share_of(specular, sample->f)) : Rgb(1.0f);
   const bool leaves = scatter_at_surface(context, at->v, *sample, path);
   path->left_to_path = left;
   if (record && !leaves) record->end("the direction leads into the surface");
@@ -204,7 +204,7 @@ void split_by_lobes(const PathContext& context, const PixelSampler& sampler, Lob
         if (choice.lobe == Lobe::subsurface) return true;
         branch->scatter_pdf *= kPathsPerSample;
         if (context.light_paths && path->interiors.empty() && !path->passed_boundary)
-          branch->light_path_ratio = light_path_ratio(context, at->v, *path, *branch);
+          branch->light_path_ratio = light_path_ratio_from(context, at->v, *path, *branch);
         return true;
       },
       [&](const Rgb& light, const WalkLayers& walk) {
@@ -224,6 +224,8 @@ bool scatter(const PathContext& context, const PixelSampler& sampler, const Path
   if (splits) split->emission = path->radiance, split->scattered = true;
   const DisneyBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), context.settings.energy);
   LobedVertex at{v, bsdf};
+  if (path->light_path_ratio > 0) [[unlikely]]
+    at.light_path_ratio = light_path_ratio_at(context, *path, v);
 
   // Sample the lights.
   add_direct_light<kMode, kLayers>(context, numbers.light, &at, path, split);

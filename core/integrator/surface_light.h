@@ -19,6 +19,7 @@ inline constexpr uint32_t kPathsPerSample = 2;
 struct LobedVertex {
   const PathVertex& v;
   const DisneyBsdf& bsdf;
+  float light_path_ratio = 0;             // light_path_ratio_at() the vertex
   std::optional<FlatExit> flat = {};      // VertexBelow's
   std::optional<VertexBelow> below = {};  // made once it is needed
 };
@@ -40,11 +41,9 @@ void add_flat_light(const PathContext& context, const LobedVertex& at, PathState
 }
 
 /// The share of light from `wi` that light paths leave to the path, if `specular_share` of f is specular.
-inline Rgb left_to_path(const PathContext& context, const PathState& path, const LobedVertex& at, const Vec3f& wi,
-                        const Rgb& specular_share) {
-  if (is_black(specular_share)) return Rgb(1.0f);
-  const float ratio = light_path_ratio(context, path, at.v, at.bsdf, at.v.frame.to_world(wi));
-  return Rgb(1.0f) - specular_share * light_path_share(ratio);
+inline Rgb left_to_path(const LobedVertex& at, const Vec3f& wi, const Rgb& specular_share) {
+  return Rgb(1.0f) - specular_share * light_path_share(light_path_ratio(at.light_path_ratio, at.v, at.bsdf,
+                                                                        at.v.frame.to_world(wi)));
 }
 
 /// Samples the lights. Sets at->flat where walks have twins.
@@ -52,7 +51,7 @@ template <SubsurfaceMode kMode, bool kLayers>
 void add_direct_light(const PathContext& context, const std::array<float, 4>& u, LobedVertex* at, PathState* path,
                       LayerSplit* split) {
   const PathVertex& v = at->v;
-  const bool splits = kLayers && path->depth == 0, shares = path->light_path_ratio > 0;
+  const bool splits = kLayers && path->depth == 0, shares = at->light_path_ratio > 0;
   PathRecord* const record = record_of<kLayers>(context);
   const float directions = path->depth == 0 ? static_cast<float>(kPathsPerSample) : 1.0f;
   const bool walks = kMode != SubsurfaceMode::lambert && v.material.scatters();
@@ -63,7 +62,7 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     if (!(wi.z > 0) || !v.is_above_surface(wi_world)) return {};
     Rgb specular;
     BsdfValue value = at->bsdf.evaluate(wi, splits || shares ? &specular : nullptr);
-    if (shares) value.f *= left_to_path(context, *path, *at, wi, share_of(specular, value.f));
+    if (shares) value.f *= left_to_path(*at, wi, share_of(specular, value.f));
     const float pdf = value.pdf * directions;
     if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
     ScatterValue scattered{value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
