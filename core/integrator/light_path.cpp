@@ -161,8 +161,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   if (!ends_at(context, sampler, way.begin.triangle, length(to_y), &second, &hit)) return std::nullopt;
   const PathVertex y = find_vertex<kMode>(context, hit, &second);
   if (y.material.transmits() || goes_on_within_medium<kMode>(y, second)) return std::nullopt;
-  const bool walks = kMode != SubsurfaceMode::lambert && y.material.scatters();
-  if (way.light.left_to_lobes && !walks) return std::nullopt;
+  if (way.light.left_to_lobes && (kMode == SubsurfaceMode::lambert || !y.material.scatters())) return std::nullopt;
 
   // Reflect the light there.
   const DisneyBsdf bsdf_y(y.material, y.frame.to_local(-dir), context.settings.energy);
