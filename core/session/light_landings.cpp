@@ -22,24 +22,22 @@ constexpr int kReach = 2;  // pixels; no filter is wider
 // Chooses one of the pixels along an axis whose filters have the position in their support, by their densities there.
 // `weight`: the sum of those, next to 1.
 int choose_pixel(PixelFilter filter, float position, float u, float* weight) {
-  const int middle = static_cast<int>(std::floor(position));
-  std::array<float, 2 * kReach + 1> densities;
+  const int first = static_cast<int>(std::floor(position)) - kReach;
+  std::array<float, size_t{2} * kReach + 1> densities;
   float sum = 0;
-  for (int i = -kReach; i <= kReach; ++i) {
-    const float density = pixel_filter_density(filter, position - (static_cast<float>(middle + i) + 0.5f));
-    densities[static_cast<size_t>(i + kReach)] = density;
-    sum += density;
+  for (size_t i = 0; i < densities.size(); ++i) {
+    densities[i] = pixel_filter_density(filter, position - (static_cast<float>(first + static_cast<int>(i)) + 0.5f));
+    sum += densities[i];
   }
   *weight = sum;
   float rest = u * sum;
-  int chosen = 0;
-  for (int i = -kReach; i <= kReach; ++i) {
-    const float density = densities[static_cast<size_t>(i + kReach)];
-    if (density > 0) chosen = i;
-    if (rest < density) break;
-    rest -= density;
+  size_t chosen = kReach;
+  for (size_t i = 0; i < densities.size(); ++i) {
+    if (densities[i] > 0) chosen = i;
+    if (rest < densities[i]) break;
+    rest -= densities[i];
   }
-  return middle + chosen;
+  return first + static_cast<int>(chosen);
 }
 
 // The mean of red, green and blue over some pixels of a frame.
