@@ -4,18 +4,19 @@
 #include <opensubdiv/far/topologyRefinerFactory.h>
 #include <tbb/global_control.h>
 
-#include <cstring>
 #include <memory>
 #include <tuple>
 
 #include "core/geometry/mesh.h"
 #include "testenv/support/cages.h"
+#include "testenv/support/same_bytes.h"
 
 namespace alabaster {
 namespace {
 
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
+using testing::same_bytes;
 
 Mesh refine(const Cage& cage, int level) {
   RefinementOptions options;
@@ -382,11 +383,6 @@ TEST(Subdivision, EstimateIsAnUpperBound) {
       EXPECT_GE(estimate, real);
       EXPECT_LE(estimate, 5 * real);
     }
-}
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 TEST(Subdivision, AnyNumberOfThreadsGivesTheSameBytes) {

@@ -3,25 +3,20 @@
 
 #include <gtest/gtest.h>
 
+#include "testenv/support/ball_on_floor.h"
 #include "testenv/support/path_tracer.h"
 #include "testenv/support/z_test.h"
 
 namespace alabaster {
 namespace {
 
+using testing::metal;
 using testing::RunningStatistics;
 using testing::SceneBuilder;
+using testing::small_light;
 
 constexpr int kSide = 16;  // pixels of the film
 constexpr int kZTests = 16;
-
-DisneyParameters metal(float roughness) {
-  DisneyParameters p;
-  p.base_color = Rgb(0.9f);
-  p.metallic = 1;
-  p.roughness = roughness;
-  return p;
-}
 
 DisneyParameters wax(float distance) {
   DisneyParameters p;
@@ -30,15 +25,6 @@ DisneyParameters wax(float distance) {
   p.specular = 1;
   p.roughness = 0.35f;
   return p;
-}
-
-LightDescription small_light(LightType type = LightType::sphere) {
-  LightDescription light;
-  light.type = type;
-  light.color = Rgb(type == LightType::distant ? 3.0f : 200.0f);
-  light.radius = 0.1f;
-  light.light_to_world = Matrix4d().setTranslation(Vec3d(0, 3, 4));
-  return light;
 }
 
 struct Stage {
@@ -50,9 +36,7 @@ struct Stage {
   /// A floor, and a ball that stands on it behind what the camera looks at.
   explicit Stage(const DisneyParameters& ball = metal(0.4f), const DisneyParameters& floor = testing::matt(Rgb(0.5f)),
                  const LightDescription& light = small_light()) {
-    builder.add(builder.prototype(testing::sphere_mesh(1, 24, true)), builder.material(ball),
-                Matrix4d().setTranslation(Vec3d(0, 1, -1.2)));
-    builder.add(builder.prototype(testing::plane_mesh(20)), builder.material(floor)).add(light);
+    testing::add_ball_on_floor(ball, floor, light, &builder);
   }
 };
 

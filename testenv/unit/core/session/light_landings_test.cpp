@@ -4,32 +4,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <thread>
 
 #include "core/session/tile_renderer.h"
+#include "testenv/support/ball_on_floor.h"
 #include "testenv/support/path_tracer.h"
+#include "testenv/support/same_bytes.h"
 
 namespace alabaster {
 namespace {
 
-using testing::SceneBuilder;
+using testing::same_bytes;
 
 // A metal ball on a matt floor, in the light of a small sphere.
 RenderRequest caustic_request(uint32_t samples) {
-  SceneBuilder b;
-  DisneyParameters ball;
-  ball.base_color = Rgb(0.9f);
-  ball.metallic = 1;
-  ball.roughness = 0.15f;
-  b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(ball), Matrix4d().setTranslation(Vec3d(0, 1, -1.2)));
-  b.add(b.prototype(testing::plane_mesh(20)), b.material(testing::matt(Rgb(0.5f))));
-  LightDescription light;
-  light.type = LightType::sphere;
-  light.color = Rgb(200.0f);
-  light.radius = 0.1f;
-  light.light_to_world = Matrix4d().setTranslation(Vec3d(0, 3, 4));
-  b.add(light);
+  testing::SceneBuilder b;
+  testing::add_ball_on_floor(testing::metal(0.15f), testing::matt(Rgb(0.5f)), testing::small_light(), &b);
   RenderRequest request;
   request.scene = b.snapshot();
   request.camera = testing::look_at({0.3, 4, 4}, {0, 0, 0}, 40);
@@ -42,10 +32,6 @@ RenderRequest caustic_request(uint32_t samples) {
 
 std::vector<float> color_of(const RenderRequest& request) {
   return testing::render(request)->resolve_float(Aov::color);
-}
-
-bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 // The landings of a request, for tests that ask for them alone.
@@ -107,9 +93,7 @@ TEST(LightLandings, ACropIsAPartOfTheFrame) {
   RenderRequest request = caustic_request(6);
   const auto full = color_of(request);
   request.data_window = {20, 31, 60, 71};
-  const auto crop = color_of(request);
-  for (size_t y = 0; y < 40; ++y)
-    EXPECT_EQ(std::memcmp(&crop[y * 40 * 4], &full[((y + 31) * 72 + 20) * 4], 40 * 4 * sizeof(float)), 0) << y;
+  EXPECT_TRUE(same_bytes(testing::cut_out(full, 72, request.data_window), color_of(request)));
 }
 
 TEST(LightLandings, LayersAddUpToTheSameColour) {

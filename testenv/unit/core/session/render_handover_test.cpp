@@ -4,12 +4,12 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
 #include <future>
 #include <mutex>
 #include <thread>
 
 #include "core/session/render_session.h"
+#include "testenv/support/same_bytes.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -50,8 +50,7 @@ RenderRequest seeded_request(uint32_t seed) {
 }
 
 bool same_picture(const Film& a, const Film& b) {
-  const auto x = a.resolve_float(Aov::color), y = b.resolve_float(Aov::color);
-  return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(float)) == 0;
+  return testing::same_bytes(a.resolve_float(Aov::color), b.resolve_float(Aov::color));
 }
 
 TEST(RenderHandover, StartDoesNotWaitForTheLastRender) {

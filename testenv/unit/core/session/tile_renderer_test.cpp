@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
+#include "testenv/support/same_bytes.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -18,6 +18,7 @@ int32_t int_of(const FilmTile& tile, size_t pixel, Aov aov) {
 }
 
 using testing::mixed_request;
+using testing::same_bytes;
 
 // Off the origin, with the body's silhouette in it.
 constexpr PixelRect kRect{24, 30, 44, 46};
@@ -56,10 +57,6 @@ std::vector<float> render_passes(const TileRenderer& renderer, const PassSchedul
   for (const SamplePass& pass : passes) EXPECT_TRUE(renderer.render(samples_of(pass), always, &tile, &counters));
   EXPECT_EQ(counters.samples, passes.back().end * kPixels);
   return contents(tile);
-}
-
-bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 TEST(TileRenderer, SameTileAndPassGiveTheSameBytes) {
