@@ -2,10 +2,14 @@
 //   0 1
 //   3 2
 // A pixel that ends when it looks good ends too often when it has missed light, so the number of a pixel's samples must
-// not depend on what they found. Samples of different pixels are independent, so other groups decide: group g + 1
-// allocates the samples of g (sample_allocation.h), and group g + 2, whose own samples g + 3 allocated, ends it
-// (group_stopping.h). None of this depends on what g found. Given what decides, each pixel of g is the mean of a fixed
-// number of samples, and unbiased. A frame one pixel wide or high has two groups only, and decides for itself.
+// not depend on what they found. Samples of different pixels are independent, so other groups decide: groups g + 1 and
+// g + 3, the other colour of a chessboard, allocate the samples of g (sample_allocation.h) and of g + 2, and g + 2 ends
+// g (group_stopping.h). None of this depends on what g found. Given what decides, each pixel of g is the mean of a
+// fixed number of samples, and unbiased. A frame one pixel wide or high has two groups only: each allocates the samples
+// of the other, and the frame ends itself.
+//
+// Light paths bind pixels a little: one that lands in a pixel has not landed in another. With n light paths a sample
+// this moves a pixel by about 1 / n of the light that they bring.
 #pragma once
 
 #include "core/convergence/frame_error.h"
@@ -20,10 +24,11 @@ inline int pixel_group(int x, int y) {
   const int right = x & 1, below = y & 1;
   return below ? 3 - right : right;
 }
-/// The group that decides where the samples of g go, and the group that decides when g ends.
-constexpr int allocating_group(int g) {
-  return (g + 1) % kPixelGroups;
+/// Two pixels of different groups g and h: the one allocates samples to the other if g + h is odd.
+constexpr bool allocates(int g, int h) {
+  return ((g ^ h) & 1) != 0;
 }
+/// The group that decides when g ends.
 constexpr int stopping_group(int g) {
   return (g + 2) % kPixelGroups;
 }

@@ -10,28 +10,39 @@
 namespace alabaster {
 namespace {
 
-// Bounds of a pixel's rate: the pilot is too small to trust that a pixel has no noise, or that a rare path is not rare.
-constexpr double kLeastRate = 0.125, kLargestRate = 8;
-
-// Mean of the values within kReach pixels of (x, y).
-double local_mean(const std::vector<double>& values, const NoiseImage& size, int x, int y) {
-  constexpr int kReach = 2;
-  double sum = 0;
-  int count = 0;
-  for (int ny = std::max(0, y - kReach); ny <= std::min(size.height - 1, y + kReach); ++ny)
-    for (int nx = std::max(0, x - kReach); nx <= std::min(size.width - 1, x + kReach); ++nx, ++count)
-      sum += values[size_t(ny) * size_t(size.width) + size_t(nx)];
-  return count > 0 ? sum / count : 0;
-}
-
 size_t index_in(const PixelRect& window, int x, int y) {
   return size_t(y - window.y0) * size_t(window.width()) + size_t(x - window.x0);
+}
+
+// Each pixel's relative deviation, in any unit, from its own group alone. 0 in groups that are black.
+std::vector<double> relative_deviations(const PixelRect& window, const std::vector<PixelNoise>& noise) {
+  std::vector<double> deviations(noise.size());
+  for (int g = 0; g < kPixelGroups; ++g) {
+    const GroupImage group = group_image(window, noise, g);
+    const std::vector<double> errors = relative_squared_errors(group.noise);
+    if (errors.empty()) continue;
+    size_t next = 0;
+    for (int y = group.y0; y < window.y1; y += 2)
+      for (int x = group.x0; x < window.x1; x += 2) deviations[index_in(window, x, y)] = std::sqrt(errors[next++]);
+  }
+  return deviations;
+}
+
+// Mean over the pixels around (x, y) that allocate its samples.
+double mean_around(const std::vector<double>& values, const PixelRect& window, int x, int y) {
+  constexpr int kReach = 3;
+  double sum = 0;
+  int count = 0;
+  for (int ny = std::max(window.y0, y - kReach); ny <= std::min(window.y1 - 1, y + kReach); ++ny)
+    for (int nx = std::max(window.x0, x - kReach); nx <= std::min(window.x1 - 1, x + kReach); ++nx)
+      if (allocates(pixel_group(nx, ny), pixel_group(x, y))) sum += values[index_in(window, nx, ny)], ++count;
+  return count > 0 ? sum / count : 0;
 }
 
 double rate_of(double deviation, double scale, uint32_t total) {
   const double wanted = scale * deviation;
   const double rate = total > kPilotSamples ? (total * wanted - kPilotSamples) / (total - kPilotSamples) : wanted;
-  return std::clamp(rate, kLeastRate, kLargestRate);
+  return std::clamp(rate, double(kLeastSampleRate), double(kLargestSampleRate));
 }
 
 // The factor of all deviations that gives rates of mean one, by bisection: rates grow with it.
@@ -51,40 +62,44 @@ double find_scale(const std::vector<double>& deviations, uint32_t total) {
 
 }  // namespace
 
+uint32_t SampleAllocation::frame_sample(size_t pixel, uint32_t s) const {
+  if (rates_.empty() || s < kPilotSamples) return s;
+  auto b = kPilotSamples + static_cast<uint32_t>((static_cast<float>(s - kPilotSamples) + 0.5f) / rates_[pixel]);
+  while (samples(pixel, b) > s) --b;  // mend what rounding has moved
+  while (samples(pixel, b + 1) <= s) ++b;
+  return b;
+}
+
 SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t>& rays, uint32_t total) {
   const PixelRect& window = pilot.data_window();
-  const std::vector<PixelNoise> noise = pilot.noise();
+  const std::vector<double> noise = relative_deviations(window, pilot.noise()), costs(rays.begin(), rays.end());
   rates_.assign(noise.size(), 1.0f);
+
+  // Estimate sqrt(v / c) of each pixel from those around it. The mean of roots, and not the root of a mean: one rare
+  // bright sample would take the samples of all pixels around it.
+  std::vector<double> deviations(noise.size());
+  const auto width = static_cast<size_t>(window.width());
+  for_pixel_blocks(noise.size(), [&](size_t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const int x = window.x0 + int(i % width), y = window.y0 + int(i / width);
+      const double cost = std::max(1.0, mean_around(costs, window, x, y));
+      deviations[i] = mean_around(noise, window, x, y) / std::sqrt(cost);
+    }
+  });
+
+  // Turn them into rates of mean one over each group.
   for (int g = 0; g < kPixelGroups; ++g) {
-    const GroupImage own = group_image(window, noise, g);
-    const GroupImage deciding = group_image(window, noise, allocating_group(g));
-    const std::vector<double> errors = relative_squared_errors(deciding.noise);
-    if (errors.empty()) continue;
-
-    // Collect what the deciding group's pixels cost.
-    std::vector<double> costs;
-    for (int y = deciding.y0; y < window.y1; y += 2)
-      for (int x = deciding.x0; x < window.x1; x += 2) costs.push_back(rays[index_in(window, x, y)]);
-
-    // Estimate sqrt(v / c) of each of the group's own pixels from the deciding pixels around it.
-    std::vector<double> deviations(own.noise.pixels.size());
-    for_pixel_blocks(deviations.size(), [&](size_t, size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const int x = int(i % size_t(own.noise.width)), y = int(i / size_t(own.noise.width));
-        const int there_x = std::min(x + (own.x0 - deciding.x0 + 1) / 2, deciding.noise.width - 1);
-        const int there_y = std::min(y + (own.y0 - deciding.y0 + 1) / 2, deciding.noise.height - 1);
-        const double cost = std::max(1.0, local_mean(costs, deciding.noise, there_x, there_y));
-        deviations[i] = std::sqrt(local_mean(errors, deciding.noise, there_x, there_y) / cost);
-      }
-    });
-
-    // Turn these deviations into rates of mean one.
-    const double scale = find_scale(deviations, total);
+    std::vector<size_t> pixels;
+    std::vector<double> own;
+    for (int y = window.y0; y < window.y1; ++y)
+      for (int x = window.x0; x < window.x1; ++x)
+        if (pixel_group(x, y) == g) {
+          pixels.push_back(index_in(window, x, y));
+          own.push_back(deviations[pixels.back()]);
+        }
+    const double scale = find_scale(own, total);
     if (!(scale > 0)) continue;
-    size_t next = 0;
-    for (int y = own.y0; y < window.y1; y += 2)
-      for (int x = own.x0; x < window.x1; x += 2)
-        rates_[index_in(window, x, y)] = static_cast<float>(rate_of(deviations[next++], scale, total));
+    for (size_t i = 0; i < pixels.size(); ++i) rates_[pixels[i]] = static_cast<float>(rate_of(own[i], scale, total));
   }
 }
 

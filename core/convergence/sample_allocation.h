@@ -2,7 +2,8 @@
 // is allocated so that the frame's relative error (frame_error.h) becomes least in a given time: with v a pixel's
 // relative variance per sample and c the cost of one, the sum of v / n under a given sum of n c is least for
 // n ~ sqrt(v / c) (Neyman 1934, optimum allocation). Cost is counted in rays, since time differs from run to run. v and
-// c are estimated from nearby pixels of another group (pixel_group.h), so that the mean of a pixel stays unbiased.
+// c are estimated from nearby pixels of other groups (pixel_group.h), so that the mean of a pixel stays unbiased. A
+// pixel with more samples than the frame sees the light paths of some sample of the frame more than once.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,9 @@ namespace alabaster {
 
 /// Samples per pixel of the pilot. A frame with fewer than twice as many is rendered evenly.
 inline constexpr uint32_t kPilotSamples = 16;
+/// Bounds of a pixel's rate: the pilot is too small to trust that a pixel has no noise, or that a rare path is not
+/// rare.
+inline constexpr float kLeastSampleRate = 0.125f, kLargestSampleRate = 8;
 
 class SampleAllocation {
  public:
@@ -22,7 +26,7 @@ class SampleAllocation {
   /// `pilot`: a film whose pixels all have kPilotSamples. `rays`: cost of each pixel of the pilot, row-major. `total`:
   /// mean samples per pixel of the whole frame, the pilot's included; 0: not known, many.
   SampleAllocation(const Film& pilot, const std::vector<uint32_t>& rays, uint32_t total);
-  /// From the rates() of another.
+  /// From the rates() of another, within the bounds above.
   explicit SampleAllocation(std::vector<float> rates) : rates_(std::move(rates)) {}
   /// Empty: all pixels have the same number.
   const std::vector<float>& rates() const { return rates_; }
@@ -32,10 +36,12 @@ class SampleAllocation {
     if (rates_.empty() || base <= kPilotSamples) return base;
     return kPilotSamples + static_cast<uint32_t>(static_cast<float>(base - kPilotSamples) * rates_[pixel] + 0.5f);
   }
+  /// The sample of the frame during which `pixel` takes its sample s: the first b for which samples(pixel, b + 1) > s.
+  uint32_t frame_sample(size_t pixel, uint32_t s) const;
 
  private:
-  // Samples of each pixel after the pilot, per sample of the frame. Their mean is one, or less where most of the frame
-  // is black, since a pixel gets no more than 8.
+  // Samples of each pixel after the pilot, per sample of the frame, within the bounds. Their mean is one, or less where
+  // most of the frame is black, since a pixel gets no more than 8.
   std::vector<float> rates_;
 };
 

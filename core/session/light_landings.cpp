@@ -93,7 +93,11 @@ const LandedLight* LandedSample::find(int x, int y) const {
 
 const LandedSample& LandedCache::of_sample(uint32_t sample, RenderCounters* counters) {
   Slot& slot = slots_[sample % slots_.size()];
-  if (slot.sample != sample || !slot.landed) slot = {sample, landings_->of_sample(sample, counters)};
+  if (slot.sample != sample || !slot.landed) {
+    const uint64_t rays_before = counters->rays();
+    slot = {sample, landings_->of_sample(sample, counters)};
+    rays_ += counters->rays() - rays_before;
+  }
   return *slot.landed;
 }
 

@@ -48,6 +48,9 @@ class LandedCache {
   explicit LandedCache(LightLandings* landings) : landings_(landings) {}
   /// See LightLandings::of_sample.
   const LandedSample& of_sample(uint32_t sample, RenderCounters* counters);
+  /// The rays of light paths that the thread has traced meanwhile. Which of its pixels asked for them first depends on
+  /// the order of threads.
+  uint64_t rays() const { return rays_; }
 
  private:
   struct Slot {
@@ -55,6 +58,7 @@ class LandedCache {
     std::shared_ptr<const LandedSample> landed;
   };
   LightLandings* landings_;
+  uint64_t rays_ = 0;
   std::array<Slot, 16> slots_;  // as many as a pass has samples
 };
 

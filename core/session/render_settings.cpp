@@ -40,8 +40,7 @@ IntegratorSettings integrator_settings(const RenderSettings& s) {
   out.walk.weights = s.walk_weights;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.twins = shortcuts;
-  // With adaptive sampling a pixel's samples would want the light paths of many more. Filtered gloss has no fireflies.
-  out.light_paths = shortcuts && !s.adaptive && out.glossy_filter == 0;
+  out.light_paths = shortcuts && out.glossy_filter == 0;  // filtered gloss has no fireflies
   out.walk.sphere_steps = shortcuts && s.walk_sphere_steps;
   return out;
 }

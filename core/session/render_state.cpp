@@ -139,13 +139,13 @@ std::shared_ptr<Film> read_film(const BlockSource& source, const Head& head) {
 }
 
 bool read_rates(const BlockSource& source, const Head& head, std::vector<float>* rates) {
-  constexpr float kMostRate = 1024;
   const size_t size = pixels_of(head.window) * sizeof(float);
   std::vector<std::byte> block;
   if (!source(size, &block) || block.size() != size) return false;
   rates->resize(pixels_of(head.window));
   std::memcpy(rates->data(), block.data(), size);
-  return std::all_of(rates->begin(), rates->end(), [](float rate) { return rate >= 0 && rate <= kMostRate; });
+  return std::all_of(rates->begin(), rates->end(),
+                     [](float rate) { return rate >= kLeastSampleRate && rate <= kLargestSampleRate; });
 }
 
 }  // namespace

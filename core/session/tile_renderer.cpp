@@ -65,11 +65,13 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
   LandedCache landed(landings_.get());
-  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, counters, SampleParts{layers, nullptr, record, &landed});
+  return trace_sample(at, at.sample, counters, SampleParts{layers, nullptr, record, &landed});
 }
 
-FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
+// Light paths are those of a sample of the frame, which an allocation may give more samples of the pixel, or none.
+FilmSample TileRenderer::trace_sample(const SampleAddress& at, uint32_t frame_sample, RenderCounters* counters,
                                       const SampleParts& parts) const {
+  const PixelSampler sampler(seed_of(at.x, at.y), at.sample);
   // Find when it is taken, place it in the pixel's filter and on the lens, and trace its path.
   std::optional<Camera> moved;
   float time = 0;
@@ -84,7 +86,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
   PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
                       parts.layers,    request_.aovs, parts.record,         time};
-  if (landings_) context.light_paths = landings_->plan(at.sample);
+  if (landings_) context.light_paths = landings_->plan(frame_sample);
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
   if (parts.vectors) [[unlikely]] {
@@ -101,7 +103,9 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
     throw SampleFailure(failure.what(), at);
   }
   ++counters->samples;
-  if (context.light_paths) add_landed(at, counters, parts, &result);
+  if (context.light_paths)
+    if (const LandedLight* landed = parts.landed->of_sample(frame_sample, counters).find(at.x, at.y))
+      add_landed(*landed, parts, &result);
   if (exposure_ != 1) expose(exposure_, &result, parts.layers);
 
   // One bad number would spoil every later sum of its pixel.
@@ -115,15 +119,12 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
 }
 
 // Adds what light paths bring to the pixel.
-void TileRenderer::add_landed(const SampleAddress& at, RenderCounters* counters, const SampleParts& parts,
-                              FilmSample* result) const {
-  const LandedLight* landed = parts.landed->of_sample(at.sample, counters).find(at.x, at.y);
-  if (!landed) return;
-  result->color += landed->color;
-  if (parts.record) parts.record->add_landed(landed->color);
+void TileRenderer::add_landed(const LandedLight& landed, const SampleParts& parts, FilmSample* result) const {
+  result->color += landed.color;
+  if (parts.record) parts.record->add_landed(landed.color);
   if (!has_layers_) return;
-  parts.layers->specular += landed->specular;
-  parts.layers->diffuse += landed->color - landed->specular;
+  parts.layers->specular += landed.specular;
+  parts.layers->diffuse += landed.color - landed.specular;
 }
 
 // Traces the path again, with a record that only looks for the cause.

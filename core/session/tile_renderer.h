@@ -58,9 +58,9 @@ class TileRenderer {
   /// a sample ends in it without being added.
   explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {});
 
-  /// Traces one camera sample. The result depends on its address and the request alone. A colour that is not finite is
-  /// counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs; then the path is
-  /// written to `record`, too, unless that is null. A check that fails throws a SampleFailure.
+  /// Traces one camera sample of an even frame. The result depends on its address and the request alone. A colour that
+  /// is not finite is counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs;
+  /// then the path is written to `record`, too, unless that is null. A check that fails throws a SampleFailure.
   FilmSample trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                           PathRecord* record = nullptr) const;
 
@@ -79,11 +79,10 @@ class TileRenderer {
     PathRecord* record;   // null: none
     LandedCache* landed;
   };
-  FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, RenderCounters* counters,
+  FilmSample trace_sample(const SampleAddress& at, uint32_t frame_sample, RenderCounters* counters,
                           const SampleParts& parts) const;
 
-  void add_landed(const SampleAddress& at, RenderCounters* counters, const SampleParts& parts,
-                  FilmSample* result) const;
+  void add_landed(const LandedLight& landed, const SampleParts& parts, FilmSample* result) const;
   NonfiniteCause nonfinite_cause(const PathContext& path, const Ray& ray, const PixelSampler& sampler) const;
 
   const RenderRequest& request_;
@@ -106,6 +105,7 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
   HitVectors vectors;
   LandedCache landed(landings_.get());
   const SampleParts parts{&layers, has_vectors_ ? &vectors : nullptr, nullptr, &landed};
+  const auto cost = [&] { return counters->rays() - landed.rays(); };
   for (int y = rect.y0; y < rect.y1; y += step)
     for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.
@@ -116,14 +116,14 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
           static_cast<size_t>(y - rect.y0) * static_cast<size_t>(rect.width()) + static_cast<size_t>(x - rect.x0);
       const size_t in_window =
           static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
-      const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.pass.end);
+      const uint32_t end = samples.allocation.samples(in_window, samples.pass.end);
       for (uint32_t s = tile->next_sample(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
-        const uint64_t rays_before = counters->rays();
+        const uint64_t cost_before = cost();
         try {
-          const FilmSample sample = trace_sample({x, y, s}, {seed, s}, counters, parts);
-          tile->add(pixel, sample, has_layers_ ? &layers : nullptr,
-                    static_cast<uint32_t>(counters->rays() - rays_before));
+          const FilmSample sample =
+              trace_sample({x, y, s}, samples.allocation.frame_sample(in_window, s), counters, parts);
+          tile->add(pixel, sample, has_layers_ ? &layers : nullptr, static_cast<uint32_t>(cost() - cost_before));
         } catch (const BuildCancelled&) {
           return false;
         }

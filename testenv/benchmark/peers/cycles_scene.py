@@ -160,7 +160,8 @@ def make_settings(job, settings):
     scene.render.image_settings.exr_codec, scene.render.image_settings.color_mode = "ZIP", "RGB"
     scene.render.use_persistent_data = False
     cycles = scene.cycles
-    cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, False
+    cycles.device, cycles.use_denoising, cycles.use_adaptive_sampling = "CPU", False, job["adaptive"] > 0
+    cycles.adaptive_threshold, cycles.adaptive_min_samples = job["adaptive"], 0  # 0: chosen by the threshold
     cycles.pixel_filter_type = "BOX"
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.blur_glossy = job["blurGlossy"]
@@ -172,6 +173,8 @@ def make_settings(job, settings):
 def render(task):
     scene = bpy.context.scene
     scene.cycles.samples, scene.cycles.seed = task["samples"], task["seed"]
+    if scene.cycles.use_adaptive_sampling and task["samples"] > 1:
+        scene.cycles.samples = 4 * task["samples"]
     scene.render.filepath = task["output"]
     before = resource.getrusage(resource.RUSAGE_SELF)
     bpy.ops.render.render(write_still=True)

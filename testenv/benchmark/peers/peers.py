@@ -14,6 +14,7 @@ samples less one with 1 sample, so that start-up, scene preparation and files ar
 numbers beside it as .json. References are kept in the work folder, by everything that they depend on.
 """
 import argparse
+import copy
 import datetime
 import hashlib
 import json
@@ -49,7 +50,7 @@ def digest(*parts):
 
 class Ours:
     def __init__(self, name, program):
-        self.name, self.program = name, pathlib.Path(program).resolve()
+        self.name, self.program, self.adaptive = name, pathlib.Path(program).resolve(), False
         if not os.access(self.program, os.X_OK):
             raise Missing(f"{program} is no program")
         self.library = self.program.parent.parent / "lib"
@@ -61,15 +62,16 @@ class Ours:
         return [self.render_once(job, task) for task in job["renders"]]
 
     @staticmethod
-    def filter_flags(job):
-        return ["--set", f"glossyFilter={job['glossyFilter']}"] if job["glossyFilter"] else []
+    def setting_flags(job):
+        settings = [f"glossyFilter={job['glossyFilter']}"] * (job["glossyFilter"] > 0) + ["adaptive=true"] * (job["adaptive"] > 0)
+        return [word for setting in settings for word in ("--set", setting)]
 
     def render_once(self, job, task):
         environment = {**os.environ, "LD_LIBRARY_PATH": f"{self.library}:{os.environ.get('LD_LIBRARY_PATH', '')}"}
         process = subprocess.Popen(
             [self.program, "render", f"{job['scene']}/scene.json", "--size", f"{job['width']}x{job['height']}",
              "--spp", str(task["samples"]), "--seed", str(task["seed"]), "--threads", str(job["threads"]), "--quiet",
-             "--allow-outside", "-o", task["output"], *self.filter_flags(job)], env=environment)
+             "--allow-outside", "-o", task["output"], *self.setting_flags(job)], env=environment)
         _, status, usage = os.wait4(process.pid, 0)
         if status != 0:
             sys.exit(f"{self.name} failed with {os.waitstatus_to_exitcode(status)} on {job['scene']}")
@@ -80,7 +82,7 @@ class Script:
     """A peer that runs one of our scripts, which reads a job and prints PEER {json}."""
 
     def __init__(self, name, script, command, version):
-        self.name, self.command = name, [*command]
+        self.name, self.command, self.adaptive = name, [*command], False
         self.identity = digest(version, *(HERE.joinpath(f).read_bytes() for f in (script, "formulas.py")))
 
     def render(self, job):
@@ -137,6 +139,18 @@ def find_peers(work, wanted):
     return peers, reasons
 
 
+def with_adaptive(programs):
+    """The programs, each followed by itself with adaptive sampling, unless it has none."""
+    pairs = []
+    for program in programs:
+        pairs.append(program)
+        if program.name.startswith("Mitsuba"):
+            continue
+        pairs.append(copy.copy(program))
+        pairs[-1].name, pairs[-1].adaptive = f"{program.name}, adaptive", True
+    return pairs
+
+
 def export(scene, work):
     """(name, folder of the neutral scene); made again only if a file that it depends on has changed."""
     path = pathlib.Path(scene) if scene.endswith(".json") else SCENES / scene / f"{scene}.json"
@@ -162,10 +176,10 @@ class Comparison:
         self.width = round(options.lines * camera.get("horizontalAperture", 36) / camera.get("verticalAperture", 24))
         self.identity = folder.name
 
-    def job(self, *tasks, filtered=False):
+    def job(self, *tasks, filtered=False, adaptive=False):
         ours, cycles = self.options.glossy_filter if filtered else (0.0, 0.0)
         return {"scene": str(self.folder), "width": self.width, "height": self.height, "threads": self.options.threads,
-                "glossyFilter": ours, "blurGlossy": cycles,
+                "glossyFilter": ours, "blurGlossy": cycles, "adaptive": self.options.adaptive if adaptive else 0,
                 "renders": [{"samples": n, "seed": seed, "output": str(output)} for n, seed, output in tasks]}
 
     def reference(self, program):
@@ -186,7 +200,8 @@ class Comparison:
     def measure(self, program, seed, references):
         n = self.options.samples
         files = [self.work / "renders" / f"{k}.exr" for k in ("warm", "one", "full")]
-        seconds = program.render(self.job((1, seed, files[0]), (1, seed, files[1]), (n, seed, files[2]), filtered=True))
+        seconds = program.render(self.job((1, seed, files[0]), (1, seed, files[1]), (n, seed, files[2]), filtered=True,
+                                          adaptive=program.adaptive))
         picture = read_exr(files[2])
         found = {"cpuSeconds": (seconds[2] - seconds[1]) * n / (n - 1), "relMse": references[0].squared_error(picture),
                  "blockRelMse": references[1].squared_error(block_means(picture, BLOCK)),
@@ -246,6 +261,9 @@ def parse(arguments):
     parser.add_argument("--glossy-filter", type=float, nargs=2, default=[0.0, 0.0], metavar=("OURS", "CYCLES"),
                         help="glossyFilter and Cycles' Filter Glossy, which is 1 unless a user changes it; their blur "
                              "counts as noise, for references have none")
+    parser.add_argument("--adaptive", type=float, default=0, metavar="THRESHOLD",
+                        help="also with adaptive sampling: ours of the same samples in the mean, Cycles' of four times as many at "
+                             "most, down to this noise threshold")
     parser.add_argument("--work", default=str(ROOT / "build" / "peers"), help="folder for scenes, references and packages")
     parser.add_argument("--out", default=str(ROOT / "testenv" / "benchmark" / "results" / "peers.md"))
     options = parser.parse_args(arguments)
@@ -273,6 +291,8 @@ def main():
     except Missing as missing:
         sys.exit(str(missing))
     peers, reasons = find_peers(work, options.peers)
+    if options.adaptive > 0:
+        ours, peers = with_adaptive(ours), with_adaptive(peers)
     rows = []
     for scene in options.scene or DEFAULT_SCENES:
         try:

@@ -39,6 +39,7 @@ def command(options):
     words += [f"--scene {pathlib.Path(scene).name}" for scene in options["scene"] or []]
     words += ["--peers " + ",".join(options["peers"])]
     words += [f"--{key} {options[key]}" for key in ("lines", "samples", "rounds", "reference", "threads")]
+    words += [f"--adaptive {options['adaptive']:g}"] if options["adaptive"] else []
     words += ["--glossy-filter {:g} {:g}".format(*options["glossy_filter"])] if any(options["glossy_filter"]) else []
     return " ".join(words)
 
@@ -57,7 +58,8 @@ def cells(rows, row):
         error = row[key + "Error"]
         return f"{row[key]:.3g}" + (f" ± {100 * error:.0f} %" if error is not None else "")
 
-    return [row["scene"], str(row["lines"]), row["program"], f"{row['samplesPerCpuSecond'] / 1e6:.3f}", noise("relMse"),
+    speed = f"{row['samplesPerCpuSecond'] / 1e6:.3f}" if row["ours"] or not row["program"].endswith("adaptive") else "-"
+    return [row["scene"], str(row["lines"]), row["program"], speed, noise("relMse"),
             noise("blockRelMse"), f"{row['efficiency']:.3g}", ratio("efficiency"), f"{row['blockEfficiency']:.3g}",
             ratio("blockEfficiency"), " ".join(f"{c:.4f}" for c in row["mean"])]
 

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include "core/session/tile_renderer.h"
 #include "testenv/support/ball_on_floor.h"
@@ -87,6 +89,48 @@ TEST(LightLandings, ThreadsTileAndPassesChangeNoByte) {
   const auto one = color_of(request);
   request.settings.threads = 5;
   EXPECT_TRUE(same_bytes(one, color_of(request)));
+}
+
+// A pixel that asks for light paths first, which depends on threads, costs no more than if another has asked before.
+TEST(LightLandings, RaysOfLightPathsAreNoCostOfPixels) {
+  const RenderRequest request = caustic_request(16);
+  const TileRenderer renderer(request);
+  const auto costs = [&] {
+    const PixelRect rect{20, 20, 24, 24};
+    FilmTile tile(16, 0, {.rays = true, .range = {}});
+    RenderCounters counters;
+    EXPECT_TRUE(renderer.render(
+        {rect, {16}, SampleAllocation()}, [] { return true; }, &tile, &counters));
+    std::vector<uint32_t> rays;
+    for (size_t pixel = 0; pixel < 16; ++pixel) rays.push_back(tile.rays(pixel));
+    return std::pair(rays, counters.rays());
+  };
+  const auto first = costs(), later = costs();
+  EXPECT_EQ(first.first, later.first);
+  EXPECT_GT(first.second, later.second) << "or it traced no light paths";
+}
+
+TEST(LightLandings, AdaptiveFramesHaveThemAndThreadsChangeNoByte) {
+  RenderRequest request = caustic_request(128);
+  const auto even = testing::render(request);
+  request.settings.adaptive = true;
+  const auto one = testing::render(request);
+  request.settings.threads = 5;
+  EXPECT_TRUE(same_bytes(one->resolve_float(Aov::color), color_of(request)));
+
+  const auto counts = one->resolve_int(Aov::sample_count);
+  EXPECT_GT(*std::max_element(counts.begin(), counts.end()), 200) << "or no pixel takes several samples at once";
+  EXPECT_LT(*std::min_element(counts.begin(), counts.end()), 80) << "or no pixel leaves out a sample of the frame";
+
+  // The caustic is as bright as in a frame that is sampled evenly.
+  Landings landings{caustic_request(128)};
+  RenderCounters counters;
+  ASSERT_NE(landings.of.plan(1), nullptr);
+  const double pixels = 72 * 72, mean = testing::film_mean(*even, 1).mean;
+  double caustic = 0;
+  for (uint32_t s = 1; s < 128; ++s) caustic += sum_of(*landings.of.of_sample(s, &counters), {0, 0, 72, 72});
+  EXPECT_GT(caustic / 127 / pixels, 0.02 * mean) << "or the comparison proves nothing";
+  EXPECT_NEAR(testing::film_mean(*one, 1).mean, mean, 0.007 * mean);
 }
 
 TEST(LightLandings, ACropIsAPartOfTheFrame) {
