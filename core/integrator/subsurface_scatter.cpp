@@ -154,7 +154,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   const bool has_twin = below.flat && !is_black(below.flat->light);
   // Where no walk is followed, the twin has its expectation.
   if (has_twin) DCHECK(below.medium().medium.albedo == below.vertex.material.base_color);
-  if (has_twin) twin = entry.throughput * half_space_albedo(below.vertex.material, context.settings.inversion);
+  if (has_twin) twin = entry.throughput * obtained_albedo(below.vertex.material.base_color, context.settings.inversion);
   const auto exit =
       carry<kMode>(context, sampler, entry, *below.vertex.instance->body, *path, has_twin ? &twin : nullptr);
   path->twin_light = has_twin ? twin * below.flat->light * -1.0f : Rgb(0.0f);
@@ -178,12 +178,6 @@ template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext
                                                                const VertexBelow&, PathState*);
 template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext&, const PixelSampler&,
                                                                const VertexBelow&, PathState*);
-
-Rgb half_space_albedo(const DisneyParameters& material, AlbedoInversion inversion) {
-  Rgb albedo;
-  for (int c = 0; c < 3; ++c) albedo[c] = obtained_albedo(material.base_color[c], inversion);
-  return albedo;
-}
 
 void drop_unresolved_distances(PathVertex* v) {
   const float depth = depth_below_surface(v->hit, v->placement().object_to_world);

@@ -50,9 +50,6 @@ bool has_twins(const PathContext& context, const DisneyParameters& material) {
          max_component(material.scatter_distance) < kOverflows;
 }
 
-/// The share of light entering a half-space of a material that scatters isotropically which leaves it again.
-Rgb half_space_albedo(const DisneyParameters& material, AlbedoInversion inversion);
-
 /// Scatter distances too small for walks to resolve at the vertex become zero: Lambert, in that channel.
 void drop_unresolved_distances(PathVertex* vertex);
 

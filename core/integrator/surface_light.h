@@ -34,7 +34,7 @@ PathRecord* record_of(const PathContext& context) {
 template <bool kLayers>
 void add_flat_light(const PathContext& context, const LobedVertex& at, PathState* path, LayerSplit* split) {
   const Rgb light = path->throughput * at.bsdf.subsurface_entry() *
-                    half_space_albedo(at.v.material, context.settings.inversion) * at.flat->light;
+                    obtained_albedo(at.v.material.base_color, context.settings.inversion) * at.flat->light;
   path->radiance += light;
   if (PathRecord* record = record_of<kLayers>(context)) record->add_flat_light(light);
   if (kLayers && path->depth == 0) split->below.multiple += light;

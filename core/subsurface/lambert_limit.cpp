@@ -78,9 +78,8 @@ std::optional<SubsurfaceExit> LambertLimit::carry(const SubsurfaceBody& body, co
   if (!(u[0] < lambert_probability(footprint, reach))) return std::nullopt;
   if (!is_thick(body, entry, reach.opaque_depth * (1 + u[1]), {u[2], u[3]}, counters)) return std::nullopt;
   ++counters.lambert_exits;
-  const Rgb& a = medium.albedo;
-  const Rgb obtained(obtained_albedo(a.r, inversion), obtained_albedo(a.g, inversion), obtained_albedo(a.b, inversion));
-  return SubsurfaceExit{entry.triangle, entry.hit.ng, entry.throughput * obtained, kManyEvents};
+  return SubsurfaceExit{entry.triangle, entry.hit.ng, entry.throughput * obtained_albedo(medium.albedo, inversion),
+                        kManyEvents};
 }
 
 }  // namespace alabaster

@@ -94,6 +94,11 @@ float obtained_albedo(float albedo, AlbedoInversion inversion) {
   return static_cast<float>(a);
 }
 
+Rgb obtained_albedo(const Rgb& albedo, AlbedoInversion inversion) {
+  return {obtained_albedo(albedo.r, inversion), obtained_albedo(albedo.g, inversion),
+          obtained_albedo(albedo.b, inversion)};
+}
+
 double distance_scale(double albedo) {
   const double a = clamp_albedo(albedo);
   return 1.9 - a + 3.5 * (a - 0.8) * (a - 0.8);

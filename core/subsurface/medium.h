@@ -26,6 +26,7 @@ double one_minus_alpha(double albedo, AlbedoInversion inversion, double g = 0);
 /// The albedo that a walk shows when asked for `albedo`: the same but for the inversions that err. Within 1e-6 of
 /// Chandrasekhar's half-space (1960: A = 1 - 2 sqrt(1-alpha) Int_0^1 mu H(mu) dmu), and fast.
 float obtained_albedo(float albedo, AlbedoInversion inversion);
+Rgb obtained_albedo(const Rgb& albedo, AlbedoInversion inversion);
 
 /// Eq. 2: s = 1.9 - A + 3.5 (A - 0.8)^2.
 double distance_scale(double albedo);
