@@ -4,11 +4,10 @@
 // A pixel that ends when it looks good ends too often when it has missed light, so the number of a pixel's samples must
 // not depend on what they found. Samples of different pixels are independent, so other groups decide: groups g + 1 and
 // g + 3, the other colour of a chessboard, allocate the samples of g (sample_allocation.h) and of g + 2, and g + 2 ends
-// g (group_stopping.h). Allocation reads
-// the pilot alone, in which all pixels have as many samples, so groups may allocate for each other; it must not be
-// repeated. None of this depends on what g found. Given what decides, each pixel of g is the mean of a
-// fixed number of samples, and unbiased. A frame one pixel wide or high has two groups only: each allocates the samples
-// of the other, and the frame ends itself.
+// g (group_stopping.h). Allocation reads the pilot alone, in which all pixels have as many samples, so groups may
+// allocate for each other; it must not be repeated. None of this depends on what g found. Given what decides, each
+// pixel of g is the mean of a fixed number of samples, and unbiased. A frame one pixel wide or high has two groups
+// only: each allocates the samples of the other, and the frame ends itself.
 //
 // Light paths bind pixels: one that lands in a pixel has not landed in another, and a frame's light paths are one set
 // of points. How much that biases the light that they bring in adaptive frames was not measured.
