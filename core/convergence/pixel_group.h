@@ -25,7 +25,7 @@ inline int pixel_group(int x, int y) {
   const int right = x & 1, below = y & 1;
   return below ? 3 - right : right;
 }
-/// Two pixels of different groups g and h: the one allocates samples to the other if g + h is odd.
+/// True if pixels of group g allocate the samples of group h, and those of h the samples of g.
 constexpr bool allocates(int g, int h) {
   return ((g ^ h) & 1) != 0;
 }

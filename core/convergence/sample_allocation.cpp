@@ -14,16 +14,22 @@ size_t index_in(const PixelRect& window, int x, int y) {
   return size_t(y - window.y0) * size_t(window.width()) + size_t(x - window.x0);
 }
 
+// The pixels of a group in the order of its GroupImage, row-major in the window.
+std::vector<size_t> pixels_of_group(const PixelRect& window, int group) {
+  std::vector<size_t> pixels;
+  for (int y = window.y0; y < window.y1; ++y)
+    for (int x = window.x0; x < window.x1; ++x)
+      if (pixel_group(x, y) == group) pixels.push_back(index_in(window, x, y));
+  return pixels;
+}
+
 // Each pixel's relative deviation, in any unit, from its own group alone. 0 in groups that are black.
 std::vector<double> relative_deviations(const PixelRect& window, const std::vector<PixelNoise>& noise) {
   std::vector<double> deviations(noise.size());
   for (int g = 0; g < kPixelGroups; ++g) {
-    const GroupImage group = group_image(window, noise, g);
-    const std::vector<double> errors = relative_squared_errors(group.noise);
-    if (errors.empty()) continue;
-    size_t next = 0;
-    for (int y = group.y0; y < window.y1; y += 2)
-      for (int x = group.x0; x < window.x1; x += 2) deviations[index_in(window, x, y)] = std::sqrt(errors[next++]);
+    const std::vector<double> errors = relative_squared_errors(group_image(window, noise, g).noise);
+    const std::vector<size_t> pixels = pixels_of_group(window, g);
+    for (size_t i = 0; i < errors.size(); ++i) deviations[pixels[i]] = std::sqrt(errors[i]);
   }
   return deviations;
 }
@@ -89,14 +95,9 @@ SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t
 
   // Turn them into rates of mean one over each group.
   for (int g = 0; g < kPixelGroups; ++g) {
-    std::vector<size_t> pixels;
+    const std::vector<size_t> pixels = pixels_of_group(window, g);
     std::vector<double> own;
-    for (int y = window.y0; y < window.y1; ++y)
-      for (int x = window.x0; x < window.x1; ++x)
-        if (pixel_group(x, y) == g) {
-          pixels.push_back(index_in(window, x, y));
-          own.push_back(deviations[pixels.back()]);
-        }
+    for (const size_t pixel : pixels) own.push_back(deviations[pixel]);
     const double scale = find_scale(own, total);
     if (!(scale > 0)) continue;
     for (size_t i = 0; i < pixels.size(); ++i) rates_[pixels[i]] = static_cast<float>(rate_of(own[i], scale, total));

@@ -65,13 +65,14 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
                                       PathRecord* record) const {
   LandedCache landed(landings_.get());
-  return trace_sample(at, at.sample, counters, SampleParts{layers, nullptr, record, &landed});
+  return trace_sample(at, {seed_of(at.x, at.y), at.sample}, at.sample, counters,
+                      SampleParts{layers, nullptr, record, &landed});
 }
 
-// Light paths are those of a sample of the frame, which an allocation may give more samples of the pixel, or none.
-FilmSample TileRenderer::trace_sample(const SampleAddress& at, uint32_t frame_sample, RenderCounters* counters,
-                                      const SampleParts& parts) const {
-  const PixelSampler sampler(seed_of(at.x, at.y), at.sample);
+// The sample sees the light paths of `frame_sample`. Several samples of a pixel may share those, and a pixel may skip
+// them.
+FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSampler& sampler, uint32_t frame_sample,
+                                      RenderCounters* counters, const SampleParts& parts) const {
   // Find when it is taken, place it in the pixel's filter and on the lens, and trace its path.
   std::optional<Camera> moved;
   float time = 0;

@@ -79,8 +79,8 @@ class TileRenderer {
     PathRecord* record;   // null: none
     LandedCache* landed;
   };
-  FilmSample trace_sample(const SampleAddress& at, uint32_t frame_sample, RenderCounters* counters,
-                          const SampleParts& parts) const;
+  FilmSample trace_sample(const SampleAddress& at, const PixelSampler& sampler, uint32_t frame_sample,
+                          RenderCounters* counters, const SampleParts& parts) const;
 
   void add_landed(const LandedLight& landed, const SampleParts& parts, FilmSample* result) const;
   NonfiniteCause nonfinite_cause(const PathContext& path, const Ray& ray, const PixelSampler& sampler) const;
@@ -116,13 +116,13 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
           static_cast<size_t>(y - rect.y0) * static_cast<size_t>(rect.width()) + static_cast<size_t>(x - rect.x0);
       const size_t in_window =
           static_cast<size_t>(y - window.y0) * static_cast<size_t>(window.width()) + static_cast<size_t>(x - window.x0);
-      const uint32_t end = samples.allocation.samples(in_window, samples.pass.end);
+      const uint32_t seed = seed_of(x, y), end = samples.allocation.samples(in_window, samples.pass.end);
       for (uint32_t s = tile->next_sample(pixel); s < end; ++s) {
         if (!may_go_on()) return false;
         const uint64_t cost_before = cost();
         try {
-          const FilmSample sample =
-              trace_sample({x, y, s}, samples.allocation.frame_sample(in_window, s), counters, parts);
+          const uint32_t frame_sample = samples.allocation.frame_sample(in_window, s);
+          const FilmSample sample = trace_sample({x, y, s}, {seed, s}, frame_sample, counters, parts);
           tile->add(pixel, sample, has_layers_ ? &layers : nullptr, static_cast<uint32_t>(cost() - cost_before));
         } catch (const BuildCancelled&) {
           return false;

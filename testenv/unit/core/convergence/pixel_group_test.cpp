@@ -29,8 +29,8 @@ TEST(PixelGroup, GroupsPartitionAnyWindow) {
   }
 }
 
-// No group decides about itself or about the groups that decide about it.
-TEST(PixelGroup, WhoDecidesAboutAGroupNeverHeardOfIt) {
+// No group allocates its own samples, or those of the group that ends it.
+TEST(PixelGroup, NoneAllocatesForItselfOrForTheGroupThatEndsIt) {
   for (int g = 0; g < kPixelGroups; ++g) {
     EXPECT_FALSE(allocates(g, g));
     EXPECT_NE(stopping_group(g), g);

@@ -114,6 +114,7 @@ TEST(LightLandings, AdaptiveFramesHaveThemAndThreadsChangeNoByte) {
   RenderRequest request = caustic_request(128);
   const auto even = testing::render(request);
   request.settings.adaptive = true;
+  ASSERT_TRUE(integrator_settings(request.settings).light_paths);
   const auto one = testing::render(request);
   request.settings.threads = 5;
   EXPECT_TRUE(same_bytes(one->resolve_float(Aov::color), color_of(request)));
@@ -131,6 +132,23 @@ TEST(LightLandings, AdaptiveFramesHaveThemAndThreadsChangeNoByte) {
   for (uint32_t s = 1; s < 128; ++s) caustic += sum_of(*landings.of.of_sample(s, &counters), {0, 0, 72, 72});
   EXPECT_GT(caustic / 127 / pixels, 0.02 * mean) << "or the comparison proves nothing";
   EXPECT_NEAR(testing::film_mean(*one, 1).mean, mean, 0.007 * mean);
+}
+
+// A pixel with twice as many samples as the frame needs no more light paths than another.
+TEST(LightLandings, LightPathsAreThoseOfTheFramesSample) {
+  const RenderRequest request = caustic_request(64);
+  const auto light_rays = [&](const SampleAllocation& allocation, uint32_t samples) {
+    const TileRenderer renderer(request);
+    const PixelRect rect{36, 36, 37, 37};
+    FilmTile tile(1, 0, {.rays = true, .range = {}});
+    RenderCounters counters;
+    EXPECT_TRUE(renderer.render(
+        {rect, {samples}, allocation}, [] { return true; }, &tile, &counters));
+    return counters.rays() - tile.rays(0);
+  };
+  const SampleAllocation doubled(std::vector<float>(72 * 72, 2.0f));
+  EXPECT_EQ(light_rays(doubled, 32), light_rays({}, 32));
+  EXPECT_GT(light_rays({}, 48), light_rays({}, 32)) << "or samples have none";
 }
 
 TEST(LightLandings, ACropIsAPartOfTheFrame) {
