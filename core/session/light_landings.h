@@ -1,5 +1,6 @@
 // Light that light paths bring to the samples of a frame (core/integrator/light_path.h). Each sample of the frame has
-// light paths of its own, so that a pixel's sample stays a function of its address.
+// light paths of its own, so that a pixel's sample stays a function of its address; in adaptive frames also of the
+// sample of the frame during which it is taken, which the allocation determines (SampleAllocation::frame_sample()).
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
-// Traces the camera samples of a frame, tile by tile. A tile's pixels depend on the request and on their samples alone:
-// neither the thread nor the way in which the samples are split into ranges changes a bit.
+// Traces the camera samples of a frame, tile by tile. A tile's pixels depend on the request, on their samples and, in
+// adaptive frames, on the allocation alone: neither the thread nor the way in which the samples are split into ranges
+// changes a bit.
 #pragma once
 
 #include <cstdint>
