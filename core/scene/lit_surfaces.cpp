@@ -46,7 +46,7 @@ float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, con
 }
 
 // A point of a triangle, which stands for the triangle's area and as many others for each.
-LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint32_t triangle, Rng rng) {
+LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint32_t triangle, float of_each, Rng rng) {
   const Mesh& mesh = instance.prototype->mesh;
   const Vec2f b = sample_uniform_triangle({rng.uniform(), rng.uniform()});
   TriangleHit at;
@@ -57,7 +57,7 @@ LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint3
   const SurfaceHit hit = surface_hit(mesh, at, placement.object_to_world, placement.world_to_object);
   const std::array<Vec3f, 3> corners = mesh.corners_at(triangle, at.time);
   const auto corner = [&](size_t c) { return placement.object_to_world.point(corners[c]); };
-  const float area = length(cross(corner(1) - corner(0), corner(2) - corner(0)));
+  const float area = 0.5f * length(cross(corner(1) - corner(0), corner(2) - corner(0))) * of_each;
   return {hit.p, -hit.ng, irradiance_at(snapshot, instance, hit, rng), area};
 }
 
@@ -66,11 +66,13 @@ std::vector<LitPoint> lit_points(const SceneSnapshot& snapshot, const Subsurface
   size_t triangles = 0;
   for (const auto& member : body.members) triangles += member.mesh->triangles.size();
   std::vector<LitPoint> points(count);
+  const float of_each = static_cast<float>(triangles) / static_cast<float>(count);
   for (size_t i = 0; i < count; ++i) {
     size_t triangle = (2 * i + 1) * triangles / (2 * count);
     auto member = body.members.begin();
     for (; triangle >= member->mesh->triangles.size(); ++member) triangle -= member->mesh->triangles.size();
-    points[i] = light_on(snapshot, snapshot.instances[member->instance], static_cast<uint32_t>(triangle), Rng(0, i));
+    points[i] =
+        light_on(snapshot, snapshot.instances[member->instance], static_cast<uint32_t>(triangle), of_each, Rng(0, i));
   }
   return points;
 }

@@ -18,7 +18,7 @@ struct LitPoint {
   Vec3f p;
   Vec3f inward;      // unit normal
   float irradiance;  // luminance, any unit
-  float area;        // of the surface that the point stands for, any unit
+  float area;        // of the surface that the point stands for
 };
 
 class LitSurface {
@@ -31,7 +31,7 @@ class LitSurface {
 
   /// The unit direction in which a particle at `p` is most likely to meet light, where light falls off as
   /// exp(-kappa distance); render space. Zero if no lit point faces p, and where light is so far
-  /// away that the sum underflows.
+  /// away that hardly any comes.
   Vec3f direction_from(const Vec3f& p, float kappa) const;
   /// True if outward normal `n` turns to the side that most light falls on: light is near, no walk need look for it.
   bool faces_light(const Vec3f& n) const { return dot(n, facing_) > 0.1f; }
@@ -40,7 +40,8 @@ class LitSurface {
   // Arrays of one component each, so that the loop over the points takes several at once.
   using Component = std::array<float, kPoints>;
   Component x_{}, y_{}, z_{}, nx_{}, ny_{}, nz_{};
-  Vec3f facing_{0, 0, 0};  // mean of the points' outward normals
+  float area_of_each_ = 0;  // that a point stands for, at the irradiance of what is lit
+  Vec3f facing_{0, 0, 0};   // mean of the points' outward normals
 };
 
 /// The lit surface of a body, found by the first walk that asks: an edit of a light pays for the bodies that the camera

@@ -77,6 +77,11 @@ Vec3f direction_to_light(const LitSurface& lit, const SubsurfaceEntry& entry) {
   return dot(direction, entry.hit.ng) < 0 ? direction : Vec3f(0, 0, 0);
 }
 
+// True if guiding walks back to the surface pays. Behind an open mesh the medium has no end, and it always does.
+bool pays_to_guide_back(const SubsurfaceBody::Member& member, const Medium& medium) {
+  return member.room_to_guide && (member.shells->any_open || least_absorption(medium) > kGuidingBackPaysAbove);
+}
+
 }  // namespace
 
 Vec3f sample_entry_direction(const Vec3f& ns_inward, const Vec3f& ng_inward, const Vec2f& u) {
@@ -96,7 +101,8 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   const bool looks_for_light = settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within;
   if (const LitSurface* const lit = looks_for_light ? body.lit->get() : nullptr; lit && !lit->faces_light(entry.hit.ng))
     beginning.start.to_light = direction_to_light(*lit, entry);
-  used.guiding &= body.members[entry.member].room_to_guide || beginning.start.to_light != Vec3f(0, 0, 0);
+  used.guiding &= pays_to_guide_back(body.members[entry.member], entry.medium->medium) ||
+                  beginning.start.to_light != Vec3f(0, 0, 0);
   std::optional<HalfSpaceTwin> follower;
   if (twin && beginning.start.to_light == Vec3f(0, 0, 0)) {
     follower.emplace(entry.ns, *entry.medium);

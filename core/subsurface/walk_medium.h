@@ -2,6 +2,7 @@
 // material where no texture varies it, else once per entry.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -42,16 +43,24 @@ inline constexpr float kSphereStepsPayBelow = 0.024f;
 /// guiding hardly shortens them, and every event pays for it.
 inline constexpr float kGuidingPaysAbove = 2e-4f;
 
+/// Guiding back to the surface does not pay where it has a smaller one (A > 0.92): the twin has taken the noise of lit
+/// places, and elsewhere every event pays for the guiding.
+inline constexpr float kGuidingBackPaysAbove = 1.2e-3f;
+
+/// 1 - alpha of the clearest channel; above 1 if none scatters.
+inline float least_absorption(const Medium& medium) {
+  float least = 2;
+  for (int c = 0; c < 3; ++c)
+    if (medium.active[c]) least = std::min(least, medium.one_minus_alpha[c]);
+  return least;
+}
+
 /// The shortcuts that pay in a medium: none where scattering has a preferred direction.
 inline WalkShortcuts worthwhile_shortcuts(const Medium& medium) {
   if (medium.g != 0) return {};
-  float clearest = 2;  // of the channels' 1 - alpha
+  const float clearest = least_absorption(medium);
   bool guided = false;
-  for (int c = 0; c < 3; ++c) {
-    if (!medium.active[c]) continue;
-    clearest = std::min(clearest, medium.one_minus_alpha[c]);
-    guided |= DiffusionModes::is_guided(medium.one_minus_alpha[c]);
-  }
+  for (int c = 0; c < 3; ++c) guided |= medium.active[c] && DiffusionModes::is_guided(medium.one_minus_alpha[c]);
   return {guided && clearest > kGuidingPaysAbove, clearest < kSphereStepsPayBelow};
 }
 

@@ -15,7 +15,7 @@ std::vector<LitPoint> sphere(float radius, const Irradiance& irradiance) {
   Rng rng(1, 1);
   for (int i = 0; i < 256; ++i) {
     const Vec3f n = sample_uniform_sphere({rng.uniform(), rng.uniform()});
-    points.push_back({n * radius, -n, irradiance(n), radius * radius});
+    points.push_back({n * radius, -n, irradiance(n), 2 * kTwoPi * radius * radius / 256});
   }
   return points;
 }
@@ -27,12 +27,22 @@ float sun(const Vec3f& n) {
 TEST(LitSurface, LeadsThroughTheBodyToItsLitSide) {
   const auto lit = LitSurface::choose(sphere(1, sun));
   ASSERT_TRUE(lit);
-  for (const float kappa : {0.0f, 1.0f, 20.0f}) {
+  for (const float kappa : {0.0f, 1.0f, 3.0f}) {
     EXPECT_GT(lit->direction_from({-0.9f, 0, 0}, kappa).x, 0.6f) << kappa;
     EXPECT_NEAR(length(lit->direction_from({0, 0.9f, 0}, kappa)), 1, 1e-5);
   }
   // The steeper light falls off, the nearer is the light that counts.
-  EXPECT_GT(lit->direction_from({0, 0.9f, 0}, 20).y, lit->direction_from({0, 0.9f, 0}, 0).y);
+  EXPECT_GT(lit->direction_from({0, 0.9f, 0}, 4).y, lit->direction_from({0, 0.9f, 0}, 0).y);
+}
+
+TEST(LitSurface, LightThatHardlyComesThroughLeadsNowhere) {
+  const auto lit = LitSurface::choose(sphere(1, sun)),
+             dim = LitSurface::choose(sphere(1, [](const Vec3f&n) { return 0x1p-20f * sun(n); }));
+  ASSERT_TRUE(lit && dim);
+  EXPECT_EQ(lit->direction_from({-0.9f, 0, 0}, 20), Vec3f(0, 0, 0));
+  EXPECT_NE(lit->direction_from({0.9f, 0, 0}, 20), Vec3f(0, 0, 0)) << "near the light";
+  // Only the share that comes through counts.
+  EXPECT_EQ(dim->direction_from({-0.9f, 0, 0}, 3), lit->direction_from({-0.9f, 0, 0}, 3));
 }
 
 TEST(LitSurface, EvenLightAndDarknessHaveNone) {
