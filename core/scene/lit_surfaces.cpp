@@ -45,7 +45,7 @@ float irradiance_at(const SceneSnapshot& snapshot, const Instance& instance, con
   return std::isfinite(sum) ? sum : 0;
 }
 
-// A point of a triangle, which stands for the triangle's area and as many others for each.
+// A point of a triangle, which stands for `of_each` triangles of this area.
 LitPoint light_on(const SceneSnapshot& snapshot, const Instance& instance, uint32_t triangle, float of_each, Rng rng) {
   const Mesh& mesh = instance.prototype->mesh;
   const Vec2f b = sample_uniform_triangle({rng.uniform(), rng.uniform()});

@@ -18,7 +18,7 @@ struct LitPoint {
   Vec3f p;
   Vec3f inward;      // unit normal
   float irradiance;  // luminance, any unit
-  float area;        // of the surface that the point stands for
+  float area;        // of the surface that the point stands for, square of p's unit
 };
 
 class LitSurface {

@@ -77,7 +77,8 @@ Vec3f direction_to_light(const LitSurface& lit, const SubsurfaceEntry& entry) {
   return dot(direction, entry.hit.ng) < 0 ? direction : Vec3f(0, 0, 0);
 }
 
-// True if guiding walks back to the surface pays. Behind an open mesh the medium has no end, and it always does.
+// True if guiding walks back to the surface pays, in a medium where guiding does at all. Behind an open mesh the medium
+// has no end, and it pays for every such medium.
 bool pays_to_guide_back(const SubsurfaceBody::Member& member, const Medium& medium) {
   return member.room_to_guide && (member.shells->any_open || least_absorption(medium) > kGuidingBackPaysAbove);
 }

@@ -63,6 +63,8 @@ def main():
     run("git", "-C", clone, "checkout", "--quiet", "--force", run("git", "-C", ROOT, "rev-parse", "HEAD").strip())
     run("cmake", "-S", clone, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DALABASTER_TESTS=OFF",
         "-DALABASTER_BENCHMARKS=OFF")
+    if pathlib.PurePath(arguments.file).is_absolute() or ".." in pathlib.PurePath(arguments.file).parts:
+        sys.exit(f"{arguments.file}: give the path from the top of the repository")
     file = clone / arguments.file
     if not file.is_file():
         sys.exit(f"no file {arguments.file} in the repository")

@@ -49,7 +49,7 @@ def main():
         report = json.loads(pathlib.Path(file).read_text())
         reports[pathlib.Path(report["scene"]).stem] = report
     print("Bias: the relative RMSE that remains with any number of samples, the reference's noise subtracted. '< x' means that "
-          "none was found; x is the end of the 95 % interval. Each column differs from the walk (maxDepth 32) in one setting.\n")
+          "none was found; x is the end of the 95 % interval ('none seen': x is 0). Each column differs from the walk (maxDepth 32) in one setting.\n")
     print("| scene | " + " | ".join(BIASES) + " |")
     print("|--" * (1 + len(BIASES)) + "|")
     for scene, report in reports.items():

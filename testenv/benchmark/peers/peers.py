@@ -269,8 +269,8 @@ def parse(arguments):
     options = parser.parse_args(arguments)
     if options.samples < 2:
         parser.error("--samples must be at least 2")
-    if not options.adaptive >= 0:
-        parser.error("--adaptive takes a threshold above 0")
+    if not 0 <= options.adaptive < float("inf"):
+        parser.error("--adaptive takes a threshold above 0, or 0 for none")
     options.ours = options.ours or [f"ours={ROOT / 'build' / 'release' / 'bin' / 'alabaster'}"]
     options.peers = [name for name in options.peers.split(",") if name]
     if not set(options.peers) <= {"debian", "bpy", "mitsuba"}:
