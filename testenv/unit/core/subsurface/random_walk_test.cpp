@@ -375,5 +375,29 @@ TEST(RandomWalk, ARecordedWalkIsTheSameWalk) {
   EXPECT_GT(exits, 50);
 }
 
+// Events of walks from the pole of the unit sphere, behind shells that are open or not.
+uint64_t events_of_walks(float albedo, bool open, bool guiding) {
+  const UnitSphereScene sphere;
+  const Mesh no_mesh;
+  SubsurfaceBody body = lone_body(sphere, no_mesh);
+  MeshShells shells;
+  shells.any_open = open;
+  body.members.front().shells = &shells;
+  const WalkMedium medium = make_medium(Rgb(albedo), Rgb(0.02f), AlbedoInversion::exact);
+  WalkSettings settings;
+  settings.guiding = guiding;
+  RenderCounters counters;
+  Rng rng(17, 1);
+  for (int i = 0; i < 200; ++i)
+    carry(RandomWalk{settings}, body, entry_at_point({0, 0, -1}, {0, 0, -1}, medium), rng, counters);
+  return counters.walk_events;
+}
+
+TEST(RandomWalk, ClearClosedBodiesAreNotGuidedBackToTheSurface) {
+  EXPECT_EQ(events_of_walks(0.95f, false, true), events_of_walks(0.95f, false, false));
+  EXPECT_NE(events_of_walks(0.95f, true, true), events_of_walks(0.95f, true, false)) << "without end";
+  EXPECT_NE(events_of_walks(0.8f, false, true), events_of_walks(0.8f, false, false));
+}
+
 }  // namespace
 }  // namespace alabaster
