@@ -55,6 +55,8 @@ def main():
     parser.add_argument("value", nargs="+")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build" / "vary_constant")
     arguments = parser.parse_args(mine)
+    if pathlib.PurePath(arguments.file).is_absolute() or ".." in pathlib.PurePath(arguments.file).parts:
+        sys.exit(f"{arguments.file}: give the path from the top of the repository")
     clone, programs = arguments.work / "source", arguments.work / "programs"
     folder = clone / "build" / "release"  # as deep as the usual one, so that ccache knows its files
     if not (clone / ".git").exists():
@@ -63,8 +65,6 @@ def main():
     run("git", "-C", clone, "checkout", "--quiet", "--force", run("git", "-C", ROOT, "rev-parse", "HEAD").strip())
     run("cmake", "-S", clone, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DALABASTER_TESTS=OFF",
         "-DALABASTER_BENCHMARKS=OFF")
-    if pathlib.PurePath(arguments.file).is_absolute() or ".." in pathlib.PurePath(arguments.file).parts:
-        sys.exit(f"{arguments.file}: give the path from the top of the repository")
     file = clone / arguments.file
     if not file.is_file():
         sys.exit(f"no file {arguments.file} in the repository")

@@ -125,6 +125,15 @@ RunningStatistics true_means(RenderRequest request, uint32_t seeds) {
   return truth;
 }
 
+// The frames have the mean of the truth, and would not have it if they were off by three times `resolution`.
+void expect_mean_kept(const RunningStatistics& frames, const RunningStatistics& truth, double resolution) {
+  const double sigma = std::hypot(truth.standard_error(), frames.standard_error());
+  EXPECT_LT(sigma, resolution * truth.mean()) << "or the comparison proves nothing";
+  EXPECT_NEAR(frames.mean(), truth.mean(), 3 * sigma);
+  std::printf("mean %.5f +- %.5f of frames; truth %.5f +- %.5f\n", frames.mean(), frames.standard_error(), truth.mean(),
+              truth.standard_error());
+}
+
 // Light paths of a frame are one set of points, so what lands in the pixels that allocate is not independent of what
 // lands in the others.
 TEST(UnbiasedStopping, AdaptiveFramesWithLightPathsKeepTheirMean) {
@@ -137,11 +146,7 @@ TEST(UnbiasedStopping, AdaptiveFramesWithLightPathsKeepTheirMean) {
     request.settings.seed = seed;
     frames.add(mean_of(*testing::render(request)));
   }
-  const double sigma = std::hypot(truth.standard_error(), frames.standard_error());
-  EXPECT_LT(sigma, 0.002 * truth.mean()) << "or the comparison proves nothing";
-  EXPECT_NEAR(frames.mean(), truth.mean(), 3 * sigma);
-  std::printf("mean %.5f +- %.5f of adaptive frames; truth %.5f +- %.5f\n", frames.mean(), frames.standard_error(),
-              truth.mean(), truth.standard_error());
+  expect_mean_kept(frames, truth, 0.002);
 }
 
 TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
@@ -161,11 +166,7 @@ TEST(UnbiasedStopping, RendersOfRareBrightPathsKeepTheirMean) {
   const double mean_samples = double(samples) / 250 / 144;
   EXPECT_GT(mean_samples, 18);
   EXPECT_LT(mean_samples, 200) << "or the error ended no frame";
-  const double sigma = std::hypot(truth.standard_error(), frames.standard_error());
-  EXPECT_LT(sigma, 0.01 * truth.mean()) << "or the comparison proves nothing";
-  EXPECT_NEAR(frames.mean(), truth.mean(), 3 * sigma);
-  std::printf("mean %.5f +- %.5f of frames that ended after %.1f samples a pixel; truth %.5f +- %.5f\n", frames.mean(),
-              frames.standard_error(), mean_samples, truth.mean(), truth.standard_error());
+  expect_mean_kept(frames, truth, 0.01);
 }
 
 }  // namespace
