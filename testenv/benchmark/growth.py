@@ -6,7 +6,7 @@
 
 Scenes are made in a temporary folder. Triangles: one translucent sphere, subdivided. Instances: translucent spheres in a cubic
 lattice of fixed size. Lights: rect lights in a square of fixed size and power, above a diffuse sphere. Pixels and threads: the
-diffuse and the translucent sphere. CPU seconds are of all threads; those of the render phase are divided by the camera samples.
+diffuse and the translucent sphere, and a bundled scene, up to as many threads as the machine has. CPU seconds are of all threads; those of the render phase are divided by the camera samples.
 A run may have 8 GiB; one that needs more is a row that says so.
 
 --noise: disk lights of one power together, at random places above a floor with spheres. They face down, or anywhere. The
@@ -26,7 +26,7 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
-from compare_programs import environment  # noqa: E402
+from compare_programs import SCENES, environment  # noqa: E402
 
 MOST_BYTES = 8 << 30
 
@@ -134,6 +134,11 @@ def threads_scene(folder, _):
     return scene(translucent(0.1), [KEY, SKY], [smooth(4)])
 
 
+def bundled_scene(name):
+    """Makes nothing: the file of a bundled scene."""
+    return lambda folder, _: SCENES / name / f"{name}.json"
+
+
 def noise_scene(folder, count, anywhere):
     """Lights above a floor of 16 x 16 with 25 spheres."""
     write_sphere(folder, 0.5, [[3 * x, 0.5, 3 * z] for x in range(-2, 3) for z in range(-2, 3)])
@@ -175,14 +180,20 @@ ROWS += [("instances", side ** 3, instances_scene, side, USUAL) for side in (1, 
 ROWS += [("lights", side * side, lights_scene, side, USUAL) for side in (1, 2, 3, 10, 32, 100)]
 ROWS += [("pixels", w * h, pixels_scene, 0, ["--size", f"{w}x{h}", "--spp", "2", "--threads", "1"])
          for w, h in ((368, 276), (1152, 864), (2304, 1728), (4608, 3456))]
-ROWS += [("threads", n, threads_scene, 0, ["--size", "320x240", "--spp", "16", "--threads", str(n)]) for n in (1, 2)]
+for name, make, flags in (("threads", threads_scene, ["--spp", "64"]), ("threads, hard_light", bundled_scene("hard_light"), ["--spp", "16"]),
+                          ("threads, adaptive", bundled_scene("hard_light"), ["--spp", "16", "--set", "adaptive=true"])):
+    ROWS += [(name, n, make, 0, ["--size", "480x320", "--threads", str(n), *flags])
+             for n in (1, 2, 4, 8, 16, 32, 64) if n <= len(os.sched_getaffinity(0))]
 
 
 def measure(program, folder, make, argument, flags):
     """The statistics of one render, or None if it needs too much memory."""
     arguments = argument if isinstance(argument, tuple) else (argument,)
-    (folder / "scene.json").write_text(json.dumps(make(folder, *arguments)))
-    command = [program, "render", str(folder / "scene.json"), "-o", str(folder / "picture.exr"), "--quiet", "--stats",
+    file = make(folder, *arguments)
+    if not isinstance(file, pathlib.Path):
+        (folder / "scene.json").write_text(json.dumps(file))
+        file = folder / "scene.json"
+    command = [program, "render", str(file), "-o", str(folder / "picture.exr"), "--quiet", "--stats",
                str(folder / "stats.json"), *flags]
     done = subprocess.run(command, env=environment(program), capture_output=True, text=True,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, MOST_BYTES)))
@@ -214,7 +225,7 @@ def main():
     print("| what grows | number | CPU us/sample | wall us/sample | load, CPU s | build, CPU s | peak MiB |")
     print("|--|--|--|--|--|--|--|")
     for kind, number, make, argument, flags in ROWS:
-        if (a.only and kind not in a.only) or (kind == "triangles" and number > a.most_triangles):
+        if (a.only and kind.split(',')[0] not in a.only) or (kind == "triangles" and number > a.most_triangles):
             continue
         with tempfile.TemporaryDirectory() as folder:
             print(row(kind, number, measure(a.program, pathlib.Path(folder), make, argument, flags)), flush=True)
