@@ -28,7 +28,7 @@ stats = json.load(open(out + "/sample.stats.json"))
 phases = stats["phases"]
 layers = "albedo, normal, depth, subsurface" + (", denoised" if denoise else "")
 print("Done:\n  %s/sample.exr  scene-linear, with the layers %s\n  %s/sample.png  display-ready%s" %
-      (out, layers, out, ", denoised" if denoise else ", as rendered: without a denoiser, 24 samples are grainy"))
+      (out, layers, out, ", denoised" if denoise else ", as rendered: without a denoiser, 20 samples are grainy"))
 print("Time: " + ", ".join("%s %.1f s" % (name, phase["wall"]) for name, phase in phases.items()) +
       "; peak memory %.0f MB." % (stats["peakMemory"] / 1e6))
 PYTHON
