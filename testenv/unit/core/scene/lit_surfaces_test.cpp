@@ -63,6 +63,30 @@ TEST(LitSurfaces, ManyBodiesHaveNone) {
                            [](const auto& body) { return body->lit != nullptr; }));
 }
 
+/// The kappa beyond which too little of the sun's light comes through a ball of radius 1 to be looked for.
+float largest_kappa_that_guides(int rings) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::sphere_mesh(1, rings, false)), b.material(testing::medium_only(0.8f, 0.2f)));
+  b.add(sun_behind());
+  const auto snapshot = b.snapshot();
+  const LitSurface* const lit = snapshot->bodies[0]->lit->get();
+  float guides = 0, leads_nowhere = 64;
+  while (lit && leads_nowhere - guides > 0.01f) {
+    const float kappa = 0.5f * (guides + leads_nowhere);
+    (lit->direction_from({0, 0, 0.9f}, kappa) != Vec3f(0, 0, 0) ? guides : leads_nowhere) = kappa;
+  }
+  return guides;
+}
+
+// A point stands for the area of many triangles: were it that of its own, light would come through a coarse mesh at a
+// kappa that is larger by ln(16)/2 where a fine one has 16 times as many.
+TEST(LitSurfaces, LightComesThroughAFineMeshAsThroughACoarseOne) {
+  const float coarse = largest_kappa_that_guides(16);
+  EXPECT_GT(coarse, 2);
+  EXPECT_LT(coarse, 8);
+  EXPECT_NEAR(largest_kappa_that_guides(64), coarse, 0.4f);
+}
+
 // A thin ball, whose walks nothing else guides, alone and as a union; the camera sees its dark side.
 TEST(LitSurfaces, WalksThatAreGuidedToLightChangeNoMean) {
   for (const bool in_a_set : {false, true}) {
