@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Writes render descriptions of the wax dragon and the marble bunny, which are not in the repository, for peers.py.
+"""Writes render descriptions of bodies that are not in the repository, for peers.py: a wax dragon, a marble bunny, a jade
+armadillo, a cow of skin.
 
   asset_scenes.py OUT [--assets FOLDER]
 
-FOLDER holds sss/dragon_wax.glb and sss/bunny_marble.glb (default: $ALABASTER_TEST_ASSETS). Each is lit by a key from the side, a rim from
+FOLDER holds sss/dragon_wax.glb and so on, and subdiv/spot_control_sss.glb (default: $ALABASTER_TEST_ASSETS). Each is lit by a key from the side, a rim from
 behind, a fill and a dim sky, scaled to its size.
 """
 import argparse
@@ -19,7 +20,10 @@ from neutral_scene import Glb, placed_meshes, to_world
 MATERIALS = {
     "dragon_wax": {"baseColor": [0.9, 0.5, 0.2], "roughness": 0.3, "scatterDistance": [0.6, 0.3, 0.15]},
     "bunny_marble": {"baseColor": [0.83, 0.79, 0.75], "roughness": 0.35, "scatterDistance": [0.104, 0.078, 0.0603]},
+    "armadillo_jade": {"baseColor": [0.35, 0.62, 0.32], "roughness": 0.25, "scatterDistance": [0.03, 0.05, 0.02]},
+    "spot_control_sss": {"baseColor": [0.85, 0.62, 0.52], "roughness": 0.45, "scatterDistance": [0.06, 0.025, 0.015]},
 }
+CAGES = {"spot_control_sss": {"refineLevel": 3}}  # refined, and not in the folder sss
 LIGHTS = {  # direction from the middle, size and power by the radius of the body
     "key": ((1.0, 0.8, 0.3), 1.0, 22.0), "rim": ((-0.6, 0.5, -1.0), 1.0, 16.0), "fill": ((-1.0, 0.4, 0.8), 1.6, 2.0)}
 
@@ -44,7 +48,7 @@ def describe(name, middle, radius):
     lights = [{"name": light, "type": "rectLight", "width": size * radius, "height": size * radius, "intensity": power,
                "position": place(direction, 2.5), "target": middle} for light, (direction, size, power) in LIGHTS.items()]
     return {
-        "gltf": [{"file": name + ".glb"}],
+        "gltf": [{"file": name + ".glb", **CAGES.get(name, {})}],
         "materials": [{"match": "*", "replace": MATERIALS[name]}],
         "lights": lights + [{"name": "sky", "type": "domeLight", "intensity": 0.15}],
         "camera": {"lookAt": {"eye": place((0.35, 0.25, 1.0), 3.6), "target": middle}, "focalLength": 50,
@@ -62,7 +66,7 @@ def main():
         parser.error("--assets or $ALABASTER_TEST_ASSETS must name the folder with sss/dragon_wax.glb")
     arguments.out.mkdir(parents=True, exist_ok=True)
     for name in MATERIALS:
-        file = pathlib.Path(arguments.assets) / "sss" / (name + ".glb")
+        file = pathlib.Path(arguments.assets) / ("subdiv" if name in CAGES else "sss") / (name + ".glb")
         shutil.copy(file, arguments.out)
         (arguments.out / (name + ".json")).write_text(json.dumps(describe(name, *bounds(Glb(file))), indent=1) + "\n")
         print(arguments.out / (name + ".json"))
