@@ -5,9 +5,10 @@
   growth.py PROGRAM --noise     the noise of many lights, as relative mean squared error x CPU seconds of the render phase
 
 Scenes are made in a temporary folder. Triangles: one translucent sphere, subdivided. Instances: translucent spheres in a cubic
-lattice of fixed size. Lights: rect lights in a square of fixed size and power, above a diffuse sphere. Pixels and threads: the
-diffuse and the translucent sphere, and a bundled scene, up to as many threads as the machine has. CPU seconds are of all threads; those of the render phase are divided by the camera samples.
-A run may have 8 GiB; one that needs more is a row that says so.
+lattice of fixed size. Lights: rect lights in a square of fixed size and power, above a diffuse sphere. Pixels: the diffuse
+sphere. Threads: 1, 2, 4 and so on, up to those of the machine, for the translucent sphere and for hard_light, evenly sampled
+and adaptively. CPU seconds are of all threads; those of the render phase are divided by the camera samples. A run may have 8
+GiB; one that needs more is a row that says so.
 
 --noise: disk lights of one power together, at random places above a floor with spheres. They face down, or anywhere. The
 error is the variance over eight seeds, as noise_gain.py has it.
@@ -180,7 +181,8 @@ ROWS += [("instances", side ** 3, instances_scene, side, USUAL) for side in (1, 
 ROWS += [("lights", side * side, lights_scene, side, USUAL) for side in (1, 2, 3, 10, 32, 100)]
 ROWS += [("pixels", w * h, pixels_scene, 0, ["--size", f"{w}x{h}", "--spp", "2", "--threads", "1"])
          for w, h in ((368, 276), (1152, 864), (2304, 1728), (4608, 3456))]
-for name, make, flags in (("threads", threads_scene, ["--spp", "64"]), ("threads, hard_light", bundled_scene("hard_light"), ["--spp", "16"]),
+for name, make, flags in (("threads", threads_scene, ["--spp", "64"]),
+                          ("threads, hard_light", bundled_scene("hard_light"), ["--spp", "16"]),
                           ("threads, adaptive", bundled_scene("hard_light"), ["--spp", "16", "--set", "adaptive=true"])):
     ROWS += [(name, n, make, 0, ["--size", "480x320", "--threads", str(n), *flags])
              for n in (1, 2, 4, 8, 16, 32, 64) if n <= len(os.sched_getaffinity(0))]

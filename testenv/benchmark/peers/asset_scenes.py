@@ -4,8 +4,9 @@ armadillo, a cow of skin.
 
   asset_scenes.py OUT [--assets FOLDER]
 
-FOLDER holds sss/dragon_wax.glb and so on, and subdiv/spot_control_sss.glb (default: $ALABASTER_TEST_ASSETS). Each is lit by a key from the side, a rim from
-behind, a fill and a dim sky, scaled to its size.
+FOLDER holds sss/dragon_wax.glb and so on, and subdiv/spot_control_sss.glb (default: $ALABASTER_TEST_ASSETS). Bodies that it
+lacks are left out, with a message. Each is lit by a key from the side, a rim from behind, a fill and a dim sky, scaled to its
+size.
 """
 import argparse
 import itertools
@@ -14,6 +15,7 @@ import math
 import os
 import pathlib
 import shutil
+import sys
 
 from neutral_scene import Glb, placed_meshes, to_world
 
@@ -63,10 +65,13 @@ def main():
     parser.add_argument("--assets", default=os.environ.get("ALABASTER_TEST_ASSETS"))
     arguments = parser.parse_args()
     if not arguments.assets:
-        parser.error("--assets or $ALABASTER_TEST_ASSETS must name the folder with sss/dragon_wax.glb")
+        parser.error("--assets or $ALABASTER_TEST_ASSETS must name the folder of test assets")
     arguments.out.mkdir(parents=True, exist_ok=True)
     for name in MATERIALS:
         file = pathlib.Path(arguments.assets) / ("subdiv" if name in CAGES else "sss") / (name + ".glb")
+        if not file.exists():
+            print(f"{file}: there is no such file, so {name}.json is left out", file=sys.stderr)
+            continue
         shutil.copy(file, arguments.out)
         (arguments.out / (name + ".json")).write_text(json.dumps(describe(name, *bounds(Glb(file))), indent=1) + "\n")
         print(arguments.out / (name + ".json"))

@@ -79,7 +79,7 @@ float largest_kappa_that_guides(int rings) {
 }
 
 // A point stands for the area of many triangles: were it that of its own, light would come through a coarse mesh at a
-// kappa that is larger by ln(16)/2 where a fine one has 16 times as many.
+// kappa that is larger by more than ln(16)/2 where a fine one has 16 times as many.
 TEST(LitSurfaces, LightComesThroughAFineMeshAsThroughACoarseOne) {
   const float coarse = largest_kappa_that_guides(16);
   EXPECT_GT(coarse, 2);
