@@ -79,8 +79,8 @@ Vec3f direction_to_light(const LitSurface& lit, const SubsurfaceEntry& entry) {
 
 // True if guiding walks back to the surface pays, in a medium where guiding does at all. Behind an open mesh the medium
 // has no end, and it pays for every such medium.
-bool pays_to_guide_back(const SubsurfaceBody::Member& member, const Medium& medium) {
-  return member.room_to_guide && (member.shells->any_open || least_absorption(medium) > kGuidingBackPaysAbove);
+bool pays_to_guide_back(const SubsurfaceBody::Member& member, const WalkMedium& medium) {
+  return member.room_to_guide && (member.shells->any_open || medium.pays_to_guide_back);
 }
 
 }  // namespace
@@ -102,8 +102,8 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   const bool looks_for_light = settings.guiding && body.lit && entry.medium->worthwhile.guiding && !entry.within;
   if (const LitSurface* const lit = looks_for_light ? body.lit->get() : nullptr; lit && !lit->faces_light(entry.hit.ng))
     beginning.start.to_light = direction_to_light(*lit, entry);
-  used.guiding &= pays_to_guide_back(body.members[entry.member], entry.medium->medium) ||
-                  beginning.start.to_light != Vec3f(0, 0, 0);
+  used.guiding &=
+      pays_to_guide_back(body.members[entry.member], *entry.medium) || beginning.start.to_light != Vec3f(0, 0, 0);
   std::optional<HalfSpaceTwin> follower;
   if (twin && beginning.start.to_light == Vec3f(0, 0, 0)) {
     follower.emplace(entry.ns, *entry.medium);

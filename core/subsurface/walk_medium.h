@@ -71,11 +71,15 @@ struct WalkMedium {
   Medium medium;
   ChannelValues sigma_t{}, alpha{}, excess{};
   WalkShortcuts worthwhile;  // of those allowed
+  bool pays_to_guide_back;   // to the surface of a closed mesh, if guiding is worthwhile
   DiffusionModes modes;      // only where a shortcut is worthwhile
 
   /// `shortcuts`: those that the walk may take; the modes are found for them alone.
   // NOLINTNEXTLINE(google-explicit-constructor): the same medium, in the form that the loop reads
-  WalkMedium(const Medium& m, WalkShortcuts shortcuts = {true, true}) : medium(m), worthwhile(worthwhile_shortcuts(m)) {
+  WalkMedium(const Medium& m, WalkShortcuts shortcuts = {true, true})
+      : medium(m),
+        worthwhile(worthwhile_shortcuts(m)),
+        pays_to_guide_back(least_absorption(m) > kGuidingBackPaysAbove) {
     worthwhile.guiding &= shortcuts.guiding;
     worthwhile.sphere_steps &= shortcuts.sphere_steps;
     double clearest = std::numeric_limits<double>::infinity();
