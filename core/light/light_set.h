@@ -37,10 +37,9 @@ class LightSet {
     std::vector<bool> visible_to_camera;  // lights beyond its end are visible
     std::vector<uint32_t> shadow_links;   // of LightDescription; lights beyond its end have none
   };
-  /// In a set of up to
-  /// `sample_all_up_to` lights each is sampled once per point (probability 1): samples that face away mostly cost no
-  /// ray, and no light adds to another's noise. In larger sets one light is chosen, of more than kMostWeighed by a
-  /// tree.
+  /// A set of at most `sample_all_up_to` lights samples every light once per point, with probability 1: a sample that
+  /// faces away mostly costs no ray, and no light adds to another's noise. A larger set chooses one light per point,
+  /// and a set of more than kMostWeighed lights chooses it by a tree.
   LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_up_to = 0);
 
   size_t size() const { return lights_.size(); }

@@ -1,7 +1,7 @@
-// The Disney BSDF of a surface that light goes through (Burley 2015, section 5): DisneyBsdf, and beside it
+// The Disney BSDF of a surface that transmits light (Burley 2015, section 5): DisneyBsdf and two more lobes.
 //
-//   (1-metallic) specTrans                  a clear boundary: DisneyDielectric of a solid, DisneyThinDielectric of a
-//   sheet (1-metallic) (1-specTrans) diffTrans/2  a cosine lobe on the other side, of colour diffTransColor
+// - A clear boundary of weight (1-metallic) specTrans: DisneyDielectric for a solid, DisneyThinDielectric for a sheet.
+// - A cosine lobe on the other side of weight (1-metallic) (1-specTrans) diffTrans/2 and colour diffTransColor.
 //
 // The clear boundary of a solid tints what passes by the square root of baseColor, once on the way in and once on the
 // way out; that of a sheet by baseColor. Diffuse, sheen and subsurface entry have the share (1-metallic)(1-specTrans).

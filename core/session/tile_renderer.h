@@ -55,8 +55,8 @@ struct SampleFailure : std::logic_error {
 /// Immutable: any number of threads may share one.
 class TileRenderer {
  public:
-  /// `request` must outlive the renderer. A walk below a surface asks `cancel`, and
-  /// a sample ends in it without being added.
+  /// `request` must outlive the renderer. Walks below surfaces check `cancel`. A sample that is cancelled is not added
+  /// to its pixel.
   explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {});
 
   /// Traces one camera sample of an even frame. The result depends on its address and the request alone. A colour that

@@ -27,9 +27,9 @@ struct MeshShells {
   uint8_t flags(uint32_t triangle) const { return triangle_flags.empty() ? uint8_t(0) : triangle_flags[triangle]; }
 };
 
-/// `object` traces `mesh`. A mesh that deforms has the shells of the shutter's opening, and several of them count as
-/// overlapping, for they may overlap later. A function of the mesh alone, for any number of
-/// threads; scaling it by 2^k changes nothing. `cache` may be null. Throws BuildCancelled.
+/// `object` traces `mesh`. A mesh that deforms has the shells of the shutter's opening; several shells of such a mesh
+/// count as overlapping, because they may overlap later. The result depends on the mesh alone, not on the number of
+/// threads, and scaling the mesh by 2^k does not change it. `cache` may be null. Throws BuildCancelled.
 MeshShells find_shells(const Mesh& mesh, const ObjectScene& object, const CancelToken& cancel = {},
                        ShellTopologyCache* cache = nullptr);
 
