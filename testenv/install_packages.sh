@@ -18,7 +18,7 @@ install_packages() {
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null
 }
 
-# Debian 12 has no package of Open Image Denoise; a wheel on PyPI carries the library. It goes into build/oidn, which
+# Debian has no package of Open Image Denoise; a wheel on PyPI carries the library. It goes into build/oidn, which
 # needs no rights, and is never required.
 install_denoiser() {
   oidn="$top/build/oidn"

@@ -13,6 +13,51 @@
 
 namespace alabaster {
 
+// Where Embree 3 (Debian 12) and Embree 4 (Debian 13) differ. A query's filter is a member of the context in Embree 3,
+// and an argument of the query in Embree 4.
+#if RTC_VERSION_MAJOR >= 4
+using RayContext = RTCRayQueryContext;
+inline constexpr int kFilterFlag = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+// A refit leaves the fourth corner of some quads at its old place (QuadMv::update constructs v3 from itself).
+inline constexpr bool kRefitsQuads = false;
+inline void init(RayContext* context) {
+  rtcInitRayQueryContext(context);
+}
+template <class Arguments>
+Arguments* with(RayContext* context, RTCFilterFunctionN filter, Arguments* arguments) {
+  arguments->context = context;
+  if (!filter) return arguments;
+  arguments->filter = filter;
+  arguments->flags = RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
+  return arguments;
+}
+inline void trace(RTCScene scene, RayContext* context, RTCFilterFunctionN filter, RTCRayHit* query) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  rtcIntersect1(scene, query, with(context, filter, &arguments));
+}
+inline void trace(RTCScene scene, RayContext* context, RTCFilterFunctionN filter, RTCRay* query) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  rtcOccluded1(scene, query, with(context, filter, &arguments));
+}
+#else
+using RayContext = RTCIntersectContext;
+inline constexpr int kFilterFlag = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+inline constexpr bool kRefitsQuads = true;
+inline void init(RayContext* context) {
+  rtcInitIntersectContext(context);
+}
+inline void trace(RTCScene scene, RayContext* context, RTCFilterFunctionN filter, RTCRayHit* query) {
+  context->filter = filter;
+  rtcIntersect1(scene, context, query);
+}
+inline void trace(RTCScene scene, RayContext* context, RTCFilterFunctionN filter, RTCRay* query) {
+  context->filter = filter;
+  rtcOccluded1(scene, context, query);
+}
+#endif
+
 // Owns an Embree scene and, through it, the device that it lives on.
 class SceneHandle {
  public:
@@ -25,7 +70,7 @@ class SceneHandle {
     // ROBUST: neighbouring triangles leave no gap. COMPACT would halve the peak memory of the build, but its indexed
     // triangles trace a quarter slower. The filter function collects all hits of a ray; single rays trace as fast with
     // the flag as without.
-    const int flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+    const int flags = RTC_SCENE_FLAG_ROBUST | kFilterFlag;
     rtcSetSceneFlags(scene_, static_cast<RTCSceneFlags>(dynamic ? flags | RTC_SCENE_FLAG_DYNAMIC : flags));
     rtcSetSceneBuildQuality(scene_, dynamic ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
   }
@@ -97,7 +142,7 @@ inline void name_triangle(unsigned geometry, TriangleHit* hit) {
 
 // Embree hands the context back to the filter, so it must begin with Embree's.
 struct FilterContext {
-  RTCIntersectContext embree;
+  RayContext embree;
   const HitFilter* filter;
   uint32_t first = 0;  // index of the first instance of the array that the ray is in
 };
@@ -118,16 +163,25 @@ inline void ask_filter(const RTCFilterFunctionNArguments* args) noexcept {
 
 inline FilterContext make_context(const HitFilter* filter) {
   FilterContext context{{}, filter};
-  rtcInitIntersectContext(&context.embree);
-  if (filter) context.embree.filter = &ask_filter;
+  init(&context.embree);
   return context;
+}
+
+// Callbacks that trace on do it by this, too: a query inherits no filter.
+template <class Query>
+void trace(RTCScene scene, FilterContext* context, Query* query) {
+  trace(scene, &context->embree, context->filter ? &ask_filter : nullptr, query);
+}
+
+inline FilterContext* filter_context(RayContext* context) {
+  return reinterpret_cast<FilterContext*>(context);
 }
 
 inline bool intersect_scene(RTCScene scene, const Ray& ray, TriangleHit* hit, const HitFilter* filter = nullptr) {
   if (!is_traceable(ray)) return false;
   RTCRayHit query = to_query(ray);
   FilterContext context = make_context(filter);
-  rtcIntersect1(scene, &context.embree, &query);
+  trace(scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit->t = query.ray.tfar;
   hit->u = query.hit.u;

@@ -1,5 +1,5 @@
 // A cell of instances as Embree holds it: user geometry, whose callbacks carry the ray into each instance's mesh.
-// Embree 3 as Debian builds it has one level of instances only. Internal to this room.
+// Embree as Debian builds it has one level of instances only. Internal to this room.
 #pragma once
 
 #include "core/geometry/embree_object_scene.h"

@@ -29,7 +29,7 @@ void mend_corner(RTCGeometry mesh, const Corners& c, const Affine& to_world, con
 
 // Embree hands the context back to the filter, so it must begin with Embree's.
 struct CollectContext {
-  RTCIntersectContext embree;
+  RayContext embree;
   std::pmr::vector<TriangleHit>* hits;
   bool out_of_memory;
 };
@@ -57,9 +57,8 @@ void intersect_all_in_scene(RTCScene scene, const Ray& ray, std::pmr::vector<Tri
   if (!is_traceable(ray)) return;
   RTCRayHit query = to_query(ray);
   CollectContext context{{}, hits, false};
-  rtcInitIntersectContext(&context.embree);
-  context.embree.filter = &collect_hit;
-  rtcIntersect1(scene, &context.embree, &query);
+  init(&context.embree);
+  trace(scene, &context.embree, &collect_hit, &query);
   if (context.out_of_memory) throw std::bad_alloc();
   std::sort(hits->begin(), hits->end(), [](const TriangleHit& a, const TriangleHit& b) {
     return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
@@ -92,7 +91,8 @@ bool fill_quads(RTCGeometry geometry, const std::vector<Corners>& triangles) {
 bool EmbreeObjectScene::attach(const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(scene_.device(), quads_ ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
   if (!geometry) return false;
-  if (use_ == Use::refitted) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+  const bool refits = use_ == Use::refitted && (kRefitsQuads || !quads_);  // else it is built again
+  if (refits) rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
   rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(poses_));
   bool filled = quads_ ? fill_quads(geometry, mesh.triangles)
                        : fill(geometry, {RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3}, mesh.triangles.data(),

@@ -33,7 +33,7 @@ class EmbreeObjectScene final : public ObjectScene {
 
   size_t memory_bytes() const override {
     // The buffers are known; the hierarchy takes about 66 bytes a triangle, 36 where two are a quad, and at most 200
-    // where it deforms (Embree 3.13 does not tell per scene).
+    // where it deforms (Embree does not tell per scene).
     const size_t hierarchy_per_triangle = poses_ > 1 ? 200 : quads_ ? 36 : 66;
     const size_t corners_per_triangle = quads_ ? 2 : 3;
     return poses_ * points_ * sizeof(Vec3f) +

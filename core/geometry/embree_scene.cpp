@@ -36,7 +36,7 @@ class EmbreeInstancedScene final : public InstancedScene {
     if (!growth_.allows(ray) || !is_traceable(ray)) return false;
     RTCRay query = to_embree(ray);
     FilterContext context = make_context(filter);
-    rtcOccluded1(scene_.get(), &context.embree, &query);
+    trace(scene_.get(), &context, &query);
     return query.tfar < 0;
   }
 
@@ -101,20 +101,20 @@ class EmbreeInstancedScene final : public InstancedScene {
   static void bound_cell(const RTCBoundsFunctionArguments* args) noexcept {
     rtcGetSceneBounds((*static_cast<const PlacedCells*>(args->geometryUserPtr))[args->primID].get(), args->bounds_o);
   }
-  static RTCScene enter_cell(const PlacedCells& cells, uint32_t cell, RTCIntersectContext* context) {
-    reinterpret_cast<FilterContext*>(context)->first = cells.first;
-    return cells[cell].get();
+  template <class Query>
+  static void trace_cell(const PlacedCells& cells, uint32_t cell, RayContext* context, Query* query) {
+    filter_context(context)->first = cells.first;
+    trace(cells[cell].get(), filter_context(context), query);
   }
   static void intersect_cell(const RTCIntersectFunctionNArguments* args) noexcept {
     if (!args->valid[0]) return;
     const auto& cells = *static_cast<const PlacedCells*>(args->geometryUserPtr);
-    rtcIntersect1(enter_cell(cells, args->primID, args->context), args->context,
-                  reinterpret_cast<RTCRayHit*>(args->rayhit));
+    trace_cell(cells, args->primID, args->context, reinterpret_cast<RTCRayHit*>(args->rayhit));
   }
   static void occluded_cell(const RTCOccludedFunctionNArguments* args) noexcept {
     if (!args->valid[0]) return;
     const auto& cells = *static_cast<const PlacedCells*>(args->geometryUserPtr);
-    rtcOccluded1(enter_cell(cells, args->primID, args->context), args->context, reinterpret_cast<RTCRay*>(args->ray));
+    trace_cell(cells, args->primID, args->context, reinterpret_cast<RTCRay*>(args->ray));
   }
 
   // Embree's columns are the images of the axes and of the origin: the rows of our row-vector matrices.

@@ -34,8 +34,8 @@ Bounds placed_bounds(RTCScene object, const Placement& placement) {
 // The context of a ray while it is in one instance: hits then carry the instance's index.
 class InstanceScope {
  public:
-  InstanceScope(RTCIntersectContext* context, uint32_t number) : context_(*context) {
-    context_.instID[0] = reinterpret_cast<const FilterContext*>(context)->first + number;
+  InstanceScope(RayContext* context, uint32_t number) : context_(*context) {
+    context_.instID[0] = filter_context(context)->first + number;
   }
   ~InstanceScope() { context_.instID[0] = RTC_INVALID_GEOMETRY_ID; }
   InstanceScope(const InstanceScope&) = delete;
@@ -43,7 +43,7 @@ class InstanceScope {
   uint32_t index() const { return context_.instID[0]; }
 
  private:
-  RTCIntersectContext& context_;
+  RayContext& context_;
 };
 
 }  // namespace
@@ -79,7 +79,7 @@ void EmbreeInstanceCell::intersect(const RTCIntersectFunctionNArguments* args) n
   query.ray = carried(outer.ray, cell.instances_.placements[args->primID].world_to_object);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(cell.object().get(), args->context, &query);
+  trace(cell.object().get(), filter_context(args->context), &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
   // The first instance wins among surfaces that coincide, whichever cells they are in.
   const bool had_hit = outer.hit.geomID != RTC_INVALID_GEOMETRY_ID;
@@ -94,7 +94,7 @@ void EmbreeInstanceCell::occluded(const RTCOccludedFunctionNArguments* args) noe
   RTCRay& outer = *reinterpret_cast<RTCRay*>(args->ray);
   const InstanceScope instance(args->context, (*cell.instances_.numbers)[args->primID]);
   RTCRay query = carried(outer, cell.instances_.placements[args->primID].world_to_object);
-  rtcOccluded1(cell.object().get(), args->context, &query);
+  trace(cell.object().get(), filter_context(args->context), &query);
   outer.tfar = query.tfar;
 }
 

@@ -1,7 +1,11 @@
 // Embree's device, its errors and its memory. Internal to this room.
 #pragma once
 
+#if __has_include(<embree4/rtcore.h>)  // CMakeLists.txt prefers it, too
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <memory>
 #include <mutex>

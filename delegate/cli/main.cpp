@@ -176,7 +176,7 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   CLI::App* c = app.add_subcommand(
       "tradeoff",
       "Measures speed against accuracy on a scene: noise and bias of every subsurface mode and quality setting.");
-  c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
+  c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
   c->add_option("-o,--output", a->folder,
                 "Folder for tradeoff.csv, .json, .md, .svg, .png and the state to resume from; default: SCENE_tradeoff")
       ->type_name("DIR");
@@ -238,7 +238,7 @@ CLI::App* add_check(CLI::App& app, CheckArguments* a) {
       "check",
       "Checks a scene without rendering it: reads it and all files that it names, builds what would be rendered, and "
       "reports every fault that a render would. Writes nothing.");
-  c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
+  c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_option("--time-limit", a->time_limit, "Give up after this many seconds; default: 60")->type_name("S");
   c->add_option("--memory-limit", a->memory_limit, "Memory for the scene, as in render")->type_name("MIB");
@@ -256,7 +256,7 @@ void add_view(CLI::App& app) {
 
 CLI::App* add_info(CLI::App& app, InfoArguments* a) {
   CLI::App* c = app.add_subcommand("info", "Lists what a scene contains and what rendering it requires.");
-  c->add_option("scene", a->scene, "Scene file")->required()->type_name("SCENE");
+  c->add_option("file", a->scene, "Scene file")->required()->type_name("SCENE");
   add_repeated(c, "--set", &a->overrides, "KEY=VALUE", "Override a value, as in render");
   c->add_option("--predict", a->predict,
                 "Predict the cost of rendering to this relative RMSE (0.02 is two per cent) from a probe of a few "

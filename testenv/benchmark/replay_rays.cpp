@@ -4,7 +4,11 @@
 // without it. Rays that collect all hits by a filter are left out: they belong to the set-up of bodies. Shadow rays
 // tell the two filters apart, because no shadow ray collects.
 #include <dlfcn.h>
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <time.h>
 
 #include <algorithm>
@@ -39,9 +43,9 @@ const auto intersect1 = next_definition(&rtcIntersect1, "rtcIntersect1");
 const auto occluded1 = next_definition(&rtcOccluded1, "rtcOccluded1");
 const auto release_scene = next_definition(&rtcReleaseScene, "rtcReleaseScene");
 
-void record(RTCScene scene, const RTCIntersectContext* context, const RTCRay& ray, bool occlusion) {
+void record(RTCScene scene, RTCFilterFunctionN filter, const RTCRay& ray, bool occlusion) {
   const std::lock_guard hold(recording.lock);
-  if (occlusion && context->filter) recording.passing = context->filter;
+  if (occlusion && filter) recording.passing = filter;
   auto& scenes = recording.scenes;
   const auto found = std::find(scenes.begin(), scenes.end(), scene);
   const auto index = static_cast<uint32_t>(found - scenes.begin());
@@ -51,7 +55,18 @@ void record(RTCScene scene, const RTCIntersectContext* context, const RTCRay& ra
                             {ray.dir_x, ray.dir_y, ray.dir_z},
                             index & 0x7fffffffu,
                             occlusion,
-                            context->filter});
+                            filter});
+}
+
+template <class Function, class Query>
+void trace_bare(Function function, RTCScene scene, Query* query) {
+#if RTC_VERSION_MAJOR >= 4
+  function(scene, query, nullptr);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  function(scene, &context, query);
+#endif
 }
 
 double thread_cpu_seconds() {
@@ -66,13 +81,11 @@ double replay(size_t* hits) {
     RTCRayHit query;
     query.ray = {r.org[0], r.org[1], r.org[2], 0, r.dir[0], r.dir[1], r.dir[2], 0, r.tfar, ~0u, 0, 0};
     query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
     if (r.occlusion) {
-      occluded1(recording.scenes[r.scene], &context, &query.ray);
+      trace_bare(occluded1, recording.scenes[r.scene], &query.ray);
       *hits += query.ray.tfar < 0;
     } else {
-      intersect1(recording.scenes[r.scene], &context, &query);
+      trace_bare(intersect1, recording.scenes[r.scene], &query);
       *hits += query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     }
   }
@@ -97,15 +110,27 @@ void replay_all() {
 
 #define EXPORTED __attribute__((visibility("default")))
 
+#if RTC_VERSION_MAJOR >= 4
+EXPORTED void rtcIntersect1(RTCScene scene, RTCRayHit* query, RTCIntersectArguments* arguments) {
+  record(scene, arguments->filter, query->ray, false);
+  intersect1(scene, query, arguments);
+}
+
+EXPORTED void rtcOccluded1(RTCScene scene, RTCRay* ray, RTCOccludedArguments* arguments) {
+  record(scene, arguments->filter, *ray, true);
+  occluded1(scene, ray, arguments);
+}
+#else
 EXPORTED void rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* query) {
-  record(scene, context, query->ray, false);
+  record(scene, context->filter, query->ray, false);
   intersect1(scene, context, query);
 }
 
 EXPORTED void rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* ray) {
-  record(scene, context, *ray, true);
+  record(scene, context->filter, *ray, true);
   occluded1(scene, context, ray);
 }
+#endif
 
 EXPORTED void rtcReleaseScene(RTCScene scene) {
   {

@@ -36,7 +36,7 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "description": ["math", "memory", "texture"],
 }
 OWNERS = {  # pattern of an include -> files that may have it
-    r"embree3/": ["core/geometry/"],
+    r"embree[34]/": ["core/geometry/"],
     r"opensubdiv/": ["core/geometry/"],
     r"OpenColorIO/": ["core/color/"],
     r"OpenImageIO/": ["core/images/open_image_io/"],

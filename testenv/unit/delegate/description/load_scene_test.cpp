@@ -1,4 +1,5 @@
 // Scenes loaded from descriptions, compared with values worked out by hand.
+#include <algorithm>
 #include <cmath>
 
 #include "delegate/api/render_delegate.h"
