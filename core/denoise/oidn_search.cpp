@@ -59,6 +59,7 @@ std::vector<std::string> find_oidn(const std::string& named) {
   if (const fs::path own = own_folder(); !own.empty()) {
     add_from_folder(own / "oidn", &files);
     add_from_folder(own.parent_path() / "oidn", &files);
+    add_from_folder(own / "alabaster/oidn", &files);  // cmake --install puts it there
   }
   files.emplace_back(kLibrary);
   add_from_python(variable("VIRTUAL_ENV"), &files);

@@ -1,7 +1,6 @@
 #include "core/geometry/edge_rates.h"
 
 #include <opensubdiv/bfr/surface.h>
-#include <opensubdiv/far/topologyRefiner.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -40,18 +39,18 @@ uint32_t segments_of(const Surface& surface, const std::vector<float>& controls,
 }
 
 // The first face of an edge that has a limit surface measures it.
-std::vector<int> owners_of_edges(const Far::TopologyLevel& base, const SurfaceFactory& factory) {
+std::vector<int> owners_of_edges(const Far::TopologyLevel& base, const SurfaceFactories& factories) {
   std::vector<int> owners(at(base.GetNumEdges()), -1);
   for (int face = base.GetNumFaces() - 1; face >= 0; --face)
-    if (factory.FaceHasLimitSurface(face))
+    if (factories.of(face).FaceHasLimitSurface(face))
       for (const int edge : base.GetFaceEdges(face)) owners[at(edge)] = face;
   return owners;
 }
 
 EdgeRates wanted_rates(const Cage& cage, const Far::TopologyRefiner& refiner, const RefinementOptions& options) {
   const Far::TopologyLevel& base = refiner.GetLevel(0);
-  const SurfaceFactory factory(refiner, surface_options(0));
-  const std::vector<int> owners = owners_of_edges(base, factory);
+  const SurfaceFactories factories(refiner, 0);
+  const std::vector<int> owners = owners_of_edges(base, factories);
   EdgeRates rates;
   rates.edges.assign(owners.size(), 1);
   const tbb::blocked_range<int> all(0, base.GetNumFaces(), 64);
@@ -62,7 +61,8 @@ EdgeRates wanted_rates(const Cage& cage, const Far::TopologyRefiner& refiner, co
     for (int face = range.begin(); face < range.end(); ++face) {
       const auto edges = base.GetFaceEdges(face);
       const auto is_own = [&](int edge) { return owners[at(edge)] == face; };
-      if (std::none_of(edges.begin(), edges.end(), is_own) || !factory.InitVertexSurface(face, &surface)) continue;
+      if (std::none_of(edges.begin(), edges.end(), is_own)) continue;
+      if (!factories.of(face).InitVertexSurface(face, &surface)) continue;
       controls.resize(3 * at(surface.GetNumPatchPoints()));
       surface.PreparePatchPoints(&cage.points[0].x, 3, controls.data(), 3);
       for (int i = 0; i < edges.size(); ++i)

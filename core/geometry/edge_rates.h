@@ -2,6 +2,7 @@
 #pragma once
 
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/far/topologyRefiner.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/geometry/mesh.h"
+#include "core/geometry/two_face_vertices.h"
 
 namespace alabaster {
 
@@ -18,6 +20,20 @@ using SurfaceFactory = OpenSubdiv::Bfr::RefinerSurfaceFactory<OpenSubdiv::Bfr::S
 
 /// For samples as close to each other as those of a level of uniform refinement.
 SurfaceFactory::Options surface_options(int level);
+
+/// The surfaces of a cage's faces. Patches are shared through a cache but for those that its key does not tell apart.
+class SurfaceFactories {
+ public:
+  SurfaceFactories(const OpenSubdiv::Far::TopologyRefiner& refiner, int level)
+      : base_(refiner.GetLevel(0)),
+        cached_(refiner, surface_options(level)),
+        uncached_(refiner, surface_options(level).EnableCaching(false)) {}
+  const SurfaceFactory& of(int face) const { return has_two_face_vertex(base_, face) ? uncached_ : cached_; }
+
+ private:
+  const OpenSubdiv::Far::TopologyLevel& base_;
+  SurfaceFactory cached_, uncached_;
+};
 
 /// Faces on both sides of an edge have the same points there, so that no crack opens.
 struct EdgeRates {

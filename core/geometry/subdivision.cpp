@@ -88,11 +88,7 @@ class LimitTessellator {
  public:
   LimitTessellator(const Cage& cage, const Far::TopologyRefiner& refiner, const EdgeRates& rates,
                    const CancelToken& cancel)
-      : cancel_(cancel),
-        cage_(cage),
-        base_(refiner.GetLevel(0)),
-        factory_(refiner, surface_options(rates.level())),
-        rates_(rates) {
+      : cancel_(cancel), cage_(cage), base_(refiner.GetLevel(0)), factories_(refiner, rates.level()), rates_(rates) {
     find_faces();
     find_sharp_features();
   }
@@ -132,7 +128,7 @@ class LimitTessellator {
     for (const int face : cage_.invisible_faces) invisible[at(face)] = 1;
     for (int face = 0; face < base_.GetNumFaces(); ++face) {
       cancel_.check();
-      if (invisible[at(face)] || !factory_.FaceHasLimitSurface(face)) continue;
+      if (invisible[at(face)] || !factories_.of(face).FaceHasLimitSurface(face)) continue;
       FacePattern own;
       const FacePattern& pattern = pattern_of(face, &own);
       faces_[at(face)] = {
@@ -142,7 +138,7 @@ class LimitTessellator {
 
   // With one rate for all edges, faces of one size share a pattern; any other is made where it is needed.
   const FacePattern& pattern_of(int face, FacePattern* own) {
-    const auto parameterization = [&] { return factory_.GetFaceParameterization(face); };
+    const auto parameterization = [&] { return factories_.of(face).GetFaceParameterization(face); };
     if (!rates_.uniform) {
       std::vector<int> rates;
       for (const int edge : base_.GetFaceEdges(face)) rates.push_back(static_cast<int>(rates_.of(edge)));
@@ -288,7 +284,7 @@ class LimitTessellator {
   }
 
   bool tessellate(int face, Workspace* w) {
-    if (!factory_.InitVertexSurface(face, &w->points)) return false;
+    if (!factories_.of(face).InitVertexSurface(face, &w->points)) return false;
     const std::vector<Sample> samples = place_samples(face);
     const FacePattern& pattern = pattern_of(face, &w->pattern);
     evaluate_points(pattern, samples, w);
@@ -318,7 +314,7 @@ class LimitTessellator {
   }
 
   bool evaluate_varying(int face, const FacePattern& pattern, const std::vector<Sample>& samples, Workspace* w) {
-    if (!factory_.InitVaryingSurface(face, &w->varying)) return false;
+    if (!factories_.of(face).InitVaryingSurface(face, &w->varying)) return false;
     const Surface::PointDescriptor layout(varying_.width);
     w->varying_controls.resize(at(w->varying.GetNumPatchPoints()) * at(varying_.width));
     w->varying.PreparePatchPoints(varying_.controls.data(), layout, w->varying_controls.data(), layout);
@@ -342,7 +338,7 @@ class LimitTessellator {
   }
 
   bool evaluate_corners(int f, const FacePattern& pattern, size_t channel, Workspace* w) {
-    if (!factory_.InitFaceVaryingSurface(f, &w->corners, static_cast<std::intptr_t>(channel))) return false;
+    if (!factories_.of(f).InitFaceVaryingSurface(f, &w->corners, static_cast<std::intptr_t>(channel))) return false;
     const FaceLayout& face = faces_[at(f)];
     const Track& track = *corners_[channel];
     const Surface::PointDescriptor layout(static_cast<int>(track.width));
@@ -390,7 +386,7 @@ class LimitTessellator {
   const CancelToken cancel_;
   const Cage& cage_;
   const Far::TopologyLevel& base_;
-  SurfaceFactory factory_;
+  SurfaceFactories factories_;
   const EdgeRates& rates_;
   const std::vector<int> no_indices_;
   std::vector<Track> tracks_;
@@ -406,13 +402,37 @@ class LimitTessellator {
   Mesh mesh_;
 };
 
+// The topology that is refined, and its cage.
+struct Topology {
+  std::optional<Cage> changed;  // else the given one
+  std::unique_ptr<Far::TopologyRefiner> refiner;
+  std::string messages;  // of OpenSubdiv, or about it
+};
+
+Topology make_topology(const Cage& cage) {
+  Topology t;
+  t.refiner = make_refiner(cage, &t.messages);
+  // Bilinear surfaces have no patches.
+  if (!t.refiner || cage.scheme == SubdivisionScheme::bilinear) return t;
+  if (!any_has_two_face_vertex(t.refiner->GetLevel(0))) return t;
+  std::string left_out;
+  t.changed = cage_for_two_face_vertices(cage, t.refiner->GetLevel(0), &left_out);
+  t.messages.clear();
+  t.refiner = make_refiner(*t.changed, &t.messages);
+  if (!left_out.empty()) t.messages += (t.messages.empty() ? "" : "; ") + left_out;
+  if (!t.refiner || !is_sharp_at_two_face_vertex(t.refiner->GetLevel(0))) return t;
+  t.refiner = nullptr;
+  t.messages = "an edge of more than two faces ends at a face with a vertex that only one other face shares";
+  return t;
+}
+
 }  // namespace
 
-std::optional<Mesh> tessellate_limit_surface(const Cage& cage, const RefinementOptions& options,
+std::optional<Mesh> tessellate_limit_surface(const Cage& given, const RefinementOptions& options,
                                              const DiagnosticSink& sink) {
   const std::string& where = options.where;
-  std::string messages;
-  const auto refiner = make_refiner(cage, &messages);
+  const auto [changed, refiner, messages] = make_topology(given);
+  const Cage& cage = changed ? *changed : given;
   if (!refiner) {
     report(sink, Severity::error, "mesh.subdivision.topology", where,
            "OpenSubdiv refuses this topology (" + messages + "); drawn unrefined");

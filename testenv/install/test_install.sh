@@ -5,9 +5,12 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+touch "$scratch/begin"
 told=$(cmake --install "$1" --prefix "$scratch/prefix")
+written=$(find "$1/blender" -newer "$scratch/begin" 2>/dev/null || true)
+[ -z "$written" ] || { echo "error: the installation wrote outside of its prefix: $written" >&2; exit 1; }
 # Each optional part is installed, or the installation says why not.
-for part in "Python module:_alabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Hydra plug-in:hdAlabasterPlugin.so"; do
+for part in "Python module:_alabaster*.so" "Blender add-on:alabaster_render.zip" "Window:alabaster-view" "Denoiser:libOpenImageDenoise.so.2" "Hydra plug-in:hdAlabasterPlugin.so"; do
   found=$(find "$scratch/prefix" -name "${part#*:}")
   left_out=$(echo "$told" | grep "^-- ${part%%:*}.*: not installed, because " || true)
   if [ -n "$found" ] && [ -n "$left_out" ] || [ -z "$found$left_out" ]; then
@@ -35,16 +38,31 @@ json.dump(scene, open(scratch + "/scene.json", "w"))
 PYTHON
 "$scratch/prefix/bin/alabaster" render "$scratch/scene.json" --quiet
 
+# A project of four lines for each language. It asks for an old standard, and has the one that the target needs.
+#   make_host TARGET LANGUAGE SOURCE WARNINGS
+make_host() {
+  mkdir "$scratch/$1"
+  cat >"$scratch/$1/CMakeLists.txt" <<CMAKE
+cmake_minimum_required(VERSION 3.25)
+project(Host LANGUAGES $2)
+find_package(hdAlabaster 0.1 REQUIRED)
+add_executable(host $here/$3)
+target_link_libraries(host PRIVATE hdAlabaster::$1)
+CMAKE
+  cmake -S "$scratch/$1" -B "$scratch/$1/build" -G Ninja -DCMAKE_PREFIX_PATH="$scratch/prefix" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_DISABLE_FIND_PACKAGE_Imath=ON -DCMAKE_C_STANDARD=90 -DCMAKE_CXX_STANDARD=98 \
+    "-DCMAKE_$2_FLAGS=-pedantic -Wall -Wextra -Werror $4" --no-warn-unused-cli >/dev/null
+  cmake --build "$scratch/$1/build"
+}
+
 # The C door: a host in C99 without any other header.
-c99="cc -std=c99 -pedantic -Wall -Wextra -Wno-missing-field-initializers -Werror -O2 -I $scratch/prefix/include"
-$c99 "$here/host.c" -o "$scratch/host_c" -L "$libraries" -lhdAlabaster "-Wl,-rpath,$libraries"
-"$scratch/host_c" "$scratch/scene.json" "$scratch/host_c.pfm"
+make_host c C host.c -Wno-missing-field-initializers
+"$scratch/c/build/host" "$scratch/scene.json" "$scratch/host_c.pfm"
 oiiotool "$scratch/program.exr" --ch R,G,B "$scratch/host_c.pfm" --fail 0 --warn 0 --diff
 
 # A host in C++17 on the same door, and one in Python.
-c++ -std=c++17 -pedantic -Wall -Wextra -Werror -O2 -I "$scratch/prefix/include" "$here/host.cpp" -o "$scratch/host_cpp" \
-  -L "$libraries" -lhdAlabaster "-Wl,-rpath,$libraries"
-"$scratch/host_cpp" "$scratch/written.json"
+make_host cpp17 CXX host.cpp ""
+"$scratch/cpp17/build/host" "$scratch/written.json"
 "$scratch/prefix/bin/alabaster" check "$scratch/written.json" --quiet
 module=$(find "$scratch/prefix" -name '_alabaster*.so')
 if [ -n "$module" ]; then
@@ -60,7 +78,7 @@ fi
 "$1/bin/delegate_conformance" --library "$library" --storm 0.01 --gtest_brief=1
 
 # The cost of loading.
-$c99 "$here/load_probe.c" -o "$scratch/load_probe" -ldl
+cc -std=c99 -O2 "$here/load_probe.c" -o "$scratch/load_probe" -ldl
 python3 "$here/library_load.py" "$scratch/load_probe" "$library" "$scratch/scene.json" "$here/../scenes/lights/lights.json"
 
 # Without the image library (libalabaster_images), a scene without images renders, and files say what is missing.
@@ -74,6 +92,16 @@ fi
 grep -q "images cannot be read or written" "$scratch/error" || { cat "$scratch/error" >&2; exit 1; }
 mv "$images.away" "$images"
 "$scratch/prefix/bin/alabaster" render "$scratch/scene.json" -o "$scratch/a.exr" --quiet
+
+# The denoiser that is installed with the program, or one that lies there, is found without any variable.
+oidn=$libraries/alabaster/oidn/lib
+if [ ! -e "$oidn/libOpenImageDenoise.so.2" ]; then
+  mkdir -p "$oidn"
+  cp "$1/lib/libfake_oidn.so" "$oidn/libOpenImageDenoise.so.2"
+fi
+env -u ALABASTER_OIDN -u VIRTUAL_ENV HOME="$scratch" "$scratch/prefix/bin/alabaster" render "$scratch/scene.json" \
+  -o "$scratch/denoised.exr" --denoise --quiet
+oiiotool --info -v "$scratch/denoised.exr" | grep -q "denoised\.R"
 
 for schema in disney_material lights camera render_settings render_description quality_presets; do
   test -s "$scratch/prefix/share/alabaster/schemas/$schema.json"
