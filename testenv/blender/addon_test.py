@@ -25,10 +25,11 @@ import numpy  # noqa: E402
 import alabaster  # noqa: E402
 import alabaster_render  # noqa: E402
 import scenes  # noqa: E402
+import subsurface_widths  # noqa: E402
 from role_test import Deformation, LightLinks, Roles  # noqa: E402, F401
-from synced_scene import SyncedScene, dump, fresh  # noqa: E402
-from alabaster_render import (disney_group, engine, images, library, materials, meshes, motion, passes, schema,  # noqa: E402
-                              settings, subsurface, sync, world)
+from synced_scene import SyncedScene, Watched, dump, fresh  # noqa: E402
+from alabaster_render import (disney_group, engine, images, library, materials, meshes, motion, panels, passes, presets,  # noqa: E402
+                              schema, settings, subsurface, sync, world)
 
 
 class Edits(SyncedScene):
@@ -213,18 +214,20 @@ class Materials(unittest.TestCase):
 
     def test_a_painted_image_is_another_file(self):
         image = scenes.picture("painted", 4, 4, lambda u, v: (u, v, 0))
-        first = images.file_of(image, 1, self.notes.append)
-        self.assertEqual(images.file_of(image, 1, self.notes.append), first)
+        first, _ = images.file_of(image, self.notes.append)
+        self.assertEqual(images.file_of(image, self.notes.append)[0], first)
         image.pixels[0] = 0.75
-        second = images.file_of(image, 1, self.notes.append)
+        second, _ = images.file_of(image, self.notes.append)
         self.assertNotEqual(second, first)
         self.assertFalse(pathlib.Path(first).exists())
 
     def test_a_packed_image_of_the_same_size_is_another_file(self):
         def packed(data):
             file = types.SimpleNamespace(size=len(data), data=data)
-            image = types.SimpleNamespace(name_full="packed", source="FILE", packed_file=file, is_dirty=False, filepath_raw="a.png")
-            return pathlib.Path(images.file_of(image, 1, self.notes.append)).read_bytes()
+            space = types.SimpleNamespace(name="sRGB", is_data=False)
+            image = types.SimpleNamespace(name_full="packed", source="FILE", packed_file=file, is_dirty=False, filepath_raw="a.png",
+                                          colorspace_settings=space)
+            return pathlib.Path(images.file_of(image, self.notes.append)[0]).read_bytes()
         self.assertEqual([packed(b"one"), packed(b"two")], [b"one", b"two"])
 
     def math(self, operation, *numbers, clamp=False):
@@ -274,11 +277,83 @@ class Materials(unittest.TestCase):
         self.translate(material)
         self.assertEqual(["two emissions" in note for note in self.notes], [True])
 
+    def test_a_volume_alone_is_left_out(self):
+        material = bpy.data.materials.new("fog")
+        material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        output, volume = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeVolumePrincipled")
+        tree.links.new(volume.outputs[0], output.inputs["Volume"])
+        network = self.translate(material)
+        self.assertEqual((network.left_out, network.nodes["surface"]["opacity"], len(self.notes)), (True, 0.0, 1))
+        watched = Watched()
+        scenes.ball(material, name="fog")
+        both = scenes.ball(material, name="both")
+        both.data.materials.append(scenes.diffuse("skin"))
+        sync.SceneSync(watched, False, self.notes.append).sync(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual([path for path, kind in watched.scene.prims.items() if kind == "mesh"], ["/mesh/both"])
+
+    def test_a_missing_image_is_magenta(self):
+        image = bpy.data.images.new("gone", 4, 4)
+        image.source, image.filepath = "FILE", "/nowhere/gone.png"
+        material = scenes.principled("textured")
+        tree = material.node_tree
+        texture = tree.nodes.new("ShaderNodeTexImage")
+        texture.image = image
+        tree.links.new(texture.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        tree.links.new(texture.outputs["Alpha"], tree.nodes["Principled BSDF"].inputs["Alpha"])
+        surface = self.translate(material).nodes["surface"]
+        self.assertEqual((surface["baseColor"], surface.get("opacity", 1.0)), ((1.0, 0.0, 1.0), 1.0))
+        self.assertTrue(all("/nowhere/gone.png" in note for note in self.notes) and self.notes)
+        world_of, background = scenes.sky((1, 1, 1))
+        sky = world_of.node_tree.nodes.new("ShaderNodeTexEnvironment")
+        sky.image = image
+        world_of.node_tree.links.new(sky.outputs["Color"], background.inputs["Color"])
+        parameters = world.translate(bpy.context.scene, world_of, self.notes.append)[1]
+        self.assertEqual((parameters["color"], "texture:file" in parameters), ([1.0, 0.0, 1.0], False))
+
+    def test_an_image_of_one_colour_scatters_as_the_constant(self):
+        """Distances take no texture: they are those of the mean, and an image of one colour is its mean."""
+        color, radius = (0.8, 0.5, 0.25), (0.5, 0.25, 0.125)
+
+        def body(links=None):
+            material = scenes.principled("body", Subsurface=1.0, Subsurface_Radius=radius, Base_Color=color)
+            tree = material.node_tree
+            node = tree.nodes["Principled BSDF"]
+            if scenes.MODERN:
+                node.inputs["Subsurface Scale"].default_value = 0.5
+            else:
+                node.inputs["Subsurface Color"].default_value = (*color, 1)
+            for name, pixel in (links or {}).items():
+                texture = tree.nodes.new("ShaderNodeTexImage")
+                texture.image = scenes.picture(name, 4, 4, pixel, True, "Non-Color")
+                tree.links.new(texture.outputs["Color"], node.inputs[name])
+            self.notes.clear()
+            return self.translate(material).nodes["surface"]["scatterDistance"]
+        expected = body()
+        colours = ["Base Color"] if scenes.MODERN else ["Base Color", "Subsurface Color"]
+        self.assertEqual(body(links={name: lambda u, v: color for name in colours}), expected)
+        self.assertEqual((body(links={"Subsurface Radius": lambda u, v: radius}), self.notes), (expected, []))
+        if scenes.MODERN:
+            self.assertEqual((body(links={"Subsurface Scale": lambda u, v: (0.5,) * 3}), self.notes), (expected, []))
+        uneven = body(links={"Subsurface Radius": lambda u, v: tuple(r * (0.5 if u < 0.5 else 1.5) for r in radius)})
+        for a, b in zip(uneven, expected):
+            self.assertAlmostEqual(a, b, places=6)
+        self.assertEqual(["radius" in note for note in self.notes], [True])
+
     def test_subsurface_radius(self):
-        fixed = subsurface.mean_free_path("RANDOM_WALK_FIXED_RADIUS", 1.0, 0.8, 1.4)
-        self.assertAlmostEqual(fixed, 0.0795775, places=6)
+        """The rules by version and method; --widths measures that they are Cycles'."""
+        walk = "RANDOM_WALK" if scenes.MODERN else "RANDOM_WALK_FIXED_RADIUS"
+        whole = bpy.app.version >= (5, 2, 0)
+        self.assertAlmostEqual(subsurface.mean_free_path(walk, 1.0, 0.8, 1.4), 1.0 if whole else 0.0795775, places=6)
+        if whole:
+            self.assertAlmostEqual(subsurface.mean_free_path("RANDOM_WALK_LEGACY", 1.0, 0.8, 1.4), 0.0795775, places=6)
+            self.assertAlmostEqual(subsurface.distances("RANDOM_WALK", [1.1] * 3, [0.8] * 3, 1.4, 0.5)[0], 2.0, places=6)
         # A = 0.8 makes the factor of Chiang, Kutz and Burley 1.1.
         self.assertAlmostEqual(subsurface.scatter_distance(1.1, 0.8), 1.0, places=6)
+        # Christensen and Burley's profile is as wide for every albedo.
+        burley = subsurface.distances("BURLEY", [1.0] * 3, [0.2, 0.5, 0.8], 1.4)
+        self.assertEqual([round(d, 6) for d in burley], [0.079577] * 3)
 
 
 class Frames(unittest.TestCase):
@@ -323,6 +398,100 @@ class Frames(unittest.TestCase):
             image = bpy.data.images.load(folder + "/part.exr")
             self.assertEqual(tuple(image.size), (20, 15))
 
+    def pixels(self, file_name="frame.exr"):
+        """F12's picture, rows from the bottom."""
+        render = bpy.context.scene.render
+        render.image_settings.file_format, render.image_settings.color_mode = "OPEN_EXR", "RGBA"
+        with tempfile.TemporaryDirectory() as folder:
+            render.filepath = f"{folder}/{file_name}"
+            bpy.ops.render.render(write_still=True)
+            image = bpy.data.images.load(render.filepath)
+            pixels = numpy.empty(image.size[0] * image.size[1] * 4, numpy.float32)
+            image.pixels.foreach_get(pixels)
+            return pixels.reshape(image.size[1], image.size[0], 4)
+
+    def test_borders_cut_where_blender_cuts(self):
+        """The picture within a border is the full frame's, pixel by pixel."""
+        render = bpy.context.scene.render
+        random = numpy.random.default_rng(7)
+        cases = [(100, 100, 100, (0.29, 0.57, 0.2, 0.7)), (97, 61, 50, (0.1, 0.9, 0.3, 0.6))]
+        cases += [(int(w), int(h), int(p), tuple(sorted(x)) + tuple(sorted(y))) for w, h, p, x, y in zip(
+            random.integers(40, 120, 6), random.integers(30, 90, 6), random.integers(40, 101, 6),
+            random.uniform(0, 1, (6, 2)).round(2), random.uniform(0, 1, (6, 2)).round(2))]
+        for width, height, percentage, (left, right, bottom, top) in cases:
+            render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, percentage
+            render.pixel_aspect_x = 1.5 if width % 2 else 1.0
+            render.use_border = False
+            full = self.pixels()
+            render.use_border = True
+            render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = left, right + 0.1, bottom, top + 0.1
+            part = self.pixels()
+            ys, xs = numpy.nonzero(part[..., 3] > 0)
+            self.assertGreater(len(ys), 0)
+            inside = slice(ys.min(), ys.max() + 1), slice(xs.min(), xs.max() + 1)
+            self.assertEqual(float(abs(full[inside] - part[inside]).max()), 0.0, (width, height, percentage, left, right, bottom, top))
+
+    def glowing(self, space, file):
+        """A plane before the camera that glows with an image in this space."""
+        fresh()
+        scenes.camera((0, 0, 2), (0, 0, 0))
+        image = bpy.data.images.load(file)
+        image.colorspace_settings.name = space
+        material = bpy.data.materials.new("glow")
+        material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        texture, glow, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexImage", "Emission", "OutputMaterial"))
+        texture.image = image
+        tree.links.new(texture.outputs["Color"], glow.inputs["Color"])
+        tree.links.new(glow.outputs[0], output.inputs["Surface"])
+        scenes.floor(material).data.uv_layers.new(name="map")
+        render = bpy.context.scene.render
+        render.resolution_x, render.resolution_y, render.resolution_percentage = 8, 8, 100
+
+    def test_colour_spaces_are_blenders(self):
+        """In each of Blender's spaces Cycles gives the same colour."""
+        names = [item.identifier for item in bpy.types.ColorManagedInputColorspaceSettings.bl_rna.properties["name"].enum_items]
+        with tempfile.TemporaryDirectory() as folder:
+            fresh()
+            made = scenes.picture("coloured", 4, 4, lambda u, v: (0.5, 0.25, 0.125))
+            made.filepath_raw, made.file_format = f"{folder}/coloured.png", "PNG"
+            made.save()
+            for space in names:
+                self.glowing(space, f"{folder}/coloured.png")
+                bpy.context.scene.alabaster.samples = bpy.context.scene.cycles.samples = 2
+                ours = self.pixels()[4, 4, :3]
+                bpy.context.scene.render.engine, bpy.context.scene.cycles.use_denoising = "CYCLES", False
+                theirs = self.pixels()[4, 4, :3]
+                # Ours emits no negative light.
+                numpy.testing.assert_allclose(ours, numpy.maximum(theirs, 0), rtol=0.01, atol=2e-3, err_msg=space)
+
+    def test_f12_without_an_image_or_a_denoiser(self):
+        image = bpy.data.images.new("gone", 4, 4)
+        image.source, image.filepath = "FILE", "/nowhere/gone.png"
+        material = scenes.principled("textured")
+        tree = material.node_tree
+        texture = tree.nodes.new("ShaderNodeTexImage")
+        texture.image = image
+        tree.links.new(texture.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        scenes.ball(material)
+        bpy.context.scene.alabaster.denoise = True
+        bpy.context.view_layer.alabaster.denoised = True
+        with unittest.mock.patch.dict(os.environ, {"ALABASTER_OIDN": "/nowhere"}):
+            self.assertEqual(self.pixels().shape, (30, 40, 4))
+
+    def test_a_damaged_image_is_a_warning(self):
+        told = []
+        notes = engine.Notes(types.SimpleNamespace.__class__)
+        with unittest.mock.patch.object(engine.Notes, "tell", lambda _, severity, text: told.append(severity)):
+            notes.hear("error", "image.unreadable", "a.png", "is damaged")
+        self.assertEqual(told, ["WARNING"])
+
+    def test_a_scene_that_memory_does_not_hold_fails(self):
+        renderer = types.SimpleNamespace(stats=lambda: {"scene.outOfMemory": True, "scene.faults": "mesh: too large\nmore"})
+        with self.assertRaisesRegex(RuntimeError, "^mesh: too large$"):
+            engine.AlabasterRenderEngine.check(None, types.SimpleNamespace(state="running"), renderer)
+
     def test_cancel_is_prompt(self):
         scene = alabaster.Scene()
         scene.set_light("/dome", "domeLight", intensity=1)
@@ -330,7 +499,7 @@ class Frames(unittest.TestCase):
         render = renderer.start(width=256, height=256, camera={"focalLength": 1.0})
         pressed = time.monotonic() + 0.5
         shown = []
-        fake = types.SimpleNamespace(test_break=lambda: time.monotonic() > pressed, update_stats=lambda *_: None,
+        fake = types.SimpleNamespace(check=lambda *_: None, test_break=lambda: time.monotonic() > pressed, update_stats=lambda *_: None,
                                      update_progress=lambda _: None, show=lambda *rest: shown.append(rest[-1]))
         engine.AlabasterRenderEngine.refine(fake, renderer, render, None, [], (0, 0, 256, 256))
         self.assertLess(time.monotonic() - pressed, 1.0)
@@ -410,6 +579,65 @@ class Frames(unittest.TestCase):
         with self.assertRaises(RuntimeError) as raised:
             bpy.ops.render.render()
         self.assertIn("camera", str(raised.exception))
+
+
+class Widths(unittest.TestCase):
+    def test_walks_are_as_wide_as_cycles(self):
+        """By a shadow's edge: the mean of a picture hardly depends on the distance. With a radius wrong by 4 pi this fails by a factor of 10."""
+        with tempfile.TemporaryDirectory() as folder:
+            job = {"out": folder, "samples": 64, "columns": 96, "rows": 8}
+            for method in subsurface_widths.methods(bpy.types.ShaderNodeBsdfPrincipled, "subsurface_method"):
+                row = subsurface_widths.measure(job, method, lambda: subsurface_widths.principled(method))[1]
+                theirs, ours = (row[engine]["widths"] for engine in ("CYCLES", "ALABASTER"))
+                self.assertTrue(all(ours[:3]) and all(theirs[:3]), row)
+                self.assertLess(abs(numpy.log(numpy.divide(ours[:3], theirs[:3]))).mean(), 0.3, row)
+
+
+class Panels(unittest.TestCase):
+    def setUp(self):
+        fresh()
+
+    def drawn(self, panel):
+        """(data, name) of each control of a panel."""
+        shown = []
+
+        class Layout:
+            def prop(self, data, name, **_):
+                shown.append((data, name))
+
+            def __getattr__(self, _):
+                return lambda *_, **__: self
+        context = types.SimpleNamespace(scene=bpy.context.scene, view_layer=bpy.context.view_layer, collection=bpy.context.scene.collection)
+        panel.draw(types.SimpleNamespace(layout=Layout(), blocks=getattr(panel, "blocks", None)), context)
+        return shown
+
+    def test_each_has_its_own_drawing(self):
+        """Blender takes a class its drawing where a subclass of it is registered."""
+        for panel in panels.CLASSES:
+            self.assertIs(getattr(bpy.types, panel.__name__, panel), panel)
+
+    def test_controls(self):
+        for panel in panels.CLASSES:
+            if issubclass(panel, bpy.types.Panel):
+                for data, name in self.drawn(panel):
+                    self.assertIn(name, data.bl_rna.properties, panel.__name__)
+        sampling = {name for _, name in self.drawn(panels.ALABASTER_PT_sampling)}
+        self.assertLessEqual({"quality", "samples", "targetError", "timeLimit", "adaptive", "denoise", "seed", "viewport_samples"}, sampling)
+        shown = {name for panel in (panels.ALABASTER_PT_sampling, panels.ALABASTER_PT_paths, panels.ALABASTER_PT_subsurface,
+                                    panels.ALABASTER_PT_more) for _, name in self.drawn(panel)}
+        self.assertEqual(shown, {*settings.SETTINGS, "quality", "viewport_samples"})
+
+    def test_quality_presets(self):
+        group = bpy.context.scene.alabaster
+        self.assertEqual(group.quality, "CUSTOM")
+        for preset in presets.PRESETS:
+            group.quality = preset["name"]
+            self.assertEqual(group.quality, preset["name"])
+            for name, value in presets.values(preset).items():
+                self.assertAlmostEqual(getattr(group, name), value, places=6) if isinstance(value, float) else self.assertEqual(
+                    getattr(group, name), value)
+        group.samples = 77
+        self.assertEqual((group.quality, group.maxDepth), ("CUSTOM", 64))
 
 
 class Installation(unittest.TestCase):

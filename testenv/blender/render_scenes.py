@@ -92,4 +92,5 @@ def main():
     print("\nVERSION " + bpy.app.version_string, flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -5,7 +5,7 @@ import weakref
 import bpy
 import numpy
 
-from . import camera, images, library, motion, names, passes, settings, sync
+from . import camera, denoiser, images, library, motion, names, passes, settings, sync
 from .viewport import Viewport
 
 SECONDS_BETWEEN_PICTURES = 1.0
@@ -17,6 +17,11 @@ def clock(seconds):
     """1:05, or 2:10:00"""
     hours, rest = divmod(int(max(seconds, 0.0) + 0.5), 3600)
     return f"{hours}:{rest // 60:02}:{rest % 60:02}" if hours else f"{rest // 60}:{rest % 60:02}"
+
+
+def cut(border, size):
+    """The pixel at which a border of 0 to 1 cuts, by Blender's own single precision."""
+    return int(numpy.float32(border) * numpy.float32(size))
 
 
 def status(renderer):
@@ -55,8 +60,11 @@ class Notes:
                 engine.report({severity}, f"Alabaster: {text}")
 
     def hear(self, severity, _code, where, text):
-        """As alabaster.Renderer reports."""
-        self.tell({"info": "INFO", "warning": "WARNING", "error": "ERROR"}[severity], f"{where}: {text}" if where else text)
+        """As alabaster.Renderer reports. Blender drops a frame for which an ERROR is reported, but the renderer draws the frame
+        without the faulty part. A render that fails raises an exception, too."""
+        if denoiser.is_missing(text):
+            return  # draw_frame says what it does about it
+        self.tell("INFO" if severity == "info" else "WARNING", f"{where}: {text}" if where else text)
 
 
 class AlabasterRenderEngine(bpy.types.RenderEngine):
@@ -98,19 +106,32 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         frame = self.frame_of(depsgraph, shutter, exporter)
         values = settings.delegate_settings(depsgraph.scene_eval, self.is_preview)
         renderer = alabaster.Renderer(held, report=notes.hear, **values)
+        self.draw_frame(renderer, frame, layer, notes)
+
+    def draw_frame(self, renderer, frame, layer, notes):
+        """As rendered where there is no denoiser."""
         wanted = passes.wanted(layer)
-        render = renderer.start(aovs=["color", *(aov for aov, *_ in wanted)], **frame)
-        self.refine(renderer, render, layer, wanted, frame["window"])
+        while True:
+            try:
+                render = renderer.start(aovs=["color", *(aov for aov, *_ in wanted)], **frame)
+                return self.refine(renderer, render, layer, wanted, frame["window"])
+            except RuntimeError as error:
+                if not denoiser.is_missing(error):
+                    raise
+                notes.note(f"{error} This frame is as rendered. The preferences of the add-on name the denoiser's folder, too")
+                renderer.set(denoise=False)
+                wanted = [one for one in wanted if one[0] != "denoised"]
 
     def frame_of(self, depsgraph, shutter, exporter):
         """Arguments of Renderer.start: size, window and camera."""
         scene, view = depsgraph.scene, depsgraph.scene.render
-        width = max(1, int(view.resolution_x * view.resolution_percentage / 100))
-        height = max(1, int(view.resolution_y * view.resolution_percentage / 100))
+        width = max(1, view.resolution_x * view.resolution_percentage // 100)
+        height = max(1, view.resolution_y * view.resolution_percentage // 100)
         window = (0, 0, width, height)
         if view.use_border:
-            window = (int(view.border_min_x * width), height - int(view.border_max_y * height),
-                      int(view.border_max_x * width), height - int(view.border_min_y * height))
+            left, right = (cut(end, width) for end in (view.border_min_x, view.border_max_x))
+            bottom, top = (cut(end, height) for end in (view.border_min_y, view.border_max_y))
+            window = (left, height - top, right, height - bottom)
         aspect = view.pixel_aspect_x / view.pixel_aspect_y
         eye = scene.camera.evaluated_get(depsgraph)
         parameters = camera.final(eye, depsgraph, width, height, aspect)
@@ -130,6 +151,7 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
             if not over and time.monotonic() - told < SECONDS_BETWEEN_LINES:
                 continue
             told = time.monotonic()
+            self.check(render, renderer)
             text, fraction = status(renderer)
             self.update_stats("", text)
             self.update_progress(fraction)
@@ -137,9 +159,16 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
                 self.show(render, layer, size, [], False)
                 shown = time.monotonic()
         render.cancel()
-        if render.state == "failed" or "error" in renderer.stats():
-            raise RuntimeError(renderer.stats().get("error", "the render failed"))
+        self.check(render, renderer)
         self.show(render, layer, size, wanted, True)
+
+    def check(self, render, renderer):
+        """Raises where there is no picture, or one without what memory did not hold."""
+        stats = renderer.stats()
+        if stats.get("scene.outOfMemory"):
+            raise RuntimeError(stats["scene.faults"].splitlines()[0])
+        if render.state == "failed" or "error" in stats:
+            raise RuntimeError(stats.get("error", "the render failed"))
 
     def show(self, render, layer, size, wanted, last):
         result = self.begin_result(0, 0, *size, layer=layer.name)

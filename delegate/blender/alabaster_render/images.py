@@ -1,5 +1,7 @@
 """Images of Blender as files that the renderer reads."""
+import glob
 import itertools
+import os
 import pathlib
 import struct
 import tempfile
@@ -7,17 +9,14 @@ import tempfile
 import bpy
 import numpy
 
+from . import colors
+
 _folder = None
 _numbers = itertools.count()  # a file that is written again has another name, so that the renderer reads it
 _written = {}  # what has been written, by the image's name: (stamp, file)
+_means = {}    # by the image's name: (stamp, mean)
 
-COLOR_SPACES = {"Non-Color": "raw", "Raw": "raw", "Generic Data": "raw", "sRGB": "sRGB", "Linear": "linear",
-                "Linear Rec.709": "linear", "Linear BT.709": "linear"}
-
-
-def color_space(image):
-    name = image.colorspace_settings.name
-    return COLOR_SPACES.get(name, name)
+MISSING = (1.0, 0.0, 1.0)  # as Cycles shows it, at colours and at numbers
 
 
 def _scratch(suffix):
@@ -27,11 +26,17 @@ def _scratch(suffix):
     return pathlib.Path(_folder.name) / f"{next(_numbers)}{suffix}"
 
 
-def _write_tiff(file, image):
-    """The pixels, as floats without compression: every image of Blender's fits in that."""
+def _pixels(image):
+    """Rows of RGBA from the bottom: of byte images in their own space, of float images scene-linear."""
     width, height = image.size
     pixels = numpy.empty(width * height * 4, numpy.float32)
     image.pixels.foreach_get(pixels)
+    return pixels.reshape(height * width, 4)
+
+
+def _write_tiff(file, size, pixels):
+    """The pixels, as floats without compression: every image of Blender's fits in that."""
+    width, height = size
     rows = pixels.reshape(height, width * 4)[::-1].tobytes()
     bits, formats = 8 + 2 + 10 * 12 + 4, 8 + 2 + 10 * 12 + 4 + 8
     start = formats + 8
@@ -54,39 +59,112 @@ def _known(image, stamp, write, suffix):
     return str(file)
 
 
-def file_of(image, frame, note):
-    """The name of a file with the image's pixels; one is written where they are only in Blender. Empty: there is none."""
+def _lives_in_blender(image):
+    return image.source == "GENERATED" or image.is_dirty
+
+
+def _file_name(image):
+    return bpy.path.abspath(image.filepath_raw, library=image.library)
+
+
+def is_missing(image, note):
+    """True where Blender has neither a file nor pixels."""
+    if image.source not in {"FILE", "SEQUENCE", "TILED"} or image.packed_file or image.is_dirty:
+        return False
+    name = _file_name(image)
+    tiles = "*".join(glob.escape(part) for part in name.replace("<UVTILE>", "<UDIM>").split("<UDIM>"))
+    if os.path.isfile(name) or (image.source == "TILED" and any(map(os.path.isfile, glob.iglob(tiles)))):
+        return False
+    note(f"image '{image.name}': there is no file '{name}'; magenta stands in for it")
+    return True
+
+
+def file_of(image, note):
+    """(file, colour space) of the image's pixels; a file is written where they are only in Blender. "": there is none."""
     if image.source == "MOVIE":
         note(f"image '{image.name}': movies are not translated")
-        return ""
-    if image.packed_file and not image.is_dirty:
+        return "", ""
+    space = colors.name_of(image)
+    if _lives_in_blender(image):
+        pixels = _pixels(image)
+        linear = image.is_float and space != "raw"
+        if linear or space:
+            file = _known(image, hash(pixels.tobytes()), lambda file: _write_tiff(file, image.size, pixels), ".tif")
+            return file, colors.linear() if linear else space
+        return _converted(image, hash(pixels.tobytes()), note)
+    if not space:
+        return _converted(image, _stamp(image), note)
+    if image.packed_file:
         suffix = pathlib.Path(image.filepath_raw).suffix or ".png"
-        return _known(image, hash(image.packed_file.data), lambda file: file.write_bytes(image.packed_file.data), suffix)
-    if image.source == "GENERATED" or image.is_dirty:
-        return _known(image, _stamp(image), lambda file: _write_tiff(file, image), ".tif")
-    name = bpy.path.abspath(image.filepath_raw, library=image.library)
+        return _known(image, _stamp(image), lambda file: file.write_bytes(image.packed_file.data), suffix), space
     if image.source == "SEQUENCE":
         note(f"image '{image.name}': of a sequence, the file that it names is used")
-    return name
+    return _file_name(image), space
+
+
+def _converted(image, stamp, note):
+    """(file, space) of an image in a space that the renderer does not know."""
+    if image.source == "TILED":
+        note(f"image '{image.name}': tiles in colour space {image.colorspace_settings.name} are read as sRGB")
+        return _file_name(image), "sRGB"
+    pixels = _linear_pixels(image, note)
+    if not len(pixels):
+        return _file_name(image), "sRGB"  # damaged: the renderer says so
+    key = stamp, image.colorspace_settings.name
+    return _known(image, key, lambda file: _write_tiff(file, image.size, pixels), ".tif"), colors.linear()
+
+
+def _linear_pixels(image, note):
+    pixels, name = _pixels(image), image.colorspace_settings.name
+    if image.is_float or image.colorspace_settings.is_data or not len(pixels):
+        return pixels
+    if name != "sRGB" and colors.to_linear(pixels, name):
+        return pixels
+    if name != "sRGB":
+        note(f"image '{image.name}': colour space {name} is not known here; it is read as sRGB")
+    pixels[:, :3] = colors.from_srgb(pixels[:, :3])
+    return pixels
+
+
+def environment(image, note):
+    """The name of a file for a dome light, which reads bytes as sRGB and floats as scene-linear. "": there is none."""
+    name = image.colorspace_settings.name
+    usual = "linear" if pathlib.Path(image.filepath_raw).suffix.lower() in {".exr", ".hdr"} else "sRGB"
+    if image.source in {"MOVIE", "TILED"} or (not _lives_in_blender(image) and colors.EVERYWHERE.get(name) == usual):
+        return file_of(image, note)[0]
+    return _converted(image, (_stamp(image), "dome") if not _lives_in_blender(image) else hash(_pixels(image).tobytes()), note)[0]
 
 
 def _stamp(image):
-    """Changes when somebody paints."""
-    pixels = numpy.empty(image.size[0] * image.size[1] * 4, numpy.float32)
-    image.pixels.foreach_get(pixels)
-    return hash(pixels.tobytes())
+    """Changes when the file does."""
+    if image.packed_file:
+        return hash(image.packed_file.data)
+    try:
+        status = os.stat(_file_name(image))
+        return status.st_mtime_ns, status.st_size, _file_name(image)
+    except OSError:
+        return None
 
 
-def space_of_file(image):
-    """The colour space of what file_of names. Generated pixels are bytes of the image's own space, or linear floats."""
-    if (image.source == "GENERATED" or image.is_dirty) and image.is_float:
-        return "linear" if color_space(image) != "raw" else "raw"
-    return color_space(image)
+def mean(image):
+    """(RGBA, even): the scene-linear mean, and whether all texels are alike."""
+    key, stamp = image.name_full, None if _lives_in_blender(image) else (_stamp(image), image.colorspace_settings.name)
+    if stamp is None or _means.get(key, (None,))[0] != stamp:
+        _means[key] = stamp, _mean(image)
+    return _means[key][1]
+
+
+def _mean(image):
+    pixels = _linear_pixels(image, lambda _: None)  # told where the file is named
+    if not len(pixels):
+        return (*MISSING, 1.0), True
+    return tuple(float(x) for x in pixels.mean(axis=0, dtype=numpy.float64)), bool((pixels == pixels[0]).all())
 
 
 def clear():
     global _folder
     _written.clear()
+    _means.clear()
     if _folder is not None:
         _folder.cleanup()
         _folder = None

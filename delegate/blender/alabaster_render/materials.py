@@ -1,6 +1,6 @@
 """Materials of Blender as networks of AlabasterDisney. README.md has the table of what becomes what."""
 from . import shaders
-from .sockets import Reader
+from .sockets import Reader, Source
 
 
 class Wanted:
@@ -42,13 +42,16 @@ def _find(tree, maps, colors, seen):
 
 
 class Network:
-    """nodes of alabaster.Scene.set_material, and the one that displaces. holdout: its surface is a Holdout shader, which is a
-    property of meshes."""
+    """nodes of alabaster.Scene.set_material, and the one that displaces. Properties of meshes: holdout, where the surface is a
+    Holdout shader, and left_out, where there is a volume alone."""
 
     def __init__(self):
         self.nodes = {"surface": {}}
         self.displacement = ""
-        self.holdout = False
+        self.holdout = self.left_out = False
+
+    def role(self):
+        return self.holdout, self.left_out
 
     def __eq__(self, other):
         return isinstance(other, Network) and vars(self) == vars(other)
@@ -72,8 +75,11 @@ def translate(material, note):
     source = reader.source(output.inputs["Surface"])
     network.holdout = shaders.is_holdout(source)
     surface.update(shaders.translate(reader, source))
-    if output.inputs["Volume"].is_linked:
-        reader.note("the volume is not translated")
+    if isinstance(reader.source(output.inputs["Volume"]), Source):
+        network.left_out = not isinstance(source, Source)
+        reader.note("the volume is not translated" + ("; it has no surface, so its faces are left out" if network.left_out else ""))
+    if network.left_out:
+        surface["opacity"] = 0.0
     shaders.displace(reader, output, _displacement_method(material), surface)
     return network
 

@@ -3,12 +3,12 @@ import bpy
 
 from . import disney_group, settings
 
-GROUPS = {
-    "Sampling": ["samples", "viewport_samples", "targetError", "adaptive", "timeLimit", "denoise", "seed", "filter"],
-    "Light Paths": ["maxDepth", "rouletteDepth", "energy"],
-    "Subsurface": ["subsurface", "inversion", "walkWeights", "walkGuiding", "walkSphereSteps"],
-}
-GROUPED = {name for group in GROUPS.values() for name in group}
+# Blocks of a panel, each the names of its settings.
+SAMPLING = [["quality"], ["samples", "targetError", "timeLimit"], ["adaptive", "denoise"], ["viewport_samples"], ["seed", "filter"]]
+PATHS = [["maxDepth", "rouletteDepth"], ["energy", "glossyFilter"]]
+SUBSURFACE = [["subsurface", "inversion"], ["walkWeights", "walkGuiding", "walkSphereSteps"]]
+GROUPED = {name for panel in (SAMPLING, PATHS, SUBSURFACE) for block in panel for name in block}
+MORE = [[name for name in settings.SETTINGS if name not in GROUPED]]
 
 
 class AlabasterPanel:
@@ -22,31 +22,40 @@ class AlabasterPanel:
         return context.engine in cls.COMPAT_ENGINES
 
 
-class ALABASTER_PT_sampling(AlabasterPanel, bpy.types.Panel):
-    bl_label = "Sampling"
-    names = GROUPS["Sampling"]
+class SettingsPanel(AlabasterPanel):
+    """Not registered itself: where a registered class has subclasses, Blender takes its drawing away from it."""
 
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in self.names:
-            layout.prop(context.scene.alabaster, name)
+        for block in self.blocks:
+            column = layout.column(align=True)
+            for name in block:
+                column.prop(context.scene.alabaster, name)
 
 
-class ALABASTER_PT_paths(ALABASTER_PT_sampling):
+class ALABASTER_PT_sampling(SettingsPanel, bpy.types.Panel):
+    bl_label = "Sampling"
+    blocks = SAMPLING
+
+
+class ALABASTER_PT_paths(SettingsPanel, bpy.types.Panel):
     bl_label = "Light Paths"
-    names = GROUPS["Light Paths"]
+    bl_options = {"DEFAULT_CLOSED"}
+    blocks = PATHS
 
 
-class ALABASTER_PT_subsurface(ALABASTER_PT_sampling):
+class ALABASTER_PT_subsurface(SettingsPanel, bpy.types.Panel):
     bl_label = "Subsurface"
-    names = GROUPS["Subsurface"]
+    bl_options = {"DEFAULT_CLOSED"}
+    blocks = SUBSURFACE
 
 
-class ALABASTER_PT_more(ALABASTER_PT_sampling):
-    bl_label = "Textures and Refinement"
-    names = [name for name in settings.SETTINGS if name not in GROUPED]
+class ALABASTER_PT_more(SettingsPanel, bpy.types.Panel):
+    bl_label = "Textures and Memory"
+    bl_options = {"DEFAULT_CLOSED"}
+    blocks = MORE
 
 
 class ALABASTER_PT_motion(AlabasterPanel, bpy.types.Panel):

@@ -1,11 +1,12 @@
-"""Preferences of the add-on: where the Python module is."""
+"""Preferences of the add-on: where the Python module and the denoiser are."""
 import bpy
 
-from . import library
+from . import denoiser, library
 
 
 def _changed(preferences, _context):
     library.set_folder(bpy.path.abspath(preferences.module_folder))
+    denoiser.set_folder(bpy.path.abspath(preferences.denoiser_folder))
 
 
 class AlabasterPreferences(bpy.types.AddonPreferences):
@@ -13,9 +14,13 @@ class AlabasterPreferences(bpy.types.AddonPreferences):
     module_folder: bpy.props.StringProperty(
         name="Module Folder", subtype="DIR_PATH", update=_changed,
         description="The folder that holds the Python module alabaster; empty: the one that the add-on was installed with")
+    denoiser_folder: bpy.props.StringProperty(
+        name="Denoiser Folder", subtype="DIR_PATH", update=_changed,
+        description="The folder that holds Open Image Denoise 2; empty: the renderer looks beside itself, in the system and in Blender (from 4.0 on)")
 
     def draw(self, _context):
         self.layout.prop(self, "module_folder")
+        self.layout.prop(self, "denoiser_folder")
         try:
             self.layout.label(text=f"alabaster {library.load().__version__}", icon="CHECKMARK")
         except ImportError as error:

@@ -42,30 +42,32 @@ def _number(reader, source, *names):
 def _base(reader, source, surface):
     color = _value(reader, source, "Base Color")
     weight = _value(reader, source, "Subsurface", "Subsurface Weight")
-    if weight.textures:
-        reader.note("a texture of the subsurface weight is not translated; its mean counts as 1")
-    share = weight.number
+    share = number_of(reader, weight, "subsurface weight")
     if share <= 0:
         surface["baseColor"] = reader.color(_glass_color(reader, source, color))
         return
-    radius = _value(reader, source, "Subsurface Radius")
-    if radius.textures:
-        reader.note("a texture of the subsurface radius is not translated; its factor is used")
-    scale = share if not MODERN else share * _number(reader, source, "Subsurface Scale")
+    scale = share if not MODERN else share * number_of(reader, _value(reader, source, "Subsurface Scale"), "subsurface scale")
     if not MODERN:
         color = reader.mixed(color, _value(reader, source, "Subsurface Color"), weight)
-    scatter(reader, surface, color, [r * scale for r in radius.constant], source.node.subsurface_method,
-            _number(reader, source, "Subsurface IOR") or 1.4)
-    surface["scatterAnisotropy"] = _number(reader, source, "Subsurface Anisotropy")
+    body = {name: _value(reader, source, f"Subsurface {name}") for name in ("Radius", "IOR", "Anisotropy")}
+    scatter(reader, surface, color, body, scale, source.node.subsurface_method)
     if MODERN and share < 1:
         reader.note("a subsurface weight below 1 shortens the scatter distance instead of mixing with diffuse")
 
 
-def scatter(reader, surface, color, radii, method, ior):
-    """baseColor and scatterDistance. Under a texture the distances are those of a middle grey."""
-    albedo = color.constant if not color.textures else (0.5, 0.5, 0.5)
+def number_of(reader, value, what):
+    return sum(reader.mean(value, what)) / 3
+
+
+def scatter(reader, surface, color, body, scale, method):
+    """baseColor and what scatters below it. body: values of Radius, IOR and Anisotropy. Distances are those of the means of images."""
+    radii = [scale * r for r in reader.mean(body["Radius"], "subsurface radius")]
+    asked = number_of(reader, body["Anisotropy"], "subsurface anisotropy") if body["Anisotropy"] else 0.0
+    ior = number_of(reader, body["IOR"], "subsurface IOR") if body["IOR"] else 1.4
+    albedo = reader.mean(color, "scatter distance, which depends on the colour,")
     surface["baseColor"] = reader.color(color)
-    surface["scatterDistance"] = subsurface.distances(method, radii, albedo, ior)
+    surface["scatterDistance"] = subsurface.distances(method, radii, albedo, ior, asked)
+    surface["scatterAnisotropy"] = subsurface.anisotropy(method, asked)
 
 
 def _glass_color(reader, source, color):

@@ -2,7 +2,7 @@
 import json
 import pathlib
 
-HERE = pathlib.Path(__file__).parent
+HERE = pathlib.Path(__file__).resolve().parent
 # A zip has the schemas beside this file; in the source tree they are at its top.
 FOLDERS = [HERE / "schemas", HERE.parents[2] / "schemas"]
 
@@ -22,18 +22,16 @@ class Parameter:
         ranged = value["items"] if self.kind == "color" else value
         self.minimum, self.maximum = ranged.get("minimum"), ranged.get("maximum")
 
-    @property
-    def label(self):
-        """scatterDistance as Scatter Distance"""
-        spaced = "".join(" " + c if c.isupper() else c for c in self.name)
-        return spaced[:1].upper() + spaced[1:]
 
-
-def parameters(schema):
-    """Those of a schema, such as "disney_material", by name."""
+def document(name):
+    """A file of schemas, such as "quality_presets"."""
     for folder in FOLDERS:
-        file = folder / f"{schema}.json"
+        file = folder / f"{name}.json"
         if file.is_file():
-            properties = json.loads(file.read_text())["properties"]
-            return {name: Parameter(name, entry) for name, entry in properties.items()}
-    raise FileNotFoundError(f"{schema}.json is missing from {FOLDERS[0]}")
+            return json.loads(file.read_text())
+    raise FileNotFoundError(f"{name}.json is missing from {FOLDERS[0]}")
+
+
+def parameters(name):
+    """Those of a schema, such as "disney_material", by name."""
+    return {name: Parameter(name, entry) for name, entry in document(name)["properties"].items()}

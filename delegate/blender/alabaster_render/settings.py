@@ -1,7 +1,9 @@
 """Settings of a scene, made from schemas/render_settings.json, and those of layers and collections."""
+import re
+
 import bpy
 
-from . import schema
+from . import colors, presets, schema
 
 # Blender itself has these: the frame, threads, and the parts of a farm.
 LEFT_TO_BLENDER = {"frame", "firstSample", "threads"}
@@ -24,13 +26,25 @@ PASSES = {
 }
 
 
+# Artists' words where the schema has a programmer's.
+LABELS = {"targetError": "Noise Target", "textureMemory": "Texture Memory (MiB)", "memoryLimit": "Memory Limit (MiB)"}
+UNITS = {"seconds": {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"}, "pixels": {"subtype": "PIXEL"}}
+
+
+def words(name):
+    """chiang2016 as Chiang 2016"""
+    spaced = re.sub(r"([A-Z]|[0-9]+)", r" \1", name)
+    return spaced[:1].upper() + spaced[1:]
+
+
 def property_of(p, **changes):
     """A property of Blender's for a parameter of a schema."""
-    options = {"name": p.label, "description": p.description.rstrip("."), "default": p.default, **changes}
+    options = {"name": LABELS.get(p.name, words(p.name)), "description": p.description.rstrip("."), "default": p.default,
+               **UNITS.get(p.unit, {}), **changes}
     if p.kind == "bool":
         return bpy.props.BoolProperty(**options)
     if p.kind == "enum":
-        return bpy.props.EnumProperty(items=[(choice, choice, "") for choice in p.choices], **options)
+        return bpy.props.EnumProperty(items=[(choice, words(choice), "") for choice in p.choices], **options)
     ends = {"min": p.minimum, "max": p.maximum}
     if p.kind == "int":
         options.update({key: min(int(end), LARGEST_INT) for key, end in ends.items() if end is not None})
@@ -41,6 +55,10 @@ def property_of(p, **changes):
 
 class AlabasterSceneSettings(bpy.types.PropertyGroup):
     viewport_samples: property_of(SETTINGS["samples"], name="Viewport Samples", default=256)
+    quality: bpy.props.EnumProperty(
+        name="Quality", get=presets.held, set=presets.apply, description="Presets of the settings below it, of which the others keep theirs",
+        items=[("CUSTOM", "Custom", "Settings of your own", 0)] + [
+            (one["name"], words(one["name"]), one["description"].rstrip("."), number) for number, one in enumerate(presets.PRESETS, 1)])
 
 
 for _name, _parameter in SETTINGS.items():
@@ -69,6 +87,7 @@ def delegate_settings(scene, viewport):
     if viewport:
         values.update(samples=group.viewport_samples, targetError=0.0, timeLimit=0.0, denoise=False)
     values["frame"] = max(scene.frame_current, 0)
+    values["ocio"] = colors.renderers_file()
     values["threads"] = scene.render.threads if scene.render.threads_mode == "FIXED" else 0
     return values
 

@@ -115,12 +115,9 @@ def emission(reader, source):
 
 def subsurface(reader, source):
     surface = dict(LAMBERT)
-    color = _value(reader, source, "Color")
-    radius, scale = _value(reader, source, "Radius"), _value(reader, source, "Scale").number
-    principled.scatter(reader, surface, color, [r * scale for r in radius.constant], source.node.falloff, 1.4)
-    anisotropy = source.input("Anisotropy")
-    if anisotropy is not None:
-        surface["scatterAnisotropy"] = reader.value(anisotropy, source.groups).number
+    body = {name: _value(reader, source, name) if source.input(name) else None for name in ("Radius", "IOR", "Anisotropy")}
+    scale = principled.number_of(reader, _value(reader, source, "Scale"), "subsurface scale")
+    principled.scatter(reader, surface, _value(reader, source, "Color"), body, scale, source.node.falloff)
     return _bump(reader, source, surface)
 
 

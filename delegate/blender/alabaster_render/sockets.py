@@ -24,15 +24,21 @@ class Source:
 
 
 class Texture:
-    """A lookup: parameters of an AlabasterTexture node, or None for the mesh's colours."""
+    """A lookup: parameters of an AlabasterTexture node, or None for the mesh's colours. image: Blender's, for its mean."""
 
-    def __init__(self, parameters, channel="rgb", scale=ONE, bias=(0.0, 0.0, 0.0)):
-        self.parameters, self.channel, self.scale, self.bias = parameters, channel, scale, bias
+    def __init__(self, parameters, channel="rgb", scale=ONE, bias=(0.0, 0.0, 0.0), image=None):
+        self.parameters, self.channel, self.scale, self.bias, self.image = parameters, channel, scale, bias, image
 
     def changed(self, scale, bias):
         """scale * this + bias"""
         return Texture(self.parameters, self.channel, multiplied(self.scale, scale),
-                       tuple(b * s + c for b, s, c in zip(self.bias, scale, bias)))
+                       tuple(b * s + c for b, s, c in zip(self.bias, scale, bias)), self.image)
+
+    def mean(self):
+        """Three numbers, and whether all texels have them. A mesh's colours count as middle grey."""
+        rgba, even = images.mean(self.image) if self.image else ((0.5,) * 4, False)
+        picked = rgba[:3] if self.channel == "rgb" else (rgba["rgba".index(self.channel)],) * 3
+        return tuple(c * s + b for c, s, b in zip(picked, self.scale, self.bias)), even
 
 
 class Value:
@@ -99,6 +105,16 @@ class Reader:
             self.note(f"node '{source.node.name}' at '{socket.name}' is not translated; the value of the socket is used")
             return Value(three(socket.default_value) if hasattr(socket, "default_value") else (0.0, 0.0, 0.0))
         return value
+
+    def mean(self, value, what):
+        """Three numbers for what takes no texture: of images their mean."""
+        result, uneven = value.constant, False
+        for texture in value.textures:
+            color, even = texture.mean()
+            result, uneven = multiplied(result, color), uneven or not even
+        if uneven:
+            self.note(f"the {what} takes no texture; it is that of the mean")
+        return result
 
     # Arithmetic -----------------------------------------------------------------------------------
     def changed(self, value, scale, bias):
@@ -174,14 +190,16 @@ def image(reader, source):
         return Value((0.0, 0.0, 0.0))  # Blender's pink would be a surprise in a final frame
     if node.projection != "FLAT":
         reader.note(f"image '{node.image.name}': projection {node.projection.lower()} is not translated; the UV map is used")
-    user = node.image_user
-    file = images.file_of(node.image, user.frame_current if user else 0, reader.note)
+    alpha = source.output.name == "Alpha"
+    if images.is_missing(node.image, reader.note):
+        return Value(ONE if alpha else images.MISSING)
+    file, space = images.file_of(node.image, reader.note)
     if not file:
         return None
-    parameters = {"file": file, "sourceColorSpace": images.space_of_file(node.image), "wrapS": WRAPS[node.extension],
+    parameters = {"file": file, "sourceColorSpace": space, "wrapS": WRAPS[node.extension],
                   "wrapT": WRAPS[node.extension], "filter": "nearest" if node.interpolation == "Closest" else "linear"}
     parameters.update(placement(reader, reader.source(node.inputs["Vector"], source.groups), source))
-    return Value(ONE, [Texture(parameters, "a" if source.output.name == "Alpha" else "rgb")])
+    return Value(ONE, [Texture(parameters, "a" if alpha else "rgb", image=node.image)])
 
 
 def placement(reader, source, of):
@@ -311,7 +329,7 @@ def separate(reader, source):
     if channel is None or getattr(source.node, "mode", "RGB") != "RGB":
         return None
     index = "rgb".index(channel)
-    picked = [Texture(t.parameters, channel if t.channel == "rgb" else t.channel, (t.scale[index],) * 3, (t.bias[index],) * 3)
+    picked = [Texture(t.parameters, channel if t.channel == "rgb" else t.channel, (t.scale[index],) * 3, (t.bias[index],) * 3, t.image)
               for t in value.textures]
     return Value((value.constant[index],) * 3, picked)
 

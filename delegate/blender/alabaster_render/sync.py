@@ -82,6 +82,8 @@ class SceneSync:
         slots = tuple(self.material(slot.material) for slot in ob.material_slots) or (NO_MATERIAL,)
         if NO_MATERIAL in slots:
             self.material(None)
+        if all(self.set_materials[path].left_out for path in slots):
+            return
         identity = key, slots, self.roles.of(instance, [self.set_materials[path].holdout for path in slots])
         if identity not in groups:
             groups[identity] = Group(*identity)
@@ -179,11 +181,11 @@ class SceneSync:
                 self.scene.set_material(path, nodes=network.nodes, displacement=network.displacement)
         return path
 
-    def holdout_changes(self, material):
-        """Translates a material again. True where it became a Holdout shader, or is none any more: a property of meshes."""
+    def role_changes(self, material):
+        """Translates a material again. True where that changes what its meshes are, such as hold-outs."""
         before = self.set_materials.get(names.path("material", material.name_full))
         after = self.set_materials[self.material(material, again=True)]
-        return before is not None and before.holdout != after.holdout
+        return before is not None and before.role() != after.role()
 
     def moving(self, key, mesh):
         """Points and normals of a mesh that deforms while the shutter is open."""
@@ -223,7 +225,7 @@ class SceneSync:
                 else:
                     everything = True
             elif isinstance(one, bpy.types.Material):
-                everything |= self.holdout_changes(one.evaluated_get(depsgraph))
+                everything |= self.role_changes(one.evaluated_get(depsgraph))
                 everything |= materials.Wanted.of([one]) - self.wanted
             elif isinstance(one, bpy.types.World):
                 self.sync_world(depsgraph.scene_eval)
@@ -271,7 +273,7 @@ class SceneSync:
         """Translates again those that are shown. True where meshes are to be read again, too."""
         shown = [one for one in depsgraph.ids
                  if isinstance(one, bpy.types.Material) and names.path("material", one.name_full) in self.set_materials]
-        changes = [self.holdout_changes(one) for one in shown]
+        changes = [self.role_changes(one) for one in shown]
         return any(changes) or materials.Wanted.of(shown) - self.wanted
 
 

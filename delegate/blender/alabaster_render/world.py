@@ -55,8 +55,11 @@ def translate(scene, world, note):
             texture = node.inputs["Color"].links[0].from_node
             if texture.type == "TEX_ENVIRONMENT" and texture.image and texture.projection == "EQUIRECTANGULAR":
                 parameters["color"] = [1.0, 1.0, 1.0]
-                parameters["texture:file"] = images.file_of(texture.image, scene.frame_current, note)
-                turned = _rotation(texture, note)
+                if images.is_missing(texture.image, note):
+                    parameters["color"] = list(images.MISSING)
+                else:
+                    parameters["texture:file"] = images.environment(texture.image, note)
+                    turned = _rotation(texture, note)
             elif texture.type == "RGB":
                 parameters["color"] = list(texture.outputs[0].default_value[:3])
             else:

@@ -4,6 +4,7 @@ Blender finds the plug-in by the variable PXR_PLUGINPATH_NAME, which must be set
     PXR_PLUGINPATH_NAME=PREFIX/lib/alabaster/hydra blender
 Settings are custom properties of the scene, named as in schemas/render_settings.json: scene["alabaster"] = {"samples": 128}.
 """
+import atexit
 import os
 import pathlib
 
@@ -46,9 +47,15 @@ def register():
     bpy.utils.register_class(AlabasterHydraEngine)
     for panel in panels():
         panel.COMPAT_ENGINES.add(AlabasterHydraEngine.bl_idname)
+    if not bpy.app.binary_path:  # the module bpy
+        atexit.register(unregister)  # that of Blender 4.2 crashes at exit where it still has an engine, that of 4.5 hangs
 
 
 def unregister():
+    """Once: Blender also disables add-ons at its exit."""
+    atexit.unregister(unregister)
+    if not AlabasterHydraEngine.is_registered:
+        return
     for panel in panels():
         panel.COMPAT_ENGINES.discard(AlabasterHydraEngine.bl_idname)
     bpy.utils.unregister_class(AlabasterHydraEngine)
