@@ -8,6 +8,7 @@ import os
 import pathlib
 import sys
 import tempfile
+import threading
 import time
 import types
 import unittest
@@ -466,6 +467,22 @@ class Frames(unittest.TestCase):
                 # Ours emits no negative light.
                 numpy.testing.assert_allclose(ours, numpy.maximum(theirs, 0), rtol=0.01, atol=2e-3, err_msg=space)
 
+    @unittest.skipUnless(hasattr(bpy.data, "colorspace"), "Blender before 5.0")
+    def test_images_in_another_working_space(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fresh()
+            made = scenes.picture("coloured", 4, 4, lambda u, v: (0.5, 0.25, 0.125))
+            made.filepath_raw, made.file_format = f"{folder}/coloured.png", "PNG"
+            made.save()
+            for space in ("sRGB", "Linear Rec.709", "Non-Color"):
+                self.glowing(space, f"{folder}/coloured.png")
+                bpy.ops.wm.set_working_color_space(working_space="ACEScg", convert_colors=True)
+                scene = bpy.context.scene
+                scene.alabaster.samples = scene.cycles.samples = 2
+                ours = self.pixels()[4, 4, :3]
+                scene.render.engine, scene.cycles.use_denoising = "CYCLES", False
+                numpy.testing.assert_allclose(ours, self.pixels()[4, 4, :3], rtol=0.01, err_msg=space)
+
     def test_f12_without_an_image_or_a_denoiser(self):
         image = bpy.data.images.new("gone", 4, 4)
         image.source, image.filepath = "FILE", "/nowhere/gone.png"
@@ -504,6 +521,33 @@ class Frames(unittest.TestCase):
         engine.AlabasterRenderEngine.refine(fake, renderer, render, None, [], (0, 0, 256, 256))
         self.assertLess(time.monotonic() - pressed, 1.0)
         self.assertEqual((render.state, shown[-1]), ("stopped", True))
+
+    def test_unregistering_ends_frames_first(self):
+        """Blender frees the engine below the threads that render with it."""
+        frames, told = engine.Frames(), []
+        frames.open()
+
+        def render():
+            with frames.one():
+                while not frames.closed:
+                    time.sleep(0.01)
+                time.sleep(0.1)
+                told.append("over")
+        thread = threading.Thread(target=render)
+        thread.start()
+        while not frames.number:
+            time.sleep(0.01)
+        frames.close()
+        told.append("closed")
+        thread.join()
+        self.assertEqual(told, ["over", "closed"])
+        closing = time.monotonic() + 0.5
+        fake = types.SimpleNamespace(check=lambda *_: None, test_break=lambda: time.monotonic() > closing and self.fail("goes on"),
+                                     update_stats=lambda *_: None, update_progress=lambda _: None, show=lambda *_: None)
+        renderer = types.SimpleNamespace(command=lambda _: None, stats=dict, progress=lambda: {"samples_total": 0, "fraction": 0.0})
+        with unittest.mock.patch.object(engine, "frames", frames):
+            engine.AlabasterRenderEngine.refine(fake, renderer, types.SimpleNamespace(wait=lambda _: False, cancel=lambda: None), None, [],
+                                                (0, 0, 8, 8))
 
     def test_noise_is_told_while_a_picture_refines(self):
         scene = alabaster.Scene()

@@ -85,7 +85,7 @@ def table(version, rows, job):
 
 def widths(options, base, folder):
     """Measures how far light travels below surfaces, in Cycles and here, and writes the table."""
-    job = {**base, "cases": options.scene, "samples": 128, "columns": 192, "rows": 16, "out": str(folder)}
+    job = {**base, "cases": options.scene, "samples": 96, "columns": 192, "rows": 12, "out": str(folder)}
     lines = run(options, "subsurface_widths.py", job, folder).splitlines()
     version = next(line[8:] for line in lines if line.startswith("VERSION "))
     rows = [json.loads(line[6:]) for line in lines if line.startswith("WIDTH ")]
@@ -119,6 +119,7 @@ SENTENCES = {
     "edits": "edits, by turns a colour and a move, each drawn: their seconds, those in the add-on, and resident memory",
     "draw_ms": "view_draw: median and largest",
     "beat_of_the_window_ms": "between two turns of Blender's main loop during F12: median and largest",
+    "disable_ms": "to disable the add-on while it renders a frame",
     "escape_ms": "from the Escape key in F12 until Blender tells the engine, and from there until its job is over",
 }
 

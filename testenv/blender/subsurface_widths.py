@@ -53,7 +53,8 @@ def scattering_node(method, anisotropy=0.0, scale=1.0, ior=1.4):
     shader.falloff = method
     for name, value in {"Color": (*COLOR, 1), "Radius": (1.0 / scale,) * 3, "Scale": scale, "Anisotropy": anisotropy,
                         "IOR": ior}.items():
-        shader.inputs[name].default_value = value
+        if name in shader.inputs:  # Blender hides those that a method has no use for
+            shader.inputs[name].default_value = value
     material.node_tree.links.new(shader.outputs[0], output.inputs["Surface"])
     return material
 

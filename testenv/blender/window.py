@@ -186,6 +186,24 @@ def escape_story():
     told["escape_ms"] = [round(1e3 * (looked[-1] - begun)), round(1e3 * (ended[0] - looked[-1]))] if ended else None
 
 
+def disable_story():
+    """The add-on is disabled while a frame is being rendered."""
+    at("disable")
+    yield from rest(1)
+    begun = []
+    render = engine.AlabasterRenderEngine.refine
+    engine.AlabasterRenderEngine.refine = lambda *rest: (begun.append(True), render(*rest))
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, screen=window.screen):
+        bpy.ops.render.render("INVOKE_DEFAULT")
+    while not begun:
+        yield 0.01
+    start = time.monotonic()
+    alabaster_render.unregister()
+    told["disable_ms"] = round(1e3 * (time.monotonic() - start))
+    yield from rest(2)
+
+
 def stories():
     yield from viewport_story()
     yield from edit_story()
@@ -195,6 +213,7 @@ def stories():
     told["version"] = bpy.app.version_string
     told["window"] = [window.width, window.height]
     yield from escape_story()
+    yield from disable_story()
 
 
 running = stories()

@@ -1,4 +1,6 @@
 """The render engine: final frames, and the viewport."""
+import contextlib
+import threading
 import time
 import weakref
 
@@ -36,6 +38,39 @@ def status(renderer):
     if stats.get("scene.faultCount"):
         parts.append(f"{stats['scene.faultCount']} faults, see the console")
     return " | ".join(parts), now["fraction"]
+
+
+class Frames:
+    """The frames that threads of Blender render. They end before the engine is unregistered, which frees it below them."""
+
+    PATIENCE = 60.0  # seconds
+    AFTERWARDS = 0.3  # seconds in which Blender takes a frame that is over away
+
+    def __init__(self):
+        self.condition, self.number, self.closed = threading.Condition(), 0, True
+
+    def open(self):
+        self.closed = False
+
+    def close(self):
+        with self.condition:
+            self.closed = True
+            if self.number and self.condition.wait_for(lambda: not self.number, self.PATIENCE):
+                time.sleep(self.AFTERWARDS)
+
+    @contextlib.contextmanager
+    def one(self):
+        with self.condition:
+            self.number += 1
+        try:
+            yield
+        finally:
+            with self.condition:
+                self.number -= 1
+                self.condition.notify_all()
+
+
+frames = Frames()
 
 
 class Notes:
@@ -84,7 +119,9 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         try:
-            self.render_frame(depsgraph, library.load())
+            with frames.one():
+                if not frames.closed:
+                    self.render_frame(depsgraph, library.load())
         except Exception as error:  # Blender shows a traceback in the console alone
             self.error_set(f"Alabaster: {error}")
             self.report({"ERROR"}, f"Alabaster: {error}")
@@ -146,7 +183,7 @@ class AlabasterRenderEngine(bpy.types.RenderEngine):
         size = window[2] - window[0], window[3] - window[1]
         shown = told = time.monotonic()
         over = False
-        while not over and not self.test_break():
+        while not over and not frames.closed and not self.test_break():
             over = render.wait(SECONDS_BETWEEN_LOOKS)
             if not over and time.monotonic() - told < SECONDS_BETWEEN_LINES:
                 continue
@@ -217,11 +254,13 @@ CYCLES_PANELS = {"EEVEE_MATERIAL_PT_surface", "DATA_PT_EEVEE_light", "EEVEE_WORL
 
 def register():
     bpy.utils.register_class(AlabasterRenderEngine)
+    frames.open()
     for engines in panels():
         engines.add(AlabasterRenderEngine.bl_idname)
 
 
 def unregister():
+    frames.close()
     for engines in panels():
         engines.discard(AlabasterRenderEngine.bl_idname)
     bpy.utils.unregister_class(AlabasterRenderEngine)

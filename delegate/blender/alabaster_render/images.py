@@ -118,7 +118,7 @@ def _linear_pixels(image, note):
     pixels, name = _pixels(image), image.colorspace_settings.name
     if image.is_float or image.colorspace_settings.is_data or not len(pixels):
         return pixels
-    if name != "sRGB" and colors.to_linear(pixels, name):
+    if colors.to_linear(pixels, name):
         return pixels
     if name != "sRGB":
         note(f"image '{image.name}': colour space {name} is not known here; it is read as sRGB")
@@ -130,7 +130,8 @@ def environment(image, note):
     """The name of a file for a dome light, which reads bytes as sRGB and floats as scene-linear. "": there is none."""
     name = image.colorspace_settings.name
     usual = "linear" if pathlib.Path(image.filepath_raw).suffix.lower() in {".exr", ".hdr"} else "sRGB"
-    if image.source in {"MOVIE", "TILED"} or (not _lives_in_blender(image) and colors.EVERYWHERE.get(name) == usual):
+    as_read = colors.EVERYWHERE.get(name) == usual and colors.name_of(image)
+    if image.source in {"MOVIE", "TILED"} or (as_read and not _lives_in_blender(image)):
         return file_of(image, note)[0]
     return _converted(image, (_stamp(image), "dome") if not _lives_in_blender(image) else hash(_pixels(image).tobytes()), note)[0]
 

@@ -78,6 +78,8 @@ class ALABASTER_PT_passes(AlabasterPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, layer = self.layout, context.view_layer
+        layout.use_property_split = True
+        layout.use_property_decorate = False
         column = layout.column(heading="Data")
         for name in ("use_pass_z", "use_pass_normal", "use_pass_vector", "use_pass_emit"):
             column.prop(layer, name)

@@ -27,7 +27,8 @@ PASSES = {
 
 
 # Artists' words where the schema has a programmer's.
-LABELS = {"targetError": "Noise Target", "textureMemory": "Texture Memory (MiB)", "memoryLimit": "Memory Limit (MiB)"}
+LABELS = {"targetError": "Noise Target", "adaptive": "Adaptive Sampling", "filter": "Pixel Filter",
+          "textureMemory": "Texture Memory (MiB)", "memoryLimit": "Memory Limit (MiB)"}
 UNITS = {"seconds": {"subtype": "TIME_ABSOLUTE", "unit": "TIME_ABSOLUTE"}, "pixels": {"subtype": "PIXEL"}}
 
 
