@@ -111,6 +111,7 @@ class LimitTessellator {
           again_ = true;
         }
     } while (again_);
+    if (mesh_.points.empty()) return std::move(mesh_);  // no face has a limit surface
     mend_degenerate_normals();
     for_each_attribute([&](const auto& primvar, auto* attribute) {
       if (primvar.interpolation == Interpolation::face_varying) attribute->triangles = corner_triangles_;

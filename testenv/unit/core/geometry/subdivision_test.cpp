@@ -215,6 +215,16 @@ TEST(Subdivision, BoundaryRulesDifferAsDefined) {
   EXPECT_EQ(inner.triangle_face, std::vector<int32_t>(8, 4));
 }
 
+// By the rule `none`, faces at a boundary are not drawn.
+TEST(Subdivision, ACageWithoutAnyLimitSurfaceIsEmpty) {
+  Cage cage = test::grid_cage(2, SubdivisionScheme::catmull_clark);
+  cage.boundary_rule = BoundaryRule::none;
+  cage.uvs.resize(1);
+  cage.uvs[0].name = "st";
+  for (const Vec3f& p : cage.points) cage.uvs[0].values.emplace_back(p.x, p.y);
+  EXPECT_TRUE(refine(cage, 2).triangles.empty());
+}
+
 TEST(Subdivision, HolesShapeTheSurfaceButAreNotDrawn) {
   Cage cage = skewed(test::cube_cage(SubdivisionScheme::catmull_clark));
   const Mesh whole = refine(cage, 2);
