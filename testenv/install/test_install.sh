@@ -78,7 +78,7 @@ fi
 "$1/bin/delegate_conformance" --library "$library" --storm 0.01 --gtest_brief=1
 
 # The cost of loading.
-cc -std=c99 -O2 "$here/load_probe.c" -o "$scratch/load_probe" -ldl
+cc -std=c99 -O2 -I "$scratch/prefix/include" "$here/load_probe.c" -o "$scratch/load_probe" -ldl
 python3 "$here/library_load.py" "$scratch/load_probe" "$library" "$scratch/scene.json" "$here/../scenes/lights/lights.json"
 
 # Without the image library (libalabaster_images), a scene without images renders, and files say what is missing.
