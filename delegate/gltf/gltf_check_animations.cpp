@@ -5,6 +5,7 @@
 #include <set>
 
 #include "delegate/gltf/gltf_document.h"
+#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -81,15 +82,13 @@ class AnimationCheck {
     const std::string name = element_name("nodes", target["node"].get<size_t>());
     if (path != "weights" && node.contains("matrix"))
       return left_out(name + " has a matrix, which cannot be animated; the channel is ignored");
-    if (path == "weights" && target_count(node) == 0)
+    if (path == "weights" && targets_of(node) == 0)
       return left_out(name + " has no morph targets; the channel is ignored");
     return true;
   }
 
-  size_t target_count(const Json& node) const {
-    if (!node.contains("mesh")) return 0;
-    const Json& primitive = root_["meshes"][node["mesh"].get<size_t>()]["primitives"][0];
-    return primitive.contains("targets") ? primitive["targets"].size() : 0;
+  size_t targets_of(const Json& node) const {
+    return node.contains("mesh") ? target_count(root_["meshes"][node["mesh"].get<size_t>()]) : 0;
   }
 
   bool check_channel(const Json& animation, const Json& channel, const std::string& place) {
@@ -108,7 +107,7 @@ class AnimationCheck {
       return fault(output, "the values of " + path + " must be " + type + " of floats" +
                                (weights || rotation ? " or normalized integers" : ""));
     const size_t each = (sampler.value("interpolation", "LINEAR") == "CUBICSPLINE" ? 3 : 1) *
-                        (weights ? target_count(root_["nodes"][channel["target"]["node"].get<size_t>()]) : 1);
+                        (weights ? targets_of(root_["nodes"][channel["target"]["node"].get<size_t>()]) : 1);
     if (values.count != times.count * each)
       return fault(output, "has " + std::to_string(times.count) + " times and " + std::to_string(values.count) +
                                " values, not " + std::to_string(times.count * each));

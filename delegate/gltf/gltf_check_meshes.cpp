@@ -7,6 +7,7 @@
 #include <set>
 
 #include "delegate/gltf/gltf_document.h"
+#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -149,12 +150,9 @@ class MeshCheck {
   }
 
   void check_target_counts(const Json& mesh, const std::string& element) {
-    const auto count = [](const Json& primitive) {
-      return primitive.contains("targets") ? primitive["targets"].size() : size_t(0);
-    };
-    const size_t targets = count(mesh["primitives"][0]);
+    const size_t targets = target_count(mesh);
     for (const Json& primitive : mesh["primitives"])
-      if (count(primitive) != targets)
+      if (primitive_target_count(primitive) != targets)
         return report_.warning("mesh.targets", element + ".primitives",
                                "have different numbers of morph targets; weights are taken in the order of each");
     if (mesh.contains("weights") && mesh["weights"].size() != targets)

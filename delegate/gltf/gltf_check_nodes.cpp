@@ -3,6 +3,7 @@
 #include <map>
 
 #include "delegate/gltf/gltf_document.h"
+#include "delegate/gltf/gltf_morph.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -137,8 +138,7 @@ class NodeMeshCheck {
 
   void check_weights(const Json& node, const std::string& element) {
     if (!node.contains("weights")) return;
-    const Json& primitive = root_["meshes"][node["mesh"].get<size_t>()]["primitives"][0];
-    const size_t targets = primitive.contains("targets") ? primitive["targets"].size() : 0;
+    const size_t targets = target_count(root_["meshes"][node["mesh"].get<size_t>()]);
     if (node["weights"].size() != targets)
       report_.warning("node.weights", element + ".weights",
                       std::to_string(node["weights"].size()) + " are given, but the mesh has " +

@@ -28,7 +28,7 @@ void edit(Rng& rng, const std::vector<Input>& inputs, Input* input) {
   const auto at = [&](size_t offset) { return input->begin() + static_cast<std::ptrdiff_t>(offset); };
   const Part part = part_of(rng, *input);
   const size_t place = below(rng, input->size() + 1);
-  switch (below(rng, input->empty() ? 1 : 6)) {
+  switch (below(rng, input->empty() ? 1 : 7)) {
     case 0: {  // a part of any input
       const Input& other = inputs[below(rng, inputs.size())];
       const Part taken = part_of(rng, other);
@@ -50,12 +50,42 @@ void edit(Rng& rng, const std::vector<Input>& inputs, Input* input) {
       input->insert(at(place), again.begin(), again.end());
       break;
     }
+    case 5:
+      empty_a_list(rng.next(), *input);
+      break;
     default:
       std::fill(at(part.begin), at(part.end), kExtremes[below(rng, kExtremes.size())]);
   }
 }
 
+/// Behind the string that begins at `at`.
+size_t string_end(std::span<const uint8_t> text, size_t at) {
+  for (++at; at < text.size() && text[at] != '"'; ++at)
+    if (text[at] == '\\') ++at;
+  return at + 1;
+}
+
 }  // namespace
+
+bool empty_a_list(uint64_t choice, std::span<uint8_t> input) {
+  std::vector<std::pair<size_t, size_t>> lists;  // their brackets
+  std::vector<size_t> open;
+  for (size_t i = 0; i < input.size(); ++i) {
+    if (input[i] == '"') {
+      i = string_end(input, i) - 1;
+    } else if (input[i] == '[' || input[i] == '{') {
+      open.push_back(i);
+    } else if ((input[i] == ']' || input[i] == '}') && !open.empty()) {
+      lists.emplace_back(open.back(), i);
+      open.pop_back();
+    }
+  }
+  if (lists.empty()) return false;
+  const auto [first, last] = lists[choice % lists.size()];
+  std::fill(input.begin() + static_cast<std::ptrdiff_t>(first) + 1, input.begin() + static_cast<std::ptrdiff_t>(last),
+            uint8_t(' '));
+  return true;
+}
 
 Input edited(const std::vector<Input>& inputs, uint64_t seed, uint64_t number) {
   Rng rng(seed, number);

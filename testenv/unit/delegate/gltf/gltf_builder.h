@@ -82,12 +82,14 @@ class GltfBuilder {
         {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
   }
 
-  std::string bytes() const {
+  Json document() const {
     Json document = json;
     document["buffers"] = {{{"byteLength", binary_.size()}}};
     for (const Json& buffer : more_buffers) document["buffers"].push_back(buffer);
-    return make_glb(document.dump(), binary_);
+    return document;
   }
+  const std::string& binary() const { return binary_; }
+  std::string bytes() const { return make_glb(document().dump(), binary_); }
   Loaded load(const GltfOptions& options = {}) const {
     const TemporaryFolder folder;
     return testing::load(folder.write("made.glb", bytes()), options);
