@@ -3,8 +3,10 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 
+#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/scene_options.h"
 #include "delegate/view/window.h"
@@ -64,7 +66,10 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? cli::kDone : cli::kUsage;
+    std::ostringstream errors;
+    const int code = app.exit(e, std::cout, errors);
+    std::cerr << cli::without_control_characters(errors.str(), "\n");
+    return code == 0 ? cli::kDone : cli::kUsage;
   }
   return view(a);
 }

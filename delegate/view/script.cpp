@@ -1,7 +1,9 @@
 #include "delegate/view/script.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace alabaster::view {
@@ -9,17 +11,36 @@ namespace {
 
 struct Form {
   const char* name;
-  const char* words;  // a letter each: n a number, w a word
+  const char* words;  // a letter each: p pixels, n a number, w a word
 };
 constexpr Form kForms[] = {
-    {"size", "nn"},   {"drag", "wnnnn"}, {"click", "nn"}, {"wheel", "nnn"},    {"key", "w"},  {"press", "w"},
+    {"size", "pp"},   {"drag", "wnnnn"}, {"click", "nn"}, {"wheel", "nnn"},    {"key", "w"},  {"press", "w"},
     {"choose", "ww"}, {"slide", "wn"},   {"type", "ww"},  {"screenshot", "w"}, {"state", ""}, {"quit", ""},
 };
 
-bool is_number(const std::string& word) {
-  std::istringstream stream(word);
+/// The range of a number. No screen is larger, and GLFW ends the program at sizes below 0; a wait beyond an hour is a
+/// mistake.
+struct Range {
+  double least, most;
+  const char* what;
+};
+constexpr Range kPixels{1, 16384, "a whole number of pixels"}, kNumbers{-1e4, 1e4, "a number"},
+    kSeconds{0, 3600, "a number of seconds"}, kSamples{0, 1e9, "a number of samples"};
+
+std::optional<double> number_of(const std::string& word) {
   double number = 0;
-  return stream >> number && stream.peek() == std::char_traits<char>::eof() && std::isfinite(number);
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = std::from_chars(word.data(), end, number);
+  return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
+}
+
+std::string range_fault(const std::string& word, const Range& range) {
+  const auto number = number_of(word);
+  const bool fits = number && *number >= range.least && *number <= range.most;  // no NaN does
+  if (fits && (&range != &kPixels || *number == std::floor(*number))) return {};
+  std::ostringstream text;
+  text << "'" << word << "' is not " << range.what << " from " << range.least << " to " << range.most;
+  return text.str();
 }
 
 // False if a quoted word has no end.
@@ -48,7 +69,11 @@ std::string wait_fault(const std::vector<std::string>& words) {
   const size_t least = counted ? 2 : 1;
   if (words.size() < least || words.size() > least + 1) return "wait " + words[0] + " has too few or too many words";
   for (size_t i = 1; i < words.size(); ++i)
-    if (!is_number(words[i])) return "'" + words[i] + "' is not a number";
+    if (std::string fault = range_fault(words[i], i == 1 && words[0] == "samples" ? kSamples : kSeconds);
+        !fault.empty())
+      return fault;
+  if (words[0] == "seconds" && words.size() > 2 && *number_of(words[1]) > *number_of(words[2]))
+    return "wait seconds " + words[1] + " takes longer than the " + words[2] + " seconds that it may take";
   return {};
 }
 
@@ -61,13 +86,19 @@ std::string fault(const ScriptAction& action) {
       return action.name + " takes " + std::to_string(wanted.size()) + " words, not " +
              std::to_string(action.words.size());
     for (size_t i = 0; i < wanted.size(); ++i)
-      if (wanted[i] == 'n' && !is_number(action.words[i])) return "'" + action.words[i] + "' is not a number";
+      if (wanted[i] != 'w')
+        if (std::string fault = range_fault(action.words[i], wanted[i] == 'p' ? kPixels : kNumbers); !fault.empty())
+          return fault;
     return {};
   }
   return "there is no action '" + action.name + "'";
 }
 
 }  // namespace
+
+double ScriptAction::number(size_t i) const {
+  return number_of(words[i]).value_or(0);
+}
 
 Script read_script(const std::string& text) {
   Script script;

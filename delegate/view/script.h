@@ -1,7 +1,7 @@
 // A list of a user's actions, for tests and demonstrations: --script FILE. One action a line; # begins a comment.
 //
-//   size W H                     the window's size in pixels
-//   wait covered|converged|samples N|seconds S [SECONDS]   at most so many seconds (60); longer fails the script
+//   size W H                     the window's size in pixels, 1 to 16384
+//   wait covered|converged|samples N|seconds S [SECONDS]   that many seconds at most (60); longer fails the script
 //   drag BUTTON X0 Y0 X1 Y1      left, middle or right, over the picture; places are shares of it, y down
 //   click X Y                    on the picture
 //   wheel X Y N                  over the picture
@@ -27,7 +27,7 @@ struct ScriptAction {
   std::string name;
   std::vector<std::string> words;  // the arguments
   /// Argument `i` as a number: the reader has checked that it is one.
-  double number(size_t i) const { return std::stod(words[i]); }
+  double number(size_t i) const;
 };
 
 struct Script {

@@ -32,7 +32,7 @@ std::string window_state(const ViewSession& session, const ViewStatus& status, c
                      {"workP95Ms", frames.work_p95},
                      {"intervalP95Ms", frames.interval_p95},
                      {"intervalWorstMs", frames.interval_worst}};
-  return state.dump();
+  return state.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace alabaster::view

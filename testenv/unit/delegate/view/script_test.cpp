@@ -35,6 +35,19 @@ TEST(Script, NamesTheLineAndTheFault) {
       {"wait covered 1 2", "too few or too many"},
       {"wait seconds soon", "'soon' is not a number"},
       {"quit now", "quit takes 0 words, not 1"},
+      {"size -5 -5", "'-5' is not a whole number of pixels from 1 to 16384"},
+      {"size 0 600", "'0' is not a whole number of pixels"},
+      {"size 800.5 600", "'800.5' is not a whole number of pixels"},
+      {"size 1e9 600", "'1e9' is not a whole number of pixels"},
+      {"size 99999 600", "from 1 to 16384"},
+      {"wait seconds 1e300 2", "'1e300' is not a number of seconds from 0 to 3600"},
+      {"wait seconds 5 2", "takes longer than the 2 seconds"},
+      {"wait seconds -1", "'-1' is not a number of seconds"},
+      {"wait covered 1e300", "'1e300' is not a number of seconds"},
+      {"wait samples 1e300 2", "'1e300' is not a number of samples"},
+      {"drag left 0 0 1e300 1", "'1e300' is not a number from -10000 to 10000"},
+      {"click inf 3", "'inf' is not a number"},
+      {"click 1e-400 3", "'1e-400' is not a number"},
   };
   for (const auto& [text, fault] : cases)
     EXPECT_NE(read_script(text).problem.find(fault), std::string::npos) << text << ": " << read_script(text).problem;
