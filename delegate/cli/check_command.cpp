@@ -9,6 +9,7 @@
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/scene_session.h"
+#include "delegate/host/product_limits.h"
 
 namespace alabaster::cli {
 namespace {
@@ -48,7 +49,8 @@ bool check_products(const SceneSession& session, const hd::DiagnosticSink& sink)
   bool ok = true;
   for (const auto& [path, settings] : session.scene.GetAllRenderSettings())
     for (const hd::RenderProduct& product : settings.products)
-      ok = hd::host::CheckProduct(product, session.colors(), sink) && ok;
+      ok = hd::host::CheckProduct(product, session.colors(), sink) &&
+           hd::host::CheckProductSize(product, settings.window(), sink) && ok;
   return ok;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/math/transform.h"
+#include "delegate/host/product_limits.h"
 #include "delegate/host/product_plan.h"
 
 namespace alabaster::hd::host {
@@ -125,8 +126,11 @@ RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings
             "a checkpoint holds one picture, but the products have several cameras or sizes: render them one by one"});
     return RecordStatus::input_failed;
   }
-  for (const RenderProduct& product : all.products)
-    if (!CheckProduct(product, options.colors, options.diagnostics)) return RecordStatus::output_failed;
+  for (const FrameRequest& picture : *requests)
+    for (const RenderProduct& product : picture.description.products)
+      if (!CheckProduct(product, options.colors, options.diagnostics) ||
+          !CheckProductSize(product, picture.description.window(), options.diagnostics))
+        return RecordStatus::output_failed;
   for (FrameRequest& picture : *requests) {
     picture.aovs = aovs_of(picture.description.products);
     if (denoise && picture.aovs.contains("color")) picture.aovs.insert("denoised");  // else color would show it

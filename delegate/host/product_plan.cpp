@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/film/aov.h"
+#include "core/images/format_limits.h"
 #include "delegate/host/product_writer.h"
 
 namespace alabaster::hd::host {
@@ -101,6 +102,11 @@ bool plan_channels(const RenderProduct& product, ChannelStore store, ProductPlan
     for (PlannedChannel& c : channels_of(var, aov, plan.kind == FileKind::exr ? exr_store(aov, var, store) : store)) {
       if (plan.kind == FileKind::jpeg && !c.is_color) continue;
       if (plan.kind != FileKind::exr) c.name = c.name.back();  // these files have no layers
+      if (c.name.size() > kLongestExrName) {
+        error = "channel '" + c.name.substr(0, 40) + "...' has a name of " + std::to_string(c.name.size()) +
+                " bytes, and an EXR holds " + std::to_string(kLongestExrName) + "; give its AOV a shorter name";
+        return false;
+      }
       if (!names.insert(c.name).second) {
         error = "two AOVs would both be stored as channel '" + c.name + "'; give each its own name";
         return false;
@@ -146,6 +152,15 @@ RenderVar UsualRenderVar(const std::string& aov) {
   const AovInfo* known = find_aov(aov);
   const char* type = !known ? "half" : known->is_integer() ? "int" : needs_full_precision(*known) ? "float" : "half";
   return {aov, aov, type};
+}
+
+std::string window_fault(const ProductPlan& plan, const Rect2i& window) {
+  const int64_t width = int64_t(window.maxX) - window.minX, height = int64_t(window.maxY) - window.minY;
+  const int64_t most = most_pixels(plan.kind);
+  if (width <= most && height <= most) return {};
+  return "this kind of file holds " + std::to_string(most) + " x " + std::to_string(most) +
+         " pixels at most, and the " + "picture has " + std::to_string(width) + " x " + std::to_string(height) +
+         "; write an .exr or .tif file, or render it smaller or in crops";
 }
 
 bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error) {

@@ -31,6 +31,9 @@ struct ProductPlan {
 /// `denoise` set, AOV denoised stands beside color in an EXR and in its place in other files.
 std::vector<RenderVar> WantedVars(const RenderProduct& product);
 
+/// Why a file of the plan's kind cannot hold the pixels of `window`, and what to do about it; empty if it can.
+std::string window_fault(const ProductPlan& plan, const Rect2i& window);
+
 /// Returns false if the product contradicts itself; `error` then says what is wrong and what to do about it. Looks
 /// neither at the disk nor at the colour configuration.
 bool PlanProduct(const RenderProduct& product, ProductPlan& plan, std::string& error);

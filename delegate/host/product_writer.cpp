@@ -8,8 +8,9 @@
 #include <cmath>
 #include <mutex>
 
-#include "core/images/image_file.h"
+#include "core/images/format_limits.h"
 #include "delegate/host/output_transform.h"
+#include "delegate/host/product_limits.h"
 #include "delegate/host/product_pixels.h"
 #include "delegate/support/output_file.h"
 
@@ -91,11 +92,72 @@ ImageDescription describe(const ProductPlan& plan, const ProductImage& image, co
   return file;
 }
 
+/// OpenEXR's corners are ints, of which it uses half.
+bool is_within_limits(const Framing& framing) {
+  constexpr float kMost = 1e9f;
+  const Vec2f &low = framing.displayMin, &high = framing.displayMax;
+  const Rect2i& window = framing.dataWindow;
+  for (const float corner :
+       {low.x, low.y, high.x, high.y, float(window.minX), float(window.minY), float(window.maxX), float(window.maxY)})
+    if (!(std::abs(corner) <= kMost)) return false;
+  return true;
+}
+
+/// Bytes of an attribute in a text that holds them all.
+size_t text_size(const ImageAttribute& attribute) {
+  constexpr size_t kNumber = 24;
+  const auto of_value = []<class T>(const T& value) {
+    if constexpr (std::is_same_v<T, std::string>)
+      return value.size();
+    else
+      return sizeof value / sizeof(float) * kNumber;
+  };
+  return attribute.name.size() + 3 + std::visit(of_value, attribute.value);
+}
+
+/// `text` with so many bytes at most, and no half of a character of UTF-8.
+std::string cut_off(const std::string& text, size_t bytes) {
+  while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xc0) == 0x80) --bytes;
+  return text.substr(0, bytes) + "...";
+}
+
+/// Cuts off or leaves out, after a warning, what the file cannot hold.
+void limit_attributes(const RenderProduct& product, const DiagnosticSink& sink, ImageDescription* file) {
+  constexpr size_t kLongestInJpeg = 4000;  // bytes
+  const bool jpeg = file->kind == FileKind::jpeg;
+  size_t left = kMostJpegText;
+  std::vector<ImageAttribute> kept;
+  for (ImageAttribute& attribute : file->attributes) {
+    const char* fault = nullptr;
+    if (auto* text = std::get_if<std::string>(&attribute.value); jpeg && text && text->size() > kLongestInJpeg) {
+      *text = cut_off(*text, kLongestInJpeg);
+      fault = "is cut off: a JPEG holds short texts only; an .exr file holds all of it";
+    }
+    const size_t size = text_size(attribute);
+    const bool fits = jpeg ? size <= left : file->kind != FileKind::exr || attribute.name.size() <= kLongestExrName;
+    if (!fits)
+      fault = jpeg ? "is left out: a JPEG holds short texts only; an .exr file holds it"
+                   : "is left out: names of attributes in an EXR have 255 bytes at most; give it a shorter one";
+    if (fault && sink)
+      sink({Severity::warning, "product.attribute", product.file,
+            "attribute '" + attribute.name.substr(0, kLongestExrName) + "' " + fault});
+    if (!fits) continue;
+    left -= jpeg ? size : 0;
+    kept.push_back(std::move(attribute));
+  }
+  file->attributes = std::move(kept);
+}
+
 /// Takes alpha out of the plan if the image has none. Returns false after a report if it lacks anything else.
 bool check_image(const RenderProduct& product, const ProductImage& image, ProductPlan& plan,
                  const DiagnosticSink& sink) {
   if (!image.framing.valid())
     return fail(sink, "product.framing", product.file, "the frame is empty; give a display and a data window");
+  if (!is_within_limits(image.framing))
+    return fail(sink, "product.framing", product.file,
+                "the display or data window reaches beyond 1e9 pixels; give it other corners");
+  if (const std::string fault = window_fault(plan, image.framing.dataWindow); !fault.empty())
+    return fail(sink, "product.invalid", product.file, fault);
   const Rect2i& window = image.framing.dataWindow;
   const size_t count = size_t(window.width()) * size_t(window.height());
   std::erase_if(plan.channels, [&](const PlannedChannel& channel) {
@@ -146,6 +208,17 @@ bool CheckProduct(const RenderProduct& product, const OutputColors& colors, cons
   }
 }
 
+bool CheckProductSize(const RenderProduct& product, const Rect2i& window, const DiagnosticSink& sink) {
+  try {
+    ProductPlan plan;
+    std::string error;
+    if (PlanProduct(product, plan, error)) error = window_fault(plan, window);
+    return error.empty() || fail(sink, "product.invalid", product.file, error);
+  } catch (const std::exception& e) {
+    return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
+  }
+}
+
 namespace {
 
 bool write_product(const RenderProduct& product, const ProductImage& image, const OutputColors& colors,
@@ -162,6 +235,7 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
     ImageDescription description = describe(plan, image, out);
     if (plan.kind == FileKind::exr && !plan.display_referred)
       description.attributes.push_back({"chromaticities", out.config->chromaticities(product.colorSpace)});
+    limit_attributes(product, sink, &description);
     const RowEncoder rows(plan, image, *out.transform);
     std::vector<unsigned char> file;
     error = images->encode(description, rows, file);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/images/format_limits.h"
 #include "core/images/open_image_io/functions.h"
 
 namespace alabaster {
@@ -34,11 +35,14 @@ struct AttributeSetter {
   }
 };
 
+// A line for each attribute. A value's further lines are indented, so that they are no attributes of their own.
 void describe_in_words(OIIO::ImageSpec& spec) {
   const auto is_free = [](const OIIO::ParamValue& a) { return a.name() != "Software" && a.name() != "DateTime"; };
   std::string description;
   for (const OIIO::ParamValue& attribute : spec.extra_attribs)
-    if (is_free(attribute)) description += attribute.name().string() + ": " + attribute.get_string() + "\n";
+    if (is_free(attribute))
+      description +=
+          OIIO::Strutil::replace(attribute.name().string() + ": " + attribute.get_string(), "\n", "\n  ", true) + "\n";
   std::erase_if(spec.extra_attribs, is_free);
   spec.attribute("ImageDescription", description);
 }
@@ -104,9 +108,15 @@ OIIO::ImageSpec make_spec(const ImageDescription& image) {
 }  // namespace
 
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file) {
+  if (image.width > most_pixels(image.kind) || image.height > most_pixels(image.kind))
+    return "it has more pixels than the format holds";
   constexpr const char* kNames[] = {"x.exr", "x.png", "x.tif", "x.jpg"};
   const char* name = kNames[int(image.kind)];
   const OIIO::ImageSpec spec = make_spec(image);
+  size_t text = 0;
+  for (const OIIO::ParamValue& attribute : spec.extra_attribs)
+    if (attribute.type() == OIIO::TypeString) text += attribute.get_string().size();
+  if (image.kind == FileKind::jpeg && text > kMostJpegText + 1000) return "its attributes are longer than a JPEG holds";
   // Room that is not used costs nothing; growing would copy the file.
   file.reserve(spec.image_bytes(true) + spec.image_bytes(true) / 64);
   OIIO::Filesystem::IOVecOutput memory(file);

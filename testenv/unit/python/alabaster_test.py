@@ -216,6 +216,9 @@ class Renders(unittest.TestCase):
             self.assertGreater(file.stat().st_size, 500)
             with self.assertRaisesRegex(alabaster.OutputError, "nowhere"):
                 renderer.record("/nowhere/a.exr")
+            scene.set_render_settings("/wide", camera="/camera", width=65501, height=1, samples=1)
+            with self.assertRaisesRegex(alabaster.OutputError, "65500 x 65500"):
+                renderer.record(pathlib.Path(name) / "a.jpg", settings="/wide")
             renderer.set(samples=1 << 20)
             with self.assertRaises(alabaster.Cancelled):
                 renderer.record(file, progress=lambda p: False)

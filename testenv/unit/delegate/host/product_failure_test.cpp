@@ -5,6 +5,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "delegate/host/product_limits.h"
 #include "testenv/unit/delegate/host/product_fixture.h"
 
 namespace alabaster::hd::host {
@@ -69,6 +70,92 @@ TEST_F(ProductFile, WritingReportsWhatTheImageLacks) {
   image.framing.dataWindow = {};
   EXPECT_FALSE(write(p, image));
   EXPECT_TRUE(listing().empty());
+}
+
+// libjpeg would end the process, and OpenImageIO 2.5 refuses PNGs that 2.4 writes.
+TEST_F(ProductFile, MorePixelsThanAFormatHoldsAreRefusedBeforeAndAfterRendering) {
+  const std::pair<const char*, int> limits[] = {{"a.jpg", 65500}, {"a.jpeg", 65500}, {"a.png", 65535}};
+  for (const auto& [name, most] : limits)
+    for (const bool wide : {true, false}) {
+      const RenderProduct p = product(name);
+      const auto window = [wide = wide](int side) {
+        return wide ? Rect2i{-3, 0, side - 3, 1} : Rect2i{0, 5, 1, side + 5};
+      };
+      EXPECT_TRUE(CheckProductSize(p, window(most), sink_)) << text();
+      reports_.clear();
+      EXPECT_FALSE(CheckProductSize(p, window(most + 1), sink_));
+      ASSERT_EQ(reports_.size(), 1u);
+      EXPECT_EQ(reports_[0].code, "product.invalid");
+      EXPECT_EQ(reports_[0].where, p.file);
+      EXPECT_NE(text().find(std::to_string(most) + " x " + std::to_string(most)), std::string::npos) << text();
+      EXPECT_NE(text().find("write an .exr or .tif file"), std::string::npos) << text();
+      ProductImage image;
+      image.framing = {{0, 0}, {20, 10}, window(most + 1), 1};
+      const Vec2i size(image.framing.dataWindow.width(), image.framing.dataWindow.height());
+      image.aovs["color"] = floats(
+          4, [](int, int) { return 0.5f; }, size);
+      EXPECT_FALSE(write(p, image));
+      EXPECT_NE(text().find("write an .exr or .tif file"), std::string::npos) << text();
+    }
+  EXPECT_TRUE(CheckProductSize(product("a.exr"), {0, 0, 65536, 65536}, sink_));
+  EXPECT_TRUE(CheckProductSize(product("a.tif"), {0, 0, 65536, 65536}, sink_));
+  EXPECT_TRUE(listing().empty());
+}
+
+// A JPEG's blocks end at 65533 bytes: libjpeg ends the process at a longer one.
+TEST_F(ProductFile, LongAttributesOfAJpegAreCutOffWithAWarning) {
+  ProductImage image = frame();
+  image.metadata["alabaster/sceneFaults"] = std::string(100000, 'x');
+  image.metadata["Software"] = std::string(70000, 's');
+  EXPECT_TRUE(write(product("a.jpg"), image)) << text();
+  ASSERT_EQ(reports_.size(), 2u) << text();
+  EXPECT_EQ(reports_[1].severity, Severity::warning);
+  EXPECT_NE(text().find("attribute 'alabaster/sceneFaults' is cut off: a JPEG holds short texts only"),
+            std::string::npos)
+      << text();
+  for (int i = 0; i < 100; ++i) image.metadata["more" + std::to_string(i)] = std::string(3000, '&');
+  EXPECT_TRUE(write(product("b.jpg"), image)) << text();
+  EXPECT_NE(text().find("attribute 'more99' is left out"), std::string::npos);
+  EXPECT_TRUE(write(product("a.exr"), image));
+  EXPECT_TRUE(reports_.empty()) << text();
+  EXPECT_TRUE(write(product("a.png"), image));
+  EXPECT_TRUE(write(product("a.tif"), image));
+  EXPECT_TRUE(reports_.empty()) << text();
+}
+
+TEST_F(ProductFile, NamesThatOpenExrWouldCutOffAreRefusedOrLeftOut) {
+  RenderProduct p = product("a.exr");
+  p.vars = {{std::string(300, 'n'), "depth", "float"}};
+  EXPECT_FALSE(check(p));
+  EXPECT_NE(text().find("302 bytes, and an EXR holds 255"), std::string::npos) << text();
+  p.vars[0].name.resize(253);
+  EXPECT_TRUE(check(p)) << text();
+  ProductImage image = frame();
+  image.metadata[std::string(256, 'a')] = 1;
+  EXPECT_TRUE(write(product("a.exr"), image));
+  EXPECT_NE(text().find("is left out"), std::string::npos) << text();
+}
+
+TEST_F(ProductFile, WindowsBeyondOpenExrAreRefused) {
+  ProductImage image = frame();
+  for (const float corner : {1e30f, INFINITY, std::nanf("")}) {
+    image.framing.displayMax = {corner, 10};
+    EXPECT_FALSE(write(product("a.exr"), image)) << corner;
+  }
+  image = frame();
+  image.framing.dataWindow = {INT_MIN, 0, INT_MAX, 1};
+  EXPECT_FALSE(write(product("a.exr"), image));
+}
+
+// A value with line breaks adds no lines of its own to the text that other formats hold.
+TEST_F(ProductFile, AttributesCannotPassForOthers) {
+  ProductImage image = frame();
+  image.metadata["alabaster/camera"] = std::string("/c\nalabaster/incomplete: 1");
+  ASSERT_TRUE(write(product("a.png"), image)) << text();
+  const auto png = OIIO::ImageInput::open(path("a.png"));
+  ASSERT_TRUE(png);
+  const std::string description = png->spec().get_string_attribute("ImageDescription");
+  EXPECT_NE(description.find("alabaster/camera: /c\n  alabaster/incomplete: 1\n"), std::string::npos) << description;
 }
 
 /// Limits the files of this process to `bytes`, as a full disk would.

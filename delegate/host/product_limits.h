@@ -1,0 +1,12 @@
+// The limits of the formats that products are written in, checked before anything is rendered.
+#pragma once
+
+#include "delegate/host/product_writer.h"
+
+namespace alabaster::hd::host {
+
+/// Checks that the product's file can hold the pixels of `window`, RenderSettingsDescription::window(). Returns false
+/// after a report, and where CheckProduct refuses the product's kind or AOVs.
+ALABASTER_API bool CheckProductSize(const RenderProduct& product, const Rect2i& window, const DiagnosticSink& sink);
+
+}  // namespace alabaster::hd::host
