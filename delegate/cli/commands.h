@@ -56,7 +56,7 @@ int run_check(const CheckArguments& arguments);
 struct FarmArguments {
   RenderArguments render;
   std::string tasks, engine = "script", folder;
-  std::string render_words, merge_words;  // options of each task and of the merge, quoted, each after a space
+  std::vector<std::string> task_options, merge_options;  // of each task and of the merge, a word each
 };
 int run_farm(const FarmArguments& arguments);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 
 namespace alabaster::cli {
@@ -53,24 +54,13 @@ constexpr size_t kMostMessages = 100;
 
 std::string printable(const std::string& text) {
   std::string out;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
-    char code[16];
-    if (byte == '\n') {
-      out += text.compare(i + 1, 2, "  ") == 0 ? "\n" : "\n  ";
-    } else if (byte < 32 || byte == 127) {
-      std::snprintf(code, sizeof code, "\\x%02x", unsigned(byte));
-      out += code;
-    } else if (byte == 0xc2 && next >= 0x80 && next < 0xa0) {  // the control characters beyond ASCII, in UTF-8
-      std::snprintf(code, sizeof code, "\\x%02x", unsigned(next));
-      out += code;
-      ++i;
-    } else {
-      out += text[i];
-    }
+  for (size_t begin = 0;;) {
+    const size_t end = text.find('\n', begin);
+    out += without_control_characters(text.substr(begin, end - begin));
+    if (end == std::string::npos) return out;
+    begin = end + 1;
+    out += text.compare(begin, 2, "  ") == 0 ? "\n" : "\n  ";
   }
-  return out;
 }
 
 Console::Console(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}

@@ -1,14 +1,14 @@
 #include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
 
 #include "delegate/cli/checkpoint_options.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
+#include "delegate/cli/farm_jobs.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/scene_session.h"
 #include "delegate/cli/shell_word.h"
+#include "delegate/host/product_limits.h"
 #include "delegate/support/output_file.h"
 
 namespace alabaster::cli {
@@ -52,10 +52,10 @@ class FarmCommand {
       if (given) return console_.usage_error(flag, "It cannot be given with farm, which renders one frame in parts.");
     if (const int code = check_values(a_.render, console_); code != kDone) return code;
     std::string problem = same_file_twice(a_.render.outputs);
-    const auto products = make_products(a_.render, {}, &problem);
+    products_ = make_products(a_.render, {}, &problem);
     if (!problem.empty()) return console_.usage_error("farm", problem);
     folder_ = a_.folder.empty() ? fs::path(a_.render.scene).stem().string() + "_farm" : a_.folder;
-    return kDone;
+    return describe();
   }
 
   // The scene is loaded so that its faults are told before the jobs are.
@@ -66,9 +66,12 @@ class FarmCommand {
     RenderArguments part = a_.render;
     part.samples = "0:1", part.checkpoint = "part";
     if (const int code = check_parts(part, session_, 1, console_); code != kDone) return code;
-    const hd::Dictionary& settings = session_.scene.GetAllRenderSettings().at(session_.file.settings).settings;
-    const auto found = settings.find("samples");
-    if (found == settings.end())
+    const auto all = session_.scene.GetAllRenderSettings();
+    const hd::RenderSettingsDescription& frame = all.at(session_.file.settings);
+    for (const hd::RenderProduct& product : products_)
+      if (!hd::host::CheckProductSize(product, frame.window(), console_.sink())) return kUsage;
+    const auto found = frame.settings.find("samples");
+    if (found == frame.settings.end())
       return console_.usage_error("farm", "The scene does not say how many samples it needs: add --spp N.");
     samples_ = static_cast<uint32_t>(found->second.number_or(0));
     if (samples_ >= tasks_) return kDone;
@@ -76,134 +79,62 @@ class FarmCommand {
                                                a_.tasks + " tasks: each needs one.");
   }
 
-  int write() {
+  int describe() {
     std::error_code error;
-    place_ = fs::absolute(folder_, error).string();
-    if (a_.engine == "openjd")
-      if (const std::string fault = template_fault(); !fault.empty()) return console_.usage_error("--folder", fault);
-    fs::create_directories(folder_, error);
-    const std::string program = fs::read_symlink("/proc/self/exe", error).string();
-    if (error || !fs::is_directory(place_)) {
+    const fs::path program = fs::read_symlink("/proc/self/exe", error), home = fs::current_path(error);
+    if (error || program.empty()) return console_.usage_error("farm", "The current folder is not there any more.");
+    jobs_ = {a_.engine,        program, home,   fs::absolute(folder_, error), a_.render.scene, a_.task_options,
+             a_.merge_options, tasks_,  tasks_, a_.render.keep_going};
+    const std::string fault = farm_fault(jobs_);
+    return fault.empty() ? kDone : console_.usage_error("farm", fault);
+  }
+
+  int write() {
+    jobs_.samples = samples_;
+    std::error_code error;
+    fs::create_directories(jobs_.folder, error);
+    if (error || !fs::is_directory(jobs_.folder)) {
       console_.error(folder_, "The folder cannot be made; check its name and your permissions.");
       return kOutput;
     }
-    for (const fs::directory_entry& entry : fs::directory_iterator(place_, error))
+    for (const fs::directory_entry& entry : fs::directory_iterator(jobs_.folder, error))
       if (entry.path().extension() == ".checkpoint")
         return console_.usage_error(
             "--folder",
             "'" + folder_ + "' holds parts of an earlier farm: remove them, or choose " + "another folder.");
-    const std::string at_home = "set -eu\ncd " + shell_word(fs::current_path(error).string()) + "\n";
-    const std::string run = shell_word(program);
-    const std::string n = std::to_string(tasks_), spp = std::to_string(samples_);
-    // A part that was rendered with --keep-going without all of its scene counts as rendered.
-    const std::string task_end =
-        a_.render.keep_going ? " || code=$?\n[ \"${code:-0}\" -eq 6 ] || exit \"${code:-0}\"\n" : "\n";
-    const std::string all_parts = "set --\nk=0\nwhile [ $k -lt " + n + " ]; do\n  set -- \"$@\" " + shell_word(place_) +
-                                  "/part.\"$(printf %05d $k)\".checkpoint\n  k=$((k + 1))\ndone\n";
-    std::map<std::string, std::string> files;
-    files["task.sh"] = "#!/bin/sh\n# task.sh K: renders part K of the samples, from 0 to " +
-                       std::to_string(tasks_ - 1) + ". Run again, it goes on; a part that is whole stays as it is.\n" +
-                       at_home + "first=$(($1 * " + spp + " / " + n + "))\nend=$((($1 + 1) * " + spp + " / " + n +
-                       "))\n" + run + " render " + shell_word(a_.render.scene) + a_.render_words +
-                       " --quiet --samples \"$first:$end\" --resume --checkpoint " + shell_word(place_) +
-                       "/part.\"$(printf %05d \"$1\")\".checkpoint" + task_end;
-    files["merge.sh"] = "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" + at_home +
-                        all_parts + "exec " + run + " merge \"$@\"" + a_.merge_words + "\n";
-    files["status.sh"] =
-        "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
-        at_home + all_parts + "exec " + run + " merge \"$@\"\n";
-    if (a_.engine == "slurm")
-      add_slurm(&files);
-    else if (a_.engine == "openjd")
-      files["template.json"] = job_template();
-    else
-      files["tasks.txt"] = commands();
-    for (const auto& [name, text] : files)
-      if (const std::string problem = hd::support::WriteOutputFile(
-              place_ + "/" + name, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-          !problem.empty()) {
-        console_.error(place_ + "/" + name, "The job could not be written: " + problem + ".");
-        return kOutput;
-      }
-    return kDone;
-  }
-
-  /// A line for each task, for engines that take commands.
-  std::string commands() const {
-    std::string lines;
-    for (uint32_t k = 0; k < tasks_; ++k)
-      lines += "sh " + shell_word(place_ + "/task.sh") + " " + std::to_string(k) + "\n";
-    return lines;
-  }
-
-  /// The reason why a job of Open Job Description cannot name the folder; empty if it can.
-  std::string template_fault() const {
-    try {
-      static_cast<void>(nlohmann::json(place_).dump());
-    } catch (const nlohmann::json::exception&) {
-      return "the folder's name is not UTF-8, as Open Job Description needs it; choose another folder.";
+    for (const auto& [name, text] : farm_files(jobs_)) {
+      const std::string file = jobs_.folder + "/" + name;
+      const std::string problem =
+          hd::support::WriteOutputFile(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+      if (problem.empty()) continue;
+      console_.error(file, "The job could not be written: " + problem + ".");
+      return kOutput;
     }
-    if (place_.find("{{") == std::string::npos) return {};
-    return "'" + place_ + "' has {{, which begins a variable in Open Job Description; choose another folder.";
-  }
-
-  /// A job of Open Job Description, specification jobtemplate-2023-09: the tasks, and the merge after them.
-  std::string job_template() const {
-    using nlohmann::ordered_json;
-    const auto step = [](const char* name, const std::vector<std::string>& words) {
-      const ordered_json action = {{"command", "sh"}, {"args", words}};
-      return ordered_json{{"name", name}, {"script", {{"actions", {{"onRun", action}}}}}};
-    };
-    ordered_json render = step("render", {place_ + "/task.sh", "{{Task.Param.Part}}"});
-    const ordered_json part = {{"name", "Part"}, {"type", "INT"}, {"range", "0-" + std::to_string(tasks_ - 1)}};
-    render["parameterSpace"]["taskParameterDefinitions"] = ordered_json::array({part});
-    ordered_json merge = step("merge", {place_ + "/merge.sh"});
-    merge["dependencies"] = ordered_json::array({ordered_json{{"dependsOn", "render"}}});
-    const ordered_json job = {{"specificationVersion", "jobtemplate-2023-09"},
-                              {"name", "alabaster"},
-                              {"steps", ordered_json::array({render, merge})}};
-    return job.dump(2) + "\n";
-  }
-
-  void add_slurm(std::map<std::string, std::string>* files) const {
-    // Slurm reads names of logs as patterns.
-    std::string logs;
-    for (const char c : place_) logs += c == '%' ? "%%" : std::string(1, c);
-    const std::string log = shell_word(logs + "/task_%a.log");
-    (*files)["job.sbatch"] = "#!/bin/sh\n#SBATCH --job-name=alabaster\n#SBATCH --array=0-" +
-                             std::to_string(tasks_ - 1) + "\n#SBATCH --output=" + log +
-                             "\n#SBATCH --requeue\nexec sh " + shell_word(place_ + "/task.sh") +
-                             " \"$SLURM_ARRAY_TASK_ID\"\n";
-    (*files)["submit.sh"] =
-        "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole, with the options of sbatch that are "
-        "given, such "
-        "as\n# --partition. Run again after tasks were lost: parts that are whole stay as they are.\nset -eu\n"
-        "job=$(sbatch --parsable \"$@\" " +
-        shell_word(place_ + "/job.sbatch") +
-        ")\nsbatch --dependency=afterok:\"${job%%;*}\" --kill-on-invalid-dep=yes --job-name=alabaster-merge --output=" +
-        shell_word(logs + "/merge.log") + " \"$@\" " + shell_word(place_ + "/merge.sh") + "\n";
+    return kDone;
   }
 
   void tell() {
     console_.note("wrote " + std::to_string(tasks_) + " tasks of " + std::to_string(samples_) +
                   " samples per pixel to " + folder_);
     if (a_.engine == "slurm")
-      console_.note("run them: sh " + shell_word(folder_ + "/submit.sh"));
+      console_.note("run them: sh " + shell_path(folder_ + "/submit.sh"));
     else if (a_.engine == "openjd")
-      console_.note("submit " + shell_word(folder_ + "/template.json") + ", or run it here: openjd run " +
-                    shell_word(folder_ + "/template.json") +
+      console_.note("submit " + shell_path(folder_ + "/template.json") + ", or run it here: openjd run " +
+                    shell_path(folder_ + "/template.json") +
                     " --step merge --run-dependencies (pip install openjd-cli)");
     else
-      console_.note("run each line of " + shell_word(folder_ + "/tasks.txt") +
-                    ", on any machine that has these folders; then sh " + shell_word(folder_ + "/merge.sh"));
-    console_.note("how far they are: sh " + shell_word(folder_ + "/status.sh"));
+      console_.note("run each line of " + shell_path(folder_ + "/tasks.txt") +
+                    ", on any machine that has these folders; then sh " + shell_path(folder_ + "/merge.sh"));
+    console_.note("how far they are: sh " + shell_path(folder_ + "/status.sh"));
   }
 
   const FarmArguments& a_;
   Console console_;
   SceneSession session_;
   uint32_t tasks_ = 0, samples_ = 0;
-  std::string folder_, place_;  // as given, and absolute
+  std::string folder_;  // as given
+  std::vector<hd::RenderProduct> products_;
+  FarmJobs jobs_;
 };
 
 }  // namespace

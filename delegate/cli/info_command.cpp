@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "delegate/cli/commands.h"
+#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
@@ -14,6 +15,10 @@ namespace alabaster::cli {
 namespace {
 
 using hd::host::MeshDescription;
+
+std::string shown(const hd::Path& path) {
+  return printable(path.str());
+}
 
 size_t cage_triangles(const MeshDescription& mesh) {
   size_t triangles = 0;
@@ -47,15 +52,15 @@ void print_geometry(const hd::host::RetainedSceneDelegate& scene) {
         mesh.topology.scheme == hd::Token("none")
             ? ""
             : ", " + mesh.topology.scheme.str() + " level " + std::to_string(mesh.displayStyle.refineLevel);
-    std::printf("  %s: %zu faces%s%s%s%s\n", path.str().c_str(), mesh.topology.faceVertexCounts.size(),
-                subdivision.c_str(), mesh.material.empty() ? "" : (", material " + mesh.material.str()).c_str(),
-                mesh.instancer.empty() ? "" : (", instanced by " + mesh.instancer.str()).c_str(),
+    std::printf("  %s: %zu faces%s%s%s%s\n", shown(path).c_str(), mesh.topology.faceVertexCounts.size(),
+                subdivision.c_str(), mesh.material.empty() ? "" : (", material " + shown(mesh.material)).c_str(),
+                mesh.instancer.empty() ? "" : (", instanced by " + shown(mesh.instancer)).c_str(),
                 mesh.visible ? "" : ", hidden");
   }
   for (const auto& [path, instancer] : scene.GetInstancers()) {
     size_t count = 0;
     for (const auto& [prototype, indices] : instancer.indices) count += indices.size();
-    std::printf("instancer %s: %zu instances\n", path.str().c_str(), count);
+    std::printf("instancer %s: %zu instances\n", shown(path).c_str(), count);
   }
 }
 
@@ -79,7 +84,7 @@ void print_choices(const hd::gltf::GltfSummary& model) {
 void print_materials(const hd::host::RetainedSceneDelegate& scene) {
   std::printf("materials: %zu\n", scene.GetMaterials().size());
   for (const auto& [path, network] : scene.GetMaterials()) {
-    std::printf("  %s\n", path.str().c_str());
+    std::printf("  %s\n", shown(path).c_str());
     for (const auto& [node_path, node] : network.nodes)
       for (const auto& [name, value] : node.parameters)
         std::printf("    %s.%s = %s\n", node.nodeTypeId.str().c_str(), name.str().c_str(),
@@ -90,14 +95,14 @@ void print_materials(const hd::host::RetainedSceneDelegate& scene) {
 void print_lights_and_cameras(const SceneSession& session) {
   std::printf("lights: %zu\n", session.scene.GetLights().size());
   for (const auto& [path, light] : session.scene.GetLights())
-    std::printf("  %s: %s\n", path.str().c_str(), light.type.str().c_str());
+    std::printf("  %s: %s\n", shown(path).c_str(), light.type.str().c_str());
   std::printf("cameras: %zu\n", session.scene.GetCameras().size());
   const auto& settings = session.scene.GetAllRenderSettings();
   const hd::Path used = settings.at(session.file.settings).camera;
   for (const auto& [path, camera] : session.scene.GetCameras())
-    std::printf("  %s%s\n", path.str().c_str(), path == used ? " (used)" : "");
+    std::printf("  %s%s\n", shown(path).c_str(), path == used ? " (used)" : "");
   for (const auto& [path, description] : settings) {
-    std::printf("render %s: %s\n", path.str().c_str(), dimension(description).c_str());
+    std::printf("render %s: %s\n", shown(path).c_str(), dimension(description).c_str());
     for (const hd::RenderProduct& product : description.products)
       std::printf("  -> %s\n", printable(product.file).c_str());
   }
@@ -155,7 +160,8 @@ int run_info(const InfoArguments& arguments) {
   const Stopwatch sync_watch;
   session.index()->SyncAll();
   spent.sync = {sync_watch.wall(), sync_watch.cpu()};
-  const std::string requirements = session.delegate()->InvokeCommand("requirements", {}).text_or("");
+  const std::string requirements =
+      without_control_characters(session.delegate()->InvokeCommand("requirements", {}).text_or(""), "\n");
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
@@ -181,7 +187,7 @@ int run_ocio(const OcioArguments& arguments) {
   const std::string text = arguments.write_config ? hd::host::SerializeColors(colors, console.sink())
                                                   : hd::host::DescribeColors(colors, console.sink());
   if (text.empty()) return kInput;
-  std::fputs(text.c_str(), stdout);
+  std::fputs((arguments.write_config ? text : without_control_characters(text, "\n")).c_str(), stdout);
   return kDone;
 }
 

@@ -6,11 +6,13 @@
 #include <cstdio>
 #include <iostream>
 #include <set>
+#include <sstream>
 #include <tuple>
 
 #include "delegate/api/render_delegate.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/console.h"
+#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/shell_word.h"
 
@@ -196,20 +198,20 @@ CLI::App* add_tradeoff(CLI::App& app, TradeoffArguments* a) {
   return c;
 }
 
-/// The options that were given, quoted, each after a space: all but those of `left_out`.
-std::string given_words(const CLI::App* c, const std::set<std::string>& left_out) {
-  std::string words;
+/// The options that were given, but those of `left_out`: a word each, so that no value passes for an option.
+std::vector<std::string> given_options(const CLI::App* c, const std::set<std::string>& left_out) {
+  std::vector<std::string> words;
   for (const CLI::Option* option : c->get_options()) {
     if (option->count() == 0 || option->get_positional() || left_out.contains(option->get_name())) continue;
-    if (option->get_expected_max() == 0) words += " " + option->get_name();
+    if (option->get_expected_max() == 0) words.push_back(option->get_name());
     if (option->get_expected_max() > 0)
-      for (const std::string& value : option->results()) words += " " + option->get_name() + " " + shell_word(value);
+      for (const std::string& value : option->results()) words.push_back(option->get_name() + "=" + value);
   }
   return words;
 }
 
 // A task renders without outputs, and the merge needs only what makes files of pixels.
-void split_words(const CLI::App* c, FarmArguments* a) {
+void split_options(const CLI::App* c, FarmArguments* a) {
   const std::set<std::string> of_farm{"--tasks", "--engine", "--folder", "--quiet", "--spp"};
   const std::set<std::string> of_files{"--output", "--display", "--view", "--look", "--exposure"};
   std::set<std::string> not_of_task = of_farm, not_of_merge;
@@ -217,8 +219,8 @@ void split_words(const CLI::App* c, FarmArguments* a) {
   for (const CLI::Option* option : c->get_options())
     if (const std::string name = option->get_name(); !of_files.contains(name) && name != "--aov" && name != "--ocio")
       not_of_merge.insert(name);
-  a->render_words = given_words(c, not_of_task);
-  a->merge_words = given_words(c, not_of_merge);
+  a->task_options = given_options(c, not_of_task);
+  a->merge_options = given_options(c, not_of_merge);
 }
 
 /// An argument that a script left empty. Taken as not given, it would silently mean the default.
@@ -303,13 +305,16 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kDone : kUsage;
+    std::ostringstream errors;  // they repeat what was given, which may be the name of any file
+    const int code = app.exit(e, std::cout, errors);
+    std::cerr << without_control_characters(errors.str(), "\n");
+    return code == 0 ? kDone : kUsage;
   }
   for (int i = 2; i < argc; ++i) render.words += " " + shell_word(argv[i]);
   if (render_command->parsed()) return run_render(render);
   if (merge_command->parsed()) return run_merge(merge);
   if (farm_command->parsed()) {
-    split_words(farm_command, &farm);
+    split_options(farm_command, &farm);
     return run_farm(farm);
   }
   if (tradeoff_command->parsed()) return run_tradeoff(tradeoff);

@@ -10,6 +10,7 @@
 #include "delegate/cli/outputs.h"
 #include "delegate/cli/render_options.h"
 #include "delegate/cli/shell_word.h"
+#include "delegate/host/product_limits.h"
 
 namespace alabaster::cli {
 namespace {
@@ -200,10 +201,10 @@ class MergeCommand {
   // The way to render a missing part: by its farm, if there is one.
   static std::string way_to(const std::string& part) {
     const std::filesystem::path folder = std::filesystem::path(part).parent_path();
-    if (std::filesystem::exists(folder / "submit.sh")) return "run its tasks: sh " + shell_word(folder / "submit.sh");
+    if (std::filesystem::exists(folder / "submit.sh")) return "run its tasks: sh " + shell_path(folder / "submit.sh");
     if (std::filesystem::exists(folder / "task.sh"))
-      return "run its task: sh " + shell_word(folder / "task.sh") + " K, with the number of the part";
-    return "render it with --samples A:B --checkpoint " + shell_word(part);
+      return "run its task: sh " + shell_path(folder / "task.sh") + " K, with the number of the part";
+    return "render it with --samples A:B --checkpoint " + shell_path(part);
   }
 
   // Reads from the parts what frame they are of. showCheckpoints finds out if they belong together.
@@ -224,6 +225,8 @@ class MergeCommand {
     frame->settings["samples"] = samples;
     frame->settings["firstSample"] = int64_t(0);
     frame->products = products_;
+    for (const hd::RenderProduct& product : products_)
+      if (!hd::host::CheckProductSize(product, frame->window(), console_.sink())) return kUsage;
     session_.scene.SetRenderSettings(path_, std::move(*frame));
     const hd::Dictionary files{{"files", hd::Array<std::string>(parts)}};
     const std::string fault = session_.delegate()->InvokeCommand("showCheckpoints", files).text_or("");

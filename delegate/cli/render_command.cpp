@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "delegate/cli/checkpoint_options.h"
+#include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
 #include "delegate/cli/outputs.h"
@@ -10,6 +11,7 @@
 #include "delegate/cli/stats_file.h"
 #include "delegate/cli/stopwatch.h"
 #include "delegate/description/quality_presets.h"
+#include "delegate/host/product_limits.h"
 #include "delegate/support/output_file.h"
 #include "delegate/support/process_usage.h"
 
@@ -147,7 +149,9 @@ class RenderCommand {
                                                   std::to_string(settings.width) + "x" +
                                                   std::to_string(settings.height) + ".");
       for (const hd::RenderProduct& product : settings.products)
-        if (!hd::host::CheckProduct(product, session_.colors(), console_.sink())) return product_failure();
+        if (!hd::host::CheckProduct(product, session_.colors(), console_.sink()) ||
+            !hd::host::CheckProductSize(product, settings.window(), console_.sink()))
+          return product_failure();
       session_.scene.SetRenderSettings(path, std::move(settings));
     }
     return kDone;
@@ -271,7 +275,8 @@ class RenderCommand {
       sizes += (sizes.empty() ? "" : " and of ") + size;
       const bool overscan = settings.window().contains(pixel.x, pixel.y);
       if (!overscan && !settings.frame_window().contains(pixel.x, pixel.y)) continue;
-      if (paths.size() > 1) std::printf("frame of %s, for %s:\n", size.c_str(), settings.products[0].file.c_str());
+      if (paths.size() > 1)
+        std::printf("frame of %s, for %s:\n", size.c_str(), printable(settings.products[0].file).c_str());
       code = trace_pixel(path, pixel, std::move(settings));
       if (code != kDone && code != kDegraded) return code;
     }
@@ -304,7 +309,7 @@ class RenderCommand {
     std::map<int, std::string> names;
     for (size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
       const int id = std::atoi(text.c_str() + at + key.size());
-      names[id] = session_.index()->GetRprimPathFromPrimId(id).str();
+      names[id] = printable(session_.index()->GetRprimPathFromPrimId(id).str());
     }
     std::string legend;
     for (const auto& [id, name] : names) legend += key + std::to_string(id) + " is " + name + "\n";
@@ -318,9 +323,12 @@ class RenderCommand {
     const bool failed = code == kRender;
     const std::string what = failed ? "A sample failed a check or was not finite."
                                     : "A sample was not finite; the picture has black in its place.";
+    const std::string pixel = " --pixel " + found->second.text_or("");
+    // A terminal shows no control character as one that can be copied.
+    const std::string way =
+        has_control_character(a_.words) ? "add to the command:" + pixel : "run:\n  alabaster render" + pixel + a_.words;
     console_.sink()(
-        {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "",
-         what + " To see its path, run:\n  alabaster render --pixel " + found->second.text_or("") + a_.words});
+        {failed ? hd::Severity::error : hd::Severity::warning, "render.sample", "", what + " To see its path, " + way});
   }
 
   void say_error(const hd::Dictionary& stats) {
@@ -336,7 +344,8 @@ class RenderCommand {
                          : code == kInterrupted ? "interrupted"
                          : code == kDegraded    ? "degraded"
                                                 : "failed";
-    const std::string text = stats_.to_json(a_.scene, status, settings).dump(2) + "\n";
+    const std::string text =
+        stats_.to_json(a_.scene, status, settings).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     set_writing(true);
     const std::string problem =
         hd::support::WriteOutputFile(a_.stats, {reinterpret_cast<const uint8_t*>(text.data()), text.size()},

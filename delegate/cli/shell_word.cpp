@@ -10,4 +10,8 @@ std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
+std::string shell_path(const std::string& name) {
+  return shell_word(name.starts_with("-") ? "./" + name : name);
+}
+
 }  // namespace alabaster::cli

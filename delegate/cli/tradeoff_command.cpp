@@ -287,11 +287,11 @@ class TradeoffCommand {
   }
 
   std::string command_line() const {
-    std::string text = "alabaster tradeoff " + shell_word(a_.scene);
+    std::string text = "alabaster tradeoff " + shell_path(a_.scene);
     const auto add = [&](const char* flag, const std::string& value) {
-      if (!value.empty()) text += std::string(" ") + flag + " " + shell_word(value);
+      if (!value.empty()) text += " " + shell_word(std::string(flag) + "=" + value);
     };
-    add("-o", a_.folder);
+    add("--output", a_.folder);
     add("--budget", a_.budget);
     add("--size", a_.size);
     add("--only", a_.only);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -71,6 +72,35 @@ std::string percent(double value) {
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
+}
+
+// A name is the user's text: as UTF-8, since JSON and plots hold nothing else.
+std::string as_utf8(const std::string& name) {
+  return ordered_json::parse(ordered_json(name).dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+}
+
+std::string on_one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, ' ');
+  return text;
+}
+
+/// A name that makes no marks, links or tags of its own in Markdown.
+std::string in_markdown(const std::string& name) {
+  std::string text;
+  for (const char c : on_one_line(name)) {
+    if (std::strchr("!\"#$%&'()*+/:;<=>?@[\\]^_`{|}~", c)) text += '\\';
+    text += c;
+  }
+  return text;
+}
+
+/// Between more backticks than it holds in a row.
+std::string as_code(const std::string& command) {
+  const std::string text = on_one_line(command);
+  std::string fence = "`";
+  while (text.find(fence) != std::string::npos) fence += '`';
+  return fence.size() == 1 ? fence + text + fence : fence + " " + text + " " + fence;
 }
 
 std::string summary_table(const std::vector<ConfigurationSummary>& summaries) {
@@ -170,7 +200,7 @@ std::string left_out_text(const StudyResult& result, const ConfigurationList& li
 
 Plot plot_of(const StudyResult& result, const ReportContext& context) {
   Plot plot;
-  plot.title = std::filesystem::path(context.identity.scene).filename().string() + ", " +
+  plot.title = as_utf8(std::filesystem::path(context.identity.scene).filename()) + ", " +
                size_text(context.identity.width, context.identity.height);
   plot.error_label = "relative RMSE (noise and bias)";
   for (const Row& row : result.rows) {
@@ -241,7 +271,7 @@ std::string json_text(const StudyResult& result, const ConfigurationList& list, 
     report["configurations"].push_back(
         {{"name", configuration.name}, {"group", configuration.group}, {"settings", configuration.fingerprint()}});
   for (const Row& row : result.rows) report["rows"].push_back(columns_of(row));
-  return report.dump(2) + "\n";
+  return report.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string markdown_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context) {
@@ -252,8 +282,9 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
   std::copy_if(all.begin(), all.end(), std::back_inserter(front), [](const Row* row) { return row->pareto; });
   std::sort(front.begin(), front.end(), [](const Row* a, const Row* b) { return a->cpu_seconds < b->cpu_seconds; });
   const StudyIdentity& identity = context.identity;
-  std::string text = "# Speed against accuracy: " + std::filesystem::path(identity.scene).filename().string() + "\n\n";
-  text += "`" + context.command + "`, " + size_text(identity.width, identity.height);
+  const std::string scene = std::filesystem::path(identity.scene).filename();
+  std::string text = "# Speed against accuracy: " + in_markdown(scene) + "\n\n";
+  text += as_code(context.command) + ", " + size_text(identity.width, identity.height);
   if (identity.width != context.scene_width || identity.height != context.scene_height)
     text += " (the scene asks for " + size_text(context.scene_width, context.scene_height) +
             "; mode `auto` depends on the size of pixels)";

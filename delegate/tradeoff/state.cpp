@@ -164,7 +164,7 @@ std::string StudyStore::save() const {
              {"width", identity.width}, {"height", identity.height},     {"referenceSamples", reference_samples},
              {"spentSeconds", spent},   {"versions", identity.versions}, {"renders", json::array()}};
   for (const StoredRender& render : renders_) state["renders"].push_back(to_json(render));
-  const std::string text = state.dump(1) + "\n";
+  const std::string text = state.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
   return write(folder_ / "state.json", text.data(), text.size());
 }
 

@@ -23,11 +23,12 @@ void run_material(Bytes input);     // parameters of a material, lights and came
 void run_image(Bytes input);        // an image of any kind, as texture and as dome
 void run_ocio(Bytes input);         // an OpenColorIO config
 void run_checkpoint(Bytes input);   // edits of a checkpoint, whose checksums are then made right
+void run_job(Bytes input);          // names and options in the jobs of a farm
 
 inline constexpr Target kTargets[] = {
     {"gltf", run_gltf}, {"description", run_description}, {"override", run_override},
     {"mesh", run_mesh}, {"material", run_material},       {"image", run_image},
-    {"ocio", run_ocio}, {"checkpoint", run_checkpoint},
+    {"ocio", run_ocio}, {"checkpoint", run_checkpoint},   {"job", run_job},
 };
 
 }  // namespace alabaster::fuzz

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-from slurm_test import LOOK, SCENE, SKIPPED, check, run
+from slurm_test import HOSTILE, LOOK, SCENE, SKIPPED, check, run
 
 TASKS = 4
 
@@ -21,7 +21,7 @@ def main():
         sys.exit(SKIPPED)
     program = pathlib.Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory() as place:
-        folder, frame, whole = (pathlib.Path(place) / name for name in ("the farm", "frame.exr", "whole.exr"))
+        folder, frame, whole = (pathlib.Path(place) / name for name in (HOSTILE, "frame.exr", "whole.exr"))
         run(program, "farm", SCENE, "-o", frame, *LOOK, "--tasks", TASKS, "--engine", "openjd", "--folder", folder)
         template = folder / "template.json"
         run("openjd", "check", template)

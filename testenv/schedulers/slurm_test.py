@@ -17,6 +17,7 @@ TOP = pathlib.Path(__file__).resolve().parents[2]
 SCENE = TOP / "testenv/scenes/thick_thin/thick_thin.json"
 LOOK = ["--size", "60x40", "--spp", "800", "--threads", "1", "--aov", "normal"]
 SKIPPED, TASKS, LOST = 77, 4, 2
+HOSTILE = "a farm's %j %% \\ `touch PWNED` $(touch PWNED) \"#SBATCH --wrap=x"  # is a name like any other
 ENDED = ("COMPLETED", "FAILED", "CANCELLED")
 
 
@@ -74,7 +75,7 @@ def main():
         sys.exit(SKIPPED)
     program = pathlib.Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory() as place:
-        folder, frame, whole = (pathlib.Path(place) / name for name in ("farm", "frame.exr", "whole.exr"))
+        folder, frame, whole = (pathlib.Path(place) / name for name in (HOSTILE, "frame.exr", "whole.exr"))
         run(program, "farm", SCENE, "-o", frame, *LOOK, "--tasks", TASKS, "--engine", "slurm", "--folder", folder)
         with SlurmCluster(pathlib.Path(place) / "slurm", os.cpu_count()) as cluster:
             lose_a_task(cluster, folder)

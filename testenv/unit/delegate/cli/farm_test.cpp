@@ -104,6 +104,47 @@ TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
   EXPECT_EQ(run(refused).code, 2) << "braces begin a variable";
 }
 
+// A scene whose name holds what shells, Slurm and options give a meaning, and an output that looks like an option.
+TEST_F(Farm, ANameIsDataThroughTheWholeFarm) {
+  const std::string scene = "-$(touch PWNED)`touch PWNED`'\"%j {{Task.Param.Part}} \\ #SBATCH --wrap;\xff.gltf";
+  std::filesystem::copy_file(folder_ / "patch.gltf", folder_ / scene);
+  ASSERT_EQ(run({"render", "-o", "alone.exr", "--size", "8x8", "--spp", "4", "--", scene}).code, 0);
+  const Outcome wrote =
+      run({"farm", "--output=-o.exr", "--size", "8x8", "--spp", "4", "--tasks", "2", "--engine", "slurm", "--", scene});
+  ASSERT_EQ(wrote.code, 0) << wrote.err;
+  write("sbatch",
+        "#!/bin/sh\nfor word; do last=$word; done\nfor SLURM_ARRAY_TASK_ID in 0 1; do\n"
+        "  export SLURM_ARRAY_TASK_ID\n  sh \"$last\" >&2 || exit 1\ndone\necho 7\n");
+  std::filesystem::permissions(folder_ / "sbatch", std::filesystem::perms::owner_all);
+  const size_t command = wrote.err.find("run them: ");
+  ASSERT_NE(command, std::string::npos) << wrote.err;
+  const std::string submit = wrote.err.substr(command + 10, wrote.err.find('\n', command) - command - 10);
+  EXPECT_EQ(shell("PATH=.:$PATH " + submit), 0) << submit << "\n" << read("shell.txt");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "PWNED"));
+  EXPECT_EQ(pixels("./-o.exr"), pixels("alone.exr"));
+}
+
+TEST_F(Farm, NamesThatEndALineAreRefused) {
+  const std::string scene = "a\ntouch PWNED\n#.gltf";
+  std::filesystem::copy_file(folder_ / "patch.gltf", folder_ / scene);
+  for (const char* engine : {"slurm", "openjd", "script"}) {
+    const Outcome outcome = run({"farm", scene, "-o", "a.exr", "--spp", "4", "--tasks", "2", "--engine", engine});
+    EXPECT_EQ(outcome.code, 2) << engine;
+    EXPECT_NE(outcome.err.find("'a\\x0atouch PWNED\\x0a#.gltf', has a control character"), std::string::npos)
+        << outcome.err;
+  }
+  EXPECT_EQ(run({"farm", "patch.gltf", "-o", "a\n.exr", "--spp", "4", "--tasks", "2"}).code, 2);
+  EXPECT_EQ(run({"farm", "patch.gltf", "-o", "a.exr", "--folder", "x\ry", "--spp", "4", "--tasks", "2"}).code, 2);
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    EXPECT_FALSE(entry.is_directory()) << entry.path();
+}
+
+TEST_F(Farm, AFrameThatItsFileCannotHoldIsRefusedBeforeItsTasks) {
+  const Outcome outcome = run({"farm", "patch.gltf", "-o", "a.jpg", "--size", "65501x2", "--spp", "4", "--tasks", "2"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_NE(outcome.err.find("65500 x 65500"), std::string::npos) << outcome.err;
+}
+
 TEST_F(Farm, WrongArgumentsAreRefused) {
   const auto refused = [&](const std::vector<std::string>& more, const char* said) {
     std::vector<std::string> all{"farm", "patch.gltf", "--spp", "4"};

@@ -197,6 +197,72 @@ TEST_F(FaultsTest, UsageIsTwoAndInputIsThree) {
   EXPECT_FALSE(exists("a.exr"));
 }
 
+TEST_F(FaultsTest, MorePixelsThanAFormatHoldsAreRefusedBeforeTheRender) {
+  const auto sized = [&](const std::string& file, const std::string& size) {
+    return run({"render", "lit.gltf", "-o", "a.exr", "-o", file, "--size", size, "--spp", "1"});
+  };
+  for (const Outcome& outcome : {sized("a.jpg", "65501x2"), sized("a.jpg", "2x65501"), sized("a.png", "65536x2")}) {
+    EXPECT_EQ(outcome.code, 2) << outcome.err;
+    EXPECT_HAS(outcome.err, "write an .exr or .tif file");
+  }
+  const Outcome cropped =
+      run({"render", "lit.gltf", "-o", "a.jpg", "--size", "8x8", "--crop=-65000,0,520,2", "--spp", "1"});
+  EXPECT_EQ(cropped.code, 2) << cropped.err;
+  EXPECT_FALSE(exists("a.exr"));
+  write("wide.json", R"({"gltf": [{"file": "lit.gltf"}], "settings": {"resolution": [65501, 2], "samples": 1},
+                         "products": [{"file": "a.jpg"}]})");
+  for (const char* command : {"render", "check"}) {
+    const Outcome outcome = run({command, "wide.json"});
+    EXPECT_EQ(outcome.code, 3) << outcome.err;
+    EXPECT_HAS(outcome.err, "65500 x 65500");
+  }
+  EXPECT_EQ(sized("a.jpg", "65500x1").code, 0);
+}
+
+// The faults that mark a picture are a text in it, which a JPEG holds 65533 bytes of.
+TEST_F(FaultsTest, ManyFaultsDoNotEndAJpeg) {
+  std::string images, textures, materials, primitives;
+  for (int i = 0; i < 100; ++i) {
+    const std::string n = std::to_string(i), comma = i > 0 ? "," : "";
+    images += comma + R"({"uri": ")" + std::string(900, 'd') + n + R"(.png"})";
+    textures += comma + R"({"source": )" + n + "}";
+    materials += comma + R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": )" + n + "}}}";
+    primitives += comma + R"({"attributes": {"POSITION": 0}, "indices": 1, "material": )" + n + "}";
+  }
+  std::string text = hd::description::patch_gltf(true, true);
+  const std::string plain = R"("materials": [{"name": "skin"}])",
+                    one = R"([{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}])";
+  text.replace(text.find(one), one.size(), "[" + primitives + "]");
+  text.replace(text.find(plain), plain.size(),
+               R"("materials": [)" + materials + R"(], "textures": [)" + textures + R"(], "images": [)" + images + "]");
+  write("many.gltf", text);
+  const Outcome outcome =
+      run({"render", "many.gltf", "-o", "a.jpg", "--size", "8x8", "--spp", "1", "--keep-going", "--quiet"});
+  EXPECT_EQ(outcome.code, 6) << outcome.err;
+  EXPECT_TRUE(exists("a.jpg"));
+}
+
+TEST_F(FaultsTest, NamesThatAreNotUtf8ReachTheStatistics) {
+  std::filesystem::copy_file(folder_ / "lit.gltf", folder_ / "a\xff.gltf");
+  const Outcome outcome = render("a\xff.gltf");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(stats()["scene"], "a\xef\xbf\xbd.gltf");
+}
+
+TEST_F(FaultsTest, NamesSendNoCodesToTerminals) {
+  std::string text = hd::description::patch_gltf(true, true);
+  text.replace(text.find(R"("name": "patch")"), 15,
+               "\"name\": \"p\xc2\x9b"
+               "31m\"");
+  write("codes.gltf", text);
+  const Outcome info = run({"info", "codes.gltf"}), wrong = run({"check", "lit.gltf", "\x1b[31m.gltf"});
+  EXPECT_EQ(info.code, 0);
+  EXPECT_HAS(info.out, "p\\x9b31m");
+  EXPECT_EQ(info.out.find("\xc2\x9b"), std::string::npos);
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_EQ(wrong.err.find('\x1b'), std::string::npos) << wrong.err;
+}
+
 TEST_F(FaultsTest, EmptyArgumentsAreErrors) {
   const Outcome size = render("patch.gltf", {"--size", ""});
   EXPECT_EQ(size.code, 2);

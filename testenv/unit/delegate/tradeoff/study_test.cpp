@@ -291,6 +291,22 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
   EXPECT_NE(text.find("late: no time"), std::string::npos);
 }
 
+TEST_F(Study, NamesAreTakenLiterallyInReports) {
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store), StudyOutcome::finished);
+  const auto result = results(store);
+  ASSERT_TRUE(result);
+  store.identity.scene = "a*_b_*<img src=x>|`c`\n# d\xff.glb";
+  EXPECT_EQ(store.save(), "") << "a name that is not UTF-8";
+  const ReportContext context{"alabaster tradeoff 'x``y'\nz", store.identity, 32, 24, store.spent, true};
+  EXPECT_TRUE(nlohmann::ordered_json::parse(json_text(*result, list_, context)).is_object());
+  const std::string text = markdown_text(*result, list_, context);
+  EXPECT_TRUE(
+      text.starts_with("# Speed against accuracy: a\\*\\_b\\_\\*\\<img src\\=x\\>\\|\\`c\\` \\# d\xff.glb\n\n"
+                       "``` alabaster tradeoff 'x``y' z ```, "))
+      << text;
+}
+
 TEST(AffordableSize, KeepsProportionsAndNeverEnlarges) {
   EXPECT_EQ(affordable_size({640, 480}, 1e-9, 10, 600), hd::Vec2i(640, 480));
   const hd::Vec2i small = affordable_size({640, 480}, 1e-4, 10, 600);

@@ -1,0 +1,144 @@
+#include "delegate/cli/farm_jobs.h"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "delegate/cli/control_characters.h"
+#include "delegate/cli/shell_word.h"
+
+namespace alabaster::cli {
+namespace {
+
+/// Writes the files of one farm.
+class Writer {
+ public:
+  explicit Writer(const FarmJobs& jobs) : jobs_(jobs) {}
+
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all{
+        {"task.sh", task()},
+        {"merge.sh", "#!/bin/sh\n# Adds up all parts and writes the frame: the bytes of one machine's.\n" + at_home() +
+                         all_parts() + "exec " + run("merge", jobs_.merge_options) + " -- \"$@\"\n"},
+        {"status.sh",
+         "#!/bin/sh\n# Tells how far the parts are, and the noise so far. A task saves its part each minute.\n" +
+             at_home() + all_parts() + "exec " + run("merge", {}) + " -- \"$@\"\n"}};
+    if (jobs_.engine == "slurm") {
+      all["job.sbatch"] = slurm_array();
+      all["submit.sh"] = slurm_submission();
+    } else if (jobs_.engine == "openjd") {
+      all["template.json"] = job_template();
+    } else {
+      all["tasks.txt"] = commands();
+    }
+    return all;
+  }
+
+ private:
+  std::string in_folder(const std::string& name) const { return jobs_.folder + "/" + name; }
+  std::string at_home() const { return "set -eu\ncd -- " + shell_word(jobs_.home) + "\n"; }
+
+  std::string run(const std::string& command, const std::vector<std::string>& options) const {
+    std::string text = shell_word(jobs_.program) + " " + command;
+    for (const std::string& option : options) text += " " + shell_word(option);
+    return text;
+  }
+
+  std::string all_parts() const {
+    return "set --\nk=0\nwhile [ $k -lt " + std::to_string(jobs_.tasks) + " ]; do\n  set -- \"$@\" " +
+           shell_word(in_folder("part.")) + "\"$(printf %05d $k)\".checkpoint\n  k=$((k + 1))\ndone\n";
+  }
+
+  std::string task() const {
+    const std::string n = std::to_string(jobs_.tasks), spp = std::to_string(jobs_.samples);
+    // A part that was rendered with --keep-going without all of its scene counts as rendered.
+    const std::string end = jobs_.keep_going ? " || code=$?\n[ \"${code:-0}\" -eq 6 ] || exit \"${code:-0}\"\n" : "\n";
+    return "#!/bin/sh\n# task.sh K: renders part K of the samples, from 0 to " + std::to_string(jobs_.tasks - 1) +
+           ". Run again, it goes on; a part that is whole stays as it is.\n" + at_home() + "first=$(($1 * " + spp +
+           " / " + n + "))\nend=$((($1 + 1) * " + spp + " / " + n + "))\n" + run("render", jobs_.task_options) +
+           " --quiet --samples \"$first:$end\" --resume --checkpoint " + shell_word(in_folder("part.")) +
+           "\"$(printf %05d \"$1\")\".checkpoint -- " + shell_word(jobs_.scene) + end;
+  }
+
+  /// A line for each task, for engines that take commands.
+  std::string commands() const {
+    std::string lines;
+    for (uint32_t k = 0; k < jobs_.tasks; ++k)
+      lines += "sh " + shell_word(in_folder("task.sh")) + " " + std::to_string(k) + "\n";
+    return lines;
+  }
+
+  std::string slurm_array() const {
+    return "#!/bin/sh\n# Slurm has rules of its own for quotes and % in these lines, so no name stands in them.\n"
+           "#SBATCH --job-name=alabaster\n#SBATCH --array=0-" +
+           std::to_string(jobs_.tasks - 1) + "\n#SBATCH --output=task_%a.log\n#SBATCH --requeue\nexec sh " +
+           shell_word(in_folder("task.sh")) + " \"$SLURM_ARRAY_TASK_ID\"\n";
+  }
+
+  // Logs have names that are relative to the folder, whose own name Slurm takes as it is.
+  std::string slurm_submission() const {
+    const std::string in = shell_word("--chdir=" + jobs_.folder);
+    return "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole, with the options of sbatch that are "
+           "given, such as\n# --partition. Run again after tasks were lost: parts that are whole stay as they are.\n"
+           "set -eu\njob=$(sbatch --parsable " +
+           in + " \"$@\" -- " + shell_word(in_folder("job.sbatch")) +
+           ")\nsbatch --dependency=afterok:\"${job%%;*}\" --kill-on-invalid-dep=yes --job-name=alabaster-merge " + in +
+           " --output=merge.log \"$@\" -- " + shell_word(in_folder("merge.sh")) + "\n";
+  }
+
+  /// A job of Open Job Description, specification jobtemplate-2023-09: the tasks, and the merge after them.
+  std::string job_template() const {
+    using nlohmann::ordered_json;
+    const auto step = [](const char* name, const std::vector<std::string>& words) {
+      const ordered_json action = {{"command", "sh"}, {"args", words}};
+      return ordered_json{{"name", name}, {"script", {{"actions", {{"onRun", action}}}}}};
+    };
+    ordered_json render = step("render", {in_folder("task.sh"), "{{Task.Param.Part}}"});
+    const ordered_json part = {{"name", "Part"}, {"type", "INT"}, {"range", "0-" + std::to_string(jobs_.tasks - 1)}};
+    render["parameterSpace"]["taskParameterDefinitions"] = ordered_json::array({part});
+    ordered_json merge = step("merge", {in_folder("merge.sh")});
+    merge["dependencies"] = ordered_json::array({ordered_json{{"dependsOn", "render"}}});
+    const ordered_json job = {{"specificationVersion", "jobtemplate-2023-09"},
+                              {"name", "alabaster"},
+                              {"steps", ordered_json::array({render, merge})}};
+    return job.dump(2, ' ', true) + "\n";
+  }
+
+  const FarmJobs& jobs_;
+};
+
+/// The reason why a job of Open Job Description cannot name the folder; empty if it can.
+std::string template_fault(const std::string& folder) {
+  try {
+    static_cast<void>(nlohmann::json(folder).dump());
+  } catch (const nlohmann::json::exception&) {
+    return "the folder's name is not UTF-8, as Open Job Description needs it; choose another one with --folder.";
+  }
+  for (const auto& [braces, does] : {std::pair("{{", "begins"), std::pair("}}", "ends")})
+    if (folder.find(braces) != std::string::npos)
+      return "'" + folder + "' has " + braces + ", which " + does +
+             " a variable in Open Job Description; choose another folder with --folder.";
+  return {};
+}
+
+}  // namespace
+
+std::string farm_fault(const FarmJobs& jobs) {
+  std::vector<std::pair<const char*, const std::string*>> names{{"The name of the scene", &jobs.scene},
+                                                                {"The name of the folder for the jobs", &jobs.folder},
+                                                                {"The name of the current folder", &jobs.home},
+                                                                {"The name of the program", &jobs.program}};
+  for (const auto* options : {&jobs.task_options, &jobs.merge_options})
+    for (const std::string& option : *options) names.emplace_back("The option", &option);
+  for (const auto& [kind, name] : names)
+    if (has_control_character(*name))
+      return std::string(kind) + ", '" + without_control_characters(*name) +
+             "', has a control character, such as the end of a line. Jobs hold none: rename the file or folder, or "
+             "leave the character out.";
+  return jobs.engine == "openjd" ? template_fault(jobs.folder) : std::string();
+}
+
+std::map<std::string, std::string> farm_files(const FarmJobs& jobs) {
+  return Writer(jobs).files();
+}
+
+}  // namespace alabaster::cli
