@@ -68,21 +68,26 @@ class Writer {
   }
 
   std::string slurm_array() const {
-    return "#!/bin/sh\n# Slurm has rules of its own for quotes and % in these lines, so no name stands in them.\n"
+    return "#!/bin/sh\n# Slurm has rules of its own for quotes in these lines, so no name stands in them.\n"
            "#SBATCH --job-name=alabaster\n#SBATCH --array=0-" +
-           std::to_string(jobs_.tasks - 1) + "\n#SBATCH --output=task_%a.log\n#SBATCH --requeue\nexec sh " +
-           shell_word(in_folder("task.sh")) + " \"$SLURM_ARRAY_TASK_ID\"\n";
+           std::to_string(jobs_.tasks - 1) + "\n#SBATCH --requeue\nexec sh " + shell_word(in_folder("task.sh")) +
+           " \"$SLURM_ARRAY_TASK_ID\"\n";
   }
 
-  // Logs have names that are relative to the folder, whose own name Slurm takes as it is.
+  /// The option that names a log, of which Slurm replaces what follows a %.
+  std::string slurm_log(const std::string& name) const {
+    std::string folder;
+    for (const char c : jobs_.folder) folder += c == '%' ? "%%" : std::string(1, c);
+    return shell_word("--output=" + folder + "/" + name);
+  }
+
   std::string slurm_submission() const {
-    const std::string in = shell_word("--chdir=" + jobs_.folder);
     return "#!/bin/sh\n# Submits the tasks, and the merge for when all are whole, with the options of sbatch that are "
            "given, such as\n# --partition. Run again after tasks were lost: parts that are whole stay as they are.\n"
            "set -eu\njob=$(sbatch --parsable " +
-           in + " \"$@\" -- " + shell_word(in_folder("job.sbatch")) +
-           ")\nsbatch --dependency=afterok:\"${job%%;*}\" --kill-on-invalid-dep=yes --job-name=alabaster-merge " + in +
-           " --output=merge.log \"$@\" -- " + shell_word(in_folder("merge.sh")) + "\n";
+           slurm_log("task_%a.log") + " \"$@\" -- " + shell_word(in_folder("job.sbatch")) +
+           ")\nsbatch --dependency=afterok:\"${job%%;*}\" --kill-on-invalid-dep=yes --job-name=alabaster-merge " +
+           slurm_log("merge.log") + " \"$@\" -- " + shell_word(in_folder("merge.sh")) + "\n";
   }
 
   /// A job of Open Job Description, specification jobtemplate-2023-09: the tasks, and the merge after them.
@@ -134,6 +139,9 @@ std::string farm_fault(const FarmJobs& jobs) {
       return std::string(kind) + ", '" + without_control_characters(*name) +
              "', has a control character, such as the end of a line. Jobs hold none: rename the file or folder, or "
              "leave the character out.";
+  if (jobs.engine == "slurm" && jobs.folder.find('\\') != std::string::npos)
+    return "'" + jobs.folder +
+           "' has a backslash, with which Slurm numbers no logs; choose another folder with --folder.";
   return jobs.engine == "openjd" ? template_fault(jobs.folder) : std::string();
 }
 

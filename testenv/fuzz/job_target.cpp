@@ -110,18 +110,19 @@ void check_slurm(const cli::FarmJobs& jobs, const std::map<std::string, std::str
   size_t directives = 0;
   std::istringstream stream(files.at("job.sbatch"));
   for (std::string line; std::getline(stream, line);) directives += line.starts_with("#SBATCH");
-  if (directives != 4) broken("Slurm reads a directive of a name");
+  if (directives != 3) broken("Slurm reads a directive of a name");
   const Words job = lines_of(files.at("job.sbatch")), submit = lines_of(files.at("submit.sh"));
   if (job.size() != 1 || submit.size() != 3) broken("a job of Slurm has lines that are not its own");
   expect(words_of(job[0]), {"exec", "sh", jobs.folder + "/task.sh", "$SLURM_ARRAY_TASK_ID"});
   const std::string begin = "job=$(";
   if (!submit[1].starts_with(begin) || !submit[1].ends_with(")")) broken("the submission does not take its number");
-  const std::string in = "--chdir=" + jobs.folder;
+  std::string logs = "--output=";
+  for (const char c : jobs.folder) logs += c == '%' ? "%%" : std::string(1, c);
   expect(words_of(submit[1].substr(begin.size(), submit[1].size() - begin.size() - 1)),
-         {"sbatch", "--parsable", in, "$@", "--", jobs.folder + "/job.sbatch"});
+         {"sbatch", "--parsable", logs + "/task_%a.log", "$@", "--", jobs.folder + "/job.sbatch"});
   expect(words_of(submit[2]),
-         {"sbatch", "--dependency=afterok:${job%%;*}", "--kill-on-invalid-dep=yes", "--job-name=alabaster-merge", in,
-          "--output=merge.log", "$@", "--", jobs.folder + "/merge.sh"});
+         {"sbatch", "--dependency=afterok:${job%%;*}", "--kill-on-invalid-dep=yes", "--job-name=alabaster-merge",
+          logs + "/merge.log", "$@", "--", jobs.folder + "/merge.sh"});
 }
 
 void check_template(const cli::FarmJobs& jobs, const std::string& text) {

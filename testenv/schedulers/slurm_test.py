@@ -17,7 +17,7 @@ TOP = pathlib.Path(__file__).resolve().parents[2]
 SCENE = TOP / "testenv/scenes/thick_thin/thick_thin.json"
 LOOK = ["--size", "60x40", "--spp", "800", "--threads", "1", "--aov", "normal"]
 SKIPPED, TASKS, LOST = 77, 4, 2
-HOSTILE = "a farm's %j %% \\ `touch PWNED` $(touch PWNED) \"#SBATCH --wrap=x"  # is a name like any other
+HOSTILE = "a farm's %j %% `touch PWNED` $(touch PWNED) \"#SBATCH --wrap=x"  # is a name like any other
 ENDED = ("COMPLETED", "FAILED", "CANCELLED")
 
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 namespace alabaster::cli {
 namespace {
@@ -137,14 +138,19 @@ TEST_F(FarmJobFiles, ATaskAndTheMergeGetTheNamesThatWereGiven) {
 TEST_F(FarmJobFiles, SlurmGetsNoNameInItsOwnLines) {
   for (const std::string& name : kHostile) {
     const FarmJobs j = jobs("slurm", name);
+    if (name.find('\\') != std::string::npos) {
+      EXPECT_NE(farm_fault(j).find("has a backslash"), std::string::npos) << farm_fault(j);
+      continue;
+    }
     ASSERT_EQ(farm_fault(j), "") << name;
     write(j);
+    const std::string logs = std::regex_replace("--output=" + j.folder, std::regex("%"), "%%");
     EXPECT_EQ(
         calls("sh \"$1\" --partition 'a b'", j.folder + "/submit.sh"),
         std::vector<Words>(
-            {{"sbatch", "--parsable", "--chdir=" + j.folder, "--partition", "a b", "--", j.folder + "/job.sbatch"},
+            {{"sbatch", "--parsable", logs + "/task_%a.log", "--partition", "a b", "--", j.folder + "/job.sbatch"},
              {"sbatch", "--dependency=afterok:12", "--kill-on-invalid-dep=yes", "--job-name=alabaster-merge",
-              "--chdir=" + j.folder, "--output=merge.log", "--partition", "a b", "--", j.folder + "/merge.sh"}}));
+              logs + "/merge.log", "--partition", "a b", "--", j.folder + "/merge.sh"}}));
     const std::vector<Words> task = calls("sh \"$1\"", j.folder + "/job.sbatch");
     ASSERT_EQ(task.size(), 1u);
     EXPECT_EQ(task[0].back(), name + ".glb");
@@ -152,8 +158,7 @@ TEST_F(FarmJobFiles, SlurmGetsNoNameInItsOwnLines) {
     Words directives;
     for (std::string line; std::getline(file, line);)
       if (line.starts_with("#SBATCH")) directives.push_back(line);
-    EXPECT_EQ(directives, Words({"#SBATCH --job-name=alabaster", "#SBATCH --array=0-2", "#SBATCH --output=task_%a.log",
-                                 "#SBATCH --requeue"}));
+    EXPECT_EQ(directives, Words({"#SBATCH --job-name=alabaster", "#SBATCH --array=0-2", "#SBATCH --requeue"}));
   }
 }
 

@@ -106,7 +106,7 @@ TEST_F(Farm, AnOpenJobDescriptionHasTheTasksAndAMergeThatWaitsForThem) {
 
 // A scene whose name holds what shells, Slurm and options give a meaning, and an output that looks like an option.
 TEST_F(Farm, ANameIsDataThroughTheWholeFarm) {
-  const std::string scene = "-$(touch PWNED)`touch PWNED`'\"%j {{Task.Param.Part}} \\ #SBATCH --wrap;\xff.gltf";
+  const std::string scene = "-$(touch PWNED)`touch PWNED`'\"%j {{Task.Param.Part}} #SBATCH --wrap;\xff.gltf";
   std::filesystem::copy_file(folder_ / "patch.gltf", folder_ / scene);
   ASSERT_EQ(run({"render", "-o", "alone.exr", "--size", "8x8", "--spp", "4", "--", scene}).code, 0);
   const Outcome wrote =

@@ -72,8 +72,11 @@ RecordStatus record(const Parts& parts) {
   stage.scene.SetRenderSettings("/settings", parts.settings);
   RecordOptions options;
   options.keep_going = true;
+  bool told = false;
+  options.diagnostics = [&](const Diagnostic&) { told = true; };
   const RecordStatus status = RecordFrame(stage.index.get(), &stage.scene, "/settings", options).status;
-  if (status != RecordStatus::done && status != RecordStatus::degraded) EXPECT_FALSE(stage.diagnostics().empty());
+  const bool drawn = status == RecordStatus::done || status == RecordStatus::degraded;
+  EXPECT_TRUE(drawn || told);
   return status;
 }
 
