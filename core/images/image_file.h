@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/memory/memory_budget.h"
+
 namespace alabaster {
 
 // Reading ------------------------------------------------------------------------------------------
@@ -23,23 +25,29 @@ struct ImageSource {
 
 struct ImageLayout {
   int width = 0, height = 0;
-  size_t channels = 0;          // floats per pixel that read_rows gives
+  size_t channels = 0;          // values per pixel that read_rows gives
   std::array<size_t, 3> rgb{};  // which of them are colour; all the same for a grey image. Not multiplied by alpha
                                 // wherever the format lets us choose
   std::optional<size_t> alpha;  // which of them, if any, is alpha
-  bool bytes = false;           // a channel is a multiple of 1/255
+  bool bytes = false;           // values are bytes, which stand for multiples of 1/255; else floats
   bool low_precision = false;   // integers of at most 16 bits: display-encoded unless told otherwise
   bool flat = true;             // neither a volume nor deep samples
   size_t working_bytes = 0;     // that the decoder and the rows of one read_rows() take, roughly
+};
+
+/// Pixels from the top left, in one of the two.
+struct ImageRows {
+  std::vector<float> floats;
+  std::vector<uint8_t> bytes;  // where ImageLayout::bytes says so
 };
 
 class ImageInput {
  public:
   virtual ~ImageInput() = default;
   const ImageLayout& layout() const { return layout_; }
-  /// Decodes the rows from `y` on, as many as it likes, into `pixels`; returns how many, or 0 with the fault. To be
-  /// called with y = 0, then with y plus the number returned.
-  virtual int read_rows(int y, std::vector<float>& pixels, std::string& fault) = 0;
+  /// Decodes the rows from `y` on, as many as it likes; returns how many, or 0 with the fault. To be called with y = 0,
+  /// then with y plus the number returned.
+  virtual int read_rows(int y, ImageRows& rows, std::string& fault) = 0;
 
  protected:
   ImageLayout layout_;
@@ -99,7 +107,8 @@ struct ImageFunctions {
 
 /// Loads libalabaster_images if it is not loaded yet (0.2 to 0.6 s): from the folder of this library or program, from
 /// `lib` beside that folder, or where the system finds libraries. Null, with the reason and the remedy in *fault, if it
-/// cannot be loaded or is of another build. It stays loaded as long as this library. Any thread.
+/// cannot be loaded or is of another build. Throws MemoryRefused where memory is short. It stays loaded as long as this
+/// library. Any thread.
 const ImageFunctions* image_functions(std::string* fault);
 
 }  // namespace alabaster

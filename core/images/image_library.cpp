@@ -1,4 +1,5 @@
 #include <dlfcn.h>
+#include <sys/mman.h>
 
 #include <filesystem>
 #include <mutex>
@@ -27,6 +28,18 @@ std::vector<std::string> candidates() {
   return files;
 }
 
+/// True if OpenImageIO's libraries do not fit into the address space that the process may have. The loader's text says
+/// the same of a file system that forbids programs.
+bool is_memory_short(const std::string& reason) {
+  if (reason.find("Cannot allocate memory") != std::string::npos) return true;
+  if (reason.find("failed to map segment") == std::string::npos) return false;
+  constexpr size_t kLibraries = size_t(1) << 30;  // more than 200 of them
+  void* const place = mmap(nullptr, kLibraries, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (place == MAP_FAILED) return true;
+  munmap(place, kLibraries);
+  return false;
+}
+
 class ImageLibrary {
  public:
   // OpenImageIO itself stays (open_image_io/entry.cpp).
@@ -53,6 +66,9 @@ class ImageLibrary {
 
  private:
   static const ImageFunctions* refuse(const std::string& reason, std::string* fault) {
+    if (is_memory_short(reason))
+      throw MemoryRefused("memory is short: " + reason +
+                          "; raise the limit of the process (ulimit -v), or free memory");
     *fault = "images cannot be read or written: " + reason + "; install " + kLibrary +
              " of this version beside the renderer's library, and OpenImageIO";
     return nullptr;

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/texture/exr_header.h"
-#include "core/texture/png_stream.h"
+#include "core/texture/image_streams.h"
 
 namespace alabaster {
 namespace {
@@ -28,7 +28,6 @@ constexpr Magic kMagics[] = {
     {"#?RADIANCE", "hdr"},
     {"#?RGBE", "hdr"},
     {"RIFF", "webp"},
-    {"BM", "bmp"},
 };
 
 std::string format_of(std::span<const uint8_t> head, const std::string& path) {
@@ -40,16 +39,6 @@ std::string format_of(std::span<const uint8_t> head, const std::string& path) {
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
   return ending == ".tga" ? "targa" : "";  // TGA is the one without a signature
-}
-
-// Run lengths of 8 or 4 bits count numbers of colours of as many. OpenImageIO 2.4 takes them at any number, and looks
-// the colours up in a table that only those have.
-bool has_misplaced_run_lengths(std::span<const uint8_t> bmp) {
-  constexpr size_t kHeaderSize = 14, kBits = 28, kCompression = 30;  // of the bitmap's own header
-  constexpr uint8_t kOldHeader = 12;                                 // which knows no compression
-  if (bmp.size() < kCompression + 4 || bmp[kHeaderSize] == kOldHeader) return false;
-  const uint8_t compression = bmp[kCompression];
-  return (compression == 1 && bmp[kBits] != 8) || (compression == 2 && bmp[kBits] != 4);
 }
 
 /// Empty, or why the image will not be read.
@@ -94,8 +83,8 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
   return check_exr_header(bytes, max_pixels, &fault) || fail(sink, fault.code.c_str(), fault.text);
 }
 
-// Finds the format, and for PNG takes the whole file into memory, cleaned.
-bool ImageReader::load_bytes(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
+// Finds the format, and checks the file as far as OpenImageIO does not. `limits.memory` counts what is kept of it.
+bool ImageReader::load_bytes(const TextureSource& source, const ImageLimits& limits, const DiagnosticSink& sink) {
   bytes_ = source.bytes;
   std::array<uint8_t, 64> head{};
   size_t head_size = 0;
@@ -115,23 +104,44 @@ bool ImageReader::load_bytes(const TextureSource& source, size_t max_pixels, con
   format_ = format_of(std::span(head.data(), head_size), path_);
   if (format_.empty())
     return fail(sink, "texture.format",
-                "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, BMP, TGA); convert it");
-  if (format_ == "bmp" && has_misplaced_run_lengths(std::span(head.data(), head_size)))
-    return fail(sink, "texture.damaged", "its header does not fit its compression; export or copy the image again");
-  if (format_ == "openexr") return check_exr(max_pixels, sink);
-  if (format_ != "png") return true;
+                "not an image of a kind that is read (PNG, JPEG, TIFF, EXR, HDR, WebP, TGA); convert it");
+  if (format_ == "hdr") return true;
+  if (format_ == "openexr") return check_exr(limits.max_pixels, sink);
+  return clean_bytes(limits, sink);
+}
 
-  std::vector<uint8_t> whole;
+bool ImageReader::clean_bytes(const ImageLimits& limits, const DiagnosticSink& sink) {
+  std::vector<uint8_t> read;
+  const auto hold = [&](size_t bytes) {
+    if (limits.memory) limits.memory->resize(bytes, "an image file of " + std::to_string(bytes) + " bytes");
+  };
   if (!bytes_) {
     std::ifstream file(path_, std::ios::binary | std::ios::ate);
-    whole.resize(size_t(std::max<std::streamoff>(file.tellg(), 0)));
+    const auto size = size_t(std::max<std::streamoff>(file.tellg(), 0));
+    hold(size);
+    read.resize(size);
     file.seekg(0);
-    file.read(reinterpret_cast<char*>(whole.data()), std::streamsize(whole.size()));
+    file.read(reinterpret_cast<char*>(read.data()), std::streamsize(size));
     if (!file) return fail(sink, "texture.unreadable", "the file cannot be read to its end; check the disk");
   }
+  const std::span<const uint8_t> whole = bytes_ ? std::span(*bytes_) : std::span<const uint8_t>(read);
+  hold(read.size() + whole.size());
   std::string damage;
-  auto clean = essential_png(bytes_ ? std::span<const uint8_t>(*bytes_) : std::span<const uint8_t>(whole), damage);
+  JpegFrame frame;
+  auto clean = format_ == "png"    ? essential_png(whole, damage)
+               : format_ == "jpeg" ? essential_jpeg(whole, frame, damage)
+               : format_ == "webp" ? essential_webp(whole, damage)
+               : format_ == "tiff" ? essential_tiff(whole, damage)
+                                   : essential_tga(whole, damage);
   if (clean.empty()) return fail(sink, "texture.damaged", damage + "; export or copy the image again");
+  // libjpeg decodes all scans as soon as the file is opened.
+  if (format_ == "jpeg") {
+    ImageLayout claim;
+    claim.width = int(frame.width), claim.height = int(frame.height), claim.channels = frame.components;
+    if (const std::string reason = refusal(claim, limits.max_pixels); !reason.empty())
+      return fail(sink, "texture.size", reason);
+  }
+  hold(clean.size() + frame.decoder_bytes);
   bytes_ = std::make_shared<const std::vector<uint8_t>>(std::move(clean));
   return true;
 }
@@ -146,18 +156,18 @@ bool ImageReader::open_input(const DiagnosticSink& sink) {
   return input_ || fail(sink, fault.code.c_str(), fault.text);
 }
 
-bool ImageReader::open(const TextureSource& source, size_t max_pixels, const DiagnosticSink& sink) {
+bool ImageReader::open(const TextureSource& source, const ImageLimits& limits, const DiagnosticSink& sink) {
   path_ = source.path;
-  if (!load_bytes(source, max_pixels, sink) || !open_input(sink)) return false;
-  const std::string reason = refusal(layout(), max_pixels);
+  if (!load_bytes(source, limits, sink) || !open_input(sink)) return false;
+  const std::string reason = refusal(layout(), limits.max_pixels);
   return reason.empty() || fail(sink, "texture.size", reason);
 }
 
-int ImageReader::read_rows(int y, std::vector<float>& pixels, const DiagnosticSink& sink) {
+int ImageReader::read_rows(int y, ImageRows& rows, const DiagnosticSink& sink) {
   std::string fault;
-  const int rows = input_->read_rows(y, pixels, fault);
-  if (rows == 0) fail(sink, "texture.damaged", fault + "; export or copy the image again");
-  return rows;
+  const int count = input_->read_rows(y, rows, fault);
+  if (count == 0) fail(sink, "texture.damaged", fault + "; export or copy the image again");
+  return count;
 }
 
 }  // namespace alabaster

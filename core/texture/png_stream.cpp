@@ -1,8 +1,8 @@
-#include "core/texture/png_stream.h"
-
 #include <array>
 #include <cstring>
 #include <string_view>
+
+#include "core/texture/image_streams.h"
 
 namespace alabaster {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "core/images/image_file.h"
 #include "core/memory/memory_budget.h"
+#include "core/texture/distinct_colors.h"
 #include "core/texture/texel_plane.h"
 
 namespace alabaster {
@@ -26,8 +27,8 @@ class TexelPacker {
  public:
   /// `memory` outlives it, and holds what it takes in addition to what the caller has it hold. Throws MemoryRefused.
   TexelPacker(const ImageLayout& layout, MemoryReservation* memory);
-  /// `pixels`: the next rows as the layout has them; `rgba`: their colours.
-  void add(std::span<const float> pixels, std::span<const float> rgba);
+  /// The texels of `rows` from `first` on whose colours were found, and then converted.
+  void add(const DistinctColors& colors, const ImageRows& rows, size_t first);
   /// After the last row, once.
   PackedImage take();
 
@@ -37,10 +38,12 @@ class TexelPacker {
     std::array<std::array<uint16_t, 256>, 3> values{};
     std::array<std::array<bool, 256>, 3> known{};
   };
-  void add_color(const float* pixel, const Color& color);
   bool fits_palette(const std::array<uint8_t, 3>& bytes, const Color& color);
+  void choose_storage(const DistinctColors& colors);
   void leave_palette();
-  void add_alpha(size_t texel, float alpha);
+  void widen();
+  void add_alpha(const ImageRows& rows, size_t first, size_t count);
+  size_t width() const { return is_grey_ ? 1 : 3; }  // elements for each colour
   size_t texels() const { return size_t(layout_.width) * size_t(layout_.height); }
   void hold(size_t bytes) {
     memory_.resize(memory_.bytes() + bytes,
@@ -51,10 +54,13 @@ class TexelPacker {
   MemoryReservation& memory_;
   size_t count_ = 0;  // texels so far
   bool is_grey_ = true;
+  std::vector<Color> colors_;  // of what is added
   std::optional<Palette> palette_;
-  std::vector<uint8_t> bytes_;    // three per texel, while there is a palette
-  std::vector<uint16_t> halves_;  // three per texel, without one
-  std::vector<uint16_t> alpha_;   // from the first texel on that is not opaque
+  // width() elements for each texel, in one of them:
+  std::vector<uint8_t> bytes_;          // while there is a palette
+  std::vector<uint16_t> halves_;        // without one
+  std::vector<uint8_t> alpha_bytes_;    // of an image of bytes, from the first texel on that is not opaque
+  std::vector<uint16_t> alpha_halves_;  // of another one
 };
 
 }  // namespace alabaster

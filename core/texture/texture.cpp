@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 
+#include "core/texture/distinct_colors.h"
 #include "core/texture/image_reader.h"
 #include "core/texture/texel_packer.h"
 #include "core/texture/texel_plane.h"
@@ -201,14 +202,13 @@ std::shared_ptr<const Texture> make_texture(PackedImage image, const TextureSour
                                                                    std::move(image.alpha_halves), source, held);
 }
 
-/// Grey to RGB; opaque, as ColorTransform takes RGBA.
-void to_rgba(std::span<const float> pixels, const ImageLayout& layout, std::vector<float>& rgba) {
-  const size_t count = pixels.size() / layout.channels;
-  rgba.resize(4 * count);
-  for (size_t i = 0; i < count; ++i) {
-    const float* p = &pixels[i * layout.channels];
-    for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = p[layout.rgb[c]];
-    rgba[4 * i + 3] = 1;
+/// Converts rows and packs them.
+void pack_rows(const ImageRows& rows, size_t texels, const ImageLayout& layout, const ColorTransform& transform,
+               DistinctColors* colors, TexelPacker* packer) {
+  for (size_t first = 0; first < texels; first += DistinctColors::kMostTexels) {
+    colors->find(rows, layout, first, std::min(DistinctColors::kMostTexels, texels - first));
+    transform.apply(colors->rgba().data(), colors->rgba().size() / 4);
+    packer->add(*colors, rows, first);
   }
 }
 
@@ -229,7 +229,7 @@ bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
         one.path = tile.path;
         return is_image(one, sink);
       });
-  return ImageReader().open(source, std::numeric_limits<size_t>::max(), sink);
+  return ImageReader().open(source, {std::numeric_limits<size_t>::max()}, sink);
 }
 
 // `load`: of one image. Null if one cannot be loaded.
@@ -255,8 +255,9 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
       if (const std::vector<UdimTile> tiles = udim_tiles(source.path); !tiles.empty())
         return load_set(source, tiles,
                         [&](const TextureSource& one) { return load_texture(one, colors, sink, loading); });
+    MemoryReservation memory(store ? store->memory() : nullptr, MemoryUse::textures);
     ImageReader reader;
-    if (!reader.open(source, loading.max_pixels, sink)) return nullptr;
+    if (!reader.open(source, {loading.max_pixels, &memory}, sink)) return nullptr;
     const std::string space =
         source.color_space == "auto" && reader.layout().low_precision ? "sRGB" : source.color_space;
     const auto transform = colors.to_rendering_space(space, [&](const Diagnostic& d) {
@@ -265,18 +266,17 @@ std::shared_ptr<const Texture> load_texture(const TextureSource& source, const C
     if (!transform) return nullptr;
 
     const ImageLayout& layout = reader.layout();
-    MemoryReservation memory(store ? store->memory() : nullptr, MemoryUse::textures);
-    memory.resize(layout.working_bytes * 2, "decoding an image of " + std::to_string(layout.width) + " pixels a row");
+    memory.resize(memory.bytes() + layout.working_bytes * 2,
+                  "decoding an image of " + std::to_string(layout.width) + " pixels a row");
     TexelPacker packer(layout, &memory);
-    std::vector<float> pixels, rgba;
+    const auto colors_of_rows = std::make_unique<DistinctColors>();
+    ImageRows rows;
     for (int y = 0; y < layout.height;) {
       loading.cancel.check();
-      const int rows = reader.read_rows(y, pixels, sink);
-      if (rows == 0) return nullptr;
-      to_rgba(pixels, layout, rgba);
-      transform->apply(rgba.data(), rgba.size() / 4);
-      packer.add(pixels, rgba);
-      y += rows;
+      const int count = reader.read_rows(y, rows, sink);
+      if (count == 0) return nullptr;
+      pack_rows(rows, size_t(count) * size_t(layout.width), layout, *transform, colors_of_rows.get(), &packer);
+      y += count;
     }
     PackedImage packed = packer.take();
     memory.shrink(0);  // the store holds what it keeps in memory

@@ -89,8 +89,10 @@ class MergeCommand {
     if (problem.empty() && !a_.outputs.empty()) products_ = make_products(products, {}, &problem);
     if (!problem.empty()) return console_.usage_error("merge", problem);
     for (const hd::RenderProduct& product : products_)
-      if (!hd::host::CheckProduct(product, session_.colors(), console_.sink()))
-        return console_.last_error().code == "product.invalid" ? kUsage : kOutput;
+      if (!hd::host::CheckProduct(product, session_.colors(), console_.sink())) {
+        const std::string code = console_.last_error().code;
+        return code == "product.invalid" ? kUsage : code == "product.memory" ? kRender : kOutput;
+      }
     return kDone;
   }
 

@@ -98,6 +98,7 @@ class RenderCommand {
   // output.
   int product_failure() const {
     const std::string code = console_.last_error().code;
+    if (code == "product.memory") return kRender;
     if (code != "product.invalid" && !code.starts_with("ocio.")) return kOutput;
     const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
     return named ? kUsage : kInput;

@@ -203,6 +203,8 @@ bool CheckProduct(const RenderProduct& product, const OutputColors& colors, cons
     if (!image_functions(&error)) return fail(sink, "images.library", product.file, error);
     OutputTransform out;
     return make_output_transform(product, plan, colors, sink, out);
+  } catch (const MemoryRefused& e) {
+    return fail(sink, "product.memory", product.file, e.what());
   } catch (const std::exception& e) {
     return fail(sink, "product.invalid", product.file, std::string(e.what()) + "; check the product's settings");
   }
@@ -249,6 +251,8 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
                   error + "; the picture was kept as " + kept + ": move it to its place");
     return fail(sink, "product.write", product.file,
                 error + "; check the folder, its permissions and the space on the disk, or write elsewhere");
+  } catch (const MemoryRefused& e) {
+    return fail(sink, "product.memory", product.file, e.what());
   } catch (const std::bad_alloc&) {
     return fail(sink, "product.memory", product.file, "not enough memory to encode the image; write a smaller crop");
   } catch (const std::exception& e) {

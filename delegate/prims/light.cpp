@@ -23,9 +23,7 @@ struct LightFiles {
   Contents read(SceneParam& param, const CancelToken& cancel) const {
     Contents out;
     if (names_image()) out.texture = param.texture(image, &out.fault, param.sink(), cancel);
-    if (!profile.empty()) out.ies = IesProfile::load(profile, param.sink());
-    if (!profile.empty() && !out.ies)
-      out.fault = SceneFault{true, "the IES profile '" + profile + "' could not be read"};
+    if (!profile.empty()) out.ies = param.profile(profile, &out.fault);
     return out;
   }
 };

@@ -46,7 +46,15 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
     reloads = reloads_;
   }
   std::shared_ptr<const Texture> loaded = same ? same->placed(source) : nullptr;
-  if (!loaded) loaded = load(source, fault, sink, cancel);
+  if (!loaded) {
+    if (const auto failure = failed_images_.find(source)) {
+      *fault = failure->fault;
+      for (const alabaster::Diagnostic& d : failure->reports)
+        if (sink) sink(d);
+      return nullptr;
+    }
+    loaded = load(source, fault, sink, cancel);
+  }
   if (!loaded) return nullptr;
   const std::lock_guard lock(mutex_);
   if (reloads != reloads_) return loaded;  // it may be the file before its edit, which nobody else should get
@@ -58,16 +66,46 @@ std::shared_ptr<const Texture> SceneParam::texture(const TextureSource& source, 
 
 std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std::optional<SceneFault>* fault,
                                                 const alabaster::DiagnosticSink& sink, const CancelToken& cancel) {
-  bool input = true;
+  bool input = true, is_of_file = true;
+  FailedFiles::Failure failure;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
+    if (d.severity == alabaster::Severity::error) is_of_file = input && d.code.starts_with("texture.");
+    failure.reports.push_back(d);
     if (sink) sink(d);
   };
+  FileState state = state_of(source);
   std::shared_ptr<const Texture> loaded;
   const TextureLoading loading = {.store = texels_, .cancel = cancel};
   run([&] { tbb::this_task_arena::isolate([&] { loaded = load_texture(source, *colors_, watched, loading); }); });
-  if (!loaded) *fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
-  return loaded;
+  if (loaded) return loaded;
+  *fault = failure.fault = SceneFault{input, "the image '" + source.path + "' could not be read"};
+  if (is_of_file) failed_images_.keep(source, std::move(state), std::move(failure));
+  return nullptr;
+}
+
+std::shared_ptr<const IesProfile> SceneParam::profile(const std::string& file, std::optional<SceneFault>* fault) {
+  TextureSource source;
+  source.path = file;
+  const std::lock_guard turn(profiles_mutex_);
+  FileState state = state_of(source);
+  HeldProfile& held = profiles_[file];
+  if (auto profile = held.profile.lock(); profile && held.state == state) return profile;
+  auto failure = failed_profiles_.find(source);
+  if (!failure) {
+    std::vector<alabaster::Diagnostic> reports;
+    const auto loaded = IesProfile::load(file, [&](const alabaster::Diagnostic& d) {
+      reports.push_back(d);
+      if (sink_) sink_(d);
+    });
+    if (loaded) return held = {std::move(state), loaded}, loaded;
+    failure = {SceneFault{true, "the IES profile '" + file + "' could not be read"}, std::move(reports)};
+    failed_profiles_.keep(source, std::move(state), *failure);
+  } else if (sink_) {
+    for (const alabaster::Diagnostic& d : failure->reports) sink_(d);
+  }
+  *fault = failure->fault;
+  return nullptr;
 }
 
 bool names_image(const std::string& name, const std::string& file) {
@@ -93,6 +131,8 @@ void SceneParam::reload(const std::string& file) {
     std::erase_if(textures_, [&](const auto& entry) { return names_image(entry.first, file); });
     rereads = rereads_;
   }
+  failed_images_.forget(file);
+  failed_profiles_.forget(file);
   for (const auto& [id, reread] : rereads) guarded(sink_, id.str(), [&, &again = reread] { again(file); });
 }
 

@@ -13,9 +13,11 @@
 #include <tbb/task_arena.h>
 
 #include "core/color/color_config.h"
+#include "core/light/ies_profile.h"
 #include "core/texture/texel_store.h"
 #include "delegate/api/prims.h"
 #include "delegate/prims/diagnostics.h"
+#include "delegate/prims/failed_files.h"
 #include "delegate/prims/records.h"
 #include "delegate/prims/sync_clock.h"
 
@@ -48,9 +50,12 @@ class SceneParam final : public RenderParam {
   const ColorConfig& colors() const { return *colors_; }
   const std::shared_ptr<MemoryBudget>& memory() const { return memory_; }
   /// Shared by all materials and lights that name the same image, whatever their wrap modes and filters; null
-  /// (reported, and in *fault) if it cannot be had. Within run() only. Throws BuildCancelled while it decodes.
+  /// (reported, and in *fault) if it cannot be had; the same file is not read for that again until it is written.
+  /// Within run() only. Throws BuildCancelled while it decodes.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
+  /// The same for an IES profile, which lights share.
+  std::shared_ptr<const IesProfile> profile(const std::string& file, std::optional<SceneFault>* fault);
   /// Texels that were in the file of `textureMemory` are gone (reported): they are black.
   bool has_lost_texels() const { return texels_->failed(); }
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
@@ -105,6 +110,10 @@ class SceneParam final : public RenderParam {
     TextureSource source;
     std::weak_ptr<const Texture> texture;
   };
+  struct HeldProfile {
+    FileState state;
+    std::weak_ptr<const IesProfile> profile;
+  };
   std::shared_ptr<const Texture> held_texture(const TextureSource& source, bool any) const;
   std::shared_ptr<const Texture> load(const TextureSource& source, std::optional<SceneFault>* fault,
                                       const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
@@ -121,6 +130,9 @@ class SceneParam final : public RenderParam {
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
+  std::mutex profiles_mutex_;  // held while one is read
+  std::map<std::string, HeldProfile> profiles_;
+  FailedFiles failed_images_, failed_profiles_;
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;
   std::map<std::string, std::weak_ptr<std::mutex>> decoding_;  // by path

@@ -15,20 +15,28 @@ struct Target {
   void (*run)(Bytes input);
 };
 
-void run_gltf(Bytes input);         // a .gltf or .glb
-void run_description(Bytes input);  // a render description beside a model and an image
-void run_override(Bytes input);     // the text of --set
-void run_mesh(Bytes input);         // topology, primvars and instances through the contract
-void run_material(Bytes input);     // parameters of a material, lights and camera through the contract
-void run_image(Bytes input);        // an image of any kind, as texture and as dome
-void run_ocio(Bytes input);         // an OpenColorIO config
-void run_checkpoint(Bytes input);   // edits of a checkpoint, whose checksums are then made right
-void run_job(Bytes input);          // names and options in the jobs of a farm
+void run_gltf(Bytes input);          // a .gltf or .glb
+void run_description(Bytes input);   // a render description beside a model and an image
+void run_override(Bytes input);      // the text of --set
+void run_mesh(Bytes input);          // topology, primvars and instances through the contract
+void run_material(Bytes input);      // parameters of a material, lights and camera through the contract
+void run_image(Bytes input);         // an image of any kind, as texture and as dome
+void run_image_format(Bytes input);  // a header of a format, made of the input, and its texels
+void run_ocio(Bytes input);          // an OpenColorIO config
+void run_checkpoint(Bytes input);    // edits of a checkpoint, whose checksums are then made right
+void run_job(Bytes input);           // names and options in the jobs of a farm
 
 inline constexpr Target kTargets[] = {
-    {"gltf", run_gltf}, {"description", run_description}, {"override", run_override},
-    {"mesh", run_mesh}, {"material", run_material},       {"image", run_image},
-    {"ocio", run_ocio}, {"checkpoint", run_checkpoint},   {"job", run_job},
+    {"gltf", run_gltf},
+    {"description", run_description},
+    {"override", run_override},
+    {"mesh", run_mesh},
+    {"material", run_material},
+    {"image", run_image},
+    {"image_format", run_image_format},
+    {"ocio", run_ocio},
+    {"checkpoint", run_checkpoint},
+    {"job", run_job},
 };
 
 }  // namespace alabaster::fuzz

@@ -8,7 +8,13 @@
 
 namespace alabaster {
 
+/// Rows that are read at once are as many as fit this, and no more than kRowsAtOnce.
+inline constexpr size_t kStripBytes = size_t(64) << 20;
+inline constexpr int kRowsAtOnce = 64;
+
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault);
+/// Decoded by libpng itself: OpenImageIO's reader lets it print its errors.
+std::unique_ptr<ImageInput> open_png(const ImageSource& source, ImageFault& fault);
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file);
 
 }  // namespace alabaster

@@ -5,9 +5,6 @@
 namespace alabaster {
 namespace {
 
-constexpr int kRowsAtOnce = 64;
-constexpr size_t kStripBytes = size_t(64) << 20;  // fewer rows at once where they are very long
-
 /// The rows that are read at once.
 int rows_at_once(const OIIO::ImageSpec& spec) {
   if (spec.tile_width > 0) return spec.tile_height;
@@ -15,18 +12,12 @@ int rows_at_once(const OIIO::ImageSpec& spec) {
   return int(std::clamp(kStripBytes / row_bytes, size_t(1), size_t(kRowsAtOnce)));
 }
 
-/// PNG, section 11.2.2: the last byte of the header.
-bool is_interlaced_png(std::span<const uint8_t> file) {
-  constexpr size_t kInterlace = 28;
-  return file.size() > kInterlace && file[kInterlace] != 0;
-}
-
 /// The rows as floats and in the file's type; and all of the image in that, where a reader decodes it as a whole: WebP,
-/// BMP and TGA that are compressed, PNG that is interlaced, TIFF of one strip.
-size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format, bool interlaced) {
+/// TGA, TIFF of one strip.
+size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format) {
   if (spec.width <= 0 || spec.height <= 0) return 0;  // it is not read
   const size_t row = size_t(spec.width) * size_t(std::max(spec.nchannels, 1)) * (sizeof(float) + spec.format.size());
-  const bool by_rows = format == "jpeg" || format == "openexr" || format == "hdr" || (format == "png" && !interlaced);
+  const bool by_rows = format == "jpeg" || format == "openexr" || format == "hdr";
   // OpenImageIO's own buffer, see read_scanlines().
   const bool converted_there = spec.tile_width == 0 && !spec.channelformats.empty();
   const size_t scanline = std::max(spec.scanline_bytes(true), OIIO::imagesize_t(1));
@@ -52,7 +43,7 @@ ImageLayout layout_of(const OIIO::ImageSpec& spec) {
   else if (spec.alpha_channel >= 0)
     layout.alpha = size_t(spec.alpha_channel);
   const OIIO::TypeDesc format = spec.format;
-  layout.bytes = format == OIIO::TypeUInt8;
+  layout.bytes = format == OIIO::TypeUInt8 && spec.channelformats.empty();
   layout.low_precision = !format.is_floating_point() && format.basesize() <= 2;
   return layout;
 }
@@ -83,19 +74,22 @@ class Input final : public ImageInput {
       return false;
     }
     layout_ = layout_of(input_->spec());
-    layout_.working_bytes = working_bytes(input_->spec(), source.format, is_interlaced_png(source.bytes));
+    layout_.working_bytes = working_bytes(input_->spec(), source.format);
     return true;
   }
 
-  int read_rows(int y, std::vector<float>& pixels, std::string& fault) override {
+  int read_rows(int y, ImageRows& to, std::string& fault) override {
     const OIIO::ImageSpec& spec = input_->spec();
-    const bool tiled = spec.tile_width > 0;
     const int rows = std::min(rows_at_once(spec), spec.height - y);
-    pixels.resize(size_t(rows) * size_t(spec.width) * layout_.channels);
+    const size_t values = size_t(rows) * size_t(spec.width) * layout_.channels;
     const int begin = spec.y + y, end = begin + rows;
-    const bool good = tiled ? input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0,
-                                                 spec.nchannels, OIIO::TypeFloat, pixels.data())
-                            : read_scanlines(begin, end, pixels);
+    if (layout_.bytes)
+      to.bytes.resize(values);
+    else
+      to.floats.resize(values);
+    const bool good = spec.tile_width > 0 ? read_tiles(begin, end, to)
+                      : layout_.bytes     ? read_native(begin, end, to.bytes.data())
+                                          : read_scanlines(begin, end, to.floats);
     // Some readers fill up a file that is cut off and mention it only in the error text.
     if (good && !input_->has_error()) return rows;
     fault = input_->geterror();
@@ -104,6 +98,14 @@ class Input final : public ImageInput {
   }
 
  private:
+  bool read_tiles(int begin, int end, ImageRows& to) {
+    const OIIO::ImageSpec& spec = input_->spec();
+    const OIIO::TypeDesc type = layout_.bytes ? OIIO::TypeUInt8 : OIIO::TypeFloat;
+    void* const data = layout_.bytes ? static_cast<void*>(to.bytes.data()) : to.floats.data();
+    return input_->read_tiles(0, 0, spec.x, spec.x + spec.width, begin, end, spec.z, spec.z + 1, 0, spec.nchannels,
+                              type, data);
+  }
+
   // Where OpenImageIO converts the pixels itself it allocates 256 rows at least, however long they are and however few
   // the image has. Asked for an unknown type it hands out its own.
   bool read_scanlines(int begin, int end, std::vector<float>& pixels) {
@@ -111,7 +113,7 @@ class Input final : public ImageInput {
     if (!spec.channelformats.empty())
       return input_->read_scanlines(0, 0, begin, end, spec.z, 0, spec.nchannels, OIIO::TypeFloat, pixels.data());
     native_.resize(size_t(end - begin) * spec.scanline_bytes(true));
-    if (!read_native(begin, end)) return false;
+    if (!read_native(begin, end, native_.data())) return false;
     constexpr size_t kAtOnce = size_t(1) << 24;  // values; a row may hold more than an int counts
     bool good = true;
     for (size_t i = 0; i < pixels.size() && good; i += kAtOnce)
@@ -122,17 +124,17 @@ class Input final : public ImageInput {
 
   // For rows that end a TIFF OpenImageIO allocates whole strips, of as many rows as the header claims. Single rows it
   // reads without.
-  bool read_native(int begin, int end) {
+  bool read_native(int begin, int end, uint8_t* to) {
     const OIIO::ImageSpec& spec = input_->spec();
     const int step = spec.get_int_attribute("tiff:RowsPerStrip") > end - begin ? 1 : end - begin;
     bool good = true;
     for (int y = begin; y < end && good; y += step)
       good = input_->read_scanlines(0, 0, y, y + step, spec.z, 0, spec.nchannels, OIIO::TypeUnknown,
-                                    native_.data() + size_t(y - begin) * spec.scanline_bytes(true));
+                                    to + size_t(y - begin) * spec.scanline_bytes(true));
     return good;
   }
 
-  std::vector<unsigned char> native_;  // rows in the file's type
+  std::vector<uint8_t> native_;  // rows in the file's type
   // The input reads through the proxy and must be closed before it goes.
   std::unique_ptr<OIIO::Filesystem::IOMemReader> proxy_;
   std::unique_ptr<OIIO::ImageInput> input_;
@@ -141,6 +143,7 @@ class Input final : public ImageInput {
 }  // namespace
 
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault) {
+  if (source.format == "png") return open_png(source, fault);
   auto input = std::make_unique<Input>();
   if (!input->open(source, fault)) return nullptr;
   return input;

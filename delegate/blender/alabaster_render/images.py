@@ -16,6 +16,8 @@ _numbers = itertools.count()  # a file that is written again has another name, s
 _written = {}  # what has been written, by the image's name: (stamp, file)
 _means = {}    # by the image's name: (stamp, mean)
 
+# Blender's names of the formats that the renderer reads.
+FILE_FORMATS = {"PNG", "JPEG", "TIFF", "OPEN_EXR", "OPEN_EXR_MULTILAYER", "HDR", "WEBP", "TARGA", "TARGA_RAW"}
 MISSING = (1.0, 0.0, 1.0)  # as Cycles shows it, at colours and at numbers
 
 
@@ -92,7 +94,7 @@ def file_of(image, note):
             file = _known(image, hash(pixels.tobytes()), lambda file: _write_tiff(file, image.size, pixels), ".tif")
             return file, colors.linear() if linear else space
         return _converted(image, hash(pixels.tobytes()), note)
-    if not space:
+    if not space or (image.file_format not in FILE_FORMATS and image.source != "TILED"):
         return _converted(image, _stamp(image), note)
     if image.packed_file:
         suffix = pathlib.Path(image.filepath_raw).suffix or ".png"
@@ -103,7 +105,7 @@ def file_of(image, note):
 
 
 def _converted(image, stamp, note):
-    """(file, space) of an image in a space that the renderer does not know."""
+    """(file, space) of an image in a space or a format that the renderer does not know."""
     if image.source == "TILED":
         note(f"image '{image.name}': tiles in colour space {image.colorspace_settings.name} are read as sRGB")
         return _file_name(image), "sRGB"

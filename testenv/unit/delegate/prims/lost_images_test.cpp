@@ -4,7 +4,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
+#include <fstream>
 
 #include "delegate/host/frame_recorder.h"
 #include "testenv/support/stage.h"
@@ -79,6 +81,77 @@ TEST(LostImages, ShowBesideAnotherConnection) {
 TEST(LostImages, ShowInTheBaseColor) {
   expect_constant({"baseColor", "rgb", {{"baseColor", Vec3f(0.5f)}}, kOne, kZero, "baseColor (1, 0, 1)"});
   expect_constant({"baseColor", "rgb", {}, kOne, kZero, "baseColor (1, 0, 1)"});
+}
+
+/// A file that is written as often as a test likes, with a time of the test's.
+class DatedFile {
+ public:
+  explicit DatedFile(const std::string& ending)
+      : path_((std::filesystem::temp_directory_path() / ("alabaster_dated_" + std::to_string(getpid()) + ending))
+                  .string()) {}
+  ~DatedFile() { std::filesystem::remove(path_); }
+  void write(const std::string& text, int second) const {
+    std::ofstream(path_, std::ios::binary) << text;
+    std::filesystem::last_write_time(path_, std::filesystem::file_time_type() + std::chrono::seconds(second));
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  const std::string path_;
+};
+
+// A good file of the same size and time shows that it is not read again.
+TEST(LostImages, ADamagedFileIsReadOnceUntilItIsWritten) {
+  const DatedFile file(".tga");
+  const std::string good("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0\1\2\3", 21);
+  std::string damaged = good;
+  damaged[2] = 7;
+  Stage stage;
+  const auto add_material = [&](const std::string& name, const std::string& space) {
+    MaterialNetwork network;
+    network.nodes["/m/surface"] = {"AlabasterDisney", {}, {{"baseColor", {{"/m/map", "rgb"}}}}};
+    network.nodes["/m/map"] = {
+        "AlabasterTexture", {{"file", AssetPath{file.path(), file.path(), nullptr}}, {"sourceColorSpace", space}}, {}};
+    network.terminals["surface"] = {"/m/surface", "surface"};
+    stage.scene.SetMaterial(Path(name), network);
+    host::MeshDescription mesh = Stage::quad();
+    mesh.material = name;
+    stage.scene.SetMesh(Path("/mesh" + name), mesh);
+    stage.dump();
+    return stage.count("texture.damaged");
+  };
+  file.write(damaged, 1);
+  EXPECT_EQ(add_material("/a", "raw"), 1u);
+  file.write(good, 1);
+  EXPECT_EQ(add_material("/b", "sRGB"), 2u) << "a fault of this material, too, in whatever space";
+  file.write(good, 2);
+  EXPECT_EQ(add_material("/c", "raw"), 2u);
+  file.write(damaged, 3);
+  EXPECT_EQ(add_material("/d", "linear"), 3u);
+  file.write(good, 3);
+  EXPECT_EQ(add_material("/e", "linear"), 4u);
+}
+
+TEST(LostImages, ADamagedProfileOfALightIsReadOnceUntilItIsWritten) {
+  const DatedFile file(".ies");
+  const std::string good = "IESNA:LM-63-1995\nTILT=NONE\n1 1000 1 2 1 1 1 0 0 0\n1 1 100\n0 90\n0\n100 100\n";
+  std::string damaged = good;
+  damaged[damaged.find("TILT")] = 'X';
+  Stage stage;
+  const auto faults = [&](const std::string& light) {
+    stage.scene.SetLight(Path(light),
+                         {.type = "sphereLight",
+                          .transform = {},
+                          .parameters = {{"shaping:ies:file", AssetPath{file.path(), file.path(), nullptr}}}});
+    stage.dump();
+    return stage.text_stat("scene.faults").find(light) != std::string::npos;
+  };
+  file.write(damaged, 1);
+  EXPECT_TRUE(faults("/lamp_a"));
+  file.write(good, 1);
+  EXPECT_TRUE(faults("/lamp_b"));
+  file.write(good, 2);
+  EXPECT_FALSE(faults("/lamp_c"));
 }
 
 /// Cuts the open files of this process that have no name and at least so many bytes. Returns how many.

@@ -175,18 +175,22 @@ TEST(MemoryLimit, AnImageOfLongRowsIsRefusedBeforeARowIsRead) {
   EXPECT_EQ(drawing.stage.stat("scene.outOfMemory"), 1);
 }
 
-/// A BMP of bytes, which are grey: the rows from the last to the first, each of them in one value.
-std::string grey_bmp(uint32_t width, const std::vector<uint8_t>& rows) {
-  std::string file = "BM";
+/// A TIFF of bytes, which are grey: rows from the top, each of them in one value.
+std::string grey_tiff(uint32_t width, const std::vector<uint8_t>& rows) {
+  std::string file = "II*";
+  file.push_back(0);
   const auto add = [&](auto... numbers) {
     (file.append(reinterpret_cast<const char*>(&numbers), sizeof numbers), ...);
   };
   const auto height = static_cast<uint32_t>(rows.size());
-  constexpr uint32_t kColors = 256, kPixels = 14 + 40 + 4 * kColors;
-  add(kPixels + width * height, uint32_t(0), kPixels);
-  add(uint32_t(40), width, height, uint16_t(1), uint16_t(8), uint32_t(0), width * height, uint64_t(0), kColors,
-      kColors);
-  for (uint32_t i = 0; i < kColors; ++i) add(i * 0x010101);
+  constexpr uint16_t kLong = 4, kEntries = 9;
+  constexpr uint32_t kDirectory = 8, kPixels = kDirectory + 2 + 12 * kEntries + 4;
+  add(kDirectory, kEntries);
+  const std::pair<uint16_t, uint32_t> entries[kEntries] = {{256, width}, {257, height}, {258, 8},
+                                                           {259, 1},     {262, 1},      {273, kPixels},
+                                                           {277, 1},     {278, height}, {279, width * height}};
+  for (const auto& [tag, value] : entries) add(tag, kLong, uint32_t(1), value);
+  add(uint32_t(0));
   for (const uint8_t value : rows) file.append(width, static_cast<char>(value));
   return file;
 }
@@ -195,7 +199,7 @@ std::string grey_bmp(uint32_t width, const std::vector<uint8_t>& rows) {
 TEST(MemoryLimit, AnImageOfLongRowsTakesMemoryForTheRowsThatItHas) {
   constexpr size_t kWidth = size_t(1) << 20, kRows = 2;
   Drawing drawing(256);
-  add_images(drawing.stage, image_file("wide.bmp", grey_bmp(kWidth, {0, 255})), {"clamp"});
+  add_images(drawing.stage, image_file("wide.tif", grey_tiff(kWidth, {0, 255})), {"clamp"});
   const testing::LargestAllocation largest;
   ASSERT_TRUE(drawing.draw());
   EXPECT_EQ(drawing.errors(), "");

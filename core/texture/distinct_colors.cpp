@@ -1,0 +1,46 @@
+#include "core/texture/distinct_colors.h"
+
+#include <cstring>
+
+namespace alabaster {
+
+void DistinctColors::find(const ImageRows& rows, const ImageLayout& layout, size_t first, size_t count) {
+  ++round_;
+  places_.resize(count);
+  rgba_.clear();
+  bytes_.clear();
+  if (layout.bytes)
+    find_bytes(&rows.bytes[first * layout.channels], layout, count);
+  else
+    find_floats(&rows.floats[first * layout.channels], layout, count);
+}
+
+// The table holds the last colour of each hash (Fibonacci's).
+void DistinctColors::find_bytes(const uint8_t* texel, const ImageLayout& layout, size_t count) {
+  constexpr float kUnit = 1.0f / 255;
+  const auto [r, g, b] = layout.rgb;
+  for (size_t i = 0; i < count; ++i, texel += layout.channels) {
+    const uint32_t color = uint32_t(texel[r]) | uint32_t(texel[g]) << 8 | uint32_t(texel[b]) << 16;
+    Known& known = known_[(color * 0x9e3779b1u) >> 20];
+    if (known.round != round_ || known.color != color) {
+      known = {color, uint32_t(bytes_.size()), round_};
+      bytes_.push_back({texel[r], texel[g], texel[b]});
+      for (const uint8_t byte : bytes_.back()) rgba_.push_back(float(byte) * kUnit);
+      rgba_.push_back(1);
+    }
+    places_[i] = known.place;
+  }
+}
+
+void DistinctColors::find_floats(const float* texel, const ImageLayout& layout, size_t count) {
+  std::array<float, 3> last{};
+  for (size_t i = 0; i < count; ++i, texel += layout.channels) {
+    const std::array<float, 3> color{texel[layout.rgb[0]], texel[layout.rgb[1]], texel[layout.rgb[2]]};
+    if (i == 0 || std::memcmp(&color, &last, sizeof color) != 0)
+      rgba_.insert(rgba_.end(), {color[0], color[1], color[2], 1});
+    places_[i] = uint32_t(rgba_.size() / 4 - 1);
+    last = color;
+  }
+}
+
+}  // namespace alabaster
