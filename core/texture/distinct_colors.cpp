@@ -10,36 +10,43 @@ void DistinctColors::find(const ImageRows& rows, const ImageLayout& layout, size
   rgba_.clear();
   bytes_.clear();
   if (layout.bytes)
-    find_bytes(&rows.bytes[first * layout.channels], layout, count);
+    find_bytes(&rows.bytes[first * layout.channels], layout);
   else
-    find_floats(&rows.floats[first * layout.channels], layout, count);
+    find_floats(&rows.floats[first * layout.channels], layout);
 }
 
 // The table holds the last colour of each hash (Fibonacci's).
-void DistinctColors::find_bytes(const uint8_t* texel, const ImageLayout& layout, size_t count) {
+void DistinctColors::find_bytes(const uint8_t* texel, const ImageLayout& layout) {
   constexpr float kUnit = 1.0f / 255;
   const auto [r, g, b] = layout.rgb;
-  for (size_t i = 0; i < count; ++i, texel += layout.channels) {
-    const uint32_t color = uint32_t(texel[r]) | uint32_t(texel[g]) << 8 | uint32_t(texel[b]) << 16;
+  const size_t channels = layout.channels;
+  uint32_t last = UINT32_MAX, place = 0;
+  const auto place_of = [&](uint32_t color) {
     Known& known = known_[(color * 0x9e3779b1u) >> 20];
-    if (known.round != round_ || known.color != color) {
-      known = {color, uint32_t(bytes_.size()), round_};
-      bytes_.push_back({texel[r], texel[g], texel[b]});
-      for (const uint8_t byte : bytes_.back()) rgba_.push_back(float(byte) * kUnit);
-      rgba_.push_back(1);
-    }
-    places_[i] = known.place;
+    if (known.round == round_ && known.color == color) return known.place;
+    known = {color, uint32_t(bytes_.size()), round_};
+    bytes_.push_back({uint8_t(color), uint8_t(color >> 8), uint8_t(color >> 16)});
+    for (const uint8_t byte : bytes_.back()) rgba_.push_back(float(byte) * kUnit);
+    rgba_.push_back(1);
+    return known.place;
+  };
+  for (uint32_t& to : places_) {
+    const uint32_t color = uint32_t(texel[r]) | uint32_t(texel[g]) << 8 | uint32_t(texel[b]) << 16;
+    if (color != last) last = color, place = place_of(color);
+    to = place;
+    texel += channels;
   }
 }
 
-void DistinctColors::find_floats(const float* texel, const ImageLayout& layout, size_t count) {
+void DistinctColors::find_floats(const float* texel, const ImageLayout& layout) {
   std::array<float, 3> last{};
-  for (size_t i = 0; i < count; ++i, texel += layout.channels) {
+  for (uint32_t& to : places_) {
     const std::array<float, 3> color{texel[layout.rgb[0]], texel[layout.rgb[1]], texel[layout.rgb[2]]};
-    if (i == 0 || std::memcmp(&color, &last, sizeof color) != 0)
+    if (rgba_.empty() || std::memcmp(&color, &last, sizeof color) != 0)
       rgba_.insert(rgba_.end(), {color[0], color[1], color[2], 1});
-    places_[i] = uint32_t(rgba_.size() / 4 - 1);
+    to = uint32_t(rgba_.size() / 4 - 1);
     last = color;
+    texel += layout.channels;
   }
 }
 

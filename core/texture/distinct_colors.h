@@ -27,8 +27,8 @@ class DistinctColors {
   const std::vector<std::array<uint8_t, 3>>& bytes() const { return bytes_; }
 
  private:
-  void find_bytes(const uint8_t* texel, const ImageLayout& layout, size_t count);
-  void find_floats(const float* texel, const ImageLayout& layout, size_t count);
+  void find_bytes(const uint8_t* texel, const ImageLayout& layout);
+  void find_floats(const float* texel, const ImageLayout& layout);
 
   struct Known {
     uint32_t color = 0, place = 0;
