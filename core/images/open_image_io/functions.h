@@ -9,7 +9,7 @@
 namespace alabaster {
 
 /// Rows that are read at once are as many as fit this, and no more than kRowsAtOnce.
-inline constexpr size_t kStripBytes = size_t(64) << 20;
+inline constexpr size_t kMostRowBytes = size_t(64) << 20;
 inline constexpr int kRowsAtOnce = 64;
 
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault);

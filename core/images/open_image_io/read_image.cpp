@@ -9,7 +9,7 @@ namespace {
 int rows_at_once(const OIIO::ImageSpec& spec) {
   if (spec.tile_width > 0) return spec.tile_height;
   const size_t row_bytes = size_t(spec.width) * size_t(std::max(spec.nchannels, 1)) * sizeof(float);
-  return int(std::clamp(kStripBytes / row_bytes, size_t(1), size_t(kRowsAtOnce)));
+  return int(std::clamp(kMostRowBytes / row_bytes, size_t(1), size_t(kRowsAtOnce)));
 }
 
 /// The rows as floats and in the file's type; and all of the image in that, where a reader decodes it as a whole: WebP,
@@ -21,7 +21,7 @@ size_t working_bytes(const OIIO::ImageSpec& spec, const std::string& format) {
   // OpenImageIO's own buffer, see read_scanlines().
   const bool converted_there = spec.tile_width == 0 && !spec.channelformats.empty();
   const size_t scanline = std::max(spec.scanline_bytes(true), OIIO::imagesize_t(1));
-  const size_t buffer = converted_there ? std::max(kStripBytes, 256 * scanline) : 0;
+  const size_t buffer = converted_there ? std::max(kMostRowBytes, 256 * scanline) : 0;
   return row * size_t(std::max(rows_at_once(spec), 1)) + buffer + (by_rows ? 0 : spec.image_bytes(true));
 }
 

@@ -71,7 +71,7 @@ class PngInput final : public ImageInput {
     row_bytes_ = png_get_rowbytes(png_, info_);
     is_interlaced_ = passes_ > 1;
     const size_t as_floats = size_t(layout_.width) * layout_.channels * sizeof(float);
-    rows_at_once_ = int(std::clamp(kStripBytes / as_floats, size_t(1), size_t(kRowsAtOnce)));
+    rows_at_once_ = int(std::clamp(kMostRowBytes / as_floats, size_t(1), size_t(kRowsAtOnce)));
     layout_.working_bytes = (row_bytes_ + (layout_.bytes ? 0 : as_floats)) * size_t(rows_at_once_) +
                             (is_interlaced_ ? row_bytes_ * size_t(layout_.height) : 0);
   }
