@@ -150,6 +150,27 @@ TEST_F(FaultsTest, AMeshThatMemoryDoesNotHoldIsNoPicture) {
   EXPECT_GT(ended_badly, 0);
 }
 
+// OpenImageIO brings 200 libraries. Without the memory for them none is to be installed.
+TEST_F(FaultsTest, LibrariesThatMemoryDoesNotHoldAreNotMissing) {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "a sanitizer reserves more address space than this test's limits; builds without one run it";
+#endif
+  write("fine.json", R"({"gltf": [{"file": "patch.gltf"}]})");
+  int refused = 0;
+  for (const rlim_t megabytes : {70, 100, 140, 200}) {
+    const Outcome outcome = run({"render", "fine.json", "--size", "16x12", "--spp", "1", "-o", "a.exr"}, [&] {
+      const rlimit limit{megabytes << 20, megabytes << 20};
+      setrlimit(RLIMIT_AS, &limit);
+    });
+    if (outcome.err.find("a.exr: ") == std::string::npos) continue;  // it did not get as far, or further
+    ++refused;
+    EXPECT_EQ(outcome.code, 4) << megabytes;
+    EXPECT_HAS(outcome.err, "memory is short");
+    EXPECT_EQ(outcome.err.find("install"), std::string::npos) << outcome.err;
+  }
+  EXPECT_GT(refused, 0);
+}
+
 // Each by arithmetic, so the machine's memory does not matter.
 TEST_F(FaultsTest, TheMemoryLimitIsNamedByWhatWouldExceedIt) {
   write("fine.json", R"({"gltf": [{"file": "patch.gltf"}],
