@@ -10,13 +10,10 @@
 namespace alabaster::fuzz {
 namespace {
 
-using File = std::vector<uint8_t>;
+using File = std::string;
 
-void add_text(File& file, std::string_view text) {
-  file.insert(file.end(), text.begin(), text.end());
-}
 void add_number(File& file, uint64_t value, int size, bool big_endian = false) {
-  for (int i = 0; i < size; ++i) file.push_back(uint8_t(value >> (8 * (big_endian ? size - 1 - i : i))));
+  for (int i = 0; i < size; ++i) file.push_back(char(value >> (8 * (big_endian ? size - 1 - i : i))));
 }
 
 /// One of these, or now and then any number.
@@ -27,11 +24,12 @@ uint32_t one_of(StructuredInput& in, std::initializer_list<uint32_t> list) {
 }
 
 void add_rest(File& file, StructuredInput& in) {
-  add_text(file, in.text(size_t(1) << 20));
+  file += in.text(size_t(1) << 20);
 }
 
 File tga(StructuredInput& in) {
-  File file = {uint8_t(one_of(in, {0, 0, 3}))};
+  File file;
+  add_number(file, one_of(in, {0, 0, 3}), 1);
   add_number(file, one_of(in, {0, 1}), 1);
   add_number(file, one_of(in, {1, 2, 3, 9, 10, 11}), 1);
   add_number(file, one_of(in, {0, 0, 0, 1, 9, 65535}), 2);
@@ -45,7 +43,7 @@ File tga(StructuredInput& in) {
   add_rest(file, in);
   if (has_footer) {
     add_number(file, file.size() / 2, 4), add_number(file, 0, 4);
-    add_text(file, std::string_view("TRUEVISION-XFILE.\0", 18));
+    file += std::string_view("TRUEVISION-XFILE.\0", 18);
   }
   return file;
 }
@@ -70,7 +68,6 @@ File stored(const std::string& data) {
 
 File tiff(StructuredInput& in) {
   const bool big = in.flag();
-  File values;  // what does not fit into an entry, and the pixels
   std::vector<std::array<uint32_t, 4>> entries;
   const auto number = [&](uint32_t tag, uint32_t value) { entries.push_back({tag, 4, 1, value}); };
   const int count = 8 + in.choice(12);
@@ -98,10 +95,10 @@ File tiff(StructuredInput& in) {
       number(tag, one_of(in, {1, 2, 3, 0}));
   }
   const std::string pixels = in.text(size_t(1) << 20);
-  const File data = compression == 8 || compression == 32946 ? stored(pixels) : File(pixels.begin(), pixels.end());
+  const File data = compression == 8 || compression == 32946 ? stored(pixels) : pixels;
   number(tiled ? 324 : 273, kAfter), number(tiled ? 325 : 279, uint32_t(data.size()));
   File file;
-  add_text(file, big ? std::string_view("MM\0*", 4) : std::string_view("II*\0", 4));
+  file += big ? std::string_view("MM\0*", 4) : std::string_view("II*\0", 4);
   add_number(file, 8, 4, big), add_number(file, entries.size(), 2, big);
   for (const auto& [tag, type, length, value] : entries) {
     add_number(file, tag, 2, big), add_number(file, type, 2, big);
@@ -115,7 +112,7 @@ File tiff(StructuredInput& in) {
 void add_chunk(File& file, const char* type, const File& data) {
   add_number(file, data.size(), 4, true);
   const size_t begin = file.size();
-  add_text(file, {type, 4});
+  file.append(type, 4);
   file.insert(file.end(), data.begin(), data.end());
   uint32_t c = ~0u;
   for (size_t i = begin; i < file.size(); ++i) {
@@ -127,14 +124,14 @@ void add_chunk(File& file, const char* type, const File& data) {
 
 File png(StructuredInput& in) {
   File file, header;
-  add_text(file, "\x89PNG\r\n\x1a\n");
+  file += "\x89PNG\r\n\x1a\n";
   for (int i = 0; i < 2; ++i) add_number(header, one_of(in, {1, 2, 7, 16, 33}), 4, true);
   for (const auto& list : {std::initializer_list<uint32_t>{1, 2, 4, 8, 16}, {0, 2, 3, 4, 6}, {0}, {0}, {0, 0, 1}})
     header.push_back(uint8_t(one_of(in, list)));
   add_chunk(file, "IHDR", header);
   const auto bytes = [&](size_t most) {
     const std::string text = in.text(in.byte() % (most + 1));
-    return File(text.begin(), text.end());
+    return text;
   };
   if (in.flag()) add_chunk(file, "PLTE", bytes(255));
   if (in.flag()) add_chunk(file, "tRNS", bytes(255));
@@ -150,8 +147,8 @@ File hdr(StructuredInput& in) {
   const int format = in.choice(4), height = int(one_of(in, {1, 2, 8})), width = int(one_of(in, {1, 7, 8, 33, 300}));
   const int length = std::snprintf(size, sizeof size, kSizes[format], height, width);
   File file;
-  add_text(file, in.flag() ? "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nGAMMA=1\n\n" : "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n");
-  add_text(file, {size, size_t(length)});
+  file += in.flag() ? "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nGAMMA=1\n\n" : "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n";
+  file.append(size, size_t(length));
   file.push_back('\n');
   if (in.flag()) add_number(file, 2 | 2 << 8 | (width >> 8 & 0xff) << 16 | uint32_t(width & 0xff) << 24, 4);
   add_rest(file, in);
@@ -161,23 +158,24 @@ File hdr(StructuredInput& in) {
 /// Chunks of any kind around the picture that follows.
 File webp(StructuredInput& in) {
   File body;
-  add_text(body, "WEBP");
+  body += "WEBP";
   const auto add = [&](const char* type, const File& payload, uint32_t claimed) {
-    add_text(body, {type, 4});
+    body.append(type, 4);
     add_number(body, claimed, 4);
     body.insert(body.end(), payload.begin(), payload.end());
     if (body.size() % 2 != 0) body.push_back(0);
   };
   const auto add_whole = [&](const char* type, const File& payload) { add(type, payload, uint32_t(payload.size())); };
   if (in.flag()) {
-    File header = {uint8_t(in.flag() ? in.byte() : 0), 0, 0, 0};
+    File header;
+    add_number(header, in.flag() ? in.byte() : 0u, 4);
     for (int i = 0; i < 2; ++i) add_number(header, one_of(in, {0, 1, 2, 15}), 3);
     add_whole("VP8X", header);
   }
   for (int i = in.choice(4); i > 0; --i) {
     constexpr const char* kTypes[] = {"EXIF", "XMP ", "ICCP", "ALPH", "ANIM"};
     const std::string text = in.text(in.byte() % 32);
-    add_whole(kTypes[in.choice(5)], File(text.begin(), text.end()));
+    add_whole(kTypes[in.choice(5)], text);
   }
   const char* const type = in.flag() ? "VP8L" : "VP8 ";
   const bool animated = in.choice(4) == 0;
@@ -188,13 +186,13 @@ File webp(StructuredInput& in) {
   }
   const std::string picture = in.text(size_t(1) << 20);
   if (animated) {
-    add_text(frame, {type, 4}), add_number(frame, picture.size(), 4), add_text(frame, picture);
+    frame.append(type, 4), add_number(frame, picture.size(), 4), frame += picture;
     add_whole("ANMF", frame);
   } else {
-    add_whole(type, File(picture.begin(), picture.end()));
+    add_whole(type, picture);
   }
   File file;
-  add_text(file, "RIFF"), add_number(file, body.size(), 4);
+  file += "RIFF", add_number(file, body.size(), 4);
   file.insert(file.end(), body.begin(), body.end());
   return file;
 }
@@ -220,7 +218,8 @@ void run_image_format(Bytes input) {
   const Format& format = kFormats[in.choice(int(std::size(kFormats)))];
   TextureSource source;
   source.path = format.name;
-  source.bytes = std::make_shared<const File>(format.make(in));
+  const File file = format.make(in);
+  source.bytes = std::make_shared<const std::vector<uint8_t>>(file.begin(), file.end());
   source.color_space = "raw";
   static const auto colors = ColorConfig::load("built-in", {});
   int errors = 0;
