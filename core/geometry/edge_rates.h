@@ -42,7 +42,7 @@ struct EdgeRates {
   uint32_t of(int edge) const { return uniform ? uniform : edges[static_cast<size_t>(edge)]; }
   /// The level of uniform refinement that has as many segments as the longest edge, rounded up.
   int level() const {
-    const uint32_t most = uniform ? uniform : *std::max_element(edges.begin(), edges.end());
+    const uint32_t most = uniform ? uniform : edges.empty() ? 1 : *std::max_element(edges.begin(), edges.end());
     return static_cast<int>(std::bit_width(most - 1));
   }
 };

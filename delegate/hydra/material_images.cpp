@@ -122,8 +122,8 @@ std::optional<MaterialImages::Found> MaterialImages::find_image(const char* inpu
       const std::string& output = at->upstreamOutput.str();
       // Vectors have outx, outy, outz and outw.
       const std::string names = "rgbaxyzw";
-      if (const size_t at_name = names.find(output.back()); output.size() == 4 && at_name != std::string::npos)
-        channel = names[at_name % 4];
+      const size_t at_name = output.size() == 4 ? names.find(output.back()) : std::string::npos;
+      if (at_name != std::string::npos) channel = names[at_name % 4];
     } else if (starts_with(*node, "ND_extract_")) {
       const auto index = static_cast<int>(parameter(*node, "index").number_or(0));
       channel = std::string(1, "rgba"[std::clamp(index, 0, 3)]);

@@ -85,6 +85,8 @@ def main():
             _, merge = submit(cluster, folder)
             cluster.wait(lambda: cluster.state(merge) in ENDED, 300, "the merge")
             check(cluster.state(merge) == "COMPLETED" and frame.exists(), "submitted again, the rest is rendered and merged")
+            logs = [f"task_{k}.log" for k in range(TASKS)] + ["merge.log"]
+            check(all((folder / log).exists() for log in logs), "the logs lie in the folder, by number")
         run(program, "render", SCENE, "-o", whole, *LOOK)
         run("oiiotool", frame, whole, "--fail", "0", "--warn", "0", "--diff")
         print("holds: all layers have the bits of one machine's")

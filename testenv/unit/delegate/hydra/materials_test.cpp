@@ -206,6 +206,13 @@ TEST(StandardSurface, ConnectionsThatCannotBeReadLeaveTheConstant) {
   EXPECT_TRUE(t.node("/m/s").inputConnections.empty());
 }
 
+TEST(StandardSurface, AnOutputWithoutANameIsTheWholeImage) {
+  MaterialNetwork network = textured();
+  network.nodes["/m/split"] = {"ND_separate4_color4", {}, {{"in", {{"/m/image", "out"}}}}};
+  network.nodes["/m/s"].inputConnections["base_color"] = {{"/m/split", ""}};
+  EXPECT_EQ(Translated(network).node("/m/s").inputConnections.at("baseColor").front().upstreamOutput, hd::Token("rgb"));
+}
+
 TEST(PlainSurface, IsALambertianThatMayGlow) {
   MaterialNetwork network;
   network.nodes["/m/s"] = {"ND_surface", {}, {{"bsdf", {{"/m/d", "out"}}}, {"edf", {{"/m/e", "out"}}}}};
