@@ -10,6 +10,7 @@
 #include "core/color/builtin_config.h"
 #include "core/color/chromaticities.h"
 #include "core/color/config_check.h"
+#include "core/color/config_numbers.h"
 #include "core/color/ocio_transform.h"
 
 namespace OCIO = OCIO_NAMESPACE;
@@ -37,11 +38,21 @@ std::vector<std::string> list(int count, const NameAt& name_at) {
   return names;
 }
 
+OCIO::ConstConfigRcPtr parse_config(const std::string& yaml) {
+  std::istringstream text(streams_read_decimal_points() ? yaml : with_whole_numbers(yaml));
+  return OCIO::Config::CreateFromStream(text);
+}
+
 OCIO::ConstConfigRcPtr builtin_config() {
-  static const OCIO::ConstConfigRcPtr config = [] {
-    std::istringstream text(builtin_config_text());
-    return OCIO::Config::CreateFromStream(text);
-  }();
+  static const OCIO::ConstConfigRcPtr config = parse_config(builtin_config_text());
+  return config;
+}
+
+/// A configuration finds its LUTs from its folder.
+OCIO::ConstConfigRcPtr parse_config_file(const std::string& path) {
+  if (streams_read_decimal_points()) return OCIO::Config::CreateFromFile(path.c_str());
+  const OCIO::ConfigRcPtr config = parse_config(config_text(path))->createEditableCopy();
+  config->setWorkingDir(std::filesystem::absolute(path).parent_path().c_str());
   return config;
 }
 
@@ -292,15 +303,9 @@ std::array<float, 8> OcioColorConfig::chromaticities(const std::string& name) co
   }
 }
 
+// The text that was read, for OpenColorIO writes numbers as the host's locale has them.
 std::string OcioColorConfig::serialize() const {
-  std::ostringstream text;
-  try {
-    const QuietOcio quiet;
-    config_->serialize(text);
-  } catch (const std::exception&) {
-    return {};
-  }
-  return text.str();
+  return origin_ == kBuiltinOrigin ? builtin_config_text() : config_text(origin_);
 }
 
 /// Null + report unless `path` is a file that OCIO can make sense of.
@@ -320,7 +325,7 @@ OCIO::ConstConfigRcPtr read_config(const std::string& path, const std::string& r
   if (const std::string fault = config_file_fault(path); !fault.empty())
     return fail("ocio.config.invalid", fault + "; " + remedy);
   try {
-    const OCIO::ConstConfigRcPtr config = OCIO::Config::CreateFromFile(path.c_str());
+    const OCIO::ConstConfigRcPtr config = parse_config_file(path);
     const std::string fault = config_fault(config);
     return fault.empty() ? config : fail("ocio.config.invalid", fault + "; mend it, or " + remedy);
   } catch (const std::exception& e) {

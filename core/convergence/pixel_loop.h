@@ -9,6 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/diagnostics/cancel.h"
+#include "core/math/float_environment.h"
 
 namespace alabaster {
 
@@ -18,6 +19,7 @@ inline constexpr size_t kPixelBlock = 4096;
 template <class Visit>
 void for_pixel_blocks(size_t pixels, const Visit& visit, const CancelToken& cancel = {}) {
   tbb::parallel_for(size_t(0), (pixels + kPixelBlock - 1) / kPixelBlock, [&](size_t block) {
+    const FloatEnvironment environment;
     const size_t begin = block * kPixelBlock;
     if (!cancel.is_cancelled()) visit(block, begin, std::min(begin + kPixelBlock, pixels));
   });

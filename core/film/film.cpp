@@ -7,6 +7,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "core/math/float_environment.h"
+
 namespace alabaster {
 namespace {
 
@@ -246,6 +248,7 @@ std::vector<T> Film::read_pixels(const Read& read, const CancelToken& cancel) co
   std::vector<T> frame(width * static_cast<size_t>(window_.height()));
   tbb::parallel_for(0, tile_count(), [&](int t) {
     if (cancel.is_cancelled()) return;
+    const FloatEnvironment environment;
     const PixelRect r = tile_rect(t);
     const std::lock_guard lock(locks_[static_cast<size_t>(t)]);
     const FilmTile* const drawn = find_drawn(static_cast<size_t>(t));

@@ -1,22 +1,14 @@
 #include "core/integrator/path_record.h"
 
-#include <cstdio>
-
+#include "core/diagnostics/plain_format.h"
 #include "core/integrator/direct_light.h"
 #include "core/scene/scene.h"
 
 namespace alabaster {
 namespace {
 
-template <class... Numbers>
-std::string format(const char* text, Numbers... numbers) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, text, numbers...);
-  return buffer;
-}
-
 std::string three(double x, double y, double z) {
-  return format("(%.9g %.9g %.9g)", x, y, z);
+  return plain_format("(%.9g %.9g %.9g)", x, y, z);
 }
 std::string three(const Vec3f& v) {
   return three(v.x, v.y, v.z);
@@ -54,17 +46,18 @@ std::string PathRecord::position(const Vec3f& p) const {
 }
 
 std::string PathRecord::surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) const {
-  return format("primId %d, instanceId %d, elementId %d, triangle %u, material '", instance.prim_id,
-                instance.id_of(triangle), instance.prototype->mesh.element(triangle.triangle), triangle.triangle) +
+  return plain_format("primId %d, instanceId %d, elementId %d, triangle %u, material '", instance.prim_id,
+                      instance.id_of(triangle), instance.prototype->mesh.element(triangle.triangle),
+                      triangle.triangle) +
          instance.material(triangle.triangle).name + "' at " + position(hit.p) + ", ng " + three(hit.ng) + ", ns " +
-         three(hit.ns) + format(", uv (%.9g %.9g)", double(hit.uv.x), double(hit.uv.y));
+         three(hit.ns) + plain_format(", uv (%.9g %.9g)", double(hit.uv.x), double(hit.uv.y));
 }
 
 void PathRecord::follow(const Ray& ray, const Rgb& throughput, float pdf) {
   check(throughput, NonfiniteCause::lobe);
   if (!is_written_) return;
   line(0, "ray from " + position(ray.org) + " towards " + three(ray.dir) + ", throughput " + three(throughput) +
-              (pdf > 0 ? format(", pdf %.9g", double(pdf)) : std::string()));
+              (pdf > 0 ? plain_format(", pdf %.9g", double(pdf)) : std::string()));
 }
 
 void PathRecord::meet_light(const Rgb& light) {
@@ -74,14 +67,15 @@ void PathRecord::meet_light(const Rgb& light) {
 
 void PathRecord::meet_surface(const Instance& instance, const TriangleHit& triangle, const SurfaceHit& hit) {
   if (!is_written_) return;
-  line(0, format("vertex %d, distance %.9g: ", vertices_++, double(triangle.t)) + surface(instance, triangle, hit));
+  line(0,
+       plain_format("vertex %d, distance %.9g: ", vertices_++, double(triangle.t)) + surface(instance, triangle, hit));
 }
 
 void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
   check(f_cos, NonfiniteCause::lobe);
   if (!is_written_) return;
   finish_light();
-  text_ += "  light towards " + three(wi) + ": f cos " + three(f_cos) + format(", lobe pdf %.9g", double(pdf));
+  text_ += "  light towards " + three(wi) + ": f cos " + three(f_cos) + plain_format(", lobe pdf %.9g", double(pdf));
   light_is_open_ = !is_black(f_cos);
   if (!light_is_open_) text_ += "\n";
 }
@@ -89,20 +83,21 @@ void PathRecord::sample_light(const Vec3f& wi, const Rgb& f_cos, float pdf) {
 void PathRecord::light_arrives(const Rgb& light, const LightWeight& weight) {
   check(light, NonfiniteCause::light);
   if (!is_written_) return;
-  text_ +=
-      format(", light pdf %.9g, weight %.9g", double(weight.pdf), double(weight.mis)) + "; adds " + three(light) + "\n";
+  text_ += plain_format(", light pdf %.9g, weight %.9g", double(weight.pdf), double(weight.mis)) + "; adds " +
+           three(light) + "\n";
   light_is_open_ = false;
 }
 
 void PathRecord::sample_lobe(const char* lobe, const Rgb& f, float pdf) {
   check(f, NonfiniteCause::lobe);
   if (!is_written_) return;
-  line(2, std::string("samples the lobe ") + lobe + ": f " + three(f) + format(", pdf %.9g", double(pdf)));
+  line(2, std::string("samples the lobe ") + lobe + ": f " + three(f) + plain_format(", pdf %.9g", double(pdf)));
 }
 
 void PathRecord::write_walk() {
   for (const WalkStep& step : walk_)
-    line(4, std::string(name_of(step.kind)) + format(" after %.9g towards ", step.distance) + three(step.direction));
+    line(4,
+         std::string(name_of(step.kind)) + plain_format(" after %.9g towards ", step.distance) + three(step.direction));
   walk_.clear();
 }
 
@@ -132,7 +127,7 @@ void PathRecord::branch(uint32_t index, uint32_t count) {
   if (!is_written_) return;
   if (index == 0) vertices_before_split_ = vertices_;
   vertices_ = vertices_before_split_;
-  line(0, format("path %u of %u, which counts 1/%u:", index + 1, count, count));
+  line(0, plain_format("path %u of %u, which counts 1/%u:", index + 1, count, count));
 }
 
 void PathRecord::end(const char* reason) {

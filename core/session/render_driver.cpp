@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/math/float_environment.h"
+
 namespace alabaster {
 
 RenderSession::Driver::~Driver() {
@@ -47,6 +49,7 @@ std::shared_ptr<RenderSession::Render> RenderSession::Driver::take_next() {
 }
 
 void RenderSession::Driver::loop() {
+  const FloatEnvironment environment;
   std::shared_ptr<Render> last;
   while (std::shared_ptr<Render> render = take_next()) {
     if (last) render->take_film_memory(last.get());

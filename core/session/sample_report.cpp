@@ -1,17 +1,14 @@
 #include "core/session/sample_report.h"
 
-#include <cstdio>
-
+#include "core/diagnostics/plain_format.h"
 #include "core/integrator/path_record.h"
 
 namespace alabaster {
 namespace {
 
 std::string color_line(const SampleAddress& at, const Rgb& color) {
-  char text[128];
-  std::snprintf(text, sizeof text, "sample %u of pixel %d,%d: colour (%.9g %.9g %.9g)\n", at.sample, at.x, at.y,
-                double(color.r), double(color.g), double(color.b));
-  return text;
+  return plain_format("sample %u of pixel %d,%d: colour (%.9g %.9g %.9g)\n", at.sample, at.x, at.y, double(color.r),
+                      double(color.g), double(color.b));
 }
 
 class SampleReporter {

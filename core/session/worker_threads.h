@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/math/float_environment.h"
+
 namespace alabaster {
 
 /// Calls work() on `count` threads at once, the caller's among them, and waits for all; on fewer if the system has no
@@ -16,6 +18,7 @@ void run_on_threads(int count, const Work& work) {
   std::mutex mutex;
   std::exception_ptr first;
   const auto guarded = [&] {
+    const FloatEnvironment environment;
     try {
       work();
     } catch (...) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "core/math/float_environment.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/render_description.h"
 #include "delegate/description/schema_check.h"
@@ -183,6 +184,7 @@ class Loader {
 
 SceneFile LoadScene(const std::string& file, host::RetainedSceneDelegate* scene, const DiagnosticSink& sink,
                     const LoadOptions& options) {
+  const FloatEnvironment environment;
   SceneFile result;
   try {
     result.ok = Loader(scene, sink, &result).run(file, options);

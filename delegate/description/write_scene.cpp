@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/math/float_environment.h"
 #include "core/math/transform.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/schema_check.h"
@@ -354,6 +355,7 @@ class SceneWriter {
 
 std::string WriteScene(const std::string& file, const SceneParts& scene, const RenderPassState& state,
                        const std::map<Token, Value>& settings) try {
+  const FloatEnvironment environment;
   if (!file.ends_with(".json")) return file + " must end in .json";
   if (file == ".json" || file.ends_with("/.json")) return file + " needs a name before .json";
   if (file.find('\\') != std::string::npos)

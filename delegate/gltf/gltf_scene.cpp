@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/math/float_environment.h"
 #include "delegate/gltf/gltf_animation.h"
 #include "delegate/gltf/gltf_image_light.h"
 #include "delegate/gltf/gltf_light_camera.h"
@@ -272,6 +273,7 @@ void load(const std::string& file, const GltfOptions& options, host::RetainedSce
 
 GltfSummary LoadGltf(const std::string& file, const GltfOptions& options, host::RetainedSceneDelegate* scene,
                      const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
   Report report(file, sink);
   GltfSummary summary;
   try {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/float_environment.h"
 #include "delegate/host/output_transform.h"
 
 namespace alabaster::hd::host {
@@ -13,6 +14,7 @@ DisplayTransform::~DisplayTransform() = default;
 
 std::unique_ptr<DisplayTransform> DisplayTransform::Create(const RenderProduct& product, const OutputColors& colors,
                                                            const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
   try {
     ProductPlan plan;
     plan.display_referred = true;
@@ -32,12 +34,14 @@ std::unique_ptr<DisplayTransform> DisplayTransform::Create(const RenderProduct& 
 }
 
 bool DisplayTransform::SetExposure(float stops) {
+  const FloatEnvironment environment;
   if (!(stops >= -126 && stops <= 127)) return false;
   scale_ = std::exp2(stops);
   return true;
 }
 
 void DisplayTransform::Apply(std::span<float> rgba) const {
+  const FloatEnvironment environment;
   const float scale = scale_;
   for (size_t i = 0; i < rgba.size(); i += 4)
     for (size_t c = 0; c < 3; ++c) rgba[i + c] *= scale;

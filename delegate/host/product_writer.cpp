@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "core/images/format_limits.h"
+#include "core/math/float_environment.h"
 #include "delegate/host/output_transform.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/host/product_pixels.h"
@@ -195,6 +196,7 @@ std::string lines(const std::string& title, const std::vector<std::string>& name
 }  // namespace
 
 bool CheckProduct(const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
   try {
     ProductPlan plan;
     std::string error;
@@ -264,6 +266,7 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
 
 std::vector<std::string> WriteProducts(const std::vector<RenderProduct>& products, const ProductImage& image,
                                        const OutputColors& colors, const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
   std::mutex mutex;
   const DiagnosticSink one_at_a_time = [&](const Diagnostic& diagnostic) {
     const std::lock_guard lock(mutex);
@@ -297,6 +300,7 @@ std::string DescribeColors(const OutputColors& colors, const DiagnosticSink& sin
 }
 
 std::string SerializeColors(const OutputColors& colors, const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
   const auto config = colors.config(sink);
   return config ? config->serialize() : std::string();
 }

@@ -7,6 +7,8 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/math/float_environment.h"
+
 namespace alabaster::hd::host {
 namespace {
 
@@ -262,6 +264,7 @@ void RenderIndex::State::sync_dirty() {
 }
 
 bool RenderIndex::SyncAll() {
+  const FloatEnvironment environment;
   State& s = *state_;
   bool synced = true;
   if (s.queued || s.synced_version != s.tracker.GetVersion()) {

@@ -53,8 +53,9 @@ void pull_parameters(const GetParameter& get, const Path& id, const alabaster::D
   pull_clipping(get, id, sink, camera);
   if (camera->shutter_close >= camera->shutter_open) return;
   alabaster::report(sink, alabaster::Severity::warning, "camera.shutter", id.str(),
-                    "the shutter closes before it opens (shutterOpen " + std::to_string(camera->shutter_open) +
-                        ", shutterClose " + std::to_string(camera->shutter_close) + "); it is drawn as at shutterOpen");
+                    "the shutter closes before it opens (shutterOpen " + Value(camera->shutter_open).to_string() +
+                        ", shutterClose " + Value(camera->shutter_close).to_string() +
+                        "); it is drawn as at shutterOpen");
   camera->shutter_close = camera->shutter_open;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/diagnostics/report.h"
+#include "core/math/float_environment.h"
 #include "core/memory/memory_budget.h"
 #include "delegate/api/types.h"
 
@@ -29,9 +30,10 @@ class KnownFaults {
   std::vector<alabaster::Diagnostic> known_;
 };
 
-/// Runs a boundary entry point. An exception becomes a report and false.
+/// Runs a boundary entry point, in the default floating-point environment. An exception becomes a report and false.
 template <class F>
 bool guarded(const alabaster::DiagnosticSink& sink, std::string_view where, F&& body) noexcept {
+  const FloatEnvironment environment;
   try {
     body();
     return true;

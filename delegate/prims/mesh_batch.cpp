@@ -6,6 +6,8 @@
 #include <chrono>
 #include <system_error>
 
+#include "core/math/float_environment.h"
+
 namespace alabaster::hd::prims {
 namespace {
 
@@ -75,6 +77,7 @@ void MeshBatch::build_one(Item* item, const CancelToken& cancel) {
 }
 
 void MeshBatch::run() {
+  const FloatEnvironment environment;
   std::exception_ptr error;
   try {
     build_all(CancelToken(&cancelled_));

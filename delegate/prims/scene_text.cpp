@@ -1,6 +1,5 @@
 // The translated scene as text: for goldens, and for people who ask what the renderer was given.
-#include <cstdio>
-
+#include "core/diagnostics/plain_format.h"
 #include "core/light/ies_profile.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
@@ -158,9 +157,7 @@ std::string describe_requirements(const SceneSnapshot& snapshot, const Translati
   text += "instances: " + std::to_string(snapshot.instance_count()) + " of " +
           std::to_string(snapshot.prototypes.size()) + " meshes\n";
   text += "lights: " + std::to_string(snapshot.lights.size()) + "\n";
-  char memory[64];
-  std::snprintf(memory, sizeof memory, "memory: %.1f MB\n", double(snapshot.memory_bytes) / 1e6);
-  return text + memory;
+  return text + plain_format("memory: %.1f MB\n", double(snapshot.memory_bytes) / 1e6);
 }
 
 }  // namespace alabaster::hd::prims

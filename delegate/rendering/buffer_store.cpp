@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "core/math/float_environment.h"
 #include "delegate/rendering/pixel_format.h"
 
 namespace alabaster::hd::rendering {
@@ -61,6 +62,7 @@ bool BufferStore::update(const BufferSource& source, const BufferStore* before) 
   if (pixels_.empty()) return !before;
   std::atomic<bool> differs{!before};
   const auto update_one = [&](int tile) {
+    const FloatEnvironment environment;
     const bool changes = update_tile(tile, source, before);
     differs_[static_cast<size_t>(tile)] = changes;
     if (changes) differs = true;

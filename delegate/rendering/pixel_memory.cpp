@@ -7,6 +7,7 @@
 #include <array>
 #include <cstring>
 
+#include "core/math/float_environment.h"
 #include "delegate/rendering/pixel_format.h"
 
 namespace alabaster::hd::rendering {
@@ -56,7 +57,10 @@ void show(const BufferStore& picture, PixelMemory* memory) {
   const std::vector<PixelRect> changes = picture.changes_since(memory->shown);
   // Isolated: a thread that waits takes up no work of the host.
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(size_t(0), changes.size(), [&](size_t i) { show_rect(picture, changes[i], *memory); });
+    tbb::parallel_for(size_t(0), changes.size(), [&](size_t i) {
+      const FloatEnvironment environment;
+      show_rect(picture, changes[i], *memory);
+    });
   });
   memory->shown = picture.number();
 }

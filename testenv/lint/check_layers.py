@@ -32,7 +32,8 @@ CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
     "host": ["color", "film", "images", "math"],
-    "gltf": ["images", "material", "memory", "subsurface", "texture"],
+    "c_api": ["math"],
+    "gltf": ["images", "material", "math", "memory", "subsurface", "texture"],
     "description": ["math", "memory", "texture"],
 }
 OWNERS = {  # pattern of an include -> files that may have it
