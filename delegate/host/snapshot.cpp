@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/math/float_environment.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/product_plan.h"
 
@@ -39,16 +40,24 @@ Pixels read(RenderBuffer& buffer, const Vec2i& size) {
   return pixels;
 }
 
+/// Convergence may not be latched yet: a render that is over without it is neither stopped nor failed.
+bool is_over(RenderPass& pass) {
+  const bool over = pass.WaitForConvergence(0);
+  const PassState state = pass.GetState();
+  return over && (state == PassState::converged || state == PassState::rendering);
+}
+
 }  // namespace
 
 bool WriteSnapshot(const RenderDelegate& delegate, RenderPass& pass, const RenderPassState& state,
                    const RenderProduct& product, const OutputColors& colors, const DiagnosticSink& sink) {
+  const FloatEnvironment environment;
   const auto fail = [&](const std::string& text) {
     if (sink) sink({Severity::error, "snapshot", product.file, text});
     return false;
   };
   ProductImage image;
-  image.incomplete = !pass.WaitForConvergence(0) || pass.GetState() != PassState::converged;  // before pixels are read
+  image.incomplete = !is_over(pass);  // before pixels are read
   image.framing = state.framing;
   const Vec2i size(state.framing.dataWindow.width(), state.framing.dataWindow.height());
   std::map<std::string, Pixels> held;

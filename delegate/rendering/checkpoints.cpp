@@ -49,9 +49,22 @@ std::string in_quotes(const std::string& file) {
 
 }  // namespace
 
+std::shared_ptr<const Checkpoints::Pending> Checkpoints::pending() const {
+  const std::lock_guard lock(mutex_);
+  return pending_;
+}
+
+void Checkpoints::set_pending(std::shared_ptr<const Pending> pending, bool shown) {
+  const std::lock_guard lock(mutex_);
+  pending_.swap(pending);
+  shown_ = shown;
+}
+
 // Made once for each snapshot.
-const std::map<std::string, std::string>& Checkpoints::digests_of(const BuiltScene& scene) const {
-  if (digested_ != scene.snapshot->number) digests_ = prims::digest_scene(scene.translation);
+std::shared_ptr<const Checkpoints::Digests> Checkpoints::digests_of(const BuiltScene& scene) const {
+  const std::lock_guard lock(digests_mutex_);
+  if (!digests_ || digested_ != scene.snapshot->number)
+    digests_ = std::make_shared<const Digests>(prims::digest_scene(scene.translation));
   digested_ = scene.snapshot->number;
   return digests_;
 }
@@ -62,7 +75,7 @@ std::string Checkpoints::write(const RenderCore& core, const std::string& file, 
   if (!request || !request->scene || !pass) return "nothing has been rendered";
   const auto scene = core.scene(request->scene);
   if (!scene) return "the scene has changed since it was rendered";
-  CheckpointHeader header = checkpoint_header(*request, digests_of(*scene));
+  CheckpointHeader header = checkpoint_header(*request, *digests_of(*scene));
   header["samples"] = samples_of(*request);
   header["complete"] = pass->progress().state == SessionState::finished;
   header["note"] = note;
@@ -84,13 +97,12 @@ std::string read(CheckpointReader* reader, const MemoryBudget& memory, RenderSta
 }  // namespace
 
 std::string Checkpoints::resume(const std::string& file, const MemoryBudget& memory) {
-  pending_.reset();
-  shown_ = false;
+  set_pending(nullptr, false);
   if (file.empty()) return {};
   CheckpointReader reader(file);
   auto state = std::make_shared<RenderState>();
   if (std::string fault = read(&reader, memory, state.get()); !fault.empty()) return fault;
-  pending_ = Pending{file, reader.header(), std::move(state)};
+  set_pending(std::make_shared<const Pending>(Pending{file, reader.header(), std::move(state)}), false);
   return {};
 }
 
@@ -165,8 +177,7 @@ std::vector<Part> open_parts(const Array<std::string>& files, std::string* fault
 }  // namespace
 
 std::string Checkpoints::show(const Array<std::string>& files, const MemoryBudget& memory) {
-  pending_.reset();
-  shown_ = false;
+  set_pending(nullptr, false);
   if (files.empty()) return {};
   std::string fault;
   const std::vector<Part> parts = open_parts(files, &fault);
@@ -180,23 +191,24 @@ std::string Checkpoints::show(const Array<std::string>& files, const MemoryBudge
       reader.finish(append_state(reader.source(), state.get())), fault = reader.fault();
     if (!fault.empty()) return in_quotes(part.file) + ": " + fault;
   }
-  pending_ = Pending{parts[0].file, parts[0].reader->header(), std::move(state)};
-  shown_ = true;
+  set_pending(std::make_shared<const Pending>(Pending{parts[0].file, parts[0].reader->header(), std::move(state)}),
+              true);
   return {};
 }
 
 std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& request) const {
-  if (!pending_) return {};
-  const Film& film = *pending_->state->film;
+  const std::shared_ptr<const Pending> pending = this->pending();
+  if (!pending) return {};
+  const Film& film = *pending->state->film;
   std::string fault;
   const uint32_t aovs = with_guides(request.aovs);
   if (film.data_window() != request.data_window || (aovs & ~film.aovs()) != 0 || (!shown_ && aovs != film.aovs()))
     fault = "it has another size or other AOVs";
   if (!shown_ && scene) {
     const std::string difference =
-        checkpoint_difference(pending_->header, checkpoint_header(request, digests_of(*scene)));
+        checkpoint_difference(pending->header, checkpoint_header(request, *digests_of(*scene)));
     const RenderSettings& settings = request.settings;
-    const SampleRange range = range_of(pending_->header), now{settings.first_sample, settings.samples};
+    const SampleRange range = range_of(pending->header), now{settings.first_sample, settings.samples};
     if (!difference.empty())
       fault = "it is of another render: " + difference;
     else if (range.begin != now.begin || (now.begin > 0 && range.end != now.end))
@@ -205,13 +217,13 @@ std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& req
       fault = "it has " + std::to_string(film.most_samples()) + " samples per pixel, more than the " +
               std::to_string(now.end - now.begin) + " that are asked for";
   }
-  return fault.empty() ? fault : "the render cannot go on from checkpoint " + in_quotes(pending_->file) + ": " + fault;
+  return fault.empty() ? fault : "the render cannot go on from checkpoint " + in_quotes(pending->file) + ": " + fault;
 }
 
 std::shared_ptr<RenderState> Checkpoints::take() {
-  auto state = pending_ ? std::move(pending_->state) : nullptr;
-  pending_.reset();
-  return state;
+  const std::lock_guard lock(mutex_);
+  const std::shared_ptr<const Pending> taken = std::move(pending_);
+  return taken ? taken->state : nullptr;
 }
 
 }  // namespace alabaster::hd::rendering

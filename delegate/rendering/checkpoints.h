@@ -1,9 +1,11 @@
-// The commands of checkpoints, and the one from which the next render continues. Host thread.
+// The commands of checkpoints, and the one from which the next render continues. Commands: host thread; the rest is
+// asked by whichever thread starts a render.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
-#include <optional>
+#include <mutex>
 #include <string>
 
 #include "delegate/api/types.h"
@@ -30,7 +32,7 @@ class Checkpoints {
   /// Why a render of the scene cannot go on from the file; empty if it can, or none was named. Null: of no scene.
   std::string fault(const BuiltScene* scene, const RenderRequest& request) const;
   /// The next render continues from a file, which is compared with the scene as it will be.
-  bool is_pending() const { return pending_.has_value(); }
+  bool is_pending() const { return pending() != nullptr; }
   bool is_shown() const { return shown_; }
   /// The state from which the next render continues. Null: nothing was named.
   std::shared_ptr<RenderState> take();
@@ -41,12 +43,17 @@ class Checkpoints {
     CheckpointHeader header;
     std::shared_ptr<RenderState> state;
   };
-  const std::map<std::string, std::string>& digests_of(const BuiltScene& scene) const;
+  using Digests = std::map<std::string, std::string>;
+  std::shared_ptr<const Pending> pending() const;
+  void set_pending(std::shared_ptr<const Pending> pending, bool shown);
+  std::shared_ptr<const Digests> digests_of(const BuiltScene& scene) const;
 
-  std::optional<Pending> pending_;
-  mutable uint64_t digested_ = 0;  // the number of the snapshot that digests_ are of
-  mutable std::map<std::string, std::string> digests_;
-  bool shown_ = false;
+  mutable std::mutex mutex_;                // guards pending_
+  std::shared_ptr<const Pending> pending_;  // null: none
+  mutable std::mutex digests_mutex_;        // held while they are made
+  mutable uint64_t digested_ = 0;           // the number of the snapshot that digests_ are of
+  mutable std::shared_ptr<const Digests> digests_;
+  std::atomic<bool> shown_{false};
 };
 
 }  // namespace alabaster::hd::rendering

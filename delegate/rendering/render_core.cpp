@@ -20,7 +20,8 @@ constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 }  // namespace
 
 RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dictionary& initial_settings)
-    : param(std::move(scene_param)), builder_(param, [this] { drop_old_request(); }) {
+    : param(std::move(scene_param)),
+      builder_(param, {[this] { drop_old_request(); }, [this] { begin_waiting_passes(); }}) {
   for (const auto& [key, value] : initial_settings) set_setting(key, value);
 }
 
@@ -127,6 +128,14 @@ void RenderCore::drop_old_request() {
   if (last_request_ == last) last_request_.reset();
 }
 
+// Passes whose Execute came before the scene was there. On the builder's thread, before a stop returns.
+void RenderCore::begin_waiting_passes() noexcept {
+  prims::guarded(param->sink(), "render pass", [&] {
+    for (const auto& pass : passes())
+      if (!prims::guarded(param->sink(), "render pass", [&] { pass->begin_waiting(); })) pass->abandon();
+  });
+}
+
 std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
   std::shared_ptr<const RenderRequest> last;
   {
@@ -137,6 +146,7 @@ std::shared_ptr<const RenderRequest> RenderCore::last_request() const {
 }
 
 std::shared_ptr<const Denoiser> RenderCore::denoiser(std::string* problem) {
+  const std::lock_guard lock(denoiser_mutex_);
   if (!denoiser_ && denoiser_problem_.empty()) denoiser_ = Denoiser::load(&denoiser_problem_);
   *problem = denoiser_problem_;
   return denoiser_;

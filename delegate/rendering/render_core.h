@@ -39,10 +39,10 @@ class RenderCore {
   /// These wait for the builder.
   std::string dump();
   std::string requirements();
-  /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
-  std::shared_ptr<const Denoiser> denoiser(std::string* problem);
 
   // Any thread.
+  /// Loads the library at the first call. Null, with the reason in *problem, if it cannot be used.
+  std::shared_ptr<const Denoiser> denoiser(std::string* problem);
   /// Null: none has been built yet.
   std::shared_ptr<const BuiltScene> scene(const support::Selection& selection) const {
     return builder_.built(selection);
@@ -75,7 +75,7 @@ class RenderCore {
   /// The pass that started it; null: it is gone.
   std::shared_ptr<PassControl> last_pass() const;
 
-  Checkpoints checkpoints;  // host thread
+  Checkpoints checkpoints;
 
   // Passes and background control (any thread).
   void add_pass(const std::shared_ptr<PassControl>& pass);
@@ -93,6 +93,7 @@ class RenderCore {
  private:
   void apply_stops();
   void drop_old_request();
+  void begin_waiting_passes() noexcept;
   const prims::SettingsRecord* settings_prim() const;  // under mutex_
   prims::Dicing dicing(const Shutter& shutter) const;
   void apply_edits();
@@ -106,14 +107,15 @@ class RenderCore {
   std::shared_ptr<const RenderRequest> last_request_;
   std::weak_ptr<PassControl> last_pass_;
   std::vector<std::weak_ptr<PassControl>> passes_;
+  std::mutex denoiser_mutex_;  // guards what follows, while the library is loaded, too
+  std::shared_ptr<const Denoiser> denoiser_;
+  std::string denoiser_problem_;
 
   // Host thread only.
   std::list<prims::Edit> edits_;               // taken, but not applied yet
   std::list<prims::Edit> drawn_;               // not handed over yet
   std::optional<SnapshotBuilder::View> view_;  // handed over last
   bool committed_ = false;                     // once
-  std::shared_ptr<const Denoiser> denoiser_;
-  std::string denoiser_problem_;
 
   std::atomic<bool> dicing_changed_{false};  // by a setting
   bool views_changed_ = false;

@@ -83,22 +83,14 @@ std::optional<Aov> aov_of(const std::string& name, std::vector<UvSetName>* primv
   return primvar_aov(place);
 }
 
-void add_bindings(const RenderPassState& state, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
+// Those of the bindings. Null: no buffer of this delegate is bound.
+std::vector<std::shared_ptr<BufferState>> buffers_of(const RenderPassState& state) {
+  std::vector<std::shared_ptr<BufferState>> buffers;
   for (const AovBinding& binding : state.aovBindings) {
     const auto* buffer = dynamic_cast<const RenderBufferPrim*>(binding.renderBuffer);
-    const std::optional<Aov> aov = buffer ? aov_of(binding.aovName.str(), &in->primvars) : std::nullopt;
-    if (!aov) {
-      faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
-                         !buffer                           ? "no buffer of this delegate is bound; the AOV is not drawn"
-                         : find_aov(binding.aovName.str()) ? "a frame shows " + std::to_string(kMostPrimvarAovs) +
-                                                                 " primvars at most; this is not drawn"
-                                                           : "this AOV is not supported; its buffer is not drawn"});
-      continue;
-    }
-    const Value clear =
-        binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
-    in->bindings.push_back({*aov, buffer->state(), buffer->state()->allocation(), clear});
+    buffers.push_back(buffer ? buffer->state() : nullptr);
   }
+  return buffers;
 }
 
 // Those that the bindings name.
@@ -125,8 +117,28 @@ std::optional<CameraParameters> PassControl::camera_of(const RenderPassState& st
   return state.freeCamera ? prims::posed_camera(free_record_, shutter) : core_->camera(path, shutter);
 }
 
-PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults) {
+void PassControl::add_bindings(const Asked& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults) {
+  for (size_t i = 0; i < asked.buffers.size(); ++i) {
+    const AovBinding& binding = asked.state.aovBindings[i];
+    const std::shared_ptr<BufferState>& buffer = asked.buffers[i];
+    const std::optional<Aov> aov = buffer ? aov_of(binding.aovName.str(), &in->primvars) : std::nullopt;
+    if (!aov) {
+      faults->push_back({alabaster::Severity::warning, "pass.binding", binding.aovName.str(),
+                         !buffer                           ? "no buffer of this delegate is bound; the AOV is not drawn"
+                         : find_aov(binding.aovName.str()) ? "a frame shows " + std::to_string(kMostPrimvarAovs) +
+                                                                 " primvars at most; this is not drawn"
+                                                           : "this AOV is not supported; its buffer is not drawn"});
+      continue;
+    }
+    const Value clear =
+        binding.clearValue.empty() ? default_aov_descriptor(binding.aovName).clearValue : binding.clearValue;
+    in->bindings.push_back({*aov, buffer, buffer->allocation(), clear});
+  }
+}
+
+PassInputs PassControl::inputs(const Asked& asked, std::vector<alabaster::Diagnostic>* faults) {
   PassInputs in;
+  const RenderPassState& state = asked.state;
   const std::shared_ptr<const BuiltScene> scene = core_->scene(view()->selection);
   if (scene) in.scene = scene->snapshot;
   in.settings = core_->render_settings();
@@ -135,7 +147,7 @@ PassInputs PassControl::inputs(const RenderPassState& state, std::vector<alabast
   in.settings.memory_limit = {};
   in.settings.refine_edge_length = {};
   in.restarts = core_->restarts();
-  add_bindings(state, &in, faults);
+  add_bindings(asked, &in, faults);
   const Path camera = state.freeCamera       ? Path(kFreeCamera)
                       : state.camera.empty() ? core_->settings_camera()
                                              : state.camera;
@@ -279,20 +291,31 @@ void PassControl::execute(const RenderPassState& state) {
   const std::lock_guard lock(executing_);
   look(state);
   if (core_->needs_commit() && !core_->is_stopped()) core_->commit();
-  draw(state);
+  draw({state, buffers_of(state)});
 }
 
-void PassControl::draw(const RenderPassState& state) {
+void PassControl::begin_waiting() {
+  const std::lock_guard lock(executing_);
+  if (!awaiting_ || core_->is_building() || core_->is_stopped()) return;
+  draw(std::move(*awaiting_));
+}
+
+void PassControl::retire() {
+  const std::lock_guard lock(executing_);
+  awaiting_.reset();
+}
+
+void PassControl::draw(Asked asked) {
   executed_ = true;
   awaiting_.reset();
   const bool building = core_->is_building();  // asked before the scene is taken
   if (building) {
-    awaiting_ = state;
+    awaiting_ = asked;
     const auto scene = core_->scene(view()->selection);
     if (!scene || !scene->snapshot || core_->checkpoints.is_pending()) return expect_new_scene();
   }
   std::vector<alabaster::Diagnostic> faults;
-  PassInputs next = inputs(state, &faults);
+  PassInputs next = inputs(asked, &faults);
   update(std::move(next), building, &faults);
   std::vector<std::pair<std::string, std::string>> now;
   for (const auto& fault : faults) {
@@ -304,6 +327,7 @@ void PassControl::draw(const RenderPassState& state) {
 }
 
 void PassControl::abandon() {
+  retire();
   const std::lock_guard lock(control_);
   session_->stop();
   cancelled_ = true;
@@ -341,13 +365,18 @@ void PassControl::expect_new_scene() {
 bool PassControl::wait(double seconds) {
   const auto start = std::chrono::steady_clock::now();
   if (core_->is_building() && !core_->wait_for_build(seconds) && !core_->is_stopped()) return false;
-  {
-    const std::lock_guard lock(executing_);
-    if (awaiting_ && !core_->is_building()) draw(RenderPassState(*awaiting_));
-  }
+  begin_waiting();
   if (!active_ || failed_ || is_converged()) return true;
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
-  return session_->wait(seconds - spent.count());
+  if (!session_->wait(seconds - spent.count())) return false;
+  see_finish();
+  return true;
+}
+
+// The host has been told that the render is over.
+void PassControl::see_finish() {
+  const std::lock_guard lock(control_);
+  if (active_ && !stale_ && !cancelled_ && session_->progress().state == SessionState::finished) finish_seen_ = true;
 }
 
 PassState PassControl::state() const {
@@ -389,7 +418,10 @@ RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)
 }
 
 RenderPassImpl::~RenderPassImpl() {
-  prims::guarded(core_->param->sink(), "render pass", [&] { control_->halt(); });
+  prims::guarded(core_->param->sink(), "render pass", [&] {
+    control_->retire();
+    control_->halt();
+  });
 }
 
 void RenderPassImpl::Execute(const RenderPassState& state) {

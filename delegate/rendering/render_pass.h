@@ -45,6 +45,10 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   ~PassControl() { session_->stop(); }
 
   void execute(const RenderPassState& state);  // host thread
+  /// Draws what Execute was to draw when the scene was not there, if it is now. Any thread.
+  void begin_waiting();
+  /// The host destroys the pass: nothing begins any more.
+  void retire();
   /// Empty: it has not been executed.
   std::optional<PassView> view() const;
   /// The scene is being built: no picture of the old one is the last, though it goes on.
@@ -54,7 +58,7 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   void forget();   // Restart: the next Execute starts again
   void pause();
   void resume();
-  /// Waits for the scene, too, and then takes it up as Execute would.
+  /// Waits for the scene, too. The next Execute after it returned true reports convergence.
   bool wait(double seconds);
 
   PassState state() const;
@@ -70,14 +74,22 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   size_t film_memory() const;
 
  private:
+  /// The arguments of Execute, and the buffers of its bindings, which the host may destroy before the scene is there;
+  /// null: none of this delegate.
+  struct Asked {
+    RenderPassState state;
+    std::vector<std::shared_ptr<BufferState>> buffers;
+  };
   void look(const RenderPassState& state);
-  void draw(const RenderPassState& state);
-  PassInputs inputs(const RenderPassState& state, std::vector<alabaster::Diagnostic>* faults);
+  void draw(Asked asked);
+  PassInputs inputs(const Asked& asked, std::vector<alabaster::Diagnostic>* faults);
+  static void add_bindings(const Asked& asked, PassInputs* in, std::vector<alabaster::Diagnostic>* faults);
   std::optional<CameraParameters> camera_of(const RenderPassState& state, const Path& path,
                                             const Shutter& shutter) const;
   void choose_denoiser(PassInputs* in);
   void update(PassInputs next, bool building, std::vector<alabaster::Diagnostic>* faults);
   void start(PassInputs next);
+  void see_finish();
   void fail(std::string error);
   void set_converged(bool converged);
 
@@ -96,9 +108,9 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   prims::CameraRecord free_record_;
   mutable std::mutex error_mutex_;
   std::string error_;
-  std::mutex executing_;  // one at a time executes: the host, or who waits for the scene
+  std::mutex executing_;  // one at a time draws: the host, who waits for the scene, or the builder
   std::vector<std::pair<std::string, std::string>> reported_;  // faults of the last Execute
-  std::optional<RenderPassState> awaiting_;                    // what Execute was to draw when the scene was not there
+  std::optional<Asked> awaiting_;                              // what is drawn once the scene is there
   MemoryReservation frame_memory_;                             // of the frame that is or was drawn last
   std::atomic<bool> executed_{false};
   std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it

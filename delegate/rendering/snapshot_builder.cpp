@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/math/float_environment.h"
+
 namespace alabaster::hd::rendering {
 
 namespace {
@@ -14,9 +16,9 @@ constexpr std::chrono::microseconds kHostTurn(300);  // longer than most calls o
 
 }  // namespace
 
-SnapshotBuilder::SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, std::function<void()> published)
+SnapshotBuilder::SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, Events events)
     : param_(std::move(param)),
-      published_(std::move(published)),
+      events_(std::move(events)),
       wakes_(std::make_shared<WakeRelay>([this] { wake_.notify_all(); }, kHostTurn)),
       translator_(param_->sink()) {}
 
@@ -89,6 +91,7 @@ void SnapshotBuilder::release_retired() {
 }
 
 void SnapshotBuilder::run() {
+  const FloatEnvironment environment;
   while (take_work()) build();
 }
 
@@ -143,11 +146,14 @@ void SnapshotBuilder::build() {
     failed_ = lost_ || (!cancelled && (meshes_.incomplete() || lacks_snapshots()));
     cancelled_before_ = cancelled && requested_;
     if (cancelled) requested_ = true;
-    building_ = false;
     pending_ = requested_;
     release_ |= !cancelled;
   }
   wakes_->end_work();
+  rested_.notify_all();
+  if (!pending_) events_.built();
+  const std::lock_guard lock(mutex_);
+  building_ = false;
   rested_.notify_all();
 }
 
@@ -319,7 +325,7 @@ void SnapshotBuilder::publish(std::shared_ptr<const BuiltScene> scene) {
       *same = std::move(scene);
     }
   }
-  published_();
+  events_.published();
 }
 
 // The scenes of selections that nobody asks for any more.

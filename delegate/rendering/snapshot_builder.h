@@ -26,8 +26,12 @@ struct BuiltScene {
 /// that edits without end still sees snapshots.
 class SnapshotBuilder {
  public:
-  /// `published` is called on the builder's thread after each new scene, under no lock.
-  SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, std::function<void()> published);
+  /// Called on the builder's thread, under no lock. set_stopped(true) waits for them.
+  struct Events {
+    std::function<void()> published;  // after each new scene
+    std::function<void()> built;      // when nothing is pending any more, whether or not the build failed
+  };
+  SnapshotBuilder(std::shared_ptr<prims::SceneParam> param, Events events);
   ~SnapshotBuilder();  // cancels
   SnapshotBuilder(const SnapshotBuilder&) = delete;
   SnapshotBuilder& operator=(const SnapshotBuilder&) = delete;
@@ -88,7 +92,7 @@ class SnapshotBuilder {
   void destroy_unused();
 
   const std::shared_ptr<prims::SceneParam> param_;
-  const std::function<void()> published_;
+  const Events events_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_, rested_;

@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "core/images/image_file.h"
 #include "testenv/support/stage.h"
@@ -55,6 +57,25 @@ TEST_F(Snapshot, WritesWhatTheBuffersShow) {
     stage.scene.Remove("/color");
     stage.scene.Remove("/ids");
   }
+}
+
+// Also where no Execute has latched convergence.
+TEST_F(Snapshot, OfARenderThatIsOverIsComplete) {
+  RenderPassState state = Stage::state_for(8, 8, "color", stage.add_buffer("/color", 8, 8, Format::float32vec4));
+  stage.index->SyncAll();
+  pass->Execute(state);
+  ASSERT_TRUE(pass->WaitForConvergence(20));
+  ASSERT_TRUE(write(state, product("a.exr"))) << said;
+  const auto is_marked = [&] {
+    std::ifstream file(folder / "a.exr", std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    return bytes.find("alabaster/incomplete") != std::string::npos;
+  };
+  EXPECT_FALSE(is_marked());
+  stage.delegate->SetRenderSetting("samples", int64_t(1) << 20);
+  pass->Execute(state);
+  ASSERT_TRUE(write(state, product("a.exr"))) << said;
+  EXPECT_TRUE(is_marked());
 }
 
 TEST_F(Snapshot, SaysWhyItWritesNothing) {
