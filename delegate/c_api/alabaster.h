@@ -7,15 +7,20 @@
 
    Structs that begin with `size` grow at their end: set it to sizeof the struct and everything unused to zero, as
    `AlabasterMesh mesh = {sizeof mesh};` does. Zero and null mean the default. Structs without it stand in arrays and
-   never change. Strings are UTF-8, end with a zero byte and are copied during the call.
+   never change. A count without its array is refused, as is a `size` that the struct has in no version:
+   INVALID_ARGUMENT. Strings are UTF-8, end with a zero byte and are copied during the call.
 
    Every function that can fail returns a status. api->last_error() then says why, for the calling thread, until its
    next call that fails. Faults of a scene go to the diagnostics callback.
 
    Threads: one thread at a time calls into a delegate and its scene, passes and buffers; a second one waits. These may
    be called by any thread at any time and do not wait: pass_wait, pass_state, progress, stats, stop, restart, pause,
-   resume, buffer_map, pixels_unmap, buffer_read, buffer_show, display_set_exposure. Callbacks must not call back into
-   the library unless they say that they may.
+   resume, buffer_map, pixels_unmap, buffer_read, buffer_show, display_set_exposure.
+
+   Callbacks: those that visit, and the progress callback of record, may call the library; but record, show and
+   pass_start of a delegate that records are refused until its record has returned. Report and release callbacks must
+   not call the library: INVALID_ARGUMENT. All of them may destroy handles; a handle that a report or release callback
+   destroys goes with the next call.
 
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H
@@ -35,9 +40,9 @@ typedef struct AlabasterApi {
   const char* versions; /* "0.1.0", then a line per library that it stands on */
   const char* (*last_error)(void);
 
-  /* Scenes. A set replaces the prim of that path, and finds out what differs; arrays that are the same memory count as
-     unchanged, but for ALABASTER_EDITED_ARRAY. A scene may be filled before or while a delegate draws it. `report` may
-     be null. */
+  /* Scenes. A set replaces the prim of that path, of whatever kind it is, and finds out what differs; arrays that are
+     the same memory count as unchanged, but for ALABASTER_EDITED_ARRAY. A scene may be filled before or while a
+     delegate draws it. `report` may be null. */
   AlabasterStatus (*scene_create)(AlabasterReport report, void* user, AlabasterScene** scene);
   void (*scene_destroy)(AlabasterScene* scene);
   AlabasterStatus (*scene_load)(AlabasterScene*, const char* file, const AlabasterLoadOptions*, AlabasterLoaded*);
@@ -45,8 +50,9 @@ typedef struct AlabasterApi {
   AlabasterStatus (*remove)(AlabasterScene*, const char* path);
   AlabasterStatus (*set_mesh)(AlabasterScene*, const char* path, const AlabasterMesh*);
   AlabasterStatus (*set_primvar)(AlabasterScene*, const char* mesh, const AlabasterPrimvar*); /* none: removes it */
-  AlabasterStatus (*set_transform)(AlabasterScene*, const char* path, const double* matrix);  /* of any prim with one */
-  AlabasterStatus (*set_visible)(AlabasterScene*, const char* path, int32_t visible);         /* mesh or light */
+  /* Of any prim with one. What moves stands still there: a transform that moves is set with the prim. */
+  AlabasterStatus (*set_transform)(AlabasterScene*, const char* path, const double* matrix);
+  AlabasterStatus (*set_visible)(AlabasterScene*, const char* path, int32_t visible); /* mesh or light */
   AlabasterStatus (*bind_material)(AlabasterScene*, const char* mesh, const char* material);
   AlabasterStatus (*set_instancer)(AlabasterScene*, const char* path, const AlabasterInstancer*);
   AlabasterStatus (*set_material)(AlabasterScene*, const char* path, const AlabasterMaterial*);
@@ -115,7 +121,8 @@ typedef struct AlabasterApi {
 
   /* Since version 3. Replaces elements of an instancer's primvar, from number `first` on: positions, scales, rotations
      or matrices. Costs what it changes; set_instancer costs a look at all instances. `values` has the type that the
-     primvar has: INVALID_ARGUMENT if not, or if they lie beyond its end. */
+     primvar has: INVALID_ARGUMENT if not, if they lie beyond its end, or if they have motion. Instances that move
+     stand still there, at the cost of a copy of each sample; the others move as before. */
   AlabasterStatus (*set_instance_values)(AlabasterScene*, const char* instancer, const AlabasterPrimvar* values,
                                          size_t first);
 

@@ -70,9 +70,10 @@ enum {
 
 /* Arrays of numbers, vectors, quaternions and matrices may be lent: with `release` the memory is not copied, must not
    change, and must be aligned as its elements are. release(owner) is called once, by any thread and whether or not the
-   call succeeded, when the library no longer reads it. Without `release` it is copied in the call. Memory that is lent
-   as ALABASTER_EDITED_ARRAY may be edited in place: it is read, and copied, by pass_start and record alone, in their
-   calling thread and those that they start and wait for. Each time it is lent it counts as edited. */
+   call succeeded, when the library no longer reads it; it must not call the library. Without `release` it is copied in
+   the call. Memory that is lent as ALABASTER_EDITED_ARRAY may be edited in place: it is read, and copied, by pass_start
+   and record alone, in their calling thread and those that they start and wait for. Each time it is lent it counts as
+   edited. */
 typedef struct AlabasterValue {
   int32_t type;
   int32_t is_array;
@@ -106,7 +107,7 @@ typedef struct AlabasterDiagnostic {
   const char* text;  /* what is wrong, and the remedy */
 } AlabasterDiagnostic;
 
-/* Called by a thread of the host's or of ours, never under a lock of the renderer's. */
+/* Called by a thread of the host's or of ours, never under a lock of the renderer's. Must not call the library. */
 typedef void (*AlabasterReport)(void* user, const AlabasterDiagnostic* diagnostic);
 
 /* Scenes: prims by path, '/'-separated by custom ------------------------------------------------ */
@@ -391,7 +392,8 @@ typedef struct AlabasterRecordOptions {
   const char* const* aovs; /* layers of the .exr files besides color */
   size_t aov_count;
   int32_t keep_going; /* renders a scene that has faults without what they leave out */
-  /* About ten times a second, by the calling thread; 0 cancels, and what is there is written. May call the library. */
+  /* About ten times a second, by the calling thread; 0 cancels, and what is there is written. May call the library,
+     but for record, show and pass_start of the same delegate. */
   int32_t (*progress)(void* user, const AlabasterProgress* progress);
   void* user;
 } AlabasterRecordOptions;

@@ -16,7 +16,10 @@ AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
 /// For what any thread may do at any time.
 template <class Call>
 AlabasterStatus at_any_time(AlabasterDelegate* handle, const Call& call) {
-  return guarded([&] { call(*required(handle, "delegate").data->delegate); });
+  return guarded([&] {
+    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    call(*data->delegate);
+  });
 }
 
 void visit_value(const char* name, const Value& value, AlabasterVisit visit, void* user) {
@@ -31,35 +34,29 @@ AlabasterProgress progress_of(const host::RecordProgress& from) {
 
 std::vector<RenderProduct> products_of(const AlabasterRecordOptions& in) {
   std::vector<RenderProduct> products;
-  for (size_t i = 0; i < in.file_count; ++i) {
+  const auto aovs = items(in.aovs, in.aov_count, "aovs");
+  for (const char* file : items(in.files, in.file_count, "files")) {
     RenderProduct product;
-    product.file = text_or(in.files[i], "");
-    if (product.file.ends_with(".exr") && in.aov_count > 0) {
+    product.file = text_or(file, "");
+    if (product.file.ends_with(".exr") && !aovs.empty()) {
       product.vars.push_back(host::UsualRenderVar("color"));
-      for (size_t k = 0; k < in.aov_count; ++k) product.vars.push_back(host::UsualRenderVar(text_or(in.aovs[k], "")));
+      for (const char* aov : aovs) product.vars.push_back(host::UsualRenderVar(text_or(aov, "")));
     }
     products.push_back(std::move(product));
   }
   return products;
 }
 
-/// Render settings with other products, for as long as this lives.
-class OtherProducts {
+/// A delegate records while this lives.
+class RecordingScope {
  public:
-  OtherProducts(host::RetainedSceneDelegate& scene, const Path& settings, std::vector<RenderProduct> products)
-      : scene_(scene), settings_(settings), before_(scene.GetAllRenderSettings().at(settings)) {
-    RenderSettingsDescription other = before_;
-    if (!products.empty()) other.products = std::move(products);
-    scene_.SetRenderSettings(settings_, std::move(other));
-  }
-  ~OtherProducts() { scene_.SetRenderSettings(settings_, before_); }
-  OtherProducts(const OtherProducts&) = delete;
-  OtherProducts& operator=(const OtherProducts&) = delete;
+  explicit RecordingScope(DelegateData& data) : data_(data) { data_.records = true; }
+  ~RecordingScope() { data_.records = false; }
+  RecordingScope(const RecordingScope&) = delete;
+  RecordingScope& operator=(const RecordingScope&) = delete;
 
  private:
-  host::RetainedSceneDelegate& scene_;
-  Path settings_;
-  RenderSettingsDescription before_;
+  DelegateData& data_;
 };
 
 void check(host::RecordStatus status, Reports& reports) {
@@ -83,15 +80,15 @@ void check(host::RecordStatus status, Reports& reports) {
 
 AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, AlabasterScene* scene, AlabasterDelegate** out) {
   return guarded([&] {
+    ValueReader reader(given);
     auto& handle = required(out, "delegate");
     const auto in = given ? sized(given, "options") : AlabasterDelegateOptions{};
     auto data = std::make_shared<DelegateData>();
     data->reports = std::make_shared<Reports>(in.report, in.user);
-    ValueReader reader;
     DelegateOptions options;
-    options.settings = reader.dictionary(in.settings, in.setting_count);
+    options.settings = reader.dictionary({in.settings, in.setting_count}, "settings");
     options.diagnostics = sink_of(data->reports);
-    reader.finish();
+    reader.take();
     if (const auto ocio = options.settings.find("ocio"); ocio != options.settings.end())
       data->colors.ocio = ocio->second.text_or("");
     data->delegate = CreateAlabasterRenderDelegate(kAbiVersion, &options);
@@ -103,25 +100,31 @@ AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, Alabaster
 }
 
 void delegate_destroy(AlabasterDelegate* handle) {
-  delete handle;
+  destroy(handle);
 }
 
 AlabasterStatus show(AlabasterDelegate* handle, AlabasterScene* scene) {
-  return on_delegate(handle, [&](DelegateData& data) { data.show(scene ? scene->data : nullptr); });
+  return on_delegate(handle, [&](DelegateData& data) {
+    refuse_while_recording(data, "show");
+    data.show(scene ? scene->data : nullptr);
+  });
 }
 
 AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const AlabasterValue* value) {
-  return on_delegate(handle, [&](DelegateData& data) {
-    ValueReader reader;
-    const Value read = reader.value(required(value, "value"));
-    reader.finish();
-    data.delegate->SetRenderSetting(&required(key, "key"), read);
+  return guarded([&] {
+    ValueReader reader(value);
+    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    const Value read = reader.value(required(value, "value"), &required(key, "key"));
+    reader.take();
+    const HostLock lock(*data);
+    data->delegate->SetRenderSetting(key, read);
   });
 }
 
 AlabasterStatus get_setting(AlabasterDelegate* handle, const char* key, AlabasterVisit visit, void* user) {
   return on_delegate(handle, [&](DelegateData& data) {
-    visit_value(key, data.delegate->GetRenderSetting(&required(key, "key")), visit, user);
+    const Token name(&required(key, "key"));
+    visit_value(key, data.delegate->GetRenderSetting(name), visit, user);
   });
 }
 
@@ -173,11 +176,16 @@ AlabasterStatus progress(AlabasterDelegate* handle, AlabasterProgress* out) {
 
 AlabasterStatus command(AlabasterDelegate* handle, const char* name, const AlabasterParameter* arguments, size_t count,
                         AlabasterVisit visit, void* user) {
-  return on_delegate(handle, [&](DelegateData& data) {
-    ValueReader reader;
-    const Dictionary read = reader.dictionary(arguments, count);
-    reader.finish();
-    visit_value(name, data.delegate->InvokeCommand(&required(name, "name"), read), visit, user);
+  return guarded([&] {
+    const ParameterList given{arguments, count};
+    ValueReader reader(&given);
+    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    const Token command(&required(name, "name"));
+    const Dictionary read = reader.dictionary(given, "arguments");
+    reader.take();
+    if (!visit) throw bad_argument("visit is null");
+    const HostLock lock(*data);
+    visit_value(name, data->delegate->InvokeCommand(command, read), visit, user);
   });
 }
 
@@ -198,11 +206,13 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
                        void* user) {
   return on_delegate(handle, [&](DelegateData& data) {
     const auto in = given ? sized(given, "options") : AlabasterRecordOptions{};
+    refuse_while_recording(data, "record");
     if (!data.scene) throw bad_argument("the delegate draws no scene");
     const Path settings = settings_path(data.scene->scene, in.settings);
-    const OtherProducts products(data.scene->scene, settings, products_of(in));
+    const RecordingScope scope(data);
     std::atomic<bool> cancel{false};
     host::RecordOptions options;
+    options.products = products_of(in);
     options.colors = data.colors;
     options.keep_going = in.keep_going != 0;
     options.cancel = &cancel;

@@ -3,7 +3,8 @@
 #include "delegate/c_api/handles.h"
 #include "delegate/host/display_transform.h"
 
-struct AlabasterDisplay {
+struct AlabasterDisplay final : alabaster::hd::c_api::Handle {
+  explicit AlabasterDisplay(std::unique_ptr<alabaster::hd::host::DisplayTransform> made) : transform(std::move(made)) {}
   std::unique_ptr<alabaster::hd::host::DisplayTransform> transform;
 };
 
@@ -24,7 +25,7 @@ AlabasterStatus display_create(const AlabasterDisplayOptions* options, Alabaster
 }
 
 void display_destroy(AlabasterDisplay* display) {
-  delete display;
+  destroy(display);
 }
 
 AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops) {
@@ -36,10 +37,11 @@ AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops) {
 
 AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
   return guarded([&] {
-    RenderBuffer& buffer = *required(handle, "buffer").data->buffer;
+    const std::shared_ptr<BufferData> data = required(handle, "buffer").data;
+    RenderBuffer& buffer = *data->buffer;
     AlabasterMemory in = sized(out, "memory");
     if (in.format <= ALABASTER_FORMAT_NONE || in.format > ALABASTER_INT32)
-      throw bad_argument("there is no such format");
+      throw bad_argument("there is no format " + std::to_string(in.format));
     PixelMemory memory{in.pixels, in.row_bytes, {in.width, in.height}, Format(in.format), in.y_up == 0,
                        nullptr,   in.shown};
     if (in.display) memory.transform = in.display->transform.get();

@@ -1,5 +1,7 @@
 #include "delegate/c_api/handles.h"
 
+#include <atomic>
+
 namespace alabaster::hd::c_api {
 
 // An array: a thread_local string would keep the library loaded until the thread ends.
@@ -13,6 +15,33 @@ const char* last_error() noexcept {
   return g_last_error;
 }
 
+thread_local int CallbackScope::depth = 0;
+
+namespace {
+std::atomic<Handle*> g_put_off{nullptr};
+}
+
+void destroy(Handle* handle) noexcept {
+  if (!handle) return;
+  const FloatEnvironment environment;
+  if (!CallbackScope::is_open()) {
+    delete handle;
+    return;
+  }
+  handle->next = g_put_off;
+  while (!g_put_off.compare_exchange_weak(handle->next, handle)) {
+  }
+}
+
+void destroy_put_off() noexcept {
+  if (!g_put_off) return;
+  for (Handle* handle = g_put_off.exchange(nullptr); handle;) {
+    Handle* const next = handle->next;
+    delete handle;
+    handle = next;
+  }
+}
+
 void Reports::operator()(const Diagnostic& diagnostic) {
   if (diagnostic.severity == Severity::error) {
     const std::lock_guard lock(mutex_);
@@ -21,6 +50,7 @@ void Reports::operator()(const Diagnostic& diagnostic) {
   if (!report_) return;
   const AlabasterDiagnostic told = {int32_t(diagnostic.severity), diagnostic.code.c_str(), diagnostic.where.c_str(),
                                     diagnostic.text.c_str()};
+  const CallbackScope scope;
   report_(user_, &told);
 }
 
@@ -31,6 +61,12 @@ std::string Reports::take_error(const std::string& fallback) {
 
 DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports) {
   return [reports](const Diagnostic& diagnostic) { (*reports)(diagnostic); };
+}
+
+void refuse_while_recording(const DelegateData& data, const char* function) {
+  if (data.records)
+    throw bad_argument(std::string(function) +
+                       " is called by the progress callback of record: it must wait until that record returns");
 }
 
 DelegateData::~DelegateData() {

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <span>
 #include <stdexcept>
 
+#include "core/math/float_environment.h"
 #include "delegate/c_api/alabaster.h"
 #include "delegate/description/render_description.h"
 #include "delegate/host/frame_recorder.h"
@@ -25,10 +27,38 @@ inline Failure bad_argument(const std::string& text) {
 AlabasterStatus fail(AlabasterStatus status, const char* text) noexcept;
 const char* last_error() noexcept;
 
-/// Runs a call; no exception leaves it.
+/// While it lives, this thread runs a callback that must not call the library: guarded() refuses what it calls.
+class CallbackScope {
+ public:
+  CallbackScope() { ++depth; }
+  ~CallbackScope() { --depth; }
+  CallbackScope(const CallbackScope&) = delete;
+  CallbackScope& operator=(const CallbackScope&) = delete;
+  static bool is_open() { return depth > 0; }
+
+ private:
+  static thread_local int depth;
+};
+
+/// A handle of a host. A callback that must not call the library may destroy it: the next call does so.
+struct Handle {
+  Handle() = default;
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  virtual ~Handle() = default;
+  Handle* next = nullptr;
+};
+void destroy(Handle* handle) noexcept;
+void destroy_put_off() noexcept;
+
+/// Runs a call, in the default floating-point environment; no exception leaves it.
 template <class Call>
 AlabasterStatus guarded(const Call& call) noexcept {
+  const FloatEnvironment environment;
   try {
+    if (CallbackScope::is_open())
+      throw bad_argument("the library is called by a report or release callback, which must not call it");
+    destroy_put_off();
     call();
     return ALABASTER_OK;
   } catch (const Failure& failure) {
@@ -52,14 +82,46 @@ inline std::string text_or(const char* text, const char* fallback) {
   return text ? text : fallback;
 }
 
-/// A struct that the host may know shorter or longer: members that it does not have are zero.
+/// The size of a struct in the first version of the header: no host has a shorter one.
+template <class T>
+inline constexpr size_t kFirstSize = sizeof(T);
+template <>
+inline constexpr size_t kFirstSize<AlabasterMesh> = offsetof(AlabasterMesh, render_tag);
+template <>
+inline constexpr size_t kFirstSize<AlabasterFrame> = offsetof(AlabasterFrame, free_camera);
+template <>
+inline constexpr size_t kFirstSize<AlabasterLoadOptions> = offsetof(AlabasterLoadOptions, allow_outside);
+
+/// Some version of the header may have it. Members that follow the first version are whole words.
+template <class T>
+bool is_size_of(size_t size) {
+  return size >= kFirstSize<T> && size % alignof(T) == 0;
+}
+
+/// A struct that the host may know shorter or longer: members that it does not have are zero. If the size is wrong,
+/// it has those of the first version.
+template <class T>
+T members_of(const T& in) {
+  T out{};
+  std::memcpy(static_cast<void*>(&out), &in, is_size_of<T>(in.size) ? std::min(in.size, sizeof out) : kFirstSize<T>);
+  return out;
+}
 template <class T>
 T sized(const T* in, const char* name) {
-  T out{};
   const size_t size = required(in, name).size;
-  if (size < sizeof size) throw bad_argument(std::string(name) + ": `size` is not set");
-  std::memcpy(static_cast<void*>(&out), in, std::min(size, sizeof out));
-  return out;
+  if (size == 0) throw bad_argument(std::string(name) + ": `size` is not set");
+  if (!is_size_of<T>(size))
+    throw bad_argument(std::string(name) + ": `size` is " + std::to_string(size) +
+                       ", which is not the size of this struct in any version: set it to sizeof the struct");
+  return members_of(*in);
+}
+
+/// An array of a host's. A count without one is refused.
+template <class T>
+std::span<const T> items(const T* first, size_t count, const char* name) {
+  if (count > 0 && !first)
+    throw bad_argument(std::string(name) + " is null, but the count is " + std::to_string(count));
+  return {first, count};
 }
 template <class T>
 void answer(T* out, T value, const char* name) {
@@ -107,7 +169,11 @@ struct DelegateData {
   RenderDelegate* delegate = nullptr;
   std::unique_ptr<host::RenderIndex> index;
   std::shared_ptr<SceneData> scene;
+  bool records = false;  // what then comes is called by the progress callback
 };
+
+/// Refuses what cannot happen in the midst of a recording.
+void refuse_while_recording(const DelegateData& data, const char* function);
 
 /// Held by the one thread that calls into a delegate and its scene.
 class HostLock {
@@ -142,15 +208,19 @@ Path settings_path(const host::RetainedSceneDelegate& scene, const char* path);
 
 }  // namespace alabaster::hd::c_api
 
-struct AlabasterScene {
-  std::shared_ptr<alabaster::hd::c_api::SceneData> data;
+struct AlabasterScene final : alabaster::hd::c_api::Handle {
+  explicit AlabasterScene(std::shared_ptr<alabaster::hd::c_api::SceneData> held) : data(std::move(held)) {}
+  const std::shared_ptr<alabaster::hd::c_api::SceneData> data;
 };
-struct AlabasterDelegate {
-  std::shared_ptr<alabaster::hd::c_api::DelegateData> data;
+struct AlabasterDelegate final : alabaster::hd::c_api::Handle {
+  explicit AlabasterDelegate(std::shared_ptr<alabaster::hd::c_api::DelegateData> held) : data(std::move(held)) {}
+  const std::shared_ptr<alabaster::hd::c_api::DelegateData> data;
 };
-struct AlabasterBuffer {
-  std::shared_ptr<alabaster::hd::c_api::BufferData> data;
+struct AlabasterBuffer final : alabaster::hd::c_api::Handle {
+  explicit AlabasterBuffer(std::shared_ptr<alabaster::hd::c_api::BufferData> held) : data(std::move(held)) {}
+  const std::shared_ptr<alabaster::hd::c_api::BufferData> data;
 };
-struct AlabasterPass {
-  std::shared_ptr<alabaster::hd::c_api::PassData> data;
+struct AlabasterPass final : alabaster::hd::c_api::Handle {
+  explicit AlabasterPass(std::shared_ptr<alabaster::hd::c_api::PassData> held) : data(std::move(held)) {}
+  const std::shared_ptr<alabaster::hd::c_api::PassData> data;
 };

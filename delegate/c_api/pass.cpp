@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "delegate/c_api/functions.h"
 #include "delegate/c_api/scene_prims.h"
 #include "delegate/description/write_scene.h"
@@ -25,7 +27,8 @@ AlabasterPixels map_pixels(BufferData& data) {
 }
 
 void allocate(RenderBuffer& buffer, int32_t width, int32_t height, int32_t format) {
-  if (format <= ALABASTER_FORMAT_NONE || format > ALABASTER_INT32) throw bad_argument("there is no such format");
+  if (format <= ALABASTER_FORMAT_NONE || format > ALABASTER_INT32)
+    throw bad_argument("there is no format " + std::to_string(format));
   if (width < 1 || height < 1 || !buffer.Allocate({{width, height, 1}, Format(format)}))
     throw bad_argument("a buffer of " + std::to_string(width) + " x " + std::to_string(height) +
                        " pixels cannot be allocated");
@@ -47,7 +50,7 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   state.framing.dataWindow = {0, 0, window.width(), window.height()};
   state.framing.pixelAspectRatio = in.pixel_aspect > 0 ? float(in.pixel_aspect) : settings.pixelAspectRatio;
   if (in.window_policy < ALABASTER_MATCH_VERTICALLY || in.window_policy > ALABASTER_DONT_CONFORM)
-    throw bad_argument("there is no such window policy");
+    throw bad_argument("there is no window policy " + std::to_string(in.window_policy));
   state.windowPolicy = in.window_policy != 0 ? WindowPolicy(in.window_policy) : settings.windowPolicy;
   return path;
 }
@@ -58,26 +61,25 @@ std::vector<Path> paths_of(const std::vector<Token>& names) {
   return paths;
 }
 
-/// Comes before everything that may fail, since it takes the values that the host lends.
-void select(const AlabasterFrame& in, RenderPassState& state) {
-  ValueReader reader;
-  if (in.free_camera) state.freeCamera = read_camera(in.free_camera);
-  if (in.render_tags.type != ALABASTER_NONE) state.renderTags = reader.tokens(in.render_tags, "render_tags");
+void select(const AlabasterFrame& in, ValueReader& reader, RenderPassState& state) {
+  if (in.free_camera) state.freeCamera = read_camera(in.free_camera, reader);
+  std::vector<Token> tags = reader.tokens(in.render_tags, "render_tags");
+  if (in.render_tags.type != ALABASTER_NONE) state.renderTags = std::move(tags);
   state.collection = {paths_of(reader.tokens(in.roots, "roots")), paths_of(reader.tokens(in.excluded, "excluded"))};
-  reader.finish();
 }
 
-void start(PassData& pass, const AlabasterFrame& in) {
+void start(PassData& pass, const AlabasterFrame& in, RenderPassState state) {
   DelegateData& owner = *pass.owner;
-  RenderPassState state;
-  select(in, state);
+  refuse_while_recording(owner, "pass_start");
   if (!owner.scene) throw bad_argument("the delegate draws no scene");
   std::vector<std::shared_ptr<BufferData>> bound;
-  for (size_t i = 0; i < in.binding_count; ++i) {
-    const AlabasterBinding& binding = in.bindings[i];
-    bound.push_back(required(binding.buffer, "buffer of a binding").data);
-    if (bound.back()->owner != pass.owner) throw bad_argument("a buffer belongs to another delegate");
-    state.aovBindings.push_back({text_or(binding.aov, ""), bound.back()->buffer, {}});
+  for (const AlabasterBinding& binding : items(in.bindings, in.binding_count, "bindings")) {
+    const std::string aov = text_or(binding.aov, "");
+    if (!binding.buffer) throw bad_argument("the buffer of AOV '" + aov + "' is null");
+    bound.push_back(binding.buffer->data);
+    if (bound.back()->owner != pass.owner)
+      throw bad_argument("the buffer of AOV '" + aov + "' belongs to another delegate");
+    state.aovBindings.push_back({aov, bound.back()->buffer, {}});
   }
   const Path settings = frame_pass(in, owner.scene->scene, state);
   if (!settings.empty()) owner.delegate->SetRenderSetting("renderSettingsPrimPath", settings);
@@ -103,15 +105,19 @@ AlabasterStatus pass_create(AlabasterDelegate* handle, AlabasterPass** out) {
 }
 
 void pass_destroy(AlabasterPass* pass) {
-  delete pass;
+  destroy(pass);
 }
 
 AlabasterStatus pass_start(AlabasterPass* handle, const AlabasterFrame* frame) {
   return guarded([&] {
-    PassData& data = *required(handle, "pass").data;
+    ValueReader reader(frame);
+    const std::shared_ptr<PassData> data = required(handle, "pass").data;
     const auto in = sized(frame, "frame");
-    const HostLock lock(*data.owner);
-    start(data, in);
+    RenderPassState state;
+    select(in, reader, state);
+    reader.take();
+    const HostLock lock(*data->owner);
+    start(*data, in, std::move(state));
   });
 }
 
@@ -129,7 +135,8 @@ AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) 
 
 AlabasterStatus pass_state(AlabasterPass* handle, int32_t* state) {
   return guarded([&] {
-    RenderPass& pass = *required(handle, "pass").data->pass;
+    const std::shared_ptr<PassData> data = required(handle, "pass").data;
+    RenderPass& pass = *data->pass;
     PassState now = pass.GetState();
     // The contract latches convergence at Execute; here the end of the render is enough.
     if (now == PassState::rendering && pass.WaitForConvergence(0) && pass.GetState() == now) now = PassState::converged;
@@ -139,11 +146,14 @@ AlabasterStatus pass_state(AlabasterPass* handle, int32_t* state) {
 
 AlabasterStatus frame_size(AlabasterDelegate* handle, const AlabasterFrame* frame, int32_t* width, int32_t* height) {
   return guarded([&] {
-    DelegateData& data = *required(handle, "delegate").data;
+    ValueReader reader(frame);
+    const std::shared_ptr<DelegateData> held = required(handle, "delegate").data;
+    DelegateData& data = *held;
     const auto in = sized(frame, "frame");
-    const HostLock lock(data);
     RenderPassState state;
-    select(in, state);
+    select(in, reader, state);
+    reader.take();
+    const HostLock lock(data);
     if (!data.scene) throw bad_argument("the delegate draws no scene");
     frame_pass(in, data.scene->scene, state);
     required(width, "width") = state.framing.dataWindow.width();
@@ -154,14 +164,16 @@ AlabasterStatus frame_size(AlabasterDelegate* handle, const AlabasterFrame* fram
 AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const AlabasterFrame* frame,
                             const AlabasterParameter* parameters, size_t count) {
   return guarded([&] {
-    ValueReader reader;
-    if (count > 0) required(parameters, "settings");
-    std::map<Token, Value> settings = reader.parameters(parameters, count);
+    const ParameterList given{parameters, count};
+    ValueReader settings_reader(&given), reader(frame);
+    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
+    SceneData& data = *held;
+    std::map<Token, Value> settings = settings_reader.parameters(given, "settings");
     AlabasterFrame in{};
     RenderPassState state;
-    if (frame) in = sized(frame, "frame"), select(in, state);
-    reader.finish();
-    SceneData& data = *required(handle, "scene").data;
+    if (frame) in = sized(frame, "frame"), select(in, reader, state);
+    settings_reader.take();
+    reader.take();
     const std::lock_guard lock(data.mutex);
     if (const Path path = frame_pass(in, data.scene, state); !path.empty()) {
       const RenderSettingsDescription& own = data.scene.GetAllRenderSettings().at(path);
@@ -190,12 +202,13 @@ AlabasterStatus buffer_create(AlabasterDelegate* handle, int32_t width, int32_t 
 }
 
 void buffer_destroy(AlabasterBuffer* buffer) {
-  delete buffer;
+  destroy(buffer);
 }
 
 AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t height, int32_t format) {
   return guarded([&] {
-    BufferData& data = *required(handle, "buffer").data;
+    const std::shared_ptr<BufferData> held = required(handle, "buffer").data;
+    BufferData& data = *held;
     const HostLock lock(*data.owner);
     allocate(*data.buffer, width, height, format);
   });
@@ -203,7 +216,7 @@ AlabasterStatus buffer_resize(AlabasterBuffer* handle, int32_t width, int32_t he
 
 AlabasterStatus buffer_map(AlabasterBuffer* handle, AlabasterPixels* out) {
   return guarded([&] {
-    const std::shared_ptr<BufferData>& data = required(handle, "buffer").data;
+    const std::shared_ptr<BufferData> data = required(handle, "buffer").data;
     auto mapping = std::make_unique<Mapping>(Mapping{data});
     sized(out, "pixels");
     AlabasterPixels pixels = map_pixels(*data);
@@ -224,7 +237,8 @@ AlabasterStatus pixels_unmap(AlabasterPixels* pixels) {
 
 AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes, int32_t y_down) {
   return guarded([&] {
-    BufferData& data = *required(handle, "buffer").data;
+    const std::shared_ptr<BufferData> held = required(handle, "buffer").data;
+    BufferData& data = *held;
     const AlabasterPixels pixels = map_pixels(data);
     if (!pixels.data) throw Failure(ALABASTER_NOT_FOUND, "the buffer has no pixels yet");
     const size_t rows = size_t(pixels.height), row = size_t(pixels.width) * FormatSize(Format(pixels.format));
@@ -239,7 +253,8 @@ AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes,
 
 AlabasterStatus pick(AlabasterPass* handle, const AlabasterRect* rect, AlabasterVisitPick visit, void* user) {
   return guarded([&] {
-    PassData& data = *required(handle, "pass").data;
+    const std::shared_ptr<PassData> held = required(handle, "pass").data;
+    PassData& data = *held;
     if (!visit) throw bad_argument("visit is null");
     const auto [min_x, min_y, max_x, max_y] = required(rect, "rect");
     const HostLock lock(*data.owner);
@@ -263,7 +278,8 @@ AlabasterStatus pick(AlabasterPass* handle, const AlabasterRect* rect, Alabaster
 
 AlabasterStatus snapshot(AlabasterPass* handle, const char* file) {
   return guarded([&] {
-    PassData& data = *required(handle, "pass").data;
+    const std::shared_ptr<PassData> held = required(handle, "pass").data;
+    PassData& data = *held;
     RenderProduct product;
     product.file = &required(file, "file");
     const HostLock lock(*data.owner);

@@ -10,10 +10,26 @@ using host::RetainedSceneDelegate;
 template <class Call>
 AlabasterStatus on_prim(AlabasterScene* handle, const char* path, const Call& call) {
   return guarded([&] {
-    SceneData& data = *required(handle, "scene").data;
+    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
     if (required(path, "path") == '\0') throw bad_argument("the path is empty");
-    const std::lock_guard lock(data.mutex);
-    call(data.scene, Path(path));
+    const std::lock_guard lock(data->mutex);
+    call(data->scene, Path(path));
+  });
+}
+
+/// The same with what read(path, reader) makes of `given`, whose arrays come back whatever fails.
+template <class T, class Read, class Call>
+AlabasterStatus on_prim_with(const T* given, AlabasterScene* handle, const char* path, const Read& read,
+                             const Call& call) {
+  return guarded([&] {
+    ValueReader reader(given);
+    const std::shared_ptr<SceneData> data = required(handle, "scene").data;
+    if (required(path, "path") == '\0') throw bad_argument("the path is empty");
+    const Path id(path);
+    auto made = read(id, reader);
+    reader.take();
+    const std::lock_guard lock(data->mutex);
+    call(data->scene, id, std::move(made));
   });
 }
 
@@ -29,8 +45,8 @@ description::LoadOptions read_options(const AlabasterLoadOptions* given) {
   description::LoadOptions options;
   if (!given) return options;
   const auto in = sized(given, "options");
-  for (size_t i = 0; i < in.override_count; ++i)
-    options.overrides.push_back(text_or((&required(in.overrides, "overrides"))[i], ""));
+  for (const char* text : items(in.overrides, in.override_count, "overrides"))
+    options.overrides.push_back(text_or(text, ""));
   options.camera = text_or(in.camera, "");
   options.dome = text_or(in.dome, "");
   options.scene = text_or(in.scene, "");
@@ -72,13 +88,14 @@ AlabasterStatus scene_create(AlabasterReport report, void* user, AlabasterScene*
 }
 
 void scene_destroy(AlabasterScene* scene) {
-  delete scene;
+  destroy(scene);
 }
 
 AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const AlabasterLoadOptions* options,
                            AlabasterLoaded* loaded) {
   return guarded([&] {
-    SceneData& data = *required(handle, "scene").data;
+    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
+    SceneData& data = *held;
     const std::lock_guard lock(data.mutex);
     data.reports->take_error({});
     const auto read = read_options(options);
@@ -97,7 +114,8 @@ AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const Alaba
 
 AlabasterStatus scene_clear(AlabasterScene* handle) {
   return guarded([&] {
-    SceneData& data = *required(handle, "scene").data;
+    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
+    SceneData& data = *held;
     const std::lock_guard lock(data.mutex);
     for (const auto& prim : all_prims(data.scene)) data.scene.Remove(prim.first);
   });
@@ -113,16 +131,24 @@ AlabasterStatus remove_prim(AlabasterScene* handle, const char* path) {
 }
 
 AlabasterStatus set_mesh(AlabasterScene* handle, const char* path, const AlabasterMesh* mesh) {
-  return on_prim(handle, path,
-                 [&](RetainedSceneDelegate& scene, const Path& id) { scene.SetMesh(id, read_mesh(mesh)); });
+  return on_prim_with(
+      mesh, handle, path, [&](const Path&, ValueReader& reader) { return read_mesh(mesh, reader); },
+      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetMesh(id, std::move(made)); });
 }
 
+namespace {
+
+/// A mesh with that primvar alone.
+host::MeshDescription read_one(const AlabasterPrimvar* primvar, const char* name, ValueReader& reader) {
+  host::MeshDescription one;
+  read_primvar(required(primvar, name), reader, &one);
+  return one;
+}
+
+}  // namespace
+
 AlabasterStatus set_primvar(AlabasterScene* handle, const char* path, const AlabasterPrimvar* primvar) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    ValueReader reader;
-    host::MeshDescription one;
-    read_primvar(required(primvar, "primvar"), reader, &one);
-    reader.finish();
+  const auto set = [](RetainedSceneDelegate& scene, const Path& id, host::MeshDescription one) {
     host::MeshDescription mesh = copy_of(scene.GetMeshes(), id, "mesh");
     const Token name = one.primvars.begin()->first;
     mesh.primvars.erase(name);
@@ -130,13 +156,17 @@ AlabasterStatus set_primvar(AlabasterScene* handle, const char* path, const Alab
     if (!one.primvars.begin()->second.value.empty()) mesh.primvars.merge(one.primvars);
     mesh.primvarSamples.merge(one.primvarSamples);
     scene.SetMesh(id, std::move(mesh));
-  });
+  };
+  return on_prim_with(
+      primvar, handle, path, [&](const Path&, ValueReader& reader) { return read_one(primvar, "primvar", reader); },
+      set);
 }
 
 AlabasterStatus set_transform(AlabasterScene* handle, const char* path, const double* matrix) {
   return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
     const auto moved = [&](auto description) {
       description.transform = matrix_of(matrix);
+      if constexpr (requires { description.transformSamples; }) description.transformSamples = {};
       return description;
     };
     if (scene.GetMeshes().contains(id)) return scene.SetMesh(id, moved(scene.GetMeshes().at(id)));
@@ -166,47 +196,50 @@ AlabasterStatus bind_material(AlabasterScene* handle, const char* path, const ch
 }
 
 AlabasterStatus set_instancer(AlabasterScene* handle, const char* path, const AlabasterInstancer* instancer) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    scene.SetInstancer(id, read_instancer(instancer));
-  });
+  return on_prim_with(
+      instancer, handle, path, [&](const Path&, ValueReader& reader) { return read_instancer(instancer, reader); },
+      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetInstancer(id, std::move(made)); });
 }
 
 AlabasterStatus set_instance_values(AlabasterScene* handle, const char* path, const AlabasterPrimvar* values,
                                     size_t first) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    ValueReader reader;
-    host::MeshDescription one;
-    read_primvar(required(values, "values"), reader, &one);
-    reader.finish();
+  const auto set = [&](RetainedSceneDelegate& scene, const Path& id, const host::MeshDescription& one) {
     const auto& [name, primvar] = *one.primvars.begin();
-    if (!copy_of(scene.GetInstancers(), id, "instancer").primvars.contains(name))
+    const auto found = scene.GetInstancers().find(id);
+    if (found == scene.GetInstancers().end()) throw Failure(ALABASTER_NOT_FOUND, "there is no instancer " + id.str());
+    if (!found->second.primvars.contains(name))
       throw Failure(ALABASTER_NOT_FOUND, "the instancer " + id.str() + " has no primvar " + name.str());
+    if (!one.primvarSamples.empty())
+      throw bad_argument("'" + name.str() + "': single instances take no motion; set it with the instancer");
     if (!scene.SetInstanceValues(id, name, first, primvar.value))
-      throw Failure(ALABASTER_INVALID_ARGUMENT,
-                    "the values of " + name.str() + " are of another type or beyond its end");
-  });
+      throw bad_argument("the values of " + name.str() + " are of another type than the instancer's or beyond its end");
+  };
+  return on_prim_with(
+      values, handle, path, [&](const Path&, ValueReader& reader) { return read_one(values, "values", reader); }, set);
 }
 
 AlabasterStatus set_material(AlabasterScene* handle, const char* path, const AlabasterMaterial* material) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    scene.SetMaterial(id, read_material(id, material));
-  });
+  return on_prim_with(
+      material, handle, path, [&](const Path& id, ValueReader& reader) { return read_material(id, material, reader); },
+      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetMaterial(id, std::move(made)); });
 }
 
 AlabasterStatus set_light(AlabasterScene* handle, const char* path, const AlabasterLight* light) {
-  return on_prim(handle, path,
-                 [&](RetainedSceneDelegate& scene, const Path& id) { scene.SetLight(id, read_light(light)); });
+  return on_prim_with(
+      light, handle, path, [&](const Path&, ValueReader& reader) { return read_light(light, reader); },
+      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetLight(id, std::move(made)); });
 }
 
 AlabasterStatus set_camera(AlabasterScene* handle, const char* path, const AlabasterCamera* camera) {
-  return on_prim(handle, path,
-                 [&](RetainedSceneDelegate& scene, const Path& id) { scene.SetCamera(id, read_camera(camera)); });
+  return on_prim_with(
+      camera, handle, path, [&](const Path&, ValueReader& reader) { return read_camera(camera, reader); },
+      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetCamera(id, std::move(made)); });
 }
 
 AlabasterStatus set_render_settings(AlabasterScene* handle, const char* path, const AlabasterRenderSettings* settings) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    scene.SetRenderSettings(id, read_render_settings(settings));
-  });
+  return on_prim_with(
+      settings, handle, path, [&](const Path&, ValueReader& reader) { return read_render_settings(settings, reader); },
+      [](RetainedSceneDelegate& scene, const Path& id, auto made) { scene.SetRenderSettings(id, std::move(made)); });
 }
 
 namespace {
@@ -230,11 +263,8 @@ void put_in_network(MaterialNetwork& network, const Path& id, const std::string&
 }  // namespace
 
 AlabasterStatus set_parameter(AlabasterScene* handle, const char* path, const char* name, const AlabasterValue* in) {
-  return on_prim(handle, path, [&](RetainedSceneDelegate& scene, const Path& id) {
-    ValueReader reader;
-    const Value value = reader.value(required(in, "value"));
-    reader.finish();
-    const std::string key = &required(name, "name");
+  const auto set = [&](RetainedSceneDelegate& scene, const Path& id, const Value& value) {
+    const std::string key = name;
     if (scene.GetLights().contains(id)) {
       auto light = scene.GetLights().at(id);
       put(light.parameters, key, value);
@@ -252,12 +282,17 @@ AlabasterStatus set_parameter(AlabasterScene* handle, const char* path, const ch
       put_in_network(network, id, key, value);
       scene.SetMaterial(id, std::move(network));
     }
-  });
+  };
+  return on_prim_with(
+      in, handle, path,
+      [&](const Path&, ValueReader& reader) { return reader.value(required(in, "value"), &required(name, "name")); },
+      set);
 }
 
 AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* user) {
   return guarded([&] {
-    SceneData& data = *required(handle, "scene").data;
+    const std::shared_ptr<SceneData> held = required(handle, "scene").data;
+    SceneData& data = *held;
     if (!visit) throw bad_argument("visit is null");
     const std::lock_guard lock(data.mutex);
     for (const auto& [path, type] : all_prims(data.scene)) {

@@ -11,8 +11,7 @@ MeshTopology read_topology(const AlabasterMesh& in, ValueReader& reader) {
   topology.faceVertexIndices = reader.ints(in.face_vertex_indices, "face_vertex_indices");
   topology.holeIndices = reader.ints(in.hole_indices, "hole_indices");
   topology.invisibleFaces = reader.ints(in.invisible_faces, "invisible_faces");
-  for (size_t i = 0; i < in.subset_count; ++i) {
-    const AlabasterSubset& subset = in.subsets[i];
+  for (const AlabasterSubset& subset : items(in.subsets, in.subset_count, "subsets")) {
     topology.geomSubsets.push_back(
         {text_or(subset.id, ""), text_or(subset.material, ""), reader.ints(subset.faces, "faces of a subset")});
   }
@@ -39,24 +38,24 @@ SubdivTags read_tags(const AlabasterSubdivTags* given, ValueReader& reader) {
 
 void read_primvar(const AlabasterPrimvar& in, ValueReader& reader, host::MeshDescription* mesh) {
   const Token name(text_or(in.name, ""));
-  if (name.empty()) reader.fault("a primvar has no name");
+  if (name.empty()) throw bad_argument("a primvar has no name");
   if (in.interpolation < ALABASTER_CONSTANT || in.interpolation > ALABASTER_INSTANCE)
-    reader.fault("primvar " + name.str() + " has no such interpolation");
+    throw bad_argument("primvar '" + name.str() + "': there is no interpolation " + std::to_string(in.interpolation));
   host::PrimvarValue& primvar = mesh->primvars[name];
   primvar.interpolation = Interpolation(in.interpolation);
   primvar.role = text_or(in.role, "");
-  primvar.value = reader.value(in.value);
+  primvar.value = reader.value(in.value, name.str().c_str());
   primvar.indices = reader.ints(in.indices, "indices of a primvar");
   auto samples = reader.samples(in.motion);
   if (!samples.times.empty()) mesh->primvarSamples[name] = std::move(samples);
 }
 
-host::MeshDescription read_mesh(const AlabasterMesh* given) {
+host::MeshDescription read_mesh(const AlabasterMesh* given, ValueReader& reader) {
   const auto in = sized(given, "mesh");
-  ValueReader reader;
   host::MeshDescription mesh;
   mesh.topology = read_topology(in, reader);
-  for (size_t i = 0; i < in.primvar_count; ++i) read_primvar(in.primvars[i], reader, &mesh);
+  for (const AlabasterPrimvar& primvar : items(in.primvars, in.primvar_count, "primvars"))
+    read_primvar(primvar, reader, &mesh);
   mesh.subdivTags = read_tags(in.subdiv_tags, reader);
   mesh.transformSamples = reader.transforms(in.motion);
   mesh.displayStyle.refineLevel = in.refine_level;
@@ -64,84 +63,74 @@ host::MeshDescription read_mesh(const AlabasterMesh* given) {
   mesh.visible = in.invisible == 0;
   mesh.doubleSided = in.single_sided == 0;
   if (in.cull_style < ALABASTER_CULL_DONT_CARE || in.cull_style > ALABASTER_CULL_FRONT_UNLESS_DOUBLE_SIDED)
-    reader.fault("there is no such cull_style");
+    throw bad_argument("there is no cull_style " + std::to_string(in.cull_style));
   mesh.cullStyle = CullStyle(in.cull_style);
   mesh.material = Path(text_or(in.material, ""));
   mesh.instancer = Path(text_or(in.instancer, ""));
   mesh.renderTag = text_or(in.render_tag, "geometry");
   mesh.categories = reader.tokens(in.categories, "categories");
-  reader.finish();
   return mesh;
 }
 
-host::InstancerDescription read_instancer(const AlabasterInstancer* given) {
+host::InstancerDescription read_instancer(const AlabasterInstancer* given, ValueReader& reader) {
   const auto in = sized(given, "instancer");
-  ValueReader reader;
   host::MeshDescription primvars;
-  for (size_t i = 0; i < in.primvar_count; ++i) read_primvar(in.primvars[i], reader, &primvars);
+  for (const AlabasterPrimvar& primvar : items(in.primvars, in.primvar_count, "primvars"))
+    read_primvar(primvar, reader, &primvars);
   host::InstancerDescription instancer;
   instancer.transform = matrix_of(in.transform);
   instancer.parent = Path(text_or(in.parent, ""));
   for (const auto& [name, primvar] : primvars.primvars) instancer.primvars[name] = primvar.value;
   instancer.primvarSamples = std::move(primvars.primvarSamples);
-  for (size_t i = 0; i < in.prototype_count; ++i)
-    instancer.indices[Path(text_or(in.prototypes[i].id, ""))] =
-        reader.ints(in.prototypes[i].indices, "indices of a prototype");
+  for (const AlabasterPrototype& prototype : items(in.prototypes, in.prototype_count, "prototypes"))
+    instancer.indices[Path(text_or(prototype.id, ""))] = reader.ints(prototype.indices, "indices of a prototype");
   instancer.transformSamples = reader.transforms(in.motion);
-  reader.finish();
   return instancer;
 }
 
-MaterialNetwork read_material(const Path& id, const AlabasterMaterial* given) {
+MaterialNetwork read_material(const Path& id, const AlabasterMaterial* given, ValueReader& reader) {
   const auto in = sized(given, "material");
-  ValueReader reader;
   MaterialNetwork network;
   const auto node_path = [&](const char* name) { return id.append(text_or(name, "")); };
-  for (size_t i = 0; i < in.node_count; ++i) {
-    const AlabasterNode& given_node = in.nodes[i];
+  for (const AlabasterNode& given_node : items(in.nodes, in.node_count, "nodes")) {
     MaterialNode& node = network.nodes[node_path(given_node.name)];
     node.nodeTypeId = text_or(given_node.type, "");
-    node.parameters = reader.parameters(given_node.parameters, given_node.parameter_count);
-    for (size_t c = 0; c < given_node.connection_count; ++c) {
-      const AlabasterConnection& connection = given_node.connections[c];
+    node.parameters = reader.parameters({given_node.parameters, given_node.parameter_count}, "parameters of a node");
+    for (const AlabasterConnection& connection :
+         items(given_node.connections, given_node.connection_count, "connections of a node")) {
       node.inputConnections[text_or(connection.input, "")].push_back(
           {node_path(connection.node), text_or(connection.output, "")});
     }
   }
   const auto terminal = [&](const char* kind, const char* name) {
     if (!name) return;
-    if (!network.nodes.contains(node_path(name))) reader.fault("there is no node '" + std::string(name) + "'");
+    if (!network.nodes.contains(node_path(name))) throw bad_argument("there is no node '" + std::string(name) + "'");
     network.terminals[kind] = {node_path(name), "out"};
   };
   terminal("surface", in.surface ? in.surface : in.node_count > 0 ? in.nodes[0].name : nullptr);
   terminal("displacement", in.displacement);
-  reader.finish();
   return network;
 }
 
-host::LightDescription read_light(const AlabasterLight* given) {
+host::LightDescription read_light(const AlabasterLight* given, ValueReader& reader) {
   const auto in = sized(given, "light");
-  ValueReader reader;
   host::LightDescription light{text_or(in.type, ""), matrix_of(in.transform),
-                               reader.parameters(in.parameters, in.parameter_count)};
+                               reader.parameters({in.parameters, in.parameter_count}, "parameters")};
   light.visible = in.invisible == 0;
-  if (light.type.empty()) reader.fault("a light needs a type");
-  reader.finish();
+  if (light.type.empty()) throw bad_argument("a light needs a type");
   return light;
 }
 
-host::CameraDescription read_camera(const AlabasterCamera* given) {
+host::CameraDescription read_camera(const AlabasterCamera* given, ValueReader& reader) {
   const auto in = sized(given, "camera");
-  ValueReader reader;
-  host::CameraDescription camera{matrix_of(in.transform), reader.parameters(in.parameters, in.parameter_count)};
+  host::CameraDescription camera{matrix_of(in.transform),
+                                 reader.parameters({in.parameters, in.parameter_count}, "parameters")};
   camera.transformSamples = reader.transforms(in.motion);
-  reader.finish();
   return camera;
 }
 
-RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* given) {
+RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* given, ValueReader& reader) {
   const auto in = sized(given, "render settings");
-  ValueReader reader;
   RenderSettingsDescription settings;
   settings.camera = Path(text_or(in.camera, ""));
   if (in.width != 0) settings.width = in.width;
@@ -150,8 +139,7 @@ RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* gi
   const Rect2i crop = {in.crop.min_x, in.crop.min_y, in.crop.max_x, in.crop.max_y};
   if (!crop.empty()) settings.crop = crop;
   settings.frame = in.frame;
-  settings.settings = reader.dictionary(in.settings, in.setting_count);
-  reader.finish();
+  settings.settings = reader.dictionary({in.settings, in.setting_count}, "settings");
   return settings;
 }
 

@@ -1,5 +1,7 @@
 #include "delegate/c_api/values.h"
 
+#include <limits>
+
 namespace alabaster::hd::c_api {
 namespace {
 
@@ -67,6 +69,21 @@ Value scalar(const AlabasterValue& in) {
   return value;
 }
 
+constexpr const char* kTypeNames[] = {
+    "none",   "bool",       "int",  "int64",   "uint",       "float",  "double",  "float2",  "float3",
+    "float4", "int2",       "int3", "double3", "quaternion", "matrix", "token",   "string",  "path",
+    "asset",  "dictionary", "half", "half2",   "half3",      "half4",  "double2", "double4", "quaternion of halves"};
+std::string type_name(int32_t type) {
+  const bool known = type >= 0 && size_t(type) < std::size(kTypeNames);
+  return known ? kTypeNames[type] : "type " + std::to_string(type);
+}
+std::string type_name(const AlabasterValue& in) {
+  return (in.is_array ? "an array of " : "a value of ") + type_name(in.type);
+}
+Failure bad_value(const char* name, const std::string& text) {
+  return bad_argument("'" + std::string(name) + "': " + text);
+}
+
 // Each time it is lent, memory that the host edits counts as edited.
 uint64_t version_of(const AlabasterValue& in) {
   static std::atomic<uint64_t> lent{0};
@@ -74,8 +91,10 @@ uint64_t version_of(const AlabasterValue& in) {
 }
 
 template <class T>
-Value lent_or_copied(const AlabasterValue& in, std::shared_ptr<void> owner) {
+Value lent_or_copied(const AlabasterValue& in, std::shared_ptr<const void> owner) {
   const auto* data = static_cast<const T*>(in.data);
+  if (in.count > std::numeric_limits<size_t>::max() / 2 / sizeof(T))
+    throw bad_argument("an array of " + std::to_string(in.count) + " elements is larger than any memory");
   if (!owner) return Array<T>(std::vector<T>(data, data + in.count));
   if (reinterpret_cast<uintptr_t>(data) % alignof(T) != 0) throw bad_argument("a lent array is not aligned");
   return Array<T>(std::move(owner), data, in.count, version_of(in));
@@ -89,7 +108,7 @@ Value texts(const AlabasterValue& in) {
   return Array<T>(std::move(held));
 }
 
-Value array_of(const AlabasterValue& in, std::shared_ptr<void> owner) {
+Value array_of(const AlabasterValue& in, std::shared_ptr<const void> owner) {
   switch (in.type) {
     case ALABASTER_INT:
       return lent_or_copied<int32_t>(in, std::move(owner));
@@ -140,7 +159,7 @@ Value array_of(const AlabasterValue& in, std::shared_ptr<void> owner) {
     case ALABASTER_STRING:
       return texts<std::string>(in);
   }
-  throw bad_argument("there are no arrays of type " + std::to_string(in.type));
+  throw bad_argument("there are no arrays of " + type_name(in.type));
 }
 
 Value scalar_of(const AlabasterValue& in) {
@@ -195,65 +214,97 @@ Value scalar_of(const AlabasterValue& in) {
     case ALABASTER_ASSET:
       return AssetPath{text, text, nullptr};
   }
-  throw bad_argument("there are no values of type " + std::to_string(in.type));
+  throw bad_argument("there are no values of " + type_name(in.type));
+}
+
+Value read_value(const AlabasterValue& in, std::shared_ptr<const void> owner) {
+  if (in.type == ALABASTER_NONE) return {};
+  if (in.is_array && in.count == 0) {
+    static constexpr double kNothing = 0;
+    AlabasterValue empty = in;
+    empty.data = &kNothing;
+    return array_of(empty, nullptr);
+  }
+  if (!in.data) throw bad_argument("the data of " + type_name(in) + " is null");
+  return in.is_array ? array_of(in, std::move(owner)) : scalar_of(in);
 }
 
 }  // namespace
 
-Value ValueReader::value(const AlabasterValue& in) {
-  try {
-    const std::shared_ptr<void> owner = in.release ? std::shared_ptr<void>(in.owner, in.release) : nullptr;
-    if (in.type == ALABASTER_NONE) return {};
-    if (in.is_array && in.count == 0) {
-      static constexpr double kNothing = 0;
-      AlabasterValue empty = in;
-      empty.data = &kNothing;
-      return array_of(empty, nullptr);
-    }
-    if (!in.data) throw bad_argument("the data of a value is null");
-    return in.is_array ? array_of(in, owner) : scalar_of(in);
-  } catch (const std::bad_alloc&) {
-    fault("memory ran out");
-  } catch (const std::exception& e) {
-    fault(e.what());
-  }
-  return {};
+ValueReader::Loan::~Loan() {
+  if (!is_taken) return;
+  const CallbackScope scope;
+  release(owner);
 }
 
-std::map<Token, Value> ValueReader::parameters(const AlabasterParameter* parameters, size_t count) {
+// Null: the array is not lent.
+std::shared_ptr<const void> ValueReader::borrow(const AlabasterValue& in) {
+  if (!in.release) return nullptr;
+  loans_.push_back(std::make_shared<Loan>(Loan{in.release, in.owner}));
+  return loans_.back();
+}
+
+Value ValueReader::value(const AlabasterValue& in, const char* name) {
+  try {
+    return read_value(in, borrow(in));
+  } catch (const Failure& failure) {
+    throw bad_value(name, failure.what());
+  }
+}
+
+template <class T>
+Array<T> ValueReader::array(const AlabasterValue& in, const char* name) {
+  const Value held = value(in, name);
+  if (const auto* values = held.get<Array<T>>()) return *values;
+  if (!held.empty())
+    throw bad_argument(std::string(name) + " has the wrong type: it must be an array of " + type_name(kType<T>) +
+                       ", and is " + type_name(in));
+  return {};
+}
+template Array<int32_t> ValueReader::array(const AlabasterValue&, const char*);
+template Array<float> ValueReader::array(const AlabasterValue&, const char*);
+template Array<Token> ValueReader::array(const AlabasterValue&, const char*);
+
+std::map<Token, Value> ValueReader::parameters(const ParameterList& in, const char* name) {
   std::map<Token, Value> read;
-  for (size_t i = 0; i < count; ++i) read[Token(text_or(parameters[i].name, ""))] = value(parameters[i].value);
+  for (auto& [key, held] : dictionary(in, name)) read[Token(key)] = held;
   return read;
 }
 
-Dictionary ValueReader::dictionary(const AlabasterParameter* parameters, size_t count) {
+Dictionary ValueReader::dictionary(const ParameterList& in, const char* name) {
   Dictionary read;
-  for (size_t i = 0; i < count; ++i) read[text_or(parameters[i].name, "")] = value(parameters[i].value);
+  for (const AlabasterParameter& one : items(in.first, in.count, name))
+    read[text_or(one.name, "")] = value(one.value, text_or(one.name, "").c_str());
   return read;
 }
 
 TimeSamples<Value> ValueReader::samples(const AlabasterMotion& motion) {
   TimeSamples<Value> read;
-  if (motion.count > 0 && (!motion.times || !motion.values)) {
-    fault("a motion has no times or no values");
-    return read;
-  }
+  const auto times = items(motion.times, motion.count, "times of a motion");
+  const auto values = items(motion.values, motion.count, "values of a motion");
   for (size_t i = 0; i < motion.count; ++i) {
-    read.times.push_back(motion.times[i]);
-    read.values.push_back(value(motion.values[i]));
+    read.times.push_back(times[i]);
+    read.values.push_back(value(values[i], "motion"));
   }
   return read;
 }
 
 TimeSamples<Matrix4d> ValueReader::transforms(const AlabasterMotion& motion) {
   TimeSamples<Matrix4d> read;
-  const TimeSamples<Value> values = samples(motion);
-  read.times = values.times;
-  for (const Value& value : values.values) {
-    if (!value.get<Matrix4d>()) fault("the motion of a transform must be matrices");
-    read.values.push_back(value.get_or(Matrix4d()));
+  TimeSamples<Value> values = samples(motion);
+  read.times = std::move(values.times);
+  for (size_t i = 0; i < motion.count; ++i) {
+    if (!values.values[i].get<Matrix4d>())
+      throw bad_argument("the motion of a transform must be matrices, and has " + type_name(motion.values[i]));
+    read.values.push_back(values.values[i].get_or(Matrix4d()));
   }
   return read;
+}
+
+void ValueReader::take() {
+  given_ = nullptr;
+  for (const auto& loan : loans_) loan->is_taken = true;
+  loans_.clear();
 }
 
 Matrix4d matrix_of(const double* matrix) {

@@ -7,37 +7,57 @@
 
 namespace alabaster::hd::c_api {
 
-/// Takes values of a host. A fault does not end the reading, since every value that is lent must be given back:
-/// finish() throws what was wrong first.
+/// The arguments of a command, or settings.
+struct ParameterList {
+  const AlabasterParameter* first = nullptr;
+  size_t count = 0;
+};
+
+/// Takes the values of one argument of a call. The arrays that it lends are given back when the reader ends, unless
+/// take() has come: then each is given back when nothing reads it any more. So whatever fails, each comes back once.
 class ValueReader {
  public:
-  Value value(const AlabasterValue& in);
+  /// `given` may be null.
+  template <class T>
+  explicit ValueReader(const T* given) : given_(given), give_back_(&give_back_all<T>) {}
+  ~ValueReader() {
+    if (given_) give_back_(given_);
+  }
+  ValueReader(const ValueReader&) = delete;
+  ValueReader& operator=(const ValueReader&) = delete;
+
+  /// `name` is that of messages.
+  Value value(const AlabasterValue& in, const char* name);
   Array<int32_t> ints(const AlabasterValue& in, const char* name) { return array<int32_t>(in, name); }
   Array<float> floats(const AlabasterValue& in, const char* name) { return array<float>(in, name); }
   std::vector<Token> tokens(const AlabasterValue& in, const char* name) {
     const Array<Token> names = array<Token>(in, name);
     return {names.begin(), names.end()};
   }
-  std::map<Token, Value> parameters(const AlabasterParameter* parameters, size_t count);
-  Dictionary dictionary(const AlabasterParameter* parameters, size_t count);
+  std::map<Token, Value> parameters(const ParameterList& in, const char* name);
+  Dictionary dictionary(const ParameterList& in, const char* name);
   TimeSamples<Matrix4d> transforms(const AlabasterMotion& motion);
   TimeSamples<Value> samples(const AlabasterMotion& motion);
-  void fault(const std::string& text) {
-    if (fault_.empty()) fault_ = text;
-  }
-  void finish() const {
-    if (!fault_.empty()) throw bad_argument(fault_);
-  }
+  /// All that `given` lends has been read.
+  void take();
 
  private:
+  /// An array that is lent.
+  struct Loan {
+    ~Loan();
+    void (*release)(void*) = nullptr;
+    void* owner = nullptr;
+    bool is_taken = false;  // else the reader gives it back
+  };
   template <class T>
-  Array<T> array(const AlabasterValue& in, const char* name) {
-    const Value held = value(in);
-    if (const auto* values = held.get<Array<T>>()) return *values;
-    if (!held.empty()) fault(std::string(name) + " has the wrong type");
-    return {};
-  }
-  std::string fault_;
+  static void give_back_all(const void* given);
+  std::shared_ptr<const void> borrow(const AlabasterValue& in);
+  template <class T>
+  Array<T> array(const AlabasterValue& in, const char* name);
+
+  const void* given_;
+  void (*give_back_)(const void*);
+  std::vector<std::shared_ptr<Loan>> loans_;
 };
 
 Matrix4d matrix_of(const double* matrix);  // null: identity

@@ -118,6 +118,12 @@ class EditedArray {
     if (edited.empty()) edited = edit(&rotations_, now, first, elements);
     return edited.empty() ? edit(&transforms_, now, first, elements) : edited;
   }
+  /// The same of a copy that takes no turns.
+  static Value copy(const Value& now, size_t first, const Value& elements) {
+    Value copied = copy<Vec3f>(now, first, elements);
+    if (copied.empty()) copied = copy<Quatf>(now, first, elements);
+    return copied.empty() ? copy<Matrix4d>(now, first, elements) : copied;
+  }
   /// True if `now` is what the last edit() returned.
   bool is_latest(const Value& now) const {
     return is_latest(translations_, now) || is_latest(rotations_, now) || is_latest(transforms_, now);
@@ -130,10 +136,21 @@ class EditedArray {
     return array && turns.is_latest(*array);
   }
   template <class T>
+  static bool fits(const Array<T>* array, size_t first, const Array<T>* part) {
+    return array && part && first <= array->size() && part->size() <= array->size() - first;
+  }
+  template <class T>
   static Value edit(ArrayTurns<T>* turns, const Value& now, size_t first, const Value& elements) {
     const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
-    if (!array || !part || first > array->size() || part->size() > array->size() - first) return {};
-    return turns->edit(*array, first, *part);
+    return fits(array, first, part) ? Value(turns->edit(*array, first, *part)) : Value();
+  }
+  template <class T>
+  static Value copy(const Value& now, size_t first, const Value& elements) {
+    const auto *array = now.get<Array<T>>(), *part = elements.get<Array<T>>();
+    if (!fits(array, first, part)) return {};
+    std::vector<T> values(array->begin(), array->end());
+    std::copy(part->begin(), part->end(), values.begin() + static_cast<std::ptrdiff_t>(first));
+    return Array<T>(std::move(values));
   }
 
   ArrayTurns<Vec3f> translations_;

@@ -9,7 +9,9 @@
 #include <optional>
 #include <thread>
 
+#include "core/math/float_environment.h"
 #include "delegate/host/frame_request.h"
+#include "delegate/host/own_buffer.h"
 #include "delegate/host/product_metadata.h"
 #include "delegate/host/recorded_checkpoints.h"
 #include "delegate/support/process_usage.h"
@@ -151,7 +153,7 @@ class Recording {
  private:
   static constexpr const char* kSettingsPath = "renderSettingsPrimPath";
 
-  /// Puts back whatever the recording changed in scene and delegate, however it ends.
+  /// Puts back whatever the recording changed in the delegate, however it ends.
   class Borrowed {
    public:
     explicit Borrowed(Recording* recording)
@@ -159,7 +161,6 @@ class Recording {
       recording_->delegate_->SetRenderSetting(kSettingsPath, recording_->settings_);
     }
     ~Borrowed() {
-      for (const auto& buffer : recording_->buffers_) quietly([&] { recording_->scene_->Remove(buffer.second); });
       recording_->buffers_.clear();
       quietly([&] { recording_->delegate_->SetRenderSetting(kSettingsPath, previous_); });
     }
@@ -211,14 +212,12 @@ class Recording {
       RenderBufferDescriptor buffer;
       buffer.dimensions = {size().x, size().y, 1};
       buffer.format = delegate_->GetDefaultAovDescriptor(aov).format;
-      buffers_[aov] = settings_.append("buffer_" + aov);
-      scene_->SetRenderBuffer(buffers_[aov], buffer);
+      buffers_.try_emplace(aov, delegate_, settings_.append("buffer_" + aov), buffer);
     }
     if (!index_->Has(settings_)) scene_->Populate(index_);
   }
 
   Vec2i size() const { return {request().description.window().width(), request().description.window().height()}; }
-  RenderBuffer* buffer(const Path& path) const { return static_cast<RenderBuffer*>(index_->GetBprim(path)); }
 
   bool interrupted() {
     if ((options_.cancel && *options_.cancel) || delegate_->IsStopped()) result_.status = RecordStatus::interrupted;
@@ -237,9 +236,10 @@ class Recording {
 
   // A delegate refuses buffers that are too large and reports it. Nothing is rendered without them.
   bool have_buffers() {
-    for (const auto& [aov, path] : buffers_) {
-      const RenderBuffer* held = buffer(path);
-      if (!held || Vec2i(held->GetWidth(), held->GetHeight()) != size())
+    for (const auto& [aov, buffer] : buffers_) {
+      const RenderBuffer* held = buffer.get();
+      if (!held) return refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
+      if (Vec2i(held->GetWidth(), held->GetHeight()) != size())
         return refuse(RecordStatus::input_failed, "record.buffer",
                       "the render buffer of AOV '" + aov + "' cannot hold " + std::to_string(size().x) + " x " +
                           std::to_string(size().y) + " pixels; lower the resolution or render a crop");
@@ -276,7 +276,7 @@ class Recording {
     state.framing.dataWindow = {0, 0, window.width(), window.height()};
     state.framing.pixelAspectRatio = d.pixelAspectRatio;
     state.windowPolicy = d.windowPolicy;
-    for (const auto& [aov, path] : buffers_) state.aovBindings.push_back({aov, buffer(path), {}});
+    for (const auto& [aov, buffer] : buffers_) state.aovBindings.push_back({aov, buffer.get(), {}});
     return state;
   }
 
@@ -322,7 +322,8 @@ class Recording {
     std::shared_ptr<const void> stop;
     if (!pass->IsConverged() && interrupted()) {
       stop = delegate_->HoldStopped();
-      if (buffers_.contains("denoised")) buffer(buffers_["denoised"])->Resolve();  // denoises the samples so far
+      if (const auto denoised = buffers_.find("denoised"); denoised != buffers_.end())
+        denoised->second.get()->Resolve();  // denoises the samples so far
     }
     result_.stats = delegate_->GetRenderStats();
     if (result_.stats.empty()) refuse(RecordStatus::render_failed, "record.memory", "memory ran out");
@@ -367,13 +368,12 @@ class Recording {
     if (options_.writing) options_.writing();
     const Phase phase(&result_.stats, "write");
     // Every AOV at once: an interrupted render must not keep anyone waiting.
-    const std::vector<std::pair<std::string, Path>> buffers(buffers_.begin(), buffers_.end());
+    std::vector<std::pair<std::string, RenderBuffer*>> buffers;
+    for (const auto& [aov, buffer] : buffers_) buffers.emplace_back(aov, buffer.get());
     std::vector<std::optional<MappedPixels>> mapped(buffers.size());
     tbb::task_arena arena;
     arena.execute([&] {
-      tbb::parallel_for(size_t(0), buffers.size(), [&](size_t i) {
-        if (RenderBuffer* held = buffer(buffers[i].second)) mapped[i].emplace(held, size());
-      });
+      tbb::parallel_for(size_t(0), buffers.size(), [&](size_t i) { mapped[i].emplace(buffers[i].second, size()); });
     });
     ProductImage image;
     for (size_t i = 0; i < buffers.size(); ++i) {
@@ -412,7 +412,7 @@ class Recording {
   std::vector<FrameRequest> requests_;  // by picture
   size_t at_ = 0;                       // the picture that is recorded
   RecordedCheckpoints checkpoints_;
-  std::map<std::string, Path> buffers_;  // by AOV
+  std::map<std::string, OwnBuffer> buffers_;  // by AOV
   Clock::time_point started_;
   bool rendered_ = false;
   Dictionary phases_;
@@ -423,6 +423,7 @@ class Recording {
 
 RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                          const RecordOptions& options) {
+  const FloatEnvironment environment;
   return Recording(index, scene, settings, options).run();
 }
 

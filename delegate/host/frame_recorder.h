@@ -23,6 +23,7 @@ struct RecordProgress {
 
 struct RecordOptions {
   OutputColors colors;
+  std::vector<RenderProduct> products;  // in the place of those of the settings; empty: those
   /// Renders a scene that has faults (see RenderDelegate::GetRenderStats) without what they leave out, and marks its
   /// files with the attribute "alabaster/sceneFaults". Else such a scene is not rendered.
   bool keep_going = false;
@@ -36,7 +37,7 @@ struct RecordOptions {
   /// Polled at least every 20 ms. Once it is set the render ends, and the samples so far are written, marked
   /// incomplete.
   const std::atomic<bool>* cancel = nullptr;
-  // Called from the calling thread:
+  // Called from the calling thread. They may edit the scene, and even depopulate it: the recording owns its buffers.
   std::function<void(const RecordProgress&)> progress;  // about ten times a second
   std::function<void()> writing;                        // once a picture, when its files are to be written
   std::function<void(const ProductImage&)>
@@ -50,12 +51,12 @@ struct RecordResult {
   std::vector<std::string> written;  // files
 };
 
-/// `settings`: path of a RenderSettings prim that `scene` knows. Creates render buffers for every AOV that the products
+/// `settings`: path of a RenderSettings prim that `scene` knows. Makes a render buffer for every AOV that the products
 /// name (color if there is no product), syncs, renders to convergence and writes the products: a picture for each
 /// camera and size that they have, one after the other, and `stats` of the last. Throws nothing: an
 /// exception of a callback of `options` fails the recording. Where the denoiser fails, files show color in the place of
 /// AOV denoised, and the status is output_failed; it also is where the last checkpoint could not be written. However it
-/// ends, its render buffers are removed and the delegate's settings are as before. A delegate that is stopped renders
+/// ends, its render buffers are destroyed and the delegate's settings are as before. A delegate that is stopped renders
 /// nothing and stays stopped.
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);

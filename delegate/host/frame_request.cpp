@@ -115,6 +115,7 @@ RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings
     return RecordStatus::input_failed;
   }
   RenderSettingsDescription all = found->second;
+  if (!options.products.empty()) all.products = options.products;
   const bool denoise = wants_denoised(all, delegate);
   for (RenderProduct& product : all.products) product.denoise = product.denoise.value_or(denoise);
   *requests = pictures_of(all);

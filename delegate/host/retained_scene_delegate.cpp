@@ -125,6 +125,15 @@ struct RetainedSceneDelegate::State {
     found->second = std::move(value);
     return false;
   }
+  /// A prim of another kind than those of `map` has this path: a Set replaces it.
+  template <class T>
+  bool is_of_another_kind(const std::map<Path, T>& map, const Path& id) const {
+    return !map.contains(id) && contains(id);
+  }
+  bool contains(const Path& id) const {
+    return meshes.contains(id) || instancers.contains(id) || materials.contains(id) || lights.contains(id) ||
+           cameras.contains(id) || buffers.contains(id) || settings.contains(id);
+  }
   void mark(const Path& id, DirtyBits bits) {
     if (index && index->Has(id)) index->GetChangeTracker().MarkDirty(id, bits);
   }
@@ -154,10 +163,12 @@ RetainedSceneDelegate::~RetainedSceneDelegate() {
 }
 
 void RetainedSceneDelegate::SetMesh(const Path& id, MeshDescription mesh) {
+  if (state_->is_of_another_kind(state_->meshes, id)) Remove(id);
   if (state_->set(state_->meshes, id, std::move(mesh)) && state_->index) state_->index->InsertRprim("mesh", this, id);
 }
 
 void RetainedSceneDelegate::SetInstancer(const Path& id, InstancerDescription instancer) {
+  if (state_->is_of_another_kind(state_->instancers, id)) Remove(id);
   const InstancerDescription before = get(state_->instancers, id);
   const bool is_new = state_->set(state_->instancers, id, std::move(instancer));
   if (is_new && state_->index) state_->index->InsertInstancer(this, id);
@@ -171,36 +182,48 @@ bool RetainedSceneDelegate::SetInstanceValues(const Path& instancer, const Token
   if (found == state_->instancers.end()) return false;
   const auto held = found->second.primvars.find(primvar);
   if (held == found->second.primvars.end()) return false;
+  // Instances that move stand still where they are set: their elements are the same at all times.
+  TimeSamples<Value> samples;
+  if (const auto moving = found->second.primvarSamples.find(primvar); moving != found->second.primvarSamples.end())
+    samples = moving->second;
+  for (Value& sample : samples.values)
+    if ((sample = EditedArray::copy(sample, first, elements)).empty()) return false;
   Value edited = state_->edited[{instancer, primvar}].edit(held->second, first, elements);
   if (edited.empty()) return false;
   held->second = std::move(edited);
+  if (!samples.values.empty()) found->second.primvarSamples[primvar] = std::move(samples);
   state_->mark(instancer, dirty::kPrimvar);
   return true;
 }
 
 void RetainedSceneDelegate::SetMaterial(const Path& id, MaterialNetwork network) {
+  if (state_->is_of_another_kind(state_->materials, id)) Remove(id);
   if (state_->set(state_->materials, id, std::move(network)) && state_->index)
     state_->index->InsertSprim("material", this, id);
 }
 
 void RetainedSceneDelegate::SetLight(const Path& id, LightDescription light) {
   const Token type = light.type;
+  if (state_->is_of_another_kind(state_->lights, id)) Remove(id);
   const auto* before = find(state_->lights, id);
   if (before && !(before->type == type)) Remove(id);  // another type is another prim
   if (state_->set(state_->lights, id, std::move(light)) && state_->index) state_->index->InsertSprim(type, this, id);
 }
 
 void RetainedSceneDelegate::SetCamera(const Path& id, CameraDescription camera) {
+  if (state_->is_of_another_kind(state_->cameras, id)) Remove(id);
   if (state_->set(state_->cameras, id, std::move(camera)) && state_->index)
     state_->index->InsertSprim("camera", this, id);
 }
 
 void RetainedSceneDelegate::SetRenderBuffer(const Path& id, RenderBufferDescriptor buffer) {
+  if (state_->is_of_another_kind(state_->buffers, id)) Remove(id);
   if (state_->set(state_->buffers, id, std::move(buffer)) && state_->index)
     state_->index->InsertBprim("renderBuffer", this, id);
 }
 
 void RetainedSceneDelegate::SetRenderSettings(const Path& id, RenderSettingsDescription settings) {
+  if (state_->is_of_another_kind(state_->settings, id)) Remove(id);
   if (state_->set(state_->settings, id, std::move(settings)) && state_->index)
     state_->index->InsertBprim("renderSettings", this, id);
 }

@@ -25,6 +25,7 @@ void run_image_format(Bytes input);  // a header of a format, made of the input,
 void run_ocio(Bytes input);          // an OpenColorIO config
 void run_checkpoint(Bytes input);    // edits of a checkpoint, whose checksums are then made right
 void run_job(Bytes input);           // names and options in the jobs of a farm
+void run_c_api(Bytes input);         // calls of a host of the C interface, right and wrong ones
 
 inline constexpr Target kTargets[] = {
     {"gltf", run_gltf},
@@ -37,6 +38,7 @@ inline constexpr Target kTargets[] = {
     {"ocio", run_ocio},
     {"checkpoint", run_checkpoint},
     {"job", run_job},
+    {"c_api", run_c_api},
 };
 
 }  // namespace alabaster::fuzz

@@ -101,6 +101,25 @@ TEST(InstanceValues, AreRefusedWhereTheArrayHasNone) {
   EXPECT_EQ(leaves.now()[2], Vec3f(8));
 }
 
+TEST(InstanceValues, StandStillWhereTheirPrimvarMoves) {
+  Leaves leaves(in_a_row(3));
+  InstancerDescription moving = leaves.scene.GetInstancers().at("/leaves");
+  const std::vector<Vec3f> up(3, Vec3f(0, 1, 0));
+  moving.primvarSamples[kPlaces] = {{0, 1}, {Array<Vec3f>(in_a_row(3)), Array<Vec3f>(up)}};
+  leaves.scene.SetInstancer("/leaves", moving);
+  ASSERT_TRUE(leaves.move(1, {Vec3f(7)}));
+  const auto samples = leaves.scene.SamplePrimvar("/leaves", kPlaces);
+  ASSERT_EQ(samples.values.size(), 2u);
+  EXPECT_TRUE(same(*samples.values[0].get<Array<Vec3f>>(), {Vec3f(0), Vec3f(7), Vec3f(2, 0, 0)}));
+  EXPECT_TRUE(same(*samples.values[1].get<Array<Vec3f>>(), {up[0], Vec3f(7), up[2]}));
+  EXPECT_EQ(leaves.now()[1], Vec3f(7));
+
+  moving.primvarSamples[kPlaces].values[1] = Array<Vec3f>(in_a_row(1));
+  leaves.scene.SetInstancer("/leaves", moving);
+  EXPECT_FALSE(leaves.move(1, {Vec3f(7)})) << "a sample has no such element";
+  EXPECT_TRUE(same(leaves.now(), in_a_row(3)));
+}
+
 TEST(InstanceValues, MarkTheirInstancerAlone) {
   FakeDelegate delegate;
   RenderIndex index(&delegate);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "delegate/host/retained_scene_delegate.h"
 #include "testenv/unit/delegate/host/fake_delegate.h"
@@ -47,6 +48,37 @@ TEST(RenderIndex, SyncsInTheContractsOrderWhateverTheOrderOfInsertion) {
   EXPECT_EQ(s.sync(), (Lines{"sync /z_settings", "sync /a_buffer", "sync /z_camera", "sync /a_material",
                              "sync /b_light", "sync /a_light", "sync /a_instancer", "sync /a_mesh", "commit"}));
   EXPECT_EQ(s.sync(), Lines{"commit"}) << "nothing is dirty any more";
+}
+
+// Each kind at the path of each other.
+TEST(RetainedScene, APrimReplacesThatOfAnotherKind) {
+  using Set = std::function<void(RetainedSceneDelegate&)>;
+  const std::pair<const char*, Set> kinds[] = {
+      {"mesh", [](auto& scene) { scene.SetMesh("/a", triangle()); }},
+      {"instancer", [](auto& scene) { scene.SetInstancer("/a", {}); }},
+      {"material", [](auto& scene) { scene.SetMaterial("/a", {}); }},
+      {"light", [](auto& scene) { scene.SetLight("/a", {.type = "rectLight", .transform = {}, .parameters = {}}); }},
+      {"camera", [](auto& scene) { scene.SetCamera("/a", {}); }},
+      {"buffer", [](auto& scene) { scene.SetRenderBuffer("/a", {}); }},
+      {"settings", [](auto& scene) { scene.SetRenderSettings("/a", {}); }},
+  };
+  for (const auto& [before, set_before] : kinds) {
+    for (const auto& [after, set_after] : kinds) {
+      if (before == after) continue;
+      Scene s;
+      s.scene.Populate(&s.index);
+      set_before(s.scene);
+      s.sync();
+      set_after(s.scene);
+      const RetainedSceneDelegate& scene = s.scene;
+      EXPECT_LE(scene.GetMeshes().size() + scene.GetInstancers().size() + scene.GetMaterials().size() +
+                    scene.GetLights().size() + scene.GetCameras().size() + scene.GetAllRenderSettings().size(),
+                1u)
+          << before << " " << after;
+      EXPECT_EQ(s.delegate.journal.take(), (Lines{"finalize /a", "destroy /a"})) << before << " " << after;
+      EXPECT_EQ(s.sync(), (Lines{"sync /a", "commit"})) << before << " " << after;
+    }
+  }
 }
 
 TEST(RenderIndex, ASyncLooksAtDirtyPrimsAlone) {
