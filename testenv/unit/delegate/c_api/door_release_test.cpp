@@ -25,7 +25,11 @@ class DoorReleases : public Door {
     static constexpr double kTimes[] = {0, 1};
     return {kTimes, samples_.back().data(), 2};
   }
-  AlabasterMotion moving_matrix() { return moving(ALABASTER_MATRIX, kMatrices, 1); }
+  AlabasterMotion moving_matrix() {
+    const AlabasterMotion motion = moving(ALABASTER_MATRIX, kMatrices, 1);
+    for (AlabasterValue& value : samples_.back()) value.is_array = 0;
+    return motion;
+  }
   AlabasterPrimvar primvar(const char* name) {
     return {name,
             nullptr,
