@@ -64,13 +64,18 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
   focus_distance_ = std::clamp(focus_distance_, lens_radius_ / kLargest, kLargest);
 }
 
-// A regular polygon as large as the disk: a blade less or more changes the shape of what is out of focus, not how much
-// it is.
+// Of the circle that holds it. A regular polygon is as large as the disk: a blade less or more changes the shape of what
+// is out of focus, not how much it is.
+float Camera::aperture_radius() const {
+  if (blades_ == 0) return lens_radius_;
+  const auto n = static_cast<float>(blades_);
+  return lens_radius_ * std::sqrt(kTwoPi / (n * std::sin(kTwoPi / n)));
+}
+
 Vec2f Camera::sample_aperture(const Vec2f& lens) const {
   if (blades_ == 0) return sample_concentric_disk(lens) * lens_radius_;
   const auto n = static_cast<float>(blades_);
-  const float corner_angle = kTwoPi / n;
-  const float radius = lens_radius_ * std::sqrt(kTwoPi / (n * std::sin(corner_angle)));
+  const float corner_angle = kTwoPi / n, radius = aperture_radius();
   const float side = std::min(std::floor(lens.x * n), n - 1);
   const Vec2f b = sample_uniform_triangle({lens.x * n - side, lens.y});
   const auto corner = [&](float i) {
@@ -105,6 +110,31 @@ Ray Camera::generate_ray(const Vec2f& film, const Vec2f& lens) const {
   if (is_clipped_) [[unlikely]]
     clip(&ray);
   return ray;
+}
+
+Bounds Camera::ray_origins(const Vec2f& film_begin, const Vec2f& film_end) const {
+  Bounds bounds;
+  if (clip_planes_) {
+    bounds.extend(Vec3f(std::numeric_limits<float>::infinity()));
+    bounds.extend(Vec3f(-std::numeric_limits<float>::infinity()));
+    return bounds;
+  }
+  // Origins are affine in the film position, and in the point on the aperture.
+  const float aperture = aperture_radius();
+  for (const float film_x : {film_begin.x, film_end.x})
+    for (const float film_y : {film_begin.y, film_end.y}) {
+      const float px = film_x * film_scale_.x + film_offset_.x, py = film_y * film_scale_.y + film_offset_.y;
+      if (orthographic_) {
+        bounds.extend(origin_ + x_ * px + y_ * py - z_ * clip_near_);
+        continue;
+      }
+      for (const float x : {-aperture, aperture})
+        for (const float y : {-aperture, aperture}) {
+          const float tilt_x = aperture > 0 ? x / focus_distance_ : 0, tilt_y = aperture > 0 ? y / focus_distance_ : 0;
+          bounds.extend(origin_ + x_ * x + y_ * y + (x_ * (px - tilt_x) + y_ * (py - tilt_y) - z_) * clip_near_);
+        }
+    }
+  return bounds;
 }
 
 // The ray begins at the near plane.
@@ -177,6 +207,24 @@ MovingCamera::MovingCamera(const CameraParameters& parameters, int width, int he
     poses_.emplace_back(posed, width, height, render_origin);
   }
   if (poses_.empty()) poses_.emplace_back(parameters, width, height, render_origin);
+}
+
+// Between poses the frame is not quite orthogonal: an origin is no farther from the camera's than the sum of its
+// coordinates.
+Bounds MovingCamera::ray_origins(const Vec2f& film_begin, const Vec2f& film_end) const {
+  if (!moves() || poses_.front().clip_planes_) return poses_.front().ray_origins(film_begin, film_end);
+  Bounds bounds;
+  for (const Camera& pose : poses_) {
+    const Bounds there = pose.ray_origins(film_begin, film_end);
+    float reach = 0;
+    for (const Vec3f& corner : there.corners()) {
+      const Vec3f eye = pose.to_eye(corner);
+      reach = std::max(reach, std::abs(eye.x) + std::abs(eye.y) + std::abs(eye.z));
+    }
+    bounds.extend(pose.origin_ - Vec3f(reach));
+    bounds.extend(pose.origin_ + Vec3f(reach));
+  }
+  return bounds;
 }
 
 Camera MovingCamera::at(float share) const {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/math/bounds.h"
 #include "core/math/motion.h"
 #include "core/math/ray.h"
 #include "core/parameter/parameter.h"
@@ -56,6 +57,10 @@ class Camera {
   /// clipping planes cut it; one of which nothing is left has length 0.
   Ray generate_ray(const Vec2f& film, const Vec2f& lens) const;
 
+  /// Bounds, in render space, of the origins of generate_ray() over a rectangle of film positions and the lens. All of
+  /// space if the clipping planes of CameraParameters::clip_planes move them.
+  Bounds ray_origins(const Vec2f& film_begin, const Vec2f& film_end) const;
+
   /// The cone of a pixel that looks in unit direction `d`, render space, without filter and lens.
   PixelCone pixel_cone(const Vec3f& d) const;
 
@@ -76,6 +81,7 @@ class Camera {
  private:
   friend class MovingCamera;
   Vec2f sample_aperture(const Vec2f& lens) const;
+  float aperture_radius() const;
   void clip(Ray* ray) const;
 
   Vec3f origin_, x_, y_, z_;  // frame in render space, unit
@@ -99,6 +105,8 @@ class MovingCamera {
   bool moves() const { return poses_.size() > 1; }
   /// At a share 0..1 of the shutter.
   Camera at(float share) const;
+  /// Camera::ray_origins() over the shutter.
+  Bounds ray_origins(const Vec2f& film_begin, const Vec2f& film_end) const;
   /// The time of the scene's shutter then.
   float time(float share) const { return opens_ + (closes_ - opens_) * share; }
 

@@ -161,7 +161,9 @@ Interiors interiors_at(const PathContext& context, Ray ray) {
   uint32_t count = 0;
   constexpr int kMostSurfaces = 256;
   TriangleHit hit;
-  for (int i = 0; i < kMostSurfaces && context.scene.top->intersect(ray, &hit); ++i) {
+  for (int i = 0; i < kMostSurfaces; ++i) {
+    ++context.counters.camera_rays;
+    if (!context.scene.top->intersect(ray, &hit)) break;
     const PathVertex v = make_vertex(context, ray, hit);
     ray.org = beyond(v);
     const bool inside = is_seen_from_inside(v);

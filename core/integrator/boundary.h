@@ -19,8 +19,8 @@ bool meet_boundary(PathVertex* vertex, PathState* path, float* u);
 std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& vertex,
                                         const VertexNumbers& numbers, PathState* path, LayerSplit* split);
 
-/// The interiors that the ray's origin lies in: all whose surface the ray leaves without having entered. Asked where a
-/// camera stands among clear bodies, at the cost of a ray through the scene.
+/// The interiors that the ray's origin lies in: all whose surface the ray leaves without having entered. Traces a ray
+/// through the scene, whose segments count as camera rays.
 Interiors interiors_at(const PathContext& context, Ray ray);
 
 }  // namespace alabaster

@@ -20,6 +20,7 @@ struct Interior {
 
   /// Index of refraction for a channel: red light is refracted least.
   float index(int channel) const { return ior + static_cast<float>(channel - 1) * spread; }
+  bool operator==(const Interior&) const = default;
 };
 
 class Interiors {
@@ -28,6 +29,15 @@ class Interiors {
 
   bool empty() const { return count_ == 0; }
   bool contains(uint32_t instance) const { return find(instance) < count_; }
+  /// True if both hold the same interiors, in any order, and the same one is current.
+  bool agrees_with(const Interiors& other) const {
+    if (count_ != other.count_) return false;
+    for (uint32_t i = 0; i < count_; ++i) {
+      const uint32_t at = other.find(stack_[i].instance);
+      if (at == count_ || other.stack_[at] != stack_[i]) return false;
+    }
+    return empty() || *current() == *other.current();
+  }
 
   /// The one that is really there: of the highest priority, among equals the one that was entered last. Null: none, so
   /// air. `instance`: as if it had been left.

@@ -134,8 +134,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   PathState path;
   path.ray = context.camera.generate_ray(*film, {u[0], u[1]});
   if (dot(at.ng, path.ray.dir) >= 0) return std::nullopt;
-  if (context.scene.clear_bodies.contains(path.ray.org) && !interiors_at(context, path.ray).empty())
-    return std::nullopt;
+  if (context.camera_interiors && !context.camera_interiors->of(context, path.ray).empty()) return std::nullopt;
   if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(path.ray.dir);
   TriangleHit hit;
   ++context.counters.bounce_rays;

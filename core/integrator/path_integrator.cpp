@@ -2,6 +2,7 @@
 
 #include "core/diagnostics/check.h"
 #include "core/integrator/boundary.h"
+#include "core/integrator/camera_interiors.h"
 #include "core/integrator/first_hit.h"
 #include "core/integrator/light_path.h"
 #include "core/integrator/path_surface.h"
@@ -333,8 +334,8 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   path.ray = camera_ray;
   path.lights = &context.scene.lights;
   if (context.aovs & kGuideAovs) path.guides = &out;
-  if (context.scene.clear_bodies.contains(camera_ray.org)) [[unlikely]]
-    path.interiors = interiors_at(context, camera_ray);
+  if (context.camera_interiors) [[unlikely]]
+    path.interiors = context.camera_interiors->of(context, camera_ray);
   if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);

@@ -14,7 +14,7 @@ namespace alabaster {
 
 /// Raised where equal scenes, settings and seeds no longer give equal samples: sums of different samples cannot be
 /// parts of one picture.
-inline constexpr int kSamplingVersion = 7;
+inline constexpr int kSamplingVersion = 8;
 
 enum class SubsurfaceMode {
   lambert,    // scatter distances are taken as zero: the 2015 diffuse
@@ -37,6 +37,7 @@ struct IntegratorSettings {
   bool light_paths = true;   // where they pay (light_path.h)
 };
 
+class CameraInteriors;
 class PathRecord;
 struct LightPathPlan;
 
@@ -60,6 +61,7 @@ struct PathContext {
   float time = 0;                              // of the shutter; all rays have it. `camera` stands as it does then
   const HitVectorRequest* vectors = nullptr;   // null: no AOV shows them
   const LightPathPlan* light_paths = nullptr;  // whose landings will be added to the sample; null: none
+  const CameraInteriors* camera_interiors = nullptr;  // null: camera rays begin outside of clear bodies
 };
 
 /// Traces one camera sample. `camera_ray`: unit direction, render space, at the context's time. Color and alpha are the

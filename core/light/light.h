@@ -8,7 +8,8 @@
 //
 // importance(p) guides the choice of light (light_choice.h): an estimate of the irradiance, as luminance, that the
 // light gives at p on a plane facing it, unoccluded. It decides only the noise, as long as it is finite, positive
-// wherever sample(p, .) may give light, and unchanged when all lengths change by 2^k.
+// wherever sample(p, .) may give light, and unchanged when all lengths change by 2^k. Constant domes take no part in
+// the choice (light_set.h).
 //
 // Everything is in render space. pdfs are per solid angle at the reference point.
 #pragma once
@@ -29,6 +30,12 @@ using Light = std::variant<PlaneLight, CylinderLight, SphereLight, DistantLight,
 /// The light of a description, placed in the render space whose origin this is in the world. It shares images
 /// where it can.
 Light make_light(const LightDescription& description, const Vec3d& render_origin, const LightImages& images = {});
+
+/// True for a dome without an image.
+inline bool is_constant_dome(const Light& light) {
+  const auto* dome = std::get_if<DomeLight>(&light);
+  return dome && !dome->image();
+}
 
 /// The image that it is made of, or null.
 std::shared_ptr<const LightImage> image_of(const Light& light);

@@ -19,6 +19,7 @@ LightChoice::LightChoice(const std::vector<Light>& lights, const Vec3f& p) : lig
 }
 
 double LightChoice::importance(size_t i) const {
+  if (is_constant_dome(lights_[i])) return 0;
   return std::visit([&](const auto& light) { return light.importance(p_); }, lights_[i]);
 }
 

@@ -1,7 +1,7 @@
-// Which light to sample at a point.
+// Which light to sample at a point, of those that take part in the choice: all but constant domes (light_set.h).
 //
 // Light i of importance w_i there (an estimate of the irradiance it can give, see light.h) is chosen with probability
-//   0.9 w_i / sum of w + 0.1 / n,  n the number of lights with w > 0; 0 if w_i = 0.
+//   0.9 w_i / sum of w + 0.1 / n,  n the number of lights with w > 0; 0 if w_i = 0 or the light is a constant dome.
 // The uniform part is defensive (Hesterberg 1995, "Weighted Average Importance Sampling and Defensive Mixture
 // Distributions"): where the estimate errs because of an occluder or a cosine, no light starves.
 //
@@ -19,7 +19,7 @@ namespace alabaster {
 
 /// The choice at one point; allocates nothing. Random numbers have 24 bits, so the probabilities are whole multiples of
 /// 2^-24: choose() takes each light exactly as often as its probability says. Up to a million lights, the probability
-/// is positive wherever w is. A set of one light is not weighed: it has probability 1.
+/// is positive wherever w is. A set of one light is not weighed: it has probability 1. It must not be a constant dome.
 class LightChoice {
  public:
   /// Keeps a reference to `lights`.

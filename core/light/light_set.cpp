@@ -23,13 +23,14 @@ LightSet::LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_u
       shadow_linked_.push_back(i);
     else
       (is_infinite(i) ? infinite_ : finite_).push_back(i);
-    if (sample_all_ && !constant_dome_ && is_left(ConstantDomes::left_to_lobes, i)) constant_dome_ = i;
+    if (is_constant_dome(light)) constant_domes_.push_back(i);
   }
   if (!sample_all_ && lights_.size() > kMostWeighed && lights_.size() < size_t(1) << 24) tree_ = LightTree(lights_);
   std::sort(mesh_light_of_instance_.begin(), mesh_light_of_instance_.end());
 }
 
 std::optional<LightSample> LightSet::sample(const Vec3f& p, float u_light, const Vec2f& u, const Vec3f& n) const {
+  if (constant_domes_.size() == lights_.size()) return std::nullopt;
   const auto chosen = tree_.empty() ? LightChoice(lights_, p).choose(u_light) : tree_.choose(lights_, p, u_light);
   if (!chosen) return std::nullopt;
   auto s = sample_light(chosen->index, p, u, n);
@@ -52,15 +53,21 @@ std::optional<LightSample> LightSet::sample_light(size_t i, const Vec3f& p, cons
 }
 
 std::optional<Vec2f> LightSet::leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const {
-  if (!constant_dome_) return std::nullopt;
-  double others = 0;
+  if (constant_domes_.empty()) return std::nullopt;
   const auto importance = [&](size_t i) {
     return std::visit([&](const auto& light) { return light.importance(p); }, lights_[i]);
   };
-  for (size_t i = 0; i < lights_.size(); ++i)
-    if (i != *constant_dome_) others += importance(i);
-  if (!(importance(*constant_dome_) >= others)) return std::nullopt;
-  return shifted({u[1], u[2]}, *constant_dome_);
+  const uint32_t dome = constant_domes_.front();
+  double others = 0;
+  if (tree_.empty()) {
+    for (size_t i = 0; i < lights_.size(); ++i)
+      if (i != dome) others += importance(i);
+  } else {
+    others = tree_.importance(lights_, p);
+    for (size_t k = 1; k < constant_domes_.size(); ++k) others += importance(constant_domes_[k]);
+  }
+  if (!(importance(dome) >= others)) return std::nullopt;
+  return sample_all_ ? shifted({u[1], u[2]}, dome) : dome_numbers(0, u);
 }
 
 bool LightSet::is_below(size_t i, const Vec3f& p, const Horizon& horizon) const {

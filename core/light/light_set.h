@@ -1,4 +1,7 @@
 // All lights of a snapshot: chooses which to sample (light_choice.h), and answers for rays that hit one.
+//
+// Constant domes take no part in the choice of a light. BSDF sampling finds them with less noise than next-event
+// estimation, and where next-event estimation samples them, each is sampled with probability 1.
 #pragma once
 
 #include <array>
@@ -12,9 +15,8 @@
 
 namespace alabaster {
 
-/// Who looks for a dome without an image. A lobe that is sampled whole, as every direction of its own, finds it with
-/// less noise than a density that knows no lobe, and without a shadow ray. Where a lobe is chosen rarely, beside a walk
-/// below the surface, light sampling must look for it too.
+/// Whether next-event estimation samples constant domes. BSDF sampling alone has less noise and needs no shadow ray,
+/// except on surfaces that scatter, where the local lobes are picked too rarely.
 enum class ConstantDomes { sampled, left_to_lobes };
 
 /// How lights are sampled at a point. The pdf of a light that a ray from there meets must be asked with the same
@@ -37,33 +39,39 @@ class LightSet {
     std::vector<bool> visible_to_camera;  // lights beyond its end are visible
     std::vector<uint32_t> shadow_links;   // of LightDescription; lights beyond its end have none
   };
-  /// A set of at most `sample_all_up_to` lights samples every light once per point, with probability 1: a sample that
-  /// faces away mostly costs no ray, and no light adds to another's noise. A larger set chooses one light per point,
-  /// and a set of more than kMostWeighed lights chooses it by a tree.
+  /// Up to `sample_all_up_to` lights: one sample of each per point. Samples that face away mostly cost no ray, and no
+  /// light adds to another's noise. Above that, one light per point, picked by importance, or by a tree above
+  /// kMostWeighed, and one sample of each constant dome.
   LightSet(std::vector<Light> lights, Traits traits, size_t sample_all_up_to = 0);
 
   size_t size() const { return lights_.size(); }
 
-  /// One direction for each light to be sampled at p (all, or the chosen one): visit(const LightSample&), pdf with the
-  /// choice in it. A set that samples all leaves out those below the horizon. u: the choice, then the direction.
+  /// One direction for each light to be sampled at p: visit(const LightSample&). The pdf includes the choice. A set
+  /// that samples all leaves out lights below the horizon. u: the choice, then the direction.
   template <class Visit>
   void sample_lights(const Vec3f& p, const Horizon& horizon, const std::array<float, 4>& u, const LightSearch& search,
                      const Visit& visit) const {
     if (!sample_all_) {
       if (const auto s = sample(p, u[0], {u[1], u[2]}, search.n)) visit(*s);
+      if (search.domes == ConstantDomes::left_to_lobes) return;
+      for (size_t k = 0; k < constant_domes_.size(); ++k)
+        if (auto s = sample_light(constant_domes_[k], p, dome_numbers(k, u), search.n)) {
+          s->left_to_lobes = true;
+          visit(std::as_const(*s));
+        }
       return;
     }
     for (size_t i = 0; i < lights_.size(); ++i) {
       if (is_left(search.domes, i) || is_below(i, p, horizon)) continue;
       if (auto s = sample_light(i, p, shifted({u[1], u[2]}, i), search.n)) {
-        s->left_to_lobes = is_left(ConstantDomes::left_to_lobes, i);
+        s->left_to_lobes = is_constant_dome(lights_[i]);
         visit(std::as_const(*s));
       }
     }
   }
 
-  /// One direction of one chosen light. The pdf includes the choice of light, for a delta light too. Empty: no light
-  /// arrives.
+  /// One direction of one chosen light, never of a constant dome. The pdf includes the choice of light, for a delta
+  /// light too. Empty: no light arrives.
   std::optional<LightSample> sample(const Vec3f& p, float u_light, const Vec2f& u,
                                     const Vec3f& n = Vec3f(0, 0, 0)) const;
 
@@ -102,9 +110,9 @@ class LightSet {
     return sum;
   }
 
-  /// The numbers with which sample_cosine_hemisphere, about the lobe, gives the direction of a constant dome that
-  /// sample_lights(p, ., u, ...) gives. Empty: there is none, one light is chosen of many, or all others together give
-  /// more at p, unoccluded. That depends on p alone.
+  /// The random numbers with which sample_cosine_hemisphere, about the lobe, gives the direction of the first constant
+  /// dome that sample_lights(p, ., u, ...) gives. Empty: there is none, or all other lights together give more at p,
+  /// unoccluded. That depends on p alone.
   std::optional<Vec2f> leading_dome_numbers(const Vec3f& p, const std::array<float, 4>& u) const;
 
   bool has_shadow_links() const { return !shadow_linked_.empty(); }
@@ -130,7 +138,7 @@ class LightSet {
   const std::vector<Light>& lights() const { return lights_; }
   /// On the heap, without textures, which others may share.
   size_t memory_bytes() const;
-  /// Probability that sample(p, ...) chooses light i.
+  /// Probability that sample(p, ...) chooses light i, which is no constant dome.
   float choice_probability(size_t i, const Vec3f& p) const {
     return tree_.empty() ? LightChoice(lights_, p).probability(i) : tree_.probability(lights_, p, i);
   }
@@ -140,6 +148,8 @@ class LightSet {
   std::optional<LightSample> sample_light(size_t i, const Vec3f& p, const Vec2f& u, const Vec3f& n) const;
   /// Another point of the unit square for each light, as well spread as u: shifted by Roberts' R2 lattice.
   static Vec2f shifted(const Vec2f& u, size_t i);
+  /// The random numbers of constant dome k (of constant_domes_) where one light is chosen of many.
+  static Vec2f dome_numbers(size_t k, const std::array<float, 4>& u) { return shifted({u[1], u[2]}, k + 1); }
   bool is_below(size_t i, const Vec3f& p, const Horizon& horizon) const;
   bool is_infinite(size_t i) const {
     return std::holds_alternative<DistantLight>(lights_[i]) || std::holds_alternative<DomeLight>(lights_[i]);
@@ -148,16 +158,13 @@ class LightSet {
   float pdf_of(size_t i, const LightHit& hit, const Vec3f& p, ConstantDomes domes,
                std::optional<LightChoice>* choice) const {
     if (is_left(domes, i)) return 0;
-    if (sample_all_) return hit.pdf;
+    if (sample_all_ || is_constant_dome(lights_[i])) return hit.pdf;
     if (!tree_.empty()) return hit.pdf * tree_.probability(lights_, p, i);
     if (!*choice) choice->emplace(lights_, p);
     return hit.pdf * (*choice)->probability(i);
   }
-  /// Where one light of many is chosen, constant domes are chosen as others are.
   bool is_left(ConstantDomes domes, size_t i) const {
-    if (domes == ConstantDomes::sampled || !sample_all_) return false;
-    const auto* dome = std::get_if<DomeLight>(&lights_[i]);
-    return dome && !dome->image();
+    return domes == ConstantDomes::left_to_lobes && is_constant_dome(lights_[i]);
   }
 
   static constexpr size_t kMostWeighed = 128;
@@ -168,8 +175,8 @@ class LightSet {
   std::vector<bool> visible_to_camera_;
   std::vector<uint32_t> shadow_links_;                                 // empty: no light has one
   std::vector<uint32_t> finite_, infinite_;                            // lights that a ray can meet, by index
-  std::optional<uint32_t> constant_dome_;                              // the first, of a set that samples all
-  std::vector<uint32_t> shadow_linked_;                                // the same, of those with a shadow link
+  std::vector<uint32_t> constant_domes_;                               // by index
+  std::vector<uint32_t> shadow_linked_;                                // those with a shadow link that a ray can meet
   std::vector<std::pair<uint32_t, uint32_t>> mesh_light_of_instance_;  // sorted (instance, light index)
 };
 

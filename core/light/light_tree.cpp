@@ -56,7 +56,8 @@ struct LightTree::Leaf {
 
 LightTree::LightTree(const std::vector<Light>& lights) : node_of_light_(lights.size()) {
   std::vector<Leaf> leaves;
-  for (uint32_t i = 0; i < lights.size(); ++i) leaves.push_back({extent_of(lights[i]), i});
+  for (uint32_t i = 0; i < lights.size(); ++i)
+    if (!is_constant_dome(lights[i])) leaves.push_back({extent_of(lights[i]), i});
   if (leaves.empty()) return;
   nodes_.reserve(2 * leaves.size());
   reserved_ = std::max(1u, kSteps / 10 / static_cast<uint32_t>(leaves.size()));
@@ -130,7 +131,7 @@ struct LightTree::Cut {
   std::array<uint32_t, size_t(1) << kLevels> nodes;
   std::array<double, size_t(1) << kLevels> importances;
   size_t size = 0;
-  double total = 0;
+  double total = 0;  // of the importances; where they add up to no positive number, each is 1
 };
 
 LightTree::Cut LightTree::cut_below(const std::vector<Light>& lights, const Vec3f& p, uint32_t node) const {
@@ -150,6 +151,13 @@ LightTree::Cut LightTree::cut_below(const std::vector<Light>& lights, const Vec3
   cut.importances.fill(1);
   cut.total = static_cast<double>(cut.size);
   return cut;
+}
+
+double LightTree::importance(const std::vector<Light>& lights, const Vec3f& p) const {
+  const Cut cut = cut_below(lights, p, 0);
+  double sum = 0;
+  for (size_t i = 0; i < cut.size; ++i) sum += importance(lights, p, cut.nodes[i]);
+  return sum;
 }
 
 template <class IsIt>

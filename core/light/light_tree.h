@@ -23,18 +23,21 @@
 namespace alabaster {
 
 /// Immutable. Probabilities are whole multiples of 2^-24, as those of LightChoice: each of n lights owns 0.1 / n of the
-/// random numbers beforehand (one at least), and importances divide the rest.
+/// random numbers beforehand (one at least), and importances divide the rest. Constant domes are no part of the tree.
 class LightTree {
  public:
   /// An empty tree, of no light.
   LightTree() = default;
-  /// Less than 2^24 lights. The calls below get the same ones.
+  /// Less than 2^24 lights. The calls below get the same ones. Empty if all are constant domes.
   explicit LightTree(const std::vector<Light>& lights);
 
   bool empty() const { return nodes_.empty(); }
   /// Never empty.
   std::optional<LightChoice::Chosen> choose(const std::vector<Light>& lights, const Vec3f& p, float u) const;
+  /// `light`: not a constant dome.
   float probability(const std::vector<Light>& lights, const Vec3f& p, size_t light) const;
+  /// An estimate of the irradiance that all lights of the tree give at p together.
+  double importance(const std::vector<Light>& lights, const Vec3f& p) const;
   /// visit(light) for every finite light whose bounds the ray meets, and perhaps for others.
   template <class Visit>
   void intersect(const Ray& ray, const Visit& visit) const;

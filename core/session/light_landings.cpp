@@ -43,7 +43,8 @@ int choose_pixel(PixelFilter filter, float position, float u, float* weight) {
 // The mean of red, green and blue over some pixels of a frame.
 float measure_level(const LightLandingsRequest& request, RenderCounters* counters) {
   constexpr int kSide = 16;
-  const PathContext context{request.scene, request.camera, request.settings, *counters};
+  PathContext context{request.scene, request.camera, request.settings, *counters};
+  context.camera_interiors = request.camera_interiors;
   const PathIntegrator trace = select_path_integrator(request.scene.features, request.settings, false);
   double sum = 0;
   for (int j = 0; j < kSide; ++j) {
@@ -122,7 +123,8 @@ void LightLandings::make_plan() {
   const std::vector<uint32_t> casters = find_casters(request_.scene, request_.settings);
   if (casters.empty()) return is_planned_.store(true, std::memory_order_release);
   RenderCounters counters;  // nobody counts a pilot
-  const PathContext context{request_.scene, request_.camera, request_.settings, counters};
+  PathContext context{request_.scene, request_.camera, request_.settings, counters};
+  context.camera_interiors = request_.camera_interiors;
   const Vec2f size(static_cast<float>(request_.width), static_cast<float>(request_.height));
   plan_ = plan_light_paths(context, casters, size, measure_level(request_, &counters));
   const PixelRect& window = request_.window;
@@ -140,6 +142,7 @@ const LightPathPlan* LightLandings::plan(uint32_t sample) {
 void LightLandings::trace_chunk(uint32_t sample, uint32_t chunk, RenderCounters* counters,
                                 std::vector<LandedSample::Entry>* out) const {
   PathContext context{request_.scene, request_.camera, request_.settings, *counters};
+  context.camera_interiors = request_.camera_interiors;
   context.light_paths = &plan_;
   const LightPathTracer trace = select_light_path_tracer(request_.scene.features, request_.settings);
   const uint32_t seed = hash_combine(pixel_seed(0, 0, request_.frame, request_.seed), sample / kSpread);

@@ -72,6 +72,7 @@ struct LightLandingsRequest {
   PixelRect window;   // pixels outside it are not kept
   PixelFilter filter;
   uint32_t frame, seed;
+  const CameraInteriors* camera_interiors = nullptr;  // PathContext's
 };
 
 /// Traces the light paths of a sample when a thread first asks for it, on all threads that ask for it meanwhile. Any

@@ -44,6 +44,16 @@ void expose(float factor, FilmSample* sample, LightLayers* layers) {
     *layer *= factor;
 }
 
+// The origins of all rays that a render's camera may send.
+Bounds ray_origins(const RenderRequest& request, const MovingCamera& camera) {
+  constexpr float filter = 1.5f;  // radius of the widest filter, in pixels
+  const PixelRect& window = request.data_window;
+  const auto at = [](int x, int y) { return Vec2f(static_cast<float>(x), static_cast<float>(y)); };
+  const Vec2f begin = at(std::min(0, window.x0), std::min(0, window.y0)) - Vec2f(filter);
+  const Vec2f end = at(std::max(request.width, window.x1), std::max(request.height, window.y1)) + Vec2f(filter);
+  return camera.ray_origins(begin, end);
+}
+
 }  // namespace
 
 TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& cancel)
@@ -56,10 +66,13 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       has_vectors_((request.aovs & kVectorAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
   if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene);
+  RenderCounters counters;  // the search is no part of a sample
+  camera_interiors_ = CameraInteriors::find({*request.scene, camera_.first(), integrator_settings_, counters},
+                                            ray_origins(request, camera_));
   if (integrator_settings_.light_paths && !has_motion_)
     landings_ = std::make_unique<LightLandings>(LightLandingsRequest{
         *request.scene, camera_.first(), integrator_settings_, request.width, request.height, request.data_window,
-        request.settings.filter, request.settings.frame, request.settings.seed});
+        request.settings.filter, request.settings.frame, request.settings.seed, camera_interiors_.get()});
 }
 
 FilmSample TileRenderer::trace_sample(const SampleAddress& at, RenderCounters* counters, LightLayers* layers,
@@ -87,6 +100,7 @@ FilmSample TileRenderer::trace_sample(const SampleAddress& at, const PixelSample
   const Vec2f film_position(static_cast<float>(at.x) + 0.5f + offset.x, static_cast<float>(at.y) + 0.5f + offset.y);
   PathContext context{*request_.scene, camera,        integrator_settings_, *counters,
                       parts.layers,    request_.aovs, parts.record,         time};
+  context.camera_interiors = camera_interiors_.get();
   if (landings_) context.light_paths = landings_->plan(frame_sample);
   std::optional<HitVectorRequest> vectors;
   std::optional<Camera> closes;
@@ -136,8 +150,8 @@ NonfiniteCause TileRenderer::nonfinite_cause(const PathContext& path, const Ray&
   LightLayers layers;
   IntegratorSettings settings = integrator_settings_;
   settings.walk.cancel = {};  // the sample has been counted
-  const PathContext context{*request_.scene, path.camera,   settings, counters,
-                            &layers,         request_.aovs, &record,  path.time};
+  PathContext context{*request_.scene, path.camera, settings, counters, &layers, request_.aovs, &record, path.time};
+  context.camera_interiors = path.camera_interiors;
   const FilmSample unexposed =
       select_path_integrator(request_.scene->features, integrator_settings_, true)(context, ray, sampler);
   return is_finite(unexposed.color) ? NonfiniteCause::exposure : record.cause();

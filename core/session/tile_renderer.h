@@ -15,6 +15,7 @@
 #include "core/denoise/denoiser.h"
 #include "core/diagnostics/counters.h"
 #include "core/film/film.h"
+#include "core/integrator/camera_interiors.h"
 #include "core/integrator/path_integrator.h"
 #include "core/scene/scene.h"
 #include "core/session/light_landings.h"
@@ -93,6 +94,7 @@ class TileRenderer {
   IntegratorSettings integrator_settings_;
   bool has_layers_, has_vectors_;
   PathIntegrator trace_path_;
+  std::unique_ptr<const CameraInteriors> camera_interiors_;  // null: camera rays begin outside of clear bodies
   std::unique_ptr<LightLandings> landings_;  // null: no sample has light paths
 };
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/integrator/camera_interiors.h"
 #include "core/integrator/path_integrator.h"
 #include "testenv/support/scene_builder.h"
 
@@ -13,14 +14,21 @@ namespace alabaster::testing {
 class PathTracer {
  public:
   PathTracer(std::shared_ptr<const SceneSnapshot> scene, const Vec3d& eye)
-      : scene_(std::move(scene)), camera_(look_at(eye, {0, 0, 0}, 30), 1, 1, scene_->origin) {}
+      : scene_(std::move(scene)),
+        camera_(look_at(eye, {0, 0, 0}, 30), 1, 1, scene_->origin),
+        camera_interiors_(CameraInteriors::find({*scene_, camera_, settings, counters},
+                                                camera_.ray_origins({0, 0}, {1, 1}))) {}
 
   IntegratorSettings settings = integrator_settings({});
   uint32_t aovs = aov_bit(Aov::color);
   RenderCounters counters;
   float reach = std::numeric_limits<float>::infinity();  // of the camera's rays
 
-  PathContext context(LightLayers* layers = nullptr) { return {*scene_, camera_, settings, counters, layers, aovs}; }
+  PathContext context(LightLayers* layers = nullptr) {
+    PathContext context{*scene_, camera_, settings, counters, layers, aovs};
+    context.camera_interiors = camera_interiors_.get();
+    return context;
+  }
   /// Sample `index` of the only pixel, through its centre. Fills `layers` unless null.
   FilmSample trace(uint32_t index, LightLayers* layers = nullptr) {
     const PathIntegrator integrator = select_path_integrator(scene_->features, settings, layers != nullptr);
@@ -33,6 +41,7 @@ class PathTracer {
   static constexpr uint32_t kPixelSeed = 20;
   std::shared_ptr<const SceneSnapshot> scene_;
   Camera camera_;
+  std::unique_ptr<const CameraInteriors> camera_interiors_;
 };
 
 /// Lambert's term of the BSDF and nothing else: f = (color / pi) (1 - .5 F_L) (1 - .5 F_V).

@@ -72,6 +72,31 @@ TEST(PathIntegrator, RouletteKeepsTheRadianceInsideAGlowingSphere) {
   }
 }
 
+// All lights are sampled, one of few is chosen, or one of many by a tree.
+TEST(PathIntegrator, DimLightsBesideAConstantDomeAddNoNoise) {
+  DisneyParameters skin;
+  skin.base_color = Rgb(0.8f);
+  skin.scatter_distance = Rgb(0.1f);
+  for (const DisneyParameters& p : {matt(Rgb(0.7f)), skin}) {
+    const auto variance = [&](int dim_lights) {
+      SceneBuilder b;
+      b.add(b.prototype(testing::sphere_mesh(1, 24, true)), b.material(p)).add(testing::constant_dome(1, false));
+      LightDescription dim;
+      dim.type = LightType::sphere;
+      dim.intensity = 1e-6f;
+      for (int i = 0; i < dim_lights; ++i) {
+        dim.light_to_world = Matrix4d().setTranslation(Vec3d(3, 0.1 * i, 0));
+        b.add(dim);
+      }
+      PathTracer tracer(b.snapshot(), {0, 3, 0});
+      return means_of_green(&tracer, 2000, 1).variance();
+    };
+    const double alone = variance(0);
+    for (const int dim_lights : {3, 4, 200})
+      EXPECT_LT(variance(dim_lights), 1.2 * alone) << dim_lights << (p.scatters() ? ", skin" : "");
+  }
+}
+
 TEST(PathIntegrator, APathBecomesTwoAtTheFirstSurface) {
   SceneBuilder b;
   b.add(b.prototype(testing::plane_mesh(20)), b.material(matt(Rgb(0.7f)))).add(testing::constant_dome(1, false));

@@ -11,6 +11,7 @@ Light described(LightType type, float intensity, double scale = 1) {
   LightDescription d;
   d.type = type;
   d.intensity = intensity;
+  d.angle = 180;  // of a distant light: it gives pi times its radiance on a plane that faces it
   for (int i = 0; i < 3; ++i) d.light_to_world[i][i] = scale;
   d.light_to_world[3][2] = 2 * scale;
   if (type == LightType::rect) return PlaneLight(d, Vec3d(0, 0, 0));
@@ -24,7 +25,7 @@ std::vector<Light> mixed(double scale = 1) {
   return {described(LightType::rect, 5, scale),
           described(LightType::sphere, 0, scale),
           described(LightType::sphere, 2, scale),
-          described(LightType::distant, 90, scale),
+          described(LightType::distant, 0.1f, scale),
           MeshLight(0, {{{0, 0, -s}, {s, 0, -s}, {0, s, 0}, Rgb(3.0f)}}, {0}),
           described(LightType::dome, 0.1f, scale)};
 }
@@ -54,13 +55,14 @@ TEST(LightChoice, ProbabilitiesAreTheMixtureAndSumToOne) {
     const Vec3f p = random_point(rng);
     double total = 0, sum = 0, shining = 0;
     for (const Light& light : lights) {
+      if (is_constant_dome(light)) continue;
       total += importance(light, p);
       shining += importance(light, p) > 0 ? 1 : 0;
     }
     const auto probability = probabilities(lights, p);
     LightChoice backwards(lights, p);
     for (size_t i = 0; i < lights.size(); ++i) {
-      const double w = importance(lights[i], p);
+      const double w = is_constant_dome(lights[i]) ? 0 : importance(lights[i], p);
       EXPECT_NEAR(probability[i], w > 0 ? 0.9 * w / total + 0.1 / shining : 0, 0x1p-23);
       EXPECT_EQ(probability[i] > 0, w > 0);
       EXPECT_EQ(LightChoice(lights, p).probability(i), probability[i]) << "asked alone";
@@ -92,9 +94,9 @@ TEST(LightChoice, ChoosesAsOftenAsItSays) {
   }
 }
 
-// By hand: beside the sphere of radius 1/2 at distance 2, pi L / 16; the dome, pi L.
+// By hand: beside the sphere of radius 1/2 at distance 2, pi L / 16; the sky, pi L.
 TEST(LightChoice, FollowsWhatTheLightsGiveAtThePoint) {
-  const std::vector<Light> lights = {described(LightType::sphere, 16), described(LightType::dome, 1)};
+  const std::vector<Light> lights = {described(LightType::sphere, 16), described(LightType::distant, 1)};
   EXPECT_NEAR(LightChoice(lights, {0, 0, 0}).probability(0), 0.5f, 1e-6f);
   EXPECT_NEAR(LightChoice(lights, {0, 0, 1}).probability(0), 0.9f * 0.8f + 0.05f, 1e-6f);
   EXPECT_NEAR(LightChoice(lights, {0, 0, 4002}).probability(0), 0.05f, 1e-5f);
@@ -113,7 +115,7 @@ TEST(LightChoice, OneLightIsCertainAndNoLightIsNone) {
 TEST(LightChoice, ManyAndExtremeLights) {
   std::vector<Light> lights;
   for (int i = 0; i < 500; ++i)
-    lights.push_back(described(i % 2 == 0 ? LightType::sphere : LightType::dome, i % 3 == 0 ? 1e-38f : 3e38f));
+    lights.push_back(described(i % 2 == 0 ? LightType::sphere : LightType::distant, i % 3 == 0 ? 1e-38f : 3e38f));
   for (const Vec3f& p : {Vec3f(0, 0, 0), Vec3f(1e30f, 0, 0), Vec3f(0, 0, 2)}) {
     double sum = 0;
     for (const float probability : probabilities(lights, p)) {

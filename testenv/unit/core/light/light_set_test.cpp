@@ -23,6 +23,12 @@ Light sphere(float intensity) {
 Light dome(float intensity) {
   return DomeLight(described(LightType::dome, intensity), kOrigin);
 }
+/// A disk in the direction z.
+Light sun(float degrees, float intensity) {
+  LightDescription d = described(LightType::distant, intensity);
+  d.angle = degrees;
+  return DistantLight(d, kOrigin);
+}
 const auto kUnweighted = [](float) { return 1.0f; };
 
 TEST(LightSet, EmptyAndDarkSetsGiveNothing) {
@@ -44,14 +50,14 @@ TEST(LightSet, AnEscapedRayOfAnyLengthMeetsTheSky) {
 
 TEST(LightSet, PdfHoldsTheChoice) {
   const SphereLight small(described(LightType::sphere, 1), kOrigin);
-  const LightSet set({small, dome(1)}, {});
+  const LightSet set({small, sun(20, 1)}, {});
   const Vec3f p(0, 0, -3);
   const auto s = set.sample(p, 0, {0.3f, 0.4f});
   ASSERT_TRUE(s);
   EXPECT_EQ(s->pdf, small.sample(p, {0.3f, 0.4f})->pdf * set.choice_probability(0, p));
-  const auto sky = set.sample(p, 0.999f, {0.3f, 0.4f});
-  ASSERT_TRUE(sky);
-  EXPECT_EQ(sky->pdf, set.choice_probability(1, p) / (4 * kPi));
+  const auto far = set.sample(p, 0.999f, {0.3f, 0.4f});
+  ASSERT_TRUE(far);
+  EXPECT_NEAR(far->pdf, set.choice_probability(1, p) * pdf_uniform_cone(1 - std::cos(kPi / 18)), 1e-3f);
   // The radiance and pdf for a ray that meets both lights.
   std::vector<float> pdfs;
   set.emitted({p, {0, 0, 1}}, true, false, ConstantDomes::sampled, [&](float pdf) {
@@ -60,7 +66,7 @@ TEST(LightSet, PdfHoldsTheChoice) {
   });
   ASSERT_EQ(pdfs.size(), 2u);
   EXPECT_NEAR(pdfs[0] / s->pdf, 1, 1e-6f);
-  EXPECT_EQ(pdfs[1], sky->pdf);
+  EXPECT_EQ(pdfs[1], far->pdf);
 
   LightDescription point = described(LightType::sphere, 1);
   point.treat_as_point = true;
@@ -84,9 +90,7 @@ TEST(LightSet, EmittedHonoursDistanceEscapeAndCamera) {
 
 // Infinite lights are asked by escaped rays only, after the finite ones, wherever they stand in the list.
 TEST(LightSet, OnlyEscapedRaysMeetInfiniteLights) {
-  LightDescription disk = described(LightType::distant, 8);
-  disk.angle = 20;
-  const LightSet set({dome(4), DistantLight(disk, kOrigin), sphere(1)}, {});
+  const LightSet set({dome(4), sun(20, 8), sphere(1)}, {});
   const Ray ray{{0, 0, -3}, {0, 0, 1}};
   std::vector<float> pdfs;
   const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
@@ -95,41 +99,63 @@ TEST(LightSet, OnlyEscapedRaysMeetInfiniteLights) {
   pdfs.clear();
   EXPECT_EQ(set.emitted(ray, true, false, ConstantDomes::sampled, keep), Rgb(13.0f));
   ASSERT_EQ(pdfs.size(), 3u);
-  EXPECT_EQ(pdfs[1], set.choice_probability(0, ray.org) / (4 * kPi));
+  EXPECT_EQ(pdfs[1], pdf_uniform_sphere()) << "a constant dome takes no part in the choice";
   EXPECT_NEAR(pdfs[2] / pdf_uniform_cone(1 - std::cos(kPi / 18)), set.choice_probability(1, ray.org), 1e-5f);
 }
 
-TEST(LightSet, ALobeThatIsSampledWholeNeedsNoSampleOfAConstantDome) {
-  const LightSet set({sphere(1), dome(4)}, {}, 8);
+/// A dome of that radiance between `others` spheres of that intensity. All are sampled, one is chosen by its importance
+/// or by a tree.
+LightSet domed(float radiance, size_t others, float intensity) {
+  std::vector<Light> lights(others, sphere(intensity));
+  lights.insert(lights.begin() + static_cast<std::ptrdiff_t>(others / 2), dome(radiance));
+  return LightSet(std::move(lights), {}, 4);
+}
+
+TEST(LightSet, ConstantDomesTakeNoPartInTheChoiceOfALight) {
   const Vec3f p(0, 0, -3);
-  const auto samples = [&](ConstantDomes domes) {
-    int count = 0;
-    set.sample_lights(p, {Vec3f(0, 0, 1), Vec3f(0, 0, 1)}, {0, 0.3f, 0.4f, 0}, domes,
-                      [&](const LightSample&) { ++count; });
-    return count;
-  };
-  EXPECT_EQ(samples(ConstantDomes::sampled), 2);
-  EXPECT_EQ(samples(ConstantDomes::left_to_lobes), 1);
-  std::vector<float> pdfs;
-  const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
-  set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
-  set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::left_to_lobes, keep);
-  EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0}));
+  for (const size_t others : {0u, 1u, 3u, 4u, 20u, 300u}) {
+    const LightSet set = domed(4, others, 1e-6f);
+    const auto domes = [&](ConstantDomes how) {
+      int count = 0;
+      set.sample_lights(p, {Vec3f(0, 0, 1), Vec3f(0, 0, 1)}, {0.7f, 0.3f, 0.4f, 0}, how, [&](const LightSample& s) {
+        if (!std::isinf(s.distance)) return;
+        EXPECT_TRUE(s.left_to_lobes);
+        EXPECT_EQ(s.pdf, pdf_uniform_sphere()) << others;
+        ++count;
+      });
+      return count;
+    };
+    EXPECT_EQ(domes(ConstantDomes::sampled), 1) << others;
+    EXPECT_EQ(domes(ConstantDomes::left_to_lobes), 0) << others;
+    for (const float u : {0.0f, 0.4f, 0.999f})
+      if (const auto chosen = set.sample(p, u, {0.3f, 0.4f})) {
+        EXPECT_TRUE(std::isfinite(chosen->distance)) << others;
+      }
+    std::vector<float> pdfs;
+    const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
+    set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::sampled, keep);
+    set.emitted({p, {0, 1, 0}}, true, false, ConstantDomes::left_to_lobes, keep);
+    EXPECT_EQ(pdfs, (std::vector<float>{pdf_uniform_sphere(), 0})) << others;
+  }
 }
 
 TEST(LightSet, ALeadingDomesNumbersGiveItsSample) {
   const Vec3f p(0, 0, -3), n = normalize(Vec3f(-0.6f, 0.3f, -0.8f));
-  const LightSet bright({sphere(0.1f), dome(4)}, {}, 8), dim({sphere(1e4f), dome(4)}, {}, 8), chosen({dome(4)}, {});
   const std::array<float, 4> u = {0.3f, 0.7f, 0.2f, 0};
-  EXPECT_FALSE(dim.leading_dome_numbers(p, u));
-  EXPECT_FALSE(chosen.leading_dome_numbers(p, u)) << "of the lights one is chosen";
-  const auto numbers = bright.leading_dome_numbers(p, u);
-  ASSERT_TRUE(numbers);
-  std::vector<Vec3f> directions;
-  bright.sample_lights(p, {n, n}, u, {ConstantDomes::sampled, n},
-                       [&](const LightSample& s) { directions.push_back(s.wi); });
-  ASSERT_FALSE(directions.empty());
-  EXPECT_EQ(directions.back(), frame_from_normal(n).to_world(sample_cosine_hemisphere(*numbers)));
+  for (const size_t others : {0u, 1u, 3u, 4u, 20u, 300u}) {
+    const LightSet bright = domed(4, others, 1e-3f);
+    const auto numbers = bright.leading_dome_numbers(p, u);
+    ASSERT_TRUE(numbers) << others;
+    std::vector<Vec3f> directions;
+    bright.sample_lights(p, {n, n}, u, {ConstantDomes::sampled, n}, [&](const LightSample& s) {
+      if (std::isinf(s.distance)) directions.push_back(s.wi);
+    });
+    ASSERT_EQ(directions.size(), 1u) << others;
+    EXPECT_EQ(directions[0], frame_from_normal(n).to_world(sample_cosine_hemisphere(*numbers))) << others;
+    if (others > 0) {
+      EXPECT_FALSE(domed(4, others, 1e4f).leading_dome_numbers(p, u)) << others;
+    }
+  }
 }
 
 TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
@@ -141,8 +167,7 @@ TEST(LightSet, ConstantDomesAreSampledByTheCosineToALobe) {
       std::optional<LightSample> sampled;
       set->sample_lights(p, {n, n}, {0.999f, u.x, u.y, 0}, search, [&](const LightSample& s) { sampled = s; });
       ASSERT_TRUE(sampled);
-      const float cosine = dot(sampled->wi, n), choice = set->choice_probability(set->size() - 1, p);
-      EXPECT_NEAR(sampled->pdf / (cosine * kInvPi * choice), 1, 1e-5f);
+      EXPECT_NEAR(sampled->pdf / (dot(sampled->wi, n) * kInvPi), 1, 1e-5f);
       std::vector<float> pdfs;
       const auto keep = [&](float pdf) { return pdfs.push_back(pdf), 1.0f; };
       set->emitted({p, sampled->wi}, true, false, search, keep);

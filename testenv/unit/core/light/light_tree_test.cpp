@@ -21,7 +21,7 @@ std::vector<Light> many_lights(uint32_t count, double scale = 1) {
   std::vector<Light> lights;
   for (uint32_t i = 0; i < count; ++i) {
     LightDescription d;
-    d.type = i == 5 ? LightType::dome : i == 9 ? LightType::distant : i % 3 == 0 ? LightType::sphere : LightType::rect;
+    d.type = i == 5 || i == 9 ? LightType::distant : i % 3 == 0 ? LightType::sphere : LightType::rect;
     d.intensity = 1 + 20 * rng.uniform() * rng.uniform();
     const Vec3f place = random_point(rng, 10);
     for (int k = 0; k < 3; ++k) {

@@ -1,0 +1,111 @@
+#include "core/integrator/camera_interiors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/integrator/boundary.h"
+#include "core/scene/world_placement.h"
+
+namespace alabaster {
+namespace {
+
+// Clear bodies at the origins of the camera's rays.
+struct Surroundings {
+  bool near = false;   // the box of one meets the origins
+  bool mixed = false;  // rays may begin in different interiors: a surface may pass between their origins, or is open
+};
+
+bool has_clear_interior(const Instance& instance) {
+  return std::any_of(instance.materials.begin(), instance.materials.end(),
+                     [](const DisneyMaterial* m) { return m->transmits() && !m->constants.thin; });
+}
+
+bool overlap(const Bounds& a, const Bounds& b) {
+  for (int i = 0; i < 3; ++i)
+    if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
+  return true;
+}
+
+bool is_point(const Bounds& bounds) {
+  return bounds.lower == bounds.upper;
+}
+
+bool crosses(const Mesh& mesh, const Affine& object_to_render, const Bounds& region) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Corners& corners) {
+    Bounds triangle;
+    for (const uint32_t corner : corners) triangle.extend(object_to_render.point(mesh.points[corner]));
+    return overlap(triangle, region);
+  });
+}
+
+// Adds a body that stands at `object_to_render`, and moves if `moves`.
+void add(const Mesh& mesh, const Affine& object_to_render, bool moves, const Bounds& origins, Surroundings* found) {
+  Bounds box;
+  for (const Vec3f& corner : mesh.bounds.corners()) box.extend(object_to_render.point(corner));
+  if (!moves && !overlap(box, origins)) return;
+  found->near = true;
+  found->mixed = found->mixed || moves || !mesh.closed ||
+                 (!is_point(origins) && crosses(mesh, object_to_render, origins));
+}
+
+void add_array(const SceneSnapshot& scene, const InstanceArray& array, const Bounds& origins, Surroundings* found) {
+  const ArrayPlan& plan = array.placed->plan;
+  for (size_t block = 0; block < plan.blocks.size() && !found->mixed; ++block) {
+    const BoundsDouble& world = plan.blocks[block]->bounds;
+    Bounds box;
+    if (world.empty()) continue;
+    box.extend(Vec3f(world.lower - scene.origin));
+    box.extend(Vec3f(world.upper - scene.origin));
+    if (!overlap(box, origins)) continue;
+    const size_t begin = block * ArrayBlock::kSize, end = std::min(begin + ArrayBlock::kSize, plan.places->size());
+    for (size_t i = begin; i < end; ++i)
+      if (const auto place = plan.places->at(i))
+        add(array.look.prototype->mesh, to_affine(moved_to(*place, scene.origin)), !array.look.is_still(), origins,
+            found);
+  }
+}
+
+Surroundings surroundings_of(const SceneSnapshot& scene, const Bounds& origins) {
+  Surroundings found;
+  if (!overlap(scene.clear_bodies, origins)) return found;
+  for (const Instance& instance : scene.instances)
+    if (has_clear_interior(instance))
+      add(instance.prototype->mesh, instance.object_to_world, !instance.is_still(), origins, &found);
+  for (const InstanceArray& array : scene.arrays)
+    if (has_clear_interior(array.look)) add_array(scene, array, origins, &found);
+  return found;
+}
+
+// The interiors that rays in all directions find at a point. Empty: they do not agree.
+std::optional<Interiors> agreed_at(const PathContext& context, const Vec3f& p) {
+  constexpr int kProbes = 64;
+  std::optional<Interiors> agreed;
+  for (int i = 0; i < kProbes; ++i) {
+    // A Fibonacci lattice on the sphere.
+    const float z = 1 - (2 * static_cast<float>(i) + 1) / kProbes, phi = static_cast<float>(i) * 2.3999632f;
+    const float r = std::sqrt(1 - z * z);
+    const Ray ray{p, {r * std::cos(phi), r * std::sin(phi), z}};
+    const Interiors found = interiors_at(context, ray);
+    if (agreed && !agreed->agrees_with(found)) return std::nullopt;
+    if (!agreed) agreed = found;
+  }
+  return agreed;
+}
+
+}  // namespace
+
+std::unique_ptr<const CameraInteriors> CameraInteriors::find(const PathContext& context, const Bounds& origins) {
+  const Surroundings surroundings = surroundings_of(context.scene, origins);
+  if (!surroundings.near) return nullptr;
+  auto found = std::make_unique<CameraInteriors>();
+  if (!surroundings.mixed) found->same_ = agreed_at(context, origins.center());
+  if (found->same_ && found->same_->empty()) return nullptr;
+  return found;
+}
+
+Interiors CameraInteriors::of(const PathContext& context, const Ray& ray) const {
+  if (same_) return *same_;
+  return context.scene.clear_bodies.contains(ray.org) ? interiors_at(context, ray) : Interiors();
+}
+
+}  // namespace alabaster

@@ -1,0 +1,27 @@
+// The interiors of clear bodies in which the rays of a camera begin. They are found once for a render where they are the
+// same for all rays.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/integrator/interiors.h"
+#include "core/integrator/path_integrator.h"
+
+namespace alabaster {
+
+/// Immutable: any number of threads may share one.
+class CameraInteriors {
+ public:
+  /// `origins`: bounds of the origins of the camera's rays, render space (MovingCamera::ray_origins). `context` stands
+  /// for any sample; its `camera_interiors` are not read. Null: all rays begin outside of clear bodies.
+  static std::unique_ptr<const CameraInteriors> find(const PathContext& context, const Bounds& origins);
+
+  /// The interiors in which a ray of the camera begins.
+  Interiors of(const PathContext& context, const Ray& ray) const;
+
+ private:
+  std::optional<Interiors> same_;  // of all rays; empty: each ray finds its own
+};
+
+}  // namespace alabaster
