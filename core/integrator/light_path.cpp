@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/integrator/boundary.h"
+#include "core/integrator/camera_interiors.h"
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_surface.h"
 #include "core/integrator/surface_light.h"

@@ -52,7 +52,7 @@ TEST(CameraInteriors, BodiesWhoseBoxesAreElsewhereCostNothing) {
   ASSERT_TRUE(view.scene->clear_bodies.contains(Vec3f(-view.scene->origin))) << "the box around both";
   EXPECT_FALSE(view.find());
   view.camera.focal_length = 20;
-  view.camera.f_stop = 0.5f;
+  view.camera.f_stop = 20;
   view.camera.focus_distance = 5;
   EXPECT_FALSE(view.find()) << "a lens";
   view.camera.poses = {at(0, 0, 0), at(0.5, 0, 0)};
