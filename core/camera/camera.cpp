@@ -64,8 +64,8 @@ Camera::Camera(const CameraParameters& p, int width, int height, const Vec3d& re
   focus_distance_ = std::clamp(focus_distance_, lens_radius_ / kLargest, kLargest);
 }
 
-// Of the circle that holds it. A regular polygon is as large as the disk: a blade less or more changes the shape of what
-// is out of focus, not how much it is.
+// The radius of the circle that holds the aperture. A regular polygon is as large as the disk: another number of blades
+// changes the shape of what is out of focus, not how much it is.
 float Camera::aperture_radius() const {
   if (blades_ == 0) return lens_radius_;
   const auto n = static_cast<float>(blades_);

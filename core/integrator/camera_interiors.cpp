@@ -44,8 +44,8 @@ void add(const Mesh& mesh, const Affine& object_to_render, bool moves, const Bou
   for (const Vec3f& corner : mesh.bounds.corners()) box.extend(object_to_render.point(corner));
   if (!moves && !overlap(box, origins)) return;
   found->near = true;
-  found->mixed = found->mixed || moves || !mesh.closed ||
-                 (!is_point(origins) && crosses(mesh, object_to_render, origins));
+  found->mixed =
+      found->mixed || moves || !mesh.closed || (!is_point(origins) && crosses(mesh, object_to_render, origins));
 }
 
 void add_array(const SceneSnapshot& scene, const InstanceArray& array, const Bounds& origins, Surroundings* found) {

@@ -1,5 +1,5 @@
-// The interiors of clear bodies in which the rays of a camera begin. They are found once for a render where they are the
-// same for all rays.
+// The interiors of clear bodies in which the rays of a camera begin. They are found once for a render where they are
+// the same for all rays.
 #pragma once
 
 #include <memory>

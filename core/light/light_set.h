@@ -15,7 +15,7 @@
 
 namespace alabaster {
 
-/// Whether next-event estimation samples constant domes. BSDF sampling alone has less noise and needs no shadow ray,
+/// Tells if next-event estimation samples constant domes. BSDF sampling alone has less noise and needs no shadow ray,
 /// except on surfaces that scatter, where the local lobes are picked too rarely.
 enum class ConstantDomes { sampled, left_to_lobes };
 

@@ -95,7 +95,7 @@ class TileRenderer {
   bool has_layers_, has_vectors_;
   PathIntegrator trace_path_;
   std::unique_ptr<const CameraInteriors> camera_interiors_;  // null: camera rays begin outside of clear bodies
-  std::unique_ptr<LightLandings> landings_;  // null: no sample has light paths
+  std::unique_ptr<LightLandings> landings_;                  // null: no sample has light paths
 };
 
 template <class MayGoOn, class Tile>

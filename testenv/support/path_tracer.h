@@ -16,8 +16,8 @@ class PathTracer {
   PathTracer(std::shared_ptr<const SceneSnapshot> scene, const Vec3d& eye)
       : scene_(std::move(scene)),
         camera_(look_at(eye, {0, 0, 0}, 30), 1, 1, scene_->origin),
-        camera_interiors_(CameraInteriors::find({*scene_, camera_, settings, counters},
-                                                camera_.ray_origins({0, 0}, {1, 1}))) {}
+        camera_interiors_(
+            CameraInteriors::find({*scene_, camera_, settings, counters}, camera_.ray_origins({0, 0}, {1, 1}))) {}
 
   IntegratorSettings settings = integrator_settings({});
   uint32_t aovs = aov_bit(Aov::color);
