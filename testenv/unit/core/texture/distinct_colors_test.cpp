@@ -18,7 +18,7 @@ ImageLayout layout(size_t channels, bool bytes) {
 TEST(DistinctColors, EveryTexelFindsItsOwn) {
   std::mt19937 random(5);
   DistinctColors colors;
-  for (const size_t channels : {1, 2, 3, 4, 7})
+  for (const size_t channels : std::vector<size_t>{1, 2, 3, 4, 7})
     for (const bool bytes : {true, false})
       for (const unsigned values : {1u, 2u, 17u, 256u}) {
         const ImageLayout of = layout(channels, bytes);
