@@ -140,7 +140,7 @@ enum class PassState { idle, preparing, rendering, paused, stopped, converged, f
 /// Execute never renders in the calling thread: it compares scene number, settings, camera, framing and bindings with
 /// what is running, restarts only if one differs, and returns. Other render tags, or another collection, are another
 /// scene of the same meshes: nothing is synced or refined for it, and passes may differ in them. Meshes that no pass
-/// has drawn yet are refined when one does.
+/// has drawn yet are refined when one does. If the scene is being built, the render begins once it is there.
 class ALABASTER_API RenderPass {
  public:
   virtual ~RenderPass();
@@ -148,7 +148,7 @@ class ALABASTER_API RenderPass {
   /// True one Execute after the final pixels can be resolved; also true after a failure (see GetState).
   virtual bool IsConverged() const = 0;
   virtual PassState GetState() const = 0;
-  /// Blocks until the render is over (true) or `seconds` have passed; infinity waits without limit. Any thread.
+  /// Waits until the render is over (true: the next Execute latches it) or for `seconds`, or infinity. Any thread.
   virtual bool WaitForConvergence(double seconds) = 0;
 };
 

@@ -22,6 +22,9 @@
    not call the library: INVALID_ARGUMENT. All of them may destroy handles; a handle that a report or release callback
    destroys goes with the next call.
 
+   Calls run in the default floating-point environment, their callbacks included, and put the host's back. No number
+   is read or written by the host's locale.
+
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H
 #define ALABASTER_H
@@ -82,8 +85,8 @@ typedef struct AlabasterApi {
   AlabasterStatus (*record)(AlabasterDelegate*, const AlabasterRecordOptions*, AlabasterVisit visit, void* user);
 
   /* Passes. start syncs what has changed in the scene, begins to render if anything differs from what is running, and
-     returns. What changed is built in the background, while the old scene goes on; wait, or the next start, takes it
-     up. wait: *over is 1 when the render is over (converged, stopped or failed), 0 when `seconds` have passed. */
+     returns. What changed is built in the background, while the old scene goes on, and drawn once it is there.
+     wait: *over is 1 when the render is over (converged, stopped or failed), 0 when `seconds` have passed. */
   AlabasterStatus (*pass_create)(AlabasterDelegate*, AlabasterPass**);
   void (*pass_destroy)(AlabasterPass*);
   AlabasterStatus (*pass_start)(AlabasterPass*, const AlabasterFrame*);

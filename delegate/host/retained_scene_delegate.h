@@ -62,7 +62,7 @@ using hd::CameraDescription;
 /// new version of the array.
 ///
 /// One thread at a time pushes; pulls come from Sync. Before Populate it is plain data. Afterwards every Set marks the
-/// differences in the index it populates.
+/// differences in the index it populates. A Set replaces a prim of another kind that has its path.
 class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
  public:
   RetainedSceneDelegate();
@@ -70,9 +70,9 @@ class ALABASTER_API RetainedSceneDelegate : public SceneDelegate {
 
   void SetMesh(const Path& id, MeshDescription mesh);
   void SetInstancer(const Path& id, InstancerDescription instancer);
-  /// Replaces elements of an instancer's primvar, from number `first` on. Costs the host what it changes, where
-  /// SetInstancer costs a copy of the array and a comparison. False, and nothing is changed: there is no such primvar,
-  /// its array is of another type than `elements`, or it ends before them.
+  /// Replaces elements of an instancer's primvar, from `first` on; in its motion samples, too: these stand still. Costs
+  /// what it changes and a copy of each sample, SetInstancer a copy and a comparison. False, and nothing is changed:
+  /// there is no such primvar, or an array is of another type than `elements` or ends before them.
   bool SetInstanceValues(const Path& instancer, const Token& primvar, size_t first, const Value& elements);
   void SetMaterial(const Path& id, MaterialNetwork network);
   void SetLight(const Path& id, LightDescription light);
