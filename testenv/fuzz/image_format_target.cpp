@@ -58,8 +58,7 @@ File stored(const std::string& data) {
     const bool is_last = at + size == data.size();
     file.push_back(is_last);
     add_number(file, size, 2), add_number(file, ~size, 2);
-    for (const char c : data.substr(at, size))
-      file.push_back(uint8_t(c)), a = (a + uint8_t(c)) % 65521, b = (b + a) % 65521;
+    for (const char c : data.substr(at, size)) file.push_back(c), a = (a + uint8_t(c)) % 65521, b = (b + a) % 65521;
     if (is_last) break;
   }
   add_number(file, b << 16 | a, 4, true);
@@ -116,7 +115,7 @@ void add_chunk(File& file, const char* type, const File& data) {
   file.insert(file.end(), data.begin(), data.end());
   uint32_t c = ~0u;
   for (size_t i = begin; i < file.size(); ++i) {
-    c ^= file[i];
+    c ^= uint8_t(file[i]);
     for (int k = 0; k < 8; ++k) c = (c >> 1) ^ (0xedb88320u & (0u - (c & 1)));
   }
   add_number(file, ~c, 4, true);
@@ -127,7 +126,7 @@ File png(StructuredInput& in) {
   file += "\x89PNG\r\n\x1a\n";
   for (int i = 0; i < 2; ++i) add_number(header, one_of(in, {1, 2, 7, 16, 33}), 4, true);
   for (const auto& list : {std::initializer_list<uint32_t>{1, 2, 4, 8, 16}, {0, 2, 3, 4, 6}, {0}, {0}, {0, 0, 1}})
-    header.push_back(uint8_t(one_of(in, list)));
+    header.push_back(char(one_of(in, list)));
   add_chunk(file, "IHDR", header);
   const auto bytes = [&](size_t most) {
     const std::string text = in.text(in.byte() % (most + 1));
@@ -150,7 +149,7 @@ File hdr(StructuredInput& in) {
   file += in.flag() ? "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nGAMMA=1\n\n" : "#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n";
   file.append(size, size_t(length));
   file.push_back('\n');
-  if (in.flag()) add_number(file, 2 | 2 << 8 | (width >> 8 & 0xff) << 16 | uint32_t(width & 0xff) << 24, 4);
+  if (in.flag()) add_number(file, 2u | 2u << 8 | uint32_t(width >> 8 & 0xff) << 16 | uint32_t(width & 0xff) << 24, 4);
   add_rest(file, in);
   return file;
 }
