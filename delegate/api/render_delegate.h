@@ -150,7 +150,8 @@ extern "C" {
 ALABASTER_API alabaster::hd::RenderDelegate* CreateAlabasterRenderDelegate(
     uint32_t abi_version, const alabaster::hd::DelegateOptions* options);
 /// The last delegate of a process ends TBB's workers, so that the library can be unloaded: this waits until the host's
-/// own tasks in them have ended, unless another thread uses TBB.
+/// own tasks in them have ended, unless another thread uses TBB. In a process that was forked from the delegate's,
+/// which has none of its threads, this does nothing.
 ALABASTER_API void DestroyAlabasterRenderDelegate(alabaster::hd::RenderDelegate* delegate);
 /// "0.1.0", then one line per library it stands on with its version.
 ALABASTER_API const char* AlabasterVersions();

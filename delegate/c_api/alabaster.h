@@ -25,6 +25,9 @@
    Calls run in the default floating-point environment, their callbacks included, and put the host's back. No number
    is read or written by the host's locale.
 
+   A forked child has none of the library's threads: it may destroy what its parent made, which frees nothing, and make
+   handles of its own; scenes that no delegate draws are its own, too. Other calls are INVALID_ARGUMENT there.
+
    Matrices are 16 doubles, row after row, and points are rows: p' = p M, so a translation stands in the last row. */
 #ifndef ALABASTER_H
 #define ALABASTER_H
@@ -73,7 +76,8 @@ typedef struct AlabasterApi {
   AlabasterStatus (*set_setting)(AlabasterDelegate*, const char* key, const AlabasterValue*); /* none: takes it back */
   AlabasterStatus (*get_setting)(AlabasterDelegate*, const char* key, AlabasterVisit visit, void* user);
   AlabasterStatus (*get_settings)(AlabasterDelegate*, AlabasterVisitSetting visit, void* user);
-  AlabasterStatus (*aov_format)(AlabasterDelegate*, const char* aov, int32_t* format); /* FORMAT_NONE: not supported */
+  AlabasterStatus (*aov_format)(AlabasterDelegate*, const char* aov, int32_t* format); /* FORMAT_NONE: not supported,
+                                                                   and last_error names a similar AOV */
   AlabasterStatus (*stats)(AlabasterDelegate*, AlabasterVisit visit, void* user);
   AlabasterStatus (*command)(AlabasterDelegate*, const char* name, const AlabasterParameter* arguments, size_t count,
                              AlabasterVisit visit, void* user); /* "dumpScene", "flush", ...: render_delegate.h */

@@ -268,7 +268,7 @@ typedef struct AlabasterLoadOptions { /* as the program's options of these names
                             that the structs of hosts that do not know it are shorter */
 } AlabasterLoadOptions;
 
-typedef struct AlabasterLoaded { /* strings live until the next load, or until the scene is destroyed */
+typedef struct AlabasterLoaded { /* strings live until the scene is destroyed */
   size_t size;
   const char* settings;     /* path of the render settings */
   const char* color_config; /* OpenColorIO config that the file names, for setting "ocio"; "" if none */

@@ -18,6 +18,7 @@ template <class Call>
 AlabasterStatus at_any_time(AlabasterDelegate* handle, const Call& call) {
   return guarded([&] {
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    data->process.check("the delegate");
     call(*data->delegate);
   });
 }
@@ -151,7 +152,9 @@ AlabasterStatus get_settings(AlabasterDelegate* handle, AlabasterVisitSetting vi
 
 AlabasterStatus aov_format(AlabasterDelegate* handle, const char* aov, int32_t* format) {
   return on_delegate(handle, [&](DelegateData& data) {
-    required(format, "format") = int32_t(data.delegate->GetDefaultAovDescriptor(&required(aov, "aov")).format);
+    const Token name(&required(aov, "aov"));
+    required(format, "format") = int32_t(data.delegate->GetDefaultAovDescriptor(name).format);
+    if (*format == ALABASTER_FORMAT_NONE) fail(ALABASTER_NOT_FOUND, host::NoSuchAov(name.str()).c_str());
   });
 }
 

@@ -38,6 +38,7 @@ AlabasterStatus display_set_exposure(AlabasterDisplay* display, double stops) {
 AlabasterStatus buffer_show(AlabasterBuffer* handle, AlabasterMemory* out) {
   return guarded([&] {
     const std::shared_ptr<BufferData> data = required(handle, "buffer").data;
+    data->owner->process.check("the buffer");
     RenderBuffer& buffer = *data->buffer;
     AlabasterMemory in = sized(out, "memory");
     if (in.format <= ALABASTER_FORMAT_NONE || in.format > ALABASTER_INT32)

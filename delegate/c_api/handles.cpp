@@ -70,6 +70,11 @@ void refuse_while_recording(const DelegateData& data, const char* function) {
 }
 
 DelegateData::~DelegateData() {
+  if (process.is_another()) {
+    static_cast<void>(index.release());
+    static_cast<void>(new std::shared_ptr<SceneData>(std::move(scene)));  // the index points at it
+    return;
+  }
   show(nullptr);
   index.reset();
   DestroyAlabasterRenderDelegate(delegate);
@@ -78,6 +83,7 @@ DelegateData::~DelegateData() {
 void DelegateData::show(std::shared_ptr<SceneData> shown) {
   if (shown == scene) return;
   if (shown && shown->is_shown.exchange(true)) throw bad_argument("another delegate draws this scene");
+  if (shown) shown->shown_in = Process();
   if (scene) {
     const std::lock_guard lock(scene->mutex);
     scene->scene.Depopulate();
@@ -90,13 +96,17 @@ void DelegateData::show(std::shared_ptr<SceneData> shown) {
 }
 
 BufferData::~BufferData() {
-  if (!buffer) return;
+  if (!buffer || owner->process.is_another()) return;
   const HostLock lock(*owner);
   buffer->Finalize(owner->delegate->GetRenderParam());
   owner->delegate->DestroyBprim(buffer);
 }
 
 PassData::~PassData() {
+  if (owner->process.is_another()) {
+    static_cast<void>(pass.release());
+    return;
+  }
   const HostLock lock(*owner);
   pass.reset();
   bound.clear();

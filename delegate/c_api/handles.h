@@ -1,9 +1,12 @@
 // The C door's handles and how its calls end. Internal to this room.
 #pragma once
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <set>
 #include <span>
 #include <stdexcept>
 
@@ -147,16 +150,49 @@ class Reports {
 };
 DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports);
 
+/// The process that made it. A process that was forked from it has none of its threads, and locks may be held by them:
+/// nothing is waited for and nothing destroyed there.
+class Process {
+ public:
+  bool is_another() const { return getpid() != id_; }
+  void check(const char* what) const {
+    if (is_another())
+      throw bad_argument(std::string(what) +
+                         " belongs to the process that made it, and this one was forked from it: make another one");
+  }
+
+ private:
+  pid_t id_ = getpid();
+};
+
 // Locks are taken in this order: the delegate's, the scene's, a buffer's. The first two are recursive: the progress
 // callback of record may call the library. An edit of a shown scene calls into its delegate, and so needs the scene's
 // lock to keep others out of both.
 struct SceneData {
+  /// Fails in a process that was forked from the one in which a delegate draws the scene.
+  void check_process() const {
+    if (is_shown) shown_in.check("the scene's delegate");
+  }
+
   std::recursive_mutex mutex;
   host::RetainedSceneDelegate scene;
   std::shared_ptr<Reports> reports;
   description::SceneFile loaded;
-  std::string loaded_notes;
+  std::set<std::string> loaded_texts;  // those of every load: another thread may still read them
   std::atomic<bool> is_shown{false};
+  Process shown_in;
+};
+
+/// Held by the one thread that calls into a scene.
+class SceneLock {
+ public:
+  explicit SceneLock(SceneData& data) {
+    data.check_process();
+    lock_ = std::unique_lock(data.mutex);
+  }
+
+ private:
+  std::unique_lock<std::recursive_mutex> lock_;
 };
 
 struct DelegateData {
@@ -170,6 +206,7 @@ struct DelegateData {
   std::unique_ptr<host::RenderIndex> index;
   std::shared_ptr<SceneData> scene;
   bool records = false;  // what then comes is called by the progress callback
+  const Process process;
 };
 
 /// Refuses what cannot happen in the midst of a recording.
@@ -178,7 +215,10 @@ void refuse_while_recording(const DelegateData& data, const char* function);
 /// Held by the one thread that calls into a delegate and its scene.
 class HostLock {
  public:
-  explicit HostLock(DelegateData& data) : delegate_(data.mutex), scene_(data.scene) {
+  explicit HostLock(DelegateData& data) {
+    data.process.check("the delegate");
+    delegate_ = std::unique_lock(data.mutex);
+    scene_ = data.scene;
     if (scene_) scene_lock_ = std::unique_lock(scene_->mutex);
   }
 

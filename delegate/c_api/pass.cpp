@@ -15,6 +15,7 @@ struct Mapping {
 
 /// Resolves and maps, with the size that belongs to the pixels. The data is null if nothing is allocated.
 AlabasterPixels map_pixels(BufferData& data) {
+  data.owner->process.check("the buffer");
   const std::lock_guard lock(data.mutex);
   data.buffer->Resolve();
   AlabasterPixels pixels{};
@@ -39,6 +40,9 @@ Path frame_pass(const AlabasterFrame& in, const host::RetainedSceneDelegate& sce
   Path path;
   if (in.settings || !scene.GetAllRenderSettings().empty()) path = settings_path(scene, in.settings);
   const auto settings = path.empty() ? RenderSettingsDescription() : scene.GetAllRenderSettings().at(path);
+  if (in.width < 0 || in.height < 0)
+    throw bad_argument("a frame of " + std::to_string(in.width) + " x " + std::to_string(in.height) +
+                       " pixels: width and height must be at least 1, or 0 for those of the render settings");
   const int width = in.width > 0 ? in.width : settings.width, height = in.height > 0 ? in.height : settings.height;
   Rect2i window = {in.window.min_x, in.window.min_y, in.window.max_x, in.window.max_y};
   if (window.empty()) window = in.width > 0 || in.height > 0 ? Rect2i{0, 0, width, height} : settings.window();
@@ -124,6 +128,7 @@ AlabasterStatus pass_start(AlabasterPass* handle, const AlabasterFrame* frame) {
 AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) {
   return guarded([&] {
     const std::shared_ptr<PassData> data = required(handle, "pass").data;
+    data->owner->process.check("the pass");
     const bool ended = data->pass->WaitForConvergence(seconds < 0 ? std::numeric_limits<double>::infinity() : seconds);
     if (over) *over = ended;
     if (!ended || data->pass->GetState() != PassState::failed) return;
@@ -136,6 +141,7 @@ AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) 
 AlabasterStatus pass_state(AlabasterPass* handle, int32_t* state) {
   return guarded([&] {
     const std::shared_ptr<PassData> data = required(handle, "pass").data;
+    data->owner->process.check("the pass");
     RenderPass& pass = *data->pass;
     PassState now = pass.GetState();
     // The contract latches convergence at Execute; here the end of the render is enough.
@@ -174,7 +180,7 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
     if (frame) in = sized(frame, "frame"), select(in, reader, state);
     settings_reader.take();
     reader.take();
-    const std::lock_guard lock(data.mutex);
+    const SceneLock lock(data);
     if (const Path path = frame_pass(in, data.scene, state); !path.empty()) {
       const RenderSettingsDescription& own = data.scene.GetAllRenderSettings().at(path);
       if (own.frame != 0) settings.emplace("frame", own.frame);
@@ -231,7 +237,7 @@ AlabasterStatus pixels_unmap(AlabasterPixels* pixels) {
     const std::unique_ptr<Mapping> mapping(static_cast<Mapping*>(sized(pixels, "pixels").mapping));
     if (!mapping) throw bad_argument("these pixels are not mapped");
     pixels->data = nullptr, pixels->mapping = nullptr;
-    mapping->buffer->buffer->Unmap();
+    if (!mapping->buffer->owner->process.is_another()) mapping->buffer->buffer->Unmap();
   });
 }
 

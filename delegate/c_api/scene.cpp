@@ -12,7 +12,7 @@ AlabasterStatus on_prim(AlabasterScene* handle, const char* path, const Call& ca
   return guarded([&] {
     const std::shared_ptr<SceneData> data = required(handle, "scene").data;
     if (required(path, "path") == '\0') throw bad_argument("the path is empty");
-    const std::lock_guard lock(data->mutex);
+    const SceneLock lock(*data);
     call(data->scene, Path(path));
   });
 }
@@ -28,7 +28,7 @@ AlabasterStatus on_prim_with(const T* given, AlabasterScene* handle, const char*
     const Path id(path);
     auto made = read(id, reader);
     reader.take();
-    const std::lock_guard lock(data->mutex);
+    const SceneLock lock(*data);
     call(data->scene, id, std::move(made));
   });
 }
@@ -96,18 +96,19 @@ AlabasterStatus scene_load(AlabasterScene* handle, const char* file, const Alaba
   return guarded([&] {
     const std::shared_ptr<SceneData> held = required(handle, "scene").data;
     SceneData& data = *held;
-    const std::lock_guard lock(data.mutex);
+    const SceneLock lock(data);
     data.reports->take_error({});
     const auto read = read_options(options);
     data.loaded = description::LoadScene(&required(file, "file"), &data.scene, sink_of(data.reports), read);
     if (!data.loaded.ok) throw Failure(ALABASTER_INPUT_FAILED, data.reports->take_error("the scene cannot be loaded"));
-    data.loaded_notes.clear();
-    for (const std::string& note : data.loaded.notes) data.loaded_notes += note + "\n";
     if (!loaded) return;
+    std::string notes;
+    for (const std::string& note : data.loaded.notes) notes += note + "\n";
+    const auto kept = [&](const std::string& text) { return data.loaded_texts.insert(text).first->c_str(); };
     AlabasterLoaded told{};
-    told.settings = data.loaded.settings.str().c_str();
-    told.color_config = data.loaded.color_config.c_str();
-    told.notes = data.loaded_notes.c_str();
+    told.settings = kept(data.loaded.settings.str());
+    told.color_config = kept(data.loaded.color_config);
+    told.notes = kept(notes);
     answer(loaded, told, "loaded");
   });
 }
@@ -116,7 +117,7 @@ AlabasterStatus scene_clear(AlabasterScene* handle) {
   return guarded([&] {
     const std::shared_ptr<SceneData> held = required(handle, "scene").data;
     SceneData& data = *held;
-    const std::lock_guard lock(data.mutex);
+    const SceneLock lock(data);
     for (const auto& prim : all_prims(data.scene)) data.scene.Remove(prim.first);
   });
 }
@@ -294,7 +295,7 @@ AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* us
     const std::shared_ptr<SceneData> held = required(handle, "scene").data;
     SceneData& data = *held;
     if (!visit) throw bad_argument("visit is null");
-    const std::lock_guard lock(data.mutex);
+    const SceneLock lock(data);
     for (const auto& [path, type] : all_prims(data.scene)) {
       const Value value(type);
       const ValueView view(value);

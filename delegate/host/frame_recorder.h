@@ -61,4 +61,7 @@ struct RecordResult {
 ALABASTER_API RecordResult RecordFrame(RenderIndex* index, RetainedSceneDelegate* scene, const Path& settings,
                                        const RecordOptions& options);
 
+/// A message: there is no AOV of that name, and which one may be meant.
+ALABASTER_API std::string NoSuchAov(const std::string& name);
+
 }  // namespace alabaster::hd::host

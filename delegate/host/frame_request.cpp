@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/film/aov.h"
 #include "core/math/transform.h"
 #include "delegate/host/product_limits.h"
 #include "delegate/host/product_plan.h"
+#include "delegate/support/nearest_name.h"
 
 namespace alabaster::hd::host {
 namespace {
@@ -53,8 +55,7 @@ bool wants_denoised(const RenderSettingsDescription& d, const RenderDelegate& de
 
 Fault aov_fault(const RenderDelegate& delegate, const std::set<std::string>& aovs) {
   for (const std::string& aov : aovs)
-    if (delegate.GetDefaultAovDescriptor(aov).format == Format::invalid)
-      return {"record.aov", "AOV '" + aov + "' is not supported"};
+    if (delegate.GetDefaultAovDescriptor(aov).format == Format::invalid) return {"record.aov", NoSuchAov(aov)};
   return {};
 }
 
@@ -139,6 +140,14 @@ RecordStatus CheckFrame(const RetainedSceneDelegate& scene, const Path& settings
     if (refuse(aov_fault(delegate, picture.aovs))) return RecordStatus::input_failed;
   }
   return RecordStatus::done;
+}
+
+std::string NoSuchAov(const std::string& name) {
+  std::vector<std::string> known;
+  for (const AovInfo& aov : kAovs) known.emplace_back(aov.name);
+  const std::string nearest = support::NearestName(name, known);
+  return "there is no AOV '" + name + "'" +
+         (nearest.empty() ? "; delegate/README.md lists them" : "; did you mean '" + nearest + "'?");
 }
 
 }  // namespace alabaster::hd::host

@@ -62,7 +62,7 @@ void add_exceptions(py::module_& module) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const door::Error& error) {
-      PyErr_SetString(exception_of(error.status).ptr(), error.what());
+      PyErr_SetObject(exception_of(error.status).ptr(), message_to_python(error.what()).ptr());
     }
   });
 }

@@ -1,6 +1,4 @@
 // The module's names as Python sees them. delegate/python/alabaster/__init__.pyi has their types.
-#include <pybind11/stl.h>
-
 #include "delegate/python/objects.h"
 
 namespace alabaster::python {
@@ -9,9 +7,14 @@ namespace {
 
 void add_primvar(py::module_& module) {
   py::class_<Primvar>(module, "Primvar", "Values of a mesh with how they are spread over it.")
-      .def(py::init<py::object, std::string, py::object, std::string, py::object>(), py::arg("values"),
-           py::arg("interpolation") = "vertex", py::arg("indices") = py::none(), py::arg("role") = "",
-           py::arg("motion") = py::none(),
+      .def(py::init([](const py::object& values, const Text& interpolation, const py::object& indices, const Text& role,
+                       const py::object& motion) {
+             auto made = make_object<Primvar>(values, interpolation);
+             made->indices = indices, made->role = role, made->motion = motion;
+             return made;
+           }),
+           py::arg("values"), py::arg("interpolation") = "vertex", py::arg("indices") = py::none(),
+           py::arg("role") = "", py::arg("motion") = py::none(),
            "interpolation: constant, uniform, varying, vertex, faceVarying or instance. role of texture coordinates: "
            "textureCoordinate. motion=[(time, values), ...] of points, normals and instances, with times in frames.");
 }
@@ -24,7 +27,8 @@ py::class_<Scene> add_files(py::module_& module) {
                           "copied: leave them unchanged. Matrices have the translation in their last row.");
   scene
       .def(
-          py::init<py::object>(), py::kw_only(), py::arg("report") = py::none(),
+          py::init([](const py::object& report) { return make_object<Scene>(report); }), py::kw_only(),
+          py::arg("report") = py::none(),
           "report(severity, code, where, text) hears of faults in files; by default they are logged under 'alabaster'.")
       .def(
           "load", [](Scene& s, const py::object& file, const py::kwargs& options) { return s.load(file, options); },
@@ -50,7 +54,7 @@ py::class_<Scene> add_files(py::module_& module) {
           "Removes every prim.")
       .def(
           "remove",
-          [](Scene& s, const std::string& path) {
+          [](Scene& s, const Text& path) {
             s.run([&](const AlabasterApi& api, AlabasterScene* h) { return api.remove(h, path.c_str()); });
           },
           py::arg("path"), "Removes a prim.")
@@ -62,10 +66,10 @@ void add_meshes(py::class_<Scene>& scene) {
   scene
       .def(
           "set_mesh",
-          [](Scene& s, const std::string& path, const py::object& points, const py::object& indices,
-             const py::object& counts,
+          [](Scene& s, const Text& path, const py::object& points, const py::object& indices, const py::object& counts,
              const py::kwargs& options) { s.set_mesh(path, points, indices, counts, options); },
-          py::arg("path"), py::arg("points"), py::arg("indices"), py::arg("counts") = py::none(),
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("points"), py::arg("indices"),
+          py::arg("counts") = py::none(),
           "points: (n, 3). indices: the corners of all faces, one after the other, with the size of each face in "
           "counts; without counts a row is a face, or three numbers are. Options: primvars={'st': array or Primvar}, "
           "material, transform, motion=[(time, transform), ...], scheme (none, catmullClark, loop, bilinear), "
@@ -74,12 +78,13 @@ void add_meshes(py::class_<Scene>& scene) {
           "faces}, "
           "subdiv_tags={'crease_indices': ..., ...}, render_tag, categories (which lights' parameters lightLink and "
           "shadowLink name). points may be a Primvar.")
-      .def("set_primvar", &Scene::set_primvar, py::arg("mesh"), py::arg("name"), py::arg("values"),
-           py::arg("interpolation") = "vertex", "Replaces one primvar, points among them. None removes it.")
+      .def("set_primvar", &Scene::set_primvar, py::call_guard<FreeReturned>(), py::arg("mesh"), py::arg("name"),
+           py::arg("values"), py::arg("interpolation") = "vertex",
+           "Replaces one primvar, points among them. None removes it.")
       .def(
           "set_transform",
-          [](Scene& s, const std::string& path, const py::object& transform) {
-            const std::array<double, 16> placed = matrix(transform);
+          [](Scene& s, const Text& path, const py::object& transform) {
+            const std::array<double, 16> placed = matrix(transform, "transform");
             s.run([&](const AlabasterApi& api, AlabasterScene* h) {
               return api.set_transform(h, path.c_str(), placed.data());
             });
@@ -87,14 +92,14 @@ void add_meshes(py::class_<Scene>& scene) {
           py::arg("path"), py::arg("transform"), "Moves a mesh, light, camera or instancer.")
       .def(
           "set_visible",
-          [](Scene& s, const std::string& path, bool visible) {
+          [](Scene& s, const Text& path, bool visible) {
             s.run(
                 [&](const AlabasterApi& api, AlabasterScene* h) { return api.set_visible(h, path.c_str(), visible); });
           },
           py::arg("path"), py::arg("visible"), "Shows or hides a mesh or light.")
       .def(
           "bind_material",
-          [](Scene& s, const std::string& mesh, const std::string& material) {
+          [](Scene& s, const Text& mesh, const Text& material) {
             s.run([&](const AlabasterApi& api, AlabasterScene* h) {
               return api.bind_material(h, mesh.c_str(), material.c_str());
             });
@@ -106,43 +111,44 @@ void add_looks(py::class_<Scene>& scene) {
   scene
       .def(
           "set_instancer",
-          [](Scene& s, const std::string& path, const py::dict& prototypes, const py::kwargs& options) {
+          [](Scene& s, const Text& path, const py::dict& prototypes, const py::kwargs& options) {
             s.set_instancer(path, prototypes, options);
           },
-          py::arg("path"), py::arg("prototypes"),
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("prototypes"),
           "prototypes={mesh: indices of its instances}. Options: transforms (n, 4, 4), translations (n, 3), rotations "
           "(n, 4; the real part first), scales (n, 3), each an array or a Primvar; transform, motion, parent. The "
           "meshes name the instancer, too.")
       .def(
           "set_instance_values",
-          [](Scene& s, const std::string& path, size_t first, const py::kwargs& options) {
+          [](Scene& s, const Text& path, size_t first, const py::kwargs& options) {
             s.set_instance_values(path, first, options);
           },
-          py::arg("path"), py::arg("first"),
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("first"),
           "Replaces instances from number first on, in arrays that set_instancer was given: transforms, translations, "
           "rotations, scales. Costs what it changes.")
       .def(
           "set_material",
-          [](Scene& s, const std::string& path, const py::object& nodes, const std::string& displacement,
+          [](Scene& s, const Text& path, const py::object& nodes, const Text& displacement,
              const py::kwargs& parameters) { s.set_material(path, nodes, displacement, parameters); },
-          py::arg("path"), py::arg("nodes") = py::none(), py::arg("displacement") = "",
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("nodes") = py::none(), py::arg("displacement") = "",
           "Parameters of schemas/disney_material.json: set_material('/wax', baseColor=(.9, .6, .3)). Or "
           "nodes={'surface': {'baseColor': ('image', 'rgb')}, 'image': {'type': 'AlabasterTexture', 'file': 'a.png'}}: "
           "a pair of texts connects an input with a node's output, a list of pairs with the product of several.")
       .def(
           "set_light",
-          [](Scene& s, const std::string& path, const std::string& type, const py::object& transform, bool visible,
+          [](Scene& s, const Text& path, const Text& type, const py::object& transform, bool visible,
              const py::kwargs& parameters) { s.set_light(path, type, transform, visible, parameters); },
-          py::arg("path"), py::arg("type"), py::arg("transform") = py::none(), py::arg("visible") = true,
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("type"), py::arg("transform") = py::none(),
+          py::arg("visible") = true,
           "type: rectLight, diskLight, cylinderLight, sphereLight, distantLight or domeLight. Parameters of "
           "schemas/lights.json: intensity=2, color=(1, .9, .8).")
       .def(
           "set_camera",
-          [](Scene& s, const std::string& path, const py::object& transform, const py::kwargs& options) {
+          [](Scene& s, const Text& path, const py::object& transform, const py::kwargs& options) {
             options["transform"] = transform;
             s.set_camera(path, options);
           },
-          py::arg("path"), py::arg("transform") = py::none(),
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("transform") = py::none(),
           "Looks along -z of its transform. motion=[(time, transform), ...], and parameters of schemas/camera.json.");
 }
 
@@ -150,19 +156,20 @@ void add_settings(py::class_<Scene>& scene) {
   scene
       .def(
           "set_render_settings",
-          [](Scene& s, const std::string& path, const py::kwargs& options) { s.set_render_settings(path, options); },
-          py::arg("path"),
+          [](Scene& s, const Text& path, const py::kwargs& options) { s.set_render_settings(path, options); },
+          py::call_guard<FreeReturned>(), py::arg("path"),
           "camera, width, height, pixel_aspect, crop=(min_x, min_y, max_x, max_y), frame, and settings by name.")
       .def(
           "set_parameter",
-          [](Scene& s, const std::string& path, const std::string& name, const py::object& value) {
-            const Value held = parameter(value);
+          [](Scene& s, const Text& path, const Text& name, const py::object& value) {
+            const size_t dot = name.rfind('.');
+            const Value held = parameter(value, dot == std::string::npos ? name : Text(name, dot + 1));
             const AlabasterValue raw = held.pass();
             s.run([&](const AlabasterApi& api, AlabasterScene* h) {
               return api.set_parameter(h, path.c_str(), name.c_str(), &raw);
             });
           },
-          py::arg("path"), py::arg("name"), py::arg("value"),
+          py::call_guard<FreeReturned>(), py::arg("path"), py::arg("name"), py::arg("value"),
           "Changes one parameter of a light, a camera or render settings, or 'node.parameter' of a material "
           "('surface.roughness').");
 }
@@ -179,8 +186,21 @@ void add_scene(py::module_& module) {
 
 }  // namespace alabaster::python
 
+namespace {
+constexpr const char* kNotMain = "alabaster runs in Python's main interpreter alone, and this is a sub-interpreter";
+
+bool is_main_interpreter() {
+  return PyInterpreterState_Get() == PyInterpreterState_Main();
+}
+}  // namespace
+
+#define PyInit__alabaster init_by_pybind11  // the function that PYBIND11_MODULE defines, and that Python looks for
 PYBIND11_MODULE(_alabaster, module) {
   using namespace alabaster::python;
+  // CPython copies a module of the main interpreter into others without a call of this: __init__.py checks.
+  module.def("_check_interpreter", [] {
+    if (!is_main_interpreter()) throw py::import_error(kNotMain);
+  });
   module.doc() = "Path-traced subsurface scattering: scenes, renders, pixels.";
   add_exceptions(module);
   add_scene(module);
@@ -188,4 +208,12 @@ PYBIND11_MODULE(_alabaster, module) {
   const std::string versions = alabaster::door::api().versions;
   module.attr("__version__") = versions.substr(0, versions.find('\n'));
   module.attr("versions") = versions;
+}
+#undef PyInit__alabaster
+
+// pybind11 waits without end in an interpreter that is not the main one.
+extern "C" PYBIND11_EXPORT PyObject* PyInit__alabaster() {
+  if (is_main_interpreter()) return init_by_pybind11();
+  PyErr_SetString(PyExc_ImportError, kNotMain);
+  return nullptr;
 }

@@ -1,13 +1,22 @@
 // The module's classes. Internal to this room.
 //
 // Every call into the library releases Python's lock. The library's threads never take it: their reports, and the
-// memory that they give back, wait for the next call.
+// memory that they give back, wait for the next call. Arguments are read before a call, and answers are made after it:
+// Python code of the host never runs within one, but for the progress callback of record.
+//
+// Locks are taken in this order, without Python's: Engine::turn, the library's. Render::mutex_ and Render::showing_ are
+// held while no lock but a buffer's is taken. Whatever waits for one of them has released Python's lock.
 #pragma once
 
+#include <unistd.h>
+
+#include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
 
+#include "delegate/python/answers.h"
+#include "delegate/python/lock.h"
 #include "delegate/python/structs.h"
 
 namespace alabaster::python {
@@ -25,43 +34,42 @@ class Messages {
     int32_t severity;
     std::string code, where, text;
   };
+  std::optional<Message> next();
   py::object listener_;
   std::mutex mutex_;
-  std::vector<Message> queue_;
+  std::deque<Message> queue_;
 };
 
-/// Runs `call`, a function of the C door, without Python's lock; then tells what was reported, and throws if it failed.
+/// Runs `call(api, unlocked)`, a function of the C door, without Python's lock; then tells what was reported, and
+/// throws if it failed.
 template <class Call>
 void run(Messages& messages, const Call& call) {
   std::optional<door::Error> error;
   {
-    const py::gil_scoped_release unlocked;
-    const AlabasterStatus status = call(door::api());
-    if (status != ALABASTER_OK) error.emplace(status, door::api().last_error());
+    Unlocked unlocked;
+    try {
+      door::check(call(door::api(), unlocked));
+    } catch (const door::Error& e) {
+      error.emplace(e);
+    }
   }
   free_returned();
   messages.deliver();
   if (error) throw *error;
 }
 
-/// Calls visit(name, value), under Python's lock, for what `call(api, AlabasterVisit, void*)` tells.
-template <class Call, class Visit>
-void ask(Messages& messages, const Call& call, Visit visit) {
-  const AlabasterVisit tell = [](void* user, const char* name, const AlabasterValue* value) {
-    const py::gil_scoped_acquire locked;
-    (*static_cast<Visit*>(user))(name, *value);
-  };
-  run(messages, [&](const AlabasterApi& api) { return call(api, tell, static_cast<void*>(&visit)); });
+/// pybind11 makes an object of its own accord where Python code calls T.__new__(T) without __init__. It fails here:
+/// objects of the module are made by make_object.
+struct NeverImplicit {
+  static void* operator new(size_t) { throw py::type_error("the object has not been initialised by __init__"); }
+  static void operator delete(void* held) { ::operator delete(held); }
+};
+template <class T, class... Arguments>
+std::unique_ptr<T> make_object(Arguments&&... arguments) {
+  return std::unique_ptr<T>(::new T(std::forward<Arguments>(arguments)...));
 }
 
-/// Destroys without Python's lock: the library may have to wait for a thread that wants it.
-template <class Handle>
-void drop(Handle& handle) {
-  const py::gil_scoped_release unlocked;
-  const Handle gone = std::move(handle);
-}
-
-class Scene {
+class Scene : public NeverImplicit {
  public:
   explicit Scene(py::object report);
   ~Scene();
@@ -73,8 +81,7 @@ class Scene {
   py::dict prims();
   void set_mesh(const std::string& path, const py::object& points, const py::object& indices, const py::object& counts,
                 const py::dict& options);
-  void set_primvar(const std::string& mesh, const std::string& name, const py::object& values,
-                   const std::string& interpolation);
+  void set_primvar(const Text& mesh, const Text& name, const py::object& values, const Text& interpolation);
   void set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options);
   void set_instance_values(const std::string& path, size_t first, const py::dict& options);
   void set_material(const std::string& path, const py::object& nodes, const std::string& displacement,
@@ -86,7 +93,7 @@ class Scene {
   /// `call(api, scene)`
   template <class Call>
   void run(const Call& call) {
-    python::run(messages_, [&](const AlabasterApi& api) { return call(api, handle_.get()); });
+    python::run(messages_, [&](const AlabasterApi& api, Unlocked&) { return call(api, handle_.get()); });
   }
 
  private:
@@ -94,10 +101,11 @@ class Scene {
   door::Scene handle_;
 };
 
-struct Primvar {
+struct Primvar : NeverImplicit {
+  Primvar(py::object held, std::string spread) : values(std::move(held)), interpolation(std::move(spread)) {}
   py::object values;
   std::string interpolation;
-  py::object indices;
+  py::object indices = py::none();
   std::string role;
   py::object motion = py::none();
 };
@@ -105,14 +113,44 @@ struct Primvar {
 /// The renderer's handles, shared by the renders that it made.
 struct Engine {
   explicit Engine(py::object report) : messages(std::move(report)) {}
-  ~Engine();
+  ~Engine() { drop(delegate); }
+  /// `call(api, delegate, unlocked)`. Fails in a process that was forked: its locks may be held by threads that it
+  /// lacks.
+  template <class Call>
+  void run(const Call& call) {
+    if (getpid() != process)
+      throw door::Error(ALABASTER_INVALID_ARGUMENT,
+                        "the renderer belongs to the process that made it, and this one was forked: make another one");
+    python::run(messages,
+                [&](const AlabasterApi& api, Unlocked& unlocked) { return call(api, delegate.get(), unlocked); });
+  }
+  /// Before a restart, which would disturb the recording.
+  void refuse_while_recording() const {
+    if (records)
+      throw door::Error(ALABASTER_INVALID_ARGUMENT,
+                        "the progress callback of record cannot start or record with the same renderer");
+  }
+  /// The answers of `call(api, delegate, AlabasterVisit, void*)`.
+  template <class Call>
+  Answers ask(const Call& call) {
+    Answers told;
+    run([&](const AlabasterApi& api, AlabasterDelegate* held, Unlocked&) {
+      return call(api, held, &keep_answer, static_cast<void*>(&told));
+    });
+    return told;
+  }
+
   Messages messages;
   door::Delegate delegate;
+  /// Held by the one thread that starts renders or records. The callback of record may do both.
+  std::recursive_mutex turn;
+  bool records = false;  // the thread that holds it
+  const pid_t process = getpid();
 };
 
-class Pixels {
+class Pixels : public NeverImplicit {
  public:
-  Pixels(std::shared_ptr<Engine> engine, const door::Buffer& buffer);
+  Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<door::Pixels> held);
   ~Pixels();
   py::buffer_info info() const;
   const AlabasterPixels& get() const { return held_->get(); }
@@ -124,20 +162,23 @@ class Pixels {
 
 struct FrameOptions {
   std::vector<std::string> aovs = {"color"};
-  int width = 0, height = 0;
+  int32_t width = 0, height = 0;
   std::string camera, settings;
   std::optional<Camera> free_camera;  // in the place of `camera`
   Tokens render_tags, roots, excluded;
   AlabasterRect window{};
   double pixel_aspect = 0;
 
-  /// Changes what is given; other names are an error.
-  void change(const py::kwargs& given);
   /// For one call, to which it gives what is lent. The frame points at `held`.
   AlabasterFrame pass(AlabasterCamera* held) const;
 };
 
-class Display {
+/// Changes of what is given; other names are an error.
+using FrameChanges = std::vector<std::function<void(FrameOptions&)>>;
+FrameChanges frame_changes(const py::kwargs& given);
+FrameOptions changed(FrameOptions options, const FrameChanges& changes);
+
+class Display : public NeverImplicit {
  public:
   Display(const py::object& color_config, const std::string& display, const std::string& view, const std::string& look,
           double exposure);
@@ -150,32 +191,44 @@ class Display {
   double exposure_;
 };
 
-class Render {
+/// Any thread may call any function at any time.
+class Render : public NeverImplicit {
  public:
-  Render(std::shared_ptr<Engine> engine, FrameOptions options);
+  explicit Render(std::shared_ptr<Engine> engine);
   ~Render();
-  void update(const py::kwargs& changes = {});
-  bool wait(const std::optional<double>& seconds, const py::object& progress);
-  std::string state() const;
+  void update(const FrameChanges& changes);
+  bool wait(const py::object& seconds, const py::object& progress);
+  std::string state();
   void cancel();
-  std::unique_ptr<Pixels> pixels(const std::string& aov) const;
-  void read(const std::string& aov, const py::buffer& into, bool top_down) const;
+  std::unique_ptr<Pixels> pixels(const Text& aov);
+  void read(const Text& aov, const py::buffer& into, bool top_down);
   /// False: the AOV's pixels have another size, or none are there yet.
-  bool show(const std::string& aov, const py::buffer& into, const py::object& display, bool top_down);
+  bool show(const Text& aov, const py::buffer& into, const py::object& display, bool top_down);
 
  private:
+  using SharedBuffer = std::shared_ptr<door::Buffer>;
   /// Memory of Python's, and what of the pixels it has.
   struct Shown {
     py::object into, display;  // held, so that no other object has their addresses
     double exposure = 0;
     AlabasterMemory memory{};
+
+    bool is_of(const Shown& other) const;
   };
-  const door::Buffer& buffer(const std::string& aov) const;
+  // Without Python's lock:
+  AlabasterStatus start(const AlabasterApi& api, const FrameOptions& next);
+  /// Begins to render what has been built since the last call.
+  void take_up(const AlabasterApi& api) const;
+  /// The buffer of an AOV, as it is after take_up.
+  SharedBuffer newest(const AlabasterApi& api, const std::string& aov);
+
   std::shared_ptr<Engine> engine_;
-  FrameOptions options_;
-  std::vector<door::Buffer> buffers_;
-  std::map<std::string, Shown> shown_;
   door::Pass pass_;
+  std::mutex mutex_;  // guards these two, for look-ups only
+  FrameOptions options_;
+  std::vector<SharedBuffer> buffers_;
+  std::mutex showing_;  // guards this; one thread at a time writes to the host's memory
+  std::map<std::string, Shown> shown_;
 };
 
 py::dict progress_of(const AlabasterProgress& progress);

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "delegate/python/objects.h"
 
@@ -46,25 +49,28 @@ void Messages::hear(void* user, const AlabasterDiagnostic* diagnostic) {
   messages.queue_.push_back({diagnostic->severity, diagnostic->code, diagnostic->where, diagnostic->text});
 }
 
-void Messages::deliver() {
-  std::vector<Message> told;
-  {
-    const std::lock_guard lock(mutex_);
-    told.swap(queue_);
-  }
-  constexpr const char* kSeverities[] = {"info", "warning", "error"};
-  for (const Message& m : told) {
-    if (!listener_.is_none())
-      listener_(kSeverities[std::clamp(m.severity, 0, 2)], m.code, m.where, m.text);
-    else
-      py::module_::import("logging")
-          .attr("getLogger")("alabaster")
-          .attr("log")(20 + 10 * m.severity, "%s: %s", m.where, m.text);
-  }
+std::optional<Messages::Message> Messages::next() {
+  const std::lock_guard lock(mutex_);
+  if (queue_.empty()) return std::nullopt;
+  Message first = std::move(queue_.front());
+  queue_.pop_front();
+  return first;
 }
 
-Engine::~Engine() {
-  drop(delegate);
+// One at a time: a listener that throws leaves the rest to the next call.
+void Messages::deliver() {
+  constexpr const char* kSeverities[] = {"info", "warning", "error"};
+  while (const std::optional<Message> m = next()) {
+    const py::str where = message_to_python(m->where), what = message_to_python(m->text);
+    with_host_code([&] {
+      if (!listener_.is_none())
+        listener_(kSeverities[std::clamp(m->severity, 0, 2)], message_to_python(m->code), where, what);
+      else
+        py::module_::import("logging")
+            .attr("getLogger")("alabaster")
+            .attr("log")(20 + 10 * m->severity, "%s: %s", where, what);
+    });
+  }
 }
 
 py::dict progress_of(const AlabasterProgress& progress) {
@@ -77,10 +83,8 @@ py::dict progress_of(const AlabasterProgress& progress) {
 }
 
 // Pixels -------------------------------------------------------------------------------------------
-Pixels::Pixels(std::shared_ptr<Engine> engine, const door::Buffer& buffer) : engine_(std::move(engine)) {
-  const py::gil_scoped_release unlocked;
-  held_ = std::make_unique<door::Pixels>(buffer);
-}
+Pixels::Pixels(std::shared_ptr<Engine> engine, std::unique_ptr<door::Pixels> held)
+    : engine_(std::move(engine)), held_(std::move(held)) {}
 Pixels::~Pixels() {
   drop(held_);
 }
@@ -115,59 +119,112 @@ AlabasterFrame FrameOptions::pass(AlabasterCamera* held) const {
   return frame;
 }
 
-Render::Render(std::shared_ptr<Engine> engine, FrameOptions options)
-    : engine_(std::move(engine)), options_(std::move(options)) {
-  const py::gil_scoped_release unlocked;
-  pass_ = door::make_pass(engine_->delegate);
+FrameOptions changed(FrameOptions options, const FrameChanges& changes) {
+  for (const auto& change : changes) change(options);
+  return options;
+}
+
+Render::Render(std::shared_ptr<Engine> engine) : engine_(std::move(engine)) {
+  engine_->run([&](const AlabasterApi&, AlabasterDelegate*, Unlocked&) {
+    pass_ = door::make_pass(engine_->delegate);
+    return int32_t(ALABASTER_OK);
+  });
 }
 Render::~Render() {
   drop(pass_);
   drop(buffers_);
 }
 
-void Render::update(const py::kwargs& changes) {
-  options_.change(changes);
-  auto camera = door::sized<AlabasterCamera>();
-  AlabasterFrame frame = options_.pass(&camera);
-  int32_t width = 0, height = 0;
-  std::vector<AlabasterBinding> bindings;
-  run(engine_->messages, [&](const AlabasterApi& api) {
-    AlabasterDelegate* delegate = engine_->delegate.get();
-    if (const AlabasterStatus status = api.frame_size(delegate, &frame, &width, &height)) return status;
-    for (size_t i = 0; i < options_.aovs.size(); ++i) {
-      int32_t format = ALABASTER_FORMAT_NONE;
-      const char* aov = options_.aovs[i].c_str();
-      if (const AlabasterStatus status = api.aov_format(delegate, aov, &format)) return status;
-      AlabasterBuffer* made = nullptr;
-      const AlabasterStatus status = i < buffers_.size() ? api.buffer_resize(buffers_[i].get(), width, height, format)
-                                                         : api.buffer_create(delegate, width, height, format, &made);
-      if (status != ALABASTER_OK) return status;
-      if (made) buffers_.emplace_back(made);
-      bindings.push_back({aov, buffers_[i].get()});
-    }
-    frame.bindings = bindings.data(), frame.binding_count = bindings.size();
-    if (const AlabasterStatus status = api.restart(delegate)) return status;
-    return api.pass_start(pass_.get(), &frame);
+void Render::update(const FrameChanges& changes) {
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+    const std::lock_guard turn(engine_->turn);
+    engine_->refuse_while_recording();
+    return start(api, changed(options_, changes));
   });
 }
 
-bool Render::wait(const std::optional<double>& seconds, const py::object& progress) {
-  const double limit = seconds.value_or(1e300);
+namespace {
+
+AlabasterStatus formats_of(const AlabasterApi& api, AlabasterDelegate* delegate, const std::vector<std::string>& aovs,
+                           std::vector<int32_t>* formats) {
+  for (const std::string& aov : aovs) {
+    int32_t format = ALABASTER_FORMAT_NONE;
+    if (const AlabasterStatus status = api.aov_format(delegate, aov.c_str(), &format)) return status;
+    if (format == ALABASTER_FORMAT_NONE) throw door::Error(ALABASTER_NOT_FOUND, api.last_error());
+    formats->push_back(format);
+  }
+  return ALABASTER_OK;
+}
+
+}  // namespace
+
+// A failure leaves the options of before. Each call has a frame of its own, since it takes what the frame lends.
+AlabasterStatus Render::start(const AlabasterApi& api, const FrameOptions& next) {
+  AlabasterDelegate* delegate = engine_->delegate.get();
+  std::vector<int32_t> formats;
+  if (const AlabasterStatus status = formats_of(api, delegate, next.aovs, &formats)) return status;
+  auto camera = door::sized<AlabasterCamera>();
+  AlabasterFrame frame = next.pass(&camera);
+  int32_t width = 0, height = 0;
+  if (const AlabasterStatus status = api.frame_size(delegate, &frame, &width, &height)) return status;
+  std::vector<SharedBuffer> buffers = buffers_;
+  std::vector<AlabasterBinding> bindings;
+  for (size_t i = 0; i < formats.size(); ++i) {
+    AlabasterBuffer* made = nullptr;
+    const AlabasterStatus status = i < buffers.size() ? api.buffer_resize(buffers[i]->get(), width, height, formats[i])
+                                                      : api.buffer_create(delegate, width, height, formats[i], &made);
+    if (status != ALABASTER_OK) return status;
+    if (made) buffers.push_back(std::make_shared<door::Buffer>(made));
+    bindings.push_back({next.aovs[i].c_str(), buffers[i]->get()});
+  }
+  if (const AlabasterStatus status = api.restart(delegate)) return status;
+  frame = next.pass(&camera);
+  frame.bindings = bindings.data(), frame.binding_count = bindings.size();
+  const AlabasterStatus status = api.pass_start(pass_.get(), &frame);
+  if (status != ALABASTER_OK) return status;
+  const std::lock_guard lock(mutex_);
+  options_ = next;
+  buffers_ = std::move(buffers);
+  return ALABASTER_OK;
+}
+
+namespace {
+
+/// The most that a wait may last; None: without limit.
+double limit_of(const py::object& seconds) {
+  if (seconds.is_none()) return std::numeric_limits<double>::infinity();
+  const double limit = number(seconds, "seconds");
+  if (std::isnan(limit)) throw py::value_error("seconds is no number");
+  return limit;
+}
+
+}  // namespace
+
+bool Render::wait(const py::object& seconds, const py::object& progress) {
+  if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
+    throw wrong_type("progress", "a function", progress);
+  const double limit = limit_of(seconds);
   int32_t over = 0;
   double waited = 0;
   do {  // once in any case: it takes up what has been built
     const double slice = std::clamp(limit - waited, 0.0, kTellSeconds);
     waited += kTellSeconds;
-    run(engine_->messages, [&](const AlabasterApi& api) { return api.pass_wait(pass_.get(), slice, &over); });
+    auto now = door::sized<AlabasterProgress>();
+    engine_->run([&](const AlabasterApi& api, AlabasterDelegate* delegate, Unlocked&) {
+      const AlabasterStatus status = api.pass_wait(pass_.get(), slice, &over);
+      return status == ALABASTER_OK ? api.progress(delegate, &now) : status;
+    });
     if (PyErr_CheckSignals() != 0) {
+      const py::error_already_set interrupt;
       cancel();
-      throw py::error_already_set();
+      throw interrupt;
     }
     if (progress.is_none()) continue;
-    auto now = door::sized<AlabasterProgress>();
-    door::check(door::api().progress(engine_->delegate.get(), &now));
-    const py::object answer = progress(progress_of(now));
-    if (!answer.is_none() && !answer.cast<bool>() && over == 0) {
+    const bool goes_on = with_host_code([&] {
+      const py::object answer = progress(progress_of(now));
+      return answer.is_none() || flag(answer, "what progress returns");
+    });
+    if (!goes_on && over == 0) {
       cancel();
       throw door::Error(ALABASTER_INTERRUPTED, "the render was cancelled");
     }
@@ -175,104 +232,135 @@ bool Render::wait(const std::optional<double>& seconds, const py::object& progre
   return over != 0;
 }
 
-std::string Render::state() const {
+std::string Render::state() {
   constexpr const char* kStates[] = {"idle", "preparing", "rendering", "paused", "stopped", "converged", "failed"};
   int32_t state = 0;
-  door::check(door::api().pass_state(pass_.get(), &state));
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+    take_up(api);
+    return api.pass_state(pass_.get(), &state);
+  });
   return kStates[state];
 }
 
 void Render::cancel() {
-  run(engine_->messages, [&](const AlabasterApi& api) { return api.stop(engine_->delegate.get()); });
+  engine_->run([](const AlabasterApi& api, AlabasterDelegate* delegate, Unlocked&) { return api.stop(delegate); });
 }
 
-const door::Buffer& Render::buffer(const std::string& aov) const {
+// A failed render is told by wait and state.
+void Render::take_up(const AlabasterApi& api) const {
+  int32_t over = 0;
+  static_cast<void>(api.pass_wait(pass_.get(), 0, &over));
+}
+
+Render::SharedBuffer Render::newest(const AlabasterApi& api, const std::string& aov) {
+  take_up(api);
+  const std::lock_guard lock(mutex_);
   const auto found = std::find(options_.aovs.begin(), options_.aovs.end(), aov);
   const auto index = size_t(found - options_.aovs.begin());
-  if (index >= buffers_.size()) throw py::key_error("AOV '" + aov + "' is not rendered: name it in aovs");
+  if (index >= buffers_.size() || found == options_.aovs.end())
+    throw py::key_error("AOV '" + aov + "' is not rendered: name it in aovs");
   return buffers_[index];
 }
 
-std::unique_ptr<Pixels> Render::pixels(const std::string& aov) const {
-  return std::make_unique<Pixels>(engine_, buffer(aov));
+std::unique_ptr<Pixels> Render::pixels(const Text& aov) {
+  std::unique_ptr<door::Pixels> held;
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+    held = std::make_unique<door::Pixels>(*newest(api, aov));
+    return int32_t(ALABASTER_OK);
+  });
+  return make_object<Pixels>(engine_, std::move(held));
 }
 
 namespace {
 
+/// Memory that bytes may be written to: never that of an array of objects, which are pointers.
 py::buffer_info contiguous(const py::buffer& into) {
   py::buffer_info info = into.request(true);
+  const std::string kind = info.format.substr(info.format.find_first_not_of("@=<"));
+  if (kind.size() != 1 || !std::strchr("bBhHiIlLqQefdc", kind[0]))
+    throw py::value_error("pixels cannot be written to an array of type '" + info.format + "'; use float32 or uint8");
   Py_ssize_t stride = info.itemsize;
   for (Py_ssize_t axis = info.ndim; axis-- > 0; stride *= info.shape[size_t(axis)])
     if (info.strides[size_t(axis)] != stride) throw py::value_error("the array is not contiguous");
   return info;
 }
 
-/// The format of an array of (height, width) or (height, width, components).
-int32_t format_of(const py::buffer_info& info) {
+/// Memory of the host for pixels: an array of (height, width) or (height, width, components).
+AlabasterMemory memory_of(const py::buffer_info& info) {
+  constexpr Py_ssize_t kMost = std::numeric_limits<int32_t>::max();
+  auto memory = door::sized<AlabasterMemory>();
   const Py_ssize_t components = info.ndim == 3 ? info.shape[2] : 1;
   for (int32_t format = ALABASTER_UNORM8; format <= ALABASTER_INT32; ++format)
-    if (const Format known = format_of(format);
-        info.ndim >= 2 && info.ndim <= 3 && info.format == known.name && components == known.components)
-      return format;
-  throw py::value_error(
-      "pixels are an array (height, width) or (height, width, components) of float32, float16 or uint8");
+    if (const Format known = format_of(format); info.ndim >= 2 && info.ndim <= 3 && info.format == known.name &&
+                                                info.itemsize == known.bytes && components == known.components)
+      memory.format = format;
+  if (memory.format == ALABASTER_FORMAT_NONE || info.shape[0] > kMost || info.shape[1] > kMost)
+    throw py::value_error(
+        "pixels are an array (height, width) or (height, width, components) of float32, float16 or uint8");
+  memory.pixels = info.ptr;
+  memory.height = int32_t(info.shape[0]), memory.width = int32_t(info.shape[1]);
+  memory.row_bytes = size_t(info.strides[0]);
+  return memory;
 }
 
 }  // namespace
 
-void Render::read(const std::string& aov, const py::buffer& into, bool top_down) const {
+void Render::read(const Text& aov, const py::buffer& into, bool top_down) {
   const py::buffer_info info = contiguous(into);
-  const door::Buffer& held = buffer(aov);
-  run(engine_->messages, [&](const AlabasterApi& api) {
-    return api.buffer_read(held.get(), info.ptr, size_t(info.size * info.itemsize), top_down);
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+    return api.buffer_read(newest(api, aov)->get(), info.ptr, size_t(info.size * info.itemsize), top_down);
   });
 }
 
-bool Render::show(const std::string& aov, const py::buffer& into, const py::object& display, bool top_down) {
-  const Display* converts = display.is_none() ? nullptr : &display.cast<const Display&>();
+bool Render::Shown::is_of(const Shown& other) const {
+  const AlabasterMemory &a = memory, &b = other.memory;
+  return into.is(other.into) && display.is(other.display) && exposure == other.exposure && a.pixels == b.pixels &&
+         a.format == b.format && a.y_up == b.y_up && a.width == b.width && a.height == b.height;
+}
+
+bool Render::show(const Text& aov, const py::buffer& into, const py::object& display, bool top_down) {
+  const Display* converts =
+      display.is_none() ? nullptr : &object_of<Display>(display, "display", "an alabaster.Display or None");
   const py::buffer_info info = contiguous(into);
-  const double exposure = converts ? converts->exposure() : 0;
-  auto memory = door::sized<AlabasterMemory>();
-  memory.format = format_of(info);
-  memory.pixels = info.ptr;
-  memory.height = int32_t(info.shape[0]), memory.width = int32_t(info.shape[1]);
-  memory.row_bytes = size_t(info.strides[0]);
-  memory.y_up = !top_down;
-  memory.display = converts ? converts->handle().get() : nullptr;
-  Shown& known = shown_[aov];
-  if (known.into.is(into) && known.display.is(display) && known.exposure == exposure &&
-      known.memory.y_up == memory.y_up && known.memory.width == memory.width && known.memory.height == memory.height)
-    memory.shown = known.memory.shown;
-  const door::Buffer& held = buffer(aov);
+  Shown now{into, display, converts ? converts->exposure() : 0, memory_of(info)};
+  now.memory.y_up = !top_down;
+  now.memory.display = converts ? converts->handle().get() : nullptr;
+  Shown before;  // ends when Python's lock is held
   bool same_size = true;
-  run(engine_->messages, [&](const AlabasterApi& api) {
-    const int32_t width = memory.width, height = memory.height;
-    const AlabasterStatus status = api.buffer_show(held.get(), &memory);
-    same_size = memory.width == width && memory.height == height;
+  engine_->run([&](const AlabasterApi& api, AlabasterDelegate*, Unlocked&) {
+    const SharedBuffer held = newest(api, aov);
+    const std::lock_guard lock(showing_);
+    Shown& known = shown_[aov];
+    if (known.is_of(now)) now.memory.shown = known.memory.shown;
+    const int32_t width = now.memory.width, height = now.memory.height;
+    const AlabasterStatus status = api.buffer_show(held->get(), &now.memory);
+    same_size = now.memory.width == width && now.memory.height == height;
+    if (same_size && status == ALABASTER_OK) before = std::exchange(known, std::move(now));
     return same_size ? status : int32_t(ALABASTER_OK);
   });
-  if (!same_size) return false;
-  known = {into, display, exposure, memory};
-  return true;
+  return same_size;
 }
 
 // Displays -----------------------------------------------------------------------------------------
 Display::Display(const py::object& color_config, const std::string& display, const std::string& view,
                  const std::string& look, double exposure)
     : exposure_(exposure) {
-  const std::string config = color_config.is_none() ? "" : py::str(color_config).cast<std::string>();
+  const std::string config = color_config.is_none() ? std::string() : file_name(color_config, "color_config");
   auto options = door::sized<AlabasterDisplayOptions>();
   options.color_config = door::or_null(config);
   options.display = door::or_null(display), options.view = door::or_null(view), options.look = door::or_null(look);
   options.exposure = exposure;
-  const py::gil_scoped_release unlocked;
+  const Unlocked unlocked;
   AlabasterDisplay* made = nullptr;
   door::check(door::api().display_create(&options, &made));
   held_.reset(made);
 }
 
 void Display::set_exposure(double stops) {
-  door::check(door::api().display_set_exposure(held_.get(), stops));
+  {
+    const Unlocked unlocked;
+    door::check(door::api().display_set_exposure(held_.get(), stops));
+  }
   exposure_ = stops;
 }
 

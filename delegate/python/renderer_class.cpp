@@ -1,131 +1,146 @@
-#include <pybind11/stl.h>
-
-#include <set>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
 
 #include "delegate/python/objects.h"
 
 namespace alabaster::python {
 namespace {
 
-/// Engines that live, to be stopped when the interpreter ends: their threads must not outlast the library's memory.
-std::set<Engine*>& engines() {
-  static auto* living = new std::set<Engine*>;
-  return *living;
+/// Engines that were made, to be stopped when the interpreter ends: their threads must not outlast the library's
+/// memory.
+std::vector<std::weak_ptr<Engine>>& engines() {
+  static auto* made = new std::vector<std::weak_ptr<Engine>>;
+  return *made;
 }
 
-class Renderer {
+void keep(const std::shared_ptr<Engine>& engine) {
+  auto& made = engines();
+  made.erase(std::remove_if(made.begin(), made.end(), [](const auto& one) { return one.expired(); }), made.end());
+  made.push_back(engine);
+}
+
+void end() {
+  std::vector<std::shared_ptr<Engine>> living;
+  for (const auto& one : engines())
+    if (const auto engine = one.lock()) living.push_back(engine);
+  leave_library([&] {
+    for (const auto& engine : living) door::api().stop(engine->delegate.get());
+  });
+}
+
+struct SettingAnswer {
+  std::string key, documentation;
+  Answer otherwise, minimum, maximum;
+  std::vector<std::string> choices;
+};
+
+class Renderer : public NeverImplicit {
  public:
   Renderer(const py::object& scene, py::object report, const py::dict& settings) {
-    const door::Parameters held = parameters(settings);
-    auto engine = std::make_unique<Engine>(std::move(report));
+    const door::Parameters held = parameters(settings, "settings");
     const door::Scene none;
-    const door::Scene& shown = scene.is_none() ? none : scene.cast<Scene&>().handle();
-    std::optional<door::Error> error;
-    {
-      const py::gil_scoped_release unlocked;
-      try {
-        engine->delegate = door::make_delegate(shown, held, &Messages::hear, &engine->messages);
-      } catch (const door::Error& e) {
-        error.emplace(e);
-      }
-    }
-    engine->messages.deliver();
-    if (error) throw *error;
-    engines().insert(engine.get());
-    engine_ = std::shared_ptr<Engine>(engine.release(), [](Engine* e) {
-      engines().erase(e);
-      delete e;
+    const door::Scene& shown = scene.is_none() ? none : scene_of(scene).handle();
+    const auto engine = std::make_shared<Engine>(std::move(report));
+    engine->run([&](const AlabasterApi&, AlabasterDelegate*, Unlocked&) {
+      engine->delegate = door::make_delegate(shown, held, &Messages::hear, &engine->messages);
+      return int32_t(ALABASTER_OK);
     });
+    keep(engine);
+    engine_ = engine;
   }
   /// `call(api, delegate)`
   template <class Call>
   void run(const Call& call) {
-    python::run(engine_->messages, [&](const AlabasterApi& api) { return call(api, engine_->delegate.get()); });
+    engine_->run([&](const AlabasterApi& api, AlabasterDelegate* held, Unlocked&) { return call(api, held); });
   }
-  const std::shared_ptr<Engine>& engine() const { return engine_; }
 
   void show(const py::object& scene) {
-    AlabasterScene* shown = scene.is_none() ? nullptr : scene.cast<Scene&>().handle().get();
+    AlabasterScene* shown = scene.is_none() ? nullptr : scene_of(scene).handle().get();
     run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.show(delegate, shown); });
   }
   void set(const py::dict& settings) {
-    for (const auto& [name, value] : parameters(settings)) {
+    for (const auto& [name, value] : parameters(settings, "settings")) {
       const AlabasterValue raw = value.pass();
       run([&, &key = name](const AlabasterApi& api, AlabasterDelegate* delegate) {
         return api.set_setting(delegate, key.c_str(), &raw);
       });
     }
   }
-  py::object get(const std::string& name) {
-    py::object told = py::none();
-    ask(
-        engine_->messages,
-        [&](const AlabasterApi& api, AlabasterVisit visit, void* user) {
-          return api.get_setting(engine_->delegate.get(), name.c_str(), visit, user);
-        },
-        [&](const char*, const AlabasterValue& value) { told = to_python(value); });
-    return told;
+  py::object get(const Text& name) {
+    return last_of(engine_->ask([&](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit,
+                                    void* user) { return api.get_setting(delegate, name.c_str(), visit, user); }));
   }
-  py::dict describe() {
-    py::dict all;
-    const auto visit = [](void* user, const AlabasterSetting* setting) {
-      const py::gil_scoped_acquire locked;
-      py::dict entry;
-      entry["documentation"] = setting->documentation;
-      entry["default"] = to_python(setting->default_value);
-      entry["minimum"] = to_python(setting->minimum);
-      entry["maximum"] = to_python(setting->maximum);
-      py::list choices;
-      for (size_t i = 0; i < setting->choice_count; ++i) choices.append(setting->choices[i]);
-      entry["choices"] = choices;
-      (*static_cast<py::dict*>(user))[setting->key] = entry;
-    };
-    run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.get_settings(delegate, visit, &all); });
-    return all;
-  }
+  py::dict describe();
   py::dict stats() {
     py::dict all;
-    ask(
-        engine_->messages,
-        [&](const AlabasterApi& api, AlabasterVisit visit, void* user) {
-          return api.stats(engine_->delegate.get(), visit, user);
-        },
-        [&](const char* name, const AlabasterValue& value) { all[name] = to_python(value); });
+    for (const auto& [name, value] :
+         engine_->ask([](const AlabasterApi&api, AlabasterDelegate*delegate, AlabasterVisit visit, void*user) {
+           return api.stats(delegate, visit, user);
+         }))
+      all[name_to_python(name)] = value.to_python();
     return all;
   }
   py::dict progress() {
     auto now = door::sized<AlabasterProgress>();
-    door::check(door::api().progress(engine_->delegate.get(), &now));
+    run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.progress(delegate, &now); });
     return progress_of(now);
   }
-  py::object command(const std::string& name, const py::dict& arguments) {
-    py::object told = py::none();
-    const door::Parameters held = parameters(arguments);
+  py::object command(const Text& name, const py::dict& arguments) {
+    const door::Parameters held = parameters(arguments, "arguments");
     const std::vector<AlabasterParameter> raw = door::pass(held);
-    ask(
-        engine_->messages,
-        [&](const AlabasterApi& api, AlabasterVisit visit, void* user) {
-          return api.command(engine_->delegate.get(), name.c_str(), raw.data(), raw.size(), visit, user);
-        },
-        [&](const char*, const AlabasterValue& value) { told = to_python(value); });
-    return told;
+    return last_of(
+        engine_->ask([&](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit, void* user) {
+          return api.command(delegate, name.c_str(), raw.data(), raw.size(), visit, user);
+        }));
   }
-  std::unique_ptr<Render> start(FrameOptions options) {
-    auto render = std::make_unique<Render>(engine_, std::move(options));
-    render->update();
+  std::unique_ptr<Render> start(const FrameChanges& frame) {
+    auto render = make_object<Render>(engine_);
+    render->update(frame);
     return render;
   }
-  std::unique_ptr<Render> render(FrameOptions options, const py::object& progress) {
-    auto render = start(std::move(options));
-    render->wait(std::nullopt, progress);
+  std::unique_ptr<Render> render(const FrameChanges& frame, const py::object& progress) {
+    auto render = start(frame);
+    render->wait(py::none(), progress);
     return render;
   }
-  py::list record(const py::args& files, const std::string& settings, const std::vector<std::string>& aovs,
-                  bool keep_going, const py::object& progress);
+  py::list record(const py::args& files, const Text& settings, const py::object& aovs, bool keep_going,
+                  const py::object& progress);
 
  private:
+  static Scene& scene_of(const py::object& scene) {
+    return object_of<Scene>(scene, "scene", "an alabaster.Scene or None");
+  }
+  static py::object last_of(const Answers& told) { return told.empty() ? py::none() : told.back().second.to_python(); }
   std::shared_ptr<Engine> engine_;
 };
+
+py::dict Renderer::describe() {
+  std::vector<SettingAnswer> told;
+  const auto visit = [](void* user, const AlabasterSetting* s) {
+    static_cast<std::vector<SettingAnswer>*>(user)->push_back({s->key,
+                                                               s->documentation,
+                                                               Answer(s->default_value),
+                                                               Answer(s->minimum),
+                                                               Answer(s->maximum),
+                                                               {s->choices, s->choices + s->choice_count}});
+  };
+  run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.get_settings(delegate, visit, &told); });
+  py::dict all;
+  for (const SettingAnswer& setting : told) {
+    py::dict entry;
+    entry["documentation"] = message_to_python(setting.documentation);
+    entry["default"] = setting.otherwise.to_python();
+    entry["minimum"] = setting.minimum.to_python();
+    entry["maximum"] = setting.maximum.to_python();
+    py::list choices;
+    for (const std::string& choice : setting.choices) choices.append(name_to_python(choice));
+    entry["choices"] = choices;
+    all[name_to_python(setting.key)] = entry;
+  }
+  return all;
+}
 
 std::vector<const char*> pointers(const std::vector<std::string>& texts) {
   std::vector<const char*> raw;
@@ -136,30 +151,55 @@ std::vector<const char*> pointers(const std::vector<std::string>& texts) {
 /// The state of a recording that calls back.
 struct Recording {
   py::object progress;
-  std::optional<py::error_already_set> error;  // of the callback
-  std::vector<std::string> written;
+  std::exception_ptr error = nullptr;  // of the callback
+  Unlocked* unlocked = nullptr;
+  const pid_t process = getpid();
 
   static int32_t tell(void* user, const AlabasterProgress* now) {
     auto& recording = *static_cast<Recording*>(user);
-    const py::gil_scoped_acquire locked;
+    if (interpreter_ends()) return 0;
+    const Unlocked::Locked locked(*recording.unlocked);
+    int32_t goes_on = 0;
     try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      if (recording.progress.is_none()) return 1;
-      const py::object answer = recording.progress(progress_of(*now));
-      return answer.is_none() || answer.cast<bool>();
-    } catch (py::error_already_set& error) {
-      recording.error.emplace(std::move(error));
-      return 0;
+      goes_on = with_host_code([&] { return recording.goes_on(*now); });
+    } catch (...) {
+      recording.error = std::current_exception();
     }
+    if (getpid() != recording.process) recording.end_child();
+    return goes_on;
+  }
+
+ private:
+  int32_t goes_on(const AlabasterProgress& now) const {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (progress.is_none()) return 1;
+    const py::object answer = progress(progress_of(now));
+    return answer.is_none() || flag(answer, "what progress returns") ? 1 : 0;
+  }
+  /// The callback forked: the recording cannot continue without the threads of the parent, and its frames do not end.
+  [[noreturn]] void end_child() const {
+    try {
+      if (error) std::rethrow_exception(error);
+      throw py::value_error("a process that a progress callback forks must end within the callback");
+    } catch (py::error_already_set& thrown) {
+      thrown.restore();
+    } catch (const std::exception& thrown) {
+      PyErr_SetString(PyExc_RuntimeError, thrown.what());
+    }
+    PyErr_PrintEx(0);  // ends the process where the error is SystemExit
+    Py_Exit(1);
   }
 };
 
-py::list Renderer::record(const py::args& files, const std::string& settings, const std::vector<std::string>& aovs,
-                          bool keep_going, const py::object& progress) {
-  Recording recording{progress, std::nullopt, {}};
+py::list Renderer::record(const py::args& files, const Text& settings, const py::object& aovs, bool keep_going,
+                          const py::object& progress) {
+  if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
+    throw wrong_type("progress", "a function", progress);
+  Recording recording{progress};
   std::vector<std::string> names;
-  for (const py::handle file : files) names.push_back(py::str(file).cast<std::string>());
-  const auto raw_names = pointers(names), raw_aovs = pointers(aovs);
+  for (const py::handle file : files) names.push_back(file_name(file, "a file"));
+  const std::vector<std::string> layers = texts(aovs, "aovs");
+  const auto raw_names = pointers(names), raw_aovs = pointers(layers);
   auto options = door::sized<AlabasterRecordOptions>();
   options.settings = door::or_null(settings);
   options.files = raw_names.data(), options.file_count = raw_names.size();
@@ -167,65 +207,73 @@ py::list Renderer::record(const py::args& files, const std::string& settings, co
   options.keep_going = keep_going;
   options.progress = &Recording::tell;
   options.user = &recording;
-  const AlabasterVisit keep = [](void* user, const char*, const AlabasterValue* file) {
-    static_cast<Recording*>(user)->written.emplace_back(static_cast<const char*>(file->data));
-  };
+  Answers written;
   try {
-    run([&](const AlabasterApi& api, AlabasterDelegate* delegate) {
-      const AlabasterStatus status = api.record(delegate, &options, keep, &recording);
+    engine_->run([&](const AlabasterApi& api, AlabasterDelegate* delegate, Unlocked& unlocked) {
+      recording.unlocked = &unlocked;
+      const std::lock_guard turn(engine_->turn);
+      engine_->refuse_while_recording();
+      if (const AlabasterStatus status = api.restart(delegate)) return status;  // from a stop or a cancel
+      engine_->records = true;
+      const AlabasterStatus status = api.record(delegate, &options, &keep_answer, &written);
+      engine_->records = false;
       return status == ALABASTER_DEGRADED && keep_going ? int32_t(ALABASTER_OK) : status;
     });
   } catch (const door::Error&) {
-    if (recording.error) throw std::move(*recording.error);
+    if (recording.error) std::rethrow_exception(recording.error);
     throw;
   }
-  return py::cast(recording.written);
+  if (recording.error) std::rethrow_exception(recording.error);
+  py::list told;
+  for (const auto& entry : written) told.append(entry.second.to_python());
+  return told;
 }
 
-void set_camera(FrameOptions& options, py::handle value) {
-  options.camera.clear();
-  options.free_camera.reset();
-  if (py::isinstance<py::dict>(value))
-    options.free_camera.emplace(py::reinterpret_borrow<py::dict>(value));
-  else if (!value.is_none())
-    options.camera = value.cast<std::string>();
+void set_camera(FrameChanges& changes, py::handle value) {
+  if (PyDict_Check(value.ptr())) {
+    changes.push_back([camera = Camera(value)](FrameOptions& o) { o.camera.clear(), o.free_camera = camera; });
+    return;
+  }
+  if (!value.is_none() && !PyUnicode_Check(value.ptr())) throw wrong_type("camera", "a path or a dict", value);
+  changes.push_back(
+      [path = text_or_none(value, "camera")](FrameOptions& o) { o.camera = path, o.free_camera.reset(); });
 }
 
-FrameOptions frame_options(const py::kwargs& given) {
-  FrameOptions options;
-  options.change(given);
-  return options;
+/// False: there is no such option of texts.
+bool change_selection(FrameChanges& changes, const std::string& name, py::handle value) {
+  for (const auto& [known, member] :
+       {std::pair("render_tags", &FrameOptions::render_tags), std::pair("roots", &FrameOptions::roots),
+        std::pair("excluded", &FrameOptions::excluded)})
+    if (name == known) {
+      changes.push_back([tokens = Tokens(value, name), held = member](FrameOptions& o) { o.*held = tokens; });
+      return true;
+    }
+  return false;
 }
 
 }  // namespace
 
-void FrameOptions::change(const py::kwargs& given) {
-  for (const auto& [key, value] : given) {
-    const auto name = key.cast<std::string>();
+FrameChanges frame_changes(const py::kwargs& given) {
+  FrameChanges changes;
+  for (const auto& [name, value] : entries(given, "keyword arguments")) {
     if (name == "width")
-      width = value.cast<int>();
+      changes.push_back([width = length_of(value, name)](FrameOptions& o) { o.width = width; });
     else if (name == "height")
-      height = value.cast<int>();
+      changes.push_back([height = length_of(value, name)](FrameOptions& o) { o.height = height; });
     else if (name == "aovs")
-      aovs = value.cast<std::vector<std::string>>();
+      changes.push_back([aovs = texts(value, name)](FrameOptions& o) { o.aovs = aovs; });
     else if (name == "camera")
-      set_camera(*this, value);
+      set_camera(changes, value);
     else if (name == "settings")
-      settings = value.is_none() ? "" : value.cast<std::string>();
+      changes.push_back([path = text_or_none(value, name)](FrameOptions& o) { o.settings = path; });
     else if (name == "pixel_aspect")
-      pixel_aspect = value.cast<double>();
-    else if (name == "render_tags")
-      render_tags = Tokens(value);
-    else if (name == "roots")
-      roots = Tokens(value);
-    else if (name == "excluded")
-      excluded = Tokens(value);
-    else if (name == "window") {
-      const auto [x0, y0, x1, y1] = value.is_none() ? std::array<int32_t, 4>{} : value.cast<std::array<int32_t, 4>>();
-      window = {x0, y0, x1, y1};
-    } else
+      changes.push_back([aspect = number(value, name)](FrameOptions& o) { o.pixel_aspect = aspect; });
+    else if (name == "window")
+      changes.push_back([window = rect_of(value, name)](FrameOptions& o) { o.window = window; });
+    else if (!change_selection(changes, name, value))
       throw py::type_error("unexpected keyword argument '" + name + "'");
   }
+  return changes;
 }
 
 namespace {
@@ -234,9 +282,23 @@ py::object take_progress(py::kwargs& given) {
   return given.contains("progress") ? py::object(given.attr("pop")("progress")) : py::object(py::none());
 }
 
+getbufferproc g_get_buffer = nullptr;  // pybind11's, which lets exceptions pass into Python
+
+int get_buffer(PyObject* pixels, Py_buffer* view, int flags) {
+  try {
+    return g_get_buffer(pixels, view, flags);
+  } catch (const std::exception& error) {
+    PyErr_SetString(PyExc_TypeError, error.what());
+  }
+  if (view) view->obj = nullptr;
+  return -1;
+}
+
 void add_renders(py::module_& module) {
   py::class_<Pixels>(
-      module, "Pixels", py::buffer_protocol(),
+      module, "Pixels", py::buffer_protocol(), py::custom_type_setup([](PyHeapTypeObject* type) {
+        g_get_buffer = std::exchange(type->as_buffer.bf_getbuffer, &get_buffer);
+      }),
       "Pixels of one AOV as they were when they were taken. They lie where the renderer wrote them, with the uppermost "
       "row first: numpy.asarray(pixels) copies nothing, and the array may outlive everything.")
       .def_buffer(&Pixels::info)
@@ -250,7 +312,8 @@ void add_renders(py::module_& module) {
 
   py::class_<Render>(module, "Render", "A render that runs in the background. Renderer.start makes it.")
       .def(
-          "update", [](Render& r, const py::kwargs& changes) { r.update(changes); },
+          "update", [](Render& r, const py::kwargs& changes) { r.update(frame_changes(changes)); },
+          py::call_guard<FreeReturned>(),
           "Renders again what has changed in the scene, the settings or the camera. Arguments are those of "
           "Renderer.start, and change what they name. Until the new picture covers the frame, the old one stays.")
       .def("wait", &Render::wait, py::arg("seconds") = py::none(), py::arg("progress") = py::none(),
@@ -273,9 +336,10 @@ void add_renders(py::module_& module) {
   py::class_<Display>(
       module, "Display",
       "Converts pixels for a screen, by OpenColorIO. Texts that are missing are those of the configuration.")
-      .def(py::init<py::object, std::string, std::string, std::string, double>(), py::arg("color_config") = py::none(),
-           py::kw_only(), py::arg("display") = "", py::arg("view") = "", py::arg("look") = "",
-           py::arg("exposure") = 0.0)
+      .def(py::init([](const py::object& color_config, const Text& display, const Text& view, const Text& look,
+                       double exposure) { return make_object<Display>(color_config, display, view, look, exposure); }),
+           py::arg("color_config") = py::none(), py::kw_only(), py::arg("display") = "", py::arg("view") = "",
+           py::arg("look") = "", py::arg("exposure") = 0.0)
       .def_property("exposure", &Display::exposure, &Display::set_exposure, "In stops. A new one renders nothing.");
 }
 
@@ -284,13 +348,13 @@ py::class_<Renderer> renderer_class(py::module_& module) {
                                 "Draws a scene. Settings are those of schemas/render_settings.json.");
   renderer
       .def(py::init([](const py::object& scene, const py::object& report, const py::kwargs& settings) {
-             return std::make_unique<Renderer>(scene, report, settings);
+             return make_object<Renderer>(scene, report, settings);
            }),
-           py::arg("scene") = py::none(), py::kw_only(), py::arg("report") = py::none(),
+           py::arg("scene") = py::none(), py::kw_only(), py::arg("report") = py::none(), py::call_guard<FreeReturned>(),
            "report(severity, code, where, text) hears of faults; by default they are logged under 'alabaster'.")
       .def("show", &Renderer::show, py::arg("scene"), "Draws another scene; None: none.")
       .def(
-          "set", [](Renderer& r, const py::kwargs& settings) { r.set(settings); },
+          "set", [](Renderer& r, const py::kwargs& settings) { r.set(settings); }, py::call_guard<FreeReturned>(),
           "Changes settings: set(samples=64). None takes a setting back.")
       .def("get", &Renderer::get, py::arg("name"), "The value of a setting.")
       .def("describe_settings", &Renderer::describe,
@@ -299,15 +363,16 @@ py::class_<Renderer> renderer_class(py::module_& module) {
       .def("progress", &Renderer::progress, "fraction, seconds, samples_done and samples_total of the running render.")
       .def(
           "command",
-          [](Renderer& r, const std::string& name, const py::kwargs& arguments) { return r.command(name, arguments); },
-          py::arg("name"), "dumpScene, requirements, tracePixel (x=, y=, sample=).");
+          [](Renderer& r, const Text& name, const py::kwargs& arguments) { return r.command(name, arguments); },
+          py::arg("name"), py::call_guard<FreeReturned>(), "dumpScene, requirements, tracePixel (x=, y=, sample=).");
   return renderer;
 }
 
 void add_control(py::class_<Renderer>& renderer) {
   renderer
       .def(
-          "start", [](Renderer& r, const py::kwargs& frame) { return r.start(frame_options(frame)); },
+          "start", [](Renderer& r, const py::kwargs& frame) { return r.start(frame_changes(frame)); },
+          py::call_guard<FreeReturned>(),
           "Begins to render: width, height, aovs=['color'], camera, settings, window=(min_x, min_y, max_x, max_y), "
           "pixel_aspect. Those that are missing are those of the scene's render settings. camera is a path, or a dict "
           "of "
@@ -317,16 +382,16 @@ void add_control(py::class_<Renderer>& renderer) {
           "render",
           [](Renderer& r, py::kwargs frame) {
             const py::object progress = take_progress(frame);
-            return r.render(frame_options(frame), progress);
+            return r.render(frame_changes(frame), progress);
           },
-          "Like start, and waits: progress as for Render.wait.")
+          py::call_guard<FreeReturned>(), "Like start, and waits: progress as for Render.wait.")
       .def("record", &Renderer::record, py::kw_only(), py::arg("settings") = "", py::arg("aovs") = py::tuple(),
            py::arg("keep_going") = false, py::arg("progress") = py::none(),
            "Renders to files (.exr, .png, .tif, .jpg; without names, to those of the render settings), waits, and "
            "returns those that were written. aovs are further layers of the .exr files.")
       .def(
           "stop", [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.stop(d); }); },
-          "Stops what runs, until the next start, update or restart.")
+          "Stops what runs, until the next start, update, record or restart.")
       .def("restart",
            [](Renderer& r) { r.run([](const AlabasterApi& api, AlabasterDelegate* d) { return api.restart(d); }); })
       .def("pause",
@@ -341,10 +406,21 @@ void add_renderer(py::module_& module) {
   add_renders(module);
   py::class_<Renderer> renderer = renderer_class(module);
   add_control(renderer);
-  module.def("_stop_all", [] {
-    for (Engine* engine : engines()) door::api().stop(engine->delegate.get());
+  module.def("_end", &end);
+  py::module_::import("atexit").attr("register")(module.attr("_end"));
+  module.def("_forget_threads", [] {
+    forget_threads();
+    forget_returning_threads();
+    // Exit handlers of libraries wait for threads that a forked child lacks, as those of log4cplus do, which comes with
+    // OpenImageIO. Python has ended when they run.
+    on_exit(
+        [](int status, void*) {
+          std::fflush(nullptr);
+          _exit(status);
+        },
+        nullptr);
   });
-  py::module_::import("atexit").attr("register")(module.attr("_stop_all"));
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") = module.attr("_forget_threads"));
 }
 
 }  // namespace alabaster::python

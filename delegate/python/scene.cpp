@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "delegate/python/objects.h"
 
 namespace alabaster::python {
@@ -11,17 +13,23 @@ int32_t interpolation_of(const std::string& name) {
 }
 
 std::string text(const py::dict& options, const char* name) {
-  return options.contains(name) && !options[name].is_none() ? py::str(options[name]).cast<std::string>()
-                                                            : std::string();
+  return options.contains(name) ? text_or_none(options[name], name) : std::string();
 }
 py::object option(const py::dict& options, const char* name) {
   return options.contains(name) ? py::object(options[name]) : py::none();
 }
+bool flag(const py::dict& options, const char* name, bool otherwise) {
+  return options.contains(name) ? python::flag(options[name], name) : otherwise;
+}
+/// None: no entries.
+std::vector<std::pair<std::string, py::object>> entries_of(const py::object& values, const char* name) {
+  return values.is_none() ? std::vector<std::pair<std::string, py::object>>() : entries(values, name);
+}
 
 /// Options that a call knows, so that a misspelt one is an error and not ignored.
 void check_options(const py::dict& options, std::initializer_list<const char*> known) {
-  for (const auto& entry : options) {
-    const auto name = entry.first.cast<std::string>();
+  for (const auto& entry : entries(options, "options")) {
+    const std::string& name = entry.first;
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw py::type_error("unexpected keyword argument '" + name + "'");
   }
@@ -39,19 +47,22 @@ int32_t type_of(const std::string& primvar) {
 /// Primvars with what their structs point at. Nothing is lent before pass().
 class Primvars {
  public:
-  void add(const std::string& name, const Primvar& primvar) {
+  void add(const std::string& name, const Primvar& primvar) { add(name, primvar, name); }
+  /// `argument`: its name in errors.
+  void add(const std::string& name, const Primvar& primvar, const std::string& argument) {
     const int32_t type = type_of(name);
     Value values;
-    if (py::isinstance<py::str>(primvar.values) || PyBool_Check(primvar.values.ptr()))
-      values = parameter(primvar.values);
-    else if (type != ALABASTER_NONE)
-      values = array(type, primvar.values, name.c_str());
+    if (type != ALABASTER_NONE)
+      values = array(type, primvar.values, argument);
+    else if (PyUnicode_Check(primvar.values.ptr()) || PyBool_Check(primvar.values.ptr()))
+      values = parameter(primvar.values, argument);
     else if (!primvar.values.is_none())
-      values = array_by_shape(primvar.values, name.c_str());
+      values = array_by_shape(primvar.values, argument);
     if (!primvar.motion.is_none() && type == ALABASTER_NONE)
-      throw py::value_error("points, normals and transforms of instances have motion; " + name + " has none");
-    Motion motion = Motion::of_arrays(primvar.motion, type, name.c_str());
-    named_.push_back({name, primvar.role, std::move(values), array(ALABASTER_INT, primvar.indices, "indices"),
+      throw py::value_error("points, normals and transforms of instances have motion; " + argument + " has none");
+    Motion motion = Motion::of_arrays(primvar.motion, type, "motion of " + argument);
+    Value indices = array(ALABASTER_INT, primvar.indices, "indices of " + argument);
+    named_.push_back({name, primvar.role, std::move(values), std::move(indices),
                       interpolation_of(primvar.interpolation), std::move(motion)});
   }
   std::vector<AlabasterPrimvar> pass() const {
@@ -76,7 +87,7 @@ class Primvars {
 std::pair<Value, Value> topology(const py::object& indices, const py::object& counts) {
   Value corners = array(ALABASTER_INT, indices, "indices");
   if (!counts.is_none()) return {array(ALABASTER_INT, counts, "counts"), std::move(corners)};
-  const std::vector<size_t> shape = shape_of(indices);
+  const std::vector<size_t> shape = shape_of(indices, "indices");
   const size_t corners_each = shape.size() == 2 ? shape[1] : 3;
   const size_t faces = shape.empty() || corners_each == 0 ? 0 : shape.size() == 2 ? shape[0] : shape[0] / 3;
   return {Value::of(ALABASTER_INT, std::vector<int32_t>(faces, int32_t(corners_each))), std::move(corners)};
@@ -85,7 +96,9 @@ std::pair<Value, Value> topology(const py::object& indices, const py::object& co
 /// Creases, corners and rules. Nothing is lent before pass().
 class SubdivTags {
  public:
-  explicit SubdivTags(const py::dict& in) {
+  explicit SubdivTags(const py::object& given) {
+    py::dict in;
+    for (const auto& [name, value] : entries_of(given, "subdiv_tags")) in[py::str(name)] = value;
     check_options(in,
                   {"interpolate_boundary", "face_varying_linear_interpolation", "crease_method", "triangle_subdivision",
                    "crease_indices", "crease_lengths", "crease_weights", "corner_indices", "corner_weights"});
@@ -124,24 +137,27 @@ struct Network {
     const auto pair = py::reinterpret_borrow<py::tuple>(value);
     return py::isinstance<py::str>(pair[0]) && py::isinstance<py::str>(pair[1]);
   }
-  static void connect(Node& node, const std::string& input, py::handle value) {
-    const auto pair = value.cast<py::tuple>();
-    node.connections.push_back({input, pair[0].cast<std::string>(), pair[1].cast<std::string>()});
+  static void connect(Node& node, const std::string& input, const py::object& value) {
+    if (!is_connection(value)) throw wrong_type("each of " + input, "a pair of texts", value);
+    const auto pair = py::reinterpret_borrow<py::tuple>(value);
+    node.connections.push_back({input, python::text(pair[0], input), python::text(pair[1], input)});
+  }
+  static bool starts_with_connection(const py::object& value) {
+    return py::isinstance<py::list>(value) && py::len(value) > 0 && is_connection(py::object(value[py::int_(0)]));
   }
 
   /// A pair of texts is a connection: the node and its output. A list of them is their product.
-  void add(const std::string& name, const py::dict& values, const std::string& type) {
+  void add(const std::string& name, const py::object& values, const std::string& type) {
     Node node{name, type, {}, {}, {}, {}};
-    for (const auto& [key, value] : values) {
-      const auto input = key.cast<std::string>();
+    for (const auto& [input, value] : entries(values, "node '" + name + "'")) {
       if (input == "type")
-        node.type = value.cast<std::string>();
+        node.type = python::text(value, input);
       else if (is_connection(value))
         connect(node, input, value);
-      else if (py::isinstance<py::list>(value) && py::len(value) > 0 && is_connection(value[py::int_(0)]))
-        for (const py::handle one : value) connect(node, input, one);
+      else if (starts_with_connection(value))
+        for (const py::object& one : items(value, input)) connect(node, input, one);
       else
-        node.parameters.emplace_back(input, parameter(value));
+        node.parameters.emplace_back(input, parameter(value, input));
     }
     nodes.push_back(std::move(node));
   }
@@ -170,9 +186,8 @@ Scene::~Scene() {
 py::dict Scene::load(const py::object& file, const py::dict& options) {
   check_options(
       options, {"overrides", "camera", "dome", "scene", "animation", "variant", "time", "keep_going", "allow_outside"});
-  std::vector<std::string> overrides;
-  if (options.contains("overrides"))
-    for (const py::handle one : options["overrides"]) overrides.push_back(one.cast<std::string>());
+  const std::vector<std::string> overrides =
+      options.contains("overrides") ? texts(options["overrides"], "overrides") : std::vector<std::string>();
   std::vector<const char*> raw;
   for (const std::string& one : overrides) raw.push_back(one.c_str());
   const std::string camera = text(options, "camera"), dome = text(options, "dome"), scene = text(options, "scene");
@@ -182,26 +197,24 @@ py::dict Scene::load(const py::object& file, const py::dict& options) {
   in.camera = camera.c_str(), in.dome = dome.c_str(), in.scene = scene.c_str();
   in.animation = animation.c_str(), in.variant = variant.c_str();
   double time = 0;
-  if (const py::object given = option(options, "time"); !given.is_none()) time = given.cast<double>(), in.time = &time;
-  in.keep_going = option(options, "keep_going").is_none() ? 0 : options["keep_going"].cast<bool>();
-  in.allow_outside = option(options, "allow_outside").is_none() ? 0 : options["allow_outside"].cast<bool>();
-  const auto name = py::str(file).cast<std::string>();
+  if (const py::object given = option(options, "time"); !given.is_none()) time = number(given, "time"), in.time = &time;
+  in.keep_going = flag(options, "keep_going", false);
+  in.allow_outside = flag(options, "allow_outside", false);
+  const std::string name = file_name(file, "file");
   auto loaded = door::sized<AlabasterLoaded>();
   run([&](const AlabasterApi& api, AlabasterScene* held) { return api.scene_load(held, name.c_str(), &in, &loaded); });
   py::dict told;
-  told["settings"] = loaded.settings;
-  told["color_config"] = loaded.color_config;
-  told["notes"] = py::str(loaded.notes).attr("splitlines")();
+  told["settings"] = name_to_python(loaded.settings);
+  told["color_config"] = name_to_python(loaded.color_config);
+  told["notes"] = message_to_python(loaded.notes).attr("splitlines")();
   return told;
 }
 
 void Scene::write(const py::object& file, const py::object& overrides, const py::kwargs& frame) {
   if (frame.contains("aovs")) throw py::type_error("unexpected keyword argument 'aovs'");
-  FrameOptions options;
-  options.change(frame);
-  const door::Parameters held =
-      overrides.is_none() ? door::Parameters() : python::parameters(overrides.cast<py::dict>());
-  const auto name = py::str(file).cast<std::string>();
+  const FrameOptions options = changed({}, frame_changes(frame));
+  const door::Parameters held = overrides.is_none() ? door::Parameters() : python::parameters(overrides, "overrides");
+  const std::string name = file_name(file, "file");
   auto camera = door::sized<AlabasterCamera>();
   const std::vector<AlabasterParameter> raw = door::pass(held);
   const AlabasterFrame in = options.pass(&camera);
@@ -211,13 +224,10 @@ void Scene::write(const py::object& file, const py::object& overrides, const py:
 }
 
 py::dict Scene::prims() {
+  Answers told;
+  run([&](const AlabasterApi& api, AlabasterScene* held) { return api.get_prims(held, &keep_answer, &told); });
   py::dict all;
-  ask(
-      messages_,
-      [&](const AlabasterApi& api, AlabasterVisit visit, void* user) {
-        return api.get_prims(handle_.get(), visit, user);
-      },
-      [&](const char* path, const AlabasterValue& type) { all[path] = to_python(type); });
+  for (const auto& [path, type] : told) all[name_to_python(path)] = type.to_python();
   return all;
 }
 
@@ -227,10 +237,9 @@ namespace {
 class Subsets {
  public:
   Subsets(const std::string& mesh, const py::object& by_material) {
-    if (by_material.is_none()) return;
-    for (const auto& [material, faces] : by_material.cast<py::dict>())
-      held_.push_back({mesh + "/" + std::to_string(held_.size()), material.cast<std::string>(),
-                       array(ALABASTER_INT, faces, "subsets")});
+    for (const auto& [material, faces] : entries_of(by_material, "subsets"))
+      held_.push_back({mesh + "/" + std::to_string(held_.size()), material,
+                       array(ALABASTER_INT, faces, "subsets[" + material + "]")});
   }
   std::vector<AlabasterSubset> pass() const {
     std::vector<AlabasterSubset> raw;
@@ -246,16 +255,18 @@ class Subsets {
   std::vector<Subset> held_;
 };
 
+Primvar primvar_of(const py::object& values, const std::string& name, const char* interpolation) {
+  return py::isinstance<Primvar>(values) ? object_of<Primvar>(values, name, "a Primvar")
+                                         : Primvar(values, interpolation);
+}
+
 Primvars primvars_of(const py::object& points, const py::object& others) {
   Primvars primvars;
-  primvars.add("points", py::isinstance<Primvar>(points) ? points.cast<Primvar>()
-                                                         : Primvar{points, "vertex", py::none(), "point"});
-  if (others.is_none()) return primvars;
-  for (const auto& [name, value] : others.cast<py::dict>())
-    primvars.add(name.cast<std::string>(),
-                 py::isinstance<Primvar>(value)
-                     ? value.cast<Primvar>()
-                     : Primvar{py::reinterpret_borrow<py::object>(value), "vertex", py::none(), ""});
+  Primvar given = primvar_of(points, "points", "vertex");
+  if (!py::isinstance<Primvar>(points)) given.role = "point";
+  primvars.add("points", given);
+  for (const auto& [name, value] : entries_of(others, "primvars"))
+    primvars.add(name, primvar_of(value, name, "vertex"));
   return primvars;
 }
 
@@ -276,35 +287,32 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   check_options(options, {"primvars", "material", "transform", "scheme", "refine_level", "instancer", "visible",
                           "double_sided", "cull_style", "left_handed", "holes", "invisible_faces", "subsets",
                           "subdiv_tags", "render_tag", "categories", "motion"});
-  const auto flag = [&](const char* name, bool otherwise) {
-    return options.contains(name) ? options[name].cast<bool>() : otherwise;
-  };
   const std::string material = text(options, "material"), instancer = text(options, "instancer");
   const std::string scheme = text(options, "scheme");
-  const std::array<double, 16> transform = matrix(option(options, "transform"));
+  const std::array<double, 16> transform = matrix(option(options, "transform"), "transform");
   auto mesh = door::sized<AlabasterMesh>();
   mesh.transform = transform.data();
   mesh.material = door::or_null(material), mesh.instancer = door::or_null(instancer);
   mesh.scheme = door::or_null(scheme);
-  mesh.orientation = flag("left_handed", false) ? "leftHanded" : nullptr;
-  mesh.invisible = !flag("visible", true), mesh.single_sided = !flag("double_sided", true);
-  mesh.refine_level = options.contains("refine_level") ? options["refine_level"].cast<int32_t>() : 0;
+  mesh.orientation = flag(options, "left_handed", false) ? "leftHanded" : nullptr;
+  mesh.invisible = !flag(options, "visible", true), mesh.single_sided = !flag(options, "double_sided", true);
+  mesh.refine_level = options.contains("refine_level") ? whole(options["refine_level"], "refine_level") : 0;
+  mesh.cull_style = cull_style(text(options, "cull_style"));
   const Primvars primvars = primvars_of(points, option(options, "primvars"));
   const auto [faces, corners] = topology(indices, counts);
   const Value holes = array(ALABASTER_INT, option(options, "holes"), "holes");
   const Value invisible_faces = array(ALABASTER_INT, option(options, "invisible_faces"), "invisible_faces");
   const Subsets subsets(path, option(options, "subsets"));
   const std::string render_tag = text(options, "render_tag");
-  const Tokens categories(option(options, "categories"));
-  const Motion motion = Motion::of_transforms(option(options, "motion"));
-  const SubdivTags tags(options.contains("subdiv_tags") ? options["subdiv_tags"].cast<py::dict>() : py::dict());
+  const Tokens categories(option(options, "categories"), "categories");
+  const Motion motion = Motion::of_transforms(option(options, "motion"), "motion");
+  const SubdivTags tags(option(options, "subdiv_tags"));
 
   const AlabasterSubdivTags raw_tags = tags.pass();
   const std::vector<AlabasterPrimvar> raw_primvars = primvars.pass();
   const std::vector<AlabasterSubset> raw_subsets = subsets.pass();
   mesh.face_vertex_counts = faces.pass(), mesh.face_vertex_indices = corners.pass(), mesh.hole_indices = holes.pass();
   mesh.invisible_faces = invisible_faces.pass();
-  mesh.cull_style = cull_style(text(options, "cull_style"));
   mesh.subdiv_tags = &raw_tags;
   mesh.render_tag = door::or_null(render_tag), mesh.categories = categories.pass(), mesh.motion = motion.pass();
   mesh.primvars = raw_primvars.data(), mesh.primvar_count = raw_primvars.size();
@@ -312,11 +320,9 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_mesh(scene, path.c_str(), &mesh); });
 }
 
-void Scene::set_primvar(const std::string& mesh, const std::string& name, const py::object& values,
-                        const std::string& interpolation) {
+void Scene::set_primvar(const Text& mesh, const Text& name, const py::object& values, const Text& interpolation) {
   Primvars primvars;
-  primvars.add(
-      name, py::isinstance<Primvar>(values) ? values.cast<Primvar>() : Primvar{values, interpolation, py::none(), ""});
+  primvars.add(name, primvar_of(values, name, interpolation.c_str()));
   const AlabasterPrimvar raw = primvars.pass()[0];
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_primvar(scene, mesh.c_str(), &raw); });
 }
@@ -334,14 +340,13 @@ void Scene::set_instancer(const std::string& path, const py::dict& prototypes, c
   Primvars primvars;
   for (const auto& [option_name, name] : kPlaces)
     if (const py::object values = option(options, option_name); !values.is_none())
-      primvars.add(
-          name, py::isinstance<Primvar>(values) ? values.cast<Primvar>() : Primvar{values, "instance", py::none(), ""});
-  const std::array<double, 16> transform = matrix(option(options, "transform"));
+      primvars.add(name, primvar_of(values, option_name, "instance"), option_name);
+  const std::array<double, 16> transform = matrix(option(options, "transform"), "transform");
   const std::string parent = text(options, "parent");
-  const Motion motion = Motion::of_transforms(option(options, "motion"));
+  const Motion motion = Motion::of_transforms(option(options, "motion"), "motion");
   std::vector<std::pair<std::string, Value>> instances;
-  for (const auto& [name, indices] : prototypes)
-    instances.emplace_back(name.cast<std::string>(), array(ALABASTER_INT, indices, "indices of a prototype"));
+  for (const auto& [name, indices] : entries(prototypes, "prototypes"))
+    instances.emplace_back(name, array(ALABASTER_INT, indices, "prototypes[" + name + "]"));
   const std::vector<AlabasterPrimvar> raw = primvars.pass();
   std::vector<AlabasterPrototype> held;
   for (const auto& [name, indices] : instances) held.push_back({name.c_str(), indices.pass()});
@@ -358,12 +363,12 @@ void Scene::set_instancer(const std::string& path, const py::dict& prototypes, c
 
 void Scene::set_instance_values(const std::string& path, size_t first, const py::dict& options) {
   check_options(options, {"transforms", "translations", "rotations", "scales"});
-  for (const auto& [option_name, name] : kPlaces) {
-    const py::object values = option(options, option_name);
-    if (values.is_none()) continue;
-    Primvars primvars;
-    primvars.add(name, Primvar{values, "instance", py::none(), ""});
-    const AlabasterPrimvar raw = primvars.pass()[0];
+  std::vector<Primvars> all;  // read before the first one is set
+  for (const auto& [option_name, name] : kPlaces)
+    if (const py::object values = option(options, option_name); !values.is_none())
+      all.emplace_back().add(name, Primvar(values, "instance"), option_name);
+  for (const Primvars& one : all) {
+    const AlabasterPrimvar raw = one.pass()[0];
     run([&](const AlabasterApi& api, AlabasterScene* scene) {
       return api.set_instance_values(scene, path.c_str(), &raw, first);
     });
@@ -373,12 +378,12 @@ void Scene::set_instance_values(const std::string& path, size_t first, const py:
 void Scene::set_material(const std::string& path, const py::object& nodes, const std::string& displacement,
                          const py::dict& parameters) {
   Network network;
-  if (!nodes.is_none())
-    for (const auto& [name, values] : nodes.cast<py::dict>())
-      network.add(name.cast<std::string>(), values.cast<py::dict>(), "AlabasterDisney");
-  else
-    network.add("surface", parameters, "AlabasterDisney");
-  const bool named = !nodes.is_none() && nodes.cast<py::dict>().contains("surface");
+  if (!nodes.is_none() && py::len(parameters) > 0)
+    throw py::type_error("a material has nodes, or parameters: put these into a node");
+  for (const auto& [name, values] : entries_of(nodes, "nodes")) network.add(name, values, "AlabasterDisney");
+  if (nodes.is_none()) network.add("surface", parameters, "AlabasterDisney");
+  const bool named = std::any_of(network.nodes.begin(), network.nodes.end(),
+                                 [&](const Network::Node& node) { return !nodes.is_none() && node.name == "surface"; });
   const std::vector<AlabasterNode> raw = network.pass();
   auto material = door::sized<AlabasterMaterial>();
   material.nodes = raw.data(), material.node_count = raw.size();
@@ -389,8 +394,8 @@ void Scene::set_material(const std::string& path, const py::object& nodes, const
 
 void Scene::set_light(const std::string& path, const std::string& type, const py::object& transform, bool visible,
                       const py::dict& parameters) {
-  const std::array<double, 16> placed = matrix(transform);
-  const door::Parameters held = python::parameters(parameters);
+  const std::array<double, 16> placed = matrix(transform, "transform");
+  const door::Parameters held = python::parameters(parameters, "parameters");
   const std::vector<AlabasterParameter> raw = door::pass(held);
   auto light = door::sized<AlabasterLight>();
   light.type = type.c_str();
@@ -407,26 +412,26 @@ void Scene::set_camera(const std::string& path, const py::dict& options) {
 }
 
 void Scene::set_render_settings(const std::string& path, const py::dict& options) {
-  py::dict rest;
-  for (const auto& [name, value] : options) rest[name] = value;
-  const auto take = [&](const char* name) {
-    return rest.contains(name) ? py::object(rest.attr("pop")(name)) : py::object(py::none());
-  };
-  const auto number = [&](const char* name) {
-    const py::object value = take(name);
-    return value.is_none() ? 0.0 : value.cast<double>();
-  };
   auto settings = door::sized<AlabasterRenderSettings>();
-  const py::object camera_name = take("camera"), crop = take("crop");
-  const std::string camera = camera_name.is_none() ? "" : camera_name.cast<std::string>();
-  settings.camera = door::or_null(camera);
-  settings.width = int32_t(number("width")), settings.height = int32_t(number("height"));
-  settings.pixel_aspect = number("pixel_aspect"), settings.frame = number("frame");
-  if (!crop.is_none()) {
-    const auto [x0, y0, x1, y1] = crop.cast<std::array<int32_t, 4>>();
-    settings.crop = {x0, y0, x1, y1};
+  std::string camera;
+  door::Parameters held;
+  for (const auto& [name, value] : entries(options, "settings")) {
+    const bool own = name == "camera" || name == "width" || name == "height" || name == "pixel_aspect" ||
+                     name == "frame" || name == "crop";
+    if (!own)
+      held.emplace_back(name, parameter(value, name));
+    else if (value.is_none())
+      continue;
+    else if (name == "camera")
+      camera = python::text(value, name);
+    else if (name == "crop")
+      settings.crop = rect_of(value, name);
+    else if (name == "width" || name == "height")
+      (name == "width" ? settings.width : settings.height) = length_of(value, name);
+    else
+      (name == "frame" ? settings.frame : settings.pixel_aspect) = number(value, name);
   }
-  const door::Parameters held = python::parameters(rest);
+  settings.camera = door::or_null(camera);
   const std::vector<AlabasterParameter> raw = door::pass(held);
   settings.settings = raw.data(), settings.setting_count = raw.size();
   run([&](const AlabasterApi& api, AlabasterScene* scene) {

@@ -7,11 +7,16 @@
 
 namespace alabaster::python {
 
+/// Pixels, 0 or more.
+int32_t length_of(py::handle value, const std::string& name);
+/// Four whole numbers; None: an empty one.
+AlabasterRect rect_of(py::handle value, const std::string& name);
+
 /// Tokens from a sequence of texts; None gives no value.
 class Tokens {
  public:
   Tokens() = default;
-  explicit Tokens(py::handle texts);
+  Tokens(py::handle texts, const std::string& name);
   /// For one call, during which this lives.
   AlabasterValue pass() const;
 
@@ -26,8 +31,8 @@ class Motion {
  public:
   Motion() = default;
   /// Arrays of elements of `type`.
-  static Motion of_arrays(py::handle samples, int32_t type, const char* name);
-  static Motion of_transforms(py::handle samples);
+  static Motion of_arrays(py::handle samples, int32_t type, const std::string& name);
+  static Motion of_transforms(py::handle samples, const std::string& name);
   /// For one call, during which this lives.
   AlabasterMotion pass() const;
 
@@ -37,18 +42,18 @@ class Motion {
   mutable std::vector<AlabasterValue> raw_;
 
   template <class Read>
-  static Motion read(py::handle samples, const Read& value_of);
+  static Motion read(py::handle samples, const std::string& name, const Read& value_of);
 };
 
 class Camera {
  public:
   /// transform, motion, and parameters by name.
-  explicit Camera(const py::dict& options);
+  explicit Camera(py::handle options);
   /// For one call, during which this lives.
   AlabasterCamera pass() const;
 
  private:
-  std::array<double, 16> transform_;
+  std::array<double, 16> transform_{};
   Motion motion_;
   door::Parameters parameters_;
   mutable std::vector<AlabasterParameter> raw_;

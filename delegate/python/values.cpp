@@ -1,31 +1,43 @@
 #include "delegate/python/values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <memory>
 #include <mutex>
 
 namespace alabaster::python {
 namespace {
 
-/// A view of an object's memory, kept until the library returns it and Python's lock is held.
+constexpr int kMostNested = 8;  // lists within lists; a list that holds itself has no end
+
+/// Views that the library has returned, kept until Python's lock is held.
 struct Returned {
   std::mutex mutex;
   std::vector<Py_buffer*> views;
 };
-Returned& returned() {
-  static auto* held = new Returned;  // threads of the library may outlive static objects
-  return *held;
-}
+Returned* g_returned = new Returned;  // threads of the library may outlive static objects
 
+/// The type of a buffer's elements. Kind: f real, i signed, u unsigned, 0 no numbers in the machine's order.
+struct Element {
+  char kind = 0;
+  size_t bytes = 0;
+};
+
+/// A view of an object's memory, kept until the library returns it and Python's lock is held.
 class View {
  public:
-  /// Empty if `object` has no buffer of plain numbers.
-  explicit View(py::handle object) : view_(new Py_buffer{}) {
-    if (PyObject_CheckBuffer(object.ptr()) != 0 && PyObject_GetBuffer(object.ptr(), view_, PyBUF_RECORDS_RO) == 0)
-      return;
-    PyErr_Clear();
-    delete view_;
-    view_ = nullptr;
+  /// Empty if `object` has no buffer, or none whose elements are described.
+  explicit View(py::handle object) : view_(nullptr) {
+    if (PyObject_CheckBuffer(object.ptr()) == 0) return;
+    auto view = std::make_unique<Py_buffer>();
+    if (PyObject_GetBuffer(object.ptr(), view.get(), PyBUF_RECORDS_RO) == 0)
+      view_ = view.release();
+    else if (PyErr_ExceptionMatches(PyExc_Exception) != 0)
+      PyErr_Clear();
+    else
+      throw py::error_already_set();
   }
   ~View() {
     if (!view_) return;
@@ -37,20 +49,38 @@ class View {
 
   explicit operator bool() const { return view_ != nullptr; }
   const Py_buffer& get() const { return *view_; }
-  /// 'f', 'd', 'i', ...; 0 for what is no number in the machine's order.
-  char format() const {
-    std::string format = view_->format ? view_->format : "B";
+  /// The size decides, for ctypes gives C's long the same letter on every machine.
+  Element element() const {
+    std::string format = format_text();
     if (!format.empty() && (format[0] == '@' || format[0] == '=' || format[0] == '<')) format.erase(0, 1);
-    return format.size() == 1 ? format[0] : '\0';
+    const auto bytes = size_t(view_->itemsize);
+    if (format.size() != 1 || (bytes != 1 && bytes != 2 && bytes != 4 && bytes != 8)) return {};
+    if (std::strchr("efd", format[0]) && bytes != 1) return {'f', bytes};
+    if (std::strchr("bhilqn", format[0])) return {'i', bytes};
+    return {std::strchr("BHILQN?", format[0]) ? 'u' : '\0', bytes};
   }
-  bool is_contiguous() const { return PyBuffer_IsContiguous(view_, 'C') != 0; }
+  std::string format_text() const { return view_->format ? view_->format : "B"; }
   size_t numbers() const { return size_t(view_->len) / size_t(view_->itemsize); }
+  std::vector<size_t> shape() const { return {view_->shape, view_->shape + view_->ndim}; }
+  /// Also where the object leaves them out (ctypes does).
+  std::vector<Py_ssize_t> strides() const {
+    if (view_->strides) return {view_->strides, view_->strides + view_->ndim};
+    std::vector<Py_ssize_t> made(size_t(view_->ndim), view_->itemsize);
+    for (size_t axis = made.size(); axis-- > 1;) made[axis - 1] = made[axis] * view_->shape[axis];
+    return made;
+  }
+  /// Elements of this kind that the library may read where they lie.
+  bool can_be_lent(const Element& as) const {
+    const Element own = element();
+    return own.kind == as.kind && own.bytes == as.bytes && PyBuffer_IsContiguous(view_, 'C') != 0 &&
+           reinterpret_cast<uintptr_t>(view_->buf) % as.bytes == 0;
+  }
 
   /// The memory, for as long as the result lives; the view is empty afterwards.
   std::shared_ptr<const void> keep() {
     return {std::exchange(view_, nullptr), [](const Py_buffer* view) {
-              const std::lock_guard lock(returned().mutex);
-              returned().views.push_back(const_cast<Py_buffer*>(view));
+              const std::lock_guard lock(g_returned->mutex);
+              g_returned->views.push_back(const_cast<Py_buffer*>(view));
             }};
   }
 
@@ -59,10 +89,10 @@ class View {
 };
 
 template <class T>
-double read_as(const char* at) {
+T read_as(const char* at) {
   T value;
   std::memcpy(&value, at, sizeof value);
-  return double(value);
+  return value;
 }
 
 // IEEE 754 binary16, which C++20 has no type for.
@@ -75,76 +105,156 @@ double read_half(const char* at) {
   return sign * (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
 }
 
-double number_at(const char* at, char format) {
-  switch (format) {
-    case 'e':
-      return read_half(at);
-    case 'f':
-      return read_as<float>(at);
-    case 'd':
-      return read_as<double>(at);
-    case 'i':
-      return read_as<int32_t>(at);
-    case 'I':
-      return read_as<uint32_t>(at);
-    case 'l':
-    case 'q':
-      return read_as<int64_t>(at);
-    case 'L':
-    case 'Q':
-      return read_as<uint64_t>(at);
-    case 'h':
-      return read_as<int16_t>(at);
-    case 'H':
-      return read_as<uint16_t>(at);
-    case 'b':
-      return read_as<int8_t>(at);
-    case 'B':
-    case '?':
+double real_at(const char* at, const Element& element) {
+  if (element.bytes == 2) return read_half(at);
+  return element.bytes == 4 ? double(read_as<float>(at)) : read_as<double>(at);
+}
+
+/// Beyond 63 bits: the largest number, which no array takes either.
+int64_t integer_at(const char* at, const Element& element) {
+  if (element.kind == 'i') switch (element.bytes) {
+      case 1:
+        return read_as<int8_t>(at);
+      case 2:
+        return read_as<int16_t>(at);
+      case 4:
+        return read_as<int32_t>(at);
+      default:
+        return read_as<int64_t>(at);
+    }
+  switch (element.bytes) {
+    case 1:
       return read_as<uint8_t>(at);
+    case 2:
+      return read_as<uint16_t>(at);
+    case 4:
+      return read_as<uint32_t>(at);
+    default:
+      return int64_t(std::min(read_as<uint64_t>(at), uint64_t(std::numeric_limits<int64_t>::max())));
   }
-  throw py::type_error(std::string("arrays of type '") + format +
-                       "' cannot be read; use float16, float32, float64 or int32");
 }
 
-void read_axis(const Py_buffer& view, char format, int axis, const char* at, std::vector<double>& numbers) {
-  if (axis == view.ndim) return numbers.push_back(number_at(at, format));
-  for (Py_ssize_t i = 0; i < view.shape[axis]; ++i)
-    read_axis(view, format, axis + 1, at + i * view.strides[axis], numbers);
-}
+/// The numbers of an argument: reals, or whole numbers of 32 bits.
+template <class T>
+class Numbers {
+ public:
+  explicit Numbers(std::string name) : name_(std::move(name)) {}
+  void read(py::handle values, int depth = 0) {
+    if (is_characters(values)) throw wrong_type(name_, "numbers", values);
+    if (depth > kMostNested) throw py::value_error(name_ + ": lists are nested too deeply");
+    if (const View view(values); view) return read_view(view, values);
+    if (PyFloat_Check(values.ptr()) || PyLong_Check(values.ptr()) || !PySequence_Check(values.ptr()))
+      return held.push_back(one(values, depth == 0 ? name_ : "each of " + name_));
+    const Py_ssize_t length = PySequence_Size(values.ptr());
+    if (length < 0) throw py::error_already_set();
+    for (Py_ssize_t i = 0; i < length; ++i) {
+      const auto item = py::reinterpret_steal<py::object>(PySequence_GetItem(values.ptr(), i));
+      if (!item) throw py::error_already_set();
+      read(item, depth + 1);
+    }
+  }
+  std::vector<T> held;
 
-void read_numbers(py::handle values, std::vector<double>& numbers) {
-  if (const View view(values); view)
-    return read_axis(view.get(), view.format(), 0, static_cast<const char*>(view.get().buf), numbers);
-  if (PyFloat_Check(values.ptr()) || PyLong_Check(values.ptr()) || !PySequence_Check(values.ptr()))
-    return numbers.push_back(values.cast<double>());
-  for (const py::handle value : py::reinterpret_borrow<py::sequence>(values)) read_numbers(value, numbers);
+ private:
+  static constexpr bool kWhole = std::is_same_v<T, int32_t>;
+
+  static T one(py::handle value, const std::string& name) {
+    if constexpr (kWhole)
+      return whole(value, name);
+    else
+      return number(value, name);
+  }
+  void read_view(const View& view, py::handle values) {
+    const Element element = view.element();
+    if (view.get().len == 0) return;
+    if (element.kind == 0)
+      throw py::type_error(name_ + ": arrays of type '" + view.format_text() + "' (" + type_name(values) +
+                           ") cannot be read; use float16, float32, float64 or int32 in the machine's byte order");
+    if (kWhole && element.kind == 'f')
+      throw py::type_error(name_ + " must be whole numbers, not float" + std::to_string(8 * element.bytes));
+    read_axis({element, view.shape(), view.strides()}, 0, static_cast<const char*>(view.get().buf));
+  }
+  struct Grid {
+    Element element;
+    std::vector<size_t> shape;
+    std::vector<Py_ssize_t> strides;
+  };
+  void read_axis(const Grid& grid, size_t axis, const char* at) {
+    if (axis == grid.shape.size()) return held.push_back(element_at(at, grid.element));
+    for (size_t i = 0; i < grid.shape[axis]; ++i) read_axis(grid, axis + 1, at + Py_ssize_t(i) * grid.strides[axis]);
+  }
+  T element_at(const char* at, const Element& element) const {
+    if constexpr (kWhole) {
+      const int64_t value = integer_at(at, element);
+      if (value < std::numeric_limits<int32_t>::min() || value > std::numeric_limits<int32_t>::max())
+        throw py::value_error(name_ + " has " + std::to_string(value) + " at place " + std::to_string(held.size()) +
+                              ", which 32 bits do not hold");
+      return int32_t(value);
+    } else {
+      return element.kind == 'f' ? real_at(at, element) : T(integer_at(at, element));
+    }
+  }
+
+  std::string name_;
+};
+
+template <class T>
+std::vector<T> numbers_of(py::handle values, const std::string& name) {
+  Numbers<T> numbers(name);
+  numbers.read(values);
+  return std::move(numbers.held);
 }
 
 struct ElementType {
   size_t components;
-  char format;  // of the memory that is lent
+  Element of;  // the memory that is lent
 };
 ElementType element_of(int32_t type) {
   switch (type) {
     case ALABASTER_INT:
-      return {1, 'i'};
+      return {1, {'i', 4}};
     case ALABASTER_FLOAT2:
-      return {2, 'f'};
+      return {2, {'f', 4}};
     case ALABASTER_FLOAT3:
-      return {3, 'f'};
+      return {3, {'f', 4}};
     case ALABASTER_FLOAT4:
     case ALABASTER_QUATERNION:
-      return {4, 'f'};
+      return {4, {'f', 4}};
     case ALABASTER_MATRIX:
-      return {16, 'd'};
+      return {16, {'f', 8}};
     default:
-      return {1, 'f'};
+      return {1, {'f', 4}};
   }
 }
 
-bool is_text(py::handle value) {
-  return py::isinstance<py::str>(value) || py::hasattr(value, "__fspath__");
+std::vector<float> floats(const std::vector<double>& numbers) {
+  std::vector<float> held(numbers.size());
+  std::transform(numbers.begin(), numbers.end(), held.begin(), [](double number) { return float(number); });
+  return held;
+}
+
+size_t count_of(size_t numbers, size_t components, const std::string& name) {
+  if (numbers % components != 0)
+    throw py::value_error(name + " must have " + std::to_string(components) + " numbers for each element");
+  return numbers / components;
+}
+
+Value planes(py::handle values, const std::string& name) {
+  std::vector<double> numbers = numbers_of<double>(values, name);
+  count_of(numbers.size(), 4, name);
+  return Value::of(ALABASTER_FLOAT4, floats(numbers), 4);
+}
+
+std::vector<size_t> shape_within(py::handle values, const std::string& name, int depth) {
+  if (is_characters(values)) throw wrong_type(name, "numbers", values);
+  if (depth > kMostNested) throw py::value_error(name + ": lists are nested too deeply");
+  if (const View view(values); view) return view.shape();
+  if (!PySequence_Check(values.ptr())) return {};
+  const auto sequence = py::reinterpret_borrow<py::sequence>(values);
+  std::vector<size_t> shape = {sequence.size()};
+  if (shape[0] > 0)
+    for (const size_t length : shape_within(py::object(sequence[0]), name, depth + 1)) shape.push_back(length);
+  return shape;
 }
 
 }  // namespace
@@ -152,8 +262,8 @@ bool is_text(py::handle value) {
 void free_returned() {
   std::vector<Py_buffer*> views;
   {
-    const std::lock_guard lock(returned().mutex);
-    views.swap(returned().views);
+    const std::lock_guard lock(g_returned->mutex);
+    views.swap(g_returned->views);
   }
   for (Py_buffer* view : views) {
     PyBuffer_Release(view);
@@ -161,76 +271,73 @@ void free_returned() {
   }
 }
 
-std::vector<size_t> shape_of(py::handle values) {
-  if (const View view(values); view) return {view.get().shape, view.get().shape + view.get().ndim};
-  if (!PySequence_Check(values.ptr()) || is_text(values)) return {};
-  const auto sequence = py::reinterpret_borrow<py::sequence>(values);
-  std::vector<size_t> shape = {sequence.size()};
-  if (!sequence.empty())
-    for (const size_t length : shape_of(py::object(sequence[0]))) shape.push_back(length);
-  return shape;
+void forget_returning_threads() {
+  g_returned = new Returned;
 }
 
-Value array(int32_t type, py::handle values, const char* name) {
+std::vector<size_t> shape_of(py::handle values, const std::string& name) {
+  return shape_within(values, name, 0);
+}
+
+Value array(int32_t type, py::handle values, const std::string& name) {
   if (values.is_none()) return {};
+  if (is_characters(values)) throw wrong_type(name, "numbers", values);
   const ElementType element = element_of(type);
-  const auto check = [&](size_t numbers) {
-    if (numbers % element.components != 0)
-      throw py::value_error(std::string(name) + " must have " + std::to_string(element.components) +
-                            " numbers for each element");
-    return numbers / element.components;
-  };
-  if (View view(values); view && view.format() == element.format && view.is_contiguous()) {
-    const size_t count = check(view.numbers());
+  if (View view(values); view && view.can_be_lent(element.of)) {
+    const size_t count = count_of(view.numbers(), element.components, name);
     const void* data = view.get().buf;
     const bool edited = view.get().readonly == 0;
     return Value::lend(type, view.keep(), data, count, edited);
   }
-  std::vector<double> numbers;
-  read_numbers(values, numbers);
-  check(numbers.size());
-  if (element.format == 'd') return Value::of(type, std::move(numbers), element.components);
-  if (element.format == 'i') return Value::of(type, std::vector<int32_t>(numbers.begin(), numbers.end()));
-  return Value::of(type, std::vector<float>(numbers.begin(), numbers.end()), element.components);
+  if (type == ALABASTER_INT) return Value::of(type, numbers_of<int32_t>(values, name));
+  std::vector<double> numbers = numbers_of<double>(values, name);
+  count_of(numbers.size(), element.components, name);
+  if (element.of.bytes == 8) return Value::of(type, std::move(numbers), element.components);
+  return Value::of(type, floats(numbers), element.components);
 }
 
-Value array_by_shape(py::handle values, const char* name) {
-  const std::vector<size_t> shape = shape_of(values);
-  if (shape.size() == 1) {
-    const View view(values);
-    const bool whole =
-        view ? std::strchr("iIlLqQhHbB", view.format()) != nullptr
-             : shape[0] > 0 && PyLong_Check(py::object(py::reinterpret_borrow<py::sequence>(values)[0]).ptr());
-    return array(whole ? ALABASTER_INT : ALABASTER_FLOAT, values, name);
-  }
+namespace {
+
+/// All numbers of a list or array with one axis are whole numbers.
+bool has_whole_numbers(py::handle values) {
+  if (const View view(values); view) return view.element().kind != 'f';
+  const std::vector<py::object> held = items(values, "values");
+  return !held.empty() &&
+         std::all_of(held.begin(), held.end(), [](const py::object& one) { return PyLong_Check(one.ptr()) != 0; });
+}
+
+}  // namespace
+
+Value array_by_shape(py::handle values, const std::string& name) {
+  const std::vector<size_t> shape = shape_of(values, name);
+  if (shape.size() == 1) return array(has_whole_numbers(values) ? ALABASTER_INT : ALABASTER_FLOAT, values, name);
   if (shape.size() == 2 && shape[1] == 2) return array(ALABASTER_FLOAT2, values, name);
   if (shape.size() == 2 && shape[1] == 3) return array(ALABASTER_FLOAT3, values, name);
   if (shape.size() == 2 && shape[1] == 4) return array(ALABASTER_FLOAT4, values, name);
   if (shape.size() == 3 && shape[1] == 4 && shape[2] == 4) return array(ALABASTER_MATRIX, values, name);
-  throw py::value_error(std::string(name) + " must have the shape (n), (n, 2), (n, 3), (n, 4) or (n, 4, 4)");
+  throw py::value_error(name + " must have the shape (n), (n, 2), (n, 3), (n, 4) or (n, 4, 4)");
 }
 
-std::array<double, 16> matrix(py::handle values) {
-  std::vector<double> numbers;
+std::array<double, 16> matrix(py::handle values, const std::string& name) {
   if (values.is_none()) return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  read_numbers(values, numbers);
-  if (numbers.size() != 16) throw py::value_error("a matrix must have 4 x 4 numbers");
+  const std::vector<double> numbers = numbers_of<double>(values, name);
+  if (numbers.size() != 16) throw py::value_error(name + " must have 4 x 4 numbers");
   std::array<double, 16> read{};
   std::copy(numbers.begin(), numbers.end(), read.begin());
   return read;
 }
 
-Value parameter(py::handle value) {
-  if (value.is_none()) return {};
-  if (PyBool_Check(value.ptr())) return Value(value.cast<bool>());
-  if (PyLong_Check(value.ptr())) {
-    const auto whole = value.cast<int64_t>();
-    return whole == int32_t(whole) ? Value(int32_t(whole)) : Value(whole);
-  }
-  if (PyFloat_Check(value.ptr())) return Value(value.cast<double>());
-  if (is_text(value)) return Value(py::str(value).cast<std::string>());
-  std::vector<double> numbers;
-  read_numbers(value, numbers);
+namespace {
+
+Value whole_parameter(py::handle value, const std::string& name) {
+  int overflow = 0;
+  const long long whole = PyLong_AsLongLongAndOverflow(value.ptr(), &overflow);
+  if (overflow != 0) throw py::value_error(name + " is too large");
+  return whole == int32_t(whole) ? Value(int32_t(whole)) : Value(int64_t(whole));
+}
+
+Value numbers_parameter(py::handle value, const std::string& name) {
+  const std::vector<double> numbers = numbers_of<double>(value, name);
   const auto at = [&](size_t i) { return float(numbers[i]); };
   switch (numbers.size()) {
     case 1:
@@ -241,82 +348,34 @@ Value parameter(py::handle value) {
       return Value(std::array<float, 3>{at(0), at(1), at(2)});
     case 4:
       return Value(std::array<float, 4>{at(0), at(1), at(2), at(3)});
-    case 16:
-      return Value(matrix(value));
+    case 16: {
+      std::array<double, 16> read{};
+      std::copy(numbers.begin(), numbers.end(), read.begin());
+      return Value(read);
+    }
   }
-  throw py::value_error("a parameter has 1 to 4 numbers, or 16 of a matrix");
-}
-
-door::Parameters parameters(const py::dict& values) {
-  door::Parameters read;
-  for (const auto& [name, value] : values) read.emplace_back(name.cast<std::string>(), parameter(value));
-  return read;
-}
-
-namespace {
-
-template <class T>
-py::object numbers_of(const void* data, size_t components, size_t count, bool is_array) {
-  const auto* at = static_cast<const T*>(data);
-  const auto element = [&](size_t i) -> py::object {
-    if (components == 1) return py::cast(at[i]);
-    py::tuple parts(components);
-    for (size_t c = 0; c < components; ++c) parts[c] = at[i * components + c];
-    return parts;
-  };
-  if (!is_array) return element(0);
-  py::list all;
-  for (size_t i = 0; i < count; ++i) all.append(element(i));
-  return all;
-}
-
-py::object text_of(const AlabasterValue& value) {
-  if (!value.is_array) return py::str(static_cast<const char*>(value.data));
-  py::list all;
-  for (size_t i = 0; i < value.count; ++i) all.append(py::str(static_cast<const char* const*>(value.data)[i]));
-  return all;
+  throw py::value_error(name + " has " + std::to_string(numbers.size()) +
+                        " numbers; a parameter has 1 to 4, or 16 of a matrix");
 }
 
 }  // namespace
 
-py::object to_python(const AlabasterValue& value) {
-  const bool many = value.is_array != 0;
-  switch (value.type) {
-    case ALABASTER_NONE:
-      return py::none();
-    case ALABASTER_BOOL:
-      return py::bool_(*static_cast<const uint8_t*>(value.data) != 0);
-    case ALABASTER_INT:
-      return numbers_of<int32_t>(value.data, 1, value.count, many);
-    case ALABASTER_INT64:
-      return numbers_of<int64_t>(value.data, 1, value.count, many);
-    case ALABASTER_UINT:
-      return numbers_of<uint32_t>(value.data, 1, value.count, many);
-    case ALABASTER_DOUBLE:
-      return numbers_of<double>(value.data, 1, value.count, many);
-    case ALABASTER_INT2:
-      return numbers_of<int32_t>(value.data, 2, value.count, many);
-    case ALABASTER_INT3:
-      return numbers_of<int32_t>(value.data, 3, value.count, many);
-    case ALABASTER_DOUBLE3:
-      return numbers_of<double>(value.data, 3, value.count, many);
-    case ALABASTER_MATRIX:
-      return numbers_of<double>(value.data, 16, value.count, many);
-    case ALABASTER_FLOAT:
-    case ALABASTER_FLOAT2:
-    case ALABASTER_FLOAT3:
-    case ALABASTER_FLOAT4:
-    case ALABASTER_QUATERNION:
-      return numbers_of<float>(value.data, element_of(value.type).components, value.count, many);
-    case ALABASTER_DICTIONARY: {
-      py::dict entries;
-      const auto* held = static_cast<const AlabasterParameter*>(value.data);
-      for (size_t i = 0; i < value.count; ++i) entries[held[i].name] = to_python(held[i].value);
-      return entries;
-    }
-    default:
-      return text_of(value);
-  }
+Value parameter(py::handle value, const std::string& name) {
+  if (value.is_none()) return {};
+  if (PyBool_Check(value.ptr())) return Value(value.ptr() == Py_True);
+  if (PyLong_Check(value.ptr())) return whole_parameter(value, name);
+  if (PyFloat_Check(value.ptr())) return Value(PyFloat_AS_DOUBLE(value.ptr()));
+  if (PyUnicode_Check(value.ptr())) return Value(text(value, name));
+  if (is_text(value)) return Value(file_name(value, name));
+  if (!PySequence_Check(value.ptr()) && PyNumber_Check(value.ptr()) == 0 && PyObject_CheckBuffer(value.ptr()) == 0)
+    throw wrong_type(name, "None, a bool, number, text, up to four numbers or a matrix", value);
+  return name == "clipPlanes" ? planes(value, name) : numbers_parameter(value, name);
+}
+
+door::Parameters parameters(py::handle values, const std::string& name) {
+  door::Parameters read;
+  for (const auto& [key, value] : entries(values, name)) read.emplace_back(key, parameter(value, key));
+  return read;
 }
 
 }  // namespace alabaster::python

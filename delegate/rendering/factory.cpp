@@ -59,7 +59,7 @@ hd::RenderDelegate* CreateAlabasterRenderDelegate(uint32_t abi_version, const hd
 }
 
 void DestroyAlabasterRenderDelegate(hd::RenderDelegate* delegate) {
-  if (!delegate) return;
+  if (!delegate || static_cast<hd::rendering::RenderDelegateImpl*>(delegate)->is_of_another_process()) return;
   delete delegate;
   if (--g_delegates == 0) end_workers();
 }

@@ -1,6 +1,8 @@
 // The contract's factory over the hidden prims.
 #pragma once
 
+#include <unistd.h>
+
 #include "delegate/api/render_delegate.h"
 #include "delegate/rendering/render_core.h"
 
@@ -10,6 +12,8 @@ class RenderDelegateImpl final : public RenderDelegate {
  public:
   explicit RenderDelegateImpl(std::shared_ptr<RenderCore> core) : core_(std::move(core)) {}
   ~RenderDelegateImpl() override;
+  /// A process that was forked from the one that made it has none of its threads.
+  bool is_of_another_process() const { return getpid() != process_; }
 
   const std::vector<Token>& GetSupportedRprimTypes() const override;
   const std::vector<Token>& GetSupportedSprimTypes() const override;
@@ -58,6 +62,7 @@ class RenderDelegateImpl final : public RenderDelegate {
   }
 
   std::shared_ptr<RenderCore> core_;
+  const pid_t process_ = getpid();
 };
 
 }  // namespace alabaster::hd::rendering

@@ -18,8 +18,11 @@ import time
 import unittest
 
 import alabaster
-from memory_test import Memory  # noqa: F401, unittest runs it
+from arguments_test import Arguments, KeptArrays  # noqa: F401, unittest runs them
+from ends_test import Ends  # noqa: F401
+from memory_test import Memory  # noqa: F401
 from square_scene import BACK, CORNERS, draw, moved, pixel, square
+from threads_test import Threads  # noqa: F401
 
 TOP = pathlib.Path(__file__).resolve().parents[3]
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else None
@@ -297,6 +300,38 @@ class Control(unittest.TestCase):
                 time.sleep(0.2)
                 program.send_signal(signal_sent)
             self.assertEqual((program.communicate(timeout=60)[0], program.returncode), (expected, 0))
+
+    def test_a_cancelled_renderer_records(self):
+        scene = square()
+        scene.set_render_settings("/settings", camera="/camera", width=16, height=16)
+        for cancel in [lambda r: draw(r, progress=lambda now: False), lambda r: r.stop(), lambda r: r.start(camera="/camera").cancel()]:
+            renderer = alabaster.Renderer(scene, samples=1 << 20)
+            try:
+                cancel(renderer)
+            except alabaster.Cancelled:
+                pass
+            renderer.set(samples=1)
+            with tempfile.TemporaryDirectory() as name:
+                self.assertEqual(renderer.record(name + "/a.exr"), [name + "/a.exr"])
+            del renderer
+
+    def test_a_render_that_is_only_polled(self):
+        scene = square()
+        render = alabaster.Renderer(scene, samples=4).start(width=16, height=16, camera="/camera")
+        memory = memoryview(bytearray(16 * 16 * 16)).cast("f", (16, 16, 4))
+        polls = {"show": lambda: render.show("color", memory) and memory[8, 8, 3], "pixels": lambda: pixel(render, 8, 8)[3],
+                 "state": lambda: float(render.state == "converged")}
+        for name, poll in polls.items():
+            end = time.monotonic() + 30
+            while poll() != 1:
+                self.assertLess(time.monotonic(), end, name)
+                time.sleep(0.01)
+            scene.set_transform("/square", moved(50))
+            render.update()
+            while render.show("color", memory) and memory[8, 8, 3] != 0:
+                self.assertLess(time.monotonic(), end, name)
+            scene.set_transform("/square", None)
+            render.update()
 
     def test_pause(self):
         renderer = alabaster.Renderer(square(), samples=1 << 20)

@@ -9,9 +9,9 @@ def moved(x, y=0, z=0):
     return [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [x, y, z, 1]]
 
 
-def square():
+def square(**options):
     """A square under a dome, seen from the front."""
-    scene = alabaster.Scene()
+    scene = alabaster.Scene(**options)
     scene.set_mesh("/square", CORNERS, [[0, 1, 2, 3]], material="/wax")
     scene.set_material("/wax", baseColor=(0.9, 0.6, 0.3))
     scene.set_light("/dome", "domeLight", intensity=1)
