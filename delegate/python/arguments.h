@@ -52,6 +52,9 @@ struct Text : std::string {
   using std::string::string;
 };
 
+/// A text that is not empty.
+struct PrimPath : Text {};
+
 }  // namespace alabaster::python
 
 template <>
@@ -60,6 +63,16 @@ struct pybind11::detail::type_caster<alabaster::python::Text> {
   bool load(handle source, bool) {
     if (!PyUnicode_Check(source.ptr())) return false;
     value.assign(alabaster::python::text(source, "a text"));
+    return true;
+  }
+};
+template <>
+struct pybind11::detail::type_caster<alabaster::python::PrimPath> {
+  PYBIND11_TYPE_CASTER(alabaster::python::PrimPath, const_name("str"));
+  bool load(handle source, bool) {
+    if (!PyUnicode_Check(source.ptr())) return false;
+    value.assign(alabaster::python::text(source, "a path"));
+    if (value.empty()) throw value_error("the path is empty");
     return true;
   }
 };

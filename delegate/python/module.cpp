@@ -54,7 +54,7 @@ py::class_<Scene> add_files(py::module_& module) {
           "Removes every prim.")
       .def(
           "remove",
-          [](Scene& s, const Text& path) {
+          [](Scene& s, const PrimPath& path) {
             s.run([&](const AlabasterApi& api, AlabasterScene* h) { return api.remove(h, path.c_str()); });
           },
           py::arg("path"), "Removes a prim.")
@@ -66,7 +66,8 @@ void add_meshes(py::class_<Scene>& scene) {
   scene
       .def(
           "set_mesh",
-          [](Scene& s, const Text& path, const py::object& points, const py::object& indices, const py::object& counts,
+          [](Scene& s, const PrimPath& path, const py::object& points, const py::object& indices,
+             const py::object& counts,
              const py::kwargs& options) { s.set_mesh(path, points, indices, counts, options); },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("points"), py::arg("indices"),
           py::arg("counts") = py::none(),
@@ -83,7 +84,7 @@ void add_meshes(py::class_<Scene>& scene) {
            "Replaces one primvar, points among them. None removes it.")
       .def(
           "set_transform",
-          [](Scene& s, const Text& path, const py::object& transform) {
+          [](Scene& s, const PrimPath& path, const py::object& transform) {
             const std::array<double, 16> placed = matrix(transform, "transform");
             s.run([&](const AlabasterApi& api, AlabasterScene* h) {
               return api.set_transform(h, path.c_str(), placed.data());
@@ -92,14 +93,14 @@ void add_meshes(py::class_<Scene>& scene) {
           py::arg("path"), py::arg("transform"), "Moves a mesh, light, camera or instancer.")
       .def(
           "set_visible",
-          [](Scene& s, const Text& path, bool visible) {
+          [](Scene& s, const PrimPath& path, bool visible) {
             s.run(
                 [&](const AlabasterApi& api, AlabasterScene* h) { return api.set_visible(h, path.c_str(), visible); });
           },
           py::arg("path"), py::arg("visible"), "Shows or hides a mesh or light.")
       .def(
           "bind_material",
-          [](Scene& s, const Text& mesh, const Text& material) {
+          [](Scene& s, const PrimPath& mesh, const Text& material) {
             s.run([&](const AlabasterApi& api, AlabasterScene* h) {
               return api.bind_material(h, mesh.c_str(), material.c_str());
             });
@@ -111,7 +112,7 @@ void add_looks(py::class_<Scene>& scene) {
   scene
       .def(
           "set_instancer",
-          [](Scene& s, const Text& path, const py::dict& prototypes, const py::kwargs& options) {
+          [](Scene& s, const PrimPath& path, const py::dict& prototypes, const py::kwargs& options) {
             s.set_instancer(path, prototypes, options);
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("prototypes"),
@@ -120,7 +121,7 @@ void add_looks(py::class_<Scene>& scene) {
           "meshes name the instancer, too.")
       .def(
           "set_instance_values",
-          [](Scene& s, const Text& path, size_t first, const py::kwargs& options) {
+          [](Scene& s, const PrimPath& path, size_t first, const py::kwargs& options) {
             s.set_instance_values(path, first, options);
           },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("first"),
@@ -128,7 +129,7 @@ void add_looks(py::class_<Scene>& scene) {
           "rotations, scales. Costs what it changes.")
       .def(
           "set_material",
-          [](Scene& s, const Text& path, const py::object& nodes, const Text& displacement,
+          [](Scene& s, const PrimPath& path, const py::object& nodes, const Text& displacement,
              const py::kwargs& parameters) { s.set_material(path, nodes, displacement, parameters); },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("nodes") = py::none(), py::arg("displacement") = "",
           "Parameters of schemas/disney_material.json: set_material('/wax', baseColor=(.9, .6, .3)). Or "
@@ -136,7 +137,7 @@ void add_looks(py::class_<Scene>& scene) {
           "a pair of texts connects an input with a node's output, a list of pairs with the product of several.")
       .def(
           "set_light",
-          [](Scene& s, const Text& path, const Text& type, const py::object& transform, bool visible,
+          [](Scene& s, const PrimPath& path, const Text& type, const py::object& transform, bool visible,
              const py::kwargs& parameters) { s.set_light(path, type, transform, visible, parameters); },
           py::call_guard<FreeReturned>(), py::arg("path"), py::arg("type"), py::arg("transform") = py::none(),
           py::arg("visible") = true,
@@ -144,7 +145,7 @@ void add_looks(py::class_<Scene>& scene) {
           "schemas/lights.json: intensity=2, color=(1, .9, .8).")
       .def(
           "set_camera",
-          [](Scene& s, const Text& path, const py::object& transform, const py::kwargs& options) {
+          [](Scene& s, const PrimPath& path, const py::object& transform, const py::kwargs& options) {
             options["transform"] = transform;
             s.set_camera(path, options);
           },
@@ -156,12 +157,12 @@ void add_settings(py::class_<Scene>& scene) {
   scene
       .def(
           "set_render_settings",
-          [](Scene& s, const Text& path, const py::kwargs& options) { s.set_render_settings(path, options); },
+          [](Scene& s, const PrimPath& path, const py::kwargs& options) { s.set_render_settings(path, options); },
           py::call_guard<FreeReturned>(), py::arg("path"),
           "camera, width, height, pixel_aspect, crop=(min_x, min_y, max_x, max_y), frame, and settings by name.")
       .def(
           "set_parameter",
-          [](Scene& s, const Text& path, const Text& name, const py::object& value) {
+          [](Scene& s, const PrimPath& path, const Text& name, const py::object& value) {
             const size_t dot = name.rfind('.');
             const Value held = parameter(value, dot == std::string::npos ? name : Text(name, dot + 1));
             const AlabasterValue raw = held.pass();

@@ -81,7 +81,7 @@ class Scene : public NeverImplicit {
   py::dict prims();
   void set_mesh(const std::string& path, const py::object& points, const py::object& indices, const py::object& counts,
                 const py::dict& options);
-  void set_primvar(const Text& mesh, const Text& name, const py::object& values, const Text& interpolation);
+  void set_primvar(const PrimPath& mesh, const Text& name, const py::object& values, const Text& interpolation);
   void set_instancer(const std::string& path, const py::dict& prototypes, const py::dict& options);
   void set_instance_values(const std::string& path, size_t first, const py::dict& options);
   void set_material(const std::string& path, const py::object& nodes, const std::string& displacement,

@@ -320,7 +320,7 @@ void Scene::set_mesh(const std::string& path, const py::object& points, const py
   run([&](const AlabasterApi& api, AlabasterScene* scene) { return api.set_mesh(scene, path.c_str(), &mesh); });
 }
 
-void Scene::set_primvar(const Text& mesh, const Text& name, const py::object& values, const Text& interpolation) {
+void Scene::set_primvar(const PrimPath& mesh, const Text& name, const py::object& values, const Text& interpolation) {
   Primvars primvars;
   primvars.add(name, primvar_of(values, name, interpolation.c_str()));
   const AlabasterPrimvar raw = primvars.pass()[0];

@@ -7,7 +7,7 @@
 #include <functional>
 #include <thread>
 
-#include "door_fixture.h"
+#include "testenv/unit/delegate/c_api/door_fixture.h"
 
 namespace alabaster::door_testing {
 namespace {
