@@ -133,7 +133,7 @@ RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* gi
   const auto in = sized(given, "render settings");
   RenderSettingsDescription settings;
   settings.camera = Path(text_or(in.camera, ""));
-  if (in.width < 0 || in.height < 0) reader.fault("width and height must be at least 1, or 0 for the default");
+  if (in.width < 0 || in.height < 0) throw bad_argument("width and height must be at least 1, or 0 for the default");
   if (in.width != 0) settings.width = in.width;
   if (in.height != 0) settings.height = in.height;
   if (in.pixel_aspect != 0) settings.pixelAspectRatio = float(in.pixel_aspect);
