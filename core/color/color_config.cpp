@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
+#include <optional>
 #include <sstream>
 
 #include "core/color/builtin_config.h"
@@ -48,11 +49,10 @@ OCIO::ConstConfigRcPtr builtin_config() {
   return config;
 }
 
-/// A configuration finds its LUTs from its folder.
-OCIO::ConstConfigRcPtr parse_config_file(const std::string& path) {
-  if (streams_read_decimal_points()) return OCIO::Config::CreateFromFile(path.c_str());
-  const OCIO::ConfigRcPtr config = parse_config(config_text(path))->createEditableCopy();
-  config->setWorkingDir(std::filesystem::absolute(path).parent_path().c_str());
+/// As OpenColorIO reads a file of that name: its LUTs are found from the file's folder.
+OCIO::ConstConfigRcPtr parse_config_file(const std::string& text, const std::string& path) {
+  const OCIO::ConfigRcPtr config = parse_config(text)->createEditableCopy();
+  config->setWorkingDir(std::filesystem::absolute(path).lexically_normal().parent_path().c_str());
   return config;
 }
 
@@ -64,8 +64,12 @@ struct SpaceMeaning {
 
 class OcioColorConfig final : public ColorConfig {
  public:
-  OcioColorConfig(OCIO::ConstConfigRcPtr config, std::string origin, std::string rendering)
-      : config_(std::move(config)), origin_(std::move(origin)), rendering_(std::move(rendering)) {}
+  /// `text`: of the configuration, as it was read.
+  OcioColorConfig(OCIO::ConstConfigRcPtr config, std::string origin, std::string rendering, std::string text)
+      : config_(std::move(config)),
+        origin_(std::move(origin)),
+        rendering_(std::move(rendering)),
+        text_(std::move(text)) {}
 
   std::string origin() const override { return origin_; }
   std::string rendering_space() const override { return rendering_; }
@@ -118,6 +122,7 @@ class OcioColorConfig final : public ColorConfig {
   OCIO::ConstConfigRcPtr config_;
   std::string origin_;
   std::string rendering_;
+  std::string text_;
 };
 
 bool OcioColorConfig::is_scene_space(const char* name) const {
@@ -303,34 +308,50 @@ std::array<float, 8> OcioColorConfig::chromaticities(const std::string& name) co
   }
 }
 
-// The text that was read, for OpenColorIO writes numbers as the host's locale has them.
+// OpenColorIO itself would write numbers as the host's locale has them.
 std::string OcioColorConfig::serialize() const {
-  return origin_ == kBuiltinOrigin ? builtin_config_text() : config_text(origin_);
+  return text_;
 }
 
-/// Null + report unless `path` is a file that OCIO can make sense of.
-OCIO::ConstConfigRcPtr read_config(const std::string& path, const std::string& remedy, const DiagnosticSink& sink) {
+/// Where a configuration comes from.
+struct ConfigFile {
+  std::string origin, within, remedy;
+};
+
+const char* opening_code(InputFile::Fault fault) {
+  switch (fault) {
+    case InputFile::Fault::missing:
+      return "ocio.config.missing";
+    case InputFile::Fault::none:  // too large
+      return "ocio.config.invalid";
+    default:
+      return "ocio.config.unreadable";
+  }
+}
+
+/// Null + report unless the file is one that OCIO can make sense of.
+OCIO::ConstConfigRcPtr read_config(const ConfigFile& from, std::string* text, const DiagnosticSink& sink) {
   const auto fail = [&](const char* code, const std::string& text) {
-    report(sink, Severity::error, code, path, text);
+    report(sink, Severity::error, code, from.origin, text + "; " + from.remedy);
     return OCIO::ConstConfigRcPtr();
   };
-  if (path.starts_with("ocio://"))
-    return fail("ocio.config.builtin_name", std::string("names of OpenColorIO's own configurations need OpenColorIO "
-                                                        "2.2; this is ") +
-                                                OCIO::GetVersion() + "; " + remedy);
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return fail("ocio.config.missing", "there is no such file; " + remedy);
-  if (!std::filesystem::is_regular_file(path, error))
-    return fail("ocio.config.unreadable", "this is not a file; name the config.ocio inside it; " + remedy);
-  if (const std::string fault = config_file_fault(path); !fault.empty())
-    return fail("ocio.config.invalid", fault + "; " + remedy);
+  if (from.origin.starts_with("ocio://"))
+    return fail(
+        "ocio.config.builtin_name",
+        std::string("names of OpenColorIO's own configurations need OpenColorIO 2.2; this is ") + OCIO::GetVersion());
+  const InputFile file(from.origin, from.within);
+  if (file.fault() == InputFile::Fault::not_regular)
+    return fail("ocio.config.unreadable", "this is not a file; name the config.ocio inside it");
+  if (const std::string fault = read_config_text(file, text); !fault.empty())
+    return fail(opening_code(file.fault()), fault);
+  if (const std::string fault = config_text_fault(*text); !fault.empty()) return fail("ocio.config.invalid", fault);
   try {
-    const OCIO::ConstConfigRcPtr config = parse_config_file(path);
+    const OCIO::ConstConfigRcPtr config = parse_config_file(*text, from.origin);
     const std::string fault = config_fault(config);
-    return fault.empty() ? config : fail("ocio.config.invalid", fault + "; mend it, or " + remedy);
+    return fault.empty() ? config : fail("ocio.config.invalid", fault + "; mend it");
   } catch (const std::exception& e) {
-    return fail("ocio.config.invalid", std::string("not a configuration that OpenColorIO ") + OCIO::GetVersion() +
-                                           " can read: " + e.what() + "; " + remedy);
+    return fail("ocio.config.invalid",
+                std::string("not a configuration that OpenColorIO ") + OCIO::GetVersion() + " can read: " + e.what());
   }
 }
 
@@ -338,32 +359,37 @@ OCIO::ConstConfigRcPtr read_config(const std::string& path, const std::string& r
 /// the same one in turn.
 class LastConfig {
  public:
-  std::shared_ptr<const ColorConfig> find(const std::string& origin) const {
+  std::shared_ptr<const ColorConfig> find(const ConfigFile& from) const {
     const std::lock_guard lock(mutex_);
-    return config_ && config_->origin() == origin && state_ == state_of(origin) ? config_ : nullptr;
+    return config_ && config_->origin() == from.origin && state_ == state_of(from) ? config_ : nullptr;
   }
-  void keep(std::shared_ptr<const ColorConfig> config) {
+  void keep(const ConfigFile& from, std::shared_ptr<const ColorConfig> config) {
     const std::lock_guard lock(mutex_);
-    state_ = state_of(config->origin());
+    state_ = state_of(from);
     config_ = std::move(config);
   }
 
  private:
   // A checksum of the file's content, because times are too coarse to tell two versions apart.
-  static size_t state_of(const std::string& file) { return std::hash<std::string>()(config_text(file)); }
+  static std::optional<size_t> state_of(const ConfigFile& from) {
+    std::string text;
+    if (!read_config_text(InputFile(from.origin, from.within), &text).empty()) return std::nullopt;
+    return std::hash<std::string>()(text);
+  }
   mutable std::mutex mutex_;
   std::shared_ptr<const ColorConfig> config_;
-  size_t state_ = 0;
+  std::optional<size_t> state_;
 };
 
-std::shared_ptr<const ColorConfig> load_file(const std::string& origin, const std::string& remedy,
-                                             const DiagnosticSink& sink) {
-  const OCIO::ConstConfigRcPtr config = read_config(origin, remedy, sink);
+std::shared_ptr<const ColorConfig> load_file(const ConfigFile& from, const DiagnosticSink& sink) {
+  std::string text;
+  const OCIO::ConstConfigRcPtr config = read_config(from, &text, sink);
   if (!config) return nullptr;
+  const std::string& origin = from.origin;
   const auto linear = config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
   if (!linear) {
     report(sink, Severity::error, "ocio.role.missing", origin,
-           "the configuration has no scene_linear role, so there is no space to render in; add one, or " + remedy);
+           "the configuration has no scene_linear role, so there is no space to render in; add one, or " + from.remedy);
     return nullptr;
   }
   try {
@@ -373,12 +399,13 @@ std::shared_ptr<const ColorConfig> load_file(const std::string& origin, const st
            std::string("the configuration has a fault: ") + e.what() +
                "; transforms that do not need that part will work");
   }
-  return std::make_shared<OcioColorConfig>(config, origin, linear->getName());
+  return std::make_shared<OcioColorConfig>(config, origin, linear->getName(), text);
 }
 
 }  // namespace
 
-std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, const DiagnosticSink& sink) {
+std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, const DiagnosticSink& sink,
+                                                     const std::string& within) {
   static LastConfig last;
   const char* environment = std::getenv("OCIO");
   const bool from_environment = path.empty() && environment && *environment;
@@ -387,10 +414,12 @@ std::shared_ptr<const ColorConfig> ColorConfig::load(const std::string& path, co
                              " a .ocio file (profile version 1 to 2.1), or 'built-in' for the built-in configuration";
   try {
     const QuietOcio quiet;
-    if (origin == kBuiltinOrigin) return std::make_shared<OcioColorConfig>(builtin_config(), origin, "Linear Rec.709");
-    if (auto held = last.find(origin)) return held;
-    const auto loaded = load_file(origin, remedy, sink);
-    if (loaded) last.keep(loaded);
+    if (origin == kBuiltinOrigin)
+      return std::make_shared<OcioColorConfig>(builtin_config(), origin, "Linear Rec.709", builtin_config_text());
+    const ConfigFile from{origin, from_environment ? "" : within, remedy};
+    if (auto held = last.find(from)) return held;
+    const auto loaded = load_file(from, sink);
+    if (loaded) last.keep(from, loaded);
     return loaded;
   } catch (const std::exception& e) {
     report(sink, Severity::error, "ocio.config.invalid", origin, std::string(e.what()) + "; " + remedy);

@@ -36,8 +36,10 @@ class ColorConfig {
 
   /// `path` empty: $OCIO if it is set and non-empty, else the built-in configuration (made of OCIO's built-in
   /// transforms alone), which the path "built-in" names too. On failure returns null and reports the file, the
-  /// fault and the remedy.
-  static std::shared_ptr<const ColorConfig> load(const std::string& path, const DiagnosticSink& sink);
+  /// fault and the remedy. `within`: as of core/files/input_file.h, for `path`; the tables that the configuration names
+  /// are found as OpenColorIO finds them, and must be regular files.
+  static std::shared_ptr<const ColorConfig> load(const std::string& path, const DiagnosticSink& sink,
+                                                 const std::string& within = {});
 
   /// Where it came from: a path, or "built-in".
   virtual std::string origin() const = 0;

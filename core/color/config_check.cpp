@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 
@@ -17,6 +14,23 @@ namespace {
 constexpr size_t kMostSpaces = 4000, kMostBytes = size_t(16) << 20;
 // OpenColorIO follows references by recursion.
 constexpr int kDeepest = 64;
+
+// A CTF, an XML file, may name a further file for OpenColorIO to open: by an element, which an entity may spell. In
+// encodings of two bytes every other one is zero.
+bool refers_to_files(const InputFile& file) {
+  constexpr std::string_view kWords[] = {"<Reference", "<!ENTITY"};
+  constexpr uint64_t kAtOnce = uint64_t(1) << 20, kLongest = 10;
+  std::string text, block;
+  for (uint64_t at = 0; at < file.size(); at += kAtOnce) {
+    block.resize(std::min(kAtOnce, file.size() - at));
+    if (!file.read(at, block.data(), block.size())) return false;  // OpenColorIO will report it
+    std::erase(block, '\0');
+    text = text.substr(text.size() - std::min<size_t>(text.size(), kLongest)) + block;
+    for (const std::string_view word : kWords)
+      if (text.find(word) != std::string::npos) return true;
+  }
+  return false;
+}
 
 /// Walks from a colour space to those that its transforms name.
 class References {
@@ -133,15 +147,16 @@ class References {
 
   // A LUT that is missing is reported where it is used.
   void check_file(const char* name) {
-    std::error_code error;
     std::string found;
     try {
       found = config_->getCurrentContext()->resolveFileLocation(name);
     } catch (const OCIO::Exception&) {
       return;
     }
-    if (std::filesystem::exists(found, error) && !std::filesystem::is_regular_file(found, error))
-      fault_ = "the LUT '" + found + "' is not a regular file";
+    const InputFile file(found);
+    if (file.fault() == InputFile::Fault::not_regular) fault_ = "the LUT '" + found + "' is not a regular file";
+    if (file && refers_to_files(file))
+      fault_ = "the LUT '" + found + "' refers to other files, which is not supported; put them into the configuration";
   }
 
   const OCIO::ConstConfigRcPtr& config_;
@@ -152,18 +167,13 @@ class References {
 
 }  // namespace
 
-std::string config_text(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) > kMostBytes) return {};
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+std::string read_config_text(const InputFile& file, std::string* text) {
+  if (!file) return file.reason();
+  if (file.size() > kMostBytes) return "it is larger than " + std::to_string(kMostBytes >> 20) + " MiB";
+  return file.read(text) ? std::string() : "it cannot be read to its end";
 }
 
-std::string config_file_fault(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::file_size(path, error) > kMostBytes && !error)
-    return "it is larger than " + std::to_string(kMostBytes >> 20) + " MiB";
-  const std::string text = config_text(path);
+std::string config_text_fault(const std::string& text) {
   const std::string mark = "!<ColorSpace>";
   size_t spaces = 0;
   for (size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + mark.size())) ++spaces;

@@ -5,18 +5,20 @@
 
 #include <string>
 
+#include "core/files/input_file.h"
+
 namespace alabaster {
 
-/// The text of a configuration file; empty if it is not a regular file that can be read, or larger than 16 MiB.
-std::string config_text(const std::string& path);
+/// Reads the text of a configuration file that is not larger than 16 MiB. Empty, or the reason why there is none.
+std::string read_config_text(const InputFile& file, std::string* text);
 
-/// Checks a configuration file before OpenColorIO reads it: it is a regular file of a sensible size, and OpenColorIO's
-/// time for it, which grows with the square of the number of colour spaces, is bounded. Empty, or the reason.
-std::string config_file_fault(const std::string& path);
+/// Checks a configuration before OpenColorIO reads it: OpenColorIO's time for it, which grows with the square of the
+/// number of colour spaces, is bounded. Empty, or the reason.
+std::string config_text_fault(const std::string& text);
 
 /// Checks that no colour space, look, view transform or named transform is made of itself, directly or by way of others
-/// (views of displays included), and that every LUT is a regular file if it is there (a FIFO or device has no end).
-/// Empty, or the reason.
+/// (views of displays included), and that every LUT is a regular file if it is there (a FIFO or device has no end) and
+/// refers to no further file. Empty, or the reason.
 std::string config_fault(const OCIO_NAMESPACE::ConstConfigRcPtr& config);
 
 }  // namespace alabaster

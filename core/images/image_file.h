@@ -20,7 +20,8 @@ namespace alabaster {
 struct ImageSource {
   std::string path;
   std::string format;              // OpenImageIO's name: "png", "openexr", ...
-  std::span<const uint8_t> bytes;  // the encoded image, if it is in memory; else it is read from `path`
+  std::span<const uint8_t> bytes;  // the encoded image, if it is in memory
+  int descriptor = -1;             // else of its open file; `path` is only its name
 };
 
 struct ImageLayout {
@@ -98,7 +99,7 @@ class RowSource {
 
 // The library --------------------------------------------------------------------------------------
 struct ImageFunctions {
-  /// Null with the fault if the image cannot be opened. `source.bytes` must outlive the result.
+  /// Null with the fault if the image cannot be opened. `source.bytes` and its descriptor must outlive the result.
   std::unique_ptr<ImageInput> (*open)(const ImageSource& source, ImageFault& fault);
   /// Encodes a file in memory: OpenImageIO's own PNG writer does not notice a full disk, and its JPEG writer ends the
   /// process on one. Empty on success, else the reason.

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <optional>
+
+#include "core/files/input_file.h"
 
 namespace alabaster {
 namespace {
@@ -153,18 +154,17 @@ std::shared_ptr<const IesProfile> IesProfile::parse(std::string_view text, const
   return IesReader(text, name, sink).read();
 }
 
-std::shared_ptr<const IesProfile> IesProfile::load(const std::string& path, const DiagnosticSink& sink) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMostBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<size_t>(file.gcount()));
-  if (text.empty() || text.size() > kMostBytes) {
-    report(sink, Severity::error, "ies.unreadable", path,
-           text.empty() ? "the file cannot be read or is empty; check its name"
-                        : "the file is larger than 16 MiB: this is no IES profile; check its name");
-    return nullptr;
-  }
-  return parse(text, path, sink);
+std::shared_ptr<const IesProfile> IesProfile::load(const std::string& path, const DiagnosticSink& sink,
+                                                   const std::string& within) {
+  const InputFile file(path, within);
+  std::string text, fault = file.reason();
+  if (file && file.size() > kMostBytes)
+    fault = "the file is larger than 16 MiB: this is no IES profile; check its name";
+  else if (file && (!file.read(&text) || text.empty()))
+    fault = "the file cannot be read or is empty; check its name";
+  if (fault.empty()) return parse(text, path, sink);
+  report(sink, Severity::error, "ies.unreadable", path, fault);
+  return nullptr;
 }
 
 // Within an interval of vertical angles the profile is linear, and the integral of (a + b t) sin t is

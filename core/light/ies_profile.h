@@ -17,7 +17,9 @@ class IesProfile {
  public:
   /// Reads a file of at most 16 MiB. Null and a report (file and line, fault, remedy) if it is not read whole: it is
   /// missing or malformed, its photometry is of type A or B, or its TILT is not NONE.
-  static std::shared_ptr<const IesProfile> load(const std::string& path, const DiagnosticSink& sink);
+  /// `within`: as of core/files/input_file.h.
+  static std::shared_ptr<const IesProfile> load(const std::string& path, const DiagnosticSink& sink,
+                                                const std::string& within = {});
   /// `name`: of the file, for reports.
   static std::shared_ptr<const IesProfile> parse(std::string_view text, const std::string& name,
                                                  const DiagnosticSink& sink);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <span>
 #include <string_view>
 
@@ -41,6 +40,17 @@ std::string format_of(std::span<const uint8_t> head, const std::string& path) {
   return ending == ".tga" ? "targa" : "";  // TGA is the one without a signature
 }
 
+const char* opening_code(InputFile::Fault fault) {
+  switch (fault) {
+    case InputFile::Fault::missing:
+      return "texture.missing";
+    case InputFile::Fault::outside:
+      return "texture.outside";
+    default:
+      return "texture.unreadable";
+  }
+}
+
 /// Empty, or why the image will not be read.
 std::string refusal(const ImageLayout& image, size_t max_pixels) {
   if (image.width <= 0 || image.height <= 0 || image.channels == 0) return "the image has no pixels";
@@ -63,7 +73,6 @@ bool ImageReader::fail(const DiagnosticSink& sink, const char* code, const std::
 
 bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const {
   FileBytes bytes;
-  std::ifstream file;
   if (bytes_) {
     bytes.size = bytes_->size();
     bytes.read = [&](uint64_t offset, void* out, size_t count) {
@@ -71,13 +80,8 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
       return true;
     };
   } else {
-    file.open(path_, std::ios::binary | std::ios::ate);
-    bytes.size = uint64_t(std::max<std::streamoff>(file.tellg(), 0));
-    bytes.read = [&](uint64_t offset, void* out, size_t count) {
-      file.seekg(std::streamoff(offset));
-      file.read(static_cast<char*>(out), std::streamsize(count));
-      return bool(file);
-    };
+    bytes.size = file_->size();
+    bytes.read = [&](uint64_t offset, void* out, size_t count) { return file_->read(offset, out, count); };
   }
   ImageFault fault;
   return check_exr_header(bytes, max_pixels, &fault) || fail(sink, fault.code.c_str(), fault.text);
@@ -92,14 +96,11 @@ bool ImageReader::load_bytes(const TextureSource& source, const ImageLimits& lim
     head_size = std::min(head.size(), bytes_->size());
     std::copy_n(bytes_->begin(), head_size, head.begin());
   } else {
-    std::error_code error;
-    if (!std::filesystem::exists(path_, error))
-      return fail(sink, "texture.missing", "there is no such file; correct the path or put the image there");
-    std::ifstream file(path_, std::ios::binary);
-    file.read(reinterpret_cast<char*>(head.data()), std::streamsize(head.size()));
-    head_size = size_t(std::max<std::streamsize>(file.gcount(), 0));
-    if (head_size == 0)
-      return fail(sink, "texture.unreadable", "the file is empty, a folder, or may not be read; check its permissions");
+    file_.emplace(path_, source.within);
+    if (!*file_) return fail(sink, opening_code(file_->fault()), file_->reason());
+    head_size = size_t(std::min<uint64_t>(head.size(), file_->size()));
+    if (head_size == 0 || !file_->read(0, head.data(), head_size))
+      return fail(sink, "texture.unreadable", "the file is empty or cannot be read; export or copy the image again");
   }
   format_ = format_of(std::span(head.data(), head_size), path_);
   if (format_.empty())
@@ -116,13 +117,9 @@ bool ImageReader::clean_bytes(const ImageLimits& limits, const DiagnosticSink& s
     if (limits.memory) limits.memory->resize(bytes, "an image file of " + std::to_string(bytes) + " bytes");
   };
   if (!bytes_) {
-    std::ifstream file(path_, std::ios::binary | std::ios::ate);
-    const auto size = size_t(std::max<std::streamoff>(file.tellg(), 0));
-    hold(size);
-    read.resize(size);
-    file.seekg(0);
-    file.read(reinterpret_cast<char*>(read.data()), std::streamsize(size));
-    if (!file) return fail(sink, "texture.unreadable", "the file cannot be read to its end; check the disk");
+    hold(size_t(file_->size()));
+    if (!file_->read(&read))
+      return fail(sink, "texture.unreadable", "the file cannot be read to its end; check the disk");
   }
   const std::span<const uint8_t> whole = bytes_ ? std::span(*bytes_) : std::span<const uint8_t>(read);
   hold(read.size() + whole.size());
@@ -151,7 +148,12 @@ bool ImageReader::open_input(const DiagnosticSink& sink) {
   const ImageFunctions* images = image_functions(&missing);
   if (!images) return fail(sink, "images.library", missing);
   ImageFault fault;
-  const ImageSource source = {path_, format_, bytes_ ? std::span(*bytes_) : std::span<const uint8_t>()};
+  ImageSource source;
+  source.path = path_, source.format = format_;
+  if (bytes_)
+    source.bytes = *bytes_;
+  else
+    source.descriptor = file_->descriptor();
   input_ = images->open(source, fault);
   return input_ || fail(sink, fault.code.c_str(), fault.text);
 }

@@ -1,6 +1,9 @@
 // Rows of an encoded image. Internal to this room.
 #pragma once
 
+#include <optional>
+
+#include "core/files/input_file.h"
 #include "core/images/image_file.h"
 #include "core/memory/memory_budget.h"
 #include "core/texture/texture.h"
@@ -29,8 +32,9 @@ class ImageReader {
   bool open_input(const DiagnosticSink& sink);
 
   std::string path_, format_;
-  std::shared_ptr<const std::vector<uint8_t>> bytes_;  // null: the file is read from disk
-  std::unique_ptr<ImageInput> input_;                  // reads bytes_
+  std::optional<InputFile> file_;
+  std::shared_ptr<const std::vector<uint8_t>> bytes_;  // null: file_ is read
+  std::unique_ptr<ImageInput> input_;                  // reads them
 };
 
 }  // namespace alabaster

@@ -226,7 +226,7 @@ bool is_image(const TextureSource& source, const DiagnosticSink& sink) {
     if (const auto tiles = udim_tiles(source.path); !tiles.empty())
       return std::all_of(tiles.begin(), tiles.end(), [&](const UdimTile& tile) {
         TextureSource one;
-        one.path = tile.path;
+        one.path = tile.path, one.within = source.within;
         return is_image(one, sink);
       });
   return ImageReader().open(source, {std::numeric_limits<size_t>::max()}, sink);

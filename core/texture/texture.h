@@ -28,10 +28,12 @@ struct TextureSource {
   Wrap wrap_s = Wrap::repeat, wrap_t = Wrap::repeat;
   TextureFilter filter = TextureFilter::linear;
   bool may_be_set = false;  // "<UDIM>" in the path names a set of files (core/texture/udim.h)
+  std::string within = {};  // files must lie in this folder or below (core/files/input_file.h); empty: anywhere
   bool operator==(const TextureSource&) const = default;
   /// True if both have the same texels: wrap modes and the filter do not count.
   bool is_same_image(const TextureSource& o) const {
-    return path == o.path && bytes == o.bytes && color_space == o.color_space && may_be_set == o.may_be_set;
+    return path == o.path && bytes == o.bytes && color_space == o.color_space && may_be_set == o.may_be_set &&
+           within == o.within;
   }
 };
 

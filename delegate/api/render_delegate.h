@@ -120,7 +120,8 @@ class ALABASTER_API RenderDelegate {
   /// - "flush": the same for all images.
   /// - "measureNoise": GetRenderStats has a newer error.* after a pass. That takes a twentieth of one thread at most.
   /// Those of checkpoints answer with an empty string, or with the reason why they failed:
-  /// - "writeCheckpoint" {file, and optionally note: string}: writes the state of the frame that Execute drew last,
+  /// - "writeCheckpoint" {file, and optionally note: string, up to 64 KiB}: writes the state of the frame that Execute
+  /// drew last,
   ///   while it is rendered or after, but not once a stop has ended a render with targetError. The file is
   ///   replaced whole.
   /// - "resumeCheckpoint" {file}: the next render that Execute starts continues it, to the very bits of a render
@@ -136,7 +137,7 @@ class ALABASTER_API RenderDelegate {
 };
 
 /// Bumped whenever a class above changes its layout or meaning.
-inline constexpr uint32_t kAbiVersion = 8;
+inline constexpr uint32_t kAbiVersion = 9;
 
 struct DelegateOptions {
   DiagnosticSink diagnostics;  // empty: discarded

@@ -228,6 +228,7 @@ struct RenderProduct {
   int width = 0, height = 0;         // 0: those of the settings; a crop is scaled with them
   bool disableMotionBlur = false;    // drawn at the frame's time
   bool disableDepthOfField = false;  // through a pinhole
+  std::string within;                // as of an AssetPath: where the file must be written
   bool operator==(const RenderProduct&) const = default;
 };
 

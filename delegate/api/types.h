@@ -132,6 +132,9 @@ struct AssetPath {
   std::string authored;
   std::string resolved;
   std::shared_ptr<const std::vector<uint8_t>> bytes;
+  /// The real path of a folder that the file must lie in or below when it is opened, symbolic links followed: that of
+  /// the untrusted file that names it. Empty: anywhere.
+  std::string within = {};
   bool operator==(const AssetPath&) const = default;
 };
 

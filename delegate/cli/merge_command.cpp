@@ -18,7 +18,8 @@ namespace {
 using hd::host::RecordStatus;
 using nlohmann::json;
 
-// Reads the note of a part, which the frame recorder has written. Empty if it is no such note.
+// Reads the note of a part, which the frame recorder has written. Empty if it is no such note. Limits are those of this
+// command and not of a file.
 std::optional<hd::RenderSettingsDescription> description_of(const json& note) {
   try {
     hd::RenderSettingsDescription d;
@@ -41,6 +42,7 @@ std::optional<hd::RenderSettingsDescription> description_of(const json& note) {
       else
         setting = value.get<std::string>();
     }
+    for (const char* name : {"memoryLimit", "textureMemory", "threads"}) d.settings.erase(name);
     return d;
   } catch (const json::exception&) {
     return std::nullopt;

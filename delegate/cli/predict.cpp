@@ -151,6 +151,7 @@ class ProbeRenders {
     std::vector<hd::RenderProduct> products = full_.products;
     if (products.empty()) products.emplace_back().file = "probe.exr";
     for (size_t i = 0; i < products.size(); ++i) {
+      products[i].within.clear();
       products[i].file = folder / (std::to_string(i) + fs::path(products[i].file).extension().string());
       if (!hd::host::CheckProduct(products[i], session_.colors(), {})) return {};
     }

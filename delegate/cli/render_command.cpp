@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/files/real_path.h"
 #include "delegate/cli/checkpoint_options.h"
 #include "delegate/cli/control_characters.h"
 #include "delegate/cli/exit_codes.h"
@@ -99,6 +100,7 @@ class RenderCommand {
   int product_failure() const {
     const std::string code = console_.last_error().code;
     if (code == "product.memory") return kRender;
+    if (code == "product.outside") return kInput;
     if (code != "product.invalid" && !code.starts_with("ocio.")) return kOutput;
     const bool named = !a_.outputs.empty() || !a_.display.empty() || !a_.view.empty() || !a_.look.empty();
     return named ? kUsage : kInput;
@@ -158,6 +160,13 @@ class RenderCommand {
     return kDone;
   }
 
+  // A description's file lies in its folder once it has its number, too. Where it is written that is judged again.
+  int check_place(const std::string& file, const std::string& within) {
+    const std::string fault = within.empty() ? std::string() : outside_fault(within, file);
+    if (!fault.empty()) console_.error(file, fault);
+    return fault.empty() ? kDone : kInput;
+  }
+
   // Checks the description's file names, and --stats against them. Names given with -o have been checked before.
   int check_names(const std::vector<hd::RenderProduct>& products) {
     std::vector<std::string> files;
@@ -166,7 +175,10 @@ class RenderCommand {
       if (const int code = check_frame_names(files); code != kDone) return code;
       files.clear();
       for (const uint32_t frame : frames_)
-        for (const hd::RenderProduct& product : products) files.push_back(frame_file(product.file, frame));
+        for (const hd::RenderProduct& product : products) {
+          files.push_back(frame_file(product.file, frame));
+          if (const int code = check_place(files.back(), product.within); code != kDone) return code;
+        }
     }
     std::string problem = same_file_twice(files);
     if (!problem.empty()) {

@@ -46,6 +46,7 @@ bool SceneSession::pose(const std::string& name, const hd::description::LoadOpti
 
 bool SceneSession::choose_colors(const std::string& asked, const hd::DiagnosticSink& sink) {
   colors_.ocio = asked.empty() ? file.color_config : asked;
+  colors_.within = asked.empty() ? file.color_config_within : std::string();
   return !hd::host::DescribeColors(colors_, sink).empty();
 }
 
@@ -65,7 +66,7 @@ bool SceneSession::start(const hd::DiagnosticSink& sink) {
   remove_unused_materials();
   hd::DelegateOptions options;
   options.diagnostics = sink;
-  if (!colors_.ocio.empty()) options.settings["ocio"] = colors_.ocio;
+  if (!colors_.ocio.empty()) options.settings["ocio"] = hd::AssetPath{colors_.ocio, colors_.ocio, {}, colors_.within};
   delegate_.reset(CreateAlabasterRenderDelegate(hd::kAbiVersion, &options));
   if (!delegate_) return false;
   index_ = std::make_unique<hd::host::RenderIndex>(delegate_.get());

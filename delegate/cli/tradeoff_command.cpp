@@ -2,9 +2,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "core/files/input_file.h"
 #include "delegate/cli/commands.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/interrupt.h"
@@ -37,8 +36,9 @@ std::string array_checksum(const hd::Array<T>& array) {
 /// counts as empty.
 std::string image_checksum(const hd::AssetPath& image) {
   if (image.bytes) return tradeoff::checksum(image.bytes->data(), image.bytes->size());
-  std::ifstream file(image.resolved, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const InputFile file(image.resolved, image.within);
+  std::string bytes;
+  if (!file || !file.read(&bytes)) bytes.clear();
   return tradeoff::checksum(bytes.data(), bytes.size());
 }
 

@@ -71,6 +71,7 @@ bool apply_models(const Reader& reader) {
     if (file.resolved.empty()) return false;
     gltf::GltfOptions options = options_of(model, asked);
     options.root = root_for(file.resolved, &taken);
+    options.within = file.within;
     sample_shutter(described_shutter(reader), &options);
     options.memory_limit = std::max(reader.state().memory->left(), size_t(1));
     if (model.contains("transform")) {

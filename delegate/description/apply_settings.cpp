@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cmath>
 
 #include "delegate/description/description_reader.h"
 #include "delegate/description/quality_presets.h"
 #include "delegate/host/product_writer.h"
+#include "delegate/support/process_usage.h"
 #include "delegate/support/window_policy.h"
 
 namespace alabaster::hd::description {
@@ -43,6 +45,10 @@ RenderVar var_of(const std::string& aov, const std::string& data_type) {
 
 }  // namespace
 
+bool loosens_memory_limit(double mib) {
+  return !(mib >= 1 && mib <= std::ceil(static_cast<double>(support::default_memory_limit()) / 0x1p20));
+}
+
 bool apply_settings(const Reader& reader) {
   const auto entry = reader.value().find("settings");
   if (entry == reader.value().end()) return true;
@@ -66,6 +72,14 @@ bool apply_settings(const Reader& reader) {
       // Zero means something else: no limit.
       if (value.is_number_float() && value.get<double>() != 0 && value.get<float>() == 0)
         return reader.fail(pointer_append("/settings", name), "The number is too small: it would count as zero.");
+      if (name == "memoryLimit" && !reader.is_users() && loosens_memory_limit(value.get<double>())) {
+        if (value.get<double>() != 0)
+          reader.warn("/settings/memoryLimit",
+                      "A file cannot raise the limit, so this is not taken: " +
+                          std::to_string(support::default_memory_limit() >> 20) +
+                          " MiB hold. Raise it with --memory-limit (hosts: setting memoryLimit).");
+        continue;
+      }
       settings.settings[name] = to_value(value);
     }
   return true;
@@ -76,6 +90,7 @@ bool apply_products(const Reader& reader) {
     const AssetPath config = reader.asset("/ocio", reader.value()["ocio"]);
     if (config.resolved.empty()) return false;
     reader.state().result->color_config = config.resolved;
+    reader.state().result->color_config_within = config.within;
   }
   const auto entries = reader.value().find("products");
   if (entries == reader.value().end()) return true;
@@ -88,6 +103,7 @@ bool apply_products(const Reader& reader) {
     RenderProduct& product = plan.product;
     product.file = reader.resolve(pointer + "/file", entry["file"]);
     if (product.file.empty()) return false;
+    product.within = reader.within();
     const std::string data_type = entry.value("dataType", "");
     product.dataType = data_type;
     for (const json& aov : entry.value("aovs", json::array())) product.vars.push_back(var_of(aov, data_type));

@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <limits>
 
+#include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "core/texture/udim.h"
 #include "delegate/description/name_match.h"
-#include "delegate/support/allowed_file.h"
 
 namespace alabaster::hd::description {
 namespace {
@@ -41,6 +41,11 @@ const char* kind_name(PrimKind kind) {
 
 }  // namespace
 
+Reader::Reader(const JsonDocument& document, std::string folder, LoadState* state)
+    : document_(document), folder_(std::move(folder)), state_(*state) {
+  if (!is_users() && !state_.options.allow_outside) within_ = allowed_folder(folder_);
+}
+
 bool Reader::fail(const std::string& pointer, const std::string& text) const {
   if (*state_.sink) (*state_.sink)({Severity::error, "description.invalid", place(pointer), text});
   return false;
@@ -53,15 +58,14 @@ void Reader::warn(const std::string& pointer, const std::string& text) const {
 std::string Reader::resolve(const std::string& pointer, const std::string& file) const {
   const std::filesystem::path path = std::filesystem::path(folder_) / file;
   std::string resolved = path.lexically_normal();
-  if (folder_.empty() || state_.options.allow_outside) return resolved;
-  std::vector<std::string> files{resolved};
-  for (const UdimTile& tile : udim_tiles(resolved)) files.push_back(tile.path);
-  for (const std::string& one : files)
-    if (const std::string fault = support::OutsideFault(folder_, one); !fault.empty()) {
-      if (*state_.sink) (*state_.sink)({Severity::error, "asset.outside", place(pointer), fault + "."});
-      return {};
-    }
-  return resolved;
+  if (within_.empty()) return resolved;
+  std::string fault = outside_fault(within_, resolved);
+  if (fault.empty())
+    for (const UdimTile& tile : udim_tiles(resolved))
+      if (fault.empty()) fault = outside_fault(within_, tile.path);
+  if (fault.empty()) return resolved;
+  if (*state_.sink) (*state_.sink)({Severity::error, "asset.outside", place(pointer), fault + "."});
+  return {};
 }
 
 AssetPath Reader::asset(const std::string& pointer, const std::string& file) const {
@@ -75,14 +79,14 @@ AssetPath Reader::asset(const std::string& pointer, const std::string& file) con
                           (folder_.empty() ? "the working folder." : "the folder of the description.")});
     return {};
   }
-  return {file, resolved, nullptr};
+  return {file, resolved, nullptr, within_};
 }
 
 AssetPath Reader::image(const std::string& pointer, const std::string& file) const {
-  AssetPath found{file, resolve(pointer, file), nullptr};
+  AssetPath found{file, resolve(pointer, file), nullptr, within_};
   if (state_.options.keep_going || found.resolved.empty()) return found;
   TextureSource source;
-  source.path = found.resolved;
+  source.path = found.resolved, source.within = found.within;
   source.may_be_set = !udim_tiles(found.resolved).empty();
   if (!source.may_be_set) found = asset(pointer, file);
   if (found.resolved.empty()) return found;

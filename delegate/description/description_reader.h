@@ -50,8 +50,7 @@ struct LoadState {
 class Reader {
  public:
   /// `folder` is that of the description; empty for the words of the command line.
-  Reader(const JsonDocument& document, std::string folder, LoadState* state)
-      : document_(document), folder_(std::move(folder)), state_(*state) {}
+  Reader(const JsonDocument& document, std::string folder, LoadState* state);
 
   const nlohmann::json& value() const { return document_.value; }
   LoadState& state() const { return state_; }
@@ -60,6 +59,10 @@ class Reader {
   /// Reports an error; returns false.
   bool fail(const std::string& pointer, const std::string& text) const;
   void warn(const std::string& pointer, const std::string& text) const;
+  /// True for the words of the command line, which the user wrote.
+  bool is_users() const { return folder_.empty(); }
+  /// The real path of the folder that files must lie in or below when they are opened; empty: anywhere.
+  const std::string& within() const { return within_; }
   /// The path of a file that the description names for reading or writing; empty after an error: it must not name it.
   std::string resolve(const std::string& pointer, const std::string& file) const;
   /// An existing file; empty after an error.
@@ -69,9 +72,12 @@ class Reader {
 
  private:
   const JsonDocument& document_;
-  std::string folder_;
+  std::string folder_, within_;
   LoadState& state_;
 };
+
+/// True if a memory limit in MiB, of a description, is none or above the one that holds without it.
+bool loosens_memory_limit(double mib);
 
 /// Has the animation sampled over the shutter, if that is open.
 void sample_shutter(const LoadOptions& asked, gltf::GltfOptions* model);

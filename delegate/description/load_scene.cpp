@@ -2,9 +2,8 @@
 #include <cctype>
 #include <exception>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "core/files/input_file.h"
 #include "core/math/float_environment.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/render_description.h"
@@ -80,13 +79,13 @@ class Loader {
   }
 
   bool load_file(const std::string& file) {
-    std::error_code error;
-    if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    const InputFile input(file);
+    if (input.fault() == InputFile::Fault::not_regular)
       return fail("scene.kind", file, "It is not a regular file. A scene is a .gltf, .glb or .json file.");
-    if (!std::filesystem::is_regular_file(file, error))
+    if (input.fault() == InputFile::Fault::missing)
       return fail("scene.missing", file, "There is no such file. Check the name and the working folder.");
     const std::string extension = lower_extension(file);
-    if (extension == ".json") return load_description(file);
+    if (extension == ".json") return load_description(file, input);
     if (extension == ".gltf" || extension == ".glb") {
       const LoadOptions& o = state_.options;
       gltf::GltfOptions options;
@@ -107,27 +106,26 @@ class Loader {
                        : "This is not a scene file: use .gltf, .glb or .json (a render description).");
   }
 
-  // As the setting of a description or an override says, which counts before any description.
+  // As the setting of a description or an override says, which counts before any description. A description may only
+  // tighten what holds without it.
   void limit_memory(const nlohmann::json& description, bool overrides) {
     const auto settings = description.find("settings");
     if (settings == description.end() || !settings->contains("memoryLimit") || limit_is_given_) return;
     limit_is_given_ = overrides;
     const nlohmann::json& mib = (*settings)["memoryLimit"];
-    if (mib.is_number() && mib.get<double>() >= 1 && mib.get<double>() < 0x1p40)
+    if (mib.is_number() && mib.get<double>() >= 1 && mib.get<double>() < 0x1p40 &&
+        (overrides || !loosens_memory_limit(mib.get<double>())))
       state_.memory->set_limit(mib.get<size_t>() << 20);
   }
 
-  bool load_description(const std::string& file) {
-    std::error_code error;
-    if (std::filesystem::file_size(file, error) > kMaxDescriptionBytes)
+  bool load_description(const std::string& file, const InputFile& input) {
+    if (input && input.size() > kMaxDescriptionBytes)
       return fail(
           "description.size", file,
           "The file is larger than 64 MiB, too large for a render description. Geometry belongs in glTF files.");
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    if (!stream) return fail("scene.read", file, "The file could not be read. Check its permissions.");
-    const std::string json = std::move(text).str();
+    std::string json;
+    if (!input || !input.read(&json))
+      return fail("scene.read", file, "The file could not be read. Check its permissions.");
     const auto values = static_cast<size_t>(
         std::count_if(json.begin(), json.end(), [](char c) { return c == ',' || c == '[' || c == '{'; }));
     const MemoryReservation memory(state_.memory, MemoryUse::scene, 2 * json.size() + values * kValueBytes,

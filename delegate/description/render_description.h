@@ -40,6 +40,7 @@ struct SceneFile {
   Path settings;                       // the RenderSettings prim, from the file or else from defaults
   std::vector<Path> further_settings;  // one for each further resolution or crop of the products
   std::string color_config;            // OCIO config that the description names; empty if none
+  std::string color_config_within;     // as of an AssetPath
   std::vector<gltf::GltfSummary> gltf;
   bool framed = false;             // there was no camera, and one was placed to show all of the scene
   std::vector<std::string> notes;  // "no camera: framed the scene", "no light: added a soft dome", as the program says

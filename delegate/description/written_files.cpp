@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
+#include "core/files/input_file.h"
 #include "delegate/description/description_reader.h"
 #include "delegate/description/written_parts.h"
 #include "delegate/support/output_file.h"
@@ -30,11 +30,10 @@ std::string target_of(const fs::path& file) {
 }
 
 // A glTF document that others made is no copy of a scene.
-bool is_foreign_gltf(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return false;
-  const std::string text(std::istreambuf_iterator<char>(in), {});
-  return text.find(kGenerator) == std::string::npos;
+bool is_foreign_gltf(const std::string& name) {
+  const InputFile file(name);
+  std::string text;
+  return file && (!file.read(&text) || text.find(kGenerator) == std::string::npos);
 }
 
 }  // namespace
@@ -82,8 +81,8 @@ bool WrittenFiles::is_gltf_image(const Value& file) {
   std::vector<uint8_t> first(8);
   if (asset && asset->bytes)
     first = *asset->bytes;
-  else
-    std::ifstream(file.text_or(""), std::ios::binary).read(reinterpret_cast<char*>(first.data()), 8);
+  else if (const InputFile named(file.text_or("")); named && named.size() >= first.size())
+    named.read(0, first.data(), first.size());
   const std::string ending = ending_of(first);
   return ending == ".png" || ending == ".jpg" || ending == ".webp";
 }

@@ -72,7 +72,7 @@ class BufferLoader {
       const auto file = resolve_uri(base_, uri, reason);
       if (!file) return nullptr;
       if (const auto known = files_.find(*file); known != files_.end()) return known->second;
-      const Bytes bytes = read_file(*file, left_, &memory_, reason);
+      const Bytes bytes = read_file({*file, base_.within, left_}, &memory_, reason);
       if (!bytes) {
         *reason = "'" + *file + "': " + *reason;
         return nullptr;

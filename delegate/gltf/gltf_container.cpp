@@ -1,9 +1,8 @@
 #include "delegate/gltf/gltf_container.h"
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 
+#include "core/files/input_file.h"
 #include "delegate/support/gltf_limits.h"
 
 namespace alabaster::hd::gltf {
@@ -132,32 +131,24 @@ bool read_glb(const std::vector<uint8_t>& file, MemoryReservation* memory, Repor
 
 }  // namespace
 
-Bytes read_file(const std::string& file, size_t max_bytes, MemoryReservation* memory, std::string* reason) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) {
-    *reason = "the file is missing or not a regular file; check the path";
+Bytes read_file(const FileToRead& file, MemoryReservation* memory, std::string* reason) {
+  const InputFile input(file.name, file.within);
+  *reason = input.reason();
+  if (!input) return nullptr;
+  if (input.size() > file.max_bytes) {
+    *reason = "the file is larger than the limit of " + std::to_string(file.max_bytes) + " bytes; raise max_file_bytes";
     return nullptr;
   }
-  const auto size = std::filesystem::file_size(file, ignored);
-  if (ignored || size > max_bytes) {
-    *reason = "the file is larger than the limit of " + std::to_string(max_bytes) + " bytes; raise max_file_bytes";
-    return nullptr;
-  }
-  hold_more(memory, size, "'" + file + "'");
-  auto bytes = std::make_shared<std::vector<uint8_t>>(size);
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(reinterpret_cast<char*>(bytes->data()), std::streamsize(size));
-  if (!stream || size_t(stream.gcount()) != size) {
-    *reason = "the file could not be read; check its permissions";
-    return nullptr;
-  }
-  return bytes;
+  hold_more(memory, input.size(), "'" + file.name + "'");
+  auto bytes = std::make_shared<std::vector<uint8_t>>();
+  if (input.read(bytes.get())) return bytes;
+  *reason = "the file could not be read to its end; check the disk";
+  return nullptr;
 }
 
-bool read_container(const std::string& file, size_t max_bytes, MemoryReservation* memory, Report& report,
-                    Container* container) {
+bool read_container(const FileToRead& file, MemoryReservation* memory, Report& report, Container* container) {
   std::string reason;
-  const Bytes bytes = read_file(file, max_bytes, memory, &reason);
+  const Bytes bytes = read_file(file, memory, &reason);
   if (!bytes) {
     report.error("file", "", reason);
     return false;

@@ -20,6 +20,12 @@ struct Container {
   Bytes binary_chunk;  // null: none
 };
 
+struct FileToRead {
+  std::string name;
+  std::string within;    // as of an AssetPath
+  size_t max_bytes = 0;  // a longer file is refused
+};
+
 /// Throws MemoryRefused.
 inline void hold_more(MemoryReservation* memory, size_t bytes, const std::string& what) {
   memory->resize(memory->bytes() + bytes, what);
@@ -27,12 +33,11 @@ inline void hold_more(MemoryReservation* memory, size_t bytes, const std::string
 
 /// Reads .gltf or .glb, which it distinguishes by content, and has `memory` hold it in addition (MemoryRefused).
 /// Reports faults; false if nothing is usable.
-bool read_container(const std::string& file, size_t max_bytes, MemoryReservation* memory, Report& report,
-                    Container* container);
+bool read_container(const FileToRead& file, MemoryReservation* memory, Report& report, Container* container);
 
 /// Reads a whole regular file, which `memory` then holds in addition (MemoryRefused). Null and `reason` if it cannot be
-/// read or is longer than `max_bytes`.
-Bytes read_file(const std::string& file, size_t max_bytes, MemoryReservation* memory, std::string* reason);
+/// read or is longer than its limit.
+Bytes read_file(const FileToRead& file, MemoryReservation* memory, std::string* reason);
 
 struct DataUri {
   std::string media_type;  // lower case
@@ -45,10 +50,9 @@ inline bool is_data_uri(std::string_view uri) {
 /// Decodes "data:[type][;parameter]...;base64,...". Empty and `reason` if malformed.
 std::optional<DataUri> decode_data_uri(std::string_view uri, std::string* reason);
 
-/// The folder that the names of a document are relative to, and whether its files may lie elsewhere.
+/// The folder that the names of a document are relative to, and that which its files must lie in (as of an AssetPath).
 struct UriBase {
-  std::string folder;
-  bool allow_outside = false;
+  std::string folder, within;
 };
 
 /// Percent-decodes a relative URI and joins it to the folder. Empty and `reason` if it is malformed or has a scheme,

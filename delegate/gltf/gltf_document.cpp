@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/files/real_path.h"
 #include "delegate/gltf/gltf_schema.h"
 #include "delegate/support/process_usage.h"
 
@@ -75,11 +76,16 @@ bool parse_model(Json root, Report& report, Document* document) {
 bool read_document(const std::string& file, const GltfOptions& options, Report& report, Document* document) {
   const size_t max_bytes = options.max_file_bytes;
   document->file = file;
-  document->base = {std::filesystem::path(file).parent_path().string(), options.allow_outside};
+  document->base.folder = std::filesystem::path(file).parent_path().string();
+  if (!options.allow_outside) document->base.within = allowed_folder(document->base.folder);
+  if (!options.within.empty() && !is_within(document->base.within, options.within)) {
+    report.error("file", "", outside_text(document->base.folder));
+    return false;
+  }
   const size_t limit = options.memory_limit ? options.memory_limit : support::default_memory_limit();
   document->memory = MemoryReservation(std::make_shared<MemoryBudget>(limit), MemoryUse::scene);
   Container container;
-  if (!read_container(file, max_bytes, &document->memory, report, &container)) return false;
+  if (!read_container({file, options.within, max_bytes}, &document->memory, report, &container)) return false;
   Json& root = container.root;
   check_structure(root, report);
   if (report.failed()) return false;

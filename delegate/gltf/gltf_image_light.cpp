@@ -82,7 +82,7 @@ class ImageLightTranslator {
     const alabaster::DiagnosticSink sink = [&](const alabaster::Diagnostic& d) { reason = d.text; };
     TextureSource source;
     source.path = asset.resolved.empty() ? asset.authored : asset.resolved;
-    source.bytes = asset.bytes;
+    source.bytes = asset.bytes, source.within = asset.within;
     source.color_space = "raw";
     source.filter = TextureFilter::nearest;
     const auto colors = ColorConfig::load("built-in", sink);

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
+#include "core/files/input_file.h"
+#include "core/texture/udim.h"
 #include "delegate/gltf/gltf_document.h"
 
 namespace alabaster::hd::gltf {
@@ -91,17 +92,21 @@ class ImageLoader {
     std::string reason;
     const auto file = resolve_uri(document_.base, uri, &reason);
     if (!file) return unusable(reason);
-    const AssetPath asset{uri, *file, nullptr};
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(*file, ignored)) {
-      report_.warning("image", element_, "'" + *file + "' is missing; check the path");
-      return asset;
-    }
+    std::vector<std::string> files;
+    for (const UdimTile& tile : udim_tiles(*file)) files.push_back(tile.path);
+    if (files.empty()) files.push_back(*file);
+    for (const std::string& one : files) check_file(one);
+    return {uri, *file, nullptr, document_.base.within};
+  }
+
+  // The renderer opens it again, and reports it then as a fault.
+  void check_file(const std::string& name) {
+    const InputFile file(name, document_.base.within);
+    if (!file) return report_.warning("image", element_, "'" + name + "': " + file.reason());
     uint8_t head[12] = {};
-    std::ifstream stream(*file, std::ios::binary);
-    stream.read(reinterpret_cast<char*>(head), sizeof head);
-    if (const char* fault = check_kind(head, size_t(stream.gcount()))) report_.warning("image", element_, fault);
-    return asset;
+    const size_t size = std::min<uint64_t>(sizeof head, file.size());
+    const char* fault = file.read(0, head, size) ? check_kind(head, size) : "cannot be read; check the disk";
+    if (fault) report_.warning("image", element_, fault);
   }
 
   const Json& root_;

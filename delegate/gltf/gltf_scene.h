@@ -20,6 +20,7 @@ struct GltfOptions {
   size_t max_file_bytes = size_t(4) << 30;
   size_t memory_limit = 0;     // bytes that reading may take; 0: three quarters of what the process may use
   bool allow_outside = false;  // buffers and images may lie outside the folder of the file, links followed
+  std::string within;          // as of an AssetPath: where the file and its folder must lie
   int refine_level = 2;        // of meshes with FB_ngon_encoding (cages); other meshes are drawn as they are
   // Each of these is a name, or an index as a whole number.
   std::string scene;      // empty: the file's default, else the first

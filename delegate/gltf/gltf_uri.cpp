@@ -2,8 +2,8 @@
 #include <cctype>
 #include <filesystem>
 
+#include "core/files/real_path.h"
 #include "delegate/gltf/gltf_container.h"
-#include "delegate/support/allowed_file.h"
 
 namespace alabaster::hd::gltf {
 namespace {
@@ -108,8 +108,8 @@ std::optional<std::string> resolve_uri(const UriBase& base, std::string_view uri
   std::replace(path.begin(), path.end(), '\\', '/');
   const std::filesystem::path relative = std::filesystem::path(path).lexically_normal();
   std::string file = (std::filesystem::path(base.folder) / relative).string();
-  if (base.allow_outside) return file;
-  *reason = support::OutsideFault(base.folder, file);
+  if (base.within.empty()) return file;
+  *reason = outside_fault(base.within, file);
   if (!reason->empty()) return {};
   return file;
 }

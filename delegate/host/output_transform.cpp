@@ -11,7 +11,7 @@ static_assert(int(Severity::info) == int(alabaster::Severity::info) &&
               int(Severity::error) == int(alabaster::Severity::error));
 
 std::shared_ptr<const ColorConfig> OutputColors::config(const DiagnosticSink& sink) const {
-  return held ? held : ColorConfig::load(ocio, to_core(sink));
+  return held ? held : ColorConfig::load(ocio, to_core(sink), within);
 }
 
 bool make_output_transform(const RenderProduct& product, const ProductPlan& plan, const OutputColors& colors,

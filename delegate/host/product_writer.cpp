@@ -8,6 +8,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "core/files/real_path.h"
 #include "core/images/format_limits.h"
 #include "core/math/float_environment.h"
 #include "delegate/host/output_transform.h"
@@ -182,9 +183,12 @@ bool check_image(const RenderProduct& product, const ProductImage& image, Produc
   return true;
 }
 
-bool check_output(const std::string& file, const DiagnosticSink& sink) {
-  const std::string fault = support::OutputFault(file);
-  return fault.empty() || fail(sink, "product.file", file, fault);
+bool check_output(const RenderProduct& product, const DiagnosticSink& sink) {
+  if (!product.within.empty())
+    if (const std::string fault = outside_fault(product.within, product.file); !fault.empty())
+      return fail(sink, "product.outside", product.file, fault);
+  const std::string fault = support::OutputFault(product.file, product.within);
+  return fault.empty() || fail(sink, "product.file", product.file, fault);
 }
 
 std::string lines(const std::string& title, const std::vector<std::string>& names) {
@@ -201,7 +205,7 @@ bool CheckProduct(const RenderProduct& product, const OutputColors& colors, cons
     ProductPlan plan;
     std::string error;
     if (!PlanProduct(product, plan, error)) return fail(sink, "product.invalid", product.file, error);
-    if (!check_output(product.file, sink)) return false;
+    if (!check_output(product, sink)) return false;
     if (!image_functions(&error)) return fail(sink, "images.library", product.file, error);
     OutputTransform out;
     return make_output_transform(product, plan, colors, sink, out);
@@ -245,8 +249,8 @@ bool write_product(const RenderProduct& product, const ProductImage& image, cons
     error = images->encode(description, rows, file);
     if (!error.empty())
       return fail(sink, "product.encode", product.file, "cannot encode the image: " + error + "; write an .exr file");
-    error =
-        support::WriteOutputFile(product.file, file, image.incomplete ? support::Flush::none : support::Flush::disk);
+    error = support::WriteOutputFile(product.file, file, image.incomplete ? support::Flush::none : support::Flush::disk,
+                                     product.within);
     if (error.empty()) return true;
     if (const std::string kept = support::KeepElsewhere(product.file, file); !kept.empty())
       return fail(sink, "product.write", product.file,

@@ -39,6 +39,7 @@ struct OutputColors {
   std::string ocio;  // config path; empty: $OCIO or the built-in one
   /// The configuration itself, held since it was read: its file may change or vanish. Null: it is read from `ocio`.
   std::shared_ptr<const ColorConfig> held = {};
+  std::string within = {};  // as of an AssetPath: where the file of `ocio` must lie
 
   /// The configuration. Null after a report if it cannot be read.
   std::shared_ptr<const ColorConfig> config(const DiagnosticSink& sink) const;

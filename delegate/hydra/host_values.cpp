@@ -1,6 +1,9 @@
 #include "delegate/hydra/host_values.h"
 
 #include <cmath>
+#include <limits>
+
+#include "delegate/support/process_usage.h"
 
 namespace alabaster::hydra {
 namespace {
@@ -63,6 +66,18 @@ Setting TranslateSetting(const hd::Token& key, const hd::Value& value,
   for (const hd::RenderSettingDescriptor& setting : known)
     if (setting.key == hd::Token(name)) return {setting.key, number_like(setting.defaultValue, value)};
   return {name, value};
+}
+
+hd::Value WithinHostLimits(const hd::Token& key, const hd::Value& scene, const hd::Value& host) {
+  const bool is_memory = key == hd::Token("memoryLimit");
+  if (!is_memory && !(key == hd::Token("timeLimit"))) return scene;
+  const double otherwise = is_memory ? static_cast<double>(hd::support::default_memory_limit()) / 0x1p20
+                                     : std::numeric_limits<double>::infinity();
+  const auto limit = [&](const hd::Value& value) {
+    const double number = value.number_or(0);
+    return number > 0 ? number : otherwise;
+  };
+  return limit(scene) <= limit(host) ? scene : host;
 }
 
 hd::Dictionary HostStatistics(hd::Dictionary statistics) {

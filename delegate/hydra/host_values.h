@@ -33,6 +33,10 @@ struct Setting {
 Setting TranslateSetting(const hd::Token& key, const hd::Value& value,
                          const std::vector<hd::RenderSettingDescriptor>& known);
 
+/// The value of a setting that a scene gives, where the host has `host`. A scene cannot loosen the host's memoryLimit
+/// and timeLimit, so of these it is the tighter one.
+hd::Value WithinHostLimits(const hd::Token& key, const hd::Value& scene, const hd::Value& host);
+
 /// The statistics, with percentDone and fractionDone as double: Blender reads them unchecked.
 hd::Dictionary HostStatistics(hd::Dictionary statistics);
 

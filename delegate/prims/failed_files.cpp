@@ -27,7 +27,8 @@ void FailedFiles::keep(const TextureSource& source, FileState state, Failure fai
   std::erase_if(kept_, [&](const auto& entry) {
     return entry.second.is_in_memory ? entry.second.bytes.expired() : !source.bytes && entry.first == source.path;
   });
-  kept_.emplace(source.path, Kept{source.bytes, source.bytes != nullptr, std::move(state), std::move(failure)});
+  kept_.emplace(source.path,
+                Kept{source.bytes, source.bytes != nullptr, source.within, std::move(state), std::move(failure)});
 }
 
 std::optional<FailedFiles::Failure> FailedFiles::find(const TextureSource& source) const {
@@ -36,7 +37,7 @@ std::optional<FailedFiles::Failure> FailedFiles::find(const TextureSource& sourc
   for (auto it = first; it != last; ++it) {
     const Kept& kept = it->second;
     const bool is_same = source.bytes ? kept.bytes.lock() == source.bytes : !kept.is_in_memory;
-    if (is_same && kept.state == state_of(source)) return kept.failure;
+    if (is_same && kept.within == source.within && kept.state == state_of(source)) return kept.failure;
   }
   return std::nullopt;
 }

@@ -35,6 +35,7 @@ class FailedFiles {
   struct Kept {
     std::weak_ptr<const std::vector<uint8_t>> bytes;  // of an image that is in memory
     bool is_in_memory = false;
+    std::string within;
     FileState state;
     Failure failure;
   };

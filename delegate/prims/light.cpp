@@ -10,7 +10,7 @@ namespace alabaster::hd::prims {
 /// The files that a light names. They are read once, however often the light moves.
 struct LightFiles {
   TextureSource image;
-  std::string profile;
+  std::string profile, profile_within;  // within: as of an AssetPath
 
   struct Contents {
     std::shared_ptr<const Texture> texture;
@@ -23,7 +23,7 @@ struct LightFiles {
   Contents read(SceneParam& param, const CancelToken& cancel) const {
     Contents out;
     if (names_image()) out.texture = param.texture(image, &out.fault, param.sink(), cancel);
-    if (!profile.empty()) out.ies = param.profile(profile, &out.fault);
+    if (!profile.empty()) out.ies = param.profile(profile, profile_within, &out.fault);
     return out;
   }
 };
@@ -33,12 +33,16 @@ namespace {
 // Null if the light names no file.
 std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, LightType type) {
   auto files = std::make_shared<LightFiles>();
-  if (type != LightType::dome && type != LightType::distant)
-    files->profile = scene.GetLightParamValue(id, "shaping:ies:file").text_or("");
+  if (type != LightType::dome && type != LightType::distant) {
+    const Value file = scene.GetLightParamValue(id, "shaping:ies:file");
+    files->profile = file.text_or("");
+    if (const auto* asset = file.get<AssetPath>()) files->profile_within = asset->within;
+  }
   if (type == LightType::dome || type == LightType::rect) {
     const Value file = scene.GetLightParamValue(id, "texture:file");
     files->image.path = file.text_or("");
-    if (const auto* asset = file.get<AssetPath>()) files->image.bytes = asset->bytes;
+    if (const auto* asset = file.get<AssetPath>())
+      files->image.bytes = asset->bytes, files->image.within = asset->within;
     files->image.wrap_t = Wrap::clamp;  // round the horizon, but not over the poles
   }
   return files->names_image() || !files->profile.empty() ? files : nullptr;
@@ -49,7 +53,8 @@ std::shared_ptr<LightFiles> pull_files(SceneDelegate& scene, const Path& id, Lig
 void LightPrim::reread(const std::string& file, SceneParam& param) {
   if (!files_ || !(names_image(files_->image.path, file) || names_image(files_->profile, file))) return;
   auto again = std::make_shared<LightFiles>();
-  again->image = files_->image, again->profile = files_->profile;
+  again->image = files_->image;
+  again->profile = files_->profile, again->profile_within = files_->profile_within;
   files_ = std::move(again);
   post(param);
 }

@@ -75,7 +75,7 @@ struct TextureNodeReader : NodeReader {
     const Value file = parameter("file");
     source.path = file.text_or("");
     source.may_be_set = true;
-    if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes;
+    if (const auto* asset = file.get<AssetPath>()) source.bytes = asset->bytes, source.within = asset->within;
     if (source.path.empty() && !source.bytes) {
       warn("material.texture.file", "a texture has no file; it is ignored");
       return std::nullopt;

@@ -84,20 +84,24 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
   return nullptr;
 }
 
-std::shared_ptr<const IesProfile> SceneParam::profile(const std::string& file, std::optional<SceneFault>* fault) {
+std::shared_ptr<const IesProfile> SceneParam::profile(const std::string& file, const std::string& within,
+                                                      std::optional<SceneFault>* fault) {
   TextureSource source;
-  source.path = file;
+  source.path = file, source.within = within;
   const std::lock_guard turn(profiles_mutex_);
   FileState state = state_of(source);
-  HeldProfile& held = profiles_[file];
+  HeldProfile& held = profiles_[{file, within}];
   if (auto profile = held.profile.lock(); profile && held.state == state) return profile;
   auto failure = failed_profiles_.find(source);
   if (!failure) {
     std::vector<alabaster::Diagnostic> reports;
-    const auto loaded = IesProfile::load(file, [&](const alabaster::Diagnostic& d) {
-      reports.push_back(d);
-      if (sink_) sink_(d);
-    });
+    const auto loaded = IesProfile::load(
+        file,
+        [&](const alabaster::Diagnostic& d) {
+          reports.push_back(d);
+          if (sink_) sink_(d);
+        },
+        within);
     if (loaded) return held = {std::move(state), loaded}, loaded;
     failure = {SceneFault{true, "the IES profile '" + file + "' could not be read"}, std::move(reports)};
     failed_profiles_.keep(source, std::move(state), *failure);

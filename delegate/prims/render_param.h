@@ -54,8 +54,9 @@ class SceneParam final : public RenderParam {
   /// Within run() only. Throws BuildCancelled while it decodes.
   std::shared_ptr<const Texture> texture(const TextureSource& source, std::optional<SceneFault>* fault,
                                          const alabaster::DiagnosticSink& sink, const CancelToken& cancel);
-  /// The same for an IES profile, which lights share.
-  std::shared_ptr<const IesProfile> profile(const std::string& file, std::optional<SceneFault>* fault);
+  /// The same for an IES profile, which lights share. `within`: as of an AssetPath.
+  std::shared_ptr<const IesProfile> profile(const std::string& file, const std::string& within,
+                                            std::optional<SceneFault>* fault);
   /// Texels that were in the file of `textureMemory` are gone (reported): they are black.
   bool has_lost_texels() const { return texels_->failed(); }
   /// Reads an image again for a prim, and posts the new record if the prim uses that file; kept until the prim is gone.
@@ -130,8 +131,8 @@ class SceneParam final : public RenderParam {
   std::atomic<size_t> edits_{0};
   std::atomic<int> failed_{0};
   std::array<Shard, 16> shards_;
-  std::mutex profiles_mutex_;  // held while one is read
-  std::map<std::string, HeldProfile> profiles_;
+  std::mutex profiles_mutex_;                                            // held while one is read
+  std::map<std::pair<std::string, std::string>, HeldProfile> profiles_;  // by name and folder
   FailedFiles failed_images_, failed_profiles_;
   mutable std::mutex mutex_;  // guards what follows, for look-ups only
   std::multimap<std::string, HeldTexture> textures_;

@@ -1,16 +1,14 @@
 #include "delegate/rendering/checkpoint_file.h"
 
 #include <array>
-#include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 
 #include "core/digest/digest.h"
 #include "core/integrator/path_integrator.h"
 #include "delegate/api/render_delegate.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/scene_digest.h"
+#include "delegate/rendering/checkpoint_header.h"
 #include "delegate/support/output_file.h"
 
 namespace alabaster::hd::rendering {
@@ -20,7 +18,6 @@ using nlohmann::json;
 
 // The number rises whenever the state or the header changes its meaning.
 constexpr std::string_view kMagic = "Alabaster checkpoint 4\n", kAnyMagic = "Alabaster checkpoint ";
-constexpr size_t kMostHeader = size_t(64) << 20;
 
 struct BlockHead {
   uint64_t size = 0, checksum = 0;
@@ -173,17 +170,18 @@ std::string write_checkpoint(const std::string& file, const CheckpointHeader& he
   });
 }
 
-CheckpointReader::CheckpointReader(const std::string& file) : file_(file, std::ios::binary) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  if (!file_ || error) {
-    const int reason = error ? error.value() : errno;
-    fault_ =
-        reason == ENOENT ? "there is no such file" : "it cannot be read: " + std::generic_category().message(reason);
+CheckpointReader::CheckpointReader(const std::string& file, const std::shared_ptr<MemoryBudget>& memory)
+    : file_(file), held_(memory, MemoryUse::frames) {
+  if (!file_) {
+    fault_ = file_.fault() == InputFile::Fault::missing ? "there is no such file" : file_.reason();
     return;
   }
-  left_ = size;
-  read_header();
+  left_ = file_.size();
+  try {
+    read_header();
+  } catch (const MemoryRefused& e) {
+    fail(e.what());
+  }
 }
 
 bool CheckpointReader::fail(const std::string& fault) {
@@ -193,30 +191,31 @@ bool CheckpointReader::fail(const std::string& fault) {
 
 bool CheckpointReader::read_header() {
   std::string magic(std::min(kMagic.size(), left_), ' ');
-  file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
-  left_ -= magic.size();
+  if (!take(magic.data(), magic.size())) return false;
   if (!magic.starts_with(kAnyMagic)) return fail("it is not a checkpoint");
   if (magic != kMagic) return fail("it is a checkpoint of another version of Alabaster, in another format");
   std::vector<std::byte> block;
-  if (!next(kMostHeader, &block)) return false;
-  const char* const text = reinterpret_cast<const char*>(block.data());
-  header_ = json::parse(text, text + block.size(), nullptr, false);
-  return header_.is_object() || fail("it is damaged: its header is not JSON");
+  if (!next(kMostHeaderBytes, &block)) return false;
+  const std::string fault =
+      parse_checkpoint_header({reinterpret_cast<const char*>(block.data()), block.size()}, &held_, &header_);
+  return fault.empty() || fail(fault);
+}
+
+bool CheckpointReader::take(void* out, size_t size) {
+  if (!file_.read(file_.size() - left_, out, size)) return fail("it cannot be read");
+  left_ -= size;
+  return true;
 }
 
 bool CheckpointReader::next(size_t most, std::vector<std::byte>* block) {
   BlockHead head;
   if (!fault_.empty()) return false;
   if (left_ < sizeof head) return fail("it is damaged: it ends too early");
-  file_.read(reinterpret_cast<char*>(&head), sizeof head);
-  left_ -= sizeof head;
-  if (!file_) return fail("it cannot be read");
+  if (!take(&head, sizeof head)) return false;
   if (head.size > left_) return fail("it is damaged: it ends too early");
   if (head.size > most) return fail("it is damaged: block " + std::to_string(number_) + " is too large");
   block->resize(head.size);
-  file_.read(reinterpret_cast<char*>(block->data()), static_cast<std::streamsize>(head.size));
-  left_ -= head.size;
-  if (!file_) return fail("it cannot be read");
+  if (!take(block->data(), block->size())) return false;
   if (checksum(*block, number_) != head.checksum)
     return fail("it is damaged: the checksum of block " + std::to_string(number_) + " is wrong");
   ++number_;

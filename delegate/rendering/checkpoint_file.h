@@ -3,10 +3,11 @@
 // endian.
 #pragma once
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/files/input_file.h"
+#include "core/memory/memory_budget.h"
 #include "core/session/render_state.h"
 #include "core/session/tile_renderer.h"
 
@@ -20,6 +21,9 @@ namespace alabaster::hd::rendering {
 /// Besides, which a render may differ in: samples [first, end], complete flag, note text.
 using CheckpointHeader = nlohmann::json;
 
+/// A longer note is neither written nor read.
+inline constexpr size_t kMostNoteBytes = size_t(64) << 10;
+
 /// The header of a request. `scene`: digest_scene() of what request.scene was compiled from.
 CheckpointHeader checkpoint_header(const RenderRequest& request, const std::map<std::string, std::string>& scene);
 
@@ -31,13 +35,16 @@ std::string checkpoint_difference(const CheckpointHeader& file, const Checkpoint
 std::string write_checkpoint(const std::string& file, const CheckpointHeader& header,
                              const std::function<bool(const BlockSink&)>& write);
 
-/// Reads a file, whatever it holds: nothing of it is trusted.
+/// Reads a regular file, whatever it holds: nothing of it is trusted.
 class CheckpointReader {
  public:
-  /// Reads the header. fault() says why the file cannot be read, and is empty if it can.
-  explicit CheckpointReader(const std::string& file);
+  /// Reads the header, which `memory` holds as long as the reader. fault() says why the file cannot be read, and is
+  /// empty if it can.
+  CheckpointReader(const std::string& file, const std::shared_ptr<MemoryBudget>& memory);
   const CheckpointHeader& header() const { return header_; }
   const std::string& fault() const { return fault_; }
+  /// The reservation of the header, to keep with a copy of it.
+  MemoryReservation take_memory() { return std::move(held_); }
   /// The next block, for read_state().
   BlockSource source();
   /// After the last block: notes a fault unless the file ends here. `read`: the answer of read_state().
@@ -47,8 +54,10 @@ class CheckpointReader {
   bool next(size_t most, std::vector<std::byte>* block);
   bool fail(const std::string& fault);
   bool read_header();
+  bool take(void* out, size_t size);
 
-  std::ifstream file_;
+  InputFile file_;
+  MemoryReservation held_;
   size_t left_ = 0;
   uint64_t number_ = 0;  // of the next block
   CheckpointHeader header_;

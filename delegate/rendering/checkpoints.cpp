@@ -75,6 +75,7 @@ std::string Checkpoints::write(const RenderCore& core, const std::string& file, 
   if (!request || !request->scene || !pass) return "nothing has been rendered";
   const auto scene = core.scene(request->scene);
   if (!scene) return "the scene has changed since it was rendered";
+  if (note.size() > kMostNoteBytes) return "the note is longer than " + std::to_string(kMostNoteBytes) + " bytes";
   CheckpointHeader header = checkpoint_header(*request, *digests_of(*scene));
   header["samples"] = samples_of(*request);
   header["complete"] = pass->progress().state == SessionState::finished;
@@ -96,13 +97,14 @@ std::string read(CheckpointReader* reader, const MemoryBudget& memory, RenderSta
 
 }  // namespace
 
-std::string Checkpoints::resume(const std::string& file, const MemoryBudget& memory) {
+std::string Checkpoints::resume(const std::string& file, const Memory& memory) {
   set_pending(nullptr, false);
   if (file.empty()) return {};
-  CheckpointReader reader(file);
+  CheckpointReader reader(file, memory);
   auto state = std::make_shared<RenderState>();
-  if (std::string fault = read(&reader, memory, state.get()); !fault.empty()) return fault;
-  set_pending(std::make_shared<const Pending>(Pending{file, reader.header(), std::move(state)}), false);
+  if (std::string fault = read(&reader, *memory, state.get()); !fault.empty()) return fault;
+  set_pending(std::make_shared<const Pending>(Pending{file, reader.header(), std::move(state), reader.take_memory()}),
+              false);
   return {};
 }
 
@@ -123,8 +125,9 @@ std::string measure_pixels(CheckpointReader* reader, const MemoryBudget& memory,
 
 }  // namespace
 
-std::string Checkpoints::describe(const std::string& file, const MemoryBudget* measure, Dictionary* description) {
-  CheckpointReader reader(file);
+std::string Checkpoints::describe(const std::string& file, bool measure, const Memory& memory,
+                                  Dictionary* description) {
+  CheckpointReader reader(file, memory);
   if (!reader.fault().empty()) return reader.fault();
   const SampleRange range = range_of(reader.header());
   if (const std::string fault = range_fault(range); !fault.empty()) return fault;
@@ -132,7 +135,7 @@ std::string Checkpoints::describe(const std::string& file, const MemoryBudget* m
   (*description)["samples"] = static_cast<int64_t>(range.end);
   (*description)["complete"] = is_complete(reader.header());
   (*description)["note"] = note_of(reader.header());
-  return measure ? measure_pixels(&reader, *measure, description) : std::string();
+  return measure ? measure_pixels(&reader, *memory, description) : std::string();
 }
 
 namespace {
@@ -144,10 +147,11 @@ struct Part {
 };
 
 // In the order of their samples. Empty, with the reason in *fault, if they are not all samples of one frame.
-std::vector<Part> open_parts(const Array<std::string>& files, std::string* fault) {
+std::vector<Part> open_parts(const Array<std::string>& files, const std::shared_ptr<MemoryBudget>& memory,
+                             std::string* fault) {
   std::vector<Part> parts;
   for (const std::string& file : files) {
-    auto reader = std::make_unique<CheckpointReader>(file);
+    auto reader = std::make_unique<CheckpointReader>(file, memory);
     *fault = reader->fault();
     if (fault->empty() && !is_complete(reader->header()))
       *fault = "it does not have all samples of its part yet; let its render end first (--resume)";
@@ -176,22 +180,23 @@ std::vector<Part> open_parts(const Array<std::string>& files, std::string* fault
 
 }  // namespace
 
-std::string Checkpoints::show(const Array<std::string>& files, const MemoryBudget& memory) {
+std::string Checkpoints::show(const Array<std::string>& files, const Memory& memory) {
   set_pending(nullptr, false);
   if (files.empty()) return {};
   std::string fault;
-  const std::vector<Part> parts = open_parts(files, &fault);
+  const std::vector<Part> parts = open_parts(files, memory, &fault);
   if (!fault.empty()) return fault;
   auto state = std::make_shared<RenderState>();
   for (const Part& part : parts) {
     CheckpointReader& reader = *part.reader;
     if (&part == parts.data())
-      fault = read(&reader, memory, state.get());
+      fault = read(&reader, *memory, state.get());
     else
       reader.finish(append_state(reader.source(), state.get())), fault = reader.fault();
     if (!fault.empty()) return in_quotes(part.file) + ": " + fault;
   }
-  set_pending(std::make_shared<const Pending>(Pending{parts[0].file, parts[0].reader->header(), std::move(state)}),
+  set_pending(std::make_shared<const Pending>(
+                  Pending{parts[0].file, parts[0].reader->header(), std::move(state), parts[0].reader->take_memory()}),
               true);
   return {};
 }

@@ -28,7 +28,8 @@ hd::RenderDelegate* create(const hd::DelegateOptions& options, const DiagnosticS
   hd::Dictionary settings = options.settings;
   const auto ocio = settings.find("ocio");
   const std::string config = ocio == settings.end() ? std::string() : ocio->second.text_or("");
-  auto colors = ColorConfig::load(config, sink);
+  const auto* const named = ocio == settings.end() ? nullptr : ocio->second.get<hd::AssetPath>();
+  auto colors = ColorConfig::load(config, sink, named ? named->within : std::string());
   auto memory = std::make_shared<MemoryBudget>(hd::support::default_memory_limit());
   auto device = colors ? make_trace_device(sink, memory) : nullptr;
   if (!device) return nullptr;  // both have reported why

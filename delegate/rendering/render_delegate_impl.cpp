@@ -208,7 +208,7 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
     }
     if (command == Token("flush")) core_->param->reload({}), value = std::string();
     Checkpoints& checkpoints = core_->checkpoints;
-    const MemoryBudget& memory = *core_->param->memory();
+    const std::shared_ptr<MemoryBudget> memory = core_->param->memory();
     if (command == Token("writeCheckpoint")) value = checkpoints.write(*core_, text("file"), text("note"));
     if (command == Token("resumeCheckpoint")) value = checkpoints.resume(text("file"), memory);
     if (command == Token("showCheckpoints")) {
@@ -220,7 +220,7 @@ Value RenderDelegateImpl::InvokeCommand(const Token& command, const Dictionary& 
       Dictionary description;
       const auto measure = arguments.find("measure");
       const bool measured = measure != arguments.end() && measure->second.get_or(false);
-      const std::string fault = Checkpoints::describe(text("file"), measured ? &memory : nullptr, &description);
+      const std::string fault = Checkpoints::describe(text("file"), measured, memory, &description);
       if (fault.empty())
         value = std::make_shared<const Dictionary>(std::move(description));
       else

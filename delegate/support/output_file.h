@@ -13,13 +13,16 @@ namespace alabaster::hd::support {
 enum class Flush { disk, none };
 
 /// Checks, before there is anything to write, that `file` can be written: its folder, its name, its permissions and its
-/// kind. Returns nothing if so, else the reason with its remedy. The file is left as it is.
-std::string OutputFault(const std::string& file);
+/// kind. Returns nothing if so, else the reason with its remedy. The file is left as it is. `within`: a real path
+/// (core/files/real_path.h) of a folder that the file must lie in or below, links followed; empty: anywhere.
+std::string OutputFault(const std::string& file, const std::string& within = {});
 
 /// Writes `bytes` to a file that nobody sees before it is complete. Returns nothing on success, else the reason; a
 /// regular file is then as it was before. Where the file system has files without a name, a process that is killed
-/// leaves nothing behind; elsewhere the next write into the folder removes what is left. Any thread.
-std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush = Flush::disk);
+/// leaves nothing behind; elsewhere the next write into the folder removes what is left. `within`: as in OutputFault;
+/// it is judged as the folder is opened that the file is then written in. Any thread.
+std::string WriteOutputFile(const std::string& file, std::span<const uint8_t> bytes, Flush flush = Flush::disk,
+                            const std::string& within = {});
 
 /// Writes `bytes`, which `file` did not take, to a file of the same name in a new folder of the system's temporary one.
 /// Returns the path, or nothing where that fails too. Any thread.

@@ -2,10 +2,9 @@
 
 #include <cctype>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/files/input_file.h"
 #include "delegate/support/output_file.h"
 
 namespace alabaster::tradeoff {
@@ -82,10 +81,11 @@ std::string StudyStore::open(const fs::path& folder, bool restart) {
   fs::create_directories(folder, error);
   if (error) return folder.string() + " cannot be made: " + error.message() + ". Choose another folder with -o.";
   if (restart) return clear();
-  std::ifstream file(folder / "state.json", std::ios::binary);
-  if (!file) return "";
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!parse(text))
+  const InputFile file(folder / "state.json");
+  if (file.fault() == InputFile::Fault::missing) return "";
+  std::string text;
+  if (!file) return (folder / "state.json").string() + ": " + file.reason() + ".";
+  if (!file.read(&text) || !parse(text))
     return (folder / "state.json").string() +
            " is damaged or from another version: start afresh with --restart, or choose another folder with -o.";
   std::erase_if(renders_, [&](const StoredRender& render) {
@@ -170,13 +170,13 @@ std::string StudyStore::save() const {
 
 std::optional<Image> StudyStore::read(const std::string& name, const std::string& expected_checksum) const {
   if (name.empty() || fs::path(name).has_parent_path()) return std::nullopt;  // state.json may have been edited
-  std::ifstream file(folder_ / name, std::ios::binary);
+  const InputFile file(folder_ / name);
   Image image{identity.width, identity.height, {}};
+  const size_t size = 3 * image.pixels() * sizeof(float);
+  if (!file || file.size() != size) return std::nullopt;
   image.rgb.resize(3 * image.pixels());
-  const auto size = static_cast<std::streamsize>(image.rgb.size() * sizeof(float));
-  if (!file.read(reinterpret_cast<char*>(image.rgb.data()), size) || file.peek() != std::ifstream::traits_type::eof())
-    return std::nullopt;
-  if (checksum(image.rgb.data(), static_cast<size_t>(size)) != expected_checksum) return std::nullopt;
+  if (!file.read(0, image.rgb.data(), size)) return std::nullopt;
+  if (checksum(image.rgb.data(), size) != expected_checksum) return std::nullopt;
   return image;
 }
 

@@ -4,10 +4,10 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/files/input_file.h"
 #include "delegate/support/output_file.h"
 #include "delegate/view/backdrop_model.h"
 #include "delegate/view/load_options_json.h"
@@ -146,8 +146,9 @@ class Description {
       document_ = {{"gltf", {{{"file", base_.filename().string()}}}}};
       return true;
     }
-    std::ifstream stream(base_);
-    document_ = json::parse(stream, nullptr, false);
+    const InputFile file(base_);
+    std::string text;
+    if (file && file.read(&text)) document_ = json::parse(text, nullptr, false);
     if (!document_.is_object())
       return fail("The scene's description, " + base_.string() + ", is gone or no longer whole: restore it.");
     return true;

@@ -26,6 +26,7 @@ void run_ocio(Bytes input);          // an OpenColorIO config
 void run_checkpoint(Bytes input);    // edits of a checkpoint, whose checksums are then made right
 void run_job(Bytes input);           // names and options in the jobs of a farm
 void run_c_api(Bytes input);         // calls of a host of the C interface, right and wrong ones
+void run_path(Bytes input);          // names of files with placeholders and links, in scene files
 
 inline constexpr Target kTargets[] = {
     {"gltf", run_gltf},
@@ -39,6 +40,7 @@ inline constexpr Target kTargets[] = {
     {"checkpoint", run_checkpoint},
     {"job", run_job},
     {"c_api", run_c_api},
+    {"path", run_path},
 };
 
 }  // namespace alabaster::fuzz

@@ -10,7 +10,7 @@ import pathlib
 import re
 import sys
 
-CORE_ROOMS = ["diagnostics", "memory", "digest", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
+CORE_ROOMS = ["diagnostics", "memory", "digest", "files", "math", "color", "parameter", "sampling", "images", "texture", "geometry", "camera", "film",
               "denoise", "convergence", "material", "subsurface", "light", "scene", "integrator", "session"]
 CONTRACT = ["api", "host", "gltf", "description"]  # rooms with installed headers
 DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides itself
@@ -31,10 +31,14 @@ DELEGATE_ROOMS = {  # room -> the rooms of delegate that it may include besides 
 CORE_SEEN_BY = {  # room of delegate -> the rooms of core that it may include
     "prims": CORE_ROOMS,
     "rendering": CORE_ROOMS,
-    "host": ["color", "film", "images", "math"],
+    "support": ["files"],
+    "host": ["color", "film", "files", "images", "math"],
     "c_api": ["math"],
-    "gltf": ["images", "material", "math", "memory", "subsurface", "texture"],
-    "description": ["math", "memory", "texture"],
+    "gltf": ["files", "images", "material", "math", "memory", "subsurface", "texture"],
+    "description": ["files", "math", "memory", "texture"],
+    "tradeoff": ["files"],
+    "cli": ["files"],
+    "view": ["files"],
 }
 OWNERS = {  # pattern of an include -> files that may have it
     r"embree[34]/": ["core/geometry/"],

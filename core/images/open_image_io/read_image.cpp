@@ -1,4 +1,8 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 
 #include "core/images/open_image_io/functions.h"
 
@@ -59,17 +63,22 @@ class Input final : public ImageInput {
     }
     OIIO::ImageSpec request;
     request["oiio:UnassociatedAlpha"] = 1;
-    if (!source.bytes.empty()) {
-      if (!input_->supports("ioproxy")) {
+    std::string name = source.path;
+    if (!input_->supports("ioproxy")) {
+      if (source.descriptor < 0) {
         fault = {"texture.format", source.format + " images cannot be embedded; use PNG or JPEG, or a file"};
         return false;
       }
-      proxy_ = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<uint8_t*>(source.bytes.data()),
-                                                               source.bytes.size());
+      name = "/proc/self/fd/" + std::to_string(source.descriptor);
+    } else {
+      if (source.descriptor < 0)
+        proxy_ = std::make_unique<OIIO::Filesystem::IOMemReader>(source.bytes.data(), source.bytes.size());
+      else if (!open_file(source.descriptor, fault))
+        return false;
       input_->set_ioproxy(proxy_.get());
     }
     OIIO::ImageSpec spec;
-    if (!input_->open(source.path, spec, request)) {
+    if (!input_->open(name, spec, request)) {
       fault = {"texture.damaged", input_->geterror() + "; export or copy the image again"};
       return false;
     }
@@ -106,6 +115,16 @@ class Input final : public ImageInput {
                               type, data);
   }
 
+  // OpenImageIO's JPEG reader takes the proxy's file, so it is one of OpenImageIO's own kind.
+  bool open_file(int descriptor, ImageFault& fault) {
+    const int own = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+    file_.reset(own < 0 ? nullptr : ::fdopen(own, "rb"));
+    if (!file_ && own >= 0) ::close(own);
+    if (file_) proxy_ = std::make_unique<OIIO::Filesystem::IOFile>(file_.get(), OIIO::Filesystem::IOProxy::Read);
+    if (!file_) fault = {"texture.unreadable", "too many files are open; close some, or raise their limit (ulimit -n)"};
+    return file_ != nullptr;
+  }
+
   // Where OpenImageIO converts the pixels itself it allocates 256 rows at least, however long they are and however few
   // the image has. Asked for an unknown type it hands out its own.
   bool read_scanlines(int begin, int end, std::vector<float>& pixels) {
@@ -135,8 +154,12 @@ class Input final : public ImageInput {
   }
 
   std::vector<uint8_t> native_;  // rows in the file's type
-  // The input reads through the proxy and must be closed before it goes.
-  std::unique_ptr<OIIO::Filesystem::IOMemReader> proxy_;
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  // The input reads through the proxy, and that from the file: they are closed in this order.
+  std::unique_ptr<std::FILE, CloseFile> file_;
+  std::unique_ptr<OIIO::Filesystem::IOProxy> proxy_;
   std::unique_ptr<OIIO::ImageInput> input_;
 };
 

@@ -83,7 +83,10 @@ void HydraDelegate::SetRenderSetting(const pxr::TfToken& key, const pxr::VtValue
   HdRenderDelegate::SetRenderSetting(key, value);
   const Setting setting = TranslateSetting(ToToken(key), ToValue(value), settings_);
   host_settings_[setting.key] = setting.value;
-  if (!scene_settings_.contains(setting.key)) apply(setting);
+  const auto scene = scene_settings_.find(setting.key);
+  apply(scene == scene_settings_.end()
+            ? setting
+            : Setting{setting.key, WithinHostLimits(setting.key, scene->second, setting.value)});
 }
 
 bool HydraDelegate::is_for_scenes(const hd::Token& key) const {
@@ -99,6 +102,9 @@ void HydraDelegate::SetSceneSettings(const pxr::SdfPath& prim, const pxr::VtDict
       param_->warn(prim, "settings.unknown", "the renderer has no setting '" + key + "' for scenes; it is ignored");
     else if (!setting.value.empty())
       now[setting.key] = setting.value;
+    if (const hd::Value host = host_setting(setting.key); WithinHostLimits(setting.key, setting.value, host) == host &&
+                                                          !(setting.value == host) && !setting.value.empty())
+      param_->warn(prim, "settings.limit", "the application's " + setting.key.str() + " is lower, and holds");
   }
   settings_prim_ = prim;
   apply_scene(std::move(now));
@@ -114,7 +120,7 @@ void HydraDelegate::DropSceneSettings(const pxr::SdfPath& prim) {
 void HydraDelegate::apply_scene(std::map<hd::Token, hd::Value> now) {
   for (const auto& [key, value] : scene_settings_)
     if (!now.contains(key)) apply({key, host_setting(key)});
-  for (const auto& [key, value] : now) apply({key, value});
+  for (const auto& [key, value] : now) apply({key, WithinHostLimits(key, value, host_setting(key))});
   scene_settings_ = std::move(now);
 }
 

@@ -266,6 +266,7 @@ TEST(ColorConfig, WithoutInterchangeRolesRec709IsAssumedAndSaid) {
 TEST(ColorConfig, ConfigurationsThatNeverEndAreRefused) {
   const Folder folder;
   ASSERT_EQ(::mkfifo((folder / "fifo.cube").c_str(), 0600), 0);
+  folder.write("refers.ctf", "<ProcessList version='1.7' id='r'><Reference path='fifo.cube'/></ProcessList>");
   const auto space = [](const std::string& name, const std::string& transform) {
     return "  - !<ColorSpace>\n    name: " + name + "\n    from_scene_reference: " + transform + "\n";
   };
@@ -295,7 +296,8 @@ TEST(ColorConfig, ConfigurationsThatNeverEndAreRefused) {
       {space("look", "!<DisplayViewTransform> {src: AP1, display: Screen, view: Looked}") +
            "looks:\n  - !<Look> {name: l, process_space: look}\n",
        "made of itself"},
-      {space("pipe", "!<FileTransform> {src: " + (folder / "fifo.cube") + "}"), "not a regular file"}};
+      {space("pipe", "!<FileTransform> {src: " + (folder / "fifo.cube") + "}"), "not a regular file"},
+      {space("further", "!<FileTransform> {src: " + (folder / "refers.ctf") + "}"), "refers to other files"}};
   for (const auto& [spaces, said] : cases) {
     Reports reports;
     std::string text = foreign_config("  aces_interchange: AP0\n", spaces);

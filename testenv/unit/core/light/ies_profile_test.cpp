@@ -130,7 +130,9 @@ TEST(IesProfile, MalformedFilesAreRefusedByName) {
   }
   testing::Reports reports;
   EXPECT_FALSE(IesProfile::load("/nowhere/lamp.ies", reports.sink));
-  EXPECT_NE(reports.text().find("cannot be read"), std::string::npos);
+  EXPECT_FALSE(IesProfile::load("/dev/zero", reports.sink));
+  EXPECT_NE(reports.text().find("regular file"), std::string::npos) << reports.text();
+  EXPECT_NE(reports.text().find("no such file"), std::string::npos);
 }
 
 // A point light of intensity 1 gives the profile's candela: down is local -z, horizontal 0 is +x, 90 is +y.

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/files/real_path.h"
 #include "core/texture/texture.h"
 #include "testenv/support/reports.h"
 
@@ -51,6 +52,29 @@ TEST_F(Udim, FindsTheFilesByTheirNumbers) {
   EXPECT_EQ(tiles[2].path, (folder_ / "skin.1012.exr").string());
   EXPECT_TRUE(udim_tiles((folder_ / "skin.1001.exr").string()).empty());
   EXPECT_TRUE(udim_tiles((folder_ / "none" / "skin.<UDIM>.exr").string()).empty());
+}
+
+// A tile is judged by its own name: the pattern names no file.
+TEST_F(Udim, ATileOutsideTheAllowedFolderIsRefused) {
+  fs::create_directories(folder_ / "in");
+  write("in/a.1001.exr", 1, 2);
+  write("in/linked.exr", 3, 4);
+  write("secret.exr", 5, 6);
+  fs::create_symlink(folder_ / "in" / "linked.exr", folder_ / "in" / "a.1002.exr");
+  TextureSource source;
+  source.path = (folder_ / "in" / "a.<UDIM>.exr").string();
+  source.may_be_set = true;
+  source.within = allowed_folder((folder_ / "in").string());
+  const auto loaded = [&] {
+    return load_texture(source, *ColorConfig::load("built-in", {}), reports_.sink) != nullptr;
+  };
+  EXPECT_TRUE(loaded()) << reports_.text();
+  fs::create_symlink("../secret.exr", folder_ / "in" / "a.1003.exr");
+  EXPECT_FALSE(loaded());
+  EXPECT_NE(reports_.text().find("outside the folder"), std::string::npos) << reports_.text();
+  EXPECT_FALSE(is_image(source, reports_.sink));
+  source.within.clear();
+  EXPECT_TRUE(loaded()) << reports_.text();
 }
 
 TEST_F(Udim, EachSquareShowsItsOwnImage) {

@@ -1,6 +1,10 @@
 // Checkpoints and parts of frames, from outside.
 #include <OpenImageIO/imageio.h>
 
+#include <cstring>
+#include <span>
+
+#include "core/digest/digest.h"
 #include "testenv/unit/delegate/cli/run_program.h"
 #include "testenv/unit/delegate/description/scene_fixture.h"
 
@@ -70,6 +74,26 @@ TEST_F(CheckpointTest, PartsMergeToTheFilesOfOneRender) {
   ASSERT_EQ(render({"--samples", "5:9", "--checkpoint", "d", "--aov", "normal", "--seed", "4"}), 0) << said_;
   EXPECT_EQ(run({"merge", "a", "d", "-o", "sum.exr"}), 3);
   EXPECT_TRUE(says("'d' is of another render than 'a': setting seed was 4 and is 0")) << said_;
+}
+
+// Under the limit of 1 MiB that this note sets, the sum of the parts would be refused.
+TEST_F(CheckpointTest, ANoteSetsNoLimits) {
+  ASSERT_EQ(run({"render", "lit.gltf", "--size", "300x200", "--samples", "0:1", "--checkpoint", "part"}), 0) << said_;
+  std::ostringstream text;
+  text << std::ifstream(folder_ / "part", std::ios::binary).rdbuf();
+  std::string all = text.str();
+  const std::string limit = R"(\"memoryLimit\":)";
+  const size_t at = all.find(limit);
+  ASSERT_NE(at, std::string::npos);
+  ASSERT_EQ(all[at + limit.size()], '0');
+  all[at + limit.size()] = '1';
+  constexpr size_t kMagic = 23, kHead = 16;  // delegate/rendering/checkpoint_file.h
+  uint64_t size = 0;
+  std::memcpy(&size, &all[kMagic], sizeof size);
+  const uint64_t sum = checksum(std::as_bytes(std::span(all).subspan(kMagic + kHead, size)), 0);
+  std::memcpy(&all[kMagic + sizeof size], &sum, sizeof sum);
+  std::ofstream(folder_ / "part", std::ios::binary | std::ios::trunc) << all;
+  EXPECT_EQ(run({"merge", "part", "-o", "sum.exr"}), 0) << said_;
 }
 
 // Parts that do not begin at sample 0 are pictures of their own, and the error of the mean of two is the root of the

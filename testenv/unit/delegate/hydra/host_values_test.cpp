@@ -60,6 +60,21 @@ TEST_F(Settings, HaveNamesOfSeveralHosts) {
   EXPECT_EQ(TranslateSetting("houdini:interactive", "x", known_).key, hd::Token("houdini:interactive"));
 }
 
+// A stage comes from a stranger as any scene does.
+TEST(HydraValues, AScenesLimitsOnlyTightenTheHosts) {
+  const hd::Value none(0.0f), low(5.0f), high(100.0f);
+  EXPECT_EQ(WithinHostLimits("timeLimit", low, high), low);
+  EXPECT_EQ(WithinHostLimits("timeLimit", high, low), low);
+  EXPECT_EQ(WithinHostLimits("timeLimit", none, low), low);
+  EXPECT_EQ(WithinHostLimits("timeLimit", low, none), low);
+  EXPECT_EQ(WithinHostLimits("timeLimit", none, none), none);
+  EXPECT_EQ(WithinHostLimits("memoryLimit", high, low), low);
+  EXPECT_EQ(WithinHostLimits("memoryLimit", none, low), low);
+  EXPECT_EQ(WithinHostLimits("memoryLimit", low, none), low);
+  EXPECT_EQ(WithinHostLimits("memoryLimit", int64_t(1) << 40, none), none) << "above the default";
+  EXPECT_EQ(WithinHostLimits("samples", high, low), high);
+}
+
 TEST(HydraValues, ProgressIsADouble) {
   const hd::Dictionary made = HostStatistics({{"percentDone", 12.5f}, {"samplesTotal", int64_t(4)}});
   EXPECT_EQ(made.at("percentDone"), hd::Value(12.5));

@@ -1,7 +1,9 @@
 // The commands of checkpoints, and what they refuse.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -210,6 +212,96 @@ TEST_F(Checkpoints, AFrameThatTheMemoryLimitDoesNotHoldIsRefused) {
   }
   small.stage.delegate->SetRenderSetting("memoryLimit", 64);
   EXPECT_EQ(small.command("resumeCheckpoint", {{"file", file_}}), "");
+}
+
+// As the file's first block, with the right checksum.
+std::string with_header(const std::string& all, const std::string& header) {
+  constexpr size_t kMagic = 23, kHead = 16;
+  uint64_t old = 0, size = header.size(), sum = checksum(std::as_bytes(std::span(header)), 0);
+  std::memcpy(&old, all.data() + kMagic, sizeof old);
+  std::string head(kHead, ' ');
+  std::memcpy(head.data(), &size, sizeof size);
+  std::memcpy(head.data() + sizeof size, &sum, sizeof sum);
+  return all.substr(0, kMagic) + head + header + all.substr(kMagic + kHead + old);
+}
+
+std::string header_of(const std::string& all) {
+  uint64_t size = 0;
+  std::memcpy(&size, all.data() + 23, sizeof size);
+  return all.substr(23 + 16, size);
+}
+
+// A header is what a render writes, and nothing deeper or longer: parsed as any JSON, such files took gigabytes.
+TEST_F(Checkpoints, AHeaderThatDescribesNoRenderIsRefusedEarly) {
+  const std::string all = (written(), bytes()), header = header_of(all), open = header.substr(0, header.size() - 1);
+  const auto times = [](const std::string& text, size_t count) {
+    std::string many;
+    for (size_t i = 0; i < count; ++i) many += text;
+    return many;
+  };
+  std::string digests, unknown;
+  for (int i = 0; i < 2000; ++i) {
+    digests += "\"" + std::to_string(i) + "\":\"" + std::string(31, '0') + "\",";
+    unknown += "\"" + std::to_string(i) + "\":\"\",";
+  }
+  const Frame frame;
+  const std::string bad[] = {times("[", 20'000'000),
+                             "[" + times("{},", 7'000'000) + "{}]",
+                             times("{\"a\":", 4'000'000),
+                             open + ",\"more\":" + times("[", 20'000'000),
+                             open + ",\"more\":1}",
+                             open + ",\"samples\":[0,1,2]}",
+                             open + ",\"samples\":[[0],1]}",
+                             open + ",\"note\":\"" + std::string(100'000, 'x') + "\"}",
+                             open + ",\"scene\":{" + digests + "\"\":\"\"}}",
+                             open + ",\"settings\":{" + unknown + "\"\":\"\"}}",
+                             "null",
+                             ""};
+  for (const std::string& text : bad) {
+    replace(with_header(all, text));
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_EQ(frame.command("describeCheckpoint", {{"file", file_}}),
+              "it is damaged: its header does not describe a render")
+        << text.substr(0, 60);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 5);
+  }
+  replace(with_header(all, header));
+  EXPECT_EQ(frame.command("resumeCheckpoint", {{"file", file_}}), "");
+}
+
+TEST_F(Checkpoints, TheMemoryLimitHoldsTheHeader) {
+  const std::string all = (written(), bytes()), header = header_of(all), scene = "\"scene\":{";
+  std::string many;
+  for (int i = 0; i < 100'000; ++i) many += "\"mesh /" + std::to_string(i) + "\":\"" + std::string(32, '0') + "\",";
+  std::string large = header;
+  large.insert(large.find(scene) + scene.size(), many);
+  replace(with_header(all, large));
+  const auto fault = [&](int mib) {
+    return Frame({{"samples", 1}, {"memoryLimit", mib}}).command("describeCheckpoint", {{"file", file_}});
+  };
+  EXPECT_NE(fault(16).find("the header of a checkpoint needs"), std::string::npos) << fault(16);
+  EXPECT_EQ(fault(256), "no text");  // a dictionary
+}
+
+// A FIFO or a device may have no end.
+TEST_F(Checkpoints, OnlyRegularFilesAreRead) {
+  ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
+  const Frame frame;
+  const std::pair<const char*, Dictionary> commands[] = {{"resumeCheckpoint", {{"file", file_}}},
+                                                         {"showCheckpoints", {{"files", Array<std::string>{file_}}}},
+                                                         {"describeCheckpoint", {{"file", file_}}},
+                                                         {"resumeCheckpoint", {{"file", std::string("/dev/zero")}}}};
+  for (const auto& [command, arguments] : commands)
+    EXPECT_NE(frame.command(command, arguments).find("not a regular file"), std::string::npos) << command;
+}
+
+TEST_F(Checkpoints, ALongNoteIsNotWritten) {
+  Frame frame;
+  frame.picture();
+  const std::string note((64 << 10) + 1, 'x');
+  EXPECT_NE(frame.command("writeCheckpoint", {{"file", file_}, {"note", note}}).find("note"), std::string::npos);
+  EXPECT_EQ(frame.command("writeCheckpoint", {{"file", file_}, {"note", note.substr(1)}}), "");
+  EXPECT_EQ(frame.command("describeCheckpoint", {{"file", file_}}), "no text");
 }
 
 TEST_F(Checkpoints, NothingIsWrittenWithoutARender) {

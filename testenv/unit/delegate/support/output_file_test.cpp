@@ -74,6 +74,37 @@ TEST_F(OutputFile, SymbolicLinksAreFollowed) {
   EXPECT_NE(OutputFault(path("circle")), "");
 }
 
+// An output of a file from a stranger stays in that file's folder, wherever its name leads.
+TEST_F(OutputFile, AFolderThatIsGivenIsNotLeft) {
+  fs::create_directories(folder_ / "in" / "below");
+  fs::create_directories(folder_ / "out");
+  put("out/precious", "before");
+  const std::string in = fs::canonical(folder_ / "in").string();
+  const auto write_in = [&](const std::string& name, const std::string& contents) {
+    return WriteOutputFile(path(name), {reinterpret_cast<const uint8_t*>(contents.data()), contents.size()},
+                           Flush::none, in);
+  };
+  fs::create_symlink("../out/precious", path("in/link"));
+  fs::create_symlink("../out/new", path("in/dangling"));
+  fs::create_directory_symlink("../out", path("in/folder"));
+  fs::create_symlink("/dev/null", path("in/device"));
+  for (const char* name : {"in/link", "in/dangling", "in/folder/new", "in/../out/precious", "out/new", "in/device"}) {
+    EXPECT_NE(OutputFault(path(name), in).find("outside the folder"), std::string::npos) << name;
+    EXPECT_NE(write_in(name, "after").find("outside the folder"), std::string::npos) << name;
+  }
+  EXPECT_EQ(text("out/precious"), "before");
+  EXPECT_FALSE(fs::exists(path("out/new")));
+  fs::create_symlink(folder_ / "in" / "below" / "target", path("in/absolute"));
+  for (const char* name : {"in/plain", "in/absolute", "in/below/../below/b"}) {
+    EXPECT_EQ(OutputFault(path(name), in), "") << name;
+    EXPECT_EQ(write_in(name, "written"), "") << name;
+  }
+  EXPECT_EQ(text("in/below/target"), "written");
+  EXPECT_TRUE(S_ISLNK(mode("in/absolute")));
+  ASSERT_EQ(::mkfifo(path("in/fifo").c_str(), 0600), 0);
+  EXPECT_NE(write_in("in/fifo", "nobody reads"), "");
+}
+
 TEST_F(OutputFile, AReadOnlyFileIsKept) {
   put("a", "before", 0444);
   EXPECT_NE(OutputFault(path("a")).find("read-only"), std::string::npos);
