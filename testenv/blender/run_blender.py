@@ -96,7 +96,7 @@ def widths(options, base, folder):
             "| | albedo | Cycles | ours over Cycles' | behind |", "| --- | --- | --- | --- | --- |"]
     for row in rows:
         theirs, ours = row["CYCLES"], row["ALABASTER"]
-        cells = (" ".join("-" if w is None else f"{w:.3f}" for w in theirs["widths"]),
+        cells = (" ".join("-" if not w else f"{w:.3f}" for w in theirs["widths"]),
                  " ".join(map(ratio, ours["widths"], theirs["widths"])), " ".join(map(ratio, ours["behind"], theirs["behind"])))
         text.append(f"| {row['case']} | {row['albedo']} | {' | '.join(cells)} |")
     print("\n".join(text))

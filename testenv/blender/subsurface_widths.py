@@ -121,10 +121,10 @@ def widths(column, half):
 
 
 def crossing(away, level, wanted):
-    """Where the level falls below `wanted`, between columns by its logarithm. None: beyond the film."""
+    """Where the level falls below `wanted`, between columns by its logarithm. None: beyond the film; 0: within the first column."""
     below = numpy.flatnonzero(level < wanted)
     if not len(below) or below[0] == 0:
-        return None
+        return 0.0 if len(below) else None
     i = below[0]
     high, low = numpy.log(max(level[i - 1], 1e-9)), numpy.log(max(level[i], 1e-9))
     share = (high - numpy.log(wanted)) / max(high - low, 1e-9)
@@ -139,9 +139,9 @@ def fitting(job, make):
         found, _ = widths(profile(job, "CYCLES", "look", max(job["samples"] // 8, 16)), half)
         tens = [one[1] for one in found]
         if None in tens:
-            half *= 3 if all(one[0] for one in found) else 0.2
+            half *= 3
         elif max(tens) < 0.1 * half:
-            half = 6 * max(tens)
+            half = max(6 * max(tens), 0.2 * half)
         else:
             return 5.5 * max(tens)
     return half
