@@ -268,7 +268,7 @@ template <class Build>
 
 TEST_F(EmbreeScene, ABuildThatMemoryDoesNotSufficeForIsNullAndReported) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  std::puts("skipped: sanitizers end the process when memory runs out");
+  GTEST_SKIP() << "sanitizers end the process when memory runs out";
 #else
   testing::FLAGS_gtest_death_test_style = "threadsafe";
   // 524288 triangles: 9.4 MB of buffers fit, the 16.8 MB of references that the build begins with do not.

@@ -324,7 +324,7 @@ bool must_be_refused(const std::string& path) {
 
 TEST(GltfInvalid, EveryInvalidAssetIsRefusedOrWarnedOf) {
   const std::string assets = assets_folder();
-  if (assets.empty()) return;
+  if (assets.empty()) GTEST_SKIP() << kNoAssets;
   size_t files = 0, refused = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(assets + "/invalid")) {
     const std::string path = entry.path().string(), extension = entry.path().extension().string();

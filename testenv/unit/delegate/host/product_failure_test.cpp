@@ -213,10 +213,7 @@ TEST_F(ProductFile, AFolderThatGoesAwayIsReported) {
 }
 
 TEST_F(ProductFile, AFolderWithoutPermissionIsRefused) {
-  if (::geteuid() == 0) {
-    std::printf("skipped: the superuser may write everywhere\n");
-    return;
-  }
+  if (::geteuid() == 0) GTEST_SKIP() << "the superuser may write everywhere";
   fs::create_directory(path("locked"));
   fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
   EXPECT_FALSE(check(product("locked/a.exr")));

@@ -126,10 +126,8 @@ TEST_F(OutputFile, AFifoIsWrittenIntoAndStaysOne) {
 }
 
 TEST_F(OutputFile, ADeviceIsWrittenIntoAndStaysOne) {
-  if (::mknod(path("null").c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) {
-    std::printf("skipped: only the superuser makes device nodes\n");
-    return;
-  }
+  if (::mknod(path("null").c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0)
+    GTEST_SKIP() << "only the superuser makes device nodes";
   EXPECT_EQ(write("null", "text"), "");
   EXPECT_TRUE(S_ISCHR(mode("null")));
   ASSERT_EQ(::mknod(path("block").c_str(), S_IFBLK | 0600, makedev(7, 200)), 0);
