@@ -5,15 +5,15 @@
 
 namespace alabaster {
 
-void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out) {
+void record_first_hit(const PathContext& context, const PathVertex& v, float distance, FilmSample* out) {
   out->alpha = 1;
   if (!(context.aovs & kClosestAovs)) return;
-  out->distance = hit.t;
+  out->distance = distance;
   out->camera_depth = context.camera.axial_depth(v.hit.p);
   out->depth = context.camera.clip_depth(out->camera_depth);
   out->prim_id = v.instance->prim_id;
-  out->instance_id = v.instance->id_of(hit);
-  out->element_id = v.instance->prototype->mesh.element(hit.triangle);
+  out->instance_id = v.instance->id_of(v.triangle);
+  out->element_id = v.instance->prototype->mesh.element(v.triangle.triangle);
   if (context.vectors) [[unlikely]]
     record_hit_vectors(context, v, out);
 }

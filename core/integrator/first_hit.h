@@ -5,8 +5,8 @@
 
 namespace alabaster {
 
-/// The values of the first surface, for the AOVs that are asked for.
-void record_first_hit(const PathContext& context, const PathVertex& v, const TriangleHit& hit, FilmSample* out);
+/// Sets the values of the first surface for the requested AOVs. `distance`: from the origin of the camera's ray to `v`.
+void record_first_hit(const PathContext& context, const PathVertex& v, float distance, FilmSample* out);
 
 /// The guides of a denoiser show what a mirror shows: they are those of the first surface that is none, tinted by the
 /// mirrors before it, or of the last mirror if the path meets nothing else. They go to `path.guides`.

@@ -275,6 +275,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
                  LayerSplit* split) {
   PathRecord* const record = record_of<kLayers>(context);
   bool is_vertex = path->depth > 0;  // where the ray begins
+  float passed = 0;                  // length of the segments up to boundaries that the path went straight through
   while (true) {
     // Trace the path's ray to the nearest surface.
     if (record) record->follow(path->ray, path->throughput, path->scatter_pdf);
@@ -303,13 +304,14 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     if (vertex.material.transmits() && !meet_boundary(&vertex, path, numbers.bsdf.data())) [[unlikely]] {
       if (record) record->sample_lobe(lobe_name(Lobe::straight), Rgb(1.0f), 1);
       path->ray.tmax = reach - hit.t;
+      passed += hit.t;
       path->passed_boundary = true;
       is_vertex = false;
       continue;
     }
 
     // Record the first hit and add the surface's emission; end at a hold-out or the depth limit.
-    if (path->depth == 0) record_first_hit(context, vertex, hit, first_hit);
+    if (path->depth == 0) record_first_hit(context, vertex, passed + hit.t, first_hit);
     if (path->guides) record_guides(context, vertex, *path);
     if (path->depth == 0 && vertex.instance->holdout) [[unlikely]]
       return hold_out(record, path, first_hit);

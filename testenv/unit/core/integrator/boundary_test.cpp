@@ -369,5 +369,24 @@ TEST(Boundary, TheFarPlaneCountsBehindAHiddenBoundary) {
   EXPECT_EQ(tracer.trace(0).color, Rgb(0.0f));
 }
 
+// The distance is that from the camera, through both hidden boundaries of the inner body: it decides which sample of a
+// pixel is closest, whose depth, position, motion and ids the pixel shows.
+TEST(Boundary, TheFirstHitBehindHiddenBoundariesHasItsDistanceFromTheCamera) {
+  for (const uint32_t inner_priority : {0u, 1u, 3u}) {
+    SceneBuilder b;
+    DisneyParameters outer = clear(1), inner = clear(1);
+    outer.priority = 2;
+    inner.priority = inner_priority;
+    b.add(b.prototype(slab_mesh(-20, 20, 30)), b.material(outer));
+    b.add(b.prototype(slab_mesh(-1, 1, 3)), b.material(inner));
+    PathTracer tracer = look_down(&b);
+    tracer.aovs = kClosestAovs & ~kVectorAovs;
+    const FilmSample sample = tracer.trace(0);
+    const float expected = inner_priority > outer.priority ? 4 : 15;
+    EXPECT_NEAR(sample.distance, expected, 1e-4) << inner_priority;
+    EXPECT_NEAR(sample.camera_depth, expected, 1e-4) << inner_priority;
+  }
+}
+
 }  // namespace
 }  // namespace alabaster
