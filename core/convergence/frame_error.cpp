@@ -279,10 +279,11 @@ FrameError estimate_frame_error(const Film& film) {
   return estimate_frame_error(film_noise(film));
 }
 
-size_t frame_error_bytes(const PixelRect& window) {
+size_t frame_error_bytes(const PixelRect& window, uint64_t most_samples) {
   if (window.empty()) return 0;
-  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);  // scales, values
-  return kPixel * size_t(window.width()) * size_t(window.height());
+  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);   // RelativeErrors: scales, values
+  const size_t factors = sizeof(double) * (size_t(most_samples) + 1);  // relative_errors()
+  return kPixel * size_t(window.width()) * size_t(window.height()) + factors;
 }
 
 uint32_t samples_for_error(uint32_t done, uint32_t most, double error, double target) {

@@ -36,8 +36,9 @@ FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& canc
 FrameError estimate_frame_error(const Film& film);
 /// Each pixel's e^2 / (L^2 + f^2), whose mean is E^2; empty if the frame is black or a pixel has less than two samples.
 std::vector<double> relative_squared_errors(const NoiseImage& image);
-/// Memory that estimate_frame_error() takes while it runs.
-size_t frame_error_bytes(const PixelRect& window);
+/// Memory that film_noise() and estimate_frame_error() take while they run, for a frame whose pixels have at most
+/// `most_samples`.
+size_t frame_error_bytes(const PixelRect& window, uint64_t most_samples);
 
 /// Samples per pixel, at most `most`, that bring the error to `target` if it is `error` after `done` samples. It is
 /// taken to fall with the square root of their number.

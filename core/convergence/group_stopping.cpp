@@ -8,8 +8,8 @@ void GroupStopping::update(const Film& film, const NoiseImage& noise, double tar
     errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film.data_window(), noise.pixels, g).noise);
   const uint32_t ending = decide(errors, target);
   if (all_ended() || !ending) return;  // the last to end are not traced on
-  if (!kept_film_) kept_film_ = std::make_shared<Film>(film.data_window(), film.aovs());
-  take_groups(film, ending, kept_film_.get());
+  if (!kept_film_) kept_film_ = std::make_shared<Film>(film.data_window(), film.aovs(), film.extras());
+  copy_groups(film, ending, kept_film_.get());
   kept_ |= ending;
 }
 
@@ -34,9 +34,11 @@ uint32_t GroupStopping::groups_to_trace() const {
   return groups;
 }
 
-bool GroupStopping::restore_ended(Film* film) const {
-  if (kept_film_) take_groups(*kept_film_, kept_, film);
-  return kept_film_ != nullptr;
+bool GroupStopping::show_ended(Film* film) {
+  if (!kept_film_) return false;
+  if (!shows_ended_) exchange_groups(kept_, film, kept_film_.get());
+  shows_ended_ = true;
+  return true;
 }
 
 }  // namespace alabaster

@@ -20,23 +20,28 @@ class GroupStopping {
   /// a group that has none.
   uint32_t decide(const std::array<FrameError, kPixelGroups>& errors, double target);
 
-  // For checkpoints. The film is null where no group is kept.
+  // For checkpoints. The film is null where no group is kept, else of the same window, AOVs and extras as the film.
   uint32_t ended() const { return ended_; }
   uint32_t kept() const { return kept_; }
   const std::shared_ptr<Film>& kept_film() const { return kept_film_; }
+  /// True after show_ended(): the film has the pixels that were kept, and kept_film() those that were traced on.
+  bool shows_ended() const { return shows_ended_; }
+  /// From a checkpoint whose film shows the pixels that were traced on.
   void restore(uint32_t ended, uint32_t kept, std::shared_ptr<Film> kept_film) {
-    ended_ = ended, kept_ = kept, kept_film_ = std::move(kept_film);
+    ended_ = ended, kept_ = kept, kept_film_ = std::move(kept_film), shows_ended_ = false;
   }
 
   bool all_ended() const { return ended_ == kAllPixelGroups; }
   /// Groups that have not ended, and those whose errors end them.
   uint32_t groups_to_trace() const;
-  /// Puts the pixels of groups that ended before others back to what they were then. False: there are none.
-  bool restore_ended(Film* film) const;
+  /// Has `film`, that of update(), show the pixels of groups that ended before others as they were then. Those that
+  /// were traced on since are kept in their place. False: there are none.
+  bool show_ended(Film* film);
 
  private:
   uint32_t ended_ = 0, kept_ = 0;    // groups
   std::shared_ptr<Film> kept_film_;  // the pixels of `kept_`
+  bool shows_ended_ = false;
 };
 
 /// Samples per pixel at which the error is checked again after `samples`: 16, 18, 20, 22, 24, 27, 30, ... They are

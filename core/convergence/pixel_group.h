@@ -43,7 +43,10 @@ struct GroupImage {
 /// `noise`: Film::noise() of a film with this data window.
 GroupImage group_image(const PixelRect& window, const std::vector<PixelNoise>& noise, int group);
 
-/// Copies the pixels of these groups (one bit each). Both films have the same window and AOVs.
-void take_groups(const Film& from, uint32_t groups, Film* to);
+/// These take the pixels of `groups`, one bit each. Both films, or both tiles, have the same window, AOVs and extras.
+void copy_groups(const Film& from, uint32_t groups, Film* to);
+void exchange_groups(uint32_t groups, Film* a, Film* b);
+/// `rect`: of both tiles.
+void exchange_groups(const PixelRect& rect, uint32_t groups, FilmTile* a, FilmTile* b);
 
 }  // namespace alabaster

@@ -66,7 +66,22 @@ double find_scale(const std::vector<double>& deviations, uint32_t total) {
   return (low + high) / 2;
 }
 
+size_t pixels_in(const PixelRect& window) {
+  return window.empty() ? 0 : size_t(window.width()) * size_t(window.height());
+}
+
 }  // namespace
+
+size_t sample_allocation_bytes(const PixelRect& window) {
+  return sizeof(float) * pixels_in(window);
+}
+
+// Most is held by relative_deviations(): the frame's noise, held twice, and that of a group with its errors.
+size_t making_allocation_bytes(const PixelRect& window) {
+  constexpr size_t kOfAGroup = sizeof(PixelNoise) + 2 * sizeof(double) + sizeof(size_t);
+  constexpr size_t kPixel = 2 * sizeof(PixelNoise) + sizeof(double) + sizeof(uint32_t) + kOfAGroup / kPixelGroups;
+  return kPixel * pixels_in(window);
+}
 
 uint32_t SampleAllocation::frame_sample(size_t pixel, uint32_t s) const {
   if (rates_.empty() || s < kPilotSamples) return s;

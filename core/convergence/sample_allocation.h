@@ -45,4 +45,8 @@ class SampleAllocation {
   std::vector<float> rates_;
 };
 
+/// Bytes of the rates of a frame, and those that the constructor takes besides while the frame's NoiseImage is held.
+size_t sample_allocation_bytes(const PixelRect& window);
+size_t making_allocation_bytes(const PixelRect& window);
+
 }  // namespace alabaster

@@ -104,6 +104,17 @@ uint32_t Film::most_samples() const {
   return most;
 }
 
+uint64_t Film::pixels_without_sample() const {
+  uint64_t pixels = 0;
+  for (int t = 0; t < tile_count(); ++t) {
+    const PixelRect r = tile_rect(t);
+    const FilmTile* const drawn = find_drawn(static_cast<size_t>(t));
+    pixels +=
+        drawn ? drawn->pixels_without_sample() : static_cast<uint64_t>(r.width()) * static_cast<uint64_t>(r.height());
+  }
+  return pixels;
+}
+
 FilmTile Film::load_tile(int tile) const {
   const auto i = static_cast<size_t>(tile);
   const std::lock_guard lock(locks_[i]);
@@ -159,7 +170,7 @@ void Film::resolve_rows(int tile, Aov aov, const Resolve& resolve, const TakeRow
   const auto width = static_cast<size_t>(r.width()), height = static_cast<size_t>(r.height());
   const std::lock_guard lock(locks_[static_cast<size_t>(tile)]);
   const FilmTile* const drawn = find_drawn(static_cast<size_t>(tile));
-  const bool fills = drawn && !drawn->is_covered() && aov != Aov::sample_count;
+  const bool fills = drawn && drawn->pixels_without_sample() > 0 && aov != Aov::sample_count;
   const ShownPixels shown = fills ? shown_pixels(*drawn, width, height) : ShownPixels();
   if (!drawn)
     for (size_t x = 0; x < width; ++x) resolve(background_, 0, values.data() + x * n, 1);

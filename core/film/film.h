@@ -68,6 +68,8 @@ class Film {
   /// The least and the most samples of a pixel. Not for the time while a thread changes the film.
   uint32_t least_samples() const;
   uint32_t most_samples() const;
+  /// Not for the time while a thread changes the film.
+  uint64_t pixels_without_sample() const;
   /// True if every tile shows something.
   bool is_covered() const { return empty_tiles_.load() == 0; }
   /// True if the render that fills it has ended.

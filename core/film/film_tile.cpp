@@ -273,8 +273,10 @@ void FilmTile::take(size_t pixel, const FilmTile& from) {
   if (!normal_.empty()) normal_[pixel] = from.normal_[pixel];
   if (!albedo_.empty()) albedo_[pixel] = from.albedo_[pixel];
   take_closest(pixel, from);
+  if (!rays_.empty()) rays_[pixel] = from.rays_[pixel];
   if (!nonfinite_.empty()) nonfinite_[pixel] = from.nonfinite_[pixel];
   for (size_t i = 0; i < layers_.size(); ++i) layers_[i].sums[pixel] = from.layers_[i].sums[pixel];
+  for (size_t i = pixel * marks_per_pixel_; i < (pixel + 1) * marks_per_pixel_; ++i) marks_[i] = from.marks_[i];
 }
 
 namespace {

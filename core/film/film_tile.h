@@ -90,13 +90,12 @@ class FilmTile {
   /// The least and the most of a pixel; 0 without pixels.
   uint32_t least_samples() const;
   uint32_t most_samples() const;
-  /// False: some pixel has no sample.
-  bool is_covered() const { return covered_ == samples_.size(); }
+  size_t pixels_without_sample() const { return samples_.size() - covered_; }
   /// Writes the components of `count` pixels: averages, or the values of the closest sample.
   void resolve(size_t pixel, Aov aov, float* out, size_t count = 1) const;
   void resolve_int(size_t pixel, Aov aov, int32_t* out, size_t count = 1) const;
   PixelNoise noise(size_t pixel) const;
-  /// Replaces a pixel by that of another tile of the same shape and AOVs.
+  /// Replaces a pixel by that of another tile of the same shape, AOVs and extras.
   void take(size_t pixel, const FilmTile& from);
   /// Size of the accumulators that these AOVs and extras need.
   static size_t bytes_per_pixel(uint32_t aovs, const FilmExtras& extras = {});

@@ -34,7 +34,8 @@ struct RenderProgress {
   /// Passes that all tiles have finished. Every pixel has at least as many samples, unless target_error has ended its
   /// group of pixels before.
   uint32_t passes_done = 0;
-  bool covered = false;  // every part of the frame shows this render's samples, if in blocks
+  bool covered = false;                // every part of the frame shows this render's samples, if in blocks
+  uint64_t pixels_without_sample = 0;  // of a render that has ended: a stop or time_limit may leave some
   double wall_seconds = 0;
   double cpu_seconds = 0;      // of the render workers
   RenderCounters counters;     // of the finished tiles
@@ -83,7 +84,7 @@ class RenderSession {
 
   /// Writes the state of the render, from which another one may go on (RenderRequest::resumed), while workers render
   /// on. Decisions wait for it, a stop does not. False: the sink refused, a stop came, or there is nothing to go on
-  /// from: no render, one that failed, or one that was stopped after some pixels had reached the target error.
+  /// from: no render, or one that failed.
   bool save(const BlockSink& sink);
 
   RenderProgress progress() const;  // never waits for workers

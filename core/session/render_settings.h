@@ -18,7 +18,7 @@ struct RenderSettings {
       0;                   // samples before it are left to other renders (Film::append); none with a target or adaptive
   float target_error = 0;  // the render ends at this relative RMSE (core/convergence/frame_error.h); 0: no target
   bool adaptive = false;   // more samples go where there is more noise (core/convergence/sample_allocation.h)
-  float time_limit = 0;    // seconds from start() to the end, but two samples per pixel are always taken; 0: no limit
+  float time_limit = 0;    // seconds from start() to the last sample (schemas/render_settings.json); 0: no limit
   uint32_t seed = 0;
   uint32_t frame = 0;
   uint32_t max_depth = 8;       // bounces between surfaces; a subsurface walk counts as one

@@ -91,10 +91,15 @@ bool read_head(const BlockSource& source, Head* head) {
   return is_valid(*head);
 }
 
-bool write_film(const Film& film, const BlockSink& sink) {
+// `exchanged`: the groups whose pixels `other` holds in the place of `film`; then it is not null.
+bool write_film(const Film& film, const Film* other, uint32_t exchanged, const BlockSink& sink) {
   std::vector<std::byte> block;
   for (int t = 0; t < film.tile_count(); ++t) {
     FilmTile tile = film.load_tile(t);
+    if (exchanged) {
+      FilmTile of_other = other->load_tile(t);
+      exchange_groups(film.tile_rect(t), exchanged, &tile, &of_other);
+    }
     block.clear();
     for (const auto& plane : tile.planes()) block.insert(block.end(), plane.begin(), plane.end());
     if (!sink(block)) return false;
@@ -154,7 +159,10 @@ bool write_state(const RenderState& state, const BlockSink& sink) {
   Head head = head_of(state);
   if (!sink(bytes_of(head))) return false;
   if (head.has_rates && !sink(std::as_bytes(std::span(state.allocation.rates())))) return false;
-  return write_film(*state.film, sink) && (!head.kept || write_film(*state.stopping.kept_film(), sink));
+  const Film& film = *state.film;
+  const Film* const kept = head.kept ? state.stopping.kept_film().get() : nullptr;
+  const uint32_t exchanged = state.stopping.shows_ended() ? head.kept : 0;
+  return write_film(film, kept, exchanged, sink) && (!kept || write_film(*kept, &film, exchanged, sink));
 }
 
 bool read_state(const BlockSource& source, const MemoryBudget& memory, RenderState* state) {

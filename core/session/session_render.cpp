@@ -36,12 +36,6 @@ std::shared_ptr<const std::vector<int>> tiles_from_centre(const Film& film) {
   return std::make_shared<const std::vector<int>>(std::move(tiles));
 }
 
-FilmExtras extras_of(const RenderSettings& settings) {
-  FilmExtras extras{is_adaptive(settings), {}};
-  if (settings.first_sample > 0) extras.range = {settings.first_sample, settings.samples};
-  return extras;
-}
-
 bool decides(const RenderSettings& settings) {
   return settings.adaptive || settings.target_error > 0;
 }
@@ -63,14 +57,13 @@ bool RenderSession::goes_on(const RenderRequest& last, const RenderRequest& next
 
 // Under the mutex. A render that another continues has ended; one that another replaces may still run.
 bool RenderSession::Render::has_first_samples_of(const RenderRequest& next) const {
-  if (!goes_on(request, next) || !film || progress.state == SessionState::failed || restored) return false;
+  if (!goes_on(request, next) || !film || progress.state == SessionState::failed || cut_short) return false;
   // A time limit ends the last round of a decided render early, and its decisions with it.
   return decides(next.settings) ? !out_of_time : film->most_samples() <= next.settings.samples;
 }
 
 RenderSession::Render::Render(const RenderRequest& next, Render* last, WakeRelay* relay) : request(next), wakes(relay) {
   const std::lock_guard lock(last->mutex);
-  const FilmExtras extras = extras_of(next.settings);
   RenderProgress before;
   const bool more = !next.resumed && last->has_first_samples_of(next);
   if (next.resumed)
@@ -78,7 +71,7 @@ RenderSession::Render::Render(const RenderRequest& next, Render* last, WakeRelay
   else if (more)
     before = go_on_from(*last);
   else
-    film = std::make_shared<Film>(next.data_window, next.aovs, extras);
+    film = std::make_shared<Film>(next.data_window, next.aovs, film_extras(next.settings));
   const bool same_tiles = last->tile_order && last->request.data_window == film->data_window();
   tile_order = same_tiles ? last->tile_order : tiles_from_centre(*film);
   film->set_ended(false);
@@ -226,6 +219,7 @@ void RenderSession::Render::render() {
     tbb::task_arena arena(static_cast<int>(std::min<size_t>(asked > 0 ? asked : allowed, allowed)));
     arena.execute([&] {
       if (request.scene && !stop_requested) run_rounds(arena.max_concurrency());
+      if (!request.scene) show_ended_groups();
       if (!stop_requested && !noise_is_known) measure_noise(round.end);
     });
     if (!stop_requested) denoise(nullptr);
@@ -238,7 +232,9 @@ void RenderSession::Render::render() {
     error = failure_text("unknown reason");
   }
   film->set_ended(true);
+  const uint64_t pixels_without_sample = film->pixels_without_sample();
   const std::lock_guard lock(mutex);
+  progress.pixels_without_sample = pixels_without_sample;
   progress.state = !error.empty()   ? SessionState::failed
                    : stop_requested ? SessionState::stopped
                                     : SessionState::finished;
@@ -273,7 +269,7 @@ bool RenderSession::Render::save(const BlockSink& sink) {
     const SessionState now = progress.state;
     ended = now == SessionState::stopped || now == SessionState::finished;
     const bool runs = (now == SessionState::rendering || now == SessionState::paused) && !stop_requested;
-    if (restored || !film || (!ended && !runs)) return false;
+    if (!film || (!ended && !runs)) return false;
     state.film = film;
     state.counters = progress.counters;
     state.cpu_seconds = progress.cpu_seconds;
@@ -295,7 +291,8 @@ RenderProgress RenderSession::Render::report() {
   p.covered = film && film->is_covered();
   p.samples_total = std::max(p.samples_total, p.samples_done);
   if (p.samples_total > 0) p.fraction = static_cast<double>(p.samples_done) / static_cast<double>(p.samples_total);
-  if (time_limit > 0) p.fraction = std::max(p.fraction, p.wall_seconds / time_limit);
+  const double end = time_limit + (p.samples_done < p.pixels ? kFirstSampleGrace : 0);
+  if (time_limit > 0) p.fraction = std::max(p.fraction, p.wall_seconds / end);
   p.fraction = p.state == SessionState::finished ? 1.0 : std::min(p.fraction, 1.0);
   return p;
 }

@@ -11,6 +11,7 @@
 
 #include "core/convergence/group_stopping.h"
 #include "core/convergence/sample_allocation.h"
+#include "core/session/frame_memory.h"
 #include "core/session/pass_schedule.h"
 #include "core/session/render_session.h"
 
@@ -28,9 +29,8 @@ inline double cpu_seconds(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-inline bool is_adaptive(const RenderSettings& settings) {
-  return settings.adaptive && settings.samples >= 2 * kPilotSamples;
-}
+/// Seconds after the time limit within which a pixel may get its first sample.
+inline constexpr double kFirstSampleGrace = 0.5;
 
 // One render from start to end.
 struct RenderSession::Render {
@@ -65,7 +65,7 @@ struct RenderSession::Render {
   // Changed by the driver between rounds only, under a mutex that save() holds while it writes.
   std::mutex decisions;
   SampleRange round;
-  bool restored = false;  // the film shows what a stop left of it, and no render can continue it
+  bool cut_short = false;  // the film shows groups as they ended though others have not, so no render takes it over
   SampleAllocation allocation;
   GroupStopping stopping;
 
@@ -93,7 +93,7 @@ struct RenderSession::Render {
   bool render_tile(const TileRenderer& renderer, const SamplePass& pass, int tile, RenderCounters* counters);
   void set_paused(bool pause);
   bool wait_while_paused();
-  bool time_is_over();
+  bool time_is_over(double grace);
   bool tile_done(uint32_t pass, bool done, const RenderCounters& counters, double cpu_seconds);
   bool takes_noise();
   void measure_so_far();

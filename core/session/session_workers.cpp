@@ -11,9 +11,6 @@
 namespace alabaster {
 namespace {
 
-// Samples per pixel before which no time limit ends a render.
-constexpr uint32_t kLeastSamples = 2;
-
 struct TileRelease {
   std::atomic<uint32_t>& passes;
   uint32_t pass;
@@ -25,10 +22,11 @@ struct TileRelease {
 
 }  // namespace
 
-bool RenderSession::Render::time_is_over() {
-  if (!(time_limit > 0)) return false;
-  if (!out_of_time.load(std::memory_order_relaxed) && seconds_since(started) >= time_limit) out_of_time = true;
-  return out_of_time.load(std::memory_order_relaxed);
+// `grace`: seconds after the limit in which samples may still be taken.
+bool RenderSession::Render::time_is_over(double grace) {
+  if (!(time_limit > 0) || seconds_since(started) < time_limit + grace) return false;
+  out_of_time = true;
+  return true;
 }
 
 // True: the caller is to measure the noise so far, once the tile is free.
@@ -122,7 +120,7 @@ bool RenderSession::Render::render_tile(const TileRenderer& renderer, const Samp
     carrier.pass_on();
     if (lends_core && wakes->wants_core()) [[unlikely]]
       wakes->lend_core(stop_requested);
-    return wait_while_paused() && (pass.end <= kLeastSamples || !time_is_over());
+    return wait_while_paused() && !time_is_over(pass.end == 1 ? kFirstSampleGrace : 0);
   };
   const TileSamples samples{film->tile_rect(tile), pass, allocation, stopping.groups_to_trace()};
   FilmWriter pixels(film.get(), tile);
@@ -180,13 +178,13 @@ void RenderSession::Render::run_rounds(int threads) {
   show_ended_groups();
 }
 
-// Groups that ended before others show what they had then. Where that makes the frame, nothing is left to decide.
+// Groups that ended before others show what they had then. Nothing is left to decide, unless a stop or the time limit
+// has cut the render short: then save() still writes the pixels that were traced on.
 void RenderSession::Render::show_ended_groups() {
   const std::lock_guard still(decisions);
-  if (!stopping.restore_ended(film.get())) return;
-  restored = stop_requested;
-  stopping = {};
-  round.begin = round.end;
+  if (!stopping.show_ended(film.get())) return;
+  cut_short = stop_requested || out_of_time;
+  if (!cut_short) stopping = {}, round.begin = round.end;
   const std::lock_guard lock(mutex);
   noise_is_known = false;
 }
@@ -196,6 +194,8 @@ void RenderSession::Render::show_ended_groups() {
 NoiseImage RenderSession::Render::measure_noise(uint32_t samples) {
   NoiseImage noise;
   FrameError error;
+  constexpr uint32_t kLeast = 2;  // samples without which no noise is known: a large frame is not read in vain
+  if (out_of_time && film->least_samples() < kLeast) return noise;
   try {
     const CancelToken cancel(&stop_requested);
     noise = film_noise(*film, cancel);

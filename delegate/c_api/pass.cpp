@@ -183,9 +183,9 @@ AlabasterStatus scene_write(AlabasterScene* handle, const char* file, const Alab
     const SceneLock lock(data);
     if (const Path path = frame_pass(in, data.scene, state); !path.empty()) {
       const RenderSettingsDescription& own = data.scene.GetAllRenderSettings().at(path);
-      if (own.frame != 0) settings.emplace("frame", own.frame);
       for (const auto& [name, value] : own.settings) settings.emplace(name, value);
-      settings.emplace("renderSettingsPrimPath", path);  // its camera, where the frame has none
+      if (own.frame != 0) settings.emplace("frame", own.frame);  // where the settings name none, as in a render
+      settings.emplace("renderSettingsPrimPath", path);          // its camera, where the frame has none
     }
     if (!data.loaded.color_config.empty()) settings.emplace("ocio", data.loaded.color_config);
     const std::string fault = description::WriteScene(&required(file, "file"), data.scene, state, settings);

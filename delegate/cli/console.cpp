@@ -43,7 +43,9 @@ bool is_denoising(const RecordProgress& p) {
 
 std::string progress_text(const RecordProgress& p) {
   if (is_denoising(p)) return format("denoising %.0f %%", p.denoised * 100);
-  return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + std::to_string(p.samples_done) + "/" +
+  // At its end a render has some samples, though less than one per pixel where the time limit cut it short.
+  const std::string done = p.samples_done == 0 && p.fraction >= 1 ? "<1" : std::to_string(p.samples_done);
+  return format("%3.0f %%", std::clamp(p.fraction, 0.0, 1.0) * 100) + "  " + done + "/" +
          std::to_string(p.samples_total) + " samples  " + rate_text(p.rays_per_second) + "  " +
          time_text(p.seconds_left) + " left";
 }

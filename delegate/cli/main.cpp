@@ -30,13 +30,16 @@ struct SettingFlag {
 };
 constexpr SettingFlag kSettingFlags[] = {
     {"--spp", "samples", "N",
-     "Samples per pixel, at most; with --quality the render still ends at the preset's targetError if that comes "
-     "first"},
+     "Samples per pixel, at most. Default: the scene's, else 64; with --target-error or --time-limit 65536. With "
+     "--quality the render still ends at the preset's targetError if that comes first"},
     {"--target-error", "targetError", "E",
      "End when the noise of the picture as rendered, before any denoising, is below this relative RMSE (0.02 is two "
-     "per cent)"},
+     "per cent), or at --spp samples per pixel if that comes first"},
     {"--time-limit", "timeLimit", "S",
-     "End after this many seconds of rendering, but not before each pixel has a sample"},
+     "End after this many seconds of rendering, or at --spp samples per pixel if that comes first. A pixel that has no "
+     "sample by then may take its first one up to half a second later. If pixels are left without a sample, a warning, "
+     "the statistics and the EXR (pixelsWithoutSample) tell how many; AOV sampleCount is 0 there, and blocks of pixels "
+     "without any sample have alpha 0. Denoising comes after the limit"},
     {"--seed", "seed", "N", "Seed of the noise pattern"},
     {"--threads", "threads", "N", "Render threads; 0 uses all cores"},
     {"--max-depth", "maxDepth", "N", "Bounces between surfaces, at most"},

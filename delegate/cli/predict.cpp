@@ -114,7 +114,18 @@ class ProbeRenders {
     return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
   }
 
-  bool render(const Plan& plan) {
+  // Noise needs two samples per pixel: a probe of a slow scene whose time is too short for them is repeated with more.
+  bool render(Plan plan) {
+    constexpr double kLongest = 600;
+    while (render_once(plan)) {
+      if (stats_.contains("error.relativeRmse") || plan.seconds >= kLongest) return true;
+      probes_.pop_back();
+      plan.seconds *= 4;
+    }
+    return false;
+  }
+
+  bool render_once(const Plan& plan) {
     last_ = reduced(full_, plan.pixels);
     last_.settings["denoise"] = false;
     last_.settings["samples"] = static_cast<int32_t>(plan.samples);
@@ -131,7 +142,9 @@ class ProbeRenders {
     hd::host::RecordOptions options;
     options.colors = session_.colors();
     options.cancel = &interrupted();
-    options.diagnostics = console_.sink();
+    options.diagnostics = [show = console_.sink()](const hd::Diagnostic& d) {
+      if (d.code != "record.timeLimit") show(d);
+    };
     const auto result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
     folder.reset();
     set_writing(false);

@@ -333,6 +333,21 @@ class Recording {
       result_.status = RecordStatus::degraded;
     if (options_.progress && pass->GetState() != PassState::failed) options_.progress(progress());
     pass.reset();
+    warn_of_empty_pixels();
+  }
+
+  // An interrupted picture is marked incomplete anyway.
+  void warn_of_empty_pixels() const {
+    const auto empty = static_cast<uint64_t>(stat(result_.stats, "pixelsWithoutSample"));
+    if (empty == 0 || !succeeded() || !options_.diagnostics) return;
+    const uint64_t all = static_cast<uint64_t>(size().x) * static_cast<uint64_t>(size().y);
+    options_.diagnostics(
+        {Severity::warning, "record.timeLimit", settings_.str(),
+         "The time limit ended the render before every pixel had a sample: " + std::to_string(empty) + " of " +
+             std::to_string(all) +
+             " pixels have none, and AOV sampleCount is 0 there. Blocks of pixels without any sample are transparent "
+             "(alpha 0); other such pixels show the sample in the upper left corner of their block. Raise the time "
+             "limit, or render fewer pixels"});
   }
 
   RecordProgress progress() const {
@@ -358,11 +373,7 @@ class Recording {
     checkpoints_.add_to(&result_.stats);
   }
 
-  Dictionary metadata() const {
-    Dictionary m = product_metadata(*delegate_, result_.stats, request().description.camera);
-    m["alabaster/frame"] = request().description.frame;
-    return m;
-  }
+  Dictionary metadata() const { return product_metadata(*delegate_, result_.stats, request().description.camera); }
 
   void write() {
     if (options_.writing) options_.writing();

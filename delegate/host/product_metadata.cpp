@@ -23,6 +23,7 @@ Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& st
   for (const RenderSettingDescriptor& setting : delegate.GetRenderSettingDescriptors())
     m["alabaster/" + setting.key.str()] = delegate.GetRenderSetting(setting.key);
   const std::pair<const char*, const char*> kept[] = {{"samplesDone", "numCompletedSamples"},
+                                                      {"pixelsWithoutSample", "pixelsWithoutSample"},
                                                       {"error/relativeRmse", "error.relativeRmse"},
                                                       {"error/low", "error.low"},
                                                       {"error/high", "error.high"},

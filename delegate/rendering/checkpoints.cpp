@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/convergence/frame_error.h"
+#include "core/session/frame_memory.h"
 #include "delegate/prims/scene_digest.h"
 #include "delegate/rendering/render_core.h"
 #include "delegate/rendering/render_pass.h"
@@ -201,6 +202,16 @@ std::string Checkpoints::show(const Array<std::string>& files, const Memory& mem
   return {};
 }
 
+namespace {
+
+// True if a render with these settings may have left the state: its header and its blocks agree.
+bool has_state_of(const RenderSettings& settings, const RenderState& state) {
+  const bool decides = settings.adaptive || settings.target_error > 0;
+  return state.film->extras() == film_extras(settings) && (!decides || state.round.end <= settings.samples);
+}
+
+}  // namespace
+
 std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& request) const {
   const std::shared_ptr<const Pending> pending = this->pending();
   if (!pending) return {};
@@ -218,6 +229,8 @@ std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& req
       fault = "it is of another render: " + difference;
     else if (range.begin != now.begin || (now.begin > 0 && range.end != now.end))
       fault = "it has samples " + text_of(range) + " of each pixel, and the render those of " + text_of(now);
+    else if (!has_state_of(settings, *pending_->state))
+      fault = "it is damaged: it does not hold what its header says";
     else if (!settings.adaptive && film.most_samples() > now.end - now.begin)
       fault = "it has " + std::to_string(film.most_samples()) + " samples per pixel, more than the " +
               std::to_string(now.end - now.begin) + " that are asked for";

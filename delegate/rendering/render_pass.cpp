@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/denoise/denoise_film.h"
+#include "core/session/frame_memory.h"
 #include "delegate/prims/prims.h"
 #include "delegate/rendering/pixel_format.h"
 
@@ -14,23 +15,19 @@ namespace {
 
 constexpr const char* kFreeCamera = "free camera";  // in reports
 
-// The film (twice where an error ends the render: pixels that ended early are kept aside), the memory that an estimate
-// of its error and the denoiser take for a moment, and each bound buffer twice: as shown and as being resolved (or as
-// the host's copy).
-size_t frame_bytes(const PassInputs& in) {
+// The memory of the session for a frame of these inputs, that of the denoiser, and each bound buffer twice: as shown
+// and as being resolved (or as the host's copy). `more`: AOVs of the film besides those that are bound.
+size_t bytes_of(const PassInputs& in, uint32_t more = 0) {
   constexpr double kMost = 0x1p60;
-  uint32_t aovs = 0;
+  uint32_t aovs = more;
   double bytes = 0;
   for (const auto& binding : in.bindings) {
     aovs |= with_guides(aov_bit(binding.aov));
     const RenderBufferDescriptor buffer = binding.buffer->wanted();
     bytes += 2.0 * buffer.dimensions.x * buffer.dimensions.y * static_cast<double>(FormatSize(buffer.format));
   }
-  const double films = in.settings.target_error > 0 ? 2 : 1;
   if (aovs && in.denoiser) bytes += denoise_bytes(in.framed.data_window);
-  if (aovs)
-    bytes += films * static_cast<double>(film_bytes(in.framed.data_window, aovs)) +
-             static_cast<double>(frame_error_bytes(in.framed.data_window));
+  if (aovs) bytes += static_cast<double>(frame_bytes(in.framed.data_window, aovs, in.settings));
   return static_cast<size_t>(std::min(bytes, kMost));
 }
 
@@ -175,7 +172,7 @@ PassInputs PassControl::inputs(const Asked& asked, std::vector<alabaster::Diagno
     in.refused = true;
   if (in.error.empty()) {
     // Linux grants memory that it does not have and ends the process that uses it: nobody would be told.
-    const size_t needed = frame_bytes(in), held = frame_memory_.bytes();
+    const size_t needed = bytes_of(in), held = frame_memory_.bytes();
     const MemoryBudget& memory = *core_->param->memory();
     if (needed > held && needed - held > memory.left())
       in.error = memory.refusal(MemoryUse::frames, needed - held, frame_text(in));
@@ -229,7 +226,7 @@ void PassControl::start(PassInputs next) {
   const bool is_empty = running_.bindings.empty() || running_.framed.data_window.empty() || running_.framed.width <= 0;
   if (is_empty || !running_.error.empty()) session_->stop();
   if (!running_.error.empty()) return fail(running_.error);
-  frame_memory_.resize(frame_bytes(running_), frame_text(running_));
+  frame_memory_.resize(std::max(frame_memory_.bytes(), bytes_of(running_)), frame_text(running_));
   if (is_empty) return set_converged(true);  // nothing to draw
 
   RenderRequest request = request_of(running_);
@@ -237,6 +234,8 @@ void PassControl::start(PassInputs next) {
   request.resumed = core_->checkpoints.take();
   for (const auto& binding : running_.bindings) binding.buffer->release_film();
   session_->start(request);
+  // A film that another render or a checkpoint leaves may have more AOVs: its memory is held already.
+  frame_memory_.try_resize(bytes_of(running_, session_->film()->aovs()));
   for (const auto& binding : running_.bindings) {
     BufferSource source{session_->film(),         binding.aov,   running_.framed.buffer_x,
                         running_.framed.buffer_y, binding.clear, {}};
@@ -409,7 +408,7 @@ std::string PassControl::error() const {
 
 size_t PassControl::film_memory() const {
   const std::shared_ptr<const Film> film = session_->film();
-  return film ? film_bytes(film->data_window(), film->aovs()) : 0;
+  return film ? film_bytes(film->data_window(), film->aovs(), film->extras()) : 0;
 }
 
 RenderPassImpl::RenderPassImpl(std::shared_ptr<RenderCore> core)

@@ -56,9 +56,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   const RenderProgress p = pass.progress();
   const uint64_t pixels = std::max(p.pixels, uint64_t(1));
   s["state"] = std::string(state_name(pass.state()));
-  // No limit ends a render before each of its pixels has a sample.
-  const double first = static_cast<double>(p.samples_done) / static_cast<double>(pixels);
-  const double fraction = pass.is_converged() ? 1.0 : std::min(p.fraction, first);
+  const double fraction = pass.is_converged() ? 1.0 : p.fraction;
   s["fractionDone"] = fraction;
   s["percentDone"] = 100.0 * fraction;
   s["totalClockTime"] = p.wall_seconds;
@@ -75,6 +73,7 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   if (!p.denoiser.empty()) s["denoiser"] = p.denoiser;
   s["passesDone"] = count(p.passes_done);
   s["covered"] = p.covered;
+  if (p.pixels_without_sample > 0) s["pixelsWithoutSample"] = count(p.pixels_without_sample);
   s["samplesTotal"] = count(p.samples_total / pixels);
   s["numCompletedSamples"] = count(p.samples_done / pixels);
   if (p.noise.known) {

@@ -50,7 +50,7 @@ double frame_ended_at(double target, bool own, Rng* rng) {
     stopping.update(film, noise, target);
     if (stopping.all_ended()) break;
   }
-  stopping.restore_ended(&film);
+  stopping.show_ended(&film);
   return mean_of(film);
 }
 

@@ -1,5 +1,7 @@
 #include "testenv/support/failing_memory.h"
 
+#include <malloc.h>
+
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
@@ -14,12 +16,28 @@ std::atomic<int> refusals_elsewhere{0};
 std::atomic<int64_t> granted_elsewhere{0};
 thread_local bool is_elsewhere = true;
 std::atomic<size_t> largest{0};
+std::atomic<bool> counts_live{false};
+std::atomic<int64_t> live{0}, most_live{0};
 
 // Relaxed, so that allocations order nothing for the thread sanitizer.
 void note(size_t size) {
   constexpr auto kRelaxed = std::memory_order_relaxed;
   for (size_t seen = largest.load(kRelaxed); size > seen && !largest.compare_exchange_weak(seen, size, kRelaxed);) {
   }
+}
+
+void count_live(void* memory, int64_t sign) {
+  constexpr auto kRelaxed = std::memory_order_relaxed;
+  if (!counts_live.load(kRelaxed)) return;
+  const int64_t bytes = sign * static_cast<int64_t>(malloc_usable_size(memory));
+  const int64_t now = live.fetch_add(bytes, kRelaxed) + bytes;
+  for (int64_t seen = most_live.load(kRelaxed); now > seen && !most_live.compare_exchange_weak(seen, now, kRelaxed);) {
+  }
+}
+
+void give_back(void* memory) {
+  count_live(memory, -1);
+  std::free(memory);
 }
 
 }  // namespace
@@ -58,6 +76,17 @@ size_t LargestAllocation::bytes() const {
   return largest;
 }
 
+PeakMemory::PeakMemory() {
+  live = most_live = 0;
+  counts_live = true;
+}
+PeakMemory::~PeakMemory() {
+  counts_live = false;
+}
+size_t PeakMemory::bytes() const {
+  return static_cast<size_t>(most_live);
+}
+
 }  // namespace alabaster::testing
 
 void* operator new(size_t size) {
@@ -73,8 +102,10 @@ void* operator new(size_t size) {
       throw std::bad_alloc();
     }
   }
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
+  void* const memory = std::malloc(size ? size : 1);
+  if (!memory) throw std::bad_alloc();
+  count_live(memory, 1);
+  return memory;
 }
 // Under the address sanitizer, the forms that are not replaced are the sanitizer's, and their memory is not
 // std::free's.
@@ -92,14 +123,14 @@ void* operator new[](size_t size, const std::nothrow_t& tag) noexcept {
   return operator new(size, tag);
 }
 void operator delete(void* memory) noexcept {
-  std::free(memory);
+  give_back(memory);
 }
 void operator delete[](void* memory) noexcept {
-  std::free(memory);
+  give_back(memory);
 }
 void operator delete[](void* memory, size_t) noexcept {
-  std::free(memory);
+  give_back(memory);
 }
 void operator delete(void* memory, size_t) noexcept {
-  std::free(memory);
+  give_back(memory);
 }

@@ -40,4 +40,15 @@ class LargestAllocation {
   size_t bytes() const;
 };
 
+/// While it lives, counts the memory that operator new has given out since and that is not deleted. One at a time.
+class PeakMemory {
+ public:
+  PeakMemory();
+  ~PeakMemory();
+  PeakMemory(const PeakMemory&) = delete;
+  PeakMemory& operator=(const PeakMemory&) = delete;
+  /// The most so far.
+  size_t bytes() const;
+};
+
 }  // namespace alabaster::testing

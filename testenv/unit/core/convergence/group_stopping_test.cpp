@@ -59,9 +59,36 @@ TEST(GroupStopping, GroupsThatEndedShowWhatTheyHadThen) {
   fill(24, 0, &film);
   stopping.update(film, film_noise(film), 0.1);
   EXPECT_TRUE(stopping.all_ended());
-  EXPECT_TRUE(stopping.restore_ended(&film));
+  EXPECT_TRUE(stopping.show_ended(&film));
+  EXPECT_TRUE(stopping.show_ended(&film)) << "again, which changes nothing";
   const auto samples = film.resolve_int(Aov::sample_count);
-  for (int i = 0; i < 64; ++i) EXPECT_EQ(samples[static_cast<size_t>(i)], pixel_group(i % 8, i / 8) == 2 ? 16 : 24);
+  const auto on = stopping.kept_film()->resolve_int(Aov::sample_count);
+  for (int i = 0; i < 64; ++i) {
+    const bool ended_first = pixel_group(i % 8, i / 8) == 2;
+    EXPECT_EQ(samples[static_cast<size_t>(i)], ended_first ? 16 : 24);
+    EXPECT_EQ(on[static_cast<size_t>(i)], ended_first ? 24 : 0) << "those that were traced on are kept";
+  }
+}
+
+// Each plane of a pixel goes with it, and a checkpoint has the shape that it is read with.
+TEST(GroupStopping, ThePixelsThatAreKeptHaveAllPlanesOfTheFilm) {
+  const FilmExtras extras{true, {}};
+  Film film({0, 0, 8, 8}, aov_bit(Aov::normal), extras);
+  FilmTile tile = film.load_tile(0);
+  for (size_t i = 0; i < 64; ++i)
+    for (uint32_t s = 0; s < 16; ++s) {
+      const bool has_noise = pixel_group(static_cast<int>(i % 8), static_cast<int>(i / 8)) != 0;
+      FilmSample sample;
+      sample.color = Rgb(has_noise ? static_cast<float>(hash32(static_cast<uint32_t>(64 * i) + s) & 2) : 1);
+      tile.add(i, sample, nullptr, 3);
+    }
+  film.store_tile(0, tile);
+  GroupStopping stopping;
+  stopping.update(film, film_noise(film), 0.1);
+  ASSERT_TRUE(stopping.kept_film());
+  EXPECT_EQ(stopping.kept_film()->extras(), extras);
+  const auto rays = stopping.kept_film()->rays();
+  for (int i = 0; i < 64; ++i) EXPECT_EQ(rays[static_cast<size_t>(i)], pixel_group(i % 8, i / 8) == 2 ? 48u : 0u);
 }
 
 TEST(GroupStopping, AFrameThatEndsAtOnceNeedsNoRestoring) {
@@ -70,7 +97,7 @@ TEST(GroupStopping, AFrameThatEndsAtOnceNeedsNoRestoring) {
   fill(16, 0, &film);
   stopping.update(film, film_noise(film), 0.1);
   EXPECT_TRUE(stopping.all_ended());
-  EXPECT_FALSE(stopping.restore_ended(&film));
+  EXPECT_FALSE(stopping.show_ended(&film));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ TEST(PixelGroup, OnlyTheGroupsAskedForAreTaken) {
     for (size_t i = 0; i < size_t(r.width()) * size_t(r.height()); ++i) tile.add(i, sample);
     from.store_tile(t, tile);
   }
-  take_groups(from, 0b1001, &to);
+  copy_groups(from, 0b1001, &to);
   const auto samples = to.resolve_int(Aov::sample_count);
   const auto normals = to.resolve_float(Aov::normal);
   for (int y = 0; y < 35; ++y)

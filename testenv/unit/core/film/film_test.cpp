@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <random>
 #include <thread>
@@ -210,6 +211,41 @@ TEST(Aov, ThatWasNotAskedForIsItsBackground) {
                 std::vector<float>(static_cast<size_t>(info.components()), info.background))
           << info.name;
   }
+}
+
+TEST(Film, CountsPixelsWithoutASample) {
+  Film film({-3, 2, 40, 30}, 0);
+  EXPECT_EQ(film.pixels_without_sample(), 43u * 28u);
+  film.change_tile(1, [](FilmTile& tile) {
+    tile.add(0, {});
+    tile.add(0, {});
+    tile.add(5, {});
+  });
+  EXPECT_EQ(film.pixels_without_sample(), 43u * 28u - 2);
+}
+
+// take() copies every plane.
+TEST(FilmTile, APixelIsTakenWithAllItsPlanes) {
+  const FilmExtras extras{true, {4, 20}};
+  constexpr uint32_t kAovs = ~0u & ~aov_bit(Aov::denoised);
+  HitVectors vectors;
+  FilmTile from(2, kAovs, extras), to(2, kAovs, extras);
+  for (uint32_t i = 0; i < 16; ++i) {
+    FilmSample sample;
+    sample.color = Rgb(float(i % 3)), sample.alpha = 1, sample.distance = float(20 - i), sample.normal = {0, 1, 0};
+    sample.albedo = Rgb(0.5f), sample.prim_id = 7, sample.nonfinite = i % 2 == 0, sample.depth = 0.5f;
+    for (auto& value : vectors.values) value = {1, 2, 3};
+    sample.vectors = &vectors;
+    LightLayers layers;
+    layers.diffuse = layers.specular = layers.single = Rgb(float(i));
+    for (const size_t pixel : {size_t(0), size_t(1)}) from.add(pixel, sample, &layers, 5);
+  }
+  to.take(0, from);
+  to.take(1, from);
+  const auto planes = to.planes(), expected = from.planes();
+  ASSERT_EQ(planes.size(), expected.size());
+  for (size_t i = 0; i < planes.size(); ++i)
+    EXPECT_TRUE(std::equal(planes[i].begin(), planes[i].end(), expected[i].begin(), expected[i].end())) << i;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "core/session/render_session.h"
+#include "core/session/session_render.h"
 #include "testenv/support/scene_builder.h"
 
 namespace alabaster {
@@ -114,6 +115,65 @@ TEST(RenderState, SoDoesOneThatEndsAtATargetError) {
   const auto whole = contents(*at_once(request));
   for (unsigned seed = 0; seed < 4; ++seed)
     ASSERT_TRUE(contents(*in_pieces(request, seed)) == whole) << "seed " << seed;
+}
+
+// Presets preview and draft set both. Pixels that ended before others are kept aside with all their planes.
+RenderRequest decided_request() {
+  RenderRequest request = request_of(4096);
+  request.settings.adaptive = true;
+  request.settings.target_error = 0.02f;
+  return request;
+}
+
+// A render of `request` that the time limit ends `left` seconds after it began, first samples included.
+RenderRequest with_little_time(RenderRequest request, double left) {
+  constexpr double kBefore = 10;
+  request.resumed = std::make_shared<RenderState>();
+  request.resumed->film = std::make_shared<Film>(request.data_window, request.aovs, film_extras(request.settings));
+  request.resumed->wall_seconds = kBefore;
+  request.settings.time_limit = static_cast<float>(kBefore - kFirstSampleGrace + left);
+  request.settings.threads = 1;
+  return request;
+}
+
+// The first samples of the frame take longer than its limit. Where no sample is, nothing shows.
+TEST(RenderState, AFirstPassThatTheTimeLimitCutsShortGoesOn) {
+  for (const bool decided : {false, true}) {
+    RenderRequest request = decided ? decided_request() : request_of(3);
+    request.settings.target_error = decided ? 0.5f : 0.0f;
+    request.width = request.height = 256;
+    request.data_window = {3, 5, 270, 250};
+    RenderProgress progress;
+    Blocks after;
+    std::shared_ptr<const Film> cut;
+    for (double left = 0.02; left < 5; left *= 1.5) {  // machines differ
+      RenderSession session;
+      session.start(with_little_time(request, left));
+      ASSERT_TRUE(session.wait(60));
+      progress = session.progress();
+      cut = session.film();
+      after.clear();
+      ASSERT_TRUE(session.save(into(&after)));
+      if (progress.samples_done > 0) break;
+    }
+    EXPECT_EQ(progress.state, SessionState::finished);
+    ASSERT_LT(progress.samples_done, progress.pixels);
+    EXPECT_EQ(progress.pixels_without_sample, progress.pixels - progress.samples_done);
+    EXPECT_FALSE(progress.noise.known);
+    const auto counts = cut->resolve_int(Aov::sample_count);
+    EXPECT_EQ(std::count(counts.begin(), counts.end(), 0), static_cast<int64_t>(progress.pixels_without_sample));
+    const auto alpha = cut->resolve_float(Aov::alpha);
+    for (int t = 0; t < cut->tile_count(); ++t) {
+      if (cut->load_tile(t).most_samples() > 0) continue;
+      const PixelRect r = cut->tile_rect(t);
+      EXPECT_EQ(alpha[static_cast<size_t>((r.y0 - 5) * 267 + r.x0 - 3)], 0) << t;
+    }
+    request.resumed = read(after);
+    ASSERT_TRUE(request.resumed);
+    const auto on = contents(*at_once(request));
+    request.resumed = nullptr;
+    EXPECT_TRUE(on == contents(*at_once(request))) << decided;
+  }
 }
 
 TEST(RenderState, AFinishedRenderGoesOnToMoreSamples) {

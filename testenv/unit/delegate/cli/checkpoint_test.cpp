@@ -152,6 +152,55 @@ TEST_F(CheckpointTest, AnInterruptedRenderGoesOn) {
   EXPECT_GE(percent(printed_), 0) << printed_;
 }
 
+// The presets set adaptive and targetError. Each is killed at several moments and resumed.
+TEST_F(CheckpointTest, AKilledRenderOfAPresetGoesOnToTheSameBytes) {
+  for (const std::string preset : {"preview", "draft"}) {
+    const std::vector<std::string> all{"render", "patch.gltf", "--size", "48x32", "--quality", preset,
+                                       "--aov",  "normal",     "--aov",  "depth", "--aov",     "specular"};
+    const auto with = [&](std::vector<std::string> more) {
+      more.insert(more.begin(), all.begin(), all.end());
+      return more;
+    };
+    ASSERT_EQ(run(with({"-o", "whole.exr", "--checkpoint", "whole"})), 0) << said_;
+    const auto resumed = with({"-o", "x.exr", "--checkpoint", "c", "--checkpoint-interval", "0.001", "--resume"});
+    int code = -1;
+    for (int kills = 0; code != 0 && kills < 8; ++kills) {
+      Program program(folder_, resumed);
+      std::this_thread::sleep_for(std::chrono::milliseconds(300 + 100 * kills));
+      program.send(SIGKILL);
+      code = program.wait();
+      ASSERT_TRUE(code == 0 || code == -1) << program.err();
+    }
+    ASSERT_EQ(run(resumed), 0) << said_;
+    EXPECT_EQ(pixels("x.exr"), pixels("whole.exr")) << preset;
+    ASSERT_EQ(run({"merge", "whole", "-o", "merged.exr", "--aov", "normal", "--aov", "depth", "--aov", "specular"}), 0);
+    EXPECT_EQ(pixels("merged.exr"), pixels("whole.exr")) << preset;
+    for (const char* file : {"c", "whole"}) std::filesystem::remove(folder_ / file);
+  }
+}
+
+// The limit counts the time before, so each command goes on for a while.
+TEST_F(CheckpointTest, ARenderThatTheTimeLimitEndedGoesOnToTheSameBytes) {
+  const std::vector<std::string> all{"render", "patch.gltf",    "--size", "48x32", "--target-error", "0.02",
+                                     "--set",  "adaptive=true", "--spp",  "400",   "--threads",      "1"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), all.begin(), all.end());
+    return more;
+  };
+  ASSERT_EQ(run(with({"-o", "whole.exr"})), 0) << said_;
+  int ended = 0;
+  for (const char* limit : {"0.05", "0.2", "0.4", "0.6", "0.8", "1", "1.2", "1.5"}) {
+    const std::string file = std::string(limit) + ".exr";
+    ASSERT_EQ(run(with({"-o", file, "--checkpoint", "c", "--resume", "--time-limit", limit})), 0) << said_;
+    ended += pixels(file) != pixels("whole.exr");
+    ASSERT_EQ(run({"merge", "c", "-o", "merged.exr"}), 0) << said_;
+    EXPECT_EQ(pixels("merged.exr"), pixels(file)) << limit;
+  }
+  EXPECT_GT(ended, 1) << "the limits were too long to end the render";
+  ASSERT_EQ(run(with({"-o", "x.exr", "--checkpoint", "c", "--resume"})), 0) << said_;
+  EXPECT_EQ(pixels("x.exr"), pixels("whole.exr"));
+}
+
 TEST_F(CheckpointTest, FramesHaveOneEach) {
   const std::vector<std::string> words{"--spp", "2", "--frames", "3:4", "-o", "f.#.exr", "--checkpoint", "f.#.ckpt"};
   ASSERT_EQ(render(words), 0) << said_;

@@ -74,6 +74,22 @@ TEST_F(FramesTest, EveryFrameIsAFileOfItsOwnAndTheSameAsRenderedAlone) {
   EXPECT_EQ(pixels("f.04.exr"), pixels("alone.exr"));
 }
 
+TEST_F(FramesTest, EveryFileHasTheNumberOfItsFrame) {
+  const auto frame_of = [&](const std::string& file) {
+    const auto input = OIIO::ImageInput::open(folder_ / file);
+    return input ? input->spec().get_int_attribute("alabaster/frame", -1) : -2;
+  };
+  ASSERT_EQ(render("moving.gltf", {"--frames", "1:5:2", "-o", "f.#.exr", "--checkpoint", "f.#.ckpt"}), 0);
+  for (const int frame : {1, 3, 5}) EXPECT_EQ(frame_of("f." + std::to_string(frame) + ".exr"), frame);
+  Program merge(folder_, {"merge", "f.3.ckpt", "-o", "merged.exr"});
+  ASSERT_EQ(merge.wait(), 0) << merge.err();
+  EXPECT_EQ(frame_of("merged.exr"), 3);
+  ASSERT_EQ(render("moving.gltf", {"--set", "frame=7", "-o", "set.exr"}), 0);
+  EXPECT_EQ(frame_of("set.exr"), 7);
+  ASSERT_EQ(render("moving.gltf", {"-o", "none.exr"}), 0);
+  EXPECT_EQ(frame_of("none.exr"), 0);
+}
+
 TEST_F(FramesTest, WithoutATimeThePoseIsThatOfTheFile) {
   ASSERT_EQ(render("moving.gltf", {"-o", "rest.exr"}), 0);
   ASSERT_EQ(render("moving.gltf", {"-o", "late.exr", "--time", "1e3"}), 0);

@@ -318,6 +318,34 @@ TEST(MemoryLimit, InstancesThatMoveCount) {
   EXPECT_GT(in_use(true), in_use(false) + 4096.0 * 39 * sizeof(Matrix4d)) << "two radians in steps of three degrees";
 }
 
+// Beside its AOVs a film keeps what a part needs for a merge, and the rays of an adaptive frame.
+TEST(MemoryLimit, FramesCountAllPlanesOfTheirFilms) {
+  struct Frame {
+    Dictionary settings;
+    double bytes = 0, film = 0;
+  };
+  Frame even{{{"samples", 8}}}, part{{{"samples", 8}, {"firstSample", 1}}},
+      adaptive{{{"samples", 32}, {"adaptive", true}}},
+      decided{{{"samples", 32}, {"adaptive", true}, {"targetError", 0.5f}}};
+  for (Frame* frame : {&even, &part, &adaptive, &decided}) {
+    Drawing drawing(64);
+    ASSERT_TRUE(drawing.draw());
+    for (const auto& [name, value] : frame->settings) drawing.stage.delegate->SetRenderSetting(name, value);
+    const double before = drawing.stage.stat("memoryInUse");
+    RenderBuffer* const large = drawing.stage.add_buffer("/large", 128, 128, Format::float32vec4);
+    drawing.state = Stage::state_for(128, 128, "color", large);
+    ASSERT_TRUE(drawing.draw());
+    frame->bytes = (drawing.stage.stat("memoryInUse") - before) / (128 * 128);
+    frame->film = drawing.stage.stat("filmMemory") / (128 * 128);
+  }
+  EXPECT_EQ(part.film, even.film + 240) << "three sums of 80 bytes";
+  EXPECT_EQ(adaptive.film, even.film + 4);
+  EXPECT_NEAR(part.bytes, even.bytes + 240, 2);
+  EXPECT_GT(adaptive.bytes, even.bytes + 8) << "rays and rates";
+  EXPECT_NEAR(decided.bytes, adaptive.bytes + adaptive.film, 2) << "a second film";
+  EXPECT_GT(even.bytes, even.film);
+}
+
 TEST(MemoryLimit, FramesCountForAsLongAsTheyAreDrawn) {
   Drawing drawing(64);
   ASSERT_TRUE(drawing.draw());

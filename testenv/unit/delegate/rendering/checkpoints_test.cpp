@@ -365,6 +365,20 @@ TEST_F(Checkpoints, SamplesOfAnotherKindAreRefused) {
   EXPECT_NE(Frame().refusal(file_).find("the version of sampling was 1 and is " + now), std::string::npos);
 }
 
+// The header says adaptive, and the film lacks the rays from which samples are allocated.
+TEST_F(Checkpoints, AFilmOfOtherSettingsThanTheHeaderSaysIsRefused) {
+  const Dictionary settings{{"samples", 40}, {"targetError", 0.001f}};
+  Dictionary short_time = settings, adaptive = settings;
+  short_time["timeLimit"] = 1e-5f;  // it ends before anything is decided
+  adaptive["adaptive"] = true;
+  Frame frame(short_time);
+  written(frame);
+  ASSERT_LT(frame.stage.stat("numCompletedSamples"), 16);
+  replace(with_header(bytes(), "\"adaptive\":\"false\"", "\"adaptive\":\"true\" "));
+  const std::string said = Frame(adaptive).refusal(file_);
+  EXPECT_NE(said.find("it does not hold what its header says"), std::string::npos) << said;
+}
+
 TEST_F(Checkpoints, APartWithoutSamplesIsRefused) {
   written();
   replace(with_header(bytes(), "\"samples\":[0,3]", "\"samples\":[3,3]"));
