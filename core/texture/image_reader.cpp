@@ -116,6 +116,9 @@ bool ImageReader::clean_bytes(const ImageLimits& limits, const DiagnosticSink& s
   const auto hold = [&](size_t bytes) {
     if (limits.memory) limits.memory->resize(bytes, "an image file of " + std::to_string(bytes) + " bytes");
   };
+  constexpr uint64_t kLargestFile = uint64_t(1) << 32;  // a TIFF's offsets have 32 bits
+  if (!bytes_ && file_->size() >= kLargestFile)
+    return fail(sink, "texture.size", "the file has 4 GiB or more; export the image smaller, or as EXR");
   if (!bytes_) {
     hold(size_t(file_->size()));
     if (!file_->read(&read))

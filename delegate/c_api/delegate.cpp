@@ -16,7 +16,7 @@ AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
 /// For what any thread may do at any time.
 template <class Call>
 AlabasterStatus at_any_time(AlabasterDelegate* handle, const Call& call) {
-  return guarded([&] {
+  return guarded_at_any_time([&] {
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
     data->process.check("the delegate");
     call(*data->delegate);

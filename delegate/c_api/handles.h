@@ -54,14 +54,14 @@ struct Handle {
 void destroy(Handle* handle) noexcept;
 void destroy_put_off() noexcept;
 
-/// Runs a call, in the default floating-point environment; no exception leaves it.
+/// Runs a call that may come at any time and waits for no other, in the default floating-point environment; no exception
+/// leaves it.
 template <class Call>
-AlabasterStatus guarded(const Call& call) noexcept {
+AlabasterStatus guarded_at_any_time(const Call& call) noexcept {
   const FloatEnvironment environment;
   try {
     if (CallbackScope::is_open())
       throw bad_argument("the library is called by a report or release callback, which must not call it");
-    destroy_put_off();
     call();
     return ALABASTER_OK;
   } catch (const Failure& failure) {
@@ -73,6 +73,15 @@ AlabasterStatus guarded(const Call& call) noexcept {
   } catch (...) {
     return fail(ALABASTER_INTERNAL, "unknown reason");
   }
+}
+
+/// Runs any other call. Handles that callbacks have destroyed go before it, which may wait for other calls.
+template <class Call>
+AlabasterStatus guarded(const Call& call) noexcept {
+  return guarded_at_any_time([&] {
+    destroy_put_off();
+    call();
+  });
 }
 
 template <class T>

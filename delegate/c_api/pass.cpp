@@ -126,7 +126,7 @@ AlabasterStatus pass_start(AlabasterPass* handle, const AlabasterFrame* frame) {
 }
 
 AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) {
-  return guarded([&] {
+  return guarded_at_any_time([&] {
     const std::shared_ptr<PassData> data = required(handle, "pass").data;
     data->owner->process.check("the pass");
     const bool ended = data->pass->WaitForConvergence(seconds < 0 ? std::numeric_limits<double>::infinity() : seconds);
@@ -139,7 +139,7 @@ AlabasterStatus pass_wait(AlabasterPass* handle, double seconds, int32_t* over) 
 }
 
 AlabasterStatus pass_state(AlabasterPass* handle, int32_t* state) {
-  return guarded([&] {
+  return guarded_at_any_time([&] {
     const std::shared_ptr<PassData> data = required(handle, "pass").data;
     data->owner->process.check("the pass");
     RenderPass& pass = *data->pass;

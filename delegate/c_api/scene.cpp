@@ -295,8 +295,11 @@ AlabasterStatus get_prims(AlabasterScene* handle, AlabasterVisit visit, void* us
     const std::shared_ptr<SceneData> held = required(handle, "scene").data;
     SceneData& data = *held;
     if (!visit) throw bad_argument("visit is null");
-    const SceneLock lock(data);
-    for (const auto& [path, type] : all_prims(data.scene)) {
+    const auto prims = [&] {  // `visit` may call the library, so it is called without the lock
+      const SceneLock lock(data);
+      return all_prims(data.scene);
+    }();
+    for (const auto& [path, type] : prims) {
       const Value value(type);
       const ValueView view(value);
       visit(user, path.str().c_str(), &view.get());

@@ -109,8 +109,8 @@ bool is_within_limits(const Framing& framing) {
 size_t text_size(const ImageAttribute& attribute) {
   constexpr size_t kNumber = 24;
   const auto of_value = []<class T>(const T& value) {
-    if constexpr (std::is_same_v<T, std::string>)
-      return value.size();
+    if constexpr (std::is_same_v<T, std::string>)  // lines after the first are indented by two
+      return value.size() + 2 * size_t(std::count(value.begin(), value.end(), '\n'));
     else
       return sizeof value / sizeof(float) * kNumber;
   };

@@ -70,7 +70,9 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
   FailedFiles::Failure failure;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
-    if (d.severity == alabaster::Severity::error) is_of_file = input && d.code.starts_with("texture.");
+    // What the file holds fails until it is written again; what keeps it from being opened may pass.
+    if (d.severity == alabaster::Severity::error)
+      is_of_file = d.code == "texture.damaged" || d.code == "texture.format" || d.code == "texture.size";
     failure.reports.push_back(d);
     if (sink) sink(d);
   };

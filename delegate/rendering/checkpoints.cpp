@@ -229,7 +229,7 @@ std::string Checkpoints::fault(const BuiltScene* scene, const RenderRequest& req
       fault = "it is of another render: " + difference;
     else if (range.begin != now.begin || (now.begin > 0 && range.end != now.end))
       fault = "it has samples " + text_of(range) + " of each pixel, and the render those of " + text_of(now);
-    else if (!has_state_of(settings, *pending_->state))
+    else if (!has_state_of(settings, *pending->state))
       fault = "it is damaged: it does not hold what its header says";
     else if (!settings.adaptive && film.most_samples() > now.end - now.begin)
       fault = "it has " + std::to_string(film.most_samples()) + " samples per pixel, more than the " +

@@ -227,7 +227,7 @@ class Materials(unittest.TestCase):
             file = types.SimpleNamespace(size=len(data), data=data)
             space = types.SimpleNamespace(name="sRGB", is_data=False)
             image = types.SimpleNamespace(name_full="packed", source="FILE", packed_file=file, is_dirty=False, filepath_raw="a.png",
-                                          colorspace_settings=space)
+                                          colorspace_settings=space, file_format="PNG")
             return pathlib.Path(images.file_of(image, self.notes.append)[0]).read_bytes()
         self.assertEqual([packed(b"one"), packed(b"two")], [b"one", b"two"])
 
@@ -430,7 +430,8 @@ class Frames(unittest.TestCase):
             ys, xs = numpy.nonzero(part[..., 3] > 0)
             self.assertGreater(len(ys), 0)
             inside = slice(ys.min(), ys.max() + 1), slice(xs.min(), xs.max() + 1)
-            self.assertEqual(float(abs(full[inside] - part[inside]).max()), 0.0, (width, height, percentage, left, right, bottom, top))
+            case = width, height, percentage, left, right, bottom, top
+            self.assertLess(float(abs(full[inside] - part[inside]).max()), 1e-6, case)  # the last bit may differ; a pixel off is 0.1
 
     def glowing(self, space, file):
         """A plane before the camera that glows with an image in this space."""

@@ -13,7 +13,7 @@ from . import colors
 
 _folder = None
 _numbers = itertools.count()  # a file that is written again has another name, so that the renderer reads it
-_written = {}  # what has been written, by the image's name: (stamp, file)
+_written = {}  # what has been written, by the image's name and purpose: (stamp, file)
 _means = {}    # by the image's name: (stamp, mean)
 
 # Blender's names of the formats that the renderer reads.
@@ -49,8 +49,9 @@ def _write_tiff(file, size, pixels):
     pathlib.Path(file).write_bytes(b"II*\0" + struct.pack("<I", 8) + directory + body + rows)
 
 
-def _known(image, stamp, write, suffix):
-    key = image.name_full
+def _known(image, purpose, stamp, write, suffix):
+    """The file of an image for a purpose. An image may serve several: each has a file of its own."""
+    key = image.name_full, purpose
     if key in _written and _written[key][0] == stamp:
         return _written[key][1]
     file = _scratch(suffix)
@@ -91,14 +92,14 @@ def file_of(image, note):
         pixels = _pixels(image)
         linear = image.is_float and space != "raw"
         if linear or space:
-            file = _known(image, hash(pixels.tobytes()), lambda file: _write_tiff(file, image.size, pixels), ".tif")
+            file = _known(image, "as it is", hash(pixels.tobytes()), lambda file: _write_tiff(file, image.size, pixels), ".tif")
             return file, colors.linear() if linear else space
         return _converted(image, hash(pixels.tobytes()), note)
     if not space or (image.file_format not in FILE_FORMATS and image.source != "TILED"):
         return _converted(image, _stamp(image), note)
     if image.packed_file:
         suffix = pathlib.Path(image.filepath_raw).suffix or ".png"
-        return _known(image, _stamp(image), lambda file: file.write_bytes(image.packed_file.data), suffix), space
+        return _known(image, "as it is", _stamp(image), lambda file: file.write_bytes(image.packed_file.data), suffix), space
     if image.source == "SEQUENCE":
         note(f"image '{image.name}': of a sequence, the file that it names is used")
     return _file_name(image), space
@@ -113,7 +114,7 @@ def _converted(image, stamp, note):
     if not len(pixels):
         return _file_name(image), "sRGB"  # damaged: the renderer says so
     key = stamp, image.colorspace_settings.name
-    return _known(image, key, lambda file: _write_tiff(file, image.size, pixels), ".tif"), colors.linear()
+    return _known(image, "linear", key, lambda file: _write_tiff(file, image.size, pixels), ".tif"), colors.linear()
 
 
 def _linear_pixels(image, note):
@@ -135,7 +136,7 @@ def environment(image, note):
     as_read = colors.EVERYWHERE.get(name) == usual and colors.name_of(image)
     if image.source in {"MOVIE", "TILED"} or (as_read and not _lives_in_blender(image)):
         return file_of(image, note)[0]
-    return _converted(image, (_stamp(image), "dome") if not _lives_in_blender(image) else hash(_pixels(image).tobytes()), note)[0]
+    return _converted(image, hash(_pixels(image).tobytes()) if _lives_in_blender(image) else _stamp(image), note)[0]
 
 
 def _stamp(image):

@@ -60,6 +60,6 @@ def distances(method, radii, albedos, ior, asked=0.0):
     """scatterDistance by channel. asked: the anisotropy. scatterDistance is about the reduced mean free path, which it leaves alone;
     Cycles' own is the whole one where it inverts albedos by van de Hulst's formula."""
     whole = method == MEAN_FREE_PATH or (SIGNED and method != "BURLEY" and asked < 0)
-    stretch = 1 / (1 - min(max(asked, -0.99), 0.99)) if whole else 1.0
+    stretch = 1 / (1 - anisotropy(method, asked)) if whole else 1.0
     return tuple(stretch * scatter_distance(mean_free_path(method, max(r, 0.0), a, ior), a)
                  for r, a in zip(radii, (min(max(a, 0.0), 1.0) for a in albedos)))
