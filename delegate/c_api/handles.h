@@ -54,8 +54,8 @@ struct Handle {
 void destroy(Handle* handle) noexcept;
 void destroy_put_off() noexcept;
 
-/// Runs a call that may come at any time and waits for no other, in the default floating-point environment; no exception
-/// leaves it.
+/// Runs a call that may come at any time and waits for no other, in the default floating-point environment; no
+/// exception leaves it.
 template <class Call>
 AlabasterStatus guarded_at_any_time(const Call& call) noexcept {
   const FloatEnvironment environment;

@@ -70,7 +70,7 @@ std::shared_ptr<const Texture> SceneParam::load(const TextureSource& source, std
   FailedFiles::Failure failure;
   const alabaster::DiagnosticSink watched = [&](const alabaster::Diagnostic& d) {
     input = d.code != "texture.memory";
-    // What the file holds fails until it is written again; what keeps it from being opened may pass.
+    // Contents fail until the file is written again. A failure to open it may pass.
     if (d.severity == alabaster::Severity::error)
       is_of_file = d.code == "texture.damaged" || d.code == "texture.format" || d.code == "texture.size";
     failure.reports.push_back(d);

@@ -239,8 +239,7 @@ struct Choosing {
   std::optional<LightSample> sample(const Vec3f& p, const Vec2f& u) const { return set.sample(p, rng.uniform(), u); }
 };
 
-// One sample of each light that is sampled at the point of a plane that faces z: of the chosen one and of each constant
-// dome. `weigh` gives the weight of a LightSample.
+// One sample of the chosen light and of each constant dome, at a plane that faces z, times `weigh` of the sample.
 template <class Weigh>
 double sampled_irradiance(const LightSet& set, const Plane& plane, Rng& rng, const Weigh& weigh) {
   const float choice = rng.uniform();
