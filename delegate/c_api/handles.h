@@ -215,7 +215,7 @@ struct DelegateData {
   std::unique_ptr<host::RenderIndex> index;
   std::shared_ptr<SceneData> scene;
   bool records = false;  // what then comes is called by the progress callback
-  const Process process;
+  const Process process{};
 };
 
 /// Refuses what cannot happen in the midst of a recording.

@@ -107,12 +107,12 @@ bool is_within_limits(const Framing& framing) {
 
 /// Bytes of an attribute in a text that holds them all.
 size_t text_size(const ImageAttribute& attribute) {
-  constexpr size_t kNumber = 24;
+  constexpr size_t kNumber = 24, kWord = 4;  // bytes of a number in text, and in memory
   const auto of_value = []<class T>(const T& value) {
     if constexpr (std::is_same_v<T, std::string>)  // lines after the first are indented by two
       return value.size() + 2 * size_t(std::count(value.begin(), value.end(), '\n'));
     else
-      return sizeof value / sizeof(float) * kNumber;
+      return sizeof value / kWord * kNumber;
   };
   return attribute.name.size() + 3 + std::visit(of_value, attribute.value);
 }
