@@ -105,16 +105,18 @@ bool is_within_limits(const Framing& framing) {
   return true;
 }
 
+/// Bytes of a value in a text. Lines after the first are indented by two.
+size_t text_size(const std::string& value) {
+  return value.size() + 2 * size_t(std::count(value.begin(), value.end(), '\n'));
+}
+template <class T>
+size_t text_size(const T& numbers) {
+  constexpr size_t kNumber = 24, kWord = 4;  // bytes of a number in text, and in memory
+  return sizeof numbers / kWord * kNumber;
+}
 /// Bytes of an attribute in a text that holds them all.
 size_t text_size(const ImageAttribute& attribute) {
-  constexpr size_t kNumber = 24, kWord = 4;  // bytes of a number in text, and in memory
-  const auto of_value = []<class T>(const T& value) {
-    if constexpr (std::is_same_v<T, std::string>)  // lines after the first are indented by two
-      return value.size() + 2 * size_t(std::count(value.begin(), value.end(), '\n'));
-    else
-      return sizeof value / kWord * kNumber;
-  };
-  return attribute.name.size() + 3 + std::visit(of_value, attribute.value);
+  return attribute.name.size() + 3 + std::visit([](const auto& value) { return text_size(value); }, attribute.value);
 }
 
 /// `text` with so many bytes at most, and no half of a character of UTF-8.

@@ -104,7 +104,10 @@ std::shared_ptr<const IesProfile> SceneParam::profile(const std::string& file, c
           if (sink_) sink_(d);
         },
         within);
-    if (loaded) return held = {std::move(state), loaded}, loaded;
+    if (loaded) {
+      held = {std::move(state), loaded};
+      return loaded;
+    }
     failure = {SceneFault{true, "the IES profile '" + file + "' could not be read"}, std::move(reports)};
     failed_profiles_.keep(source, std::move(state), *failure);
   } else if (sink_) {
