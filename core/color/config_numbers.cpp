@@ -103,7 +103,7 @@ class Rewriter {
     out_ += ends ? whole(text) : std::string(text);
   }
 
-  // [1, 2], over as many lines as it has.
+  // A list such as [1, 2], which may span several lines.
   void take_list() {
     int depth = 0;
     do {

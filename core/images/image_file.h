@@ -46,8 +46,8 @@ class ImageInput {
  public:
   virtual ~ImageInput() = default;
   const ImageLayout& layout() const { return layout_; }
-  /// Decodes the rows from `y` on, as many as it likes; returns how many, or 0 with the fault. To be called with y = 0,
-  /// then with y plus the number returned.
+  /// Decodes one or more rows from `y` on. Returns the number of rows, or 0 with the fault. The first call has y = 0,
+  /// and each later call adds the number returned before.
   virtual int read_rows(int y, ImageRows& rows, std::string& fault) = 0;
 
  protected:

@@ -119,7 +119,7 @@ size_t text_size(const ImageAttribute& attribute) {
   return attribute.name.size() + 3 + std::visit([](const auto& value) { return text_size(value); }, attribute.value);
 }
 
-/// `text` with so many bytes at most, and no half of a character of UTF-8.
+/// `text` cut to at most `bytes` bytes, at a boundary of UTF-8 characters.
 std::string cut_off(const std::string& text, size_t bytes) {
   while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xc0) == 0x80) --bytes;
   return text.substr(0, bytes) + "...";

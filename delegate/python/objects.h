@@ -40,8 +40,8 @@ class Messages {
   std::deque<Message> queue_;
 };
 
-/// Runs `call(api, unlocked)`, a function of the C door, without Python's lock; then tells what was reported, and
-/// throws if it failed.
+/// Runs `call(api, unlocked)`, a function of the C interface, without the GIL. Then delivers the reports and throws if
+/// the call failed.
 template <class Call>
 void run(Messages& messages, const Call& call) {
   std::optional<door::Error> error;

@@ -8,7 +8,7 @@
 
 namespace alabaster {
 
-/// Rows that are read at once are as many as fit this, and no more than kRowsAtOnce.
+/// Limits of the rows that are read at once: their bytes and their number.
 inline constexpr size_t kMostRowBytes = size_t(64) << 20;
 inline constexpr int kRowsAtOnce = 64;
 

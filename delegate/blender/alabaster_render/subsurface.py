@@ -10,7 +10,7 @@ LARGEST_ANISOTROPY = 0.9
 
 
 def _transport_albedo(albedo, bounce):
-    """alpha' of a dipole of this reflectance (Jensen et al. 2001, eq. 15), by bisection in as many steps as Cycles takes."""
+    """alpha' of a dipole of this reflectance (Jensen et al. 2001, eq. 15), by bisection with the number of steps of Cycles."""
     def reflectance(alpha):
         root = math.sqrt(max(3 * (1 - alpha), 0.0))
         return 0.5 * alpha * (1 + math.exp(-bounce * root)) * math.exp(-root)
