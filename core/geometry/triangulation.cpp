@@ -74,7 +74,9 @@ class PointGrid {
  private:
   static size_t index(int i) { return static_cast<size_t>(i); }
   size_t cell(double place, double first, double cells_per_unit) const {
-    return std::min(static_cast<size_t>(std::max(0.0, (place - first) * cells_per_unit)), side_ - 1);
+    // Bounded before the conversion: a corner far outside of the grid may lie more cells away than size_t holds.
+    const double cells = std::max(0.0, (place - first) * cells_per_unit);  // of 0 times infinity, too, 0
+    return static_cast<size_t>(std::min(cells, static_cast<double>(side_ - 1)));
   }
   size_t column(double x) const { return cell(x, low_.x, scale_.x); }
   size_t row(double y) const { return cell(y, low_.y, scale_.y); }
