@@ -130,6 +130,19 @@ def picture(name, width, height, pixel, is_float=False, space=None):
     return image
 
 
+def textured_by_a_missing_image():
+    """(material, image): its base colour and its alpha are those of an image whose file is missing."""
+    image = bpy.data.images.new("gone", 4, 4)
+    image.source, image.filepath = "FILE", "/nowhere/gone.png"
+    material = principled("textured")
+    tree = material.node_tree
+    texture, shader = tree.nodes.new("ShaderNodeTexImage"), tree.nodes["Principled BSDF"]
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+    tree.links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
+    return material, image
+
+
 def stage(material=None):
     camera()
     floor()

@@ -34,6 +34,7 @@ def unregister():
     global _registered
     if not _registered:
         return
+    engine.frames.close()  # raises where it cannot: then nothing has changed
     _registered = False
     atexit.unregister(unregister)
     for module in reversed(MODULES):

@@ -47,26 +47,30 @@ class Frames:
     AFTERWARDS = 0.3  # seconds in which Blender takes a frame that is over away
 
     def __init__(self):
-        self.condition, self.number, self.closed = threading.Condition(), 0, True
+        self.condition, self.threads, self.closed = threading.Condition(), [], True  # threads: one for each frame
 
     def open(self):
         self.closed = False
 
     def close(self):
+        """Raises in a thread that renders a frame, as a handler of frame changes does: it would wait for itself."""
         with self.condition:
+            if threading.get_ident() in self.threads:
+                raise RuntimeError("Alabaster cannot be disabled by what runs within its own frame; do so when the render is over")
             self.closed = True
-            if self.number and self.condition.wait_for(lambda: not self.number, self.PATIENCE):
+            if self.threads and self.condition.wait_for(lambda: not self.threads, self.PATIENCE):
                 time.sleep(self.AFTERWARDS)
 
     @contextlib.contextmanager
     def one(self):
+        thread = threading.get_ident()
         with self.condition:
-            self.number += 1
+            self.threads.append(thread)
         try:
             yield
         finally:
             with self.condition:
-                self.number -= 1
+                self.threads.remove(thread)
                 self.condition.notify_all()
 
 
@@ -260,7 +264,6 @@ def register():
 
 
 def unregister():
-    frames.close()
     for engines in panels():
         engines.discard(AlabasterRenderEngine.bl_idname)
     bpy.utils.unregister_class(AlabasterRenderEngine)

@@ -1,4 +1,5 @@
 """Images of Blender as files that the renderer reads."""
+import contextlib
 import glob
 import itertools
 import os
@@ -31,9 +32,36 @@ def _scratch(suffix):
 def _pixels(image):
     """Rows of RGBA from the bottom: of byte images in their own space, of float images scene-linear."""
     width, height = image.size
-    pixels = numpy.empty(width * height * 4, numpy.float32)
+    pixels = numpy.empty(width * height * image.channels, numpy.float32)
     image.pixels.foreach_get(pixels)
-    return pixels.reshape(height * width, 4)
+    if image.channels == 4 or not len(pixels):
+        return pixels.reshape(-1, 4)
+    pixels = pixels.reshape(height * width, image.channels)
+    rgba = numpy.ones((height * width, 4), numpy.float32)
+    if image.channels < 3:  # grey, with alpha or without
+        rgba[:, :3] = pixels[:, :1]
+        rgba[:, 3:] = pixels[:, 1:] if image.channels == 2 else 1.0
+    else:
+        rgba[:, :3] = pixels[:, :3]
+    return rgba
+
+
+@contextlib.contextmanager
+def _whose_pixels_are_there(image):
+    """The image, or that of the file which a sequence names: Blender has no pixels of a sequence without a frame."""
+    if image.source != "SEQUENCE":
+        yield image
+        return
+    try:
+        named = bpy.data.images.load(_file_name(image))
+    except RuntimeError:  # it cannot be opened, as Blender says; the renderer does, too
+        yield image
+        return
+    try:
+        named.colorspace_settings.name = image.colorspace_settings.name
+        yield named
+    finally:
+        bpy.data.images.remove(named)
 
 
 def _write_tiff(file, size, pixels):
@@ -87,6 +115,8 @@ def file_of(image, note):
     if image.source == "MOVIE":
         note(f"image '{image.name}': movies are not translated")
         return "", ""
+    if image.source == "SEQUENCE":
+        note(f"image '{image.name}': of a sequence, the file that it names is used")
     space = colors.name_of(image)
     if _lives_in_blender(image):
         pixels = _pixels(image)
@@ -100,8 +130,6 @@ def file_of(image, note):
     if image.packed_file:
         suffix = pathlib.Path(image.filepath_raw).suffix or ".png"
         return _known(image, "as it is", _stamp(image), lambda file: file.write_bytes(image.packed_file.data), suffix), space
-    if image.source == "SEQUENCE":
-        note(f"image '{image.name}': of a sequence, the file that it names is used")
     return _file_name(image), space
 
 
@@ -110,11 +138,12 @@ def _converted(image, stamp, note):
     if image.source == "TILED":
         note(f"image '{image.name}': tiles in colour space {image.colorspace_settings.name} are read as sRGB")
         return _file_name(image), "sRGB"
-    pixels = _linear_pixels(image, note)
+    with _whose_pixels_are_there(image) as held:
+        pixels, size = _linear_pixels(held, note), tuple(held.size)
     if not len(pixels):
         return _file_name(image), "sRGB"  # damaged: the renderer says so
     key = stamp, image.colorspace_settings.name
-    return _known(image, "linear", key, lambda file: _write_tiff(file, image.size, pixels), ".tif"), colors.linear()
+    return _known(image, "linear", key, lambda file: _write_tiff(file, size, pixels), ".tif"), colors.linear()
 
 
 def _linear_pixels(image, note):
@@ -159,7 +188,8 @@ def mean(image):
 
 
 def _mean(image):
-    pixels = _linear_pixels(image, lambda _: None)  # told where the file is named
+    with _whose_pixels_are_there(image) as held:
+        pixels = _linear_pixels(held, lambda _: None)  # told where the file is named
     if not len(pixels):
         return (*MISSING, 1.0), True
     return tuple(float(x) for x in pixels.mean(axis=0, dtype=numpy.float64)), bool((pixels == pixels[0]).all())

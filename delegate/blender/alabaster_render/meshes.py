@@ -6,6 +6,7 @@ import numpy
 
 KINDS = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 CORNER_NORMALS = bpy.app.version >= (4, 1, 0)  # meshes know their normals; before, they had to be computed
+LAST_BITS = 1e-5  # of the components of a normal: no two normals of a vertex are as close
 INFINITELY_SHARP = 10.0  # of OpenSubdiv
 
 BOUNDARIES = {"ALL": "edgeOnly", "PRESERVE_CORNERS": "edgeAndCorner"}
@@ -202,9 +203,33 @@ def normals(mesh):
     split = mesh.use_auto_smooth or mesh.has_custom_normals
     if not smooth.any() and not split:
         return {}
+    of_vertices = vertex_normals(mesh)
     if smooth.all() and not split:
-        return {"normals": Primvar(array(mesh.vertex_normals, "vector", numpy.float32, 3), "vertex")}
+        return {"normals": Primvar(frozen(of_vertices), "vertex")}
     mesh.calc_normals_split()
-    made = array(mesh.loops, "normal", numpy.float32, 3)
+    made = array(mesh.loops, "normal", numpy.float32, 3).copy()
     mesh.free_normals_split()
-    return {"normals": Primvar(made, "faceVarying")}
+    of_corners = of_vertices[array(mesh.loops, "vertex_index", numpy.int32)]
+    taken = (abs(made - of_corners) < LAST_BITS).all(axis=1)  # these corners have the normals of their vertices
+    made[taken] = of_corners[taken]
+    return {"normals": Primvar(frozen(made), "faceVarying")}
+
+
+def vertex_normals(mesh):
+    """The normals of faces, weighted by their angles at the vertex. Blender before 4.1 sums them in no fixed order, so that the
+    last bits differ from frame to frame; here the order is that of the corners."""
+    points = array(mesh.vertices, "co", numpy.float32, 3).astype(numpy.float64)
+    vertices = array(mesh.loops, "vertex_index", numpy.int32)
+    first, count = (array(mesh.polygons, name, numpy.int32) for name in ("loop_start", "loop_total"))
+    following, preceding = numpy.arange(1, len(vertices) + 1), numpy.arange(-1, len(vertices) - 1)
+    following[first + count - 1], preceding[first] = first, first + count - 1
+    corner = points[vertices]
+    ahead, back = corner[following] - corner, corner[preceding] - corner
+    lengths = numpy.sqrt((ahead * ahead).sum(axis=1) * (back * back).sum(axis=1))
+    cosines = numpy.divide((ahead * back).sum(axis=1), lengths, out=numpy.ones(len(lengths)), where=lengths > 0)
+    angles = numpy.arccos(numpy.clip(cosines, -1, 1))
+    faces = numpy.repeat(array(mesh.polygons, "normal", numpy.float32, 3), count, axis=0)
+    sums = numpy.stack([numpy.bincount(vertices, angles * faces[:, axis], len(points)) for axis in range(3)], axis=1)
+    lengths = numpy.sqrt((sums * sums).sum(axis=1, keepdims=True))
+    held = array(mesh.vertex_normals, "vector", numpy.float32, 3)  # where a vertex has no normal of its own
+    return numpy.where(lengths > 1e-12, sums / numpy.maximum(lengths, 1e-12), held).astype(numpy.float32)

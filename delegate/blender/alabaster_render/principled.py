@@ -52,6 +52,7 @@ def _base(reader, source, surface):
     body = {name: _value(reader, source, f"Subsurface {name}") for name in ("Radius", "IOR", "Anisotropy")}
     scatter(reader, surface, color, body, scale, source.node.subsurface_method)
     if MODERN and share < 1:
+        # Disney's material has no such mixture. The mean distance that light travels stays that of Cycles.
         reader.note("a subsurface weight below 1 shortens the scatter distance instead of mixing with diffuse")
 
 

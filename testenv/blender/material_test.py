@@ -1,0 +1,249 @@
+"""Tests of materials and their images. addon_test.py runs them."""
+import pathlib
+import tempfile
+import types
+import unittest
+import unittest.mock
+
+import bpy
+import numpy
+
+import scenes
+from alabaster_render import disney_group, images, materials, schema, subsurface, sync, world
+from synced_scene import Watched, fresh
+
+
+class Materials(unittest.TestCase):
+    def setUp(self):
+        fresh()
+        self.notes = []
+
+    def translate(self, material):
+        return materials.translate(material, self.notes.append)
+
+    def test_group_has_the_schema_s_ranges(self):
+        tree = disney_group.tree()
+        sockets = ([one for one in tree.interface.items_tree if one.in_out == "INPUT"] if disney_group.MODERN else tree.inputs)
+        held = {one.name: one for one in sockets}
+        for name, p in schema.parameters("disney_material").items():
+            self.assertEqual(held[name].description[:60], p.description[:60])  # Blender 3 keeps 63 bytes
+            if p.kind == "float":
+                self.assertAlmostEqual(held[name].default_value, p.default, places=5)
+                if p.minimum is None:
+                    self.assertLess(held[name].min_value, -1e30)
+                else:
+                    self.assertAlmostEqual(held[name].min_value, p.minimum, places=5)
+                if p.maximum is not None:
+                    self.assertAlmostEqual(held[name].max_value, p.maximum, places=5)
+        self.assertIs(disney_group.tree(), tree)
+
+    def test_group_becomes_its_parameters(self):
+        material = bpy.data.materials.new("ours")
+        node = disney_group.assign(material)
+        self.assertEqual(self.translate(material).nodes["surface"], {"thin": False, "priority": 0})
+        node.inputs["scatterDistance"].default_value = (0.5, 0.25, 0.125)
+        node.inputs["roughness"].default_value = 0.25
+        node.inputs["thin"].default_value = True
+        surface = self.translate(material).nodes["surface"]
+        self.assertEqual((surface["scatterDistance"], surface["roughness"], surface["thin"]), ((0.5, 0.25, 0.125), 0.25, True))
+
+    def test_what_is_not_translated_is_noted(self):
+        material = scenes.principled("noisy")
+        tree = material.node_tree
+        noise = tree.nodes.new("ShaderNodeTexNoise")
+        tree.links.new(noise.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        self.translate(material)
+        self.assertEqual(len(self.notes), 1)
+        self.assertIn("Noise Texture", self.notes[0])
+
+    def test_arithmetic_of_textures(self):
+        material = scenes.principled("inverted")
+        tree = material.node_tree
+        texture, invert, times = (tree.nodes.new(kind) for kind in ("ShaderNodeTexImage", "ShaderNodeInvert", "ShaderNodeMath"))
+        texture.image = scenes.picture("grey", 4, 4, lambda u, v: (u, u, u), space="Non-Color")
+        times.operation = "MULTIPLY"
+        times.inputs[1].default_value = 0.5
+        tree.links.new(texture.outputs["Color"], invert.inputs["Color"])
+        tree.links.new(invert.outputs[0], times.inputs[0])
+        tree.links.new(times.outputs[0], tree.nodes["Principled BSDF"].inputs["Roughness"])
+        network = self.translate(material)
+        (name, channel), = network.nodes["surface"]["roughness"]
+        node = network.nodes[name]
+        self.assertEqual((node["scale"][:3], node["bias"][:3], node["sourceColorSpace"]), ((-0.5,) * 3, (0.5,) * 3, "raw"))
+        self.assertTrue(pathlib.Path(node["file"]).stat().st_size > 4 * 4 * 16)
+        self.assertEqual(channel, "g")
+
+    def test_bump(self):
+        material = scenes.principled("bumpy")
+        tree = material.node_tree
+        texture, bump = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeBump")
+        texture.image = scenes.picture("height", 4, 4, lambda u, v: (u, u, u))
+        bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = 0.5, 0.25
+        tree.links.new(texture.outputs["Color"], bump.inputs["Height"])
+        tree.links.new(bump.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+        network = self.translate(material)
+        (name, channel), = network.nodes["surface"]["bump"]
+        self.assertEqual((network.nodes[name]["scale"][0], channel, self.notes), (0.125, "r", []))
+
+    def test_a_painted_image_is_another_file(self):
+        image = scenes.picture("painted", 4, 4, lambda u, v: (u, v, 0))
+        first, _ = images.file_of(image, self.notes.append)
+        self.assertEqual(images.file_of(image, self.notes.append)[0], first)
+        image.pixels[0] = 0.75
+        second, _ = images.file_of(image, self.notes.append)
+        self.assertNotEqual(second, first)
+        self.assertFalse(pathlib.Path(first).exists())
+
+    def test_a_packed_image_of_the_same_size_is_another_file(self):
+        def packed(data):
+            file = types.SimpleNamespace(size=len(data), data=data)
+            space = types.SimpleNamespace(name="sRGB", is_data=False)
+            image = types.SimpleNamespace(name_full="packed", source="FILE", packed_file=file, is_dirty=False, filepath_raw="a.png",
+                                          colorspace_settings=space, file_format="PNG")
+            return pathlib.Path(images.file_of(image, self.notes.append)[0]).read_bytes()
+        self.assertEqual([packed(b"one"), packed(b"two")], [b"one", b"two"])
+
+    def test_pixels_of_any_number_of_channels(self):
+        def pixels(channels, *values):
+            held = types.SimpleNamespace(foreach_get=lambda out: out.__setitem__(slice(None), values))
+            return images._pixels(types.SimpleNamespace(size=(1, 2), channels=channels, pixels=held)).tolist()
+        self.assertEqual(pixels(1, 0.25, 0.5), [[0.25, 0.25, 0.25, 1], [0.5, 0.5, 0.5, 1]])
+        self.assertEqual(pixels(2, 0.25, 1, 0.5, 0), [[0.25, 0.25, 0.25, 1], [0.5, 0.5, 0.5, 0]])
+        self.assertEqual(pixels(3, 1, 0, 0.5, 0, 1, 0), [[1, 0, 0.5, 1], [0, 1, 0, 1]])
+        self.assertEqual(pixels(4, 1, 0, 0.5, 0, 0, 1, 0, 1), [[1, 0, 0.5, 0], [0, 1, 0, 1]])
+
+    def test_a_sequence_in_a_space_that_is_converted(self):
+        """Blender has no pixels of it; those of the file that it names are used, and a note says so."""
+        with tempfile.TemporaryDirectory() as folder:
+            for frame in (1, 2):
+                made = scenes.picture(f"frame{frame}", 4, 4, lambda u, v, f=frame: (0.25 * f,) * 3)
+                made.filepath_raw, made.file_format = f"{folder}/{frame:03}.png", "PNG"
+                made.save()
+            image = bpy.data.images.load(f"{folder}/002.png")
+            image.source = "SEQUENCE"
+            before = len(bpy.data.images)
+            with unittest.mock.patch.object(images.colors, "name_of", lambda _: ""):
+                file, _ = images.file_of(image, self.notes.append)
+            written = numpy.frombuffer(pathlib.Path(file).read_bytes()[-4 * 4 * 16:], numpy.float32)
+            self.assertAlmostEqual(float(written[0]), 0.2140, places=2)  # sRGB 0.5
+            self.assertEqual(["of a sequence" in note for note in self.notes], [True])
+            self.assertAlmostEqual(images.mean(image)[0][0], 0.2140, places=2)
+            self.assertEqual(len(bpy.data.images), before)
+
+    def math(self, operation, *numbers, clamp=False):
+        """The roughness of a surface that a Math node of constants is linked to."""
+        material = scenes.principled("math")
+        tree = material.node_tree
+        node = tree.nodes.new("ShaderNodeMath")
+        node.operation, node.use_clamp = operation, clamp
+        for socket, number in zip(node.inputs, numbers):
+            socket.default_value = number
+        tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Roughness"])
+        return self.translate(material).nodes["surface"]["roughness"]
+
+    def test_powers_without_a_value_are_noted(self):
+        self.math("POWER", 1e30, 1e30)
+        self.math("POWER", 0, -1)
+        self.assertEqual(["is not translated" in note for note in self.notes], [True, True])
+
+    def test_clamped_math(self):
+        self.assertEqual((self.math("ADD", 0.75, 0.5, clamp=True), self.notes), (1.0, []))
+        material = scenes.principled("clamped")
+        tree = material.node_tree
+        texture, twice = (tree.nodes.new(kind) for kind in ("ShaderNodeTexImage", "ShaderNodeMath"))
+        texture.image = scenes.picture("clamped", 4, 4, lambda u, v: (u, u, u))
+        twice.operation, twice.use_clamp = "MULTIPLY", True
+        twice.inputs[1].default_value = 2
+        tree.links.new(texture.outputs["Color"], twice.inputs[0])
+        tree.links.new(twice.outputs[0], tree.nodes["Principled BSDF"].inputs["Roughness"])
+        self.translate(material)
+        self.assertEqual(["clamp" in note for note in self.notes], [True])
+
+    def test_sum_of_two_emissions(self):
+        material = bpy.data.materials.new("sum")
+        material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        one, two, both, output, texture = (tree.nodes.new(f"ShaderNode{kind}") for kind in (
+            "Emission", "Emission", "AddShader", "OutputMaterial", "TexImage"))
+        for node, strength in ((one, 1), (two, 2)):
+            node.inputs["Color"].default_value, node.inputs["Strength"].default_value = (0.5, 0.25, 0.0, 1), strength
+        tree.links.new(one.outputs[0], both.inputs[0])
+        tree.links.new(two.outputs[0], both.inputs[1])
+        tree.links.new(both.outputs[0], output.inputs["Surface"])
+        self.assertEqual((self.translate(material).nodes["surface"]["emission"], self.notes), ((1.5, 0.75, 0.0), []))
+        texture.image = scenes.picture("glow", 4, 4, lambda u, v: (u, u, u))
+        tree.links.new(texture.outputs["Color"], one.inputs["Color"])
+        self.translate(material)
+        self.assertEqual(["two emissions" in note for note in self.notes], [True])
+
+    def test_a_volume_alone_is_left_out(self):
+        material = bpy.data.materials.new("fog")
+        material.use_nodes = True
+        tree = material.node_tree
+        tree.nodes.clear()
+        output, volume = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeVolumePrincipled")
+        tree.links.new(volume.outputs[0], output.inputs["Volume"])
+        network = self.translate(material)
+        self.assertEqual((network.left_out, network.nodes["surface"]["opacity"], len(self.notes)), (True, 0.0, 1))
+        watched = Watched()
+        scenes.ball(material, name="fog")
+        both = scenes.ball(material, name="both")
+        both.data.materials.append(scenes.diffuse("skin"))
+        sync.SceneSync(watched, False, self.notes.append).sync(bpy.context.evaluated_depsgraph_get())
+        self.assertEqual([path for path, kind in watched.scene.prims.items() if kind == "mesh"], ["/mesh/both"])
+
+    def test_a_missing_image_is_magenta(self):
+        material, image = scenes.textured_by_a_missing_image()
+        surface = self.translate(material).nodes["surface"]
+        self.assertEqual((surface["baseColor"], surface.get("opacity", 1.0)), ((1.0, 0.0, 1.0), 1.0))
+        self.assertTrue(all("/nowhere/gone.png" in note for note in self.notes) and self.notes)
+        world_of, background = scenes.sky((1, 1, 1))
+        sky = world_of.node_tree.nodes.new("ShaderNodeTexEnvironment")
+        sky.image = image
+        world_of.node_tree.links.new(sky.outputs["Color"], background.inputs["Color"])
+        parameters = world.translate(bpy.context.scene, world_of, self.notes.append)[1]
+        self.assertEqual((parameters["color"], "texture:file" in parameters), ([1.0, 0.0, 1.0], False))
+
+    def test_an_image_of_one_colour_scatters_as_the_constant(self):
+        """Distances take no texture: they are those of the mean, and an image of one colour is its mean."""
+        color, radius = (0.8, 0.5, 0.25), (0.5, 0.25, 0.125)
+
+        def body(links=None):
+            material = scenes.principled("body", Subsurface=1.0, Subsurface_Radius=radius, Base_Color=color)
+            tree = material.node_tree
+            node = tree.nodes["Principled BSDF"]
+            if scenes.MODERN:
+                node.inputs["Subsurface Scale"].default_value = 0.5
+            else:
+                node.inputs["Subsurface Color"].default_value = (*color, 1)
+            for name, pixel in (links or {}).items():
+                texture = tree.nodes.new("ShaderNodeTexImage")
+                texture.image = scenes.picture(name, 4, 4, pixel, True, "Non-Color")
+                tree.links.new(texture.outputs["Color"], node.inputs[name])
+            self.notes.clear()
+            return self.translate(material).nodes["surface"]["scatterDistance"]
+        expected = body()
+        colours = ["Base Color"] if scenes.MODERN else ["Base Color", "Subsurface Color"]
+        self.assertEqual(body(links={name: lambda u, v: color for name in colours}), expected)
+        self.assertEqual((body(links={"Subsurface Radius": lambda u, v: radius}), self.notes), (expected, []))
+        if scenes.MODERN:
+            self.assertEqual((body(links={"Subsurface Scale": lambda u, v: (0.5,) * 3}), self.notes), (expected, []))
+        uneven = body(links={"Subsurface Radius": lambda u, v: tuple(r * (0.5 if u < 0.5 else 1.5) for r in radius)})
+        for a, b in zip(uneven, expected):
+            self.assertAlmostEqual(a, b, places=6)
+        self.assertEqual(["radius" in note for note in self.notes], [True])
+
+    def test_subsurface_radius(self):
+        """The rules by version and method; --widths measures that they are Cycles'."""
+        walk = "RANDOM_WALK" if scenes.MODERN else "RANDOM_WALK_FIXED_RADIUS"
+        whole = bpy.app.version >= (5, 2, 0)
+        self.assertAlmostEqual(subsurface.mean_free_path(walk, 1.0, 0.8, 1.4), 1.0 if whole else 0.0795775, places=6)
+        if whole:
+            self.assertAlmostEqual(subsurface.mean_free_path("RANDOM_WALK_LEGACY", 1.0, 0.8, 1.4), 0.0795775, places=6)
+            self.assertAlmostEqual(subsurface.distances("RANDOM_WALK", [1.1] * 3, [0.8] * 3, 1.4, 0.5)[0], 2.0, places=6)
+        # A = 0.8 makes the factor of Chiang, Kutz and Burley 1.1.
+        self.assertAlmostEqual(subsurface.scatter_distance(1.1, 0.8), 1.0, places=6)
+        # Christensen and Burley's profile is as wide for every albedo.
+        burley = subsurface.distances("BURLEY", [1.0] * 3, [0.2, 0.5, 0.8], 1.4)
+        self.assertEqual([round(d, 6) for d in burley], [0.079577] * 3)

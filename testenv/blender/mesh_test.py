@@ -1,0 +1,76 @@
+"""Tests of meshes. addon_test.py runs them."""
+import unittest
+import unittest.mock
+
+import bpy
+import numpy
+
+import scenes
+from alabaster_render import materials, meshes
+from synced_scene import fresh
+
+
+class Meshes(unittest.TestCase):
+    def setUp(self):
+        fresh()
+
+    def extract(self, ob, viewport=False):
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return meshes.extract(ob.evaluated_get(depsgraph), depsgraph, True, viewport, materials.Wanted())
+
+    def test_subdivision_at_the_end_of_the_stack_is_refinement(self):
+        scenes.subdivision_with_creases()
+        cage = self.extract(bpy.data.objects["cage"], True)
+        self.assertEqual((cage["scheme"], cage["refine_level"]), ("catmullClark", 3))
+        self.assertEqual(len(cage["counts"]), 10)  # mirrored, and not subdivided
+        self.assertAlmostEqual(float(cage["subdiv_tags"]["crease_weights"].max()), 6.4, places=4)
+        self.assertTrue(bpy.data.objects["cage"].modifiers["refine"].show_viewport)
+
+    def test_flat_faces_and_modifiers_after_it_are_applied(self):
+        scenes.subdivision_with_creases()
+        ob = bpy.data.objects["cage"]
+        ob.modifiers.new("after", "TRIANGULATE")
+        self.assertNotIn("scheme", self.extract(ob, True))
+        ob.modifiers.remove(ob.modifiers["after"])
+        ob.data.polygons.foreach_set("use_smooth", [False] * len(ob.data.polygons))
+        ob.data.update()
+        self.assertGreater(len(self.extract(ob, True)["counts"]), 100)
+
+    def test_arrays_are_lent(self):
+        mesh = self.extract(scenes.ball(None))
+        self.assertFalse(mesh["points"].flags.writeable)
+        self.assertEqual((mesh["points"].dtype, mesh["indices"].dtype), (numpy.float32, numpy.int32))
+
+    @unittest.skipIf(meshes.CORNER_NORMALS, "Blender from 4.1 on has a fixed order")
+    def test_normals_are_the_same_in_each_frame(self):
+        """Blender's own sums differ in the last bits, by the order in which its threads come. Corners beside a sharp edge have sums
+        of a fixed order."""
+        ball = scenes.ball(None)
+        cube = scenes.link("cube", scenes.mesh("cube", scenes.CUBE_POINTS, scenes.CUBE_FACES, smooth=True).data.copy())
+        cube.data.use_auto_smooth, cube.data.auto_smooth_angle = True, 3.1
+        for edge in cube.data.edges:
+            edge.use_edge_sharp = set(edge.vertices) <= set(scenes.CUBE_FACES[0])
+        read, random = meshes.array, numpy.random.default_rng(5)
+
+        def other_order(collection, attribute, dtype, width=1):
+            values = read(collection, attribute, dtype, width)
+            summed = numpy.full(len(values), attribute == "vector")
+            if attribute == "normal" and isinstance(collection[0], bpy.types.MeshLoop):
+                of_vertices = numpy.array([ob.data.vertices[corner.vertex_index].normal for corner in collection])
+                summed = abs(values - of_vertices).max(axis=1) < 1e-5
+                self.assertEqual(summed.tolist().count(False), 12)
+            if not summed.any():
+                return values
+            off = random.choice(numpy.array([1 - 6e-8, 1, 1 + 1.2e-7], numpy.float32), values.shape)
+            return numpy.where(summed.reshape(-1, *[1] * (values.ndim - 1)), values * off, values)
+        for ob in (ball, cube):
+            plain = self.extract(ob)["primvars"]["normals"].values
+            ours, blenders = meshes.vertex_normals(ob.data), [vertex.normal for vertex in ob.data.vertices]
+            numpy.testing.assert_allclose(ours, blenders, atol=2e-6)
+            with unittest.mock.patch.object(meshes, "array", other_order):
+                numpy.testing.assert_array_equal(self.extract(ob)["primvars"]["normals"].values, plain)
+
+    def test_other_kinds_of_objects(self):
+        data = bpy.data.curves.new("text", "FONT")
+        data.body, data.extrude = "A", 0.1
+        self.assertGreater(len(self.extract(scenes.link("text", data))["counts"]), 4)
