@@ -1,6 +1,6 @@
 // Truevision TGA file format specification, version 2.0.
 #include <algorithm>
-#include <array>
+#include <initializer_list>
 
 #include "core/texture/image_streams.h"
 
@@ -30,7 +30,7 @@ struct Header {
   size_t entry_bytes() const { return (entry + 7u) / 8; }
   /// Empty, or why OpenImageIO is not to read it.
   std::string fault() const {
-    const auto one_of = [](uint8_t value, std::array<int, 4> list) {
+    const auto one_of = [](uint8_t value, std::initializer_list<int> list) {
       return std::find(list.begin(), list.end(), value) != list.end();
     };
     const bool fits = kind == kPaletted ? has_palette && one_of(bits, {8, 16}) && one_of(entry, {15, 16, 24, 32})

@@ -52,6 +52,15 @@ ImageLayout layout_of(const OIIO::ImageSpec& spec) {
   return layout;
 }
 
+// OpenImageIO 2.4 and 2.5 read before the buffer if a damaged file makes a reader seek to a negative place.
+class MemoryReader final : public OIIO::Filesystem::IOMemReader {
+ public:
+  using IOMemReader::IOMemReader;
+  size_t pread(void* to, size_t size, int64_t offset) override {
+    return offset < 0 ? 0 : IOMemReader::pread(to, size, offset);
+  }
+};
+
 class Input final : public ImageInput {
  public:
   bool open(const ImageSource& source, ImageFault& fault) {
@@ -72,7 +81,7 @@ class Input final : public ImageInput {
       name = "/proc/self/fd/" + std::to_string(source.descriptor);
     } else {
       if (source.descriptor < 0)
-        proxy_ = std::make_unique<OIIO::Filesystem::IOMemReader>(source.bytes.data(), source.bytes.size());
+        proxy_ = std::make_unique<MemoryReader>(source.bytes.data(), source.bytes.size());
       else if (!open_file(source.descriptor, fault))
         return false;
       input_->set_ioproxy(proxy_.get());
@@ -82,6 +91,9 @@ class Input final : public ImageInput {
       fault = {"texture.damaged", input_->geterror() + "; export or copy the image again"};
       return false;
     }
+    // After a damaged strip, the TIFF reader's tasks write to a variable that is gone; this attribute of the input's own
+    // specification keeps them on this thread.
+    const_cast<OIIO::ImageSpec&>(input_->spec()).attribute("tiff:multithread", 0);
     layout_ = layout_of(input_->spec());
     layout_.working_bytes = working_bytes(input_->spec(), source.format);
     return true;

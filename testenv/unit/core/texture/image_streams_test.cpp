@@ -45,6 +45,13 @@ struct Tga {
   }
 };
 
+TEST_F(ImageStreams, ATgaOfTexelsWithoutBitsIsRefused) {
+  for (const uint8_t kind : Bytes{1, 3, 9, 11})
+    EXPECT_NE(fault_of("a.tga", Tga{.kind = kind, .bits = 0}.file({})).find("no TGA of a kind that is read"),
+              std::string::npos);
+  EXPECT_NE(fault_of("a.tga", Tga{.entry = 0}.file({0, 0, 0, 0})).find("no TGA"), std::string::npos);
+}
+
 TEST_F(ImageStreams, EveryIndexOfATgaIsInItsPalette) {
   const std::string beyond = "index is not in its palette";
   for (const uint8_t entry : Bytes{15, 16, 24, 32}) {
