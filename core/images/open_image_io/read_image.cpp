@@ -91,8 +91,8 @@ class Input final : public ImageInput {
       fault = {"texture.damaged", input_->geterror() + "; export or copy the image again"};
       return false;
     }
-    // After a damaged strip, the TIFF reader's tasks write to a variable that is gone; this attribute of the input's own
-    // specification keeps them on this thread.
+    // After a damaged strip, the TIFF reader's tasks write to a variable that is gone; this attribute of the input's
+    // own specification keeps them on this thread.
     const_cast<OIIO::ImageSpec&>(input_->spec()).attribute("tiff:multithread", 0);
     layout_ = layout_of(input_->spec());
     layout_.working_bytes = working_bytes(input_->spec(), source.format);
