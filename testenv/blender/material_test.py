@@ -9,7 +9,7 @@ import bpy
 import numpy
 
 import scenes
-from alabaster_render import disney_group, images, materials, schema, subsurface, sync, world
+from alabaster_render import disney_group, images, materials, schema, shaders, sockets, subsurface, sync, world
 from synced_scene import Watched, fresh
 
 
@@ -55,6 +55,56 @@ class Materials(unittest.TestCase):
         self.translate(material)
         self.assertEqual(len(self.notes), 1)
         self.assertIn("Noise Texture", self.notes[0])
+
+    def chain(self, kind, count, *inputs):
+        """A material whose base colour is the last of `count` nodes, each linked to these inputs of the next."""
+        material = scenes.principled("chain")
+        tree, last = material.node_tree, None
+        for _ in range(count):
+            node = tree.nodes.new(kind)
+            for name in inputs if last else ():
+                tree.links.new(last.outputs[0], node.inputs[name])
+            last = node
+        tree.links.new(last.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+        return material
+
+    def test_links_in_a_circle_count_for_nothing(self):
+        for kind, name in (("ShaderNodeMixRGB", 1), ("NodeReroute", 0)):
+            material = self.chain(kind, 2, name)
+            nodes = [node for node in material.node_tree.nodes if node.bl_idname == kind]
+            material.node_tree.links.new(nodes[1].outputs[0], nodes[0].inputs[name])
+            self.assertEqual(len(self.translate(material).nodes["surface"]["baseColor"]), 3)
+        scene = bpy.context.scene
+        scene.world = bpy.data.worlds.new("circle")
+        scene.world.use_nodes = True
+        tree = scene.world.node_tree
+        texture, first, second = (tree.nodes.new(kind) for kind in ("ShaderNodeTexEnvironment", *["ShaderNodeMapping"] * 2))
+        texture.image = scenes.picture("sky", 4, 4, lambda u, v: (u, v, 0))
+        for source, target in ((first, second), (second, first), (first, texture)):
+            tree.links.new(source.outputs[0], target.inputs["Vector"])
+        tree.links.new(texture.outputs[0], tree.nodes["Background"].inputs["Color"])
+        self.assertIn("texture:file", world.translate(scene, scene.world, self.notes.append)[1])
+
+    def test_a_node_is_read_once_however_many_links_lead_to_it(self):
+        material = self.chain("ShaderNodeMath", 14, 0, 1)
+        with unittest.mock.patch.dict(sockets.NODES, {"MATH": unittest.mock.Mock(side_effect=sockets.math_node)}):
+            self.translate(material)
+            self.assertEqual(sockets.NODES["MATH"].call_count, 14)
+        tree = material.node_tree
+        last = tree.nodes["Principled BSDF"]
+        for _ in range(10):
+            mix = tree.nodes.new("ShaderNodeMixShader")
+            for i in (1, 2):
+                tree.links.new(last.outputs[0], mix.inputs[i])
+            last = mix
+        tree.links.new(last.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+        with unittest.mock.patch.dict(shaders.SHADERS, {"MIX_SHADER": unittest.mock.Mock(side_effect=shaders.mix)}):
+            self.translate(material)
+            self.assertEqual(shaders.SHADERS["MIX_SHADER"].call_count, 10)
+
+    def test_nodes_behind_many_others_are_noted(self):
+        self.translate(self.chain("ShaderNodeMixRGB", 300, 1))
+        self.assertTrue(any("is behind 100 others" in note for note in self.notes), self.notes)
 
     def test_arithmetic_of_textures(self):
         material = scenes.principled("inverted")

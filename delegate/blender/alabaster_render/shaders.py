@@ -17,7 +17,7 @@ def translate(reader, source):
     if known is None:
         reader.note(f"shader '{source.node.name}' is not translated; the surface is black")
         return dict(BLACK)
-    return known(reader, source)
+    return dict(reader.once("surface", source, lambda: known(reader, source)) or BLACK)
 
 
 def is_holdout(source):

@@ -4,6 +4,7 @@ import math
 from . import images
 
 ONE = (1.0, 1.0, 1.0)
+DEEPEST = 100  # nodes behind each other; each takes five of the 1000 frames that Python allows
 WRAPS = {"REPEAT": "repeat", "EXTEND": "clamp", "CLIP": "black", "MIRROR": "mirror"}
 CHANNELS = {"Red": "r", "Green": "g", "Blue": "b", "R": "r", "G": "g", "B": "b"}
 
@@ -68,12 +69,29 @@ class Reader:
 
     def __init__(self, network, note):
         self.network, self.note = network, note
+        self.held, self.depth = {}, 0
+
+    def once(self, kind, source, make):
+        """make(), whose result is held for each output of a node: many links may lead to it. None: it is nested too deep."""
+        key = (kind, source.node, source.output.identifier, source.groups)
+        if key not in self.held:
+            if self.depth == DEEPEST:
+                self.note(f"node '{source.node.name}' is behind {DEEPEST} others and is not translated")
+                return None
+            self.depth += 1
+            try:
+                self.held[key] = make()
+            finally:
+                self.depth -= 1
+        return self.held[key]
 
     # Following links ------------------------------------------------------------------------------
     def source(self, socket, groups=()):
-        """The output that is linked to a socket, through reroutes, groups and muted nodes; a socket where none is."""
+        """The output that is linked to a socket, through reroutes, groups and muted nodes; a socket where none is. Links that
+        close a circle are not valid, and count for nothing, as in Blender."""
         while True:
-            link = next((one for one in socket.links if not getattr(one, "is_muted", False)), None) if socket.is_linked else None
+            usable = (one for one in socket.links if one.is_valid and not getattr(one, "is_muted", False))
+            link = next(usable, None) if socket.is_linked else None
             if link is None:
                 return socket
             node, output = link.from_node, link.from_socket
@@ -100,7 +118,7 @@ class Reader:
         if not isinstance(source, Source):
             return Value(three(source.default_value) if hasattr(source, "default_value") else (0.0, 0.0, 0.0))
         known = NODES.get(source.node.type)
-        value = known(self, source) if known else None
+        value = self.once("value", source, lambda: known(self, source)) if known else None
         if value is None:
             self.note(f"node '{source.node.name}' at '{socket.name}' is not translated; the value of the socket is used")
             return Value(three(socket.default_value) if hasattr(socket, "default_value") else (0.0, 0.0, 0.0))
@@ -206,6 +224,10 @@ def placement(reader, source, of):
     """Texture coordinates of an image: st and its placement."""
     if not isinstance(source, Source):
         return {}
+    return reader.once("placement", source, lambda: _placement(reader, source, of)) or {}
+
+
+def _placement(reader, source, of):
     node = source.node
     if node.type == "UVMAP":
         return {"st": f"uv:{node.uv_map}"} if node.uv_map else {}

@@ -8,16 +8,19 @@ from . import images, names
 TO_WORLD = mathutils.Matrix(((0, 1, 0), (0, 0, 1), (1, 0, 0))).transposed()
 
 
+def _linked(socket):
+    """The node that is linked to a socket; None where none is. Links that close a circle are not valid."""
+    return next((link.from_node for link in socket.links if link.is_valid), None)
+
+
 def _background(world):
     output = world.node_tree.get_output_node("ALL")
-    links = output.inputs["Surface"].links if output else []
-    return links[0].from_node if links else None
+    return _linked(output.inputs["Surface"]) if output else None
 
 
 def _rotation(texture, note):
     """The matrix that takes a direction of the world to the one that the image is looked up by."""
-    links = texture.inputs["Vector"].links
-    node = links[0].from_node if links else None
+    node = _linked(texture.inputs["Vector"])
     turned = mathutils.Matrix.Identity(3)
     while node:
         if node.type == "MAPPING" and not node.inputs["Rotation"].is_linked:
@@ -26,8 +29,7 @@ def _rotation(texture, note):
             if any(node.inputs[name].default_value[:] != same for name, same in (("Scale", (1, 1, 1)), ("Location", (0, 0, 0)))
                    if name in node.inputs and node.inputs[name].enabled):
                 note("world: the location and scale of a mapping are not translated")
-            links = node.inputs["Vector"].links
-            node = links[0].from_node if links else None
+            node = _linked(node.inputs["Vector"])
         elif node.type == "TEX_COORD":
             node = None
         else:
@@ -51,8 +53,8 @@ def translate(scene, world, note):
             return None
         parameters["intensity"] = max(0.0, node.inputs["Strength"].default_value)
         parameters["color"] = [max(0.0, c) for c in node.inputs["Color"].default_value[:3]]
-        if node.inputs["Color"].links:
-            texture = node.inputs["Color"].links[0].from_node
+        texture = _linked(node.inputs["Color"])
+        if texture:
             if texture.type == "TEX_ENVIRONMENT" and texture.image and texture.projection == "EQUIRECTANGULAR":
                 parameters["color"] = [1.0, 1.0, 1.0]
                 if images.is_missing(texture.image, note):
