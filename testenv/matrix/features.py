@@ -1,0 +1,296 @@
+"""Scenes of the matrix: a body, and the features that it has. A feature is a function that changes a Draft; a scene is made of
+a draft and a Look, which is chosen by the check (white or coloured, smooth or rough glass, how far light scatters)."""
+import functools
+import math
+import pathlib
+import sys
+import tempfile
+from typing import NamedTuple
+
+import alabaster
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scenes"))
+from gltf_writer import png  # noqa: E402
+from shapes import cube_sphere  # noqa: E402
+
+VIEW = (0.25, 0.35, 1.0)  # sees the main body with what touches it
+FILM = 2.2  # width of the film; the main body is 2 wide
+MAIN, SECOND = "/main", "/second"
+
+
+class Look(NamedTuple):
+    white: bool = True
+    distance: float = 0.1  # scatterDistance of the first channel
+    clear_roughness: float = 0.0
+    mask: bool = False  # matte bodies of the same opacity, to measure what rays meet
+    flat: bool = False  # all bodies squashed along z: a ball hides what is not reciprocal from sums over its surface
+
+
+class Body:
+    def __init__(self, kind, place=None, path=MAIN, ior=1.5, material=None):
+        self.kind, self.path, self.ior = kind, path, ior
+        self.place = np.eye(4) if place is None else place
+        self.material = {} if material is None else material  # shared by bodies of one look
+        self.shape, self.hollow, self.displaced, self.bumped, self.set = "ball", False, False, False, None
+
+
+class Draft:
+    def __init__(self, kind):
+        self.bodies = [Body(kind)]
+        self.near = None  # cut of the camera, from the eye
+        self.inside = False
+        self.shear = self.moves = False
+
+    @property
+    def main(self):
+        return self.bodies[0]
+
+
+SQUASH = np.diag([1.0, 1.0, 0.3, 1.0])
+
+
+def moved(x, y, z, scale=1.0):
+    return np.array([[scale, 0, 0, 0], [0, scale, 0, 0], [0, 0, scale, 0], [x, y, z, 1]], float)
+
+
+SHEAR = np.array([[1.05, 0, 0, 0], [0.35, 0.95, 0, 0], [0, 0.25, 0.9, 0], [0, 0, 0, 1]], float)
+
+
+def look_at(direction, distance=8.0, centre=(0, 0, 0)):
+    z = np.array(direction, float)
+    z /= np.linalg.norm(z)
+    up = (0, 1, 0) if abs(z[1]) < 0.9 else (1, 0, 0)
+    x = np.cross(up, z)
+    x /= np.linalg.norm(x)
+    m = np.eye(4)
+    m[0, :3], m[1, :3], m[2, :3], m[3, :3] = x, np.cross(z, x), z, np.array(centre, float) + z * distance
+    return m
+
+
+def second_of(kind):
+    """A second body of another kind, half sunk into the main one."""
+    def change(draft):
+        draft.bodies.append(Body(kind, moved(0.55, 0.35, 0.65, 0.55), SECOND))
+    return change
+
+
+def union(draft):
+    other = Body(draft.main.kind, moved(-0.5, -0.45, 0.55, 0.6), "/member", material=draft.main.material)
+    other.set = draft.main.set = "set"
+    draft.bodies.append(other)
+
+
+def touching(draft):
+    """A drop of water that is half sunk into the main body."""
+    draft.bodies.append(Body("glass", moved(0.25, 0.55, 0.8, 0.4), "/drop", ior=1.33))
+
+
+def face_to_face(draft):
+    """A box, and its like on the other side of one of its faces."""
+    draft.main.shape = "box"
+    other = Body(draft.main.kind, moved(0.7, 0, 0), "/neighbour", material=draft.main.material)
+    other.shape, draft.main.place = "box", moved(-0.7, 0, 0)
+    draft.bodies.append(other)
+
+
+def sets(**values):
+    return lambda draft: draft.main.material.update(values)
+
+
+def has(name, value=True):
+    return lambda draft: setattr(draft, name, value)
+
+
+def main_has(name):
+    return lambda draft: setattr(draft.main, name, True)
+
+
+KINDS = ("opaque body", "cloudy body", "glass")
+FEATURES = {  # in the order of the issue
+    "opacity": sets(opacity=0.5),
+    "coat": sets(coat=1.0, coatRoughness=0.3),
+    "fibre sheen": sets(sheen=1.0, sheenRoughness=0.5),
+    "clearcoat": sets(clearcoat=1.0, clearcoatGloss=0.3),
+    "rough specular": sets(specular=1.0, roughness=0.4),
+    "normal map": main_has("bumped"),
+    "displacement": main_has("displaced"),
+    "inner shell": main_has("hollow"),
+    "union": union,
+    "touching": touching,
+    "cut": has("near", 7.6),
+    "camera inside": has("inside"),
+    "shear": has("shear"),
+    "motion": has("moves"),
+    "face to face": face_to_face,  # another way to touch
+}
+LAYERS = ("coat", "fibre sheen", "clearcoat", "rough specular")
+
+
+class Scenery(NamedTuple):
+    """The name of a row's scene, and what it is made of: the kind of the main body, and features or kinds of second bodies."""
+    kind: str
+    features: tuple
+
+    @property
+    def name(self):
+        return " + ".join((self.kind,) + self.features)
+
+    @property
+    def kinds(self):
+        return (self.kind,) + tuple(f for f in self.features if f in KINDS)
+
+    @property
+    def clear(self):
+        """True if light passes a clear boundary somewhere."""
+        return any(k != "opaque body" for k in self.kinds) or "touching" in self.features
+
+    def draft(self):
+        draft = Draft(self.kind)
+        for feature in self.features:
+            (second_of(feature) if feature in KINDS else FEATURES[feature])(draft)
+        return draft
+
+    def any(self, *features):
+        return any(f in self.features for f in features)
+
+
+@functools.lru_cache(maxsize=None)
+def ball(n, hollow):
+    mesh = cube_sphere(n, lambda p: p)
+    points, quads = np.float32(mesh.points), np.int32(mesh.quads)
+    uvs = np.float32(mesh.uvs).reshape(-1, 2)
+    normals = points
+    if hollow:  # a second wall that faces the middle
+        points = np.concatenate([points, points * np.float32(0.45)])
+        normals = np.concatenate([normals, -normals])
+        quads = np.concatenate([quads, quads[:, ::-1] + len(mesh.points)])
+        uvs = np.concatenate([uvs, uvs.reshape(-1, 4, 2)[:, ::-1].reshape(-1, 2)])
+    return points, quads, normals, uvs
+
+
+def box():
+    points = np.float32([(x, y, z) for x in (-0.7, 0.7) for y in (-0.8, 0.8) for z in (-0.6, 0.6)])
+    quads = np.int32([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+    return points, quads
+
+
+@functools.lru_cache(maxsize=None)
+def images():
+    """A folder with an image of normals and one of heights, both even along the edges of the square."""
+    folder = pathlib.Path(_FOLDER.name)
+
+    def wave(x, y):
+        return math.sin(math.pi * (x + 0.5) / 32) ** 2 * math.sin(math.pi * (y + 0.5) / 32) ** 2
+
+    def normal(x, y):
+        bump = 0.25 * wave(x, y)
+        n = np.array([bump * math.sin(x), bump * math.cos(y), 1.0])
+        return tuple(0.5 + 0.5 * n / np.linalg.norm(n))
+
+    (folder / "normals.png").write_bytes(png(32, 32, normal))
+    (folder / "heights.png").write_bytes(png(32, 32, lambda x, y: (wave(x, y) * (0.5 + 0.5 * math.cos(x)),) * 3))
+    return folder
+
+
+_FOLDER = tempfile.TemporaryDirectory(prefix="matrix_")
+
+
+def material_of(body, look):
+    if look.mask:
+        return {"baseColor": (0.5,) * 3, "opacity": body.material.get("opacity", 1.0)}
+    color = (1.0,) * 3 if look.white else (0.9, 0.6, 0.3)
+    spread = (1.0,) * 3 if look.white else (1.0, 0.6, 0.4)
+    distance = tuple(look.distance * s for s in spread)
+    if body.kind == "opaque body":
+        values = {"baseColor": color, "specular": 0.0, "roughness": 0.5, "scatterDistance": distance}
+    else:
+        values = {"baseColor": (1.0,) * 3, "specTrans": 1.0, "ior": body.ior, "roughness": look.clear_roughness}
+    if body.kind == "cloudy body":
+        values.update(baseColor=color, scatterDistance=tuple(4 * d for d in distance))
+    return {**values, **body.material}
+
+
+def nodes_of(body, look):
+    nodes = {"surface": material_of(body, look)}
+    if body.bumped:
+        nodes["surface"]["normal"] = ("bumps", "rgb")
+        nodes["bumps"] = {"type": "AlabasterTexture", "file": str(images() / "normals.png"), "sourceColorSpace": "raw",
+                          "scale": (2.0, 2.0, 2.0, 1.0), "bias": (-1.0, -1.0, -1.0, 0.0)}
+    if body.displaced:
+        nodes["relief"] = {"type": "AlabasterDisplacement", "displacement": ("heights", "r"), "scale": 0.12}
+        nodes["heights"] = {"type": "AlabasterTexture", "file": str(images() / "heights.png"), "sourceColorSpace": "raw"}
+    return nodes
+
+
+def add_body(scene, body, draft, look):
+    material = body.path + "_look"
+    scene.set_material(material, nodes=nodes_of(body, look), displacement="relief" if body.displaced else "")
+    given = {"material": material}
+    if body.shape == "box":
+        points, quads = box()
+        primvars = {}
+    else:
+        points, quads, normals, uvs = ball(8 if body.displaced else 32, body.hollow)
+        primvars = {"st": alabaster.Primvar(uvs, "faceVarying", role="textureCoordinate")}
+        if body.displaced:
+            given.update(scheme="catmullClark", refine_level=3)
+        else:
+            primvars["normals"] = normals
+    if body.set:
+        primvars["subsurfaceSet"] = alabaster.Primvar(body.set, "constant")
+    if draft.shear:
+        instancer = body.path + "_instances"
+        scene.set_instancer(instancer, {body.path: [0]}, transforms=np.array([body.place @ SHEAR]))
+        given["instancer"] = instancer
+        if draft.moves:
+            scene.set_instancer(instancer, {body.path: [0]}, transforms=np.array([body.place @ SHEAR]), motion=swing(np.eye(4)))
+    elif draft.moves:
+        given["motion"] = swing(body.place)
+    else:
+        given["transform"] = body.place
+    scene.set_mesh(body.path, points, quads, primvars=primvars, categories=["bodies"], **given)
+
+
+def swing(place):
+    return [(0.0, place @ moved(-0.1, 0, 0)), (1.0, place @ moved(0.1, 0.05, 0))]
+
+
+def bounds(draft):
+    """The box of the bodies, wherever they move."""
+    reach = 1.06 if draft.main.displaced else 1.0
+    points = ball(8, False)[0] * np.float32(reach)
+    corners = []
+    for body in draft.bodies:
+        shape = box()[0] if body.shape == "box" else points
+        shape = np.c_[shape, np.ones(len(shape))] @ body.place @ (SHEAR if draft.shear else np.eye(4))
+        ways = [m for _, m in swing(np.eye(4))] if draft.moves else [np.eye(4)]
+        corners += [(shape @ m)[:, :3] for m in ways]
+    corners = np.concatenate(corners)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def scene_of(scenery, look):
+    """A scene without lights, and its camera as render() takes it."""
+    draft, scene = scenery.draft(), alabaster.Scene()
+    for body in draft.bodies:
+        if look.flat:
+            body.place = body.place @ SQUASH
+        add_body(scene, body, draft, look)
+    return scene, camera_of(draft)
+
+
+def camera_of(draft, direction=VIEW, film=FILM):
+    near = draft.near
+    if near and draft.main.kind != "opaque body":
+        # All rays begin in it, since radiance there is another than in air, and none is reflected inside without end.
+        near, film = near + 0.3, 0.8
+    camera = {"transform": look_at(direction), "projection": "orthographic", "horizontalAperture": film, "verticalAperture": film}
+    if draft.inside:  # in the main body, between its middle and its far side
+        camera = {"transform": look_at(direction, 0.0, -0.7 * np.array(direction) / np.linalg.norm(direction)),
+                  "focalLength": 1.0, "horizontalAperture": 2.0, "verticalAperture": 2.0}
+    if draft.near:
+        camera["clippingRange"] = (0.2 if draft.inside else near, 100.0)
+    if draft.moves:
+        camera.update(shutterOpen=0.0, shutterClose=1.0)
+    return camera
