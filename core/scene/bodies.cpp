@@ -40,7 +40,7 @@ class KnownUnions {
     for (const auto& body : snapshot->bodies)
       if (body->is_union()) unions_.emplace(key(*body), body.get());
   }
-  std::shared_ptr<const InstancedScene> find(const SubsurfaceBody& body) const {
+  const SubsurfaceBody* find(const SubsurfaceBody& body) const {
     const auto same = [](const Member& a, const Member& b) {
       return a.object == b.object && a.to_body == b.to_body && a.poses == b.poses;
     };
@@ -48,7 +48,7 @@ class KnownUnions {
     for (auto it = first; it != last; ++it)
       if (std::equal(body.members.begin(), body.members.end(), it->second->members.begin(), it->second->members.end(),
                      same))
-        return it->second->scene;
+        return it->second;
     return nullptr;
   }
 
@@ -144,13 +144,25 @@ class BodyPlanner {
       open |= member.shells->any_open;
     }
     if (open) body->bounds = widened(body->bounds);
-    body->scene = known_.find(*body);
-    if (!body->scene)
-      body->scene = build_instanced_scene(device_, placements, [this] { return cancel_.is_cancelled(); });
-    if (!body->scene) cancel_.check();
-    if (!body->scene) return false;
+    if (const SubsurfaceBody* const known = known_.find(*body))
+      body->scene = known->scene, body->places = known->places;
+    else if (!build_trees(placements, body))
+      return false;
     snapshot_.memory_bytes += body->scene->memory_bytes();
     return true;
+  }
+
+  bool build_trees(const std::vector<InstancePlacement>& placements, SubsurfaceBody* body) const {
+    // Fewer boxes are compared with a point as fast one by one.
+    constexpr size_t kFew = 32;
+    const auto cancelled = [this] { return cancel_.is_cancelled(); };
+    body->scene = build_instanced_scene(device_, placements, cancelled);
+    std::vector<Bounds> boxes;
+    for (const Member& member : body->members) boxes.push_back(member.bounds);
+    if (body->scene && boxes.size() > kFew) body->places = build_bounds_tree(device_, std::move(boxes), cancelled);
+    const bool built = body->scene && (body->places || body->members.size() <= kFew);
+    if (!built) cancel_.check();
+    return built;
   }
 
   const Member& add_member(uint32_t index, const MemberMotion& motion, SubsurfaceBody* body) {

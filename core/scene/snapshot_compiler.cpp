@@ -12,6 +12,7 @@
 #include "core/scene/lit_surfaces.h"
 #include "core/scene/missing_tiles.h"
 #include "core/scene/scene_origin.h"
+#include "core/scene/scene_reports.h"
 #include "core/scene/snapshot_lights.h"
 #include "core/scene/world_placement.h"
 
@@ -409,6 +410,7 @@ struct SnapshotCompiler::Compilation {
     cancel.check();
     keep_alive({drawn, looks}, snapshot.get());
     const bool same_lights = light();
+    if (snapshot->features.subsurface) report_bodies({description, {drawn, looks}, *snapshot, compiler.sink_, cancel});
     const bool alike = same_lights && snapshot->top == last->top && are_linked_alike();
     plan_lit_surfaces(alike ? last : nullptr, snapshot.get());
     snapshot->memory_bytes += snapshot->lights.memory_bytes() + texture_bytes(*snapshot);

@@ -81,16 +81,17 @@ Crossed SubsurfaceBody::cross(const TriangleHit& hit, const Vec3f& direction) co
 }
 
 bool SubsurfaceBody::contains_in_body_space(const Ray& ray, const Member* left) const {
-  for (const Member& m : members) {
-    if (!m.bounds.contains(ray.org) || !m.shells->any_closed || (&m == left && !m.shells->overlapping)) continue;
+  const auto holds = [&](const Member& m) {
+    if (!m.bounds.contains(ray.org) || !m.shells->any_closed || (&m == left && !m.shells->overlapping)) return false;
     std::optional<Maps> moved;
     const Affine& to_object = m.at(ray.time, &moved).to_object;
     Ray in_object = ray;
     in_object.org = to_object.point(ray.org);
     in_object.dir = to_object.vector(ray.dir);
-    if (winding_number(*m.mesh, *m.shells, *m.object, in_object) > 0) return true;
-  }
-  return false;
+    return winding_number(*m.mesh, *m.shells, *m.object, in_object) > 0;
+  };
+  if (places) return places->any_at(ray.org, [&](uint32_t member) { return holds(members[member]); });
+  return std::any_of(members.begin(), members.end(), holds);
 }
 
 float depth_below_surface(const SurfaceHit& hit, const Affine& object_to_world) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/geometry/bounds_tree.h"
 #include "core/geometry/instance_cell.h"
 #include "core/math/bounds.h"
 #include "core/subsurface/entry_exit.h"
@@ -58,6 +59,8 @@ struct SubsurfaceBody {
   /// Traces the members of a union, in their order. Null: a lone object, closed and without overlaps, whose surface is
   /// always the end of the medium.
   std::shared_ptr<const InstancedScene> scene;
+  /// A tree of the bounds of its members; null: they are few.
+  std::shared_ptr<const BoundsTree> places;
   Vec3f origin{0, 0, 0};  // in render space
   /// A walk that scatters outside has left through an open mesh, and ends. In the mesh's space for a lone object, in
   /// the body's for a union. Empty: not known; such a walk goes on until it is absorbed.

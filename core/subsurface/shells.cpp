@@ -18,7 +18,8 @@ class ShellFinder {
         object_(object),
         topology_(cache ? cache->get(weld(), mesh.points.size(), cancel)
                         : find_shell_topology(weld(), mesh.points.size(), cancel)),
-        volumes_(shells_.size(), 0) {}
+        volumes_(shells_.size(), 0),
+        areas_(shells_.size(), 0) {}
 
   MeshShells find() {
     cancel_.check();
@@ -26,6 +27,7 @@ class ShellFinder {
     cancel_.check();
     write_flags();
     if (out_.any_closed) {
+      find_thinnest();
       find_cavities();
       out_.overlapping = topology_->has_walls || overlaps() || (mesh_.deforms() && shells_.size() > 1);
     }
@@ -58,6 +60,7 @@ class ShellFinder {
       const auto p = [&](size_t i) { return Vec3d(mesh_.points[corners_[t][i]]) - centre; };
       const double volume = dot(p(0), cross(p(1), p(2)));
       volumes_[shell_[t]] += turned_[t] ? -volume : volume;
+      areas_[shell_[t]] += length(cross(p(1) - p(0), p(2) - p(0)));
     }
   }
 
@@ -73,6 +76,14 @@ class ShellFinder {
       else if (open_[s])
         flags |= MeshShells::kOpen;
       (open_[s] ? out_.any_open : out_.any_closed) |= !inner_[s];
+    }
+  }
+
+  void find_thinnest() {
+    for (uint32_t s = 0; s < shells_.size(); ++s) {
+      if (open_[s] || inner_[s] || !(areas_[s] > 0)) continue;
+      const auto thickness = static_cast<float>(2.0 / 3 * std::abs(volumes_[s]) / areas_[s]);
+      if (thickness < out_.least_thickness) out_.least_thickness = thickness, out_.thinnest = shells_[s].some.front();
     }
   }
 
@@ -164,7 +175,8 @@ class ShellFinder {
   const std::vector<uint32_t>& shell_ = topology_->shell;
   const std::vector<ShellTopology::Shell>& shells_ = topology_->shells;
   const std::vector<bool>&open_ = topology_->open, &inner_ = topology_->inner;
-  std::vector<double> volumes_;  // of shells, signed, by the winding of their first triangle
+  std::vector<double> volumes_;  // six times those of shells, signed, by the winding of their first triangle
+  std::vector<double> areas_;    // twice those of shells
   MeshShells out_;
 };
 

@@ -1,6 +1,8 @@
 // The shells of a mesh: which way is out, whatever the winding says, and where there is no inside.
 #pragma once
 
+#include <limits>
+
 #include "core/geometry/embree_scene.h"
 #include "core/geometry/surface_hit.h"
 #include "core/subsurface/shell_topology.h"
@@ -23,6 +25,9 @@ struct MeshShells {
   /// Some surface lies inside a closed shell of the same mesh, or is a wall: the body is the union of its shells. Found
   /// by 4096 points spread over the area: an overlap of less than that share may be overlooked.
   bool overlapping = false;
+  /// Twice the volume over the area, of the closed shell where that is least; and a triangle of it. Object space.
+  float least_thickness = std::numeric_limits<float>::infinity();
+  uint32_t thinnest = 0;
 
   uint8_t flags(uint32_t triangle) const { return triangle_flags.empty() ? uint8_t(0) : triangle_flags[triangle]; }
 };

@@ -132,6 +132,34 @@ TEST(SubsurfaceBody, AUnionContainsWhatAnyClosedShellDoes) {
   EXPECT_FALSE(body.contains_in_body_space({inside, kAside}, &body.members[0]));
 }
 
+TEST(SubsurfaceBody, AUnionOfManyContainsWhatAnyMemberDoes) {
+  Bodies bodies;
+  const auto ball = SceneBuilder().prototype(sphere_mesh(1, 24, false));
+  Rng rng(5, 5);
+  const auto random_place = [&] {
+    const float x = rng.uniform(), y = rng.uniform();
+    return Vec3d(x, y, rng.uniform()) * 10.0;
+  };
+  std::vector<Vec3d> centres;
+  for (int i = 0; i < 200; ++i) {
+    centres.push_back(random_place());
+    bodies.add(ball, Matrix4d().setTranslation(centres.back()));
+  }
+  const SubsurfaceBody& body = bodies.body();
+  ASSERT_TRUE(body.places) << "they are looked for in a tree";
+  int inside = 0, outside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3d p = random_place();
+    double nearest = 100;
+    for (const Vec3d& c : centres) nearest = std::min(nearest, length(c - p));
+    if (std::abs(nearest - 0.985) < 0.02) continue;  // between the sphere and its facets
+    EXPECT_EQ(body.contains({bodies.rendered(p), normalize(kAside)}), nearest < 1) << i;
+    (nearest < 1 ? inside : outside)++;
+  }
+  EXPECT_GT(inside, 200);
+  EXPECT_GT(outside, 200);
+}
+
 TEST(SubsurfaceBody, AUnionCrossesTheSurfaceThatWasHit) {
   Bodies b;
   const Mesh sphere = sphere_mesh(1, 16, false);

@@ -1,0 +1,137 @@
+#include "core/scene/scene_reports.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/scene/mesh_lights.h"
+#include "core/scene/world_placement.h"
+#include "core/subsurface/body.h"
+
+namespace alabaster {
+namespace {
+
+const std::string& name_of(const ReportedScene& scene, uint32_t index) {
+  if (index < scene.drawn.alone.size()) return scene.drawn.alone[index]->name;
+  const auto& arrays = scene.snapshot.arrays;
+  const auto after =
+      std::upper_bound(arrays.begin(), arrays.end(), index, [](uint32_t i, const auto& a) { return i < a.first; });
+  return scene.drawn.looks[static_cast<size_t>(std::prev(after) - arrays.begin())]->name;
+}
+
+// True if walks begin beyond the far side of the member's thinnest shell: as far below the surface as rounding can
+// displace it.
+bool is_too_thin(const SubsurfaceBody& body, const SubsurfaceBody::Member& m) {
+  if (!m.shells->any_closed) return false;
+  TriangleHit middle;
+  middle.triangle = m.shells->thinnest, middle.u = middle.v = 1.0f / 3;
+  const SurfacePoint at = surface_point(*m.mesh, middle, m.to_body, m.to_object);
+  const float thickness = m.shells->least_thickness;
+  return body.is_union() ? thickness * m.least_stretch < at.offset : thickness < at.offset_object;
+}
+
+void report_thin_shells(const ReportedScene& scene) {
+  std::set<const Mesh*> seen;  // instances share them
+  for (const auto& body : scene.snapshot.bodies)
+    for (const auto& member : body->members) {
+      if (!seen.insert(member.mesh).second || !is_too_thin(*body, member)) continue;
+      report(
+          scene.sink, Severity::warning, "subsurface.thin", name_of(scene, member.instance),
+          "a closed part of this mesh is thinner than the rounding of its points: no light can be followed below its "
+          "surface, which stays dark; make it thicker, move its points nearer to the origin of the mesh, or bind a "
+          "material with `thin`");
+    }
+}
+
+// The closed shells of bodies along a ray: the first that it leaves without having entered holds its origin.
+class Surrounding {
+ public:
+  explicit Surrounding(const ReportedScene& scene) : scene_(scene) {}
+
+  /// The index of an instance whose medium holds `p` (render space). Surfaces of `except` do not count.
+  std::optional<uint32_t> find(const Vec3f& p, uint32_t except) const {
+    constexpr int kMost = 64;  // surfaces; a light behind more is not reported
+    std::vector<uint32_t> entered;
+    Ray ray{p, normalize(Vec3f(0.36f, 0.48f, 0.8f))};
+    TriangleHit hit;
+    for (int i = 0; i < kMost && scene_.snapshot.top->intersect(ray, &hit); ++i) {
+      const Instance& instance = scene_.snapshot.instance(hit.instance);
+      std::optional<Placement> moved;
+      const Placement& placement = instance.at(hit, &moved);
+      const SurfacePoint at =
+          surface_point(instance.prototype->mesh, hit, placement.object_to_world, placement.world_to_object);
+      ray.org = offset_point(at.p, dot(at.ng, ray.dir) >= 0 ? at.ng : -at.ng, at.offset);
+      if (hit.instance == except || !is_solid(instance, hit.triangle)) continue;
+      const auto known = std::find(entered.begin(), entered.end(), hit.instance);
+      if (!instance.body->leaves(instance.member, hit, ray.dir))
+        entered.push_back(hit.instance);
+      else if (known == entered.end())
+        return hit.instance;
+      else
+        entered.erase(known);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static bool is_solid(const Instance& instance, uint32_t triangle) {
+    if (!instance.body || !instance.material(triangle).scatters()) return false;
+    const uint8_t flags = instance.body->members[instance.member].shells->flags(triangle);
+    return !(flags & (MeshShells::kOpen | MeshShells::kInner));
+  }
+
+  const ReportedScene& scene_;
+};
+
+// One report for each body: the first light in it, and how many there are.
+struct LightsWithin {
+  std::string first;
+  size_t count = 0;
+  void add(const std::string& light) {
+    if (count++ == 0) first = light;
+  }
+};
+void report_within(const ReportedScene& scene, uint32_t body, const LightsWithin& lights) {
+  const std::string others = lights.count > 1 ? ", as " + std::to_string(lights.count - 1) + " others do" : "";
+  report(scene.sink, Severity::warning, "light.within", lights.first,
+         "it stands within the body of " + name_of(scene, body) + others +
+             ": walks below a surface meet no light, so nothing of it leaves the body; move it outside, or give the "
+             "body a cavity around it");
+}
+
+void report_lights_within(const ReportedScene& scene) {
+  constexpr uint32_t kNoInstance = ~0u;
+  const Surrounding surrounding(scene);
+  std::map<uint32_t, LightsWithin> found;  // by instance
+  for (const LightDescription& light : scene.description.lights) {
+    scene.cancel.check();
+    if (light.type == LightType::distant || light.type == LightType::dome || light.intensity == 0) continue;
+    if (!is_valid_affine(light.light_to_world) || !is_within_reach(light.light_to_world)) continue;
+    const Vec3f p = to_affine(moved_to(light.light_to_world, scene.snapshot.origin)).t;
+    if (const auto body = surrounding.find(p, kNoInstance)) found[*body].add(light.name);
+  }
+  for (uint32_t i = 0; i < scene.snapshot.instances.size(); ++i) {
+    const Instance& instance = scene.snapshot.instances[i];
+    if (!emits(instance)) continue;
+    scene.cancel.check();
+    // A mesh that is partly outside is seen there.
+    const Mesh& mesh = instance.prototype->mesh;
+    std::optional<uint32_t> body;
+    for (const size_t triangle : {size_t(0), mesh.triangles.size() / 2, mesh.triangles.size() - 1}) {
+      const auto corners = mesh.corners_at(static_cast<uint32_t>(triangle), 0);
+      body = surrounding.find(instance.object_to_world.point((corners[0] + corners[1] + corners[2]) * (1.0f / 3)), i);
+      if (!body) break;
+    }
+    if (body) found[*body].add(scene.drawn.alone[i]->name);
+  }
+  for (const auto& [body, lights] : found) report_within(scene, body, lights);
+}
+
+}  // namespace
+
+void report_bodies(const ReportedScene& scene) {
+  report_thin_shells(scene);
+  report_lights_within(scene);
+}
+
+}  // namespace alabaster

@@ -1,0 +1,20 @@
+// Reports of what a picture cannot show as the scene means it. They name the prims.
+#pragma once
+
+#include "core/scene/bodies.h"
+
+namespace alabaster {
+
+struct ReportedScene {
+  const SceneDescription& description;
+  const DrawnInstances& drawn;
+  const SceneSnapshot& snapshot;
+  const DiagnosticSink& sink;
+  const CancelToken& cancel;
+};
+
+/// Warns of closed shells that are thinner than the rounding of positions, in which no walk can begin, and of lights
+/// and meshes that emit within a body: walks meet no light before they leave. Throws BuildCancelled.
+void report_bodies(const ReportedScene& scene);
+
+}  // namespace alabaster

@@ -1,0 +1,108 @@
+#include "core/scene/scene_reports.h"
+
+#include <gtest/gtest.h>
+
+#include "testenv/support/medium_bodies.h"
+#include "testenv/support/scene_builder.h"
+
+namespace alabaster {
+namespace {
+
+using testing::SceneBuilder;
+
+DisneyParameters wax() {
+  DisneyParameters p;
+  p.scatter_distance = Rgb(0.2f);
+  return p;
+}
+
+Matrix4d moved(double x) {
+  return Matrix4d().setTranslation(Vec3d(x, 0, 0));
+}
+
+LightDescription lamp(double x, const char* name) {
+  LightDescription light;
+  light.type = LightType::sphere;
+  light.radius = 0.05f;
+  light.light_to_world = moved(x);
+  light.name = name;
+  return light;
+}
+
+/// Warnings of a scene of one code.
+std::vector<Diagnostic> warnings(const SceneBuilder& b, const std::string& code) {
+  std::vector<Diagnostic> found;
+  const DiagnosticSink sink = [&](const Diagnostic& d) {
+    if (d.code == code) found.push_back(d);
+  };
+  EXPECT_TRUE(compile_snapshot(b.description, 1, make_trace_device(sink), sink));
+  return found;
+}
+
+TEST(SceneReports, ALightWithinABodyIsNamedWithIt) {
+  SceneBuilder b;
+  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(wax()), moved(4));
+  b.description.instances.back().name = "/candle";
+  b.add(lamp(0, "/outside")).add(lamp(4.5, "/inside")).add(testing::constant_dome(1, true));
+  auto found = warnings(b, "light.within");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].where, "/inside");
+  EXPECT_NE(found[0].text.find("/candle"), std::string::npos) << found[0].text;
+  b.add(lamp(4, "/second")).add(lamp(3.5, "/third"));
+  found = warnings(b, "light.within");
+  ASSERT_EQ(found.size(), 1u) << "one for each body";
+  EXPECT_NE(found[0].text.find("2 others"), std::string::npos) << found[0].text;
+}
+
+TEST(SceneReports, AnEmissiveMeshWithinABodyIsNamedToo) {
+  SceneBuilder b;
+  DisneyParameters glow;
+  glow.emission = Rgb(1.0f);
+  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material(wax()), moved(4));
+  b.add(b.prototype(testing::sphere_mesh(0.3f, 8, true)), b.material(glow), moved(4.2));
+  b.description.instances[0].name = "/lantern", b.description.instances[1].name = "/bulb";
+  const auto found = warnings(b, "light.within");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].where, "/bulb");
+  EXPECT_NE(found[0].text.find("/lantern"), std::string::npos);
+  b.description.instances[1].object_to_world = moved(5);  // half of it sticks out
+  EXPECT_TRUE(warnings(b, "light.within").empty());
+}
+
+TEST(SceneReports, ALightInACavityOrAClearBodyOrAnUnscatteringOneIsNotReported) {
+  SceneBuilder b;
+  Mesh shell = testing::sphere_mesh(1, 16, true);
+  const Mesh hole = testing::sphere_mesh(0.4f, 16, true);
+  const auto first = static_cast<uint32_t>(shell.points.size());
+  shell.points.insert(shell.points.end(), hole.points.begin(), hole.points.end());
+  shell.normals.clear(), shell.normal_triangles.clear();
+  for (const Corners& c : hole.triangles) shell.triangles.push_back({c[0] + first, c[2] + first, c[1] + first});
+  b.add(b.prototype(shell), b.material(wax())).add(lamp(0, "/in_cavity"));
+  b.add(b.prototype(testing::sphere_mesh(1, 16, true)), b.material({}), moved(5)).add(lamp(5, "/in_opaque"));
+  EXPECT_TRUE(warnings(b, "light.within").empty());
+  b.add(lamp(0.7, "/in_wall"));
+  EXPECT_EQ(warnings(b, "light.within").size(), 1u);
+}
+
+Mesh slab(float thickness, float at) {
+  Cage cage;
+  for (int i = 0; i < 8; ++i)
+    cage.points.emplace_back(i & 1 ? 1.0f : -1.0f, at + (i & 2 ? thickness : 0.0f), i & 4 ? 1.0f : -1.0f);
+  cage.face_vertex_counts.assign(6, 4);
+  cage.face_vertex_indices = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
+  return build_mesh(cage, {}, {});
+}
+
+TEST(SceneReports, ASlabThinnerThanRoundingIsReported) {
+  for (const auto& [thickness, count] : {std::pair(1e-3f, 0u), std::pair(1e-5f, 0u), std::pair(2e-7f, 1u)}) {
+    SceneBuilder b;
+    b.add(b.prototype(slab(thickness, 0.5f)), b.material(wax()));
+    b.description.instances.back().name = "/sheet";
+    const auto found = warnings(b, "subsurface.thin");
+    ASSERT_EQ(found.size(), count) << thickness;
+    for (const Diagnostic& d : found) EXPECT_EQ(d.where, "/sheet");
+  }
+}
+
+}  // namespace
+}  // namespace alabaster
