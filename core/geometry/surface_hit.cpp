@@ -204,6 +204,17 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
   return s;
 }
 
+bool has_direction_of_u(const Mesh& mesh, uint32_t triangle) {
+  return !mesh.uv_sets.empty() && UvTriangle::of(mesh, triangle).determinant != 0;
+}
+
+Vec3f stand_in_tangent(const SurfacePoint& at, const Affine& object_to_render) {
+  constexpr float kAcross = 1e-8f;  // squared sine
+  const Vec3f n = unit_or(object_to_render.transpose_vector(at.ns), at.ng_object), about(n.z, 0, -n.x);
+  const Vec3f tangent = dot(about, about) > kAcross ? about : Vec3f(1, 0, 0);
+  return unit_or(object_to_render.vector(tangent), frame_from_normal(at.ns).s);
+}
+
 bool has_mirrored_uvs(const Mesh& mesh, uint32_t triangle) {
   return !mesh.uv_sets.empty() && UvTriangle::of(mesh, triangle).determinant < 0;
 }

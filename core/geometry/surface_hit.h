@@ -33,6 +33,12 @@ SurfaceHit surface_hit(const Mesh& mesh, const TriangleHit& hit, const Affine& o
 SurfacePoint surface_point(const Mesh& mesh, const TriangleHit& hit, const Affine& object_to_render,
                            const Affine& render_to_object);
 
+/// True if texture coordinates tell a direction on the triangle.
+bool has_direction_of_u(const Mesh& mesh, uint32_t triangle);
+/// The unit tangent that stands in for it: about the y axis of the object's space, so that it turns with the object;
+/// along x where the surface lies across that axis.
+Vec3f stand_in_tangent(const SurfacePoint& at, const Affine& object_to_render);
+
 /// True if v grows clockwise from u, seen from where the triangle winds counter-clockwise, in the mesh's first set.
 bool has_mirrored_uvs(const Mesh& mesh, uint32_t triangle);
 

@@ -31,6 +31,8 @@ PathVertex make_vertex(const PathContext& context, const Ray& ray, const Triangl
   const Vec3f n = v.mapped ? mapped(*material.normal_map) : surface;
   v.frame = frame_from_normal_tangent(n, v.hit.dpdu);
   v.material = material.evaluate({mesh, triangle, v.hit.uv, {footprint, &placement.object_to_world}});
+  if (v.material.anisotropic > 0 && !has_direction_of_u(mesh, triangle.triangle)) [[unlikely]]
+    v.frame = frame_from_normal_tangent(n, stand_in_tangent(v.hit, placement.object_to_world));
   if (v.material.anisotropic_rotation != 0) [[unlikely]] {
     const bool clockwise = winds_clockwise(*v.instance, placement, triangle, v.hit);
     v.frame = turned(v.frame, v.material.anisotropic_rotation * (clockwise ? -1.0f : 1.0f));

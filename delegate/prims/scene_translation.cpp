@@ -186,6 +186,7 @@ struct SceneTranslator::Run {
     instance.holdout = mesh.holdout;
     for (const Path& id : mesh.materials) instance.materials.push_back(material(path, id, instance.prototype->mesh));
     check_closed(instance);
+    check_direction(instance);
     instance.subsurface_set = set_of(instance, mesh);
     const std::vector<Matrix4d> own =
         mesh.motion.moves() ? even_poses(mesh.motion, parts.shutter) : std::vector<Matrix4d>{mesh.transform};
@@ -352,6 +353,26 @@ struct SceneTranslator::Run {
                     "subsurface scattering in a mesh that is not closed: the medium goes on behind it without "
                     "end, and light that does not come back is lost (stats: walk.lostEnergy); close the mesh, or "
                     "bind a material without scatterDistance");
+  }
+
+  // Few faces without a direction, such as those at a pole, show nowhere.
+  void check_direction(const InstanceDescription& instance) {
+    const auto is_anisotropic = [](const auto& material) { return material->constants.anisotropic > 0; };
+    if (std::none_of(instance.materials.begin(), instance.materials.end(), is_anisotropic)) return;
+    const Mesh& shape = instance.prototype->mesh;
+    const TriangleSlots& slots = instance.triangle_slots();
+    size_t faces = 0, without = 0;
+    for (uint32_t i = 0; i < shape.triangles.size(); ++i) {
+      const size_t slot = slots.empty() ? 0 : static_cast<size_t>(slots[i]);
+      if (!is_anisotropic(instance.materials[slot < instance.materials.size() ? slot : 0])) continue;
+      ++faces;
+      without += !has_direction_of_u(shape, i);
+    }
+    if (without * 1000 <= faces) return;
+    translator.warn("mesh.direction", Path(instance.name),
+                    "anisotropic reflection on " + std::to_string(without) + " of " + std::to_string(faces) +
+                        " triangles whose texture coordinates give no direction: it is brushed about the y axis of "
+                        "the mesh's space; give the mesh texture coordinates (st), whose u is the direction");
   }
 
   void add(InstanceDescription instance, const MeshRecord& mesh) {

@@ -14,12 +14,14 @@ struct Square {
   Vec3f u{1, 0, 0}, v{0, 0, -1};
   Matrix4d transform = {};
   Vec3d eye{0.1, 3, 0.2};
+  bool has_uv = true;
 
   Vec3f tangent(float rotation) const {
     testing::SceneBuilder b;
     Mesh mesh = testing::plane_mesh(2);
-    mesh.uv_sets.push_back({{}, "st"});
-    for (const Vec3f& p : mesh.points) mesh.uv_sets[0].values.emplace_back(dot(p, u), dot(p, v));
+    if (has_uv) mesh.uv_sets.push_back({{}, "st"});
+    for (const Vec3f& p : has_uv ? mesh.points : std::vector<Vec3f>())
+      mesh.uv_sets[0].values.emplace_back(dot(p, u), dot(p, v));
     DisneyParameters metal;
     metal.anisotropic = 0.8f;
     metal.anisotropic_rotation = rotation;
@@ -55,6 +57,33 @@ TEST(AnisotropicRotation, FollowsMirroredCoordinatesTransformsAndSides) {
   expect_near(
       Square{.v = {0, 0, 1}, .transform = Matrix4d().setScale(Vec3d(-1, 1, 1)), .eye = {0.1, -3, 0.2}}.tangent(0.25f),
       {0, 0, 1});
+}
+
+// Object, light and camera turned together show the same picture.
+TEST(AnisotropicRotation, WithoutCoordinatesItTurnsWithTheObject) {
+  for (const Vec3d& axis : {Vec3d(0, 1, 0), Vec3d(1, 0, 0), Vec3d(1, 2, 3)})
+    for (const double angle : {0.5, 1.6, 2.5, 3.1})
+      for (const float rotation : {0.0f, 0.1f}) {
+        const Matrix4d turn = Matrix4d().setAxisAngle(normalize(axis), angle);
+        Square square{.has_uv = false};
+        const Vec3f at_rest = square.tangent(rotation);
+        square.transform = turn;
+        turn.multDirMatrix(square.eye, square.eye);
+        Vec3f expected;
+        turn.multDirMatrix(at_rest, expected);
+        expect_near(square.tangent(rotation), expected);
+      }
+}
+
+// About the y axis of the object.
+TEST(AnisotropicRotation, TheStandInTangentIsThatOfASphereOfLatitudes) {
+  SurfacePoint at;
+  at.ns = normalize(Vec3f(1, 2, 0));
+  expect_near(stand_in_tangent(at, Affine()), {0, 0, -1});
+  at.ns = normalize(Vec3f(0, -2, 1));
+  expect_near(stand_in_tangent(at, Affine()), {1, 0, 0});
+  at.ns = Vec3f(0, 1, 0);
+  expect_near(stand_in_tangent(at, Affine()), {1, 0, 0});
 }
 
 }  // namespace
