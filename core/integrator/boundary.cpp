@@ -90,7 +90,7 @@ bool meet_boundary(PathVertex* v, PathState* path, float* u) {
   if (disperses && p.spec_trans > 0 && has_several_channels(path->throughput)) choose_channel(u, &path->throughput);
   const int channel = channel_of(path->throughput);
   const float eta = own.index(channel) / (other ? other->index(channel) : 1);
-  v->boundary = {inside ? 1 / eta : eta, inside};
+  v->boundary = {inside ? 1 / eta : eta, inside, !v->instance->prototype->mesh.closed};
   return true;
 }
 

@@ -5,7 +5,7 @@
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_record.h"
 #include "core/integrator/shading_normal.h"
-#include "core/material/disney_bsdf.h"
+#include "core/material/disney_layers.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/body.h"
 #include "core/subsurface/lambert_limit.h"
@@ -67,9 +67,41 @@ Vec2f onward_numbers(const PixelSampler& sampler, const std::optional<FlatExit>&
   return {u[0], u[1]};
 }
 
-/// The exit lobe: light sampling, and the direction in which the path goes on. `flat`: VertexBelow's.
+/// The layers over an exit.
+struct ExitLayers {
+  DisneyLayers layers;
+  DisneyLayers::Entered entered;  // where the path entered
+  float leaving(const Vec3f& wi) const { return layers.leaving(wi, entered); }
+};
+
+/// The path entered along this direction.
+DisneyLayers::Entered layers_entered(const VertexBelow& below, const Vec3f& came_along) {
+  const PathVertex& v = below.vertex;
+  const bool within = below.within || (v.boundary.inside && !v.boundary.open);
+  const auto layers = within ? std::nullopt : DisneyLayers::of(v.material);
+  return layers ? layers->entered(v.frame.to_local(-came_along)) : DisneyLayers::Entered();
+}
+
+/// Empty: the material of the exit has none. `frame`: of the exit lobe; `entered()` gives ExitLayers'.
+template <class F>
+std::optional<ExitLayers> layers_at(const SubsurfaceExit& exit, const Instance& instance, const Placement& placement,
+                                    const Frame& frame, const F& entered) {
+  const DisneyMaterial& material = instance.material(exit.hit.triangle);
+  if (!material.constants.has_dimming_layers()) [[likely]]
+    return std::nullopt;
+  const SurfaceHit hit = surface_on_side(instance, placement, exit.hit, exit.direction);
+  DisneyParameters p = material.evaluate({instance.prototype->mesh, exit.hit, hit.uv});
+  const auto& map = material.coat_normal_map;
+  if (map || material.normal_map)
+    p.coat_normal = frame.to_local(map ? mapped_normal(instance, placement, exit.hit, hit, *map) : hit.ns);
+  const auto layers = DisneyLayers::of(p);
+  return layers ? std::optional(ExitLayers{*layers, entered()}) : std::nullopt;
+}
+
+/// The exit lobe: light sampling, and the direction in which the path goes on. It entered `below` along `came_along`.
 bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
-                   const std::optional<FlatExit>& flat, PathState* path) {
+                   const VertexBelow& below, const Vec3f& came_along, PathState* path) {
+  const std::optional<FlatExit>& flat = below.flat;
   const Instance& instance = context.scene.instance(exit.hit.instance);
   path->throughput = exit.throughput;
   // Draw the random numbers while the triangle comes from memory.
@@ -88,10 +120,12 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
                       : hit.ns;
   const Frame frame = frame_from_normal(n);
   const Departure departure = depart(mesh, placement.object_to_world, exit.hit, hit, hit.ns);
+  const auto layers = layers_at(exit, instance, placement, frame, [&] { return layers_entered(below, came_along); });
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
     if (!(cosine > 0) || (normal_map && !(dot(wi, hit.ns) > 0))) return {};
-    return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine), cosine * kInvPi};
+    const float left = layers ? layers->leaving(frame.to_local(wi)) : 1;
+    return {Rgb(eval_subsurface_exit({0, 0, cosine}) * cosine * left), cosine * kInvPi};
   };
   PathRecord* const record = context.record;
   if (record)
@@ -150,6 +184,7 @@ template <SubsurfaceMode kMode>
 bool scatter_below_surface(const PathContext& context, const PixelSampler& sampler, const VertexBelow& below,
                            PathState* path) {
   const SubsurfaceEntry entry = entry_at(below, *path);
+  const Vec3f came_along = path->ray.dir;
   Rgb twin(0.0f);
   const bool has_twin = below.flat && !is_black(below.flat->light);
   // Where no walk is followed, the twin has its expectation.
@@ -169,7 +204,7 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
     if (const auto left = leave_clear_surface(context, sampler, *exit, path)) return *left;
-  return leave_surface(context, sampler, *exit, below.flat, path);
+  return leave_surface(context, sampler, *exit, below, came_along, path);
 }
 
 template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const VertexBelow&,

@@ -66,7 +66,7 @@ void add_direct_light(const PathContext& context, const std::array<float, 4>& u,
     const float pdf = value.pdf * directions;
     if (record) record->sample_light(wi_world, value.f * wi.z, pdf);
     ScatterValue scattered{value.f * wi.z, pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
-    if (at->flat) scattered.exit_cos = eval_subsurface_exit(wi) * wi.z, scattered.exit_pdf = wi.z * kInvPi;
+    if (at->flat) scattered.exit_cos = at->bsdf.subsurface_exit(wi) * wi.z, scattered.exit_pdf = wi.z * kInvPi;
     return scattered;
   };
   Rgb direct(0.0f);

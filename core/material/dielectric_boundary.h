@@ -2,6 +2,7 @@
 // with the tints of the Disney BSDF.
 #pragma once
 
+#include "core/material/disney_layers.h"
 #include "core/material/disney_parameters.h"
 #include "core/material/fresnel.h"
 #include "core/material/thin_film.h"
@@ -12,15 +13,16 @@ struct DielectricBoundary {
   float eta = 1.5f;        // index of the far side over that of the viewer's side
   Rgb reflection{1.0f};    // tint, at most 1
   Rgb transmission{1.0f};  // tint, at most 1
-  ThinFilm film{};         // on the viewer's side
+  ThinFilm film{};
+  bool film_beyond = false;  // on the far side
+  /// The layers of the far side. Light that they do not let out comes back: `passed` does not have their factor.
+  std::optional<DisneyLayers> layers_beyond = {};
 
   /// A tint of the reflection, by specular, specularColor and specularTint, lets through what it does not reflect.
-  static DielectricBoundary from(const DisneyParameters& p, float eta, const Rgb& transmission) {
+  static DielectricBoundary from(const DisneyParameters& p, float eta, const Rgb& transmission,
+                                 bool film_beyond = false) {
     const Rgb hue = p.specular_tint > 0 ? lerp(Rgb(1.0f), tint(p.base_color), p.specular_tint) : Rgb(1.0f);
-    return {eta,
-            clamp01(hue * p.specular_color) * p.specular,
-            transmission,
-            {p.iridescence, p.iridescence_ior, p.iridescence_thickness}};
+    return {eta, clamp01(hue * p.specular_color) * p.specular, transmission, ThinFilm::of(p), film_beyond};
   }
 
   struct Shares {
@@ -32,9 +34,12 @@ struct DielectricBoundary {
     const float f = fresnel_dielectric(cosine, eta);
     // Total reflection is not tinted: no other light would take up the rest.
     if (!(f < 1)) return {Rgb(1.0f), Rgb(0.0f), 1};
-    Rgb fresnel(f);
-    if (film.share > 0) fresnel = lerp(fresnel, film.reflectance(cosine, Rgb(f0_from_ior(eta))), film.share);
+    // The film reflects as much of the light that comes from the other side.
+    const float beyond = film_beyond || layers_beyond ? cosine_refracted(cosine, eta) : 0;
+    const Rgb fresnel =
+        film.share > 0 ? film.over(Rgb(f), film_beyond ? beyond : cosine, Rgb(f0_from_ior(eta))) : Rgb(f);
     Shares s{reflection * fresnel, transmission * (Rgb(1.0f) - fresnel * max_component(reflection))};
+    if (layers_beyond) s.reflected += s.passed * transmission * layers_beyond->held_back(beyond);
     const float reflected = choice_weight(s.reflected), passed = choice_weight(s.passed);
     if (reflected > 0) s.chance = reflected / (reflected + passed);
     return s;

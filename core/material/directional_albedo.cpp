@@ -1,5 +1,8 @@
 #include "core/material/directional_albedo.h"
 
+#include <memory>
+#include <mutex>
+
 #include "core/material/albedo_table.h"
 #include "core/material/disney_clearcoat.h"
 #include "core/material/disney_diffuse.h"
@@ -43,8 +46,9 @@ float cosine_weighted(float cosine, const F& f) {
 }
 
 // By visible normals: f cos / pdf is G1(wi). Facets tilt steeply where u.x is near 1, so points are dense there.
+template <int kColumns, int kRows>
 Vec2f integrate_ggx(const Vec3f& wo, const Ggx& ggx) {
-  return mean_over_square<24, 8>([&](const Vec2f& u) {
+  return mean_over_square<kColumns, kRows>([&](const Vec2f& u) {
     const float rest = 1 - u.x;
     const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, u.y});
     const Vec3f wi = reflect_about(wo, wm);
@@ -74,7 +78,7 @@ const GgxTable& ggx_table() {
   static const GgxTable table([](const GgxTable::Place& at) {
     const float alpha = alpha_at(at[1]);
     const float cosine = cosine_at(at[0]);
-    return raised(integrate_ggx(direction(cosine), {alpha, alpha}), cosine, 0.003f);
+    return raised(integrate_ggx<24, 8>(direction(cosine), {alpha, alpha}), cosine, 0.003f);
   });
   return table;
 }
@@ -91,32 +95,115 @@ float integrate_clearcoat(float cosine, float alpha) {
   });
 }
 
-// Aspects, the roots of the ratios of alphas, are spaced by their logarithms down to this one.
-constexpr float kLeastAspect = 0.03f;
+// Anisotropic facets of one shape: their albedos over directions. Towards y albedos change within a small angle, which
+// azimuths resolve that are stretched half as much as the facets; the means of these and the others are evenly spaced.
+class StretchedFacets {
+ public:
+  explicit StretchedFacets(const Ggx& ggx)
+      : squeeze_(std::sqrt(ggx.alpha_y / ggx.alpha_x)), table_([&](const std::array<float, 2>& at) {
+          const float cosine = cosine_at(at[0]), sine = safe_sqrt(1 - sqr(cosine)), phi = azimuth_at(at[1]);
+          return raised(integrate({sine * std::cos(phi), sine * std::sin(phi), cosine}, ggx), cosine, 0.003f);
+        }) {
+    mean_ = mean_over_square<64, 64>([&](const Vec2f& u) {
+      const float cosine = std::sqrt(u.x), sine = safe_sqrt(1 - u.x), phi = 0.5f * kPi * u.y;
+      return at({sine * std::cos(phi), sine * std::sin(phi), cosine}).x;
+    });
+  }
 
-Vec2f integrate_anisotropic(const std::array<float, 4>& at) {
-  const float cosine = cosine_at(at[0]), sine = safe_sqrt(1 - sqr(cosine)), phi = 0.5f * kPi * at[3];
-  const float alpha = alpha_at(at[1]), aspect = std::pow(kLeastAspect, at[2]);
-  const Ggx ggx{std::max(kMinAlpha, alpha / aspect), std::max(kMinAlpha, alpha * aspect)};
-  return raised(integrate_ggx({sine * std::cos(phi), sine * std::sin(phi), cosine}, ggx), cosine, 0.03f);
+  Vec2f at(const Vec3f& w) const { return table_.at({place_of(w.z), place_of_azimuth(std::abs(w.x), std::abs(w.y))}); }
+  float mean() const { return mean_; }
+
+ private:
+  float place_of_azimuth(float x, float y) const { return (std::atan2(y, x) + std::atan2(y * squeeze_, x)) * kInvPi; }
+  // The inverse, by bisection.
+  float azimuth_at(float place) const {
+    float low = 0, high = 0.5f * kPi;
+    for (int i = 0; i < 24; ++i) {
+      const float middle = 0.5f * (low + high);
+      (place_of_azimuth(std::cos(middle), std::sin(middle)) < place ? low : high) = middle;
+    }
+    return 0.5f * (low + high);
+  }
+  // As integrate_ggx(), the finer the rougher: few facets of rough ones are both seen and lit. Who keeps energy must
+  // not think an albedo too low.
+  static Vec2f integrate(const Vec3f& wo, const Ggx& ggx) {
+    const Vec2f sum = ggx.alpha_x < 0.7f ? integrate_ggx<24, 32>(wo, ggx)
+                      : ggx.alpha_x < 2  ? integrate_ggx<32, 64>(wo, ggx)
+                                         : integrate_ggx<64, 96>(wo, ggx);
+    constexpr float kError = 1.5e-3f;
+    return {std::min(1.0f, sum.x + kError), std::min(1.0f, sum.y + std::min(kError, 0.03f * sum.y))};
+  }
+
+  float squeeze_, mean_ = 0;
+  AlbedoTable<Vec2f, 24, 16> table_;
+};
+
+// Shapes of anisotropic facets, on a grid of both alphas. Each is made when it is first needed: in 10 ms, or 65 ms
+// where alpha_x is above 2. Few materials need more than the four about their own.
+class FacetShapes {
+ public:
+  /// `value(facets)`, interpolated between the shapes about `ggx`.
+  template <class F>
+  auto at(const Ggx& ggx, const F& value) {
+    const Place x(ggx.alpha_x, kX), y(ggx.alpha_y, kY);
+    const auto row = [&](size_t j) {
+      return value(get(x.cell, j)) * (1 - x.within) + value(get(x.cell + 1, j)) * x.within;
+    };
+    return row(y.cell) * (1 - y.within) + row(y.cell + 1) * y.within;
+  }
+
+ private:
+  static constexpr float kStep = 0.025f;
+  static constexpr size_t kX = 34, kY = 20;  // cells: alpha_x up to 38, alpha_y to 1.1
+  // Roots, and beyond 1 ever less: rougher facets differ little.
+  static float spaced(float alpha) { return std::sqrt(alpha) / (1 + std::sqrt(alpha)); }
+  static float alpha_of(size_t corner) {
+    const float p = spaced(kMinAlpha) + kStep * static_cast<float>(corner);
+    return sqr(p / (1 - p));
+  }
+  struct Place {
+    size_t cell;
+    float within;
+    Place(float alpha, size_t cells) {
+      const float at = std::max(0.0f, (spaced(alpha) - spaced(kMinAlpha)) / kStep);
+      cell = std::min(static_cast<size_t>(at), cells - 1);
+      within = std::min(1.0f, at - static_cast<float>(cell));
+    }
+  };
+  struct Made {
+    std::once_flag once;
+    std::unique_ptr<const StretchedFacets> facets;
+  };
+
+  const StretchedFacets& get(size_t x, size_t y) {
+    Made& made = made_[y * (kX + 1) + x];
+    std::call_once(made.once, [&] {
+      made.facets = std::make_unique<const StretchedFacets>(Ggx{alpha_of(x), alpha_of(y)});
+    });
+    return *made.facets;
+  }
+
+  std::array<Made, (kX + 1) * (kY + 1)> made_;
+};
+
+FacetShapes& facet_shapes() {
+  static FacetShapes shapes;
+  return shapes;
 }
 
 }  // namespace
 
 GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx) {
-  const float alpha = std::sqrt(ggx.alpha_x * ggx.alpha_y);
   if (ggx.alpha_x == ggx.alpha_y) {
-    const Vec2f value = ggx_table().at({place_of(wo.z), place_of_alpha(alpha)});
+    const Vec2f value = ggx_table().at({place_of(wo.z), place_of_alpha(ggx.alpha_x)});
     return {value.x, value.y};
   }
-  static const AlbedoTable<Vec2f, 24, 12, 8, 6> table(integrate_anisotropic);
-  const float aspect = std::sqrt(ggx.alpha_y / ggx.alpha_x);
-  const Vec2f value = table.at({place_of(wo.z), place_of_alpha(alpha), std::log(aspect) / std::log(kLeastAspect),
-                                std::atan2(std::abs(wo.y), std::abs(wo.x)) / (0.5f * kPi)});
+  const Vec2f value = facet_shapes().at(ggx, [&](const StretchedFacets& facets) { return facets.at(wo); });
   return {value.x, value.y};
 }
 
-float mean_ggx_albedo(float alpha) {
+float mean_ggx_albedo(const Ggx& ggx) {
+  if (ggx.alpha_x != ggx.alpha_y) return facet_shapes().at(ggx, [](const StretchedFacets& f) { return f.mean(); });
   static const AlbedoTable<float, 32> table([](const std::array<float, 1>& at) {
     constexpr int kCosines = 256;
     float sum = 0;
@@ -126,7 +213,7 @@ float mean_ggx_albedo(float alpha) {
     }
     return sum;
   });
-  return table.at({place_of_alpha(alpha)});
+  return table.at({place_of_alpha(ggx.alpha_x)});
 }
 
 float clearcoat_albedo(float cosine, float gtr1_alpha) {

@@ -1,5 +1,6 @@
 // Directional albedos of the lobes, the share of light from one direction that a lobe reflects in all: Int f wi.z dwi.
-// Tables made at the first call, in a tenth of a second or less. Their errors are stated and tested.
+// Tables made at the first call, in a tenth of a second or less, and for each anisotropy. Their errors are stated and
+// tested. Any thread.
 #pragma once
 
 #include "core/material/microfacet.h"
@@ -18,10 +19,10 @@ struct SteepAlbedos {
 };
 inline constexpr SteepAlbedos kSteepAlbedos[] = {
     {0.1f, 0.61f, 0.048f, 0.067f}, {0.25f, 0.25f, 0.041f, 0.042f}, {0.5f, 0.036f, 0.016f, 0.016f}};
-/// wo.z > 0. Within 1e-3 where cosine and alpha are above 0.01, of anisotropic facets 0.03.
+/// wo.z > 0. Within 1e-3 where cosine and alpha are above 0.01, of anisotropic facets 3e-3.
 GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx);
-/// The cosine-weighted mean of the white albedo of isotropic facets over the hemisphere.
-float mean_ggx_albedo(float alpha);
+/// The cosine-weighted mean of the white albedo over the hemisphere.
+float mean_ggx_albedo(const Ggx& ggx);
 
 /// Burley's clearcoat of strength 1, within 1e-3.
 float clearcoat_albedo(float cosine, float gtr1_alpha);

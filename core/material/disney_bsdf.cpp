@@ -13,10 +13,6 @@ Rgb scattering_channels(const Rgb& scatter_distance) {
           scatter_distance.b > 0 ? 1.0f : 0.0f};
 }
 
-Rgb sheen_hue(const DisneyParameters& p) {
-  return lerp(Rgb(1.0f), tint(p.base_color), p.sheen_tint) * p.sheen_color;
-}
-
 }  // namespace
 
 const char* lobe_name(Lobe lobe) {
@@ -36,7 +32,7 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   if (!p.thin) entry_channels_ = scattering_channels(p.scatter_distance);
   const Rgb color = p.base_color * (dielectric_ * stays_);
   diffuse_ = {color * (Rgb(1.0f) - entry_channels_), color, p.roughness, p.thin ? p.flatness : 0};
-  layers_ = layers_of(p);
+  layers_ = DisneyLayers::of(p);
   if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss, p.least_roughness);
 
@@ -45,15 +41,6 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   // Proportional to the estimated contribution. A walk also carries light straight through thin parts, even where the
   // albedo is zero: a dark medium is entered with a tenth of a white one's probability, not with none.
   set_probabilities(subsurface_entry() * (p.base_color * 0.9f + Rgb(0.1f)));
-}
-
-std::optional<DisneyBsdf::Layers> DisneyBsdf::layers_of(const DisneyParameters& p) {
-  const bool fibrous = p.sheen > 0 && p.sheen_roughness > 0;
-  if (!fibrous && !(p.coat > 0)) return std::nullopt;
-  Layers layers;
-  if (fibrous) layers.fibres = CharlieSheen::from(clamp01(sheen_hue(p) * p.sheen), p.sheen_roughness);
-  if (p.coat > 0) layers.coat = DisneyCoat::from(p.coat, std::max(p.coat_roughness, p.least_roughness), p.coat_normal);
-  return layers;
 }
 
 void DisneyBsdf::set_probabilities(const Rgb& walked) {
@@ -73,10 +60,6 @@ void DisneyBsdf::set_probabilities(const Rgb& walked) {
   if (!(total > 0)) return;
   weight_ = total;
   for (int i = 0; i < kLobes; ++i) probability_[i] = chance_of(weight[i], total);
-}
-
-float DisneyBsdf::Layers::passed(const Vec3f& w) const {
-  return (fibrous() ? fibres.passed(w.z) : 1) * (coated() ? coat.passed(w) : 1);
 }
 
 BsdfValue DisneyBsdf::evaluate(const Vec3f& wi, Rgb* specular) const {
@@ -180,6 +163,10 @@ std::optional<BsdfSample> DisneyBsdf::sample(float u_lobe, const Vec2f& u, Rgb* 
 
 Rgb DisneyBsdf::subsurface_entry() const {
   return entry_channels_ * (dielectric_ * stays_ * diffuse_transmittance(wo_.z) * passed_layers(wo_));
+}
+
+float DisneyBsdf::subsurface_exit(const Vec3f& wi) const {
+  return eval_subsurface_exit(wi) * (layers_ ? layers_->leaving(wi, layers_->entered(wo_)) : 1);
 }
 
 Rgb DisneyBsdf::albedo() const {

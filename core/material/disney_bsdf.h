@@ -12,10 +12,9 @@
 
 #include <optional>
 
-#include "core/material/charlie_sheen.h"
 #include "core/material/disney_clearcoat.h"
-#include "core/material/disney_coat.h"
 #include "core/material/disney_diffuse.h"
+#include "core/material/disney_layers.h"
 #include "core/material/disney_parameters.h"
 #include "core/material/disney_sheen.h"
 #include "core/material/disney_specular.h"
@@ -63,6 +62,9 @@ class DisneyBsdf {
   /// 0, else 0. The colour is in the walk's throughput, never here.
   Rgb subsurface_entry() const;
 
+  /// eval_subsurface_exit() where the light entered, under the layers.
+  float subsurface_exit(const Vec3f& wi) const;
+
   /// The estimate of all that it reflects and lets enter by which lobes are chosen; 0 if it does neither.
   float weight() const { return weight_; }
 
@@ -71,12 +73,16 @@ class DisneyBsdf {
     return probability_[size_t(Lobe::specular)] > 0 ? specular_.evaluate(wi, wo_).pdf : 0;
   }
 
+  /// Null: none.
+  const DisneyLayers* layers() const { return layers_ ? &*layers_ : nullptr; }
   /// The share of light that coat and fibres let in or out along `w`.
   float passed_layers(const Vec3f& w) const { return layers_ ? layers_->passed(w) : 1; }
 
-  /// The shares that are kept between wo and wi, on either side of the surface. Not for burley2015, which keeps all.
+  /// The shares that are kept along `w`, w.z > 0. Not for burley2015, which keeps all.
+  KeptShares kept(const Vec3f& w) const { return w.z >= safe_cosine_ ? KeptShares() : kept_along(w); }
+  /// Between wo and wi.
   KeptShares kept_towards(const Vec3f& wi) const {
-    return std::abs(wi.z) >= safe_cosine_ ? kept_ : lesser(kept_, kept_along({wi.x, wi.y, std::abs(wi.z)}));
+    return wi.z >= safe_cosine_ ? kept_ : lesser(kept_, kept_along(wi));
   }
   bool is_bounded() const { return energy_ != EnergyModel::burley2015; }
 
@@ -86,15 +92,6 @@ class DisneyBsdf {
 
  private:
   static constexpr int kLobes = 5;  // the first of enum Lobe
-
-  /// Few materials have them, and the others do not pay for them.
-  struct Layers {
-    CharlieSheen fibres;  // with a roughness: in the place of sheen_, and over all but the coat
-    DisneyCoat coat;      // with a weight: in the place of clearcoat_, and over the rest
-    bool fibrous() const { return fibres.roughness > 0; }
-    bool coated() const { return coat.weight > 0; }
-    float passed(const Vec3f& w) const;
-  };
 
   bool fibrous() const { return layers_ && layers_->fibrous(); }
   bool coated() const { return layers_ && layers_->coated(); }
@@ -117,7 +114,6 @@ class DisneyBsdf {
   /// The lobe of light that several facets reflect one after the other.
   Rgb several_facets(const Vec3f& wi) const;
 
-  static std::optional<Layers> layers_of(const DisneyParameters& parameters);
   template <bool kLayered, bool kBounded>
   BsdfValue evaluate_as(const Vec3f& wi, Rgb* specular) const;
   /// Divides the samples among the lobes. `walked`: the light that subsurface is expected to carry.
@@ -135,7 +131,7 @@ class DisneyBsdf {
   DisneySheen sheen_;
   DisneySpecular specular_;
   DisneyClearcoat clearcoat_;
-  std::optional<Layers> layers_;
+  std::optional<DisneyLayers> layers_;
 
   EnergyModel energy_;
   KeptShares kept_;  // along wo
@@ -151,7 +147,8 @@ class DisneyBsdf {
 };
 
 /// The exit lobe of a walk: (1/pi)(1-.5F_L), a Lambertian lobe about the exit normal (Chiang, Kutz, Burley 2016,
-/// section 4). eval is f (without cosine); sampling is cosine_hemisphere.
+/// section 4). Layers there have a factor, DisneyLayers::leaving(). eval is f (without cosine); sampling is
+/// cosine_hemisphere.
 float eval_subsurface_exit(const Vec3f& wi);
 
 }  // namespace alabaster

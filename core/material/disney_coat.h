@@ -36,9 +36,9 @@ struct DisneyCoat {
   /// Factor of lobes that reflect into all directions: reciprocal, and a Lambertian base keeps the albedo times
   /// passed(wo.z) that the extension gives it (as Kelemen and Szirmay-Kalos 2001 normalise a matte base). The mean of
   /// Schlick's reflectance over the hemisphere is .04 + .96 / 21.
-  float over_diffuse(const Vec3f& wo, const Vec3f& wi) const {
-    return passed(wo) * passed(wi) / (1 - weight * (0.04f + 0.96f / 21));
-  }
+  float over_diffuse(const Vec3f& wo, const Vec3f& wi) const { return passed(wo) * passed(wi) / mean_passed(); }
+  /// The share of light from everywhere that passes.
+  float mean_passed() const { return 1 - weight * (0.04f + 0.96f / 21); }
   /// Factor of lobes about the mirror direction: the same there, and reciprocal.
   float over_specular(const Vec3f& wo, const Vec3f& wi) const { return std::sqrt(passed(wo) * passed(wi)); }
 };

@@ -14,14 +14,18 @@ Rgb albedo_of(const DisneySpecular& lobe, const Vec3f& w) {
   const Rgb bare = lobe.f0 * (facets.white - facets.schlick) + lobe.f90 * facets.schlick;
   if (!(lobe.film.share > 0)) return bare;
   // Rough facets lean towards the viewer. A film's colours have no mean in closed form: the brighter of two cosines.
-  const Rgb flat = lobe.film.reflectance(w.z, lobe.f0), leaning = lobe.film.reflectance(0.5f * (1 + w.z), lobe.f0);
-  const Rgb film = lobe.ggx.alpha_x > 0.01f ? greater(flat, leaning) : flat;
-  return lerp(bare, film * (max_component(lobe.f90) * facets.white), lobe.film.share);
+  const auto change = [&](float cosine) { return lobe.fresnel(cosine) - schlick(lobe.f0, lobe.f90, cosine); };
+  const Rgb flat = change(w.z), film = lobe.ggx.alpha_x > 0.01f ? greater(flat, change(0.5f * (1 + w.z))) : flat;
+  return greater(bare + film * facets.white, Rgb(0.0f));
 }
 
-// Several facets forget the direction of anisotropy.
-float isotropic_alpha(const Ggx& ggx) {
-  return std::min(1.0f, std::sqrt(ggx.alpha_x * ggx.alpha_y));
+// How much more of the Lambert term's light passes a coat than of light that leaves evenly: both keep to steep
+// directions. The mean of p (1-.5F) over that of p and of 1-.5F, where p = 1 - k (.04 + .96 F) is the coat's share; the
+// means of F and F^2 are 1/21 and 1/66.
+float lambert_under_coat(float k) {
+  constexpr float f = 1.0f / 21, f2 = 1.0f / 66;
+  const float both = (1 - 0.04f * k) * (1 - 0.5f * f) - 0.96f * k * (f - 0.5f * f2);
+  return both / ((1 - k * (0.04f + 0.96f * f)) * (1 - 0.5f * f));
 }
 
 float over(float room, float share) {
@@ -74,7 +78,7 @@ float DisneyBsdf::least_safe_cosine() const {
 // loses, both ways, coloured by the facets that it met on average, F^2 E / (1 - F (1 - E)). Schlick's mean is
 // f0 + (f90 - f0) / 21.
 void DisneyBsdf::add_several_facets() {
-  const float mean = mean_ggx_albedo(isotropic_alpha(specular_.ggx)), lost = 1 - mean;
+  const float mean = mean_ggx_albedo(specular_.ggx), lost = 1 - mean;
   if (!(lost > 1e-4f)) return;
   lost_ = lost_among_facets(wo_);
   for (int c = 0; c < 3; ++c) {
@@ -85,8 +89,7 @@ void DisneyBsdf::add_several_facets() {
 }
 
 float DisneyBsdf::lost_among_facets(const Vec3f& w) const {
-  const float alpha = isotropic_alpha(specular_.ggx);
-  return std::max(0.0f, 1 - ggx_albedo(w, {alpha, alpha}).white);
+  return std::max(0.0f, 1 - ggx_albedo(w, specular_.ggx).white);
 }
 
 Rgb DisneyBsdf::several_facets(const Vec3f& wi) const {
@@ -98,6 +101,7 @@ Rgb DisneyBsdf::base_albedo(const Vec3f& w) const {
   if (diffuse_.flatness > 0)
     albedo = lerp(albedo, diffuse_.retro_color * flat_albedo(w.z, diffuse_.roughness), diffuse_.flatness);
   if (!is_black(sheen_.color)) albedo += sheen_.color * sheen_albedo(w.z);
+  if (coated()) albedo *= lambert_under_coat(layers_->coat.weight);
   return albedo + beyond_;
 }
 
@@ -121,7 +125,8 @@ Rgb DisneyBsdf::room(const Vec3f& w) const {
     room = over(room - max_component(albedo_of(layers_->coat.layer, layers_->coat.frame.to_local(w))),
                 layers_->coat.passed(w));
   if (fibrous()) room = over(room - max_component(layers_->fibres.albedo(w)), layers_->fibres.passed(w.z));
-  const float entry = dielectric_ * stays_ * DisneyDiffuse::lambert_albedo(w.z);
+  const float entry = dielectric_ * stays_ * DisneyDiffuse::lambert_albedo(w.z) *
+                      (coated() ? lambert_under_coat(layers_->coat.weight) : 1);
   return Rgb(room - clear_) - entry_channels_ * base_color_ * entry;
 }
 
@@ -131,7 +136,7 @@ KeptShares DisneyBsdf::kept_along(const Vec3f& w) const {
   for (int c = 0; c < 3; ++c) {
     if (base[c] + specular[c] <= left[c]) continue;
     if (base[c] > 0) kept.base[c] = std::clamp((left[c] - specular[c]) / base[c], 0.0f, 1.0f);
-    if (specular[c] > left[c]) kept.specular[c] = std::max(0.0f, left[c]) / specular[c];
+    if (specular[c] > std::max(0.0f, left[c])) kept.specular[c] = std::max(0.0f, left[c]) / specular[c];
   }
   return kept;
 }

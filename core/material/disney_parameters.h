@@ -54,6 +54,9 @@ struct DisneyParameters {
   bool is_widened() const { return least_roughness > roughness; }
   float specular_roughness() const { return std::max(roughness, least_roughness); }
 
+  /// A coat or fibres, which dim what lies below them.
+  bool has_dimming_layers() const { return coat > 0 || (sheen > 0 && sheen_roughness > 0); }
+
   /// Light may go through the surface into an interior, or through the sheet.
   bool transmits() const { return spec_trans > 0 || diff_trans > 0; }
 };

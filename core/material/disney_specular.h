@@ -37,8 +37,7 @@ struct DisneySpecular {
   /// A film lies over the whole of what is reflected, and so do specular's f90 and its black.
   Rgb fresnel(float cosine) const {
     const Rgb bare = schlick(f0, f90, cosine);
-    if (!(film.share > 0)) return bare;
-    return lerp(bare, film.reflectance(cosine, f0) * max_component(f90), film.share);
+    return film.share > 0 ? film.over(bare, cosine, f0, max_component(f90)) : bare;
   }
 
   /// Estimate of the directional albedo: Schlick at wo, but at least its hemispherical mean 1/21, which a rough facet
@@ -72,7 +71,7 @@ inline DisneySpecular DisneySpecular::from(const DisneyParameters& p) {
   lobe.f0 = lerp(dielectric_f0, p.base_color, p.metallic);
   lobe.f90 = lerp(dielectric_f90, Rgb(1.0f), p.metallic);
   lobe.ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
-  lobe.film = {p.iridescence, p.iridescence_ior, p.iridescence_thickness};
+  lobe.film = ThinFilm::of(p);
   return lobe;
 }
 

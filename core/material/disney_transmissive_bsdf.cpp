@@ -7,9 +7,13 @@ Rgb square_root(const Rgb& c) {
   return {std::sqrt(c.r), std::sqrt(c.g), std::sqrt(c.b)};
 }
 
-DisneyParameters seen_from(DisneyParameters p, bool inside) {
-  if (inside) p.clearcoat = p.coat = p.sheen = p.iridescence = 0;
+DisneyParameters without_layers(DisneyParameters p) {
+  p.clearcoat = p.coat = p.sheen = p.iridescence = 0;
   return p;
+}
+
+bool has_layers(const DisneyParameters& p) {
+  return p.clearcoat > 0 || p.coat > 0 || p.sheen > 0 || p.iridescence > 0;
 }
 
 /// u in [0, share) spread over [0, 1).
@@ -19,31 +23,50 @@ float spread(float u, float share) {
 
 }  // namespace
 
-DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo,
-                                               const BoundarySide& side, EnergyModel energy)
-    : DisneyTransmissiveBsdf(wo, seen_from(parameters, side.inside), side.eta, energy) {}
-
-DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& p, float eta,
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const BoundarySide& side,
                                                EnergyModel energy)
-    : wo_(wo), thin_(p.thin), near_(p, wo, energy) {
+    : DisneyTransmissiveBsdf(p, wo, side,
+                             p.thin || side.open ? Layered::both
+                             : side.inside       ? Layered::far
+                                                 : Layered::near,
+                             energy) {}
+
+DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const Vec3f& wo, const BoundarySide& side,
+                                               Layered layered, EnergyModel energy)
+    : wo_(wo), thin_(p.thin), layered_(layered), near_(layered == Layered::far ? without_layers(p) : p, wo, energy) {
   if (!(wo.z > 0)) return;
-  const float dielectric = (1 - p.metallic) * near_.passed_layers(wo);
+  const float dielectric = 1 - p.metallic;
   clear_ = dielectric * p.spec_trans;
   diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
+  if (layered != Layered::both && near_.is_bounded() && !is_black(diffuse_beyond_) && has_layers(p))
+    other_side_.emplace(layered == Layered::far ? p : without_layers(p), wo, energy);
   const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
   if (thin_) {
     const float through = DisneyThinDielectric::roughness_through(p.roughness, p.ior);
-    sheet_ = {DielectricBoundary::from(p, eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
+    sheet_ = {DielectricBoundary::from(p, side.eta, p.base_color), ggx, disney_ggx(through, p.anisotropic)};
   } else {
-    solid_ = {DielectricBoundary::from(p, eta, square_root(p.base_color)), ggx};
+    solid_ = {DielectricBoundary::from(p, side.eta, square_root(p.base_color), side.inside), ggx};
+    if (layered == Layered::far) solid_.boundary.layers_beyond = DisneyLayers::of(p);
   }
-  const float near = near_.weight(),
-              clear = clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
-              beyond = choice_weight(diffuse_beyond_), total = near + clear + beyond;
+  const float passed = near_.passed_layers(wo), near = near_.weight(),
+              clear = passed * clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
+              beyond = passed * choice_weight(diffuse_beyond_), total = near + clear + beyond;
   if (!(total > 0)) return;
   p_near_ = chance_of(near, total);
   p_beyond_ = chance_of(beyond, total);
   p_clear_ = p_beyond_ > 0 ? chance_of(clear, total) : 1 - p_near_;
+}
+
+float DisneyTransmissiveBsdf::left_by_layers(const Vec3f& wi, LayerFactor over) const {
+  const Vec3f w = wi.z > 0 ? wi : -wi;
+  if (const DisneyLayers* const near = near_.layers())
+    return wi.z > 0 || layered_ == Layered::both ? (near->*over)(wo_, w) : near->passed(wo_);
+  const auto& beyond = solid_.boundary.layers_beyond;
+  return beyond && wi.z < 0 ? beyond->passed(w) : 1;
+}
+
+Rgb DisneyTransmissiveBsdf::kept_beyond(const Vec3f& wi) const {
+  return (other_side_ ? lesser(near_.kept(wo_), other_side_->kept(-wi)) : near_.kept_towards(-wi)).base;
 }
 
 bool DisneyTransmissiveBsdf::scatters_beyond() const {
@@ -59,15 +82,16 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
     sum.pdf *= p_near_;
   }
   if (wi.z < 0 && p_beyond_ > 0) {
-    sum.f = diffuse_beyond_ * kInvPi;
-    if (near_.is_bounded()) sum.f *= near_.kept_towards(wi).base;
+    sum.f = diffuse_beyond_ * (kInvPi * left_by_layers(wi, &DisneyLayers::over_diffuse));
+    if (near_.is_bounded()) sum.f *= kept_beyond(wi);
     sum.pdf = p_beyond_ * -wi.z * kInvPi;
   }
   if (p_clear_ > 0) {
     const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
-    sum.f += value.f * clear_;
+    const float share = clear_ * left_by_layers(wi, &DisneyLayers::over_clear);
+    sum.f += value.f * share;
     sum.pdf += value.pdf * p_clear_;
-    if (specular) *specular += value.f * clear_;
+    if (specular) *specular += value.f * share;
   }
   return sum;
 }
@@ -90,7 +114,8 @@ std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec
     const float straight = at_boundary([&](const auto& lobe) { return lobe.chance_of_straight(wo_); });
     if (u_choice < straight) {
       const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
-      return BsdfSample{Lobe::straight, -wo_, passed * clear_, p_clear_ * straight};
+      const float share = clear_ * left_by_layers(-wo_, &DisneyLayers::over_clear);
+      return BsdfSample{Lobe::straight, -wo_, passed * share, p_clear_ * straight};
     }
     wi = at_boundary([&](const auto& lobe) { return lobe.sample(wo_, u_choice, u); });
   } else if (p_beyond_ > 0) {

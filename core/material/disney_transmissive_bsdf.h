@@ -8,6 +8,10 @@
 // Directions as in disney_bsdf.h, but wi may be on either side: |wi.z| is its cosine. Light that crosses into a medium
 // of index eta has its radiance over eta^2 (disney_dielectric.h).
 //
+// Coat, fibres and film lie on both sides of a sheet and on the outer side of a solid. Light that passes is dimmed by
+// those of both sides: by DisneyLayers' factors where both have some, else by the share that the layers of the one side
+// let through. A pair of directions has one factor, so f stays reciprocal.
+//
 // The clear boundary does not get back the light that rough facets lose between them, whatever the energy model.
 #pragma once
 
@@ -21,6 +25,7 @@ namespace alabaster {
 struct BoundarySide {
   float eta = 1.5f;     // index of the far side over that of the near side; of a sheet: its own over that around it
   bool inside = false;  // seen from the interior of a solid: coat, sheen and film lie on the other side
+  bool open = false;    // of a mesh that is not closed: they lie on both sides
 };
 
 class DisneyTransmissiveBsdf {
@@ -36,7 +41,17 @@ class DisneyTransmissiveBsdf {
   bool scatters_beyond() const;
 
  private:
-  DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyParameters& parameters, float eta, EnergyModel energy);
+  /// The layers on which sides of the surface, as seen from wo.
+  enum class Layered { near, far, both };
+  DisneyTransmissiveBsdf(const DisneyParameters& parameters, const Vec3f& wo, const BoundarySide& side, Layered layered,
+                         EnergyModel energy);
+
+  using LayerFactor = float (DisneyLayers::*)(const Vec3f&, const Vec3f&) const;
+  /// The share that the layers leave of light that a lobe below them sends from wi to wo; `over`: DisneyLayers' factor
+  /// for it.
+  float left_by_layers(const Vec3f& wi, LayerFactor over) const;
+  /// The share that is kept of light that is scattered from wi, on the far side, to wo.
+  Rgb kept_beyond(const Vec3f& wi) const;
 
   /// f(lobe) of the clear boundary: the solid one or the sheet.
   template <class F>
@@ -46,7 +61,9 @@ class DisneyTransmissiveBsdf {
 
   Vec3f wo_;
   bool thin_;
+  Layered layered_;
   DisneyBsdf near_;
+  std::optional<DisneyBsdf> other_side_;  // where energy is bounded there by other lobes
   DisneyDielectric solid_;
   DisneyThinDielectric sheet_;
   float clear_ = 0;           // share of the clear boundary

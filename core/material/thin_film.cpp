@@ -31,13 +31,23 @@ float f0_between(float n1, float n2) {
 
 }  // namespace
 
+Rgb ThinFilm::over(const Rgb& bare, float cosine, const Rgb& f0, float f90) const {
+  if (!(f90 > 0)) return bare;
+  // f90 is a weight of all that is reflected (KHR_materials_specular), the film's light included.
+  const Rgb unweighted = clamp01(f0 * (1 / f90));
+  const Rgb change = reflectance(cosine, unweighted) - schlick(unweighted, Rgb(1.0f), cosine);
+  return clamp01(bare + change * (share * f90));
+}
+
 Rgb ThinFilm::reflectance(float cosine, const Rgb& f0) const {
-  // A film of no thickness is air.
-  const float fade = std::clamp(thickness / 0.03f, 0.0f, 1.0f), n = lerp(1.0f, ior, fade * fade * (3 - 2 * fade));
+  // A film of no thickness is air: its index rises over the first 30 nanometres (the paper's code, whose unit is the
+  // micrometre).
+  const float fade = std::clamp(thickness / 30, 0.0f, 1.0f), n = lerp(1.0f, ior, fade * fade * (3 - 2 * fade));
   const float cos2_t = 1 - (1 - sqr(cosine)) / sqr(n);
   if (!(cos2_t > 0)) return Rgb(1.0f);
   const float cos_t = std::sqrt(cos2_t), opd = 2e-9f * n * thickness * cos_t;
-  const float r12 = lerp(f0_between(1, n), 1.0f, schlick_weight(cosine)), t121 = 1 - r12;
+  // Schlick's f90 falls with f0, as that of surfaces does: where the film is air nothing is reflected at any angle.
+  const float f12 = f0_between(1, n), r12 = lerp(f12, std::min(1.0f, 50 * f12), schlick_weight(cosine)), t121 = 1 - r12;
   // Phases: half a wave where the light meets a denser medium. From below, the film's upper face is the thinner one.
   const float phase21 = n < 1 ? 0 : kPi;
   Rgb r123, constant, shift;

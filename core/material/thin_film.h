@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/color/rgb.h"
+#include "core/material/disney_parameters.h"
 
 namespace alabaster {
 
@@ -13,9 +14,18 @@ struct ThinFilm {
   float ior = 1.3f;
   float thickness = 400;  // nanometres
 
+  /// One without thickness, or of the index of air, is none.
+  static ThinFilm of(const DisneyParameters& p) {
+    if (!(p.iridescence > 0 && p.iridescence_thickness > 0 && p.iridescence_ior > 1)) return {};
+    return {p.iridescence, p.iridescence_ior, p.iridescence_thickness};
+  }
+
   /// Reflectance for light that comes through air at this cosine; `f0`: the reflectance of what lies beneath, in air,
-  /// seen head on. In [0,1] per channel.
+  /// seen head on. In [0,1] per channel. Without a film it is Schlick's, from f0 to 1.
   Rgb reflectance(float cosine, const Rgb& f0) const;
+  /// The reflectance of a surface that reflects `bare` without the film: it changes by as much as Schlick's, from `f0`
+  /// to `f90`.
+  Rgb over(const Rgb& bare, float cosine, const Rgb& f0, float f90 = 1) const;
 };
 
 }  // namespace alabaster

@@ -16,7 +16,7 @@ using testing::ChiSquareResult;
 using testing::RunningStatistics;
 using testing::uniform2;
 
-constexpr int kChiSquareTests = 130, kZTests = 60;  // at least as many as this file runs
+constexpr int kChiSquareTests = 150, kZTests = 60;  // at least as many as this file runs
 
 Vec3f at_angle(double degrees) {
   const double theta = degrees * std::acos(-1.0) / 180;
@@ -124,20 +124,23 @@ std::optional<Vec3f> direction(const DisneyTransmissiveBsdf& bsdf, Rng& rng) {
 }
 
 TEST(ChiSquareTransmission, WholeBsdf) {
-  for (const bool thin : {false, true})
-    for (const bool inside : {false, true})
-      for (const double angle : {10.0, 75.0})
-        for (const Half half : {Half::reflected, Half::passed}) {
-          DisneyParameters p = half_clear();
-          p.thin = thin;
-          const Vec3f wo = at_angle(angle);
-          const BoundarySide side{inside ? 1 / 1.5f : 1.5f, inside};
-          const DisneyTransmissiveBsdf bsdf(p, wo, side);
-          const auto result =
-              test_half([&](Rng& rng) { return direction(bsdf, rng); },
-                        [&](const Vec3f& wi) { return bsdf.evaluate(wi).pdf; }, wo, {half, thin ? 1 : side.eta, 2});
-          EXPECT_TRUE(result.passed) << thin << inside << " at " << angle << ": " << result.report;
-        }
+  for (const bool layered : {false, true})
+    for (const bool thin : {false, true})
+      for (const bool inside : {false, true})
+        for (const double angle : {10.0, 75.0})
+          for (const Half half : {Half::reflected, Half::passed}) {
+            DisneyParameters p = half_clear();
+            p.thin = thin;
+            if (layered)
+              p.coat = 0.8f, p.coat_roughness = 0.5f, p.sheen = 1, p.sheen_roughness = 0.4f, p.iridescence = 1;
+            const Vec3f wo = at_angle(angle);
+            const BoundarySide side{inside ? 1 / 1.5f : 1.5f, inside};
+            const DisneyTransmissiveBsdf bsdf(p, wo, side);
+            const auto result =
+                test_half([&](Rng& rng) { return direction(bsdf, rng); },
+                          [&](const Vec3f& wi) { return bsdf.evaluate(wi).pdf; }, wo, {half, thin ? 1 : side.eta, 2});
+            EXPECT_TRUE(result.passed) << layered << thin << inside << " at " << angle << ": " << result.report;
+          }
 }
 
 TEST(ChiSquareTransmission, WrongPdfsAreRefused) {

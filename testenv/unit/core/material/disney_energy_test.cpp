@@ -34,6 +34,26 @@ RunningStatistics reflected(const Bsdf& bsdf, int samples, Rng& rng) {
                            [](const auto& a, const auto& b) { return a.mean() < b.mean(); });
 }
 
+/// As reflected(), of green, by stratified samples: far less noise. Each of its values is a mean over 4096.
+RunningStatistics reflected_evenly(const DisneyBsdf& bsdf, Rng& rng) {
+  RunningStatistics shares;
+  constexpr int kRuns = 12, kSide = 64;
+  for (int run = 0; run < kRuns; ++run) {
+    double sum = 0;
+    float u_lobe = rng.uniform();
+    for (int i = 0; i < kSide * kSide; ++i) {
+      u_lobe += 0.618034f;
+      u_lobe -= std::floor(u_lobe);
+      const Vec2f jitter = uniform2(rng);
+      const auto s = bsdf.sample(std::min(u_lobe, kOneMinusEpsilon),
+                                 {(float(i % kSide) + jitter.x) / kSide, (float(i / kSide) + jitter.y) / kSide});
+      if (s) sum += double(s->f.g * s->wi.z / s->pdf);
+    }
+    shares.add(sum / (kSide * kSide));
+  }
+  return shares;
+}
+
 float either(Rng& rng, float low, float high) {
   const uint32_t pick = rng.next() % 3;
   return pick == 0 ? low : pick == 1 ? high : lerp(low, high, rng.uniform());
@@ -73,15 +93,14 @@ TEST(DisneyEnergy, BoundedReflectsNoMoreThanItReceives) {
   EXPECT_GT(published_most, 1.3);  // otherwise nothing was bounded
 }
 
-TEST(DisneyEnergy, LayersFilmsAndAnisotropyAreBoundedToTwoPercent) {
+TEST(DisneyEnergy, LayersAndFilmsAreBoundedToTwoPercent) {
   Rng rng(61, 2);
   for (int i = 0; i < kCases; ++i) {
     DisneyParameters p = published(rng);
-    const uint32_t kind = rng.next() % 4;
+    const uint32_t kind = rng.next() % 3;
     if (kind == 0) p.coat = either(rng, 0, 1), p.coat_roughness = either(rng, 0, 1);
     if (kind == 1) p.sheen_roughness = either(rng, 0, 1);
     if (kind == 2) p.iridescence = either(rng, 0, 1), p.iridescence_thickness = either(rng, 100, 1000);
-    if (kind == 3) p.anisotropic = either(rng, 0, 1.11f);
     const Vec3f wo = along(std::max(0.003f, rng.uniform()), 1.5f * rng.uniform());
     EXPECT_LE(surely_above(reflected(DisneyBsdf(p, wo, EnergyModel::bounded), kSamples, rng)), 1.02)
         << kind << " at " << wo.z << " roughness " << p.roughness << " ior " << p.ior;
@@ -154,6 +173,41 @@ TEST(DisneyEnergy, RoughWhiteMetalReflectsAllWhereEnergyIsConserved) {
   EXPECT_LT(reflected(DisneyBsdf(p, along(1), EnergyModel::bounded), kSamples, rng).mean(), 0.5);
 }
 
+// As published the loss of anisotropic facets is not that of isotropic ones: at 1.11 up to .88 of the light was gone.
+TEST(DisneyEnergy, AnisotropicWhiteMetalReflectsAllWhereEnergyIsConserved) {
+  Rng rng(61, 9);
+  DisneyParameters p;
+  p.base_color = Rgb(1.0f);
+  p.metallic = 1;
+  for (const float anisotropic : {0.3f, 0.9f, 1.0f, 1.11f})
+    for (const float roughness : {0.2f, 0.5f, 1.0f})
+      for (const float cosine : {0.09f, 0.5f, 1.0f})
+        for (const float phi : {0.0f, 0.7f, 1.5f, 1.5708f}) {
+          if (cosine == 1 && phi > 0) continue;
+          p.anisotropic = anisotropic, p.roughness = roughness;
+          const auto share = reflected_evenly({p, along(cosine, phi), EnergyModel::conserving}, rng);
+          EXPECT_NEAR(share.mean(), 1, 3e-3 + 4 * share.standard_error())
+              << anisotropic << " roughness " << roughness << " at " << cosine << " " << phi;
+        }
+}
+
+TEST(DisneyEnergy, AnisotropicSurfacesAreBounded) {
+  Rng rng(61, 10);
+  for (const float ior : {1.5f, 4.0f})
+    for (const float anisotropic : {0.9f, 1.0f, 1.11f})
+      for (const float roughness : {0.1f, 0.2f})
+        for (const float cosine : {0.087f, 0.3f})
+          for (const float phi : {0.0f, 0.7f, 1.5708f})
+            for (const EnergyModel energy : {EnergyModel::bounded, EnergyModel::conserving}) {
+              DisneyParameters p;
+              p.base_color = Rgb(1.0f);
+              p.ior = ior, p.anisotropic = anisotropic, p.roughness = roughness;
+              const auto share = reflected_evenly({p, along(cosine, phi), energy}, rng);
+              EXPECT_LE(share.mean() - 4 * share.standard_error(), 1 + 1e-3)
+                  << ior << " " << anisotropic << " roughness " << roughness << " at " << cosine << " " << phi;
+            }
+}
+
 // Little light meets several facets of a fairly smooth metal, so few samples go to that lobe.
 TEST(DisneyEnergy, TheLobeOfSeveralFacetsIsChosenByItsAlbedo) {
   DisneyParameters p;
@@ -219,12 +273,15 @@ TEST(DirectionalAlbedo, BoundsForSteepDirectionsHold) {
       for (float roughness = 0.01f; roughness <= 1; roughness += 0.03f) {
         EXPECT_LE(clearcoat_albedo(c, DisneyClearcoat::from(1, roughness).gtr1.alpha), steep.clearcoat);
         EXPECT_LE(DisneyDiffuse::retro_albedo(c, roughness), DisneyDiffuse::retro_albedo(steep.cosine, roughness));
-        for (const float anisotropic : {0.0f, 0.6f, 1.0f})
+        for (const float anisotropic : {0.0f, 0.6f, 1.0f}) {
+          // Each shape of anisotropic facets has a table of its own.
+          if (anisotropic > 0 && std::fmod(roughness, 0.24f) > 0.03f) continue;
           for (const float phi : {0.0f, 0.7f, 1.57f}) {
             const GgxAlbedo facets = ggx_albedo(along(c, phi), disney_ggx(roughness, anisotropic));
             EXPECT_LE(facets.schlick, steep.schlick) << c << " " << roughness << " " << anisotropic << " " << phi;
             EXPECT_LE(facets.white, 1.0f) << c << " " << roughness << " " << anisotropic << " " << phi;
           }
+        }
       }
     }
 }
@@ -244,7 +301,7 @@ TEST(DirectionalAlbedo, TablesAgreeWithSamples) {
       expect(double(facets.schlick), albedo_of(ggx(0, {alpha, alpha}), wo, rng), 1e-3, "schlick", cosine);
       const Ggx stretched{alpha * 2, alpha * 0.5f};
       const Vec3f aside = along(cosine, 0.6f);
-      expect(double(ggx_albedo(aside, stretched).white), albedo_of(ggx(1, stretched), aside, rng), 0.03, "stretched",
+      expect(double(ggx_albedo(aside, stretched).white), albedo_of(ggx(1, stretched), aside, rng), 3e-3, "stretched",
              cosine);
       const DisneyClearcoat coat = DisneyClearcoat::from(1, roughness);
       expect(double(clearcoat_albedo(cosine, coat.gtr1.alpha)), albedo_of(coat, wo, rng), 1e-3, "clearcoat", cosine);
