@@ -4,12 +4,13 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alabaster {
 namespace {
 
-constexpr uint32_t kMultipart = 0x1000;
+constexpr uint32_t kTiled = 0x200, kDeep = 0x800, kMultipart = 0x1000;
 constexpr size_t kMostAttributes = size_t(1) << 16;
 constexpr uint64_t kBlock = 4096;     // bytes
 constexpr uint64_t kOffsetBytes = 8;  // a chunk's entry in the table of offsets
@@ -36,17 +37,24 @@ struct Part {
 
 class HeaderChecker {
  public:
-  HeaderChecker(const FileBytes& file, size_t max_pixels, ImageFault* fault)
-      : file_(file), max_pixels_(max_pixels), fault_(*fault) {}
+  HeaderChecker(const FileBytes& file, size_t max_pixels, ImageFault* fault, ExrPart* first)
+      : file_(file), max_pixels_(max_pixels), fault_(*fault), first_(first) {}
 
   bool run() {
     uint32_t version = 0;
     if (!number(4, &version)) return true;  // too short for a header, which OpenEXR says
     at_ = 8;
+    ExrPart first;
+    first.is_multipart = (version & kMultipart) != 0;
+    first.is_tiled = !first.is_multipart && (version & kTiled) != 0;
+    first.is_deep = (version & kDeep) != 0;
     bool empty = false;
+    ExrPart* filled = &first;
     do {
-      if (!check_part(&empty)) return false;
-    } while ((version & kMultipart) && !empty && at_ < file_.size);
+      if (!check_part(&empty, std::exchange(filled, nullptr))) return false;
+    } while (first.is_multipart && !empty && at_ < file_.size);
+    first.offsets = at_;
+    if (first_) *first_ = std::move(first);
     return true;
   }
 
@@ -91,7 +99,7 @@ class HeaderChecker {
     return false;
   }
 
-  bool check_part(bool* empty) {
+  bool check_part(bool* empty, ExrPart* filled) {
     Part part;
     *empty = true;
     Attribute attribute;
@@ -109,8 +117,10 @@ class HeaderChecker {
         return cut_short("its attribute '" + attribute.name + "' claims " + std::to_string(size) + " bytes");
       if (attribute.type == "stringvector" && !check_strings(attribute)) return false;
       read(attribute, &part);
-      at_ += size;
+      if (filled) fill(attribute, filled);
+      at_ = attribute.begin + size;
     }
+    if (filled) filled->lines = uint32_t(part.lines);
     return check_sizes(part);
   }
 
@@ -147,6 +157,40 @@ class HeaderChecker {
     }
   }
 
+  void fill(const Attribute& attribute, ExrPart* part) {
+    uint32_t number = 0;
+    if (attribute.name == "dataWindow" && attribute.size >= 16) {
+      for (size_t i = 0; i < 4; ++i)
+        part->window[i] = this->number(attribute.begin + 4 * i, &number) ? int32_t(number) : 0;
+    } else if (attribute.name == "tiles" && attribute.size >= 8) {
+      this->number(attribute.begin, &part->tile_width);
+      this->number(attribute.begin + 4, &part->tile_height);
+    } else if (attribute.name == "compression" && attribute.size >= 1) {
+      bytes(attribute.begin, &part->compression, 1);
+    } else if (attribute.name == "type" && part->is_multipart) {
+      std::string type(size_t(std::min<uint64_t>(attribute.size, 16)), '\0');
+      bytes(attribute.begin, type.data(), type.size());
+      part->is_tiled = type == "tiledimage";
+      part->is_deep = type.starts_with("deep");
+    } else if (attribute.name == "channels") {
+      fill_channels(attribute, part);
+    }
+  }
+
+  void fill_channels(const Attribute& attribute, ExrPart* part) {
+    const uint64_t end = attribute.begin + attribute.size;
+    part->channels.clear();
+    at_ = attribute.begin;
+    ExrPart::Channel channel;
+    uint32_t x_step = 0, y_step = 0;
+    while (at_ < end && word(&channel.name) && !channel.name.empty() && number(at_, &channel.type) &&
+           number(at_ + 8, &x_step) && number(at_ + 12, &y_step)) {
+      at_ += 16;
+      channel.x_step = int32_t(x_step), channel.y_step = int32_t(y_step);
+      part->channels.push_back(channel);
+    }
+  }
+
   bool check_sizes(const Part& part) {
     const auto by = [](uint64_t a, uint64_t b) { return std::to_string(a) + " x " + std::to_string(b); };
     // Sides are below 2^32, but the product of two may not be.
@@ -166,6 +210,7 @@ class HeaderChecker {
   const FileBytes& file_;
   const size_t max_pixels_;
   ImageFault& fault_;
+  ExrPart* const first_;
   uint64_t at_ = 0;
   size_t attributes_ = 0;  // of the parts so far
   uint64_t chunks_ = 0;    // of these
@@ -175,8 +220,8 @@ class HeaderChecker {
 
 }  // namespace
 
-bool check_exr_header(const FileBytes& file, size_t max_pixels, ImageFault* fault) {
-  return HeaderChecker(file, max_pixels, fault).run();
+bool check_exr_header(const FileBytes& file, size_t max_pixels, ImageFault* fault, ExrPart* first) {
+  return HeaderChecker(file, max_pixels, fault, first).run();
 }
 
 }  // namespace alabaster

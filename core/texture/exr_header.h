@@ -1,9 +1,12 @@
 // EXR files whose header claims more than the file holds. Internal to this room.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "core/images/image_file.h"
 
@@ -15,9 +18,27 @@ struct FileBytes {
   std::function<bool(uint64_t offset, void* bytes, size_t count)> read;
 };
 
+/// How the first image of a file is stored.
+struct ExrPart {
+  struct Channel {
+    std::string name;
+    uint32_t type = 0;               // kExrHalf, or another of four bytes
+    int32_t x_step = 1, y_step = 1;  // one sample for each of these pixels
+  };
+  bool is_multipart = false, is_tiled = false, is_deep = false;
+  std::array<int32_t, 4> window{};  // least x, least y, greatest x, greatest y
+  uint32_t tile_width = 0, tile_height = 0;
+  uint8_t compression = 0;
+  uint32_t lines = 1;  // of a piece that is no tile
+  std::vector<Channel> channels;
+  uint64_t offsets = 0;  // where the table of its pieces begins
+};
+inline constexpr uint32_t kExrHalf = 1;
+
 /// False, with the reason, where OpenEXR would set memory aside that neither the file's size nor its pixels justify: it
 /// believes lengths and numbers of chunks before it reads them, and 600 bytes of file took 2 GB. All else that is wrong
 /// with a header is left to it. Source: "OpenEXR File Layout", openexr.com.
-bool check_exr_header(const FileBytes& file, size_t max_pixels, ImageFault* fault);
+/// `first`, if any, gets what the header says of the first image.
+bool check_exr_header(const FileBytes& file, size_t max_pixels, ImageFault* fault, ExrPart* first = nullptr);
 
 }  // namespace alabaster

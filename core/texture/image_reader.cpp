@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/texture/exr_header.h"
+#include "core/texture/exr_pieces.h"
 #include "core/texture/image_streams.h"
 
 namespace alabaster {
@@ -84,7 +85,9 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
     bytes.read = [&](uint64_t offset, void* out, size_t count) { return file_->read(offset, out, count); };
   }
   ImageFault fault;
-  return check_exr_header(bytes, max_pixels, &fault) || fail(sink, fault.code.c_str(), fault.text);
+  ExrPart first;
+  return (check_exr_header(bytes, max_pixels, &fault, &first) && check_exr_pieces(bytes, first, &fault)) ||
+         fail(sink, fault.code.c_str(), fault.text);
 }
 
 // Finds the format, and checks the file as far as OpenImageIO does not. `limits.memory` counts what is kept of it.
