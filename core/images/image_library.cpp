@@ -1,8 +1,15 @@
 #include <dlfcn.h>
+#include <link.h>
 #include <sys/mman.h>
 
+#include <algorithm>
+#include <cstring>
 #include <filesystem>
+#include <latch>
 #include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "core/images/image_file.h"
 #include "core/images/library_entry.h"
@@ -40,6 +47,37 @@ bool is_memory_short(const std::string& reason) {
   return false;
 }
 
+/// OpenImageIO brings OpenVDB, and that log4cplus, whose initializer starts four threads. If it cannot, it ends the
+/// process or waits without end, so the threads are tried before. OpenBLAS, which comes with them, starts one per core.
+bool are_threads_short() {
+  constexpr unsigned kLogging = 4, kMostOthers = 64;
+  const unsigned count = kLogging + std::min(std::thread::hardware_concurrency(), kMostOthers);
+  std::latch over(1);
+  std::vector<std::jthread> threads;
+  bool is_short = false;
+  try {
+    while (threads.size() < count) threads.emplace_back([&over] { over.wait(); });
+  } catch (const std::system_error&) {
+    is_short = true;
+  }
+  over.count_down();
+  return is_short;
+}
+
+bool is_log4cplus_loaded() {
+  const auto look = [](dl_phdr_info* info, size_t, void*) {
+    return int(std::strstr(info->dlpi_name, "liblog4cplus") != nullptr);
+  };
+  return dl_iterate_phdr(look, nullptr) != 0;
+}
+
+/// At exit log4cplus waits for its threads to end, also in a forked child, which has none of them. Nothing that was
+/// loaded with it uses them.
+void end_log4cplus_threads(void* library) {
+  const auto end = reinterpret_cast<void (*)()>(dlsym(library, "_ZN9log4cplus18shutdownThreadPoolEv"));
+  if (end) end();
+}
+
 class ImageLibrary {
  public:
   // OpenImageIO itself stays (open_image_io/entry.cpp).
@@ -51,9 +89,17 @@ class ImageLibrary {
     const std::lock_guard lock(mutex_);
     if (functions_) return functions_;
     const std::string file = candidates().front();
+    const bool is_logging_ours = !is_log4cplus_loaded();
+    if (is_logging_ours && are_threads_short()) {
+      *fault =
+          "images cannot be read or written: the system gives this process no more threads; raise its limit "
+          "(ulimit -u, or that of the container)";
+      return nullptr;
+    }
     // RTLD_LOCAL: a host may bring another OpenImageIO.
     void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!handle) return refuse(dlerror(), fault);
+    if (is_logging_ours) end_log4cplus_threads(handle);
     const auto entry = reinterpret_cast<ImageLibraryEntry*>(dlsym(handle, kImageLibraryEntry));
     functions_ = entry ? entry(kImageInterface) : nullptr;
     if (!functions_) {

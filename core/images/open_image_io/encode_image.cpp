@@ -110,6 +110,8 @@ OIIO::ImageSpec make_spec(const ImageDescription& image) {
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file) {
   if (image.width > most_pixels(image.kind) || image.height > most_pixels(image.kind))
     return "it has more pixels than the format holds";
+  if (image.kind == FileKind::exr)
+    if (std::string fault = openexr_fault(); !fault.empty()) return fault;
   constexpr const char* kNames[] = {"x.exr", "x.png", "x.tif", "x.jpg"};
   const char* name = kNames[int(image.kind)];
   const OIIO::ImageSpec spec = make_spec(image);

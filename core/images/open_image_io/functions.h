@@ -15,6 +15,8 @@ inline constexpr int kRowsAtOnce = 64;
 std::unique_ptr<ImageInput> open_image(const ImageSource& source, ImageFault& fault);
 /// Decoded by libpng itself: OpenImageIO's reader lets it print its errors.
 std::unique_ptr<ImageInput> open_png(const ImageSource& source, ImageFault& fault);
+/// Empty, or why this process must not touch an EXR: OpenEXR would wait for threads that a forked process lacks.
+std::string openexr_fault();
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file);
 
 }  // namespace alabaster

@@ -64,6 +64,9 @@ class MemoryReader final : public OIIO::Filesystem::IOMemReader {
 class Input final : public ImageInput {
  public:
   bool open(const ImageSource& source, ImageFault& fault) {
+    if (source.format == "openexr")
+      if (const std::string reason = openexr_fault(); !reason.empty())
+        return fault = {"texture.unreadable", reason}, false;
     input_ = OIIO::ImageInput::create(source.format);
     if (!input_) {
       static_cast<void>(OIIO::geterror());
