@@ -347,7 +347,7 @@ OCIO::ConstConfigRcPtr read_config(const ConfigFile& from, std::string* text, co
   if (const std::string fault = config_text_fault(*text); !fault.empty()) return fail("ocio.config.invalid", fault);
   try {
     const OCIO::ConstConfigRcPtr config = parse_config_file(*text, from.origin);
-    const std::string fault = config_fault(config);
+    const std::string fault = config_fault(config, from.within);
     return fault.empty() ? config : fail("ocio.config.invalid", fault + "; mend it");
   } catch (const std::exception& e) {
     return fail("ocio.config.invalid",
@@ -361,11 +361,13 @@ class LastConfig {
  public:
   std::shared_ptr<const ColorConfig> find(const ConfigFile& from) const {
     const std::lock_guard lock(mutex_);
-    return config_ && config_->origin() == from.origin && state_ == state_of(from) ? config_ : nullptr;
+    const bool same = config_ && config_->origin() == from.origin && within_ == from.within;
+    return same && state_ == state_of(from) ? config_ : nullptr;
   }
   void keep(const ConfigFile& from, std::shared_ptr<const ColorConfig> config) {
     const std::lock_guard lock(mutex_);
     state_ = state_of(from);
+    within_ = from.within;
     config_ = std::move(config);
   }
 
@@ -379,6 +381,7 @@ class LastConfig {
   mutable std::mutex mutex_;
   std::shared_ptr<const ColorConfig> config_;
   std::optional<size_t> state_;
+  std::string within_;  // its LUTs were judged by
 };
 
 std::shared_ptr<const ColorConfig> load_file(const ConfigFile& from, const DiagnosticSink& sink) {

@@ -35,7 +35,7 @@ bool refers_to_files(const InputFile& file) {
 /// Walks from a colour space to those that its transforms name.
 class References {
  public:
-  explicit References(const OCIO::ConstConfigRcPtr& config) : config_(config) {}
+  References(const OCIO::ConstConfigRcPtr& config, const std::string& within) : config_(config), within_(within) {}
 
   std::string check() {
     const int spaces = config_->getNumColorSpaces(OCIO::SEARCH_REFERENCE_SPACE_ALL, OCIO::COLORSPACE_ALL);
@@ -153,13 +153,15 @@ class References {
     } catch (const OCIO::Exception&) {
       return;
     }
-    const InputFile file(found);
+    const InputFile file(found, within_);
+    if (file.fault() == InputFile::Fault::outside) fault_ = "the LUT " + file.reason();
     if (file.fault() == InputFile::Fault::not_regular) fault_ = "the LUT '" + found + "' is not a regular file";
     if (file && refers_to_files(file))
       fault_ = "the LUT '" + found + "' refers to other files, which is not supported; put them into the configuration";
   }
 
   const OCIO::ConstConfigRcPtr& config_;
+  const std::string& within_;
   std::map<std::string, bool> open_;  // by name: true while inside it
   int depth_ = 0;
   std::string fault_;
@@ -181,8 +183,8 @@ std::string config_text_fault(const std::string& text) {
   return "it has " + std::to_string(spaces) + " colour spaces, and the limit is " + std::to_string(kMostSpaces);
 }
 
-std::string config_fault(const OCIO::ConstConfigRcPtr& config) {
-  return References(config).check();
+std::string config_fault(const OCIO::ConstConfigRcPtr& config, const std::string& within) {
+  return References(config, within).check();
 }
 
 }  // namespace alabaster
