@@ -22,7 +22,7 @@ std::string variable(const char* name) {
 void add_from_folder(const fs::path& folder, std::vector<std::string>* files) {
   for (const fs::path& place : {folder, folder / "lib", folder / kInWheel, folder / "pyoidn" / kInWheel}) {
     std::error_code error;
-    if (fs::exists(place / kLibrary, error)) files->push_back((place / kLibrary).string());
+    if (fs::is_regular_file(place / kLibrary, error)) files->push_back((place / kLibrary).string());
   }
 }
 
@@ -52,7 +52,7 @@ std::vector<std::string> find_oidn(const std::string& named) {
   if (!named.empty()) {
     if (fs::is_directory(named, error))
       add_from_folder(named, &files);
-    else if (fs::exists(named, error))
+    else if (fs::is_regular_file(named, error))  // the loader would wait for a FIFO
       files.push_back(fs::absolute(named, error).string());
     return files;
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -75,6 +76,13 @@ TEST(Denoiser, LooksWhereTheSystemAndPythonKeepLibraries) {
   EXPECT_NE(std::find(files.begin(), files.end(), "libOpenImageDenoise.so.2"), files.end());
   EXPECT_NE(std::find(files.begin(), files.end(), library.string()), files.end());
   fs::remove_all(home);
+}
+
+TEST(Denoiser, AFifoIsNotOpened) {
+  const fs::path fifo = fs::temp_directory_path() / ("alabaster_fifo_" + std::to_string(::getpid()));
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_TRUE(find_oidn(fifo.string()).empty());
+  fs::remove(fifo);
 }
 
 TEST(Denoiser, RefusesWhatIsNoLibraryOrAnotherOne) {
