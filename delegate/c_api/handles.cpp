@@ -23,7 +23,7 @@ std::atomic<Handle*> g_put_off{nullptr};
 
 void destroy(Handle* handle) noexcept {
   if (!handle) return;
-  const FloatEnvironment environment;
+  const CallScope scope;
   if (!CallbackScope::is_open()) {
     delete handle;
     return;

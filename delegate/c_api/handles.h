@@ -1,6 +1,7 @@
 // The C door's handles and how its calls end. Internal to this room.
 #pragma once
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -43,6 +44,20 @@ class CallbackScope {
   static thread_local int depth;
 };
 
+/// How a call of the library runs: in the default floating-point environment, and to its end. A host's thread that is
+/// cancelled (pthread_cancel) meanwhile ends after it, for locks and destructors stand in the way of an earlier end.
+class CallScope {
+ public:
+  CallScope() { pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &cancel_state_); }
+  ~CallScope() { pthread_setcancelstate(cancel_state_, nullptr); }
+  CallScope(const CallScope&) = delete;
+  CallScope& operator=(const CallScope&) = delete;
+
+ private:
+  const FloatEnvironment environment_;
+  int cancel_state_ = PTHREAD_CANCEL_ENABLE;
+};
+
 /// A handle of a host. A callback that must not call the library may destroy it: the next call does so.
 struct Handle {
   Handle() = default;
@@ -54,11 +69,10 @@ struct Handle {
 void destroy(Handle* handle) noexcept;
 void destroy_put_off() noexcept;
 
-/// Runs a call that may come at any time and waits for no other, in the default floating-point environment; no
-/// exception leaves it.
+/// Runs a call that may come at any time and waits for no other; no exception leaves it.
 template <class Call>
 AlabasterStatus guarded_at_any_time(const Call& call) noexcept {
-  const FloatEnvironment environment;
+  const CallScope scope;
   try {
     if (CallbackScope::is_open())
       throw bad_argument("the library is called by a report or release callback, which must not call it");
