@@ -1,5 +1,7 @@
 #include "delegate/prims/render_param.h"
 
+#include <tbb/global_control.h>
+
 #include <algorithm>
 
 #include "delegate/support/process_usage.h"
@@ -159,7 +161,10 @@ std::shared_ptr<tbb::task_arena> SceneParam::arena() {
   const std::lock_guard lock(mutex_);
   const uint32_t threads = threads_;
   if (!arena_ || arena_threads_ != threads) {
-    arena_ = std::make_shared<tbb::task_arena>(threads ? static_cast<int>(threads) : tbb::task_arena::automatic);
+    // More threads than the process may have would make TBB print a warning.
+    const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    constexpr int kAll = tbb::task_arena::automatic;
+    arena_ = std::make_shared<tbb::task_arena>(threads ? static_cast<int>(std::min<size_t>(threads, allowed)) : kAll);
     arena_threads_ = threads;
   }
   return arena_;

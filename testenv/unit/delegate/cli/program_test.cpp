@@ -260,6 +260,13 @@ TEST_F(ProgramTest, TheStudioIsSwitched) {
   expect_error(2, quick({"-o", "a.exr", "--studio", "maybe"}), "auto");
 }
 
+// TBB itself prints where an arena has more threads than the process.
+TEST_F(ProgramTest, MoreThreadsThanCoresAreTakenWithoutAWord) {
+  const Outcome done = run(quick({"-o", "a.exr", "--quiet", "--threads", "256"}));
+  EXPECT_EQ(done.code, 0);
+  EXPECT_EQ(done.out + done.err, "");
+}
+
 TEST_F(ProgramTest, QuietSaysNothing) {
   const Outcome done = run(quick({"-o", "a.exr", "--quiet"}));
   EXPECT_EQ(done.code, 0);
