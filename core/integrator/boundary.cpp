@@ -1,5 +1,7 @@
 #include "core/integrator/boundary.h"
 
+#include <limits>
+
 #include "core/integrator/direct_light.h"
 #include "core/integrator/path_record.h"
 
@@ -11,9 +13,15 @@ bool is_seen_from_inside(const PathVertex& v) {
   return is_behind(*v.instance, v.triangle, -v.hit.ng);
 }
 
+// True for a solid that only diffuse light passes.
+bool is_index_matched(const PathVertex& v) {
+  return !v.material.thin && !(v.instance->material(v.triangle.triangle).constants.spec_trans > 0);
+}
+
 Interior interior_of(const PathVertex& v) {
   const DisneyParameters& p = v.material;
   Interior interior{v.triangle.instance, p.priority, p.ior};
+  interior.index_matched = is_index_matched(v);
   // KHR_materials_dispersion: blue's index less red's is (ior - 1) dispersion / 20.
   interior.spread = 0.025f * p.dispersion * (p.ior - 1);
   // Where light scatters inside, walks absorb it.
@@ -56,6 +64,23 @@ void cross_boundary(const PathVertex& v, bool inside, Interiors* interiors) {
     interiors->enter(interior_of(v));
 }
 
+// The interiors on the other side of the surface.
+Interiors interiors_past(const PathVertex& v, Interiors interiors) {
+  cross_boundary(v, v.boundary.inside, &interiors);
+  return interiors;
+}
+
+// Factor of what passes the surface, beside the lobes: those of a clear boundary have it.
+Rgb passing_factor(const PathVertex& v, const Interiors& from, const Interiors& to) {
+  return is_index_matched(v) ? index_factor(from.indices(), to.indices()) : Rgb(1.0f);
+}
+
+void pass(const PathVertex& v, const Rgb& factor, const Interiors& past, PathState* path) {
+  path->throughput *= factor;
+  path->interiors = past;
+  path->hollows.leave(v.triangle.instance);
+}
+
 // The side of the surface that a direction leaves to: light that passes must do so by the lobe, by the interpolated
 // normal, which a normal map tilts, and by the facet.
 enum class Side { near, far, neither };
@@ -63,6 +88,19 @@ Side side_of(const PathVertex& v, const Vec3f& wi_local, const Vec3f& wi) {
   if (wi_local.z > 0 && v.is_above_surface(wi)) return Side::near;
   return wi_local.z < 0 && dot(wi, v.departure.n) < 0 && dot(wi, v.hit.ng) < 0 ? Side::far : Side::neither;
 }
+
+// Passes all surfaces but those of clear bodies.
+class ClearSurfaces final : public HitFilter {
+ public:
+  explicit ClearSurfaces(const SceneSnapshot& scene) : scene_(scene) {}
+  bool stops(const TriangleHit& hit) const noexcept override {
+    const DisneyMaterial& material = scene_.instance(hit.instance).material(hit.triangle);
+    return material.transmits() && !material.constants.thin;
+  }
+
+ private:
+  const SceneSnapshot& scene_;
+};
 
 }  // namespace
 
@@ -101,8 +139,8 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   PathRecord* const record = context.record;
   const DisneyTransmissiveBsdf bsdf(v.material, v.frame.to_local(-path->ray.dir), v.boundary, context.settings.energy);
 
-  Interiors interiors_beyond = path->interiors;
-  cross_boundary(v, v.boundary.inside, &interiors_beyond);
+  const Interiors interiors_beyond = interiors_past(v, path->interiors);
+  const Rgb passing = passing_factor(v, path->interiors, interiors_beyond);
   // Sample the lights, on each side for the directions that leave there.
   path->search = v.material.scatters() ? ConstantDomes::sampled : ConstantDomes::left_to_lobes;
   path->lights = &context.scene.lights_of(*v.instance);
@@ -112,12 +150,12 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
       if (side_of(v, wi, wi_world) != side) return {};
       Rgb specular;
       const BsdfValue value = bsdf.evaluate(wi, splits ? &specular : nullptr);
-      const Rgb f_cos = value.f * std::abs(wi.z);
+      const Rgb f_cos = (side == Side::far ? value.f * passing : value.f) * std::abs(wi.z);
       if (record) record->sample_light(wi_world, f_cos, value.pdf);
       return {f_cos, value.pdf, splits ? share_of(specular, value.f) : Rgb(0.0f)};
     };
     const Interiors& interiors = side == Side::far ? interiors_beyond : path->interiors;
-    for_direct_light(context, from, {*path->lights, numbers.light, path->search}, lobes,
+    for_direct_light(context, from, {*path->lights, numbers.light, path->search, &interiors}, lobes,
                      [&](const ScatterValue& value, const Rgb& arriving, LightWeight weight) {
                        const Rgb light = path->throughput * arriving * interiors.transmittance(weight.distance);
                        path->radiance += light;
@@ -150,26 +188,29 @@ std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVe
   }
   path->scatter_pdf = discrete ? std::numeric_limits<float>::infinity() : sample->pdf;
   const bool far = side == Side::far;
-  if (far) path->interiors = interiors_beyond;
+  if (far) pass(v, passing, interiors_beyond, path);
   path->go_on(far ? beyond(v) : origin_of(context, v.departure, wi), leaves_straight ? path->ray.dir : wi);
   return sample->lobe;
 }
 
-Interiors interiors_at(const PathContext& context, Ray ray) {
+Interiors interiors_at(const PathContext& context, Ray ray, Seeker seeker) {
+  const ClearSurfaces filter(context.scene);
+  const bool is_camera = seeker == Seeker::camera;
   Interiors entered, about;
   std::array<Interior, Interiors::kMost> found;
   uint32_t count = 0;
   constexpr int kMostSurfaces = 256;
   TriangleHit hit;
+  ray.tmax = std::numeric_limits<float>::infinity();
   for (int i = 0; i < kMostSurfaces; ++i) {
-    ++context.counters.camera_rays;
-    if (!context.scene.top->intersect(ray, &hit)) break;
+    ++(is_camera ? context.counters.camera_rays : context.counters.bounce_rays);
+    if (!context.scene.top->intersect(ray, &hit, &filter)) break;
     const PathVertex v = make_vertex(context, ray, hit);
     ray.org = beyond(v);
     const bool inside = is_seen_from_inside(v);
-    if (!v.material.transmits() || v.material.thin || v.instance->camera_cull == CameraCull::all) continue;
+    if (!v.material.transmits() || (is_camera && v.instance->camera_cull == CameraCull::all)) continue;
     // The way out of this body is not seen: the camera's ray would carry its interior on.
-    if (inside && is_culled(*v.instance, hit, ray.dir)) continue;
+    if (is_camera && inside && is_culled(*v.instance, hit, ray.dir)) continue;
     if (!inside)
       entered.enter(interior_of(v));
     else if (entered.contains(hit.instance))

@@ -19,8 +19,11 @@ bool meet_boundary(PathVertex* vertex, PathState* path, float* u);
 std::optional<Lobe> scatter_at_boundary(const PathContext& context, const PathVertex& vertex,
                                         const VertexNumbers& numbers, PathState* path, LayerSplit* split);
 
-/// The interiors that the ray's origin lies in: all whose surface the ray leaves without having entered. Traces a ray
-/// through the scene, whose segments count as camera rays.
-Interiors interiors_at(const PathContext& context, Ray ray);
+/// The kind of ray that seeks interiors: culled surfaces are not there for camera rays.
+enum class Seeker { camera, path };
+
+/// The interiors that the ray's origin lies in: all whose surface the ray leaves without having entered, however far
+/// away (its tmax does not count). Traces a ray through the scene, whose segments count as camera or bounce rays.
+Interiors interiors_at(const PathContext& context, Ray ray, Seeker seeker);
 
 }  // namespace alabaster

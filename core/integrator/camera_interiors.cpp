@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/integrator/boundary.h"
+#include "core/scene/clear_bodies.h"
 #include "core/scene/world_placement.h"
 
 namespace alabaster {
@@ -14,17 +15,6 @@ struct Surroundings {
   bool near = false;   // the box of one meets the origins
   bool mixed = false;  // rays may begin in different interiors: a surface may pass between their origins, or is open
 };
-
-bool has_clear_interior(const Instance& instance) {
-  return std::any_of(instance.materials.begin(), instance.materials.end(),
-                     [](const DisneyMaterial* m) { return m->transmits() && !m->constants.thin; });
-}
-
-bool overlap(const Bounds& a, const Bounds& b) {
-  for (int i = 0; i < 3; ++i)
-    if (a.lower[i] > b.upper[i] || b.lower[i] > a.upper[i]) return false;
-  return true;
-}
 
 bool is_point(const Bounds& bounds) {
   return bounds.lower == bounds.upper;
@@ -85,7 +75,7 @@ std::optional<Interiors> agreed_at(const PathContext& context, const Vec3f& p) {
     const float z = 1 - (2 * static_cast<float>(i) + 1) / kProbes, phi = static_cast<float>(i) * 2.3999632f;
     const float r = std::sqrt(1 - z * z);
     const Ray ray{p, {r * std::cos(phi), r * std::sin(phi), z}};
-    const Interiors found = interiors_at(context, ray);
+    const Interiors found = interiors_at(context, ray, Seeker::camera);
     if (agreed && !agreed->agrees_with(found)) return std::nullopt;
     if (!agreed) agreed = found;
   }
@@ -105,7 +95,7 @@ std::unique_ptr<const CameraInteriors> CameraInteriors::find(const PathContext& 
 
 Interiors CameraInteriors::of(const PathContext& context, const Ray& ray) const {
   if (same_) return *same_;
-  return context.scene.clear_bodies.contains(ray.org) ? interiors_at(context, ray) : Interiors();
+  return context.scene.clear_bodies.contains(ray.org) ? interiors_at(context, ray, Seeker::camera) : Interiors();
 }
 
 }  // namespace alabaster

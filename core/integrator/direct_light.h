@@ -25,14 +25,15 @@ struct LightWeight {
   Rgb exit_light{0.0f};  // that the exit lobe of ScatterValue sends on, with the weight that it has at exits
 };
 
-/// The share of the light that arrives at `p`.
-inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light) {
+/// The share of the light that arrives at `p`. `within`: the interiors that p is in; null: none.
+inline float visibility(const PathContext& context, const Vec3f& p, const LightSample& light,
+                        const Interiors* within = nullptr) {
   ++context.counters.shadow_rays;
   const Ray ray{p, light.wi, light.shadow_length(), context.time};
   if (light.shadow_link != 0) [[unlikely]]
-    return linked_visibility(context.scene, ray, light.shadow_link);
+    return linked_visibility(context.scene, ray, light.shadow_link, within);
   if (!context.scene.features.see_through) return context.scene.top->occluded(ray) ? 0.0f : 1.0f;
-  const Transmittance transmittance(context.scene, ray.dir);
+  const Transmittance transmittance(context.scene, ray.dir, within);
   return context.scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }
 
@@ -48,6 +49,7 @@ struct LightNumbers {
   const LightSet& lights;
   std::array<float, 4> u;
   LightSearch search;
+  const Interiors* within;  // that the point is in; null: none
 };
 
 /// Light scattered at `p` (already offset to the outer side) from the lights that are sampled there. No direction below
@@ -59,7 +61,7 @@ void for_direct_light(const PathContext& context, const Vec3f& p, const Horizon&
   numbers.lights.sample_lights(p, horizon, numbers.u, numbers.search, [&](const LightSample& light) {
     const ScatterValue value = scatter(light.wi);
     if (is_black(value.f_cos) && !(value.exit_cos > 0)) return;
-    const float arrives = visibility(context, p, light);
+    const float arrives = visibility(context, p, light, numbers.within);
     if (!(arrives > 0)) return;
     const float weight = light.delta ? 1.0f : power_heuristic(light.pdf, value.pdf);
     LightWeight how{light.pdf, weight, light.distance};

@@ -8,6 +8,7 @@
 
 #include "core/color/rgb.h"
 #include "core/math/elementary.h"
+#include "core/math/vector.h"
 
 namespace alabaster {
 
@@ -15,8 +16,9 @@ struct Interior {
   uint32_t instance = 0;
   uint32_t priority = 0;
   float ior = 1;
-  float spread = 0;   // of ior, between one channel and the next
-  Rgb sigma_a{0.0f};  // absorption per world distance
+  float spread = 0;            // of ior, between one channel and the next
+  Rgb sigma_a{0.0f};           // absorption per world distance
+  bool index_matched = false;  // diffuse light alone passes its surface: it has the index of the medium around it
 
   /// Index of refraction for a channel: red light is refracted least.
   float index(int channel) const { return ior + static_cast<float>(channel - 1) * spread; }
@@ -50,6 +52,12 @@ class Interiors {
     return at ? at->index(channel) : 1;
   }
 
+  /// index() of each channel.
+  Rgb indices() const {
+    const Interior* const at = current();
+    return at ? Rgb(at->index(0), at->index(1), at->index(2)) : Rgb(1.0f);
+  }
+
   /// Beer and Lambert's law. An infinite distance tells of a body that is not closed, and of none.
   Rgb transmittance(float distance) const {
     const Interior* const at = current();
@@ -58,9 +66,20 @@ class Interiors {
             quick_exp(-at->sigma_a.b * distance)};
   }
 
-  /// An interior beyond the most that are kept is not noticed, neither is leaving it.
+  uint32_t size() const { return count_; }
+  const Interior& operator[](uint32_t i) const { return stack_[i]; }
+
+  /// An interior beyond the most that are kept is not noticed, neither is leaving it. One that is index-matched takes
+  /// the index of the current one.
   void enter(const Interior& interior) {
-    if (count_ < kMost) stack_[count_++] = interior;
+    if (count_ == kMost) return;
+    stack_[count_] = interior;
+    if (interior.index_matched) {
+      const Interior* const around = current();
+      stack_[count_].ior = around ? around->ior : 1;
+      stack_[count_].spread = around ? around->spread : 0;
+    }
+    ++count_;
   }
   /// Where the ray was not in it, nothing happens.
   void leave(uint32_t instance) {
@@ -85,6 +104,43 @@ class Interiors {
   }
 
   std::array<Interior, kMost> stack_;
+  uint32_t count_ = 0;
+};
+
+/// Factor of a path's throughput where it goes from index `from` to index `to` by lobes without an index of their own:
+/// radiance over the squared index is conserved (Veach 1997, section 5.2).
+inline Rgb index_factor(const Rgb& from, const Rgb& to) {
+  return {sqr(from.r / to.r), sqr(from.g / to.g), sqr(from.b / to.b)};
+}
+
+/// The closed bodies in which a path is in air, because it passed their surface at a hole. A body counts once for each
+/// of its shells that the path is in.
+class Hollows {
+ public:
+  static constexpr uint32_t kMost = 8;
+
+  bool empty() const { return count_ == 0; }
+  bool contains(uint32_t instance) const { return find(instance) < count_; }
+  /// Bodies beyond kMost are ignored: the path then counts as within their medium.
+  void enter(uint32_t instance) {
+    if (count_ < kMost) instances_[count_++] = instance;
+  }
+  /// Does nothing if the path is not in it.
+  void leave(uint32_t instance) {
+    const uint32_t at = find(instance);
+    if (at < count_) instances_[at] = instances_[--count_];
+  }
+  uint32_t operator[](uint32_t i) const { return instances_[i]; }
+  uint32_t size() const { return count_; }
+
+ private:
+  uint32_t find(uint32_t instance) const {
+    uint32_t i = 0;
+    while (i < count_ && instances_[i] != instance) ++i;
+    return i;
+  }
+
+  std::array<uint32_t, kMost> instances_{};
   uint32_t count_ = 0;
 };
 

@@ -82,7 +82,7 @@ bool are_neighbours(const Mesh& mesh, uint32_t a, uint32_t b) {
 // to another surface that lies close by.
 bool ends_at(const PathContext& context, const PixelSampler& sampler, const TriangleHit& what, float distance,
              PathState* path, TriangleHit* hit) {
-  if (!trace(context, sampler, *path, hit) || hit->instance != what.instance) return false;
+  if (!trace(context, sampler, path, hit) || hit->instance != what.instance) return false;
   if (hit->triangle != what.triangle) {
     const Mesh& mesh = context.scene.instance(hit->instance).prototype->mesh;
     if (!(std::abs(hit->t - distance) < 1e-4f * distance) || !are_neighbours(mesh, hit->triangle, what.triangle))
@@ -108,7 +108,7 @@ void for_each_landing(const PathContext& context, Ray ray, const Visit& visit) {
     const SurfacePoint point = on_side(
         surface_point(instance.prototype->mesh, hit, placement.object_to_world, placement.world_to_object), -ray.dir);
     visit(hit, point);
-    if (!instance.see_through || !(coverage_at(scene, -ray.dir, hit) < 1)) return;
+    if (!instance.see_through || !(coverage_at(scene, -ray.dir, hit, nullptr) < 1)) return;
     ray.org = offset_point(point.p, -point.ng, point.offset);
   }
 }
@@ -152,6 +152,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   PathState second;
   second.depth = 1;
   second.footprint = path.footprint;
+  second.hollows = path.hollows;
   if (keeps_footprints<kMode>(context)) second.footprint.scatter(value.pdf);
   second.go_on(x.departure.flat, dir);
   second.scatter_pdf = value.pdf * static_cast<float>(kPathsPerSample);

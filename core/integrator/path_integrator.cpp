@@ -12,10 +12,9 @@ namespace alabaster {
 
 namespace {
 
-bool intersect(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
-  const Ray& ray = path.ray;
+bool intersect(const PathContext& context, const PixelSampler& sampler, PathState* path, TriangleHit* hit) {
   if (trace(context, sampler, path, hit)) return true;
-  if (!is_traceable(ray)) ++context.counters.rejected_rays;
+  if (!is_traceable(path->ray)) ++context.counters.rejected_rays;
   return false;
 }
 
@@ -45,7 +44,7 @@ Rgb linked_light_emission(const PathContext& context, const PathState& path, boo
     const Ray ray{path.ray.org, path.ray.dir, distance, path.ray.time};
     if (is_clear) return path.through_interiors(Rgb(1.0f), distance);
     ++context.counters.shadow_rays;
-    return path.through_interiors(Rgb(linked_visibility(context.scene, ray, link)), distance);
+    return path.through_interiors(Rgb(linked_visibility(context.scene, ray, link, &path.interiors)), distance);
   });
 }
 
@@ -282,7 +281,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
     ++(path->depth == 0 ? context.counters.camera_rays : context.counters.bounce_rays);
     TriangleHit hit;
     const float reach = path->ray.tmax;  // of a camera's ray, its far plane
-    const bool found = intersect(context, sampler, *path, &hit);
+    const bool found = intersect(context, sampler, path, &hit);
     const Mesh* const mesh = found ? &context.scene.instance(hit.instance).prototype->mesh : nullptr;
     if (found) path->ray.tmax = hit.t, prefetch_triangle(*mesh, hit.triangle);
 

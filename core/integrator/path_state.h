@@ -41,6 +41,7 @@ struct PathState {
   Rgb twin_light{0.0f};          // that its twin took out of the path's radiance
   Footprint footprint;
   Interiors interiors;  // that the ray is in
+  Hollows hollows;      // bodies that the ray is in, in air
   /// The density of light paths over that of rays from the first surface, but for factors of the surface that the ray
   /// meets; 0: light paths do not come this way (light_path.h).
   float light_path_ratio = 0;

@@ -9,13 +9,16 @@
 
 namespace alabaster {
 
-/// The nearest surface that stops the path's ray.
-inline bool trace(const PathContext& context, const PixelSampler& sampler, const PathState& path, TriangleHit* hit) {
-  if (!context.scene.top->intersect(path.ray, hit)) return false;
+/// The nearest surface that stops the path's ray. Updates path->hollows by the holes on the way.
+inline bool trace(const PathContext& context, const PixelSampler& sampler, PathState* path, TriangleHit* hit) {
+  if (!context.scene.top->intersect(path->ray, hit)) return false;
   if (!context.scene.features.see_through) return true;
   // Most rays stop at the first surface. Only the others ask at all that they meet.
-  const StochasticStop filter(context.scene, path.ray.dir, sampler, path.depth);
-  return filter.stops(*hit) || context.scene.top->intersect(path.ray, hit, &filter);
+  const StochasticStop filter(context.scene, path->ray.dir, path->interiors, sampler, path->depth);
+  if (filter.stops(*hit)) return true;
+  const bool found = context.scene.top->intersect(path->ray, hit, &filter);
+  filter.cross_holes(found ? hit->t : std::numeric_limits<float>::infinity(), &path->hollows);
+  return found;
 }
 
 template <SubsurfaceMode kMode>
@@ -32,7 +35,7 @@ bool goes_on_within_medium(const PathVertex& v, const PathState& path) {
   return false;
 }
 
-/// The surface where the path's ray ends.
+/// The surface where the path's ray ends. The wall of a body that is seen from inside through air is a thin sheet.
 template <SubsurfaceMode kMode>
 PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
   if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
@@ -40,6 +43,8 @@ PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathS
       make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
   if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]
     vertex.material.least_roughness = std::sqrt(context.settings.glossy_filter * path->footprint.least_alpha());
+  if (path->hollows.contains(hit.instance) && crossing_at(*vertex.instance, path->ray.dir, hit) == Crossing::leaves)
+    vertex.material.thin = true, vertex.material.flatness = 0;
   if (kMode == SubsurfaceMode::lambert)
     vertex.material.scatter_distance = Rgb(0.0f);
   else if (vertex.material.scatters())

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/subsurface/body.h"
+
 namespace alabaster {
 namespace {
 
@@ -18,8 +20,8 @@ bool is_found_behind(const Instance& instance, const TriangleHit& hit, const Vec
 
 class LinkedTransmittance final : public HitFilter {
  public:
-  LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link)
-      : all_(scene, dir), scene_(scene), shadow_link_(shadow_link) {}
+  LinkedTransmittance(const SceneSnapshot& scene, const Vec3f& dir, uint32_t shadow_link, const Interiors* within)
+      : all_(scene, dir, within), scene_(scene), shadow_link_(shadow_link) {}
   bool stops(const TriangleHit& hit) const noexcept override {
     return scene_.casts_shadow(scene_.instance(hit.instance), shadow_link_) && all_.stops(hit);
   }
@@ -39,27 +41,65 @@ bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& di
           is_found_behind(instance, hit, dir) == (instance.camera_cull == CameraCull::back));
 }
 
-float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit) {
+float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within) {
   const Instance& instance = scene.instance(hit.instance);
   if (!instance.see_through) return 1;
   const Mesh& mesh = instance.prototype->mesh;
   const DisneyMaterial& material = instance.material(hit.triangle);
   if (instance.single_sided && !material.is_translucent() && is_found_behind(instance, hit, dir)) return 0;
-  if (!material.is_partly_opaque()) return 1;
+  if (!material.is_partly_opaque() || (within && within->contains(hit.instance))) return 1;
   const Vec2f uv = mesh.uv_sets.empty() ? Vec2f(0, 0) : interpolated<Vec2f>(mesh.uv_sets.front(), mesh, hit);
   return material.coverage({mesh, hit, uv});
 }
 
+Crossing crossing_at(const Instance& instance, const Vec3f& dir, const TriangleHit& hit) {
+  bool leaves = false;
+  if (instance.body) {
+    if (instance.body->members[instance.member].shells->flags(hit.triangle) & (MeshShells::kOpen | MeshShells::kInner))
+      return Crossing::none;
+    leaves = instance.body->leaves(instance.member, hit, dir);
+  } else {
+    const DisneyMaterial& material = instance.material(hit.triangle);
+    if (!material.transmits() || material.constants.thin || !instance.prototype->mesh.closed) return Crossing::none;
+    leaves = is_found_behind(instance, hit, dir);
+  }
+  return leaves ? Crossing::leaves : Crossing::enters;
+}
+
 bool StochasticStop::stops(const TriangleHit& hit) const noexcept {
-  if (depth_ == 0 && is_culled(scene_.instance(hit.instance), hit, dir_)) return false;
-  const float coverage = coverage_at(scene_, dir_, hit);
-  if (coverage <= 0 || coverage >= 1) return coverage >= 1;
-  const uint32_t number = sampler_.number(Dimension::opacity, depth_);
-  return to_unit_float(hash_combine(hash_combine(number, hit.instance), hit.triangle)) < coverage;
+  const bool culled = depth_ == 0 && is_culled(scene_.instance(hit.instance), hit, dir_);
+  const float coverage = culled ? 0 : coverage_at(scene_, dir_, hit, &within_);
+  if (coverage >= 1) return true;
+  if (coverage > 0) {
+    const uint32_t number = sampler_.number(Dimension::opacity, depth_);
+    if (to_unit_float(hash_combine(hash_combine(number, hit.instance), hit.triangle)) < coverage) return true;
+  }
+  note_hole(hit);
+  return false;
+}
+
+void StochasticStop::note_hole(const TriangleHit& hit) const {
+  const Crossing crossing = crossing_at(scene_.instance(hit.instance), dir_, hit);
+  if (crossing == Crossing::none || count_ == holes_.size()) return;
+  for (uint32_t i = 0; i < count_; ++i)
+    if (holes_[i].instance == hit.instance && holes_[i].triangle == hit.triangle) return;
+  holes_[count_++] = {hit.t, hit.instance, hit.triangle, crossing};
+}
+
+void StochasticStop::cross_holes(float t, Hollows* hollows) const {
+  // Holes are found in no order. Entries come first, because a ray may leave a body that it has entered.
+  for (const Crossing crossing : {Crossing::enters, Crossing::leaves})
+    for (uint32_t i = 0; i < count_; ++i) {
+      if (holes_[i].crossing != crossing || !(holes_[i].t < t)) continue;
+      if (crossing == Crossing::enters)
+        hollows->enter(holes_[i].instance);
+      else
+        hollows->leave(holes_[i].instance);
+    }
 }
 
 bool Transmittance::stops(const TriangleHit& hit) const noexcept {
-  const float coverage = coverage_at(scene_, dir_, hit);
+  const float coverage = coverage_at(scene_, dir_, hit, within_);
   if (coverage >= 1) return true;
   if (coverage > 0) log_ += static_cast<int64_t>(std::llrint(std::log2(1.0 - double(coverage)) * kUnit));
   return log_ < kBlack;
@@ -69,8 +109,8 @@ float Transmittance::value() const {
   return log_ == 0 ? 1.0f : static_cast<float>(std::exp2(static_cast<double>(log_) / kUnit));
 }
 
-float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link) {
-  const LinkedTransmittance transmittance(scene, ray.dir, shadow_link);
+float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const Interiors* within) {
+  const LinkedTransmittance transmittance(scene, ray.dir, shadow_link, within);
   return scene.top->occluded(ray, &transmittance) ? 0.0f : transmittance.value();
 }
 

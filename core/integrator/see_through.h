@@ -2,6 +2,7 @@
 // and what is culled from the camera. Asked hit by hit while the ray is traced.
 #pragma once
 
+#include "core/integrator/interiors.h"
 #include "core/sampling/pixel_sampler.h"
 #include "core/scene/scene.h"
 
@@ -10,29 +11,48 @@ namespace alabaster {
 /// True where a camera's ray along `dir` does not see the hit.
 bool is_culled(const Instance& instance, const TriangleHit& hit, const Vec3f& dir);
 
-/// The share of a hit that is there, 0 to 1, for a ray along `dir`.
-float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit);
+/// The share of a hit that is there, 0 to 1, for a ray along `dir`. `within`: the interiors that the ray is in; null:
+/// none. Their own surfaces have coverage 1: light within a medium ignores opacity, as walks do.
+float coverage_at(const SceneSnapshot& scene, const Vec3f& dir, const TriangleHit& hit, const Interiors* within);
+
+/// How a ray along `dir` crosses the surface of a solid that scatters or is clear, at a hit. `none`: other surfaces.
+enum class Crossing { none, enters, leaves };
+Crossing crossing_at(const Instance& instance, const Vec3f& dir, const TriangleHit& hit);
 
 /// A ray of a path stops at a hit with the probability of its coverage: a function of the ray's number and the triangle
 /// alone, so that it does not depend on the order in which hits are found.
 class StochasticStop final : public HitFilter {
  public:
-  StochasticStop(const SceneSnapshot& scene, const Vec3f& dir, const PixelSampler& sampler, uint32_t depth)
-      : scene_(scene), dir_(dir), sampler_(sampler), depth_(depth) {}
+  StochasticStop(const SceneSnapshot& scene, const Vec3f& dir, const Interiors& within, const PixelSampler& sampler,
+                 uint32_t depth)
+      : scene_(scene), dir_(dir), within_(within), sampler_(sampler), depth_(depth) {}
   bool stops(const TriangleHit& hit) const noexcept override;
+  /// Updates the bodies that the ray is in, by the holes that it passed before `t`.
+  void cross_holes(float t, Hollows* hollows) const;
 
  private:
+  struct Hole {
+    float t;
+    uint32_t instance, triangle;
+    Crossing crossing;
+  };
+  void note_hole(const TriangleHit& hit) const;
+
   const SceneSnapshot& scene_;
   const Vec3f& dir_;
+  const Interiors& within_;
   const PixelSampler& sampler_;
   uint32_t depth_;
+  mutable std::array<Hole, 16> holes_;  // passed ones, also beyond the surface that the ray stops at
+  mutable uint32_t count_ = 0;          // further ones are not noticed
 };
 
 /// The share of light that arrives through the surfaces that a shadow ray passes. The same bits in whatever order they
 /// are found: logarithms are summed in fixed point. A ray through the very edge between two triangles counts both.
 class Transmittance final : public HitFilter {
  public:
-  Transmittance(const SceneSnapshot& scene, const Vec3f& dir) : scene_(scene), dir_(dir) {}
+  Transmittance(const SceneSnapshot& scene, const Vec3f& dir, const Interiors* within)
+      : scene_(scene), dir_(dir), within_(within) {}
   bool stops(const TriangleHit& hit) const noexcept override;
   /// If no hit stopped the ray.
   float value() const;
@@ -40,10 +60,12 @@ class Transmittance final : public HitFilter {
  private:
   const SceneSnapshot& scene_;
   const Vec3f& dir_;
-  mutable int64_t log_ = 0;  // base 2, in units of 2^-32
+  const Interiors* const within_;  // of coverage_at()
+  mutable int64_t log_ = 0;        // base 2, in units of 2^-32
 };
 
 /// The share of the light of a shadow link that arrives along the ray. Surfaces that are not in it cast no shadow.
-float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link);
+/// `within`: of coverage_at().
+float linked_visibility(const SceneSnapshot& scene, const Ray& ray, uint32_t shadow_link, const Interiors* within);
 
 }  // namespace alabaster

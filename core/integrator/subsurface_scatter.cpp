@@ -67,6 +67,14 @@ Vec2f onward_numbers(const PixelSampler& sampler, const std::optional<FlatExit>&
   return {u[0], u[1]};
 }
 
+/// An exit, and the entry that the walk began with.
+struct Leaving {
+  const SubsurfaceExit& exit;
+  const VertexBelow& below;
+  Vec3f came_along;  // the path entered along this direction
+  Rgb index;         // of the interior from which it entered
+};
+
 /// The layers over an exit.
 struct ExitLayers {
   DisneyLayers layers;
@@ -74,12 +82,12 @@ struct ExitLayers {
   float leaving(const Vec3f& wi) const { return layers.leaving(wi, entered); }
 };
 
-/// The path entered along this direction.
-DisneyLayers::Entered layers_entered(const VertexBelow& below, const Vec3f& came_along) {
-  const PathVertex& v = below.vertex;
-  const bool within = below.within || (v.boundary.inside && !v.boundary.open);
+/// The layers that the path passed where it entered.
+DisneyLayers::Entered layers_entered(const Leaving& leaving) {
+  const PathVertex& v = leaving.below.vertex;
+  const bool within = leaving.below.within || (v.boundary.inside && !v.boundary.open);
   const auto layers = within ? std::nullopt : DisneyLayers::of(v.material);
-  return layers ? layers->entered(v.frame.to_local(-came_along)) : DisneyLayers::Entered();
+  return layers ? layers->entered(v.frame.to_local(-leaving.came_along)) : DisneyLayers::Entered();
 }
 
 /// Empty: the material of the exit has none. `frame`: of the exit lobe; `entered()` gives ExitLayers'.
@@ -98,12 +106,40 @@ std::optional<ExitLayers> layers_at(const SubsurfaceExit& exit, const Instance& 
   return layers ? std::optional(ExitLayers{*layers, entered()}) : std::nullopt;
 }
 
-/// The exit lobe: light sampling, and the direction in which the path goes on. It entered `below` along `came_along`.
-bool leave_surface(const PathContext& context, const PixelSampler& sampler, const SubsurfaceExit& exit,
-                   const VertexBelow& below, const Vec3f& came_along, PathState* path) {
-  const std::optional<FlatExit>& flat = below.flat;
+/// The interiors on the outer side of an exit. The walk crosses no surface of the clear bodies that touch its own body,
+/// so they are found by a ray. The inside of an open surface cannot be found so: its interior stays as at the entry.
+Interiors interiors_beyond(const PathContext& context, const SubsurfaceExit& exit, const SubsurfaceBody& body,
+                           const PathState& path) {
+  Interiors beyond;
+  const auto enter_those = [&](const Interiors& all, bool closed) {
+    for (uint32_t i = 0; i < all.size(); ++i)
+      if (context.scene.instance(all[i].instance).prototype->mesh.closed == closed) beyond.enter(all[i]);
+  };
+  enter_those(path.interiors, false);
+  if (!body.touched.empty()) {
+    const Instance& instance = context.scene.instance(exit.hit.instance);
+    std::optional<Placement> moved;
+    const Placement& placement = instance.at(exit.hit, &moved);
+    const SurfacePoint hit =
+        on_side(surface_point(instance.prototype->mesh, exit.hit, placement.object_to_world, placement.world_to_object),
+                exit.direction);
+    const Ray ray{offset_point(hit.p, hit.ng, hit.offset), hit.ng, std::numeric_limits<float>::infinity(),
+                  exit.hit.time};
+    if (body.touched.contains(ray.org)) enter_those(interiors_at(context, ray, Seeker::path), true);
+  }
+  for (uint32_t i = 0; i < path.hollows.size(); ++i) beyond.leave(path.hollows[i]);
+  for (const auto& member : body.members) beyond.leave(member.instance_of(exit.hit));
+  return beyond;
+}
+
+/// The exit lobe: light sampling, and the direction in which the path goes on. Its albedo is kMeanDiffuseTransmittance.
+/// The lobes at the entry compensate for that. For a walk without an entry the exit lobe is normalised instead.
+bool leave_surface(const PathContext& context, const PixelSampler& sampler, const Leaving& leaving, PathState* path) {
+  const SubsurfaceExit& exit = leaving.exit;
   const Instance& instance = context.scene.instance(exit.hit.instance);
-  path->throughput = exit.throughput;
+  const std::optional<FlatExit>& flat = leaving.below.flat;
+  path->throughput = exit.throughput * index_factor(leaving.index, path->interiors.indices());
+  if (leaving.below.within) path->throughput *= 1 / kMeanDiffuseTransmittance;
   // Draw the random numbers while the triangle comes from memory.
   const Mesh& mesh = instance.prototype->mesh;
   const auto u_light = flat ? flat->numbers : sampler.draw(Dimension::exit_light, path->depth);
@@ -120,7 +156,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
                       : hit.ns;
   const Frame frame = frame_from_normal(n);
   const Departure departure = depart(mesh, placement.object_to_world, exit.hit, hit, hit.ns);
-  const auto layers = layers_at(exit, instance, placement, frame, [&] { return layers_entered(below, came_along); });
+  const auto layers = layers_at(exit, instance, placement, frame, [&] { return layers_entered(leaving); });
   const auto exit_lobe = [&](const Vec3f& wi) -> ScatterValue {
     const float cosine = dot(wi, frame.n);
     if (!(cosine > 0) || (normal_map && !(dot(wi, hit.ns) > 0))) return {};
@@ -130,7 +166,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   PathRecord* const record = context.record;
   if (record)
     record->leave_body(instance, exit.hit, surface_on_side(instance, placement, exit.hit, exit.direction),
-                       exit.throughput);
+                       path->throughput);
   const auto recorded_lobe = [&](const Vec3f& wi) {
     const ScatterValue value = exit_lobe(wi);
     if (record) record->sample_light(wi, value.f_cos, value.pdf);
@@ -139,7 +175,7 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
   Rgb direct(0.0f);
   path->search = {ConstantDomes::left_to_lobes, n};
   path->lights = &context.scene.lights_of(instance);
-  for_direct_light(context, departure, {*path->lights, u_light, path->search}, recorded_lobe,
+  for_direct_light(context, departure, {*path->lights, u_light, path->search, &path->interiors}, recorded_lobe,
                    [&](const ScatterValue&, const Rgb& arriving, LightWeight weight) {
                      const Rgb light = path->through_interiors(arriving, weight.distance);
                      direct += light;
@@ -158,9 +194,11 @@ bool leave_surface(const PathContext& context, const PixelSampler& sampler, cons
 }
 
 /// An exit through the clear share of a boundary: a vertex that is seen from inside. Light that it reflects walks on in
-/// the body. Empty: the exit lobe has the light, as it has the share 1 - specTrans.
-std::optional<bool> leave_clear_surface(const PathContext& context, const PixelSampler& sampler,
-                                        const SubsurfaceExit& exit, PathState* path) {
+/// the body. Empty: the exit lobe has the light, as it has the share 1 - specTrans. A path that came by an entry lobe
+/// is multiplied by the albedo of the exit lobe here: the next walk has no entry.
+std::optional<bool> leave_clear_surface(const PathContext& context, const PixelSampler& sampler, const Leaving& leaving,
+                                        PathState* path) {
+  const SubsurfaceExit& exit = leaving.exit;
   const DisneyMaterial& material = context.scene.instance(exit.hit.instance).material(exit.hit.triangle);
   if (!(material.constants.spec_trans > 0)) return std::nullopt;
   path->ray.dir = exit.direction;
@@ -171,8 +209,11 @@ std::optional<bool> leave_clear_surface(const PathContext& context, const PixelS
   v.material.metallic = v.material.diff_trans = 0;
   v.material.spec_trans = 1;
   path->throughput = exit.throughput;
-  if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, exit.throughput);
-  return !meet_boundary(&v, path, numbers.bsdf.data()) || scatter_at_boundary(context, v, numbers, path, nullptr);
+  if (!leaving.below.within) path->throughput *= kMeanDiffuseTransmittance;
+  if (PathRecord* record = context.record) record->leave_body(*v.instance, exit.hit, v.hit, path->throughput);
+  const bool is_there = meet_boundary(&v, path, numbers.bsdf.data());
+  path->throughput *= index_factor(leaving.index, path->interiors.indices());
+  return !is_there || scatter_at_boundary(context, v, numbers, path, nullptr);
 }
 
 }  // namespace
@@ -190,21 +231,21 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
   // Where no walk is followed, the twin has its expectation.
   if (has_twin) DCHECK(below.medium().medium.albedo == below.vertex.material.base_color);
   if (has_twin) twin = entry.throughput * obtained_albedo(below.vertex.material.base_color, context.settings.inversion);
-  const auto exit =
-      carry<kMode>(context, sampler, entry, *below.vertex.instance->body, *path, has_twin ? &twin : nullptr);
+  const SubsurfaceBody& body = *below.vertex.instance->body;
+  const auto exit = carry<kMode>(context, sampler, entry, body, *path, has_twin ? &twin : nullptr);
   path->twin_light = has_twin ? twin * below.flat->light * -1.0f : Rgb(0.0f);
   path->radiance += path->twin_light;
   if (context.record && has_twin) context.record->twin_leaves(path->twin_light);
   if (!exit && context.record) context.record->end("the light did not leave the body");
   if (!exit) return false;
   path->walk_events = exit->events;
-  if (!path->interiors.empty())
-    for (const auto& member : below.vertex.instance->body->members)
-      path->interiors.leave(member.instance_of(below.vertex.triangle));
+  const Leaving leaving{*exit, below, came_along, path->interiors.indices()};
+  if (!path->interiors.empty() || !body.touched.empty()) [[unlikely]]
+    path->interiors = interiors_beyond(context, *exit, body, *path);
   // A profile does not know from where the light comes to the boundary.
   if (kMode != SubsurfaceMode::diffusion)
-    if (const auto left = leave_clear_surface(context, sampler, *exit, path)) return *left;
-  return leave_surface(context, sampler, *exit, below, came_along, path);
+    if (const auto left = leave_clear_surface(context, sampler, leaving, path)) return *left;
+  return leave_surface(context, sampler, leaving, path);
 }
 
 template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const VertexBelow&,

@@ -22,6 +22,9 @@ inline float diffuse_transmittance(float cos_theta) {
   return 1 - 0.5f * schlick_weight(cos_theta);
 }
 
+/// The mean of diffuse_transmittance() over a cosine lobe: 2 Int_0^1 c (1-c)^5 dc = 1/21.
+inline constexpr float kMeanDiffuseTransmittance = 41.0f / 42.0f;
+
 struct DisneyDiffuse {
   Rgb lambert_color{0.0f};  // zero in a channel that scatters
   Rgb retro_color{0.0f};
@@ -62,8 +65,8 @@ struct DisneyDiffuse {
   Rgb albedo(const Vec3f& wo) const {
     return lambert_color * lambert_albedo(wo.z) + retro_color * retro_albedo(wo.z, roughness);
   }
-  /// (1-.5F_V)(1-1/42), for 2 Int_0^1 c (1-c)^5 dc = 1/21.
-  static float lambert_albedo(float cos_o) { return diffuse_transmittance(cos_o) * (41.0f / 42.0f); }
+  /// (1-.5F_V)(1-1/42).
+  static float lambert_albedo(float cos_o) { return diffuse_transmittance(cos_o) * kMeanDiffuseTransmittance; }
   static float retro_albedo(float cos_o, float roughness);
 };
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/scene/clear_bodies.h"
 #include "core/scene/world_placement.h"
 #include "core/subsurface/body.h"
 
@@ -70,6 +71,7 @@ class BodyPlanner {
         device_(device),
         known_(last),
         snapshot_(*snapshot),
+        clear_(*snapshot),
         cancel_(cancel) {}
 
   bool plan() {
@@ -100,6 +102,9 @@ class BodyPlanner {
     members.reserve(indices.size());
     for (const uint32_t i : indices) members.push_back(drawn_[i]);
     plan_walks(members, body.get());
+    Bounds box;
+    for (const uint32_t i : indices) box.extend(bounds_in_render_space(snapshot_.instances[i]));
+    body->touched = clear_.that_meet(box, indices);
     snapshot_.bodies.push_back(std::move(body));
     return true;
   }
@@ -126,6 +131,7 @@ class BodyPlanner {
     member.bounds = body->bounds = prototype.mesh.bounds;
     member.least_stretch = array->placed->plan.least_stretch();
     plan_walks({&look}, body.get());
+    body->touched = clear_.that_meet(array->placed->bounds(), {});
     snapshot_.bodies.push_back(std::move(body));
   }
 
@@ -225,6 +231,7 @@ class BodyPlanner {
   const std::shared_ptr<TraceDevice>& device_;
   const KnownUnions known_;
   SceneSnapshot& snapshot_;
+  const ClearBoxes clear_;
   const CancelToken cancel_;
   std::map<const DisneyMaterial*, std::shared_ptr<const MaterialMedia>> media_;
 };

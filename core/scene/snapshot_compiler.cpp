@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/scene/bodies.h"
+#include "core/scene/clear_bodies.h"
 #include "core/scene/lit_surfaces.h"
 #include "core/scene/missing_tiles.h"
 #include "core/scene/scene_origin.h"
@@ -113,20 +114,6 @@ Vec3d snapped(const Vec3d& origin, float radius) {
 bool are_placed_alike(const InstanceArray& a, const InstanceArray& b) {
   return a.first == b.first && a.placed->traced.slots == b.placed->traced.slots &&
          a.placed->traced.cells == b.placed->traced.cells;
-}
-
-Bounds bounds_in_render_space(const Instance& instance) {
-  Bounds bounds;
-  for (const Vec3f& corner : instance.prototype->mesh.bounds.corners()) {
-    bounds.extend(instance.object_to_world.point(corner));
-    for (const Affine& pose : instance.poses) bounds.extend(pose.point(corner));
-  }
-  return bounds;
-}
-
-bool has_clear_interior(const InstanceDescription& d) {
-  return std::any_of(d.materials.begin(), d.materials.end(),
-                     [](const auto& m) { return m->transmits() && !m->constants.thin; });
 }
 
 // Instances of one mesh come one after the other.
@@ -330,7 +317,7 @@ struct SnapshotCompiler::Compilation {
         missing_tiles.find(*d, instance);
       snapshot->features.see_through |= instance.see_through;
       snapshot->features.motion |= !instance.is_still();
-      if (has_clear_interior(*d)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
+      if (has_clear_interior(instance)) snapshot->clear_bodies.extend(bounds_in_render_space(instance));
     }
     return place_arrays(&missing_tiles);
   }
@@ -349,7 +336,7 @@ struct SnapshotCompiler::Compilation {
       array.look.array = &array;
       missing_tiles->find(d, array.look);
       snapshot->features.see_through |= array.look.see_through;
-      if (has_clear_interior(d)) snapshot->clear_bodies.extend(array.placed->bounds());
+      if (has_clear_interior(array.look)) snapshot->clear_bodies.extend(array.placed->bounds());
     }
     return true;
   }

@@ -1,6 +1,7 @@
 #include "core/subsurface/body.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/diagnostics/check.h"
 
@@ -67,6 +68,7 @@ bool SubsurfaceBody::leaves(uint32_t member, const TriangleHit& hit, const Vec3f
 
 bool SubsurfaceBody::contains(Ray ray) const {
   ray.org -= origin;
+  ray.tmax = std::numeric_limits<float>::infinity();
   return contains_in_body_space(ray, nullptr);
 }
 

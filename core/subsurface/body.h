@@ -65,6 +65,8 @@ struct SubsurfaceBody {
   /// A walk that scatters outside has left through an open mesh, and ends. In the mesh's space for a lone object, in
   /// the body's for a union. Empty: not known; such a walk goes on until it is absorbed.
   Bounds bounds;
+  /// Bounds of the clear bodies that may touch this one, render space: exits outside of them lead to air.
+  Bounds touched;
 
   /// Null: walks are not guided to light.
   std::shared_ptr<LazyLitSurface> lit;
@@ -79,7 +81,8 @@ struct SubsurfaceBody {
   Vec3f to_walk_space(const SubsurfaceEntry& entry, const Vec3f& p) const;
   /// True if a line in direction `direction` (world) leaves the member's shell at a hit, false if it enters.
   bool leaves(uint32_t member, const TriangleHit& hit, const Vec3f& direction) const;
-  /// True if a closed shell of a union contains the ray's origin (render space), asked along the ray.
+  /// True if a closed shell of a union contains the ray's origin (render space), by the crossings of the whole line
+  /// from there on, whatever the ray's tmax.
   bool contains(Ray ray) const;
 
   /// The surface of a union that a line of direction `direction` has met; `hit` as `scene` answers. Body space.

@@ -10,12 +10,12 @@
 
 namespace alabaster::testing {
 
-/// The camera stands at `eye` and looks at the origin.
+/// The camera stands at `eye` and looks at `target`.
 class PathTracer {
  public:
-  PathTracer(std::shared_ptr<const SceneSnapshot> scene, const Vec3d& eye)
+  PathTracer(std::shared_ptr<const SceneSnapshot> scene, const Vec3d& eye, const Vec3d& target = {0, 0, 0})
       : scene_(std::move(scene)),
-        camera_(look_at(eye, {0, 0, 0}, 30), 1, 1, scene_->origin),
+        camera_(look_at(eye, target, 30), 1, 1, scene_->origin),
         camera_interiors_(
             CameraInteriors::find({*scene_, camera_, settings, counters}, camera_.ray_origins({0, 0}, {1, 1}))) {}
 

@@ -187,7 +187,9 @@ TEST(Boundary, InteriorsAboutAPoint) {
   b.add(b.prototype(slab_mesh(-1, 1, 10)), b.material(clear(1.5f)));
   b.add(b.prototype(slab_mesh(-0.5f, 0.5f, 0.1f)), b.material(clear(1.2f)));
   PathTracer tracer(b.snapshot(), {0, 5, 0});
-  const auto index_at = [&](const Vec3f& p) { return interiors_at(tracer.context(), {p, {0, -1, 0}, 1e30f}).index(); };
+  const auto index_at = [&](const Vec3f& p) {
+    return interiors_at(tracer.context(), {p, {0, -1, 0}, 1e30f}, Seeker::path).index();
+  };
   EXPECT_EQ(index_at({0, 4, 0}), 1);
   EXPECT_EQ(index_at({0, 2, 0}), 1.33f);
   EXPECT_EQ(index_at({0, 0.7f, 0}), 1.5f);
@@ -225,7 +227,7 @@ TEST(Boundary, AClearBodyInAFurnace) {
 }
 
 // A medium without loss, seen through a clear boundary: all light comes out again, past any number of inner
-// reflections. A blend with the entry and exit lobes keeps what those keep, 41/42 each time.
+// reflections. Light that enters a blend by the entry lobe is multiplied by 41/42 once.
 TEST(Boundary, AScatteringMediumInAFurnace) {
   for (const float clear_share : {1.0f, 0.5f}) {
     SceneBuilder b;
@@ -240,7 +242,7 @@ TEST(Boundary, AScatteringMediumInAFurnace) {
     std::cout << "scattering body, clear share " << clear_share << ": " << energy.mean() << " +- "
               << energy.standard_error() << "\n";
     EXPECT_LE(energy.mean(), 1 + 4 * energy.standard_error() + 1e-3);
-    EXPECT_GE(energy.mean(), (clear_share == 1 ? 0.995 : 0.93) - 4 * energy.standard_error());
+    EXPECT_GE(energy.mean(), (clear_share == 1 ? 0.995 : 0.98) - 4 * energy.standard_error());
   }
 }
 

@@ -14,7 +14,7 @@ template <class Scatter>
 Rgb direct_light(const PathContext& context, const Departure& from, const std::array<float, 4>& u,
                  const Scatter& scatter) {
   Rgb sum(0.0f);
-  for_direct_light(context, from, {context.scene.lights, u, ConstantDomes::sampled}, scatter,
+  for_direct_light(context, from, {context.scene.lights, u, ConstantDomes::sampled, nullptr}, scatter,
                    [&](const ScatterValue&, const Rgb& light, LightWeight) { sum += light; });
   return sum;
 }
