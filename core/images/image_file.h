@@ -104,6 +104,8 @@ struct ImageFunctions {
   /// Encodes a file in memory: OpenImageIO's own PNG writer does not notice a full disk, and its JPEG writer ends the
   /// process on one. Empty on success, else the reason.
   std::string (*encode)(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file);
+  /// True if the zlib stream is that of `size` bytes.
+  bool (*inflates_to)(std::span<const uint8_t> stream, uint64_t size);
 };
 
 /// Loads libalabaster_images if it is not loaded yet (0.2 to 0.6 s): from the folder of this library or program, from

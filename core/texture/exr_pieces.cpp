@@ -1,7 +1,5 @@
 #include "core/texture/exr_pieces.h"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <cctype>
 #include <span>
@@ -38,24 +36,6 @@ uint64_t rows(const ExrPart::Channel& channel, const Range& range) {
 }
 uint64_t bytes_of(const ExrPart::Channel& channel, const Range& range) {
   return columns(channel, range) * rows(channel, range) * (channel.type == kExrHalf ? 2 : 4);
-}
-
-/// True if the zlib stream is that of `size` bytes.
-bool inflates_to(Bytes stream, uint64_t size) {
-  std::array<uint8_t, 16384> out;
-  z_stream z{};
-  z.next_in = const_cast<uint8_t*>(stream.data());
-  z.avail_in = uInt(stream.size());
-  if (inflateInit(&z) != Z_OK) return false;
-  uint64_t got = 0;
-  int status = Z_OK;
-  while (status == Z_OK && got <= size) {
-    z.next_out = out.data(), z.avail_out = uInt(out.size());
-    status = inflate(&z, Z_NO_FLUSH);
-    got += out.size() - z.avail_out;
-  }
-  inflateEnd(&z);
-  return status == Z_STREAM_END && got == size;
 }
 
 /// The bytes that runs stand for.
@@ -112,7 +92,7 @@ uint32_t scheme_of(const ExrPart::Channel& channel, const std::vector<DwaRule>& 
 
 /// True if the piece's counts are those of its channels. Where a count is right OpenEXR finds what is missing, but for
 /// channels of no known kind.
-bool fits_dwa(Bytes piece, const ExrPart& part, const Range& range) {
+bool fits_dwa(Bytes piece, const ExrPart& part, const Range& range, const ImageFunctions& images) {
   enum { kVersion, kUnknownBytes, kUnknownStored, kAcStored, kDcStored, kRunsStored, kRunsSize, kRunBytes, kAc, kDc };
   constexpr size_t kCounts = 11, kHeader = kCounts * 8;
   if (piece.size() < kHeader) return false;
@@ -137,12 +117,13 @@ bool fits_dwa(Bytes piece, const ExrPart& part, const Range& range) {
   }
   if (count(kUnknownBytes) != unknown || count(kRunBytes) != runs || count(kDc) != blocks) return false;
   return unknown == 0 || (count(kUnknownStored) <= piece.size() - at &&
-                          inflates_to(piece.subspan(at, size_t(count(kUnknownStored))), unknown));
+                          images.inflates_to(piece.subspan(at, size_t(count(kUnknownStored))), unknown));
 }
 
 class PieceChecker {
  public:
-  PieceChecker(const FileBytes& file, const ExrPart& part) : file_(file), part_(part) {}
+  PieceChecker(const FileBytes& file, const ExrPart& part, const ImageFunctions& images)
+      : file_(file), part_(part), images_(images) {}
 
   /// Nothing, or why not.
   std::string fault() {
@@ -197,10 +178,10 @@ class PieceChecker {
         return run_bytes(piece_) == whole;
       case kZips:
       case kZip:
-        return inflates_to(piece_, whole);
+        return images_.inflates_to(piece_, whole);
       case kDwaa:
       case kDwab:
-        return fits_dwa(piece_, part_, range);
+        return fits_dwa(piece_, part_, range, images_);
       default:
         return true;  // OpenEXR does not know it
     }
@@ -212,14 +193,15 @@ class PieceChecker {
 
   const FileBytes& file_;
   const ExrPart& part_;
+  const ImageFunctions& images_;
   std::vector<uint8_t> piece_;
 };
 
 }  // namespace
 
-bool check_exr_pieces(const FileBytes& file, const ExrPart& part, ImageFault* fault) {
+bool check_exr_pieces(const FileBytes& file, const ExrPart& part, const ImageFunctions& images, ImageFault* fault) {
   if (part.is_deep) return true;  // not read
-  const std::string reason = PieceChecker(file, part).fault();
+  const std::string reason = PieceChecker(file, part, images).fault();
   if (!reason.empty()) *fault = {"texture.damaged", reason + "; export or copy the image again"};
   return reason.empty();
 }

@@ -86,8 +86,11 @@ bool ImageReader::check_exr(size_t max_pixels, const DiagnosticSink& sink) const
   }
   ImageFault fault;
   ExrPart first;
-  return (check_exr_header(bytes, max_pixels, &fault, &first) && check_exr_pieces(bytes, first, &fault)) ||
-         fail(sink, fault.code.c_str(), fault.text);
+  if (!check_exr_header(bytes, max_pixels, &fault, &first)) return fail(sink, fault.code.c_str(), fault.text);
+  std::string missing;
+  const ImageFunctions* images = image_functions(&missing);
+  if (!images) return fail(sink, "images.library", missing);
+  return check_exr_pieces(bytes, first, *images, &fault) || fail(sink, fault.code.c_str(), fault.text);
 }
 
 // Finds the format, and checks the file as far as OpenImageIO does not. `limits.memory` counts what is kept of it.

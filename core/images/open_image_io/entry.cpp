@@ -26,7 +26,8 @@ std::string alabaster::openexr_fault() {
 
 extern "C" __attribute__((visibility("default"))) const alabaster::ImageFunctions* alabaster_image_functions(
     uint32_t interface) {
-  static const alabaster::ImageFunctions functions = {&alabaster::open_image, &alabaster::encode_image};
+  static const alabaster::ImageFunctions functions = {&alabaster::open_image, &alabaster::encode_image,
+                                                      &alabaster::inflates_to};
   if (interface != alabaster::kImageInterface) return nullptr;
   keep_open_image_io();
   return &functions;

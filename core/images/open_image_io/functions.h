@@ -18,5 +18,6 @@ std::unique_ptr<ImageInput> open_png(const ImageSource& source, ImageFault& faul
 /// Empty, or why this process must not touch an EXR: OpenEXR would wait for threads that a forked process lacks.
 std::string openexr_fault();
 std::string encode_image(const ImageDescription& image, const RowSource& rows, std::vector<unsigned char>& file);
+bool inflates_to(std::span<const uint8_t> stream, uint64_t size);
 
 }  // namespace alabaster
