@@ -1,4 +1,5 @@
 #include <dlfcn.h>
+#include <locale.h>
 #include <sys/mman.h>
 
 #include <filesystem>
@@ -28,6 +29,28 @@ std::vector<std::string> candidates() {
   return files;
 }
 
+/// While it lives, this thread's texts of the C library are English.
+class EnglishTexts {
+ public:
+  EnglishTexts() : plain_(newlocale(LC_ALL_MASK, "C", nullptr)), before_(plain_ ? uselocale(plain_) : nullptr) {}
+  ~EnglishTexts() {
+    if (!plain_) return;
+    uselocale(before_);
+    freelocale(plain_);
+  }
+  EnglishTexts(const EnglishTexts&) = delete;
+  EnglishTexts& operator=(const EnglishTexts&) = delete;
+
+ private:
+  const locale_t plain_, before_;
+};
+
+std::string loader_error() {
+  const EnglishTexts english;
+  const char* const text = dlerror();
+  return text ? text : "unknown reason";
+}
+
 /// True if OpenImageIO's libraries do not fit into the address space that the process may have. The loader's text says
 /// the same of a file system that forbids programs.
 bool is_memory_short(const std::string& reason) {
@@ -53,7 +76,7 @@ class ImageLibrary {
     const std::string file = candidates().front();
     // RTLD_LOCAL: a host may bring another OpenImageIO.
     void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle) return refuse(dlerror(), fault);
+    if (!handle) return refuse(loader_error(), fault);
     const auto entry = reinterpret_cast<ImageLibraryEntry*>(dlsym(handle, kImageLibraryEntry));
     functions_ = entry ? entry(kImageInterface) : nullptr;
     if (!functions_) {

@@ -85,6 +85,7 @@ struct RenderSession::Render {
   RenderProgress go_on_from(const Render& last);
   void show_begin(const RenderProgress& before);
   void run_rounds(int threads);
+  std::optional<TileRenderer> make_renderer();
   bool has_first_samples_of(const RenderRequest& next) const;
   void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);

@@ -142,13 +142,26 @@ void RenderSession::Render::run_workers(const TileRenderer& renderer, const Samp
   run_on_threads(threads, [&] { render_items(renderer); });
 }
 
+// None: a stop or the time limit has come before the first sample.
+std::optional<TileRenderer> RenderSession::Render::make_renderer() {
+  std::optional<TileRenderer> made;
+  try {
+    made.emplace(request, CancelToken(&stop_requested),
+                 [&] { return !stop_requested && !time_is_over(kFirstSampleGrace); });
+  } catch (const BuildCancelled&) {
+  }
+  return made;
+}
+
 // A frame is rendered in rounds. All decisions fall between rounds, when every tile stands at the same sample, so they
 // do not depend on threads. The caller is in an arena of `threads`.
 void RenderSession::Render::run_rounds(int threads) {
   const RenderSettings& settings = request.settings;
   const bool has_target = settings.target_error > 0;
   const bool adaptive = is_adaptive(settings);
-  const TileRenderer renderer(request, CancelToken(&stop_requested));
+  const std::optional<TileRenderer> prepared = make_renderer();
+  if (!prepared) return show_ended_groups();
+  const TileRenderer& renderer = *prepared;
 
   // Where decisions follow, the first round is a pilot; else it is the rest of the frame.
   const bool decides = has_target || adaptive;
