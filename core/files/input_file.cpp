@@ -32,8 +32,12 @@ bool InputFile::fail(Fault fault, const std::string& reason) {
 bool InputFile::fail(int error) {
   if (error == ENOENT || error == ENOTDIR)
     return fail(Fault::missing, "there is no such file; correct the path or put the file there");
-  return fail(Fault::unreadable,
-              "it cannot be read: " + std::generic_category().message(error) + "; check its permissions and links");
+  std::string remedy = "check its permissions and links";
+  if (error == EMFILE || error == ENFILE) remedy = "close files or raise the limit of open files (ulimit -n)";
+  if (error == ENOMEM) remedy = "free memory";
+  if (error == EIO || error == ESTALE) remedy = "check the disk or the network that holds it";
+  if (error == ENAMETOOLONG) remedy = "shorten its name";
+  return fail(Fault::unreadable, "it cannot be read: " + std::generic_category().message(error) + "; " + remedy);
 }
 
 bool InputFile::open(const std::string& path, const std::string& within) {

@@ -1,5 +1,6 @@
 #include <dlfcn.h>
 #include <link.h>
+#include <locale.h>
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -33,6 +34,28 @@ std::vector<std::string> candidates() {
   }
   files.emplace_back(kLibrary);
   return files;
+}
+
+/// While it lives, this thread's texts of the C library are English.
+class EnglishTexts {
+ public:
+  EnglishTexts() : plain_(newlocale(LC_ALL_MASK, "C", nullptr)), before_(plain_ ? uselocale(plain_) : nullptr) {}
+  ~EnglishTexts() {
+    if (!plain_) return;
+    uselocale(before_);
+    freelocale(plain_);
+  }
+  EnglishTexts(const EnglishTexts&) = delete;
+  EnglishTexts& operator=(const EnglishTexts&) = delete;
+
+ private:
+  const locale_t plain_, before_;
+};
+
+std::string loader_error() {
+  const EnglishTexts english;
+  const char* const text = dlerror();
+  return text ? text : "unknown reason";
 }
 
 /// True if OpenImageIO's libraries do not fit into the address space that the process may have. The loader's text says
@@ -98,7 +121,7 @@ class ImageLibrary {
     }
     // RTLD_LOCAL: a host may bring another OpenImageIO.
     void* handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle) return refuse(dlerror(), fault);
+    if (!handle) return refuse(loader_error(), fault);
     if (is_logging_ours) end_log4cplus_threads(handle);
     const auto entry = reinterpret_cast<ImageLibraryEntry*>(dlsym(handle, kImageLibraryEntry));
     functions_ = entry ? entry(kImageInterface) : nullptr;

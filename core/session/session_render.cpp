@@ -36,6 +36,17 @@ std::shared_ptr<const std::vector<int>> tiles_from_centre(const Film& film) {
   return std::make_shared<const std::vector<int>>(std::move(tiles));
 }
 
+// The samples that a film has got. No thread changes it.
+uint64_t samples_of(const Film& film) {
+  uint64_t sum = 0;
+  for (int tile = 0; tile < film.tile_count(); ++tile) {
+    const PixelRect rect = film.tile_rect(tile);
+    const auto pixels = static_cast<size_t>(rect.width()) * static_cast<size_t>(rect.height());
+    for (size_t i = 0; i < pixels; ++i) sum += film.next_sample(tile, i) - film.extras().range.begin;
+  }
+  return sum;
+}
+
 bool decides(const RenderSettings& settings) {
   return settings.adaptive || settings.target_error > 0;
 }
@@ -93,7 +104,10 @@ RenderProgress RenderSession::Render::take(RenderState* from) {
   RenderProgress before;
   before.wall_seconds = from->wall_seconds, before.cpu_seconds = from->cpu_seconds;
   before.counters = from->counters;
-  before.samples_done = from->counters.samples;
+  // While a render goes on, its tiles are saved later than its counters. A film that is done has lost the samples that
+  // ended groups of pixels took meanwhile.
+  if (round.begin < round.end) before.counters.samples = samples_of(*film);
+  before.samples_done = before.counters.samples;
   return before;
 }
 

@@ -51,10 +51,10 @@ std::vector<uint8_t> essential_jpeg(std::span<const uint8_t> file, JpegFrame& fr
   bool has_frame = false, is_progressive = false;
   size_t scans = 0;
   for (size_t at = 2;;) {
-    while (at + 1 < file.size() && file[at] == 0xff && file[at + 1] == 0xff) ++at;  // filling
+    // libjpeg passes over filling and stray bytes, and so does this.
+    while (at + 1 < file.size() && (file[at] != 0xff || file[at + 1] == 0 || file[at + 1] == 0xff)) ++at;
     if (at + 1 >= file.size()) return fail("the file is cut off");
     const uint8_t marker = file[at + 1];
-    if (file[at] != 0xff || marker == 0) return fail("a marker is missing");
     size_t end = at + 2;
     if (marker == kEnd) {
       copy(at, end);

@@ -112,14 +112,15 @@ void TexelPacker::leave_palette() {
 void TexelPacker::add_alpha(const ImageRows& rows, size_t first, size_t count) {
   const size_t channels = layout_.channels, begin = first * channels + *layout_.alpha;
   const auto add = [&](auto* kept, const auto& values, auto opaque, const auto& stored) {
-    for (size_t i = 0; i < count; ++i) {
-      const auto alpha = values[begin + i * channels];
-      if (kept->empty()) {
-        if (alpha == opaque) continue;
-        kept->assign(texels(), stored(opaque));
-      }
-      (*kept)[count_ + i] = stored(alpha);
+    const auto* const from = values.data() + begin;
+    size_t i = 0;
+    if (kept->empty()) {
+      while (i < count && from[i * channels] == opaque) ++i;
+      if (i == count) return;
+      kept->assign(texels(), stored(opaque));
     }
+    auto* const to = kept->data() + count_;
+    for (; i < count; ++i) to[i] = stored(from[i * channels]);
   };
   if (layout_.bytes)
     add(&alpha_bytes_, rows.bytes, uint8_t(255), [](uint8_t alpha) { return alpha; });

@@ -52,7 +52,7 @@ constexpr std::array kKept = {kWidth,        kHeight,           kBits,          
                               kYCbCrWeights, kYCbCrSubsampling, kYCbCrPositions, kReferenceBlackWhite,
                               kDepth,        kTileDepth};
 enum : uint32_t { kWhiteIsZero = 0, kBlackIsZero = 1, kRgb = 2, kPalette = 3, kSeparated = 5, kYCbCr = 6, kCieLab = 8 };
-enum : uint32_t { kUnsigned = 1, kSigned = 2, kFloat = 3 };
+enum : uint32_t { kUnsigned = 1, kSigned = 2, kFloat = 3, kUntyped = 4 };
 enum : uint32_t { kOldJpeg = 6, kJpeg = 7 };
 enum Type : uint16_t { kByte = 1, kShort = 3, kLong = 4 };
 
@@ -96,6 +96,8 @@ class Directory {
       if (value(tag, i) != wanted) return false;
     return true;
   }
+
+  void remove(Tag tag) { entries_.erase(tag); }
 
   /// The file with this directory at its end, and no other. `numbers` replace what it says.
   std::vector<uint8_t> file_with(const std::map<uint16_t, uint32_t>& numbers) const {
@@ -144,7 +146,8 @@ struct Pixels {
         height(d.value_or(kHeight, 0)),
         samples(d.value_or(kSamples, 1)),
         bits(d.value_or(kBits, 1)),
-        format(d.value_or(kSampleFormat, kUnsigned)),
+        stored_format(d.value_or(kSampleFormat, kUnsigned)),
+        format(stored_format == kUntyped ? kUnsigned : stored_format),  // as revision 6.0 says of both
         photometric(d.value_or(kPhotometric, samples == 1 ? kBlackIsZero : kRgb)),
         compression(d.value_or(kCompression, 1)),
         tile_width(d.value_or(kTileWidth, 0)),
@@ -178,7 +181,7 @@ struct Pixels {
     const bool is_unsigned = format == kUnsigned;
     switch (photometric) {
       case kWhiteIsZero:
-        return samples == 1 && is_unsigned && bits <= 8;
+        return samples == 1 && is_unsigned && bits <= 16;
       case kBlackIsZero:
       case kRgb:
         return true;
@@ -199,7 +202,7 @@ struct Pixels {
     return compression != kOldJpeg;
   }
 
-  const uint32_t width, height, samples, bits, format, photometric, compression, tile_width, tile_height;
+  const uint32_t width, height, samples, bits, stored_format, format, photometric, compression, tile_width, tile_height;
   const bool is_tiled;
 };
 
@@ -218,7 +221,7 @@ std::vector<uint8_t> essential_tiff(std::span<const uint8_t> file, std::string& 
   const Pixels pixels(directory);
   if (!pixels.have_plausible_sizes(directory)) return fail("its size, or that of its tiles, is none that is read");
   if (directory.value_or(kDepth, 1) != 1) return fail("it is a volume");
-  if (!directory.are_all(kBits, pixels.bits) || !directory.are_all(kSampleFormat, pixels.format) ||
+  if (!directory.are_all(kBits, pixels.bits) || !directory.are_all(kSampleFormat, pixels.stored_format) ||
       !pixels.have_known_samples())
     return fail("its samples are of a kind that is not read (8, 16 or 32 bits are)");
   if (!pixels.have_known_colors(directory))
@@ -227,6 +230,7 @@ std::vector<uint8_t> essential_tiff(std::span<const uint8_t> file, std::string& 
   // OpenImageIO takes 8 bits for those that are not given, and counts with -1 rows where they are not, or by the usual
   // 2^32 - 1 for "all".
   std::map<uint16_t, uint32_t> numbers;
+  if (pixels.stored_format == kUntyped) directory.remove(kSampleFormat);
   if (!directory.has(kBits)) numbers[kBits] = pixels.bits;
   if (!pixels.is_tiled)
     numbers[kRowsPerStrip] = std::min(directory.value_or(kRowsPerStrip, pixels.height), pixels.height);

@@ -67,7 +67,8 @@ class ALABASTER_API RenderDelegate {
 
   /// Never blocks. Keys hosts know: percentDone, fractionDone, totalClockTime, numCompletedSamples, rendererName,
   /// renderProgressAnnotation, totalMemory, peakMemory; and ours: state, sceneNumber, samplesTotal, passesDone, covered
-  /// (true once samples of this render, if in blocks, are all over the frame), cpuSeconds, filmMemory (bytes of the
+  /// (true once samples of this render, if in blocks, are all over the frame), pixelsWithoutSample (of a render that a
+  /// stop or the time limit has ended before each pixel had one; absent where none is), cpuSeconds, filmMemory (bytes of the
   /// accumulators), rays.camera, rays.bounce, rays.shadow, rays.walk, walk.count, walk.events, walk.exits, walk.lost,
   /// walk.lostEnergy, walk.safetyCap, walk.maxWeight, nonfiniteSamples with nonfiniteSamples.emission, .light, .lobe,
   /// .walk, .exposure and .other (where on the path a sample ceased to be finite), suspectSample ("x,y,sample" for

@@ -1,3 +1,5 @@
+#include <optional>
+
 #include "delegate/c_api/functions.h"
 #include "delegate/c_api/values.h"
 
@@ -10,6 +12,19 @@ AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call) {
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
     const HostLock lock(*data);
     call(*data);
+  });
+}
+
+/// The same, and `tell` with what `call` returns, without the locks: callbacks of two threads may call the library.
+template <class Call, class Tell>
+AlabasterStatus on_delegate(AlabasterDelegate* handle, const Call& call, const Tell& tell) {
+  return guarded([&] {
+    const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
+    const auto answer = [&] {
+      const HostLock lock(*data);
+      return call(*data);
+    }();
+    tell(answer);
   });
 }
 
@@ -60,20 +75,20 @@ class RecordingScope {
   DelegateData& data_;
 };
 
-void check(host::RecordStatus status, Reports& reports) {
+std::optional<Failure> failure_of(host::RecordStatus status, Reports& reports) {
   switch (status) {
-    case host::RecordStatus::done:
-      return;
     case host::RecordStatus::input_failed:
-      throw Failure(ALABASTER_INPUT_FAILED, reports.take_error("the scene cannot be rendered"));
+      return Failure(ALABASTER_INPUT_FAILED, reports.take_error("the scene cannot be rendered"));
     case host::RecordStatus::render_failed:
-      throw Failure(ALABASTER_RENDER_FAILED, reports.take_error("the render failed"));
+      return Failure(ALABASTER_RENDER_FAILED, reports.take_error("the render failed"));
     case host::RecordStatus::output_failed:
-      throw Failure(ALABASTER_OUTPUT_FAILED, reports.take_error("a file could not be written"));
+      return Failure(ALABASTER_OUTPUT_FAILED, reports.take_error("a file could not be written"));
     case host::RecordStatus::interrupted:
-      throw Failure(ALABASTER_INTERRUPTED, "the render was cancelled or stopped");
+      return Failure(ALABASTER_INTERRUPTED, "the render was cancelled or stopped");
     case host::RecordStatus::degraded:
-      throw Failure(ALABASTER_DEGRADED, "the picture lacks whatever the faults of the scene leave out");
+      return Failure(ALABASTER_DEGRADED, "the picture lacks whatever the faults of the scene leave out");
+    default:
+      return std::nullopt;
   }
 }
 
@@ -123,16 +138,14 @@ AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const Al
 }
 
 AlabasterStatus get_setting(AlabasterDelegate* handle, const char* key, AlabasterVisit visit, void* user) {
-  return on_delegate(handle, [&](DelegateData& data) {
-    const Token name(&required(key, "key"));
-    visit_value(key, data.delegate->GetRenderSetting(name), visit, user);
-  });
+  return on_delegate(
+      handle, [&](DelegateData& data) { return data.delegate->GetRenderSetting(Token(&required(key, "key"))); },
+      [&](const Value& value) { visit_value(key, value, visit, user); });
 }
 
 AlabasterStatus get_settings(AlabasterDelegate* handle, AlabasterVisitSetting visit, void* user) {
-  return on_delegate(handle, [&](DelegateData& data) {
-    if (!visit) throw bad_argument("visit is null");
-    for (const RenderSettingDescriptor& setting : data.delegate->GetRenderSettingDescriptors()) {
+  const auto tell = [&](const std::vector<RenderSettingDescriptor>& settings) {
+    for (const RenderSettingDescriptor& setting : settings) {
       const ValueView value(setting.defaultValue), minimum(setting.minimum), maximum(setting.maximum);
       std::vector<const char*> choices;
       for (const std::string& choice : setting.choices) choices.push_back(choice.c_str());
@@ -147,7 +160,12 @@ AlabasterStatus get_settings(AlabasterDelegate* handle, AlabasterVisitSetting vi
                                      choices.size()};
       visit(user, &told);
     }
-  });
+  };
+  const auto read = [&](DelegateData& data) {
+    if (!visit) throw bad_argument("visit is null");
+    return data.delegate->GetRenderSettingDescriptors();
+  };
+  return on_delegate(handle, read, tell);
 }
 
 AlabasterStatus aov_format(AlabasterDelegate* handle, const char* aov, int32_t* format) {
@@ -187,8 +205,11 @@ AlabasterStatus command(AlabasterDelegate* handle, const char* name, const Alaba
     const Dictionary read = reader.dictionary(given, "arguments");
     reader.take();
     if (!visit) throw bad_argument("visit is null");
-    const HostLock lock(*data);
-    visit_value(name, data->delegate->InvokeCommand(command, read), visit, user);
+    const Value answer = [&] {
+      const HostLock lock(*data);
+      return data->delegate->InvokeCommand(command, read);
+    }();
+    visit_value(name, answer, visit, user);
   });
 }
 
@@ -207,7 +228,11 @@ AlabasterStatus resume(AlabasterDelegate* handle) {
 
 AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* given, AlabasterVisit visit,
                        void* user) {
-  return on_delegate(handle, [&](DelegateData& data) {
+  struct Recorded {
+    std::vector<std::string> files;
+    std::optional<Failure> failure;
+  };
+  const auto record_files = [&](DelegateData& data) {
     const auto in = given ? sized(given, "options") : AlabasterRecordOptions{};
     refuse_while_recording(data, "record");
     if (!data.scene) throw bad_argument("the delegate draws no scene");
@@ -226,10 +251,13 @@ AlabasterStatus record(AlabasterDelegate* handle, const AlabasterRecordOptions* 
         if (in.progress(in.user, &told) == 0) cancel = true;
       };
     data.reports->take_error({});
-    const host::RecordResult result = host::RecordFrame(data.index.get(), &data.scene->scene, settings, options);
+    host::RecordResult result = host::RecordFrame(data.index.get(), &data.scene->scene, settings, options);
+    return Recorded{std::move(result.written), failure_of(result.status, *data.reports)};
+  };
+  return on_delegate(handle, record_files, [&](const Recorded& recorded) {
     if (visit)
-      for (const std::string& file : result.written) visit_value("file", file, visit, user);
-    check(result.status, *data.reports);
+      for (const std::string& file : recorded.files) visit_value("file", file, visit, user);
+    if (recorded.failure) throw *recorded.failure;
   });
 }
 

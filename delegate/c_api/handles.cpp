@@ -26,6 +26,7 @@ void destroy(Handle* handle) noexcept {
   const CallScope scope;
   if (!CallbackScope::is_open()) {
     delete handle;
+    destroy_put_off();
     return;
   }
   handle->next = g_put_off;
@@ -70,29 +71,63 @@ void refuse_while_recording(const DelegateData& data, const char* function) {
 }
 
 DelegateData::~DelegateData() {
-  if (process.is_another()) {
+  bool draws_nothing = false;
+  if (!process.is_another()) try {
+      show(nullptr);
+      draws_nothing = true;
+    } catch (...) {  // memory ran out
+    }
+  if (!draws_nothing) {
     static_cast<void>(index.release());
-    static_cast<void>(new std::shared_ptr<SceneData>(std::move(scene)));  // the index points at it
+    static_cast<void>(new (std::nothrow) std::shared_ptr<SceneData>(std::move(scene)));  // the index points at it
     return;
   }
-  show(nullptr);
   index.reset();
   DestroyAlabasterRenderDelegate(delegate);
 }
 
-void DelegateData::show(std::shared_ptr<SceneData> shown) {
-  if (shown == scene) return;
-  if (shown && shown->is_shown.exchange(true)) throw bad_argument("another delegate draws this scene");
-  if (shown) shown->shown_in = Process();
-  if (scene) {
-    const std::lock_guard lock(scene->mutex);
-    scene->scene.Depopulate();
-    scene->is_shown = false;
+namespace {
+
+/// Marks a scene as drawn, until release() or for good.
+class ShownMark {
+ public:
+  explicit ShownMark(SceneData* scene) : scene_(scene) {
+    pid_t none = 0;
+    if (!scene || scene->shown_in.compare_exchange_strong(none, getpid())) return;
+    scene->check_process();
+    throw bad_argument("another delegate draws this scene");
   }
-  scene = std::move(shown);
+  ~ShownMark() {
+    if (scene_) scene_->shown_in = 0;
+  }
+  ShownMark(const ShownMark&) = delete;
+  ShownMark& operator=(const ShownMark&) = delete;
+  void keep() { scene_ = nullptr; }
+
+ private:
+  SceneData* scene_;
+};
+
+}  // namespace
+
+void DelegateData::show(const std::shared_ptr<SceneData>& shown) {
+  if (shown != scene) {
+    ShownMark mark(shown.get());
+    if (scene) {
+      const std::lock_guard lock(scene->mutex);
+      scene->scene.Depopulate();
+      scene->shown_in = 0;
+    }
+    scene = shown;
+    mark.keep();
+    if (!scene) return;
+    const std::lock_guard lock(scene->mutex);
+    scene->scene.Populate(index.get());
+  }
   if (!scene) return;
   const std::lock_guard lock(scene->mutex);
-  scene->scene.Populate(index.get());
+  if (!scene->scene.PopulateRest())
+    throw Failure(ALABASTER_OUT_OF_MEMORY, "memory ran out for the scene's prims: show it again");
 }
 
 BufferData::~BufferData() {

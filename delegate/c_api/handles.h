@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <mutex>
 #include <set>
@@ -173,15 +174,18 @@ class Reports {
 };
 DiagnosticSink sink_of(const std::shared_ptr<Reports>& reports);
 
+[[noreturn]] inline void refuse_in_child(const char* what) {
+  throw bad_argument(std::string(what) +
+                     " belongs to the process that made it, and this one was forked from it: make another one");
+}
+
 /// The process that made it. A process that was forked from it has none of its threads, and locks may be held by them:
 /// nothing is waited for and nothing destroyed there.
 class Process {
  public:
   bool is_another() const { return getpid() != id_; }
   void check(const char* what) const {
-    if (is_another())
-      throw bad_argument(std::string(what) +
-                         " belongs to the process that made it, and this one was forked from it: make another one");
+    if (is_another()) refuse_in_child(what);
   }
 
  private:
@@ -192,9 +196,11 @@ class Process {
 // callback of record may call the library. An edit of a shown scene calls into its delegate, and so needs the scene's
 // lock to keep others out of both.
 struct SceneData {
-  /// Fails in a process that was forked from the one in which a delegate draws the scene.
+  /// Fails in a process that was forked from one in which a delegate draws the scene, or while a thread was in a call.
   void check_process() const {
-    if (is_shown) shown_in.check("the scene's delegate");
+    const auto is_another = [](pid_t process) { return process != 0 && process != getpid(); };
+    if (is_another(shown_in)) refuse_in_child("the scene's delegate");
+    if (is_another(called_in)) refuse_in_child("the call in which the scene was at the fork");
   }
 
   std::recursive_mutex mutex;
@@ -202,25 +208,35 @@ struct SceneData {
   std::shared_ptr<Reports> reports;
   description::SceneFile loaded;
   std::set<std::string> loaded_texts;  // those of every load: another thread may still read them
-  std::atomic<bool> is_shown{false};
-  Process shown_in;
+  std::atomic<pid_t> shown_in{0};              // the process of the delegate that draws it; 0: none does
+  std::atomic<pid_t> called_in{0};             // the process of the thread that holds a SceneLock; 0: none does
+  int calls = 0;                               // of that thread: one within the other
 };
 
 /// Held by the one thread that calls into a scene.
 class SceneLock {
  public:
-  explicit SceneLock(SceneData& data) {
+  explicit SceneLock(SceneData& data) : data_(data) {
     data.check_process();
     lock_ = std::unique_lock(data.mutex);
+    ++data.calls;
+    data.called_in = getpid();
   }
+  ~SceneLock() {
+    if (--data_.calls == 0) data_.called_in = 0;
+  }
+  SceneLock(const SceneLock&) = delete;
+  SceneLock& operator=(const SceneLock&) = delete;
 
  private:
+  SceneData& data_;
   std::unique_lock<std::recursive_mutex> lock_;
 };
 
 struct DelegateData {
   ~DelegateData();
-  void show(std::shared_ptr<SceneData> shown);
+  /// A failure may leave a scene half drawn; another call then goes on where it failed.
+  void show(const std::shared_ptr<SceneData>& shown);
 
   std::recursive_mutex mutex;
   std::shared_ptr<Reports> reports;

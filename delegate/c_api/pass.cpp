@@ -257,21 +257,29 @@ AlabasterStatus buffer_read(AlabasterBuffer* handle, void* memory, size_t bytes,
   });
 }
 
+namespace {
+
+std::vector<host::PickHit> hits_in(PassData& data, const AlabasterRect& rect) {
+  const HostLock lock(*data.owner);
+  if (!data.owner->scene) throw bad_argument("the delegate draws no scene");
+  const auto& bindings = data.state.aovBindings;
+  if (std::none_of(bindings.begin(), bindings.end(), [](const AovBinding& b) {
+        return b.aovName == Token("primId") && b.renderBuffer->GetFormat() == Format::int32;
+      }))
+    throw bad_argument("pick needs AOV primId, bound to a buffer of ALABASTER_INT32");
+  return host::Pick(*data.owner->index, data.owner->scene->scene, data.state,
+                    {rect.min_x, rect.min_y, rect.max_x, rect.max_y});
+}
+
+}  // namespace
+
 AlabasterStatus pick(AlabasterPass* handle, const AlabasterRect* rect, AlabasterVisitPick visit, void* user) {
   return guarded([&] {
     const std::shared_ptr<PassData> held = required(handle, "pass").data;
     PassData& data = *held;
     if (!visit) throw bad_argument("visit is null");
-    const auto [min_x, min_y, max_x, max_y] = required(rect, "rect");
-    const HostLock lock(*data.owner);
-    if (!data.owner->scene) throw bad_argument("the delegate draws no scene");
-    const auto& bindings = data.state.aovBindings;
-    if (std::none_of(bindings.begin(), bindings.end(), [](const AovBinding& b) {
-          return b.aovName == Token("primId") && b.renderBuffer->GetFormat() == Format::int32;
-        }))
-      throw bad_argument("pick needs AOV primId, bound to a buffer of ALABASTER_INT32");
-    for (const host::PickHit& hit :
-         host::Pick(*data.owner->index, data.owner->scene->scene, data.state, {min_x, min_y, max_x, max_y})) {
+    const AlabasterRect in = required(rect, "rect");
+    for (const host::PickHit& hit : hits_in(data, in)) {
       std::vector<AlabasterPickedInstance> instances;
       for (const host::PickedInstance& one : hit.instances)
         instances.push_back({one.instancer.str().c_str(), one.index});

@@ -81,9 +81,15 @@ class FarmCommand {
 
   int describe() {
     std::error_code error;
-    const fs::path program = fs::read_symlink("/proc/self/exe", error), home = fs::current_path(error);
-    if (error || program.empty()) return console_.usage_error("farm", "The current folder is not there any more.");
-    jobs_ = {a_.engine,        program, home,   fs::absolute(folder_, error), a_.render.scene, a_.task_options,
+    const fs::path program = fs::read_symlink("/proc/self/exe", error);
+    if (error)
+      return console_.usage_error("farm", "/proc/self/exe, which names this program to the jobs, cannot be read: " +
+                                              error.message() + ". Mount /proc.");
+    const fs::path home = fs::current_path(error);
+    if (error)
+      return console_.usage_error("farm", "The current folder has no name: " + error.message() +
+                                              ". Change to a folder that is there and that may be read.");
+    jobs_ = {a_.engine,        program, home,   (home / folder_).string(), a_.render.scene, a_.task_options,
              a_.merge_options, tasks_,  tasks_, a_.render.keep_going};
     const std::string fault = farm_fault(jobs_);
     return fault.empty() ? kDone : console_.usage_error("farm", fault);

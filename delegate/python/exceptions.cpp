@@ -49,8 +49,8 @@ void add_exceptions(py::module_& module) {
   e.error = make_exception(module, "Error", "Something failed; the text says what, and the remedy.",
                            py::make_tuple(builtin(PyExc_RuntimeError)));
   const auto derive = [&](const char* name, const char* documentation, PyObject* also = nullptr) {
-    return make_exception(module, name, documentation,
-                          also ? py::make_tuple(e.error, builtin(also)) : py::make_tuple(e.error));
+    const auto bases = also ? py::tuple(py::make_tuple(e.error, builtin(also))) : py::tuple(py::make_tuple(e.error));
+    return make_exception(module, name, documentation, bases);
   };
   e.argument = derive("ArgumentError", "A call has a wrong argument.", PyExc_ValueError);
   e.missing = derive("NotFoundError", "There is no prim, AOV or node of that name.", PyExc_LookupError);

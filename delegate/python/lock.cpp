@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 namespace alabaster::python {
@@ -31,9 +32,21 @@ void take_lock(PyThreadState* state) noexcept {
   }
 }
 
-/// The interpreter ends, in another thread.
-bool must_wait() {
-  return g_calls->closed && g_calls->closer != std::this_thread::get_id();
+bool is_finalizing() {
+#if PY_VERSION_HEX >= 0x030D0000
+  return Py_IsFinalizing() != 0;
+#else
+  return _Py_IsFinalizing() != 0;
+#endif
+}
+
+/// Python's lock is not held. Waits for the end of the process, or returns: functions that run at the exit after ours
+/// may wait for this thread.
+void wait_for_finalization() {
+  constexpr std::chrono::milliseconds kPatience(1000), kLook(5);
+  const auto begin = std::chrono::steady_clock::now();
+  while (!is_finalizing() && std::chrono::steady_clock::now() - begin < kPatience) std::this_thread::sleep_for(kLook);
+  if (is_finalizing()) wait_for_the_end();
 }
 
 void enter() {
@@ -56,15 +69,18 @@ void wait_for_the_end() {
 }
 
 Unlocked::Unlocked() : state_(nullptr) {
-  const bool ends = must_wait();
+  const bool ends = is_closed_here();
   if (!ends) enter();
   state_ = PyEval_SaveThread();
-  if (ends) wait_for_the_end();
+  if (!ends) return;
+  wait_for_finalization();
+  take_lock(state_);
+  throw std::runtime_error("the interpreter ends: only the thread that ends it may use alabaster");
 }
 
 Unlocked::~Unlocked() {
   leave();
-  if (must_wait()) wait_for_the_end();
+  if (is_closed_here()) wait_for_finalization();
   take_lock(state_);
 }
 
@@ -80,8 +96,12 @@ bool interpreter_ends() {
   return g_calls->closed;
 }
 
+bool is_closed_here() {
+  return g_calls->closed && g_calls->closer != std::this_thread::get_id();
+}
+
 bool may_destroy() {
-  return !g_calls->stuck;
+  return !g_calls->stuck && !is_closed_here();
 }
 
 void leave_library(const std::function<void()>& stop) {

@@ -14,7 +14,8 @@ namespace py = pybind11;
 /// Releases Python's lock while it lives, for one call into the library. The lock is held when it is made.
 ///
 /// At the end of the interpreter CPython ends every other thread that takes the lock, and a C++ destructor on its stack
-/// then aborts the process. Such threads wait here for the end of the process.
+/// then aborts the process. Such threads wait here for the end of the process. Before it, while functions run at the
+/// exit that may join them, a thread that enters the library is refused after a second (std::runtime_error).
 class Unlocked {
  public:
   Unlocked();
@@ -52,6 +53,8 @@ auto with_host_code(const Call& call) {
 
 /// True after leave_library(): no callback runs Python code any more.
 bool interpreter_ends();
+/// True after leave_library() of another thread.
+bool is_closed_here();
 
 /// For the end of the interpreter: calls `stop`, without the lock, until all other threads have left the library, for
 /// some seconds at most. From then on other threads do not enter it.
@@ -60,7 +63,8 @@ void leave_library(const std::function<void()>& stop);
 /// For the child of a fork: the threads of the parent are in no call here.
 void forget_threads();
 
-/// False: a thread has not left the library at the end of the interpreter. Handles that it may use are not destroyed.
+/// False: a thread has not left the library at the end of the interpreter, which uses its handles, or this thread must
+/// not enter it any more.
 bool may_destroy();
 
 /// Destroys without Python's lock: the library may have to wait for a thread that wants it.

@@ -118,11 +118,15 @@ struct Engine {
   /// lacks.
   template <class Call>
   void run(const Call& call) {
+    check_process();
+    python::run(messages,
+                [&](const AlabasterApi& api, Unlocked& unlocked) { return call(api, delegate.get(), unlocked); });
+  }
+  /// Comes before values are lent, which only a call gives back.
+  void check_process() const {
     if (getpid() != process)
       throw door::Error(ALABASTER_INVALID_ARGUMENT,
                         "the renderer belongs to the process that made it, and this one was forked: make another one");
-    python::run(messages,
-                [&](const AlabasterApi& api, Unlocked& unlocked) { return call(api, delegate.get(), unlocked); });
   }
   /// Before a restart, which would disturb the recording.
   void refuse_while_recording() const {
@@ -215,6 +219,9 @@ class Render : public NeverImplicit {
 
     bool is_of(const Shown& other) const;
   };
+  bool wait_for(const py::object& seconds, const py::object& progress);
+  /// cancel() without reports.
+  void stop_quietly();
   // Without Python's lock:
   AlabasterStatus start(const AlabasterApi& api, const FrameOptions& next);
   /// Begins to render what has been built since the last call.

@@ -200,7 +200,28 @@ double limit_of(const py::object& seconds) {
 
 }  // namespace
 
+// Ctrl-C comes in a listener of reports, in the progress callback or between them. None of the listener's further
+// errors takes its place.
 bool Render::wait(const py::object& seconds, const py::object& progress) {
+  try {
+    return wait_for(seconds, progress);
+  } catch (py::error_already_set& error) {
+    if (PyErr_CheckSignals() == 0) {
+      if (error.matches(PyExc_KeyboardInterrupt)) stop_quietly();
+      throw;
+    }
+    const py::error_already_set interrupt;
+    stop_quietly();
+    throw interrupt;
+  }
+}
+
+void Render::stop_quietly() {
+  const Unlocked unlocked;
+  static_cast<void>(door::api().stop(engine_->delegate.get()));
+}
+
+bool Render::wait_for(const py::object& seconds, const py::object& progress) {
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
     throw wrong_type("progress", "a function", progress);
   const double limit = limit_of(seconds);
@@ -214,11 +235,7 @@ bool Render::wait(const py::object& seconds, const py::object& progress) {
       const AlabasterStatus status = api.pass_wait(pass_.get(), slice, &over);
       return status == ALABASTER_OK ? api.progress(delegate, &now) : status;
     });
-    if (PyErr_CheckSignals() != 0) {
-      const py::error_already_set interrupt;
-      cancel();
-      throw interrupt;
-    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (progress.is_none()) continue;
     const bool goes_on = with_host_code([&] {
       const py::object answer = progress(progress_of(now));
@@ -276,7 +293,8 @@ namespace {
 /// Memory that bytes may be written to: never that of an array of objects, which are pointers.
 py::buffer_info contiguous(const py::buffer& into) {
   py::buffer_info info = into.request(true);
-  const std::string kind = info.format.substr(info.format.find_first_not_of("@=<"));
+  const size_t prefix = info.format.find_first_of("@=<") == 0 ? 1 : 0;
+  const std::string kind = info.format.substr(prefix);
   if (kind.size() != 1 || !std::strchr("bBhHiIlLqQefdc", kind[0]))
     throw py::value_error("pixels cannot be written to an array of type '" + info.format + "'; use float32 or uint8");
   Py_ssize_t stride = info.itemsize;

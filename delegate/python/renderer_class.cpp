@@ -61,6 +61,7 @@ class Renderer : public NeverImplicit {
     run([&](const AlabasterApi& api, AlabasterDelegate* delegate) { return api.show(delegate, shown); });
   }
   void set(const py::dict& settings) {
+    engine_->check_process();
     for (const auto& [name, value] : parameters(settings, "settings")) {
       const AlabasterValue raw = value.pass();
       run([&, &key = name](const AlabasterApi& api, AlabasterDelegate* delegate) {
@@ -89,6 +90,7 @@ class Renderer : public NeverImplicit {
   }
   py::object command(const Text& name, const py::dict& arguments) {
     const door::Parameters held = parameters(arguments, "arguments");
+    engine_->check_process();
     const std::vector<AlabasterParameter> raw = door::pass(held);
     return last_of(
         engine_->ask([&](const AlabasterApi& api, AlabasterDelegate* delegate, AlabasterVisit visit, void* user) {

@@ -29,6 +29,35 @@ std::string reason_of(int error) {
   return std::generic_category().message(error);
 }
 
+/// The remedy for an errno of a folder or a file that cannot be opened for writing.
+std::string remedy_of(int error) {
+  switch (error) {
+    case EACCES:
+    case EPERM:
+      return "change its permissions or write elsewhere";
+    case ENOSPC:
+    case EDQUOT:
+      return "free space there or write elsewhere";
+    case EMFILE:
+    case ENFILE:
+      return "close files or raise the limit of open files (ulimit -n)";
+    case ENOMEM:
+      return "free memory";
+    case ELOOP:
+      return "correct the links or choose another name";
+    case EROFS:
+      return "write elsewhere";
+    default:
+      return "choose another name";
+  }
+}
+
+std::string folder_fault(const std::string& folder, int error) {
+  if (error == ENOENT) return "there is no folder '" + folder + "'; create it or choose another";
+  if (error == ENOTDIR) return "'" + folder + "' is a file and not a folder; choose another";
+  return "the folder '" + folder + "' cannot be opened (" + reason_of(error) + "); " + remedy_of(error);
+}
+
 /// An open file that is closed at the end.
 class Handle {
  public:
@@ -282,11 +311,11 @@ std::string OutputFault(const std::string& file, const std::string& within) {
   const Target target = find_target(file, within);
   if (!target.outside.empty()) return target.outside;
   const Handle folder(open_folder(target, !within.empty()));
-  if (!folder) return "there is no folder '" + target.folder() + "'; create it or choose another";
+  if (!folder) return folder_fault(target.folder(), errno);
   const long longest = ::fpathconf(folder.get(), _PC_NAME_MAX);
   if (longest > 0 && target.name().size() > size_t(longest))
     return "the name is longer than " + std::to_string(longest) + " bytes; shorten it";
-  if (target.error != 0) return reason_of(target.error) + "; choose another name";
+  if (target.error != 0) return reason_of(target.error) + "; " + remedy_of(target.error);
   if (target.now) {
     const std::string fault = kind_fault(*target.now, folder.get(), target.name());
     if (!fault.empty() || !S_ISREG(target.now->st_mode)) return fault;
@@ -294,9 +323,10 @@ std::string OutputFault(const std::string& file, const std::string& within) {
   std::string temporary;
   int number = open_unnamed(folder.get());
   if (number < 0) number = open_named(folder.get(), temporary);
-  if (number < 0)
-    return "the folder '" + target.folder() + "' cannot be written to (" + reason_of(errno) +
-           "); change its permissions or write elsewhere";
+  if (number < 0) {
+    const int error = errno;
+    return "the folder '" + target.folder() + "' cannot be written to (" + reason_of(error) + "); " + remedy_of(error);
+  }
   ::close(number);
   if (!temporary.empty()) ::unlinkat(folder.get(), temporary.c_str(), 0);
   return {};

@@ -45,6 +45,7 @@ make_host() {
   cat >"$scratch/$1/CMakeLists.txt" <<CMAKE
 cmake_minimum_required(VERSION 3.25)
 project(Host LANGUAGES $2)
+set(CMAKE_NO_SYSTEM_FROM_IMPORTED ON)  # the warnings are for the headers, too
 find_package(hdAlabaster 0.1 REQUIRED)
 add_executable(host $here/$3)
 target_link_libraries(host PRIVATE hdAlabaster::$1)
@@ -110,8 +111,9 @@ done
 headers=$(cd "$scratch/prefix/include/alabaster" && find . -name '*.h' | sort)
 test "$(echo "$headers" | wc -l)" -ge 14
 for header in $headers; do
-  echo "#include \"$header\"" | c++ -std=c++20 -fsyntax-only -x c++ -I "$scratch/prefix/include/alabaster" \
-    $(pkg-config --cflags Imath 2>/dev/null || echo -I/usr/include/Imath) -
+  echo "#include \"$header\"" | c++ -std=c++20 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ \
+    -I "$scratch/prefix/include/alabaster" \
+    $(pkg-config --cflags Imath 2>/dev/null | sed 's/-I */-isystem /g' || echo -isystem /usr/include/Imath) -
 done
 
 # A prefix that is relative: Blender runs elsewhere, so the add-on names the module's folder from the root on.

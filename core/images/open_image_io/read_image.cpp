@@ -114,6 +114,7 @@ class Input final : public ImageInput {
     const bool good = spec.tile_width > 0 ? read_tiles(begin, end, to)
                       : layout_.bytes     ? read_native(begin, end, to.bytes.data())
                                           : read_scanlines(begin, end, to.floats);
+    if (good && is_inverted(spec)) invert(values, to);
     // Some readers fill up a file that is cut off and mention it only in the error text.
     if (good && !input_->has_error()) return rows;
     fault = input_->geterror();
@@ -122,6 +123,14 @@ class Input final : public ImageInput {
   }
 
  private:
+  // OpenImageIO inverts TIFF's bytes alone where white is zero.
+  bool is_inverted(const OIIO::ImageSpec& spec) const {
+    return !layout_.bytes && spec.get_int_attribute("tiff:PhotometricInterpretation", -1) == 0;
+  }
+  static void invert(size_t values, ImageRows& to) {
+    std::transform(to.floats.begin(), to.floats.begin() + long(values), to.floats.begin(), [](float v) { return 1 - v; });
+  }
+
   bool read_tiles(int begin, int end, ImageRows& to) {
     const OIIO::ImageSpec& spec = input_->spec();
     const OIIO::TypeDesc type = layout_.bytes ? OIIO::TypeUInt8 : OIIO::TypeFloat;

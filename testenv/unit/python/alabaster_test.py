@@ -301,6 +301,33 @@ class Control(unittest.TestCase):
                 program.send_signal(signal_sent)
             self.assertEqual((program.communicate(timeout=60)[0], program.returncode), (expected, 0))
 
+    def test_ctrl_c_in_a_callback_cancels(self):
+        def interrupt(*_):
+            raise KeyboardInterrupt
+        renderer = alabaster.Renderer(square(), samples=1 << 20)
+        held = renderer.start(width=64, height=64, camera="/camera")
+        self.assertRaises(KeyboardInterrupt, held.wait, progress=interrupt)
+        self.assertEqual(held.state, "stopped")
+
+    def test_ctrl_c_in_a_listener_cancels(self):
+        """None of the listener's later errors hides it."""
+        raised = [ValueError, ValueError, KeyboardInterrupt]
+
+        def listen(*_):
+            if raised:
+                raise raised.pop()
+        scene = square()
+        for name in "abcd":
+            scene.set_material("/" + name, nodes={"surface": {"baseColor": ("image", "rgb")}, "image": {
+                "type": "AlabasterTexture", "file": f"/nowhere/{name}.png"}})
+        renderer = alabaster.Renderer(scene, samples=1 << 20, report=listen)
+        held = alabaster.Renderer.start(renderer, width=64, height=64, camera="/camera")
+        with self.assertRaises(KeyboardInterrupt):
+            while True:
+                held.wait()
+        raised.clear()
+        self.assertEqual(held.state, "stopped")
+
     def test_a_cancelled_renderer_records(self):
         scene = square()
         scene.set_render_settings("/settings", camera="/camera", width=16, height=16)

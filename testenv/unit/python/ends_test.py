@@ -77,6 +77,21 @@ class Ends(unittest.TestCase):
             last = Last()
             """, "converged\n")
 
+    def test_exit_functions_may_join_threads_that_use_the_library(self):
+        """Functions that were registered before the import run after the module's own."""
+        for work in ["renderer.render(**frame)", "while True: renderer.stats()", "while True: scene.prims",
+                     "while True: draw(alabaster.Renderer(square(), samples=1))"]:
+            self.assert_ends(f"""
+                def work():
+                    try:
+                        {work}
+                    except RuntimeError as error:
+                        pass
+                thread = threading.Thread(target=work, daemon=True)
+                thread.start()
+                time.sleep(.2)
+                """, "joined\n", "import atexit\natexit.register(lambda: print('joined') if not thread.join() else None)\n" + START)
+
     def test_objects_in_cycles_and_globals(self):
         self.assert_ends("""
             class Cycle: pass
@@ -124,6 +139,20 @@ class Ends(unittest.TestCase):
                     sys.exit(0)
                 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
                 """, "ArgumentError\n0\n")
+
+    def test_a_forked_child_gives_back_what_it_could_not_lend(self):
+        for use in ["renderer.set(missing=held)", "renderer.command('dumpScene', values=held)"]:
+            self.assert_ends(f"""
+                held = memoryview(bytearray(64)).cast("f")
+                child = os.fork()
+                if child == 0:
+                    try:
+                        {use}
+                    except alabaster.ArgumentError:
+                        held.release()  # BufferError where it is lent
+                        sys.exit(7)
+                print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+                """, "7\n")
 
     def test_a_scene_that_is_not_drawn_is_the_child_s_too(self):
         self.assert_ends("""

@@ -6,6 +6,7 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -86,6 +87,17 @@ class InputFiles : public ::testing::Test {
   fs::path top_;
   std::string in_;
 };
+
+TEST_F(InputFiles, TheRemedyIsThatOfTheFault) {
+  struct rlimit before = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const struct rlimit none = {0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string reason = InputFile(path("in/a"), "").reason();
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(reason, "it cannot be read: Too many open files; close files or raise the limit of open files (ulimit -n)");
+  EXPECT_NE(InputFile(path(std::string(300, 'n')), "").reason().find("shorten its name"), std::string::npos);
+}
 
 TEST_F(InputFiles, LinksWithinTheFolderAreFollowedAndOthersRefused) {
   make_links();

@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <functional>
+#include <future>
+#include <map>
 #include <thread>
 
 #include "testenv/unit/delegate/c_api/door_fixture.h"
@@ -125,6 +128,79 @@ TEST_F(DoorCallbacks, VisitsMayCallTheLibrary) {
   };
   ASSERT_EQ(set_quad({}), ALABASTER_OK);
   EXPECT_EQ(api().get_prims(scene_, destroy, &scene_), ALABASTER_OK);
+}
+
+/// Calls of another thread while a visit lasts.
+struct Visited {
+  std::function<AlabasterStatus()> call;
+  int visits = 0;
+  bool returned = true;
+
+  void visit() {
+    if (visits++ > 0) return;
+    answer = std::async(std::launch::async, call);
+    returned = answer.wait_for(std::chrono::seconds(10)) == std::future_status::ready;
+  }
+  std::future<AlabasterStatus> answer;
+};
+
+TEST_F(DoorCallbacks, VisitsHoldNoLock) {
+  const auto visit = [](void* user, const char*, const AlabasterValue*) { static_cast<Visited*>(user)->visit(); };
+  const auto visit_setting = [](void* user, const AlabasterSetting*) { static_cast<Visited*>(user)->visit(); };
+  const auto visit_pick = [](void* user, const AlabasterPick*) { static_cast<Visited*>(user)->visit(); };
+  AlabasterBuffer* ids = nullptr;
+  ASSERT_EQ(api().buffer_create(delegate_, kSide, kSide, ALABASTER_INT32, &ids), ALABASTER_OK);
+  const AlabasterBinding bindings[] = {{"color", color_}, {"primId", ids}};
+  AlabasterFrame frame = {};
+  frame.size = sizeof frame;
+  frame.camera = "/camera", frame.width = frame.height = kSide;
+  frame.bindings = bindings, frame.binding_count = 2;
+  ASSERT_EQ(api().pass_start(pass_, &frame), ALABASTER_OK);
+  ASSERT_EQ(api().pass_wait(pass_, -1, nullptr), ALABASTER_OK);
+  const AlabasterRect middle = {kSide / 2, kSide / 2, kSide / 2 + 1, kSide / 2 + 1};
+  const char* const files[] = {file_.c_str()};
+  AlabasterRecordOptions recorded = {};
+  recorded.size = sizeof recorded;
+  recorded.files = files, recorded.file_count = 1;
+  const std::map<std::string, std::function<AlabasterStatus(Visited*)>> calls = {
+      {"get_setting", [&](Visited* to) { return api().get_setting(delegate_, "samples", visit, to); }},
+      {"get_settings", [&](Visited* to) { return api().get_settings(delegate_, visit_setting, to); }},
+      {"command", [&](Visited* to) { return api().command(delegate_, "dumpScene", nullptr, 0, visit, to); }},
+      {"stats", [&](Visited* to) { return api().stats(delegate_, visit, to); }},
+      {"get_prims", [&](Visited* to) { return api().get_prims(scene_, visit, to); }},
+      {"pick", [&](Visited* to) { return api().pick(pass_, &middle, visit_pick, to); }},
+      {"record", [&](Visited* to) { return api().record(delegate_, &recorded, visit, to); }}};
+  for (const auto& [name, call] : calls) {
+    Visited visited;
+    visited.call = [&] { return api().set_visible(scene_, "/quad", 1); };
+    EXPECT_EQ(call(&visited), ALABASTER_OK) << name << ": " << api().last_error();
+    EXPECT_GT(visited.visits, 0) << name;
+    EXPECT_TRUE(visited.returned) << name;
+    EXPECT_TRUE(visited.visits > 0 && visited.answer.get() == ALABASTER_OK) << name;
+  }
+  api().buffer_destroy(ids);
+}
+
+// No other call may come.
+TEST_F(DoorCallbacks, WhatAReportDestroysGoesWithTheNextDestroy) {
+  AlabasterScene *spare = nullptr, *other = nullptr, *reports = nullptr;
+  const auto report = [](void* user, const AlabasterDiagnostic*) {
+    api().scene_destroy(std::exchange(*static_cast<AlabasterScene**>(user), nullptr));
+  };
+  ASSERT_EQ(api().scene_create(report, &spare, &reports), ALABASTER_OK);
+  ASSERT_EQ(api().scene_create(nullptr, nullptr, &spare), ALABASTER_OK);
+  ASSERT_EQ(api().scene_create(nullptr, nullptr, &other), ALABASTER_OK);
+  static constexpr float kColor[] = {1, 1, 1, 0, 0, 0};
+  int released = 0;
+  const AlabasterParameter lent = {"given", {ALABASTER_FLOAT3, 1, kColor, 2, count_release, &released}};
+  const AlabasterLight dome = {sizeof dome, "domeLight", nullptr, &lent, 1, 0};
+  ASSERT_EQ(api().set_light(spare, "/dome", &dome), ALABASTER_OK) << api().last_error();
+  EXPECT_EQ(api().scene_load(reports, "/nowhere/a.gltf", nullptr, nullptr), ALABASTER_INPUT_FAILED);
+  EXPECT_EQ(spare, nullptr);
+  EXPECT_EQ(released, 0);
+  api().scene_destroy(other);
+  EXPECT_EQ(released, 1);
+  api().scene_destroy(reports);
 }
 
 /// Calls of a report callback.

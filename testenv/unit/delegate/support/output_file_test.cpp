@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
@@ -49,6 +50,23 @@ class OutputFile : public ::testing::Test {
 
   fs::path folder_;
 };
+
+// Each fault names its remedy.
+TEST_F(OutputFile, FaultsOfFoldersAreNamed) {
+  put("a", "text");
+  EXPECT_EQ(OutputFault(path("a/b.exr")), "'" + path("a") + "' is a file and not a folder; choose another");
+  EXPECT_EQ(OutputFault(path("gone/b.exr")), "there is no folder '" + path("gone") + "'; create it or choose another");
+  fs::create_symlink("round", path("round"));
+  EXPECT_NE(OutputFault(path("round")).find("correct the links"), std::string::npos) << OutputFault(path("round"));
+  struct rlimit before = {};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const struct rlimit none = {0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::string fault = OutputFault(path("b.exr"));
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_NE(fault.find("Too many open files"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("ulimit -n"), std::string::npos) << fault;
+}
 
 TEST_F(OutputFile, ANewFileIsMadeAndAnOldOneReplacedWithItsMode) {
   EXPECT_EQ(write("a", "one"), "");
