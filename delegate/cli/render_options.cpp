@@ -81,11 +81,19 @@ std::string noise_text(const hd::Dictionary& stats) {
   };
   const double error = percent("error.relativeRmse");
   if (!(error >= 0) || std::isinf(error)) return {};
-  char text[160];
-  std::snprintf(text, sizeof text, "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel%s",
-                error, percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0),
+  const double low = percent("error.low"), high = percent("error.high");
+  const auto is_known = stats.find("error.isKnown");
+  char noise[120], after[80];
+  if (is_known == stats.end() || is_known->second.get_or(true))
+    std::snprintf(noise, sizeof noise, "%.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low,
+                  high, high / low);
+  else if (low > 0)
+    std::snprintf(noise, sizeof noise, "not known, at least %.2f %% relative RMSE (few samples found much light)", low);
+  else
+    std::snprintf(noise, sizeof noise, "not known (no sample differs from another)");
+  std::snprintf(after, sizeof after, " after %.0f samples per pixel%s", stats.at("numCompletedSamples").number_or(0),
                 stats.contains("denoiser") ? ", before denoising" : "");
-  return text;
+  return std::string("noise: ") + noise + after;
 }
 
 }  // namespace alabaster::cli

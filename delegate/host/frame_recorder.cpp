@@ -334,6 +334,7 @@ class Recording {
     if (options_.progress && pass->GetState() != PassState::failed) options_.progress(progress());
     pass.reset();
     warn_of_empty_pixels();
+    warn_of_missed_target();
   }
 
   // An interrupted picture is marked incomplete anyway.
@@ -348,6 +349,12 @@ class Recording {
              " pixels have none, and AOV sampleCount is 0 there. Blocks of pixels without any sample are transparent "
              "(alpha 0); other such pixels show the sample in the upper left corner of their block. Raise the time "
              "limit, or render fewer pixels"});
+  }
+
+  void warn_of_missed_target() const {
+    const auto message = result_.stats.find("target.message");
+    if (message == result_.stats.end() || !succeeded() || !options_.diagnostics) return;
+    options_.diagnostics({Severity::warning, "record.targetError", settings_.str(), message->second.text_or("")});
   }
 
   RecordProgress progress() const {
