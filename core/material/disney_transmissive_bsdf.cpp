@@ -1,5 +1,7 @@
 #include "core/material/disney_transmissive_bsdf.h"
 
+#include "core/material/directional_albedo.h"
+
 namespace alabaster {
 namespace {
 
@@ -28,7 +30,8 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyPara
     : wo_(wo), thin_(p.thin), near_(p, wo, energy) {
   if (!(wo.z > 0)) return;
   const float dielectric = (1 - p.metallic) * near_.passed_layers(wo);
-  clear_ = dielectric * p.spec_trans;
+  const float share = dielectric * p.spec_trans;
+  reflects_ = passes_ = share;
   diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
   const Ggx ggx = disney_ggx(p.specular_roughness(), p.anisotropic);
   if (thin_) {
@@ -37,13 +40,34 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const Vec3f& wo, const DisneyPara
   } else {
     solid_ = {DielectricBoundary::from(p, eta, square_root(p.base_color)), ggx};
   }
+  if (p.is_widened() && share > 0) [[unlikely]]
+    keep_boundary_albedo(p, eta);
   const float near = near_.weight(),
-              clear = clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
+              clear = share * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
               beyond = choice_weight(diffuse_beyond_), total = near + clear + beyond;
   if (!(total > 0)) return;
   p_near_ = chance_of(near, total);
   p_beyond_ = chance_of(beyond, total);
   p_clear_ = p_beyond_ > 0 ? chance_of(clear, total) : 1 - p_near_;
+}
+
+// White light along wo leaves a solid's boundary with the share that facets of the material's own roughness give it,
+// both ways together: to keep each way's would trap light inside, where own facets reflect totally and widened ones
+// send light that entered by other angles. A sheet's way through is not widened.
+void DisneyTransmissiveBsdf::keep_boundary_albedo(const DisneyParameters& p, float eta) {
+  if (p.iridescence > 0) return;  // the colours of a film change with the angle
+  const auto albedo = [&](float roughness) {
+    const Ggx ggx = disney_ggx(roughness, p.anisotropic);
+    return dielectric_albedo(wo_.z, std::sqrt(ggx.alpha_x * ggx.alpha_y), eta);
+  };
+  const DielectricAlbedo own = albedo(p.roughness), widened = albedo(p.least_roughness);
+  if (!(widened.reflected > 0)) return;
+  if (thin_) {
+    reflects_ *= own.reflected / widened.reflected;
+  } else {
+    const float kept = (own.reflected + own.passed) / (widened.reflected + widened.passed);
+    reflects_ *= kept, passes_ *= kept;
+  }
 }
 
 bool DisneyTransmissiveBsdf::scatters_beyond() const {
@@ -65,9 +89,10 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   }
   if (p_clear_ > 0) {
     const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
-    sum.f += value.f * clear_;
+    const Rgb f = value.f * (wi.z > 0 ? reflects_ : passes_);
+    sum.f += f;
     sum.pdf += value.pdf * p_clear_;
-    if (specular) *specular += value.f * clear_;
+    if (specular) *specular += f;
   }
   return sum;
 }
@@ -90,7 +115,7 @@ std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec
     const float straight = at_boundary([&](const auto& lobe) { return lobe.chance_of_straight(wo_); });
     if (u_choice < straight) {
       const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
-      return BsdfSample{Lobe::straight, -wo_, passed * clear_, p_clear_ * straight};
+      return BsdfSample{Lobe::straight, -wo_, passed * passes_, p_clear_ * straight};
     }
     wi = at_boundary([&](const auto& lobe) { return lobe.sample(wo_, u_choice, u); });
   } else if (p_beyond_ > 0) {
