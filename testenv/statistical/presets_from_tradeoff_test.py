@@ -16,7 +16,7 @@ class FromTradeoff(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         self.presets = pathlib.Path(self.folder.name) / "presets.json"
         self.presets.write_text(json.dumps({"presets": [
-            {"name": "draft", "settings": {"subsurface": "auto", "adaptive": True, "samples": 512, "targetError": 0.3}},
+            {"name": "draft", "settings": {"subsurface": "walk", "adaptive": True, "samples": 512, "targetError": 0.3}},
             {"name": "production", "settings": {"subsurface": "walk", "samples": 1000, "targetError": 0.03}}]}))
 
     def report(self, name, draft_bias2=0.16, low=0.1, rungs=(1, 4, 16, 64), adaptive="true"):
