@@ -28,8 +28,8 @@ float mean_ggx_albedo(float alpha);
 struct DielectricAlbedo {
   float reflected, passed;
 };
-/// cosine > 0; `eta`: the index of the far side over that of the near side, in [1/4, 4]. Within 0.01 where the angle is
-/// not near that of total reflection.
+/// cosine > 0; `eta`: the index of the far side over that of the near side, in [1/4, 4]. Within 0.02, and within 0.06
+/// at angles of total reflection.
 DielectricAlbedo dielectric_albedo(float cosine, float alpha, float eta);
 
 /// Burley's clearcoat of strength 1, within 1e-3.
