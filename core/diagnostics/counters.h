@@ -29,10 +29,9 @@ struct RenderCounters {
   uint64_t camera_rays = 0;
   uint64_t bounce_rays = 0;
   uint64_t shadow_rays = 0;
-  uint64_t walk_rays = 0;      // segments of subsurface walks that were traced
-  uint64_t probe_rays = 0;     // of normalized diffusion, and of the test for thick bodies
-  uint64_t probe_hits = 0;     // surfaces that they met
-  uint64_t lambert_exits = 0;  // walks that Lambert's diffuse replaced because a pixel shows no difference
+  uint64_t walk_rays = 0;   // segments of subsurface walks that were traced
+  uint64_t probe_rays = 0;  // of normalized diffusion, and of the test for thick bodies
+  uint64_t probe_hits = 0;  // surfaces that they met
   uint64_t walks = 0;
   uint64_t walk_events = 0;        // scattering events
   uint64_t walk_sphere_steps = 0;  // jumps through the interior: each stands for many events
@@ -64,7 +63,6 @@ struct RenderCounters {
     walk_rays += o.walk_rays;
     probe_rays += o.probe_rays;
     probe_hits += o.probe_hits;
-    lambert_exits += o.lambert_exits;
     walks += o.walks;
     walk_events += o.walk_events;
     walk_sphere_steps += o.walk_sphere_steps;

@@ -135,7 +135,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   path.ray = context.camera.generate_ray(*film, {u[0], u[1]});
   if (dot(at.ng, path.ray.dir) >= 0) return std::nullopt;
   if (context.camera_interiors && !context.camera_interiors->of(context, path.ray).empty()) return std::nullopt;
-  if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(path.ray.dir);
+  if (keeps_footprints(context)) path.footprint.cone = context.camera.pixel_cone(path.ray.dir);
   TriangleHit hit;
   ++context.counters.bounce_rays;
   if (!ends_at(context, sampler, landed, dot(at.p - path.ray.org, path.ray.dir), &path, &hit)) return std::nullopt;
@@ -153,7 +153,7 @@ std::optional<LightLanding> show_landing(const PathContext& context, const Pixel
   second.depth = 1;
   second.footprint = path.footprint;
   second.hollows = path.hollows;
-  if (keeps_footprints<kMode>(context)) second.footprint.scatter(value.pdf);
+  if (keeps_footprints(context)) second.footprint.scatter(value.pdf);
   second.go_on(x.departure.flat, dir);
   second.scatter_pdf = value.pdf * static_cast<float>(kPathsPerSample);
   second.light_path_ratio = light_path_ratio_from(context, x, path, second);
@@ -338,8 +338,6 @@ LightPathTracer tracer_of(SubsurfaceMode mode) {
       return trace_light_path<SubsurfaceMode::walk>;
     case SubsurfaceMode::diffusion:
       return trace_light_path<SubsurfaceMode::diffusion>;
-    case SubsurfaceMode::automatic:
-      return trace_light_path<SubsurfaceMode::automatic>;
     case SubsurfaceMode::lambert:
       break;
   }

@@ -69,8 +69,8 @@ constexpr float kRouletteBelow = 0.125f;
 
 // Unbiased: survivors carry the weight of the ended. `draw` gives the random number, where one is needed.
 template <class Draw>
-bool survives_roulette(const PathContext& context, const Draw& draw, PathState* path) {
-  if (path->depth < context.settings.roulette_depth) return true;
+bool survives_roulette(const Draw& draw, PathState* path) {
+  if (path->depth == 0) return true;
   float throughput = max_component(path->throughput);
   // Radiance in a medium is larger by its index squared, and the throughput of a path that enters it smaller.
   if (!path->interiors.empty()) throughput *= sqr(path->interiors.index());
@@ -93,7 +93,7 @@ bool scatter_at_surface(const PathContext& context, const PathVertex& v, const B
 
 template <bool kLayers, class Draw>
 bool survives(const PathContext& context, const Draw& draw, PathState* path) {
-  if (!is_black(path->throughput) && survives_roulette(context, draw, path)) return true;
+  if (!is_black(path->throughput) && survives_roulette(draw, path)) return true;
   if (PathRecord* record = record_of<kLayers>(context)) record->end("throughput is black, or roulette ended it");
   return false;
 }
@@ -145,7 +145,7 @@ bool enter_below(const PathContext& context, const PixelSampler& sampler, const 
       context, sampler, path,
       [&](const PixelSampler& branch_sampler, PathState* branch) {
         if (!continue_below<kMode, kLayers>(context, branch_sampler, below, branch)) return false;
-        if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
+        if (keeps_footprints(context)) branch->footprint.scatter(branch->scatter_pdf);
         return true;
       },
       [&](const Rgb& light, const WalkLayers& walk) { split->add_below(light, walk); });
@@ -199,7 +199,7 @@ void split_by_lobes(const PathContext& context, const PixelSampler& sampler, Lob
         choice = {};
         const auto u = branch_sampler.draw(Dimension::bsdf, 0);
         if (!continue_by_lobe<kMode, kLayers>(context, branch_sampler, u, at, branch, &choice)) return false;
-        if (keeps_footprints<kMode>(context)) branch->footprint.scatter(branch->scatter_pdf);
+        if (keeps_footprints(context)) branch->footprint.scatter(branch->scatter_pdf);
         // The directions of all paths compete with each sampled light. The footprint is that of one.
         if (choice.lobe == Lobe::subsurface) return true;
         branch->scatter_pdf *= kPathsPerSample;
@@ -322,7 +322,7 @@ void follow_path(const PathContext& context, const PixelSampler& sampler, PathSt
 
     // Sample direct light and the next ray, at the surface or below it.
     if (!continue_path<kMode, kMeshLights, kLayers>(context, sampler, vertex, numbers, path, split)) return;
-    if (keeps_footprints<kMode>(context)) path->footprint.scatter(path->scatter_pdf);
+    if (keeps_footprints(context)) path->footprint.scatter(path->scatter_pdf);
     is_vertex = true;
   }
 }
@@ -337,7 +337,7 @@ FilmSample trace_path(const PathContext& context, const Ray& camera_ray, const P
   if (context.aovs & kGuideAovs) path.guides = &out;
   if (context.camera_interiors) [[unlikely]]
     path.interiors = context.camera_interiors->of(context, camera_ray);
-  if (keeps_footprints<kMode>(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
+  if (keeps_footprints(context)) path.footprint.cone = context.camera.pixel_cone(camera_ray.dir);
   LayerSplit split;
   follow_path<kMode, kMeshLights, kLayers>(context, sampler, &path, &out, kLayers ? &split : nullptr);
 
@@ -362,8 +362,6 @@ PathIntegrator select_variant(const SceneFeatures& features, const IntegratorSet
       return select_for_lights<SubsurfaceMode::walk, kLayers>(features);
     case SubsurfaceMode::diffusion:
       return select_for_lights<SubsurfaceMode::diffusion, kLayers>(features);
-    case SubsurfaceMode::automatic:
-      return select_for_lights<SubsurfaceMode::automatic, kLayers>(features);
     case SubsurfaceMode::lambert:
       break;
   }

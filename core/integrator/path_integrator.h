@@ -21,13 +21,11 @@ enum class SubsurfaceMode {
   walk,       // path-traced random walk, with the shortcuts that pay
   reference,  // the walk without any shortcut: the yardstick
   diffusion,  // Burley's profile over the distance between entry and exit
-  automatic,  // Lambert where a pixel cannot show the difference, the walk elsewhere
 };
 
 /// The part of a render's settings that paths read. core/session/render_settings.h has the defaults.
 struct IntegratorSettings {
-  uint32_t max_depth;       // bounces between surfaces; 1 = direct light only; a subsurface walk counts as one
-  uint32_t roulette_depth;  // bounces before roulette may end a path
+  uint32_t max_depth;  // bounces between surfaces; 1 = direct light only; a subsurface walk counts as one
   SubsurfaceMode subsurface;
   AlbedoInversion inversion;
   WalkSettings walk;

@@ -11,7 +11,7 @@ namespace alabaster {
 
 /// The width of the bundle of paths that one path stands for where it meets a surface: from the camera all paths of its
 /// pixel, after a lobe a solid angle 1/pdf about the sampled direction (as in path differentials, Suykens and Willems
-/// 2001). Kept in mode `auto`, and where textures or gloss are filtered.
+/// 2001). Kept where textures or gloss are filtered.
 struct Footprint {
   PixelCone cone;
 

@@ -21,24 +21,22 @@ inline bool trace(const PathContext& context, const PixelSampler& sampler, PathS
   return found;
 }
 
-template <SubsurfaceMode kMode>
-bool keeps_footprints(const PathContext& context) {
-  return kMode == SubsurfaceMode::automatic || context.settings.texture_filter > 0 ||
-         context.settings.glossy_filter > 0;
+inline bool keeps_footprints(const PathContext& context) {
+  return context.settings.texture_filter > 0 || context.settings.glossy_filter > 0;
 }
 
 /// True if the path came to the vertex through the medium and goes on in it. A diffusion profile has no way through the
 /// medium, only ways into it.
 template <SubsurfaceMode kMode>
 bool goes_on_within_medium(const PathVertex& v, const PathState& path) {
-  if constexpr (kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic) return is_within_medium(v, path);
+  if constexpr (kMode == SubsurfaceMode::walk) return is_within_medium(v, path);
   return false;
 }
 
 /// The surface where the path's ray ends. The wall of a body that is seen from inside through air is a thin sheet.
 template <SubsurfaceMode kMode>
 PathVertex find_vertex(const PathContext& context, const TriangleHit& hit, PathState* path) {
-  if (keeps_footprints<kMode>(context)) path->footprint.travel(hit.t);
+  if (keeps_footprints(context)) path->footprint.travel(hit.t);
   PathVertex vertex =
       make_vertex(context, path->ray, hit, context.settings.texture_filter * path->footprint.cone.width);
   if (context.settings.glossy_filter > 0 && path->depth > 0) [[unlikely]]

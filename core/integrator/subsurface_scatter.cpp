@@ -8,7 +8,6 @@
 #include "core/material/disney_layers.h"
 #include "core/sampling/warp.h"
 #include "core/subsurface/body.h"
-#include "core/subsurface/lambert_limit.h"
 #include "core/subsurface/normalized_diffusion.h"
 
 namespace alabaster {
@@ -43,12 +42,6 @@ std::optional<SubsurfaceExit> carry(const PathContext& context, const PixelSampl
   if constexpr (kMode == SubsurfaceMode::diffusion) {
     SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path.depth);
     return NormalizedDiffusion{}.carry(body, entry, numbers, context.counters);
-  }
-  if (kMode == SubsurfaceMode::automatic && !entry.within) {
-    // The rung has numbers of its own: the walk must not depend on the choice.
-    SubsurfaceNumbers rung(sampler, Dimension::subsurface_rung, path.depth);
-    const LambertLimit limit{context.settings.inversion, path.footprint.cone.width};
-    if (const auto exit = limit.carry(body, entry, rung, context.counters)) return exit;
   }
   SubsurfaceNumbers numbers(sampler, Dimension::subsurface, path.depth);
   return RandomWalk{context.settings.walk, context.record ? context.record->walk() : nullptr, twin}.carry(
@@ -251,8 +244,6 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
 template bool scatter_below_surface<SubsurfaceMode::walk>(const PathContext&, const PixelSampler&, const VertexBelow&,
                                                           PathState*);
 template bool scatter_below_surface<SubsurfaceMode::diffusion>(const PathContext&, const PixelSampler&,
-                                                               const VertexBelow&, PathState*);
-template bool scatter_below_surface<SubsurfaceMode::automatic>(const PathContext&, const PixelSampler&,
                                                                const VertexBelow&, PathState*);
 
 void drop_unresolved_distances(PathVertex* v) {

@@ -44,9 +44,8 @@ bool scatter_below_surface(const PathContext& context, const PixelSampler& sampl
 /// True where walks have twins in a half-space, a control variate (core/subsurface/random_walk.md).
 template <SubsurfaceMode kMode>
 bool has_twins(const PathContext& context, const DisneyParameters& material) {
-  constexpr bool kWalks = kMode == SubsurfaceMode::walk || kMode == SubsurfaceMode::automatic;
   constexpr float kOverflows = 1e30f;  // beyond, a drawn distance may be infinite
-  return kWalks && context.settings.walk.twins && material.scatter_anisotropy == 0 &&
+  return kMode == SubsurfaceMode::walk && context.settings.walk.twins && material.scatter_anisotropy == 0 &&
          max_component(material.scatter_distance) < kOverflows;
 }
 

@@ -7,6 +7,7 @@
 #include "core/material/disney_clearcoat.h"
 #include "core/material/disney_diffuse.h"
 #include "core/material/disney_sheen.h"
+#include "core/material/fresnel.h"
 
 namespace alabaster {
 namespace {
@@ -191,6 +192,32 @@ FacetShapes& facet_shapes() {
   return shapes;
 }
 
+// Indices are spaced so that those of both sides of a boundary are alike.
+constexpr float kLeastPlaceOfEta = 0.2f;
+float eta_at(float y) {
+  const float place = lerp(kLeastPlaceOfEta, 1 - kLeastPlaceOfEta, y);
+  return place / (1 - place);
+}
+float place_of_eta(float eta) {
+  return (eta / (1 + eta) - kLeastPlaceOfEta) / (1 - 2 * kLeastPlaceOfEta);
+}
+
+// By visible normals, as integrate_ggx().
+Vec2f integrate_dielectric(float cosine, float alpha, float eta) {
+  const Vec3f wo = direction(cosine);
+  const Ggx ggx{alpha, alpha};
+  return mean_over_square<24, 8>([&](const Vec2f& u) {
+    const float rest = 1 - u.x, weight = 3 * rest * rest;
+    const Vec3f wm = ggx.sample(wo, {1 - rest * rest * rest, u.y});
+    const float cos_d = dot(wo, wm);
+    if (!(cos_d > 0)) return Vec2f(0, 0);
+    const float fresnel = fresnel_dielectric(cos_d, eta);
+    const auto left = [&](const Vec3f& wi) { return wi.z > 0 ? weight * wi.z * ggx.g1_over_cos(wi) : 0; };
+    const Vec3f through = wm * (cos_d / eta - cosine_refracted(cos_d, eta)) - wo / eta;
+    return Vec2f(fresnel * left(reflect_about(wo, wm)), (1 - fresnel) * left({through.x, through.y, -through.z}));
+  });
+}
+
 }  // namespace
 
 GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx) {
@@ -214,6 +241,19 @@ float mean_ggx_albedo(const Ggx& ggx) {
     return sum;
   });
   return table.at({place_of_alpha(ggx.alpha_x)});
+}
+
+DielectricAlbedo dielectric_albedo(float cosine, float alpha, float eta) {
+  constexpr float kSmooth = 0.01f;  // Fresnel's equations change too fast for a table
+  if (alpha < kSmooth) {
+    const float fresnel = fresnel_dielectric(cosine, eta);
+    return {fresnel, 1 - fresnel};
+  }
+  static const AlbedoTable<Vec2f, 24, 16, 24> table([](const std::array<float, 3>& at) {
+    return integrate_dielectric(cosine_at(at[0]), alpha_at(at[1]), eta_at(at[2]));
+  });
+  const Vec2f value = table.at({place_of(cosine), place_of_alpha(alpha), place_of_eta(eta)});
+  return {value.x, value.y};
 }
 
 float clearcoat_albedo(float cosine, float gtr1_alpha) {

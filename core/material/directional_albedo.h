@@ -24,6 +24,15 @@ GgxAlbedo ggx_albedo(const Vec3f& wo, const Ggx& ggx);
 /// The cosine-weighted mean of the white albedo over the hemisphere.
 float mean_ggx_albedo(const Ggx& ggx);
 
+/// The shares of white light that the facets of a clear boundary reflect and let through (DisneyDielectric): together
+/// 1, less the share that they shadow.
+struct DielectricAlbedo {
+  float reflected, passed;
+};
+/// cosine > 0; `eta`: the index of the far side over that of the near side, in [1/4, 4]. Within 0.02, and within 0.06
+/// at angles of total reflection.
+DielectricAlbedo dielectric_albedo(float cosine, float alpha, float eta);
+
 /// Burley's clearcoat of strength 1, within 1e-3.
 float clearcoat_albedo(float cosine, float gtr1_alpha);
 /// Burley's sheen of colour 1, within 1e-4.

@@ -24,8 +24,6 @@ const char* lobe_name(Lobe lobe) {
 DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel energy)
     : wo_(wo), base_color_(p.base_color), specular_(DisneySpecular::from(p)), energy_(energy) {
   if (!(wo.z > 0)) return;
-  if (p.is_widened()) [[unlikely]]
-    keep_specular_albedo(p);
   nonmetal_ = 1 - p.metallic;
   dielectric_ = nonmetal_ * (1 - p.spec_trans);
   stays_ = 1 - 0.5f * p.diff_trans;
@@ -35,6 +33,8 @@ DisneyBsdf::DisneyBsdf(const DisneyParameters& p, const Vec3f& wo, EnergyModel e
   layers_ = DisneyLayers::of(p);
   if (p.sheen > 0 && !fibrous()) sheen_.color = sheen_hue(p) * (p.sheen * dielectric_);
   clearcoat_ = DisneyClearcoat::from(p.clearcoat, p.clearcoat_gloss, p.least_roughness);
+  if (p.least_roughness > 0) [[unlikely]]
+    keep_albedos(p);
 
   if (is_bounded()) bound_energy(p);
 

@@ -97,7 +97,7 @@ class DisneyBsdf {
   bool coated() const { return layers_ && layers_->coated(); }
 
   // disney_energy.cpp
-  void keep_specular_albedo(const DisneyParameters& parameters);
+  void keep_albedos(const DisneyParameters& parameters);
   void bound_energy(const DisneyParameters& parameters);
   void add_several_facets();
   /// Directions of at least this cosine keep all shares, by a bound that costs less than the albedos themselves; more

@@ -28,6 +28,19 @@ float lambert_under_coat(float k) {
   return both / ((1 - k * (0.04f + 0.96f * f)) * (1 - 0.5f * f));
 }
 
+// The lobe reflects of the light along `w` what it would with facets of `own`.
+void keep_albedo_of(const Ggx& own, const Vec3f& w, DisneySpecular* lobe) {
+  if (lobe->film.share > 0 || !(w.z > 0)) return;  // a film's colours are no function of a reflectance above 1
+  DisneySpecular narrow = *lobe;
+  narrow.ggx = own;
+  const Rgb kept = albedo_of(narrow, w), widened = albedo_of(*lobe, w);
+  for (int c = 0; c < 3; ++c) {
+    if (!(widened[c] > 0)) continue;
+    lobe->f0[c] *= kept[c] / widened[c];
+    lobe->f90[c] *= kept[c] / widened[c];
+  }
+}
+
 float over(float room, float share) {
   return share > 0 ? std::max(0.0f, room) / share : 0;
 }
@@ -36,15 +49,15 @@ float over(float room, float share) {
 
 // Facets that are rougher than the material's reflect as much of the light along wo as the material's would: their
 // Fresnel factor alone makes a grazing mirror brighter than a rough one.
-void DisneyBsdf::keep_specular_albedo(const DisneyParameters& p) {
-  if (specular_.film.share > 0) return;  // its colours are no function of a reflectance above 1
-  DisneySpecular own = specular_;
-  own.ggx = disney_ggx(p.roughness, p.anisotropic);
-  const Rgb kept = albedo_of(own, wo_), widened = albedo_of(specular_, wo_);
-  for (int c = 0; c < 3; ++c) {
-    if (!(widened[c] > 0)) continue;
-    specular_.f0[c] *= kept[c] / widened[c];
-    specular_.f90[c] *= kept[c] / widened[c];
+void DisneyBsdf::keep_albedos(const DisneyParameters& p) {
+  if (p.is_widened()) keep_albedo_of(disney_ggx(p.roughness, p.anisotropic), wo_, &specular_);
+  if (coated()) {
+    const float alpha = std::max(kMinAlpha, sqr(p.coat_roughness));
+    keep_albedo_of({alpha, alpha}, layers_->coat.frame.to_local(wo_), &layers_->coat.layer);
+  } else if (clearcoat_.strength > 0) {
+    const float widened = clearcoat_albedo(wo_.z, clearcoat_.gtr1.alpha);
+    const float own = clearcoat_albedo(wo_.z, DisneyClearcoat::from(1, p.clearcoat_gloss).gtr1.alpha);
+    if (widened > 0) clearcoat_.strength *= own / widened;
   }
 }
 

@@ -1,5 +1,7 @@
 #include "core/material/disney_transmissive_bsdf.h"
 
+#include "core/material/directional_albedo.h"
+
 namespace alabaster {
 namespace {
 
@@ -36,7 +38,8 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     : wo_(wo), thin_(p.thin), layered_(layered), near_(layered == Layered::far ? without_layers(p) : p, wo, energy) {
   if (!(wo.z > 0)) return;
   const float dielectric = 1 - p.metallic;
-  clear_ = dielectric * p.spec_trans;
+  const float share = dielectric * p.spec_trans;
+  reflects_ = passes_ = share;
   diffuse_beyond_ = p.diff_trans_color * (dielectric * (1 - p.spec_trans) * 0.5f * p.diff_trans);
   if (layered != Layered::both && near_.is_bounded() && !is_black(diffuse_beyond_) && has_layers(p))
     other_side_.emplace(layered == Layered::far ? p : without_layers(p), wo, energy);
@@ -48,8 +51,10 @@ DisneyTransmissiveBsdf::DisneyTransmissiveBsdf(const DisneyParameters& p, const 
     solid_ = {DielectricBoundary::from(p, side.eta, square_root(p.base_color), side.inside), ggx};
     if (layered == Layered::far) solid_.boundary.layers_beyond = DisneyLayers::of(p);
   }
+  if (p.is_widened() && share > 0) [[unlikely]]
+    keep_boundary_albedo(p, side.eta);
   const float passed = near_.passed_layers(wo), near = near_.weight(),
-              clear = passed * clear_ * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
+              clear = passed * share * choice_weight(at_boundary([&](const auto&lobe) { return lobe.albedo(wo); })),
               beyond = passed * choice_weight(diffuse_beyond_), total = near + clear + beyond;
   if (!(total > 0)) return;
   p_near_ = chance_of(near, total);
@@ -67,6 +72,25 @@ float DisneyTransmissiveBsdf::left_by_layers(const Vec3f& wi, LayerFactor over) 
 
 Rgb DisneyTransmissiveBsdf::kept_beyond(const Vec3f& wi) const {
   return (other_side_ ? lesser(near_.kept(wo_), other_side_->kept(-wi)) : near_.kept_towards(-wi)).base;
+}
+
+// White light along wo leaves a solid's boundary with the share that facets of the material's own roughness give it,
+// both ways together: to keep each way's would trap light inside, where own facets reflect totally and widened ones
+// send light that entered by other angles. A sheet's way through is not widened.
+void DisneyTransmissiveBsdf::keep_boundary_albedo(const DisneyParameters& p, float eta) {
+  if (p.iridescence > 0) return;  // the colours of a film change with the angle
+  const auto albedo = [&](float roughness) {
+    const Ggx ggx = disney_ggx(roughness, p.anisotropic);
+    return dielectric_albedo(wo_.z, std::sqrt(ggx.alpha_x * ggx.alpha_y), eta);
+  };
+  const DielectricAlbedo own = albedo(p.roughness), widened = albedo(p.least_roughness);
+  if (!(widened.reflected > 0)) return;
+  if (thin_) {
+    reflects_ *= own.reflected / widened.reflected;
+  } else {
+    const float kept = (own.reflected + own.passed) / (widened.reflected + widened.passed);
+    reflects_ *= kept, passes_ *= kept;
+  }
 }
 
 bool DisneyTransmissiveBsdf::scatters_beyond() const {
@@ -88,7 +112,7 @@ BsdfValue DisneyTransmissiveBsdf::evaluate(const Vec3f& wi, Rgb* specular) const
   }
   if (p_clear_ > 0) {
     const BsdfValue value = at_boundary([&](const auto& lobe) { return lobe.evaluate(wo_, wi); });
-    const float share = clear_ * left_by_layers(wi, &DisneyLayers::over_clear);
+    const float share = (wi.z > 0 ? reflects_ : passes_) * left_by_layers(wi, &DisneyLayers::over_clear);
     sum.f += value.f * share;
     sum.pdf += value.pdf * p_clear_;
     if (specular) *specular += value.f * share;
@@ -114,7 +138,7 @@ std::optional<BsdfSample> DisneyTransmissiveBsdf::sample(float u_lobe, const Vec
     const float straight = at_boundary([&](const auto& lobe) { return lobe.chance_of_straight(wo_); });
     if (u_choice < straight) {
       const Rgb passed = at_boundary([&](const auto& lobe) { return lobe.boundary.shares(wo_.z).passed; });
-      const float share = clear_ * left_by_layers(-wo_, &DisneyLayers::over_clear);
+      const float share = passes_ * left_by_layers(-wo_, &DisneyLayers::over_clear);
       return BsdfSample{Lobe::straight, -wo_, passed * share, p_clear_ * straight};
     }
     wi = at_boundary([&](const auto& lobe) { return lobe.sample(wo_, u_choice, u); });

@@ -53,6 +53,8 @@ class DisneyTransmissiveBsdf {
   /// The share that is kept of light that is scattered from wi, on the far side, to wo.
   Rgb kept_beyond(const Vec3f& wi) const;
 
+  void keep_boundary_albedo(const DisneyParameters& parameters, float eta);
+
   /// f(lobe) of the clear boundary: the solid one or the sheet.
   template <class F>
   auto at_boundary(const F& f) const {
@@ -66,8 +68,8 @@ class DisneyTransmissiveBsdf {
   std::optional<DisneyBsdf> other_side_;  // where energy is bounded there by other lobes
   DisneyDielectric solid_;
   DisneyThinDielectric sheet_;
-  float clear_ = 0;           // share of the clear boundary
-  Rgb diffuse_beyond_{0.0f};  // colour of the diffuse light on the other side
+  float reflects_ = 0, passes_ = 0;  // shares of the clear boundary's two lobes: alike but for widened sheets
+  Rgb diffuse_beyond_{0.0f};         // colour of the diffuse light on the other side
   // Probabilities of the three parts; sum to one, or are all zero.
   float p_near_ = 0, p_clear_ = 0, p_beyond_ = 0;
 };

@@ -13,11 +13,9 @@ std::span<const SettingParameter> setting_parameters() {
       {"seed", &S::seed, 0, 4294967295.0},
       {"frame", &S::frame, 0, 4294967295.0},
       {"maxDepth", &S::max_depth, 0, 1024},
-      {"rouletteDepth", &S::roulette_depth, 0, 1024},
       {"threads", &S::threads, 0, 4096},
-      {"subsurface", &S::subsurface, 0, 0, {"lambert", "walk", "reference", "diffusion", "auto"}},
-      {"inversion", &S::inversion, 0, 0, {"chiang2016", "exact", "vanDeHulst"}},
-      {"walkWeights", &S::walk_weights, 0, 0, {"throughput", "throughputTimesAlbedo"}},
+      {"subsurface", &S::subsurface, 0, 0, {"lambert", "walk", "reference", "diffusion"}},
+      {"inversion", &S::inversion, 0, 0, {"chiang2016", "exact"}},
       {"walkGuiding", &S::walk_guiding},
       {"walkSphereSteps", &S::walk_sphere_steps},
       {"energy", &S::energy, 0, 0, {"burley2015", "bounded", "conserving"}},
@@ -34,10 +32,8 @@ std::span<const SettingParameter> setting_parameters() {
 
 IntegratorSettings integrator_settings(const RenderSettings& s) {
   const bool shortcuts = s.subsurface != SubsurfaceMode::reference;
-  IntegratorSettings out{s.max_depth, s.roulette_depth, s.subsurface,     s.inversion,
-                         {},          s.energy,         s.texture_filter, s.glossy_filter};
+  IntegratorSettings out{s.max_depth, s.subsurface, s.inversion, {}, s.energy, s.texture_filter, s.glossy_filter};
   if (!shortcuts) out.glossy_filter = 0;
-  out.walk.weights = s.walk_weights;
   out.walk.guiding = shortcuts && s.walk_guiding;
   out.walk.twins = shortcuts;
   out.light_paths = shortcuts && out.glossy_filter == 0;  // filtered gloss has no fireflies

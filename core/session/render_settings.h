@@ -21,12 +21,10 @@ struct RenderSettings {
   float time_limit = 0;    // seconds from start() to the last sample (schemas/render_settings.json); 0: no limit
   uint32_t seed = 0;
   uint32_t frame = 0;
-  uint32_t max_depth = 8;       // bounces between surfaces; a subsurface walk counts as one
-  uint32_t roulette_depth = 1;  // bounces after which roulette may end a path: changes noise and time, adds no bias
-  uint32_t threads = 0;         // 0: all
+  uint32_t max_depth = 8;  // bounces between surfaces; a subsurface walk counts as one
+  uint32_t threads = 0;    // 0: all
   SubsurfaceMode subsurface = SubsurfaceMode::walk;
   AlbedoInversion inversion = AlbedoInversion::exact;
-  WalkWeights walk_weights = WalkSettings().weights;
   bool walk_guiding = WalkSettings().guiding;
   bool walk_sphere_steps = WalkSettings().sphere_steps;
   uint32_t texture_memory = 4096;  // MiB of texels in memory (core/texture/texel_store.h); read by who loads textures
@@ -41,8 +39,7 @@ struct RenderSettings {
   bool operator==(const RenderSettings&) const = default;
 };
 
-using SettingParameter =
-    Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, WalkWeights, EnergyModel, PixelFilter>;
+using SettingParameter = Parameter<RenderSettings, SubsurfaceMode, AlbedoInversion, EnergyModel, PixelFilter>;
 /// schemas/render_settings.json.
 std::span<const SettingParameter> setting_parameters();
 

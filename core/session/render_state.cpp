@@ -12,9 +12,9 @@ namespace {
 
 // The members of counters, but for the first sample that was not finite.
 auto members_of(RenderCounters& c) {
-  static_assert(sizeof(RenderCounters) == 25 * sizeof(uint64_t) + 16, "a new counter belongs here, too");
-  return std::tie(c.camera_rays, c.bounce_rays, c.shadow_rays, c.walk_rays, c.probe_rays, c.probe_hits, c.lambert_exits,
-                  c.walks, c.walk_events, c.walk_sphere_steps, c.walk_exits, c.walk_roulette_ends, c.walk_lost,
+  static_assert(sizeof(RenderCounters) == 24 * sizeof(uint64_t) + 16, "a new counter belongs here, too");
+  return std::tie(c.camera_rays, c.bounce_rays, c.shadow_rays, c.walk_rays, c.probe_rays, c.probe_hits, c.walks,
+                  c.walk_events, c.walk_sphere_steps, c.walk_exits, c.walk_roulette_ends, c.walk_lost,
                   c.walk_safety_cap, c.rejected_rays, c.nonfinite_samples, c.nonfinite_causes[0], c.nonfinite_causes[1],
                   c.nonfinite_causes[2], c.nonfinite_causes[3], c.nonfinite_causes[4], c.nonfinite_causes[5], c.samples,
                   c.max_walk_weight, c.walk_lost_energy);
@@ -31,9 +31,9 @@ struct Head {
   uint32_t ended = 0, kept = 0, has_rates = 0, has_nonfinite = 0;
   SampleAddress first_nonfinite;
   double wall_seconds = 0, cpu_seconds = 0;
-  uint64_t counters[25] = {};
+  uint64_t counters[24] = {};
 };
-static_assert(std::is_trivially_copyable_v<Head> && sizeof(Head) == 16 + 8 + 16 + 16 + 16 + 16 + 200);
+static_assert(std::is_trivially_copyable_v<Head> && sizeof(Head) == 16 + 8 + 16 + 16 + 16 + 16 + 192);
 
 std::span<std::byte> bytes_of(Head& head) {
   return std::as_writable_bytes(std::span(&head, 1));

@@ -134,7 +134,10 @@ void RenderSession::Render::show_begin(const RenderProgress& before) {
   progress.scene_number = request.scene ? request.scene->number : 0;
   progress.pixels = pixels;
   progress.samples_done = before.samples_done;
-  progress.samples_total = pixels * (request.settings.samples - std::min(request.settings.samples, first));
+  uint32_t most = request.settings.samples;
+  // Most frames with a target end long before their cap. The first estimate of the error tells more.
+  if (request.settings.target_error > 0 && !before.noise.known) most = std::min(most, 8 * kPilotSamples);
+  progress.samples_total = pixels * (most - std::min(most, first));
   progress.passes_done = before.passes_done;
   progress.cpu_seconds = before.cpu_seconds;
   progress.counters = before.counters;

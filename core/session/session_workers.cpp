@@ -1,5 +1,6 @@
 #include <tbb/task_arena.h>
 
+#include <bit>
 #include <new>
 #include <optional>
 #include <thread>
@@ -230,9 +231,13 @@ NoiseImage RenderSession::Render::measure_noise(uint32_t samples) {
   progress.noise = error;
   progress.noise_samples = progress.samples_done;
   noise_is_known = true;
-  if (settings.target_error > 0 && error.known)
+  if (settings.target_error > 0 && error.known) {
+    // Groups that have ended take no more.
+    const auto groups = static_cast<uint64_t>(kPixelGroups - std::popcount(stopping.ended()));
+    const uint32_t needed = samples_for_error(samples, settings.samples, error.relative_rmse, settings.target_error);
     progress.samples_total =
-        progress.pixels * samples_for_error(samples, settings.samples, error.relative_rmse, settings.target_error);
+        progress.samples_done + progress.pixels * groups / kPixelGroups * (std::max(needed, samples) - samples);
+  }
   return noise;
 }
 

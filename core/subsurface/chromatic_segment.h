@@ -6,19 +6,12 @@
 
 namespace alabaster {
 
-/// Probabilities of the channels, not normalised.
+/// Probabilities of the channels, not normalised: w ~ T.
 struct ChannelChoice {
   ChannelValues weights;
   double sum = 0;
 
-  ChannelChoice(const WalkMedium& medium, const ChannelValues& throughput, WalkWeights scheme) : weights(throughput) {
-    if (scheme == WalkWeights::throughput_times_albedo) {
-      for (size_t c = 0; c < 3; ++c) weights[c] *= medium.alpha[c];
-      // Where nothing scatters the paper's weights vanish, yet light crosses a thin body: then w ~ T.
-      if (!(sum_of(weights) >= std::numeric_limits<float>::min())) weights = throughput;
-    }
-    sum = sum_of(weights);
-  }
+  explicit ChannelChoice(const ChannelValues& throughput) : weights(throughput), sum(sum_of(weights)) {}
 
   /// `u` is left uniform on [0, 1), independent of the choice.
   size_t draw(float* u_channel) const {
@@ -39,13 +32,13 @@ struct ChannelChoice {
 /// estimators of all channels share it by the balance heuristic. The pdf of scattering at t is sum_c w_c p_c(t); the
 /// probability of passing a surface at t is sum_c w_c exp(-sigma_c t).
 ///
-/// Paper's weights, w ~ T alpha: the sum of T after a scatter equals the sum of T alpha before it. w ~ T: the sum of T
-/// never grows, neither by a scatter nor by an exit. Neither pdf can underflow: the chosen channel's exp(-sigma t) is
-/// at least 2^-24, the smallest number that it was drawn from.
+/// With w ~ T the sum of T never grows, neither by a scatter nor by an exit; with the paper's w ~ T alpha it grows at
+/// exits. The pdf cannot underflow: the chosen channel's exp(-sigma t) is at least 2^-24, the smallest number that it
+/// was drawn from.
 class ChromaticSegment {
  public:
-  ChromaticSegment(const WalkMedium& medium, const ChannelValues& throughput, WalkWeights weights)
-      : medium_(medium), throughput_(throughput), choice_(medium, throughput, weights) {}
+  ChromaticSegment(const WalkMedium& medium, const ChannelValues& throughput)
+      : medium_(medium), throughput_(throughput), choice_(throughput) {}
 
   /// World distance to the next event; infinite if the chosen channel has no extinction.
   float sample_distance(Vec2f u) const {

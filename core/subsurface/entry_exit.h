@@ -1,5 +1,5 @@
 // Subsurface entries and exits: every carrier of light through a body is asked where light that enters here comes out.
-// A carrier (RandomWalk, NormalizedDiffusion, LambertLimit) is a small struct of settings with
+// A carrier (RandomWalk, NormalizedDiffusion) is a small struct of settings with
 //
 //   std::optional<SubsurfaceExit> carry(const SubsurfaceBody&, const SubsurfaceEntry&, SubsurfaceNumbers&,
 //                                       RenderCounters&) const;

@@ -79,7 +79,6 @@ inline Vec3f direction_at(const Frame& frame, double cosine, float u) {
 struct GuidedState {
   const WalkMedium& medium;
   const WalkGuide& guide;
-  WalkWeights weights;
 };
 
 class GuidedSegment {
@@ -87,7 +86,7 @@ class GuidedSegment {
   GuidedSegment(const GuidedState& state, const ChannelValues& throughput)
       : state_(state),
         throughput_(throughput),
-        choice_(state.medium, throughput, state.weights),
+        choice_(throughput),
         shares_(state.guide.shares(state.medium.modes, throughput)) {}
 
   /// World distance to the next event; infinite if the chosen channel has no extinction. Chooses the direction, too,
@@ -166,7 +165,7 @@ class GuidedSegment {
 /// (random_walk.md). The plain technique lands uniformly, the guided ones with density ~ exp(+-kappa mu radius), as the
 /// light that the landing point will bring out. Returns the direction and updates the throughput.
 inline Vec3f guided_jump(const GuidedState& state, double radius, ChannelValues* throughput, std::array<float, 4> u) {
-  const ChannelChoice choice(state.medium, *throughput, state.weights);
+  const ChannelChoice choice(*throughput);
   const GuideShares shares = state.guide.shares(state.medium.modes, *throughput);
   const size_t chosen = choice.draw(&u[2]);
   const GuideTechnique technique = draw_technique(shares, chosen, u[2]);

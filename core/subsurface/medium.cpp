@@ -52,7 +52,8 @@ double similarity_correction(double a, double g) {
   return 1 + g * a * (1 - a) * numerator / denominator;
 }
 
-/// The root in [0,1] of 0.139 s^2 - (1.139 + 1.17 A) s + (1 - A) = 0, in the form that does not cancel.
+/// Van de Hulst (1980): A = (1-s)(1-.139 s)/(1+1.17 s), s = sqrt(1-alpha). This is s^2 for the root in [0,1] of
+/// 0.139 s^2 - (1.139 + 1.17 A) s + (1 - A) = 0, in the form that does not cancel.
 double invert_van_de_hulst(double a) {
   const double b = 1.139 + 1.17 * a;
   const double s = 2 * (1 - a) / (b + std::sqrt(b * b - 4 * 0.139 * (1 - a)));
@@ -68,9 +69,6 @@ double one_minus_alpha(double albedo, AlbedoInversion inversion, double g) {
   switch (inversion) {
     case AlbedoInversion::chiang2016:
       alike = invert_chiang2016(a);
-      break;
-    case AlbedoInversion::van_de_hulst:
-      alike = std::min(invert_van_de_hulst(a), 1.0);
       break;
     case AlbedoInversion::exact: {
       const double s = exact_s(a) * similarity_correction(a, g);

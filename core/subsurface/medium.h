@@ -8,17 +8,16 @@ namespace alabaster {
 
 /// The inversion from albedo A to the single-scattering albedo alpha.
 enum class AlbedoInversion {
-  chiang2016,    // the paper's eq. 1: obtains 0.926 at A = 1
-  exact,         // rational fit of the inverse of Chandrasekhar's H-function result, and of the transport equation's at
-                 // g != 0: within 2e-8 of the albedo asked at g = 0, within 2e-5 of it at any g
-  van_de_hulst,  // A = (1-s)(1-.139 s)/(1+1.17 s), s = sqrt(1-alpha)
+  chiang2016,  // the paper's eq. 1: obtains 0.926 at A = 1
+  exact,       // rational fit of the inverse of Chandrasekhar's H-function result, and of the transport equation's at
+               // g != 0: within 2e-8 of the albedo asked at g = 0, within 2e-5 of it at any g
 };
 
 /// g beyond this is clamped: the albedo inversion was fitted and measured up to here.
 inline constexpr double kMaxScatterAnisotropy = 0.9;
 
 /// 1 - alpha for A in [0,1] and Henyey-Greenstein g in [-0.9, 0.9] (both clamped; NaN -> 0). The complement is carried
-/// because alpha = 1 - 2e-9 has no float. Only `exact` knows g: chiang2016 and van_de_hulst are inversions for
+/// because alpha = 1 - 2e-9 has no float. Only `exact` covers g: chiang2016 is an inversion for
 /// isotropic scattering, which g turns into the medium alike by similarity, alpha' = alpha (1-g) / (1 - alpha g) (van
 /// de Hulst 1980, chapter 14). That alone is off by up to 0.003 in A for g > 0, by up to 0.026 for g < 0.
 double one_minus_alpha(double albedo, AlbedoInversion inversion, double g = 0);

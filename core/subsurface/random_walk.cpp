@@ -40,12 +40,11 @@ WalkBeginning begin_walk(const SubsurfaceBody& body, const SubsurfaceEntry& entr
 }
 
 // A walk that was mirrored into the body cannot be followed: the twin goes one segment along the lobe's direction.
-void part_at_entry(const WalkBeginning& beginning, const WalkMedium& medium, WalkWeights weights,
-                   const SubsurfaceNumbers& numbers) {
+void part_at_entry(const WalkBeginning& beginning, const WalkMedium& medium, const SubsurfaceNumbers& numbers) {
   ChannelValues throughput = beginning.start.throughput;
   for (size_t c = 0; c < 3; ++c)
     if (!medium.medium.active[c]) throughput[c] = 0;
-  const ChromaticSegment segment(medium, throughput, weights);
+  const ChromaticSegment segment(medium, throughput);
   const float t = segment.sample_distance({numbers.first()[2], numbers.first()[3]});
   beginning.start.twin->follow(segment, beginning.lobe, t, true);
 }
@@ -108,7 +107,7 @@ std::optional<SubsurfaceExit> RandomWalk::carry(const SubsurfaceBody& body, cons
   if (twin && beginning.start.to_light == Vec3f(0, 0, 0)) {
     follower.emplace(entry.ns, *entry.medium);
     beginning.start.twin = &*follower;
-    if (beginning.lobe != beginning.start.direction) part_at_entry(beginning, *entry.medium, settings.weights, numbers);
+    if (beginning.lobe != beginning.start.direction) part_at_entry(beginning, *entry.medium, numbers);
   }
   const auto walk = [&](auto tracer) {
     if (!record) return run_walk(tracer, beginning.start, *entry.medium, used, numbers, counters);

@@ -1,8 +1,8 @@
 // Path-traced subsurface scattering: Chiang, Kutz, Burley 2016, sections 2 and 3. random_walk.md has the theory.
 //
 // A walk enters through a cosine lobe, scatters by the Henyey-Greenstein phase function, and leaves where a segment
-// meets the end of the medium. Distances are sampled for one channel, chosen in proportion to the throughput (times
-// alpha in the paper's own weights); the balance heuristic combines the channels' estimators (one-sample MIS). Roulette
+// meets the end of the medium. Distances are sampled for one channel, chosen in proportion to the throughput (the
+// paper: times alpha); the balance heuristic combines the channels' estimators (one-sample MIS). Roulette
 // on the largest channel ends walks: unbiased, without a bounce cap. A safety cap of 1e6 events guards against broken
 // geometry and is counted.
 #pragma once
@@ -15,13 +15,7 @@
 
 namespace alabaster {
 
-enum class WalkWeights {
-  throughput,               // w ~ T: bounded throughput in every geometry; the default
-  throughput_times_albedo,  // w ~ T alpha: the paper's
-};
-
 struct WalkSettings {
-  WalkWeights weights = WalkWeights::throughput;
   bool guiding = true;       // Dwivedi guiding, where it pays; affects noise only
   bool sphere_steps = true;  // jumps through the interior, where they pay; their bias is below 3e-4 of the albedo
   bool twins = true;         // the integrator asks for RandomWalk::twin; affects noise only

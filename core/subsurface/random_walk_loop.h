@@ -164,9 +164,9 @@ class WalkLoop {
 
   Segment make_segment() const {
     if constexpr (kShortcuts.guiding)
-      return Segment(GuidedState{medium_, guide_, settings_.weights}, throughput_);
+      return Segment(GuidedState{medium_, guide_}, throughput_);
     else
-      return Segment(medium_, throughput_, settings_.weights);
+      return Segment(medium_, throughput_);
   }
 
   float sample(Segment& segment) {
@@ -230,7 +230,7 @@ class WalkLoop {
   bool jump(double radius) {
     const auto u = numbers_.of_event(events_);
     if constexpr (kShortcuts.guiding) {
-      return leap(guided_jump({medium_, guide_, settings_.weights}, radius, &throughput_, u), radius);
+      return leap(guided_jump({medium_, guide_}, radius, &throughput_, u), radius);
     } else {
       const Vec3f direction = phase_.sample(direction_, {u[0], u[1]});
       for (size_t c = 0; c < 3; ++c) throughput_[c] *= x_over_sinh(medium_.modes.kappa[c] * radius);

@@ -124,12 +124,11 @@ class MaterialMedia {
  public:
   MaterialMedia(const Rgb& albedo, const Rgb& scatter_distance, float g)
       : media_{make_medium(albedo, scatter_distance, AlbedoInversion::chiang2016, g),
-               make_medium(albedo, scatter_distance, AlbedoInversion::exact, g),
-               make_medium(albedo, scatter_distance, AlbedoInversion::van_de_hulst, g)} {}
+               make_medium(albedo, scatter_distance, AlbedoInversion::exact, g)} {}
   const WalkMedium& operator[](AlbedoInversion inversion) const { return media_[static_cast<size_t>(inversion)]; }
 
  private:
-  std::array<WalkMedium, 3> media_;  // in the order of AlbedoInversion
+  std::array<WalkMedium, 2> media_;  // in the order of AlbedoInversion
 };
 
 }  // namespace alabaster

@@ -1,6 +1,7 @@
 #include <optional>
 
 #include "delegate/c_api/functions.h"
+#include "delegate/c_api/scene_prims.h"
 #include "delegate/c_api/values.h"
 
 namespace alabaster::hd::c_api {
@@ -103,6 +104,7 @@ AlabasterStatus delegate_create(const AlabasterDelegateOptions* given, Alabaster
     data->reports = std::make_shared<Reports>(in.report, in.user);
     DelegateOptions options;
     options.settings = reader.dictionary({in.settings, in.setting_count}, "settings");
+    refuse_retired(options.settings);
     options.diagnostics = sink_of(data->reports);
     reader.take();
     if (const auto ocio = options.settings.find("ocio"); ocio != options.settings.end())
@@ -131,6 +133,7 @@ AlabasterStatus set_setting(AlabasterDelegate* handle, const char* key, const Al
     ValueReader reader(value);
     const std::shared_ptr<DelegateData> data = required(handle, "delegate").data;
     const Value read = reader.value(required(value, "value"), &required(key, "key"));
+    refuse_retired({{key, read}});
     reader.take();
     const HostLock lock(*data);
     data->delegate->SetRenderSetting(key, read);

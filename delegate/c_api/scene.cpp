@@ -276,6 +276,7 @@ AlabasterStatus set_parameter(AlabasterScene* handle, const char* path, const ch
       scene.SetCamera(id, std::move(camera));
     } else if (scene.GetAllRenderSettings().contains(id)) {
       auto settings = scene.GetAllRenderSettings().at(id);
+      refuse_retired({{key, value}});
       put(settings.settings, key, value);
       scene.SetRenderSettings(id, std::move(settings));
     } else {

@@ -1,5 +1,7 @@
 #include "delegate/c_api/scene_prims.h"
 
+#include "delegate/support/retired_settings.h"
+
 namespace alabaster::hd::c_api {
 namespace {
 
@@ -129,6 +131,12 @@ host::CameraDescription read_camera(const AlabasterCamera* given, ValueReader& r
   return camera;
 }
 
+void refuse_retired(const Dictionary& settings) {
+  for (const auto& [key, value] : settings)
+    if (const std::string fault = support::RetiredSetting(key, value.text_or("")); !fault.empty())
+      throw bad_argument(fault);
+}
+
 RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* given, ValueReader& reader) {
   const auto in = sized(given, "render settings");
   RenderSettingsDescription settings;
@@ -141,6 +149,7 @@ RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* gi
   if (!crop.empty()) settings.crop = crop;
   settings.frame = in.frame;
   settings.settings = reader.dictionary({in.settings, in.setting_count}, "settings");
+  refuse_retired(settings.settings);
   return settings;
 }
 

@@ -14,6 +14,8 @@ host::InstancerDescription read_instancer(const AlabasterInstancer* instancer, V
 MaterialNetwork read_material(const Path& id, const AlabasterMaterial* material, ValueReader& reader);
 host::LightDescription read_light(const AlabasterLight* light, ValueReader& reader);
 host::CameraDescription read_camera(const AlabasterCamera* camera, ValueReader& reader);
+/// Throws where a setting, or its value, has been removed.
+void refuse_retired(const Dictionary& settings);
 RenderSettingsDescription read_render_settings(const AlabasterRenderSettings* settings, ValueReader& reader);
 
 }  // namespace alabaster::hd::c_api

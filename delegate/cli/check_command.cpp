@@ -77,7 +77,7 @@ int run_check(const CheckArguments& a) {
   if (seconds.value_or(0) == 0)
     return console.usage_error("--time-limit", "'" + a.time_limit + "' is not a number of seconds above 0.");
   const Deadline deadline(*seconds, a.scene);
-  const int code = check(a, &console);
+  const int code = console.final_code(check(a, &console));
   if (code == kDone) console.note(a.scene + ": can be rendered");
   return code;
 }

@@ -34,6 +34,9 @@ class Console {
   void end_progress();
   /// The last error that was reported; its texts are empty if there was none.
   hd::Diagnostic last_error() const;
+  /// kRender where memory was refused: neither the scene nor the command is at fault, whatever it was refused to and
+  /// whether or not the run went on without it. Else `code`.
+  int final_code(int code) const;
 
  private:
   void show(const hd::Diagnostic& diagnostic);
@@ -46,6 +49,7 @@ class Console {
   size_t counts_[3] = {0, 0, 0}, unshown_[3] = {0, 0, 0};  // of messages, by severity
   int tenths_shown_ = -1;
   hd::Diagnostic last_error_;
+  bool memory_refused_ = false;
 };
 
 }  // namespace alabaster::cli

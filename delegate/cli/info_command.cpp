@@ -147,7 +147,8 @@ int run_info(const InfoArguments& arguments) {
   if (const int code = check_arguments(arguments, &console); code != kDone) return code;
   SceneSession session;
   const hd::description::LoadOptions options = load_options(arguments);
-  if (!session.load(arguments.scene, options, console.sink())) return load_failure(console.last_error(), options);
+  if (!session.load(arguments.scene, options, console.sink()))
+    return console.final_code(load_failure(console.last_error(), options));
   if (!session.choose_colors("", console.sink())) return kInput;
   if (const auto size = parse_size(arguments.size)) resize(&session, *size);
   print_geometry(session.scene);
@@ -165,7 +166,7 @@ int run_info(const InfoArguments& arguments) {
   std::printf("requires:\n%s%s", requirements.c_str(), requirements.ends_with('\n') ? "" : "\n");
   std::printf("peak memory so far: %.1f MB\n", double(hd::support::peak_memory_bytes()) / 1e6);
   std::fflush(stdout);
-  if (const int code = session.scene_faults(); code != kDone) return code;
+  if (const int code = session.scene_faults(); code != kDone) return console.final_code(code);
   const auto target = parse_target_error(arguments.predict);
   return target ? print_prediction(&session, &console, spent, *target) : kDone;
 }

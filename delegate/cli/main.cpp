@@ -36,7 +36,8 @@ constexpr SettingFlag kSettingFlags[] = {
      "End when the noise of the picture as rendered, before any denoising, is below this relative RMSE (0.02 is two "
      "per cent), or at --spp samples per pixel if that comes first"},
     {"--time-limit", "timeLimit", "S",
-     "End after this many seconds of rendering, or at --spp samples per pixel if that comes first. A pixel that has no "
+     "End after this many seconds of rendering, loading before not counted, or at --spp samples per pixel (65536 "
+     "unless given) if that comes first. A pixel that has no "
      "sample by then may take its first one up to half a second later. If pixels are left without a sample, a warning, "
      "the statistics and the EXR (pixelsWithoutSample) tell how many; AOV sampleCount is 0 there, and blocks of pixels "
      "without any sample have alpha 0. Denoising comes after the limit"},
@@ -48,7 +49,7 @@ constexpr SettingFlag kSettingFlags[] = {
      "auto, on or off: lights and a backdrop around the objects. auto adds them to a scene without light, and the "
      "backdrop only if it has no camera either; on replaces the scene's lights; off adds a soft dome to a scene "
      "without light"},
-    {"--inversion", "inversion", "NAME", "chiang2016, exact or vanDeHulst"},
+    {"--inversion", "inversion", "NAME", "chiang2016 or exact"},
     {"--memory-limit", "memoryLimit", "MIB",
      "Memory for the scene and the frame: more is refused. Default: three quarters of what the program "
      "may use"},

@@ -69,13 +69,17 @@ class MergeCommand {
     int code = plan();
     if (code != kDone) return code;
     if (!session_.start(console_.sink())) return kRender;
-    if (a_.outputs.empty()) return tell();
-    code = check_all_there();
+    code = a_.outputs.empty() ? tell() : merge();
+    return console_.final_code(code);
+  }
+
+ private:
+  int merge() {
+    int code = check_all_there();
     if (code == kDone) code = describe(a_.parts);
     return code == kDone ? write() : code;
   }
 
- private:
   int plan() {
     RenderArguments products;
     products.outputs = a_.outputs;

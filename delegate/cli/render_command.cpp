@@ -31,10 +31,10 @@ class RenderCommand {
     int code = check_arguments();
     if (code == kDone) code = load();
     if (code == kDone && a_.pixel.empty()) code = plan_products();
-    if (code != kDone) return code;
+    if (code != kDone) return console_.final_code(code);
     if (!session_.start(console_.sink())) return kRender;
-    if (!a_.pixel.empty()) return trace_pixel();
-    code = render();
+    if (!a_.pixel.empty()) return console_.final_code(trace_pixel());
+    code = console_.final_code(render());
     const int stats_code = write_stats(code);
     if ((code == kDone || code == kDegraded) && stats_code != kDone) code = stats_code;
     if (code == kDone || code == kDegraded) summarize();

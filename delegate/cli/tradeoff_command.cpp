@@ -76,7 +76,7 @@ class TradeoffCommand {
     if (code == kDone) code = load();
     if (code == kDone) code = open_store();
     if (code == kDone) code = choose_identity();
-    if (code != kDone) return code;
+    if (code != kDone) return console_.final_code(code);
     std::string problem;
     const StudyOutcome outcome = run_study(list_, budget_, &store_, hooks(), &problem);
     if (outcome == StudyOutcome::output_failed) console_.error("tradeoff", problem);
@@ -106,8 +106,9 @@ class TradeoffCommand {
 
   int open_store() {
     std::vector<std::string> reports;
-    for (const char* ending : {".csv", ".json", ".md", ".svg", ".png"})
-      reports.push_back((folder_ / "tradeoff").string() + ending);
+    for (const char* name :
+         {"tradeoff.csv", "tradeoff.json", "tradeoff.md", "tradeoff.svg", "tradeoff.png", "pictures.png"})
+      reports.push_back((folder_ / name).string());
     if (const std::string problem = input_overwritten(reports, session_, a_.scene); !problem.empty())
       return console_.usage_error("-o", problem);
     const std::string problem = store_.open(folder_ / "state", a_.restart);
@@ -263,8 +264,13 @@ class TradeoffCommand {
       return kInput;
     }
     if (result->rows.empty()) return nothing_measured(outcome);
-    const tradeoff::ReportContext context{command_line(), store_.identity, scene_size_.x,
-                                          scene_size_.y,  store_.spent,    outcome == StudyOutcome::finished};
+    const tradeoff::ReportContext context{command_line(),
+                                          render_command(),
+                                          store_.identity,
+                                          scene_size_.x,
+                                          scene_size_.y,
+                                          store_.spent,
+                                          outcome == StudyOutcome::finished};
     std::vector<std::string> problems;
     set_writing(true);
     for (const std::string& file : write_report(*result, list_, context, folder_, &problems))
@@ -284,6 +290,13 @@ class TradeoffCommand {
     if (outcome == StudyOutcome::finished) return console_.usage_error("--budget", problem);
     console_.note("nothing to report yet; run the same command again to resume");
     return kInput;
+  }
+
+  /// The command for the frame that the study is about, to which flags are added.
+  std::string render_command() const {
+    std::string text = "alabaster render " + shell_path(a_.scene) + " -o frame.exr";
+    for (const std::string& entry : a_.overrides) text += " " + shell_word("--set=" + entry);
+    return text;
   }
 
   std::string command_line() const {

@@ -19,8 +19,26 @@ bool is_too_deep(const std::string& text) {
   });
 }
 
+/// JSON has digits on both sides of a point and no plus sign; people write .1, 1. and +1.
+std::string with_all_digits(const std::string& text) {
+  const auto digit_at = [&](size_t i) { return i < text.size() && text[i] >= '0' && text[i] <= '9'; };
+  std::string out;
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"' && (i == 0 || text[i - 1] != '\\')) quoted = !quoted;
+    const bool point = c == '.' && !quoted, before = i > 0 && digit_at(i - 1), after = digit_at(i + 1);
+    if (c == '+' && !quoted && (i == 0 || text[i - 1] == '[' || text[i - 1] == ',')) continue;
+    if (point && !before && after) out += '0';
+    out += c;
+    if (point && before && !after) out += '0';
+  }
+  return out;
+}
+
 json json_or_text(const std::string& text) {
   json value = json::parse(text, nullptr, false);
+  if (value.is_discarded()) value = json::parse(with_all_digits(text), nullptr, false);
   return value.is_discarded() ? json(text) : value;
 }
 
@@ -51,7 +69,7 @@ json patch_for(const std::string& place, json value, std::string* error) {
 
 std::optional<double> to_number(const std::string& text) {
   if (is_too_deep(text)) return std::nullopt;
-  const json value = json::parse(text, nullptr, false);
+  const json value = json_or_text(text);
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 

@@ -5,6 +5,7 @@
 
 #include "delegate/description/name_match.h"
 #include "delegate/description/render_description.h"
+#include "delegate/support/retired_settings.h"
 #include "delegate/support/schema_text.h"
 
 namespace alabaster::hd::description {
@@ -150,9 +151,15 @@ class Checker {
       if (of_child) {
         find_unknown_keys(child, *of_child, place);
       } else if (value.is_object() && !known.empty()) {
-        fail("description.key.unknown", place, "Unknown key '" + shortened(key) + "'." + suggestion(key, known));
+        const std::string retired = retired_text(pointer, key, "");
+        fail("description.key.unknown", place,
+             retired.empty() ? "Unknown key '" + shortened(key) + "'." + suggestion(key, known) : retired);
       }
     }
+  }
+
+  static std::string retired_text(const std::string& pointer, const std::string& key, const std::string& value) {
+    return pointer == "/settings" ? support::RetiredSetting(key, value) : std::string();
   }
 
   // The validator names a violation and everything that contains it, and every alternative that failed. This keeps the
@@ -204,6 +211,11 @@ class Checker {
            "'" + key + "' is missing." + (wanted ? " " + wanted->value("description", "") : ""));
       return;
     }
+    if (violation.steps.size() == 2 && value->is_string())
+      if (const std::string retired =
+              retired_text("/" + violation.steps[0], violation.steps[1], value->get<std::string>());
+          !retired.empty())
+        return fail("description.value", pointer, retired);
     fail("description.value", pointer,
          shortened(*value) + " is not valid" +
              (schema ? ": expected " + expectation(*schema) + ". " + schema->value("description", "") : "."));

@@ -20,8 +20,9 @@ Dictionary product_metadata(const RenderDelegate& delegate, const Dictionary& st
   Dictionary m;
   m["capDate"] = utc_now();
   m["alabaster/camera"] = camera.str();
+  // Threads change no picture: that of one machine and that of a farm's parts are the same file.
   for (const RenderSettingDescriptor& setting : delegate.GetRenderSettingDescriptors())
-    m["alabaster/" + setting.key.str()] = delegate.GetRenderSetting(setting.key);
+    if (setting.key != Token("threads")) m["alabaster/" + setting.key.str()] = delegate.GetRenderSetting(setting.key);
   const std::pair<const char*, const char*> kept[] = {{"samplesDone", "numCompletedSamples"},
                                                       {"pixelsWithoutSample", "pixelsWithoutSample"},
                                                       {"error/relativeRmse", "error.relativeRmse"},

@@ -49,8 +49,13 @@ bool needs_full_precision(const AovInfo& aov) {
   return aov.value == AovValue::exact || aov.value == AovValue::distance;
 }
 
+/// Counts of samples. OpenImageIO reads integers as shares of their largest, so that a count of 64 became 1.5e-08.
+bool is_count(const AovInfo& aov) {
+  return aov.is_integer() && aov.source == AovSource::samples;
+}
+
 ChannelStore exr_store(const AovInfo& aov, const RenderVar& var, ChannelStore product_store) {
-  const bool wants_float = var.dataType == Token("float");
+  const bool wants_float = var.dataType == Token("float") || (is_count(aov) && var.dataType.str().empty());
   if (aov.is_integer()) return wants_float ? ChannelStore::float32 : ChannelStore::uint32;
   return wants_float || needs_full_precision(aov) ? ChannelStore::float32 : product_store;
 }
@@ -150,8 +155,9 @@ std::vector<RenderVar> WantedVars(const RenderProduct& product) {
 
 RenderVar UsualRenderVar(const std::string& aov) {
   const AovInfo* known = find_aov(aov);
-  const char* type = !known ? "half" : known->is_integer() ? "int" : needs_full_precision(*known) ? "float" : "half";
-  return {aov, aov, type};
+  if (!known) return {aov, aov, "half"};
+  const bool is_float = is_count(*known) || needs_full_precision(*known);
+  return {aov, aov, is_float ? "float" : known->is_integer() ? "int" : "half"};
 }
 
 std::string window_fault(const ProductPlan& plan, const Rect2i& window) {

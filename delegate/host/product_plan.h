@@ -9,9 +9,9 @@ namespace alabaster::hd::host {
 /// One channel of the file. The usual names are those of kAovs (core/film/aov.h) and delegate/README.md.
 /// A RenderVar whose name is not its AOV's gives a layer: name.R, name.Z, ...; for ids and counts the name alone.
 /// Z is the distance along the view in world units, 1e10 where nothing was hit (as Cycles writes it). depth.Z is
-/// Hydra's clip depth, 0 near to 1 far. Depths and sample counts are never half. Ids are uint32, and -1 (nothing hit)
-/// becomes 4294967295. With data type "float" ids are float32: -1 stays -1, and ids are exact up to 2^24. Half would
-/// merge neighbouring ids.
+/// Hydra's clip depth, 0 near to 1 far. Depths and counts of samples are float32 (uint32 with data type "int"). Ids are
+/// uint32, and -1 (nothing hit) becomes 4294967295. With data type "float" ids are float32: -1 stays -1, and ids are
+/// exact up to 2^24. Half would merge neighbouring ids.
 struct PlannedChannel {
   std::string name;
   Token aov;

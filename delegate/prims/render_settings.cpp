@@ -1,12 +1,16 @@
 #include "core/session/render_settings.h"
 #include "delegate/prims/parameters.h"
 #include "delegate/prims/prims.h"
+#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::prims {
 
 DirtyBits RenderSettingsPrim::post_record(SceneDelegate& scene, SceneParam& param, DirtyBits bits) {
   if (!(bits & (dirty::kParams | dirty::kDescription))) return dirty::kClean;
   const RenderSettingsDescription description = scene.GetRenderSettings(GetId());
+  for (const auto& [key, value] : description.settings)
+    if (const std::string fault = support::RetiredSetting(key, value.text_or("")); !fault.empty())
+      alabaster::report(param.sink(), alabaster::Severity::error, "settings.retired", GetId().str(), fault);
   // Images are read before the settings' record is: Sprims are synced after Bprims, records at CommitResources.
   RenderSettings settings;
   for (const SettingParameter& row : setting_parameters())

@@ -10,6 +10,7 @@
 #include "delegate/prims/scene_digest.h"
 #include "delegate/rendering/checkpoint_header.h"
 #include "delegate/support/output_file.h"
+#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::rendering {
 namespace {
@@ -198,7 +199,12 @@ bool CheckpointReader::read_header() {
   if (!next(kMostHeaderBytes, &block)) return false;
   const std::string fault =
       parse_checkpoint_header({reinterpret_cast<const char*>(block.data()), block.size()}, &held_, &header_);
-  return fault.empty() || fail(fault);
+  if (!fault.empty()) return fail(fault);
+  for (const auto& [name, value] : member(header_, "settings").items())
+    if (const std::string retired = support::RetiredSetting(name, value.is_string() ? value.get<std::string>() : "");
+        !retired.empty())
+      return fail("it is of an earlier version of Alabaster and cannot go on; render its frame again. " + retired);
+  return true;
 }
 
 bool CheckpointReader::take(void* out, size_t size) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "delegate/rendering/render_pass.h"
+#include "delegate/support/retired_settings.h"
 
 namespace alabaster::hd::rendering {
 namespace {
@@ -26,6 +27,8 @@ RenderCore::RenderCore(std::shared_ptr<prims::SceneParam> scene_param, const Dic
 }
 
 void RenderCore::set_setting(const Token& key, const Value& value) {
+  if (const std::string fault = support::RetiredSetting(key.str(), value.text_or("")); !fault.empty())
+    return alabaster::report(param->sink(), alabaster::Severity::error, "settings.retired", "render settings", fault);
   {
     const std::lock_guard lock(mutex_);
     const auto held = settings_.find(key);
@@ -314,6 +317,16 @@ std::vector<std::shared_ptr<PassControl>> RenderCore::passes() const {
   for (const auto& weak : passes_)
     if (auto pass = weak.lock()) alive.push_back(std::move(pass));
   return alive;
+}
+
+void RenderCore::keep_stats_of_last_pass(Dictionary stats) {
+  const std::lock_guard lock(mutex_);
+  last_pass_stats_.swap(stats);
+}
+
+Dictionary RenderCore::stats_of_last_pass() const {
+  const std::lock_guard lock(mutex_);
+  return last_pass_stats_;
 }
 
 // Halts the passes, or has them start again once nothing stops them.

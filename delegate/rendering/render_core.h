@@ -80,6 +80,8 @@ class RenderCore {
   // Passes and background control (any thread).
   void add_pass(const std::shared_ptr<PassControl>& pass);
   std::vector<std::shared_ptr<PassControl>> passes() const;
+  void keep_stats_of_last_pass(Dictionary stats);
+  Dictionary stats_of_last_pass() const;
   void stop();
   void restart();
   void hold_stopped(int change);  // 1: one more hold, -1: one less
@@ -107,7 +109,8 @@ class RenderCore {
   std::shared_ptr<const RenderRequest> last_request_;
   std::weak_ptr<PassControl> last_pass_;
   std::vector<std::weak_ptr<PassControl>> passes_;
-  std::mutex denoiser_mutex_;  // guards what follows, while the library is loaded, too
+  Dictionary last_pass_stats_;  // of a pass that is gone
+  std::mutex denoiser_mutex_;   // guards what follows, while the library is loaded, too
   std::shared_ptr<const Denoiser> denoiser_;
   std::string denoiser_problem_;
 

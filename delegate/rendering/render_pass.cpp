@@ -420,6 +420,7 @@ RenderPassImpl::~RenderPassImpl() {
   prims::guarded(core_->param->sink(), "render pass", [&] {
     control_->retire();
     control_->halt();
+    core_->keep_stats_of_last_pass(pass_stats(*control_));
   });
 }
 

@@ -116,6 +116,9 @@ class PassControl : public std::enable_shared_from_this<PassControl> {
   std::atomic<bool> stale_{false};  // a newer scene than that of running_ is being built, or Execute has not seen it
 };
 
+/// The part of GetRenderStats that is a pass's own, to be kept when the pass is gone.
+Dictionary pass_stats(const PassControl& pass);
+
 class RenderPassImpl final : public RenderPass {
  public:
   explicit RenderPassImpl(std::shared_ptr<RenderCore> core);

@@ -40,7 +40,6 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["rays.walk"] = count(c.walk_rays);
   s["rays.probe"] = count(c.probe_rays);
   s["probe.hits"] = count(c.probe_hits);
-  s["walk.lambert"] = count(c.lambert_exits);
   s["walk.count"] = count(c.walks);
   s["walk.events"] = count(c.walk_events);
   s["walk.exits"] = count(c.walk_exits);
@@ -100,7 +99,10 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
   Dictionary& s = *stats;
   const RenderProgress p = pass.progress();
   const uint64_t pixels = std::max(p.pixels, uint64_t(1));
-  s["state"] = std::string(state_name(pass.state()));
+  PassState state = pass.state();
+  // GetState changes at Execute alone. Readers of statistics need not execute: the last sample is the end.
+  if (state == PassState::rendering && p.state == SessionState::finished) state = PassState::converged;
+  s["state"] = std::string(state_name(state));
   const double fraction = pass.is_converged() ? 1.0 : p.fraction;
   s["fractionDone"] = fraction;
   s["percentDone"] = 100.0 * fraction;
@@ -152,7 +154,15 @@ void add_scene_faults(const RenderCore& core, Dictionary* stats) {
 
 }  // namespace
 
-// With several passes, the statistics are those of the pass that was created last.
+Dictionary pass_stats(const PassControl& pass) {
+  Dictionary stats;
+  add_progress(pass, &stats);
+  stats.erase("filmMemory");
+  return stats;
+}
+
+// With several passes, the statistics are those of the pass that was created last. Those of the last one that is gone
+// are kept until there is another.
 Dictionary RenderDelegateImpl::GetRenderStats() const {
   Dictionary stats;
   prims::guarded(core_->param->sink(), "GetRenderStats", [&] {
@@ -174,7 +184,8 @@ Dictionary RenderDelegateImpl::GetRenderStats() const {
     stats["sync.bvhWallSeconds"] = bvh.wall;
     stats["sync.commitSeconds"] = core_->commit_seconds();
     const auto passes = core_->passes();
-    if (!passes.empty()) add_progress(*passes.back(), &stats);
+    if (!passes.empty()) return add_progress(*passes.back(), &stats);
+    for (const auto& [key, value] : core_->stats_of_last_pass()) stats[key] = value;
   });
   return stats;
 }

@@ -11,7 +11,8 @@
 namespace alabaster::tradeoff {
 namespace {
 
-enum class Needs { nothing, subsurface };
+enum class Needs { nothing, subsurface, textures };
+enum class Measured { always, if_named };
 
 /// A value as written here: numbers for numbers, words for words, 0 and 1 for switches.
 using KnobValue = std::variant<int64_t, double, const char*, bool>;
@@ -20,6 +21,7 @@ struct Knob {
   const char* setting;
   KnobValue value;
   Needs needs = Needs::nothing;
+  Measured measured = Measured::always;
 };
 
 // The base is the most accurate configuration meant for pictures. Beyond 32 bounces no change is visible.
@@ -34,23 +36,18 @@ constexpr Knob kBase[] = {
 constexpr Knob kKnobs[] = {
     {"subsurface", "lambert", Needs::subsurface},
     {"subsurface", "diffusion", Needs::subsurface},
-    {"subsurface", "auto", Needs::subsurface},
     {"subsurface", "reference", Needs::subsurface},
-    {"glossyFilter", 0.5},
-    {"glossyFilter", 1.0},
     {"maxDepth", int64_t(2)},
     {"maxDepth", int64_t(4)},
     {"maxDepth", int64_t(8)},
     {"maxDepth", int64_t(16)},
     {"adaptive", true},
-    {"rouletteDepth", int64_t(1)},
-    {"rouletteDepth", int64_t(3)},
-    {"rouletteDepth", int64_t(1024)},
-    {"walkGuiding", false, Needs::subsurface},
-    {"walkSphereSteps", false, Needs::subsurface},
-    {"inversion", "chiang2016", Needs::subsurface},
-    {"inversion", "vanDeHulst", Needs::subsurface},
-    {"walkWeights", "throughputTimesAlbedo", Needs::subsurface},
+    {"glossyFilter", 0.5},
+    {"glossyFilter", 1.0},
+    {"textureFilter", 0.5, Needs::textures},
+    {"walkGuiding", false, Needs::subsurface, Measured::if_named},
+    {"walkSphereSteps", false, Needs::subsurface, Measured::if_named},
+    {"inversion", "chiang2016", Needs::subsurface, Measured::if_named},
 };
 
 constexpr int kCoarser[] = {1, 2};
@@ -59,6 +56,13 @@ constexpr int kCoarser[] = {1, 2};
 constexpr const char* kDecidedHere[] = {"samples", "seed", "targetError", "timeLimit", "denoise"};
 
 constexpr const char* kPresets = "quality";  // their group
+constexpr const char* kCoarserGroup = "refineLevel";
+
+bool is_if_named(const Configuration& configuration) {
+  return configuration.group == kCoarserGroup || std::any_of(std::begin(kKnobs), std::end(kKnobs), [&](const Knob& k) {
+           return k.measured == Measured::if_named && configuration.group == k.setting;
+         });
+}
 
 hd::Value value_of(const KnobValue& value) {
   return std::visit(
@@ -86,6 +90,12 @@ bool same(const hd::Value& a, const hd::Value& b) {
   return a.number_or(-1) == b.number_or(-1);
 }
 
+/// "maxDepth=4", "adaptive=true"
+std::string flag_text(const Knob& knob) {
+  const auto* on = std::get_if<bool>(&knob.value);
+  return std::string(knob.setting) + "=" + (!on ? text_of(knob.value) : *on ? "true" : "false");
+}
+
 class ListMaker {
  public:
   ListMaker(const SceneTraits& traits, const hd::Dictionary& scene_settings,
@@ -96,8 +106,7 @@ class ListMaker {
     base_.settings = scene_settings;
     for (const char* key : kDecidedHere) base_.settings.erase(key);
     for (const Knob& knob : kBase) base_.settings[knob.setting] = value_of(knob.value);
-    for (const char* spares :
-         {"adaptive", "walkGuiding", "walkSphereSteps", "walkWeights", "rouletteDepth", "glossyFilter"})
+    for (const char* spares : {"adaptive", "walkGuiding", "walkSphereSteps", "glossyFilter", "textureFilter"})
       base_.settings.erase(spares);
     base_.settings["maxDepth"] = std::max(kBaseDepth, static_cast<int64_t>(number("maxDepth")));
   }
@@ -108,9 +117,9 @@ class ListMaker {
     list_.reference.settings["subsurface"] = std::string("reference");
     list_.reference.settings["maxDepth"] = std::max(kReferenceDepth, static_cast<int64_t>(number("maxDepth")));
     list_.measured.push_back(base_);
+    for (const auto& preset : hd::description::QualityPresets()) add_preset(preset);
     for (const Knob& knob : kKnobs) add(knob);
     for (const int levels : kCoarser) add_coarser(levels);
-    for (const auto& preset : hd::description::QualityPresets()) add_preset(preset);
     return std::move(list_);
   }
 
@@ -136,10 +145,12 @@ class ListMaker {
     const std::string name = rung ? text_of(knob.value) : std::string(knob.setting) + "=" + text_of(knob.value);
     if (!find(knob.setting)) return;
     if (knob.needs == Needs::subsurface && !traits_.subsurface) return skip(name, "the scene has no subsurface");
+    if (knob.needs == Needs::textures && !traits_.textures) return skip(name, "the scene has no images");
     if (same(in_base(knob.setting), value_of(knob.value))) return;  // that is the base
     Configuration configuration = base_;
     configuration.name = name;
     configuration.group = knob.setting;
+    configuration.flags = rung ? "--subsurface " + name : "--set " + flag_text(knob);
     configuration.settings[knob.setting] = value_of(knob.value);
     list_.measured.push_back(std::move(configuration));
   }
@@ -153,14 +164,15 @@ class ListMaker {
                                   (traits_.refine_level == 1 ? " time" : " times"));
     Configuration configuration = base_;
     configuration.name = name;
-    configuration.group = "refineLevel";
+    configuration.group = kCoarserGroup;
     configuration.coarser = levels;
     list_.measured.push_back(std::move(configuration));
   }
 
   /// The scene as --quality renders it, but without the preset's limits on samples, error and time.
   void add_preset(const hd::description::QualityPreset& preset) {
-    Configuration configuration{kPresets + ("=" + preset.name), kPresets, scene_settings_, 0};
+    Configuration configuration{kPresets + ("=" + preset.name), kPresets, scene_settings_, 0,
+                                "--quality " + preset.name};
     for (const auto& [name, value] : preset.settings) configuration.settings[name] = value;
     for (const char* key : kDecidedHere) configuration.settings.erase(key);
     list_.measured.push_back(std::move(configuration));
@@ -187,15 +199,24 @@ SceneTraits traits_of(const hd::host::RetainedSceneDelegate& scene, hd::RenderDe
   for (const auto& [path, mesh] : scene.GetMeshes())
     if (mesh.topology.scheme != hd::Token("none"))
       traits.refine_level = std::max(traits.refine_level, mesh.displayStyle.refineLevel);
+  for (const auto& [path, network] : scene.GetMaterials())
+    for (const auto& [node_path, node] : network.nodes)
+      for (const auto& [name, value] : node.parameters) traits.textures |= value.get<hd::AssetPath>() != nullptr;
   return traits;
+}
+
+uint64_t Configuration::first_samples() const {
+  constexpr uint64_t kAdaptive = 32;  // schemas/render_settings.json
+  const auto adaptive = settings.find("adaptive");
+  return adaptive != settings.end() && adaptive->second.number_or(0) != 0 ? kAdaptive : 1;
 }
 
 ConfigurationList make_configurations(const SceneTraits& traits, const hd::Dictionary& scene_settings,
                                       const std::vector<hd::RenderSettingDescriptor>& known, const std::string& only) {
   ConfigurationList list = ListMaker(traits, scene_settings, known).make();
   if (only.empty()) {
-    // Presets combine the knobs that are measured one by one here, so they are measured only if asked for.
-    std::erase_if(list.measured, [](const Configuration& configuration) { return configuration.group == kPresets; });
+    std::erase_if(list.measured, is_if_named);
+    std::erase_if(list.skipped, [](const std::string& line) { return line.starts_with(kCoarserGroup); });
     return list;
   }
   const NamePattern pattern(only);

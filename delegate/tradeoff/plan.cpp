@@ -45,7 +45,7 @@ class Planner {
       if (auto job = on_rung(rung, left() - reserved)) return job;
     if (auto job = reference(reference_budget() - reference_spent_)) return job;
     // A rung that takes more than a fair share of the time would leave none for others' lower rungs. The base may take
-    // twice its share, because all others are compared with it.
+    // three times its share, because all others are compared with it, and first rungs twice.
     const double share = (state_.budget - reference_budget()) / std::max(1, state_.configurations);
     for (int rung = 2; rung_samples(rung) <= kHighestSamples; ++rung)
       if (auto job = on_rung(rung, left(), share)) return job;
@@ -65,6 +65,10 @@ class Planner {
   int done(int configuration, uint64_t samples) const {
     const auto found = done_.find({configuration, samples});
     return found == done_.end() ? 0 : static_cast<int>(found->second.size());
+  }
+
+  uint64_t first_samples(int configuration) const {
+    return state_.first_samples.empty() ? 1 : state_.first_samples[static_cast<size_t>(configuration)];
   }
 
   /// The first missing replica; one may have been lost.
@@ -87,11 +91,13 @@ class Planner {
     const uint64_t samples = rung_samples(rung);
     for (int replicas = 0; replicas < kReplicas; ++replicas)
       for (int c = 0; c < state_.configurations; ++c) {
-        if (done(c, samples) != replicas || done(c, 1) == 0) continue;
-        if (rung > 0 && done(c, rung_samples(rung - 1)) < kReplicas) continue;
+        if (samples < first_samples(c) || done(c, samples) != replicas || done(c, 1) == 0) continue;
+        const bool is_first = rung == 0 || rung_samples(rung - 1) < first_samples(c);
+        if (!is_first && done(c, rung_samples(rung - 1)) < kReplicas) continue;
         const Job job{c, samples, missing(c, samples)};
         const double needed = expected(job);
-        if (replicas == 0 && needed * kReplicas > (c == 0 ? 2 : 1) * share) continue;
+        if (replicas == 0 && needed * kReplicas > (c == 0 ? 3 : is_first ? 2 : 1) * share) continue;
+        if (c > 0 && done(0, samples) <= replicas) continue;  // nothing to compare it with
         const double promised = replicas == 0 ? to_complete(samples) : 0;
         if (needed * (kReplicas - replicas) <= seconds - promised) return job;
       }

@@ -2,7 +2,8 @@
 //
 // First, one sample of everything measures the costs. Then every configuration gets the two lowest rungs of samples,
 // and the reference its share. Higher rungs follow from low to high while they fit, first into a fair share each, then
-// into the time that is left. On each rung the first replicas of all configurations come before the second ones, so
+// into the time that is left. A configuration that begins to have an effect at more samples, such as adaptive sampling,
+// has no rungs below these. On each rung the first replicas of all configurations come before the second ones, so
 // that a machine that slows down does not favour one configuration. The rest of the time goes to the reference. The
 // same measurements always give the same next step, so an interrupted study resumes where it stopped.
 #pragma once
@@ -20,9 +21,9 @@ inline constexpr int kMostReferenceReplicas = 64;
 inline constexpr double kReferenceShare = 0.4;      // of the budget
 inline constexpr uint64_t kHighestSamples = 65536;  // of one render
 
-/// 1, 4, 16, 64, ...
+/// 1, 4, 16, 32, 64, ...: close enough from where pictures are of use.
 constexpr uint64_t rung_samples(int rung) {
-  return uint64_t(1) << (2 * rung);
+  return rung < 3 ? uint64_t(1) << (2 * rung) : uint64_t(16) << (rung - 2);
 }
 
 /// One render. `configuration` is an index into the measured ones, or kReference.
@@ -46,6 +47,8 @@ struct StudyState {
   double spent = 0;                // seconds
   uint64_t reference_samples = 0;  // of each of the reference's replicas; 0: not chosen yet
   std::span<const FinishedJob> finished;
+  /// The samples at which each configuration begins to differ from the base: it has no rungs below. Empty: all at 1.
+  std::span<const uint64_t> first_samples = {};
 };
 
 /// Expected seconds of `job`, from the longest render of its configuration so far; 0 if there is none.

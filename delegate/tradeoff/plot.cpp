@@ -7,7 +7,6 @@
 #include <iterator>
 
 #include "delegate/tradeoff/gnuplot.h"
-#include "delegate/tradeoff/pareto.h"
 
 namespace alabaster::tradeoff {
 namespace {
@@ -159,7 +158,11 @@ class Script {
   /// Rows of the legend, with as many entries in each as fit; one entry is the front's.
   int key_rows() const {
     std::vector<std::string> all = groups();
-    size_t longest = std::string("Pareto front").size();
+    std::erase_if(all, [&](const std::string& group) {  // the name at the line's end tells enough
+      return std::any_of(plot_.lines.begin(), plot_.lines.end(),
+                         [&](const PlotLine& line) { return line.group == group && line.name == group; });
+    });
+    size_t longest = std::string("the front").size();
     for (const std::string& group : all) longest = std::max(longest, group.size());
     const int columns = std::max(1, (kWidth - kLeft - right_) / (int(longest) * kCharacter + kKeySymbol));
     return (int(all.size()) + columns) / columns;
@@ -219,13 +222,16 @@ class Script {
   }
 
   void curves() {
-    std::vector<CostError> all;
+    std::vector<const PlotPoint*> front;
     for (const PlotLine& line : plot_.lines)
-      for (const PlotPoint& p : line.points) all.push_back({p.seconds, p.error});
+      for (const PlotPoint& p : line.points)
+        if (p.front) front.push_back(&p);
+    std::sort(front.begin(), front.end(), [](const auto* a, const auto* b) { return a->seconds < b->seconds; });
     std::string blocks = "$front << EOD\n";
-    for (const size_t i : pareto_front(all)) blocks += number(all[i].cost) + " " + number(all[i].error) + "\n";
+    for (const PlotPoint* p : front) blocks += number(p->seconds) + " " + number(p->error) + "\n";
+    if (front.empty()) blocks += "NaN NaN\n";
     blocks += "EOD\n";
-    std::string plots = "plot $front with steps linecolor '#D9D9D9' linewidth 7 title 'Pareto front', \\\n";
+    std::string plots = "plot $front with lines linecolor '#D9D9D9' linewidth 7 title 'the front', \\\n";
     for (size_t i = 0; i < plot_.lines.size(); ++i) {
       const std::string data = "$line" + std::to_string(i);
       blocks += data + " << EOD\n";
@@ -237,11 +243,14 @@ class Script {
       const Style style = style_of(i);
       const size_t place = place_in_group(i);
       const std::string color = std::string(" linecolor '") + style.color + "'";
-      plots += data + " using 1:2:3:4 with yerrorbars pointtype 0 linewidth 1" + color + " notitle, \\\n" + data +
-               " using 1:2 with linespoints linewidth " + (plot_.lines.size() > kManyLines ? "1.1" : "1.6") +
-               " pointsize " + number(marker_) + " pointtype " + std::to_string(style.marker) + color + " dashtype " +
-               kDashes[place % std::size(kDashes)] +
-               (place == 0 ? " title " + gnuplot_quoted(plot_.lines[i].group) : " notitle") + ", \\\n";
+      plots +=
+          data + " using 1:2:3:4 with yerrorbars pointtype 0 linewidth 1" + color + " notitle, \\\n" + data +
+          " using 1:2 with linespoints linewidth " + (plot_.lines.size() > kManyLines ? "1.1" : "1.6") + " pointsize " +
+          number(marker_) + " pointtype " + std::to_string(style.marker) + color + " dashtype " +
+          kDashes[place % std::size(kDashes)] +
+          (place == 0 && plot_.lines[i].group != plot_.lines[i].name ? " title " + gnuplot_quoted(plot_.lines[i].group)
+                                                                     : " notitle") +
+          ", \\\n";
     }
     plots += "$front with points pointtype 6 pointsize " + number(1.9 * marker_) +
              " linewidth 1.2 linecolor '#222222' notitle\n";

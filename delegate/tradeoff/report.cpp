@@ -10,7 +10,10 @@
 #include <thread>
 
 #include "delegate/support/output_file.h"
+#include "delegate/tradeoff/advice.h"
+#include "delegate/tradeoff/pareto.h"
 #include "delegate/tradeoff/plot.h"
+#include "delegate/tradeoff/tiles.h"
 
 namespace alabaster::tradeoff {
 namespace {
@@ -47,7 +50,9 @@ ordered_json columns_of(const Row& row) {
           {"levelBiasLow", number(row.level_bias.low)},
           {"levelBiasHigh", number(row.level_bias.high)},
           {"levelBiasZ", number(z_of(row.level_bias))},
-          {"total", number(row.total)},
+          {"total", number(row.total.value)},
+          {"totalLow", number(row.total.low)},
+          {"totalHigh", number(row.total.high)},
           {"displayRmse", number(row.display_rmse)},
           {"flip", number(row.flip)},
           {"reportedError", number(row.reported_error)},
@@ -103,21 +108,49 @@ std::string as_code(const std::string& command) {
   return fence.size() == 1 ? fence + text + fence : fence + " " + text + " " + fence;
 }
 
+/// "5.2 % (4.1 to 6.1)"; "below 2.9 %" where it may be 0.
+std::string bias_text(const Estimate& squared) {
+  if (!(squared.high > 0)) return "none seen";
+  if (!is_certain(squared)) return "below " + percent(root(squared.high));
+  return percent(root(squared.value)) + " (" + format("%.1f", 100 * root(squared.low)) + " to " +
+         format("%.1f", 100 * root(squared.high)) + ")";
+}
+
+std::string interval_text(const Estimate& ratio) {
+  if (!std::isfinite(ratio.value)) return "-";
+  return format("%.2f", ratio.value) + " (" + format("%.2f", ratio.low) + " to " + format("%.2f", ratio.high) + ")";
+}
+
+std::string summary_line(const ConfigurationSummary& summary) {
+  const Row& row = *summary.best;
+  return "| " + row.configuration + " | " + (row.group == "base" ? "1" : interval_text(summary.cost_ratio)) + " | " +
+         (summary.compared_at > 0 ? std::to_string(summary.compared_at) : "-") + " | " + bias_text(row.squared_bias) +
+         " | " + (row.level_bias.value > 0 ? "+" : "") + percent(row.level_bias.value) + " | " +
+         format("%.1f", z_of(row.level_bias)) + " | " + format("%.3g", row.cpu_seconds / double(row.samples)) + " | " +
+         format("%.4f", row.flip) + " |\n";
+}
+
+/// Configurations without a measurable effect share one line below the table.
 std::string summary_table(const std::vector<ConfigurationSummary>& summaries) {
   std::string text =
-      "| configuration | cost at equal noise | at | CPU s per sample | bias | 95 % interval | mean level | z | FLIP | "
-      "at |\n"
-      "|--|--|--|--|--|--|--|--|--|--|\n";
+      "| configuration | cost at equal noise (95 %) | at samples | bias (95 %) | mean level | its z | CPU s per sample "
+      "| "
+      "FLIP |\n"
+      "|--|--|--|--|--|--|--|--|\n";
+  std::string folded;
+  double least = INFINITY, most = 0, bias = 0;
   for (const ConfigurationSummary& summary : summaries) {
-    const Row& row = *summary.best;
-    text += "| " + row.configuration + " | " + format("%.2f", summary.cost_ratio) + " | " +
-            (summary.compared_at > 0 ? std::to_string(summary.compared_at) : "-") + " | " +
-            format("%.3g", row.cpu_seconds / double(row.samples)) + " | " + percent(root(row.squared_bias.value)) +
-            " | " + percent(root(row.squared_bias.low)) + " to " + percent(root(row.squared_bias.high)) + " | " +
-            (row.level_bias.value > 0 ? "+" : "") + percent(row.level_bias.value) + " | " +
-            format("%.1f", z_of(row.level_bias)) + " | " + format("%.4f", row.flip) + " | " +
-            std::to_string(row.samples) + " |\n";
+    if (summary.has_effect || summary.best->group == "base") {
+      text += summary_line(summary);
+      continue;
+    }
+    folded += (folded.empty() ? "" : ", ") + summary.best->configuration;
+    least = std::min(least, summary.cost_ratio.low), most = std::max(most, summary.cost_ratio.high);
+    bias = std::max(bias, root(summary.best->squared_bias.high));
   }
+  if (!folded.empty())
+    text += "\nNo measurable effect: " + folded + " (cost " + format("%.2f", least) + " to " + format("%.2f", most) +
+            " of the base's, bias below " + percent(bias) + ").\n";
   return text;
 }
 
@@ -130,7 +163,7 @@ std::string row_table(const std::vector<const Row*>& rows) {
     text += "| " + row->configuration + " | " + std::to_string(row->samples) + " | " +
             format("%.3g", row->cpu_seconds) + " | " + format("%.3g", row->wall_seconds) + " | " +
             percent(root(row->squared_noise.value)) + " | " + percent(row->reported_error) + " | " +
-            percent(root(row->squared_bias.value)) + " | " + percent(row->total) + " | " +
+            bias_text(row->squared_bias) + " | " + percent(row->total.value) + " | " +
             format("%.4f", row->display_rmse) + " | " + format("%.4f", row->flip) + " | " + (row->pareto ? "*" : "") +
             " |\n";
   return text;
@@ -145,18 +178,17 @@ std::string denoised_text(const StudyResult& result) {
     });
     rows += "| " + row.configuration + " | " + std::to_string(row.samples) + " | " + format("%.3g", row.cpu_seconds) +
             " | " + format("%.3g", row.denoise_cpu_seconds) + " | " + percent(root(row.squared_noise.value)) + " | " +
-            percent(root(row.squared_bias.value)) + " | " + percent(root(row.squared_bias.low)) + " to " +
-            percent(root(row.squared_bias.high)) + " | " + (row.level_bias.value > 0 ? "+" : "") +
-            percent(row.level_bias.value) + " | " + percent(row.total) + " | " + percent(rendered->total) + " | " +
-            format("%.4f", row.flip) + " | " + (row.pareto ? "*" : "") + " |\n";
+            bias_text(row.squared_bias) + " | " + (row.level_bias.value > 0 ? "+" : "") +
+            percent(row.level_bias.value) + " | " + percent(row.total.value) + " | " + percent(rendered->total.value) +
+            " | " + format("%.4f", row.flip) + " | " + (row.pareto ? "*" : "") + " |\n";
   }
   if (rows.empty()) return "";
   return "\n## Denoised\nNoise is what differs between replicas, and bias what their mean has too much or too little, "
          "at "
          "this number of samples: more samples reduce both. Neighbouring pixels share noise, so the intervals follow "
          "from the scatter over blocks of 32 x 32 pixels. The front is that of the denoised rows.\n\n"
-         "| configuration | samples | CPU s | of it denoising | noise | bias | 95 % interval | mean level | error | "
-         "error as rendered | FLIP | front |\n|--|--|--|--|--|--|--|--|--|--|--|--|\n" +
+         "| configuration | samples | CPU s | of it denoising | noise | bias (95 %) | mean level | error | "
+         "error as rendered | FLIP | front |\n|--|--|--|--|--|--|--|--|--|--|--|\n" +
          rows;
 }
 
@@ -165,16 +197,16 @@ std::string worst_text(const std::vector<ConfigurationSummary>& summaries) {
   const ConfigurationSummary *biased = nullptr, *dear = nullptr;
   for (const ConfigurationSummary& summary : summaries) {
     const Row& row = *summary.best;
-    if (row.squared_bias.low > 0 && (!biased || row.squared_bias.value > biased->best->squared_bias.value))
+    if (is_certain(row.squared_bias) && (!biased || row.squared_bias.value > biased->best->squared_bias.value))
       biased = &summary;
-    if (summary.cost_ratio > 1 && (!dear || summary.cost_ratio > dear->cost_ratio)) dear = &summary;
+    if (summary.cost_ratio.low > 1 && (!dear || summary.cost_ratio.value > dear->cost_ratio.value)) dear = &summary;
   }
-  std::string text = biased ? "Largest bias: **" + biased->best->configuration + "**, " +
-                                  percent(root(biased->best->squared_bias.value)) + ".\n"
-                            : "No configuration has a bias that the measurement can distinguish from zero.\n";
+  std::string text =
+      biased ? "Largest bias: **" + biased->best->configuration + "**, " + bias_text(biased->best->squared_bias) + ".\n"
+             : "No configuration has a bias that the measurement can distinguish from zero.\n";
   if (dear)
-    text += "Most expensive at equal noise: **" + dear->best->configuration + "**, " +
-            format("%.2f", dear->cost_ratio) + " times the cost of the base.\n";
+    text += "Most expensive at equal noise: **" + dear->best->configuration + "**, " + interval_text(dear->cost_ratio) +
+            " times the cost of the base.\n";
   return text;
 }
 
@@ -188,6 +220,30 @@ std::string reference_text(const ReferenceSummary& reference) {
          ": smaller values are noise.\n";
 }
 
+std::string base_depth(const ConfigurationList& list) {
+  const auto depth = list.measured.front().settings.find("maxDepth");
+  return depth == list.measured.front().settings.end() ? "8" : depth->second.to_string();
+}
+
+/// The last lines of the report.
+std::string advice_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context) {
+  const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+  const double pixels =
+      double(context.scene_width) * context.scene_height / (double(context.identity.width) * context.identity.height);
+  std::string text;
+  for (const Advice& advice : advise(result, list, {pixels, threads, context.render_command}))
+    text += "- " +
+            std::string(advice.seconds < 61    ? "a minute"
+                        : advice.seconds < 601 ? "ten minutes"
+                                               : "an hour") +
+            ": " + percent(advice.error.value) + " (" + format("%.1f", 100 * advice.error.low) + " to " +
+            format("%.1f", 100 * advice.error.high) + "), " + as_code(advice.command) + "\n";
+  if (text.empty()) return "";
+  return "\n## What to choose\nFor a frame of " + size_text(context.scene_width, context.scene_height) + " on " +
+         std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+         ", the error that is expected in the time, and its command:\n\n" + text;
+}
+
 std::string left_out_text(const StudyResult& result, const ConfigurationList& list) {
   std::string lines;
   for (const std::string& line : list.skipped) lines += "- " + line + "\n";
@@ -198,20 +254,43 @@ std::string left_out_text(const StudyResult& result, const ConfigurationList& li
   return lines.empty() ? "" : "\n## Skipped\n" + lines;
 }
 
+/// Few curves, which can be told apart: the base, as rendered and denoised, then those that have a point on the front,
+/// then those that differ most from the base in cost or error.
+std::vector<std::string> plotted(const StudyResult& result) {
+  constexpr size_t kMostCurves = 7;
+  std::vector<std::string> shown;
+  const auto show = [&](const std::string& name) {
+    if (shown.size() < kMostCurves && std::find(shown.begin(), shown.end(), name) == shown.end()) shown.push_back(name);
+  };
+  if (result.rows.empty()) return shown;
+  show(result.rows.front().configuration);
+  for (const Row& row : result.rows)
+    if (row.denoised && row.configuration.starts_with(shown.front() + " ")) show(row.configuration);
+  for (const Row& row : result.rows)
+    if (row.pareto && !row.denoised) show(row.configuration);
+  std::vector<ConfigurationSummary> others = summarize(result);
+  std::erase_if(others, [](const ConfigurationSummary& s) { return !s.has_effect; });
+  const auto effect = [](const ConfigurationSummary& s) {
+    const double cost = s.cost_ratio.value > 0 ? std::abs(std::log(s.cost_ratio.value)) : 0;
+    return std::max(cost, 10 * std::sqrt(counted(s.best->squared_bias)));
+  };
+  std::stable_sort(others.begin(), others.end(), [&](const auto& a, const auto& b) { return effect(a) > effect(b); });
+  for (const ConfigurationSummary& summary : others) show(summary.best->configuration);
+  return shown;
+}
+
 Plot plot_of(const StudyResult& result, const ReportContext& context) {
   Plot plot;
   plot.title = as_utf8(std::filesystem::path(context.identity.scene).filename()) + ", " +
                size_text(context.identity.width, context.identity.height);
   plot.error_label = "relative RMSE (noise and bias)";
+  const std::vector<std::string> shown = plotted(result);
   for (const Row& row : result.rows) {
-    if (row.denoised && row.configuration != result.rows.front().configuration + " " + kDenoised) continue;
+    if (std::find(shown.begin(), shown.end(), row.configuration) == shown.end()) continue;
     if (plot.lines.empty() || plot.lines.back().name != row.configuration)
-      plot.lines.push_back({row.configuration, row.group, {}});
-    const auto error = [&](double squared_bias) {
-      return std::sqrt(std::max(0.0, squared_bias) + row.squared_noise.value);
-    };
+      plot.lines.push_back({row.configuration, row.configuration, {}});
     plot.lines.back().points.push_back(
-        {row.cpu_seconds, row.total, error(row.squared_bias.low), error(row.squared_bias.high)});
+        {row.cpu_seconds, row.total.value, row.total.low, row.total.high, row.pareto && !row.denoised});
   }
   return plot;
 }
@@ -271,6 +350,13 @@ std::string json_text(const StudyResult& result, const ConfigurationList& list, 
     report["configurations"].push_back(
         {{"name", configuration.name}, {"group", configuration.group}, {"settings", configuration.fingerprint()}});
   for (const Row& row : result.rows) report["rows"].push_back(columns_of(row));
+  for (const ConfigurationSummary& summary : summarize(result))
+    report["summaries"].push_back({{"configuration", summary.best->configuration},
+                                   {"cost", number(summary.cost_ratio.value)},
+                                   {"costLow", number(summary.cost_ratio.low)},
+                                   {"costHigh", number(summary.cost_ratio.high)},
+                                   {"comparedAt", summary.compared_at},
+                                   {"hasEffect", summary.has_effect}});
   return report.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
@@ -286,23 +372,27 @@ std::string markdown_text(const StudyResult& result, const ConfigurationList& li
   std::string text = "# Speed against accuracy: " + in_markdown(scene) + "\n\n";
   text += as_code(context.command) + ", " + size_text(identity.width, identity.height);
   if (identity.width != context.scene_width || identity.height != context.scene_height)
-    text += " (the scene asks for " + size_text(context.scene_width, context.scene_height) +
-            "; mode `auto` depends on the size of pixels)";
+    text += " (the scene asks for " + size_text(context.scene_width, context.scene_height) + ")";
   text += ", " + machine_name() + ", " + format("%.1f", context.spent_seconds / 60) + " minutes of rendering" +
           (context.complete ? "" : ", INTERRUPTED: results so far") + ".\n\n";
   text += reference_text(result.reference);
   text +=
-      "\n## Each configuration\nEach differs from the base, `walk`, in one setting. Cost at equal noise: noise^2 x CPU "
-      "seconds relative to the base, at the highest sample count that both have. Bias: the relative RMSE that remains "
-      "with any number of samples; an interval that begins at 0 means that none was found. All configurations share "
-      "their random numbers, so their rows are correlated; the reference has its own. No interval accounts for rare "
-      "bright samples that have not occurred yet.\n\n" +
+      "\n## Each configuration\nEach differs from the base, `walk` of depth " + base_depth(list) +
+      ", in one setting, and presets (`quality=`) in several; their limits of samples and error are left out. Cost at "
+      "equal noise: noise^2 x CPU seconds relative to the base, at the highest sample count that both have; a CPU time "
+      "is good to " +
+      percent(result.timing_error) +
+      ". Bias: the relative RMSE that remains with any number of samples; *below x* where it may be 0, and then it "
+      "counts as 0. All configurations share their random numbers, so their rows are correlated; the reference has its "
+      "own. No interval accounts for rare bright samples that have not occurred yet.\n\n" +
       summary_table(summaries) + "\n" + worst_text(summaries);
+  if (!result.tiles.empty()) text += "\n![The same part of each picture](pictures.png)\n";
   text +=
-      "\n## The front\nNo other configuration both costs less and errs less. Error: the root of bias^2 + noise^2. Own "
-      "estimate: the noise that the renders report, relative to their own levels instead of the reference's.\n\n" +
+      "\n## The front\n![Error against CPU seconds](tradeoff.svg)\n\nBeyond its interval no other configuration "
+      "errs less at its cost, and it errs less than those above it. Error: the root of bias^2 + noise^2. Own estimate: "
+      "the noise that the renders report, relative to their own levels instead of the reference's.\n\n" +
       row_table(front) + "\n## All measurements\n" + row_table(all) + denoised_text(result);
-  return text + left_out_text(result, list);
+  return text + left_out_text(result, list) + advice_text(result, list, context);
 }
 
 std::vector<std::string> write_report(const StudyResult& result, const ConfigurationList& list,
@@ -327,6 +417,10 @@ std::vector<std::string> write_report(const StudyResult& result, const Configura
   for (const char* name : {"tradeoff.svg", "tradeoff.png"}) {
     const std::string file = (folder / name).string();
     keep(file, draw_plot(plot, file));
+  }
+  if (!result.tiles.empty()) {
+    const std::string file = (folder / "pictures.png").string();
+    keep(file, draw_tiles(result.tiles, file));
   }
   return written;
 }

@@ -9,7 +9,8 @@ namespace alabaster::tradeoff {
 
 /// The circumstances of the measurement.
 struct ReportContext {
-  std::string command;  // that repeats the report
+  std::string command;         // that repeats the report
+  std::string render_command;  // "alabaster render SCENE -o frame.exr", with what the study was given beside the scene
   StudyIdentity identity;
   int scene_width = 0, scene_height = 0;  // the scene's own
   double spent_seconds = 0;
@@ -21,8 +22,8 @@ std::string csv_text(const StudyResult& result);
 std::string json_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context);
 std::string markdown_text(const StudyResult& result, const ConfigurationList& list, const ReportContext& context);
 
-/// Writes tradeoff.csv, .json, .md, .svg and .png into `folder`, each under a temporary name and renamed. Returns the
-/// files written; `problems` names those that could not be written.
+/// Writes tradeoff.csv, .json, .md, .svg and .png, and the pictures of tiles as pictures.png, into `folder`, each under
+/// a temporary name and renamed. Returns the files written; `problems` names those that could not be written.
 std::vector<std::string> write_report(const StudyResult& result, const ConfigurationList& list,
                                       const ReportContext& context, const std::filesystem::path& folder,
                                       std::vector<std::string>* problems);

@@ -11,6 +11,7 @@ class Study {
  public:
   Study(const ConfigurationList& list, double budget, StudyStore* store, const StudyHooks& hooks)
       : list_(list), budget_(budget), store_(store), hooks_(hooks) {
+    for (const Configuration& configuration : list.measured) first_samples_.push_back(configuration.first_samples());
     for (const StoredRender& render : store->renders())
       if (const auto index = find_configuration(list, render)) remember(*index, render);
   }
@@ -53,7 +54,12 @@ class Study {
   }
 
   StudyState state() const {
-    return {static_cast<int>(list_.measured.size()), budget_, store_->spent, store_->reference_samples, finished_};
+    return {static_cast<int>(list_.measured.size()),
+            budget_,
+            store_->spent,
+            store_->reference_samples,
+            finished_,
+            first_samples_};
   }
 
   bool is_measured(int configuration) const {
@@ -87,9 +93,10 @@ class Study {
     hooks_.note(text);
     for (size_t c = 0; c < highest.size(); ++c)
       hooks_.note("  " + list_.measured[c].name + ": " +
-                  (highest[c] == 0
+                  (highest[c] < first_samples_[c]
                        ? "no time left"
-                       : std::to_string(kReplicas) + " replicas of 1 to " + std::to_string(highest[c]) + " samples"));
+                       : std::to_string(kReplicas) + " replicas of " + std::to_string(first_samples_[c]) + " to " +
+                             std::to_string(highest[c]) + " samples"));
   }
 
   const ConfigurationList& list_;
@@ -97,6 +104,7 @@ class Study {
   StudyStore* store_;
   const StudyHooks& hooks_;
   std::vector<FinishedJob> finished_;
+  std::vector<uint64_t> first_samples_;
 };
 
 }  // namespace
@@ -141,7 +149,7 @@ StudyOutcome run_study(const ConfigurationList& list, double budget, StudyStore*
 }
 
 hd::Vec2i affordable_size(const hd::Vec2i& size, double seconds, size_t configurations, double budget) {
-  constexpr double kSamples = kReplicas * (1 + 4 + 16 + 64);
+  constexpr double kSamples = kReplicas * (1 + 4 + 16 + 32 + 64);
   const double pixels = (1 - kReferenceShare) * budget / (kSamples * double(configurations) * std::max(seconds, 1e-12));
   constexpr double kFewest = 64 * 64;  // a smaller picture shows too little
   const double scale = std::sqrt(std::max(pixels, kFewest) / (double(size.x) * double(size.y)));

@@ -41,7 +41,7 @@ double least_budget(const ConfigurationList& list, const StudyStore& store);
 /// the list does not have it.
 std::optional<int> find_configuration(const ConfigurationList& list, const StoredRender& render);
 
-/// A frame with the proportions of `size`, no larger, and small enough for four rungs of each configuration to fit into
+/// A frame with the proportions of `size`, no larger, and small enough for five rungs of each configuration to fit into
 /// the budget beside the reference. `seconds` is the cost of one sample of one pixel of the base.
 hd::Vec2i affordable_size(const hd::Vec2i& size, double seconds, size_t configurations, double budget);
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tells how a frame scales over the tasks of `alabaster farm`, from measured parts of its cost.
 
-  farm_scaling.py PROGRAM [--scene NAME ...] [--size WxH] [--spp N] [--threads N] [--parts N ...]
+  farm_scaling.py PROGRAM [--scene NAME ...] [--size WxH] [--spp N] [--threads N] [--parts N ...] [--checks N ...]
 
 Measured, in CPU seconds of one process with one thread: a task's start (loading, refinement, the tracing builds), a sample of all
 pixels, and the merge of 1 to 64 parts, to which a line is fitted. Then, for a machine a task with N threads:
@@ -9,7 +9,7 @@ pixels, and the merge of 1 to 64 parts, to which a line is fitted. Then, for a m
   frame = start + spp / tasks x sample / threads + merge(tasks)
 
 Start and merge are taken to use one thread each, so the model is pessimistic where they use more. It leaves out the engine's
-queue and the network. Farms of 1, 2, 4 and 8 tasks are run to check it: the longest task against start + spp / tasks x sample.
+queue and the network. Farms of a few tasks are run to check it: the longest task against start + spp / tasks x sample.
 Makes testenv/benchmark/results/farm_scaling.md on standard output.
 """
 import argparse
@@ -82,7 +82,7 @@ def print_scene(options, name, farm):
     for count, seconds, memory in merges:
         print(f"| {count} | {seconds:.2f} | {memory:.0f} |")
     print(f"\n| tasks, {CHECKED_SPP} samples | longest task, CPU s | model | model / measured |\n|--|--|--|--|")
-    for tasks in (1, 2, 4, 8):
+    for tasks in options.checks:
         measured, model = farm.check(tasks), start + CHECKED_SPP / tasks * sample
         print(f"| {tasks} | {measured:.2f} | {model:.2f} | {model / measured:.2f} |")
     print(f"\n| tasks | start s | render s | merge s | frame s | speed-up | efficiency | longest |\n|--|--|--|--|--|--|--|--|")
@@ -104,7 +104,8 @@ def main():
     parser.add_argument("--size", default="480x320")
     parser.add_argument("--spp", type=int, default=4096)
     parser.add_argument("--threads", type=int, default=16)
-    parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64])
+    parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4, 8, 16, 32, 64], help="that are merged to fit the line")
+    parser.add_argument("--checks", type=int, nargs="*", default=[1, 2, 4, 8], help="farms of so many tasks are run to check the model")
     options = parser.parse_args()
     if len(set(options.parts)) < 2:
         parser.error("--parts takes two numbers at least: a line is fitted to them")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Counts what features cost a scene that does not use them.
 
-  feature_cost.py PROGRAM [--scene NAME ...]
+  feature_cost.py PROGRAM [--scene NAME ...] [--size WxH]
 
 The instructions of one camera sample, by function (valgrind's callgrind): the difference of two renders, one with twice the
 samples of the other, so that loading and building are not counted. Functions that serve one feature alone are added up: in a scene
@@ -16,10 +16,10 @@ import re
 import subprocess
 import tempfile
 
-from compare_programs import render
+from compare_programs import add_size, render, require
 
 SCENES = ["thick_thin", "mixed_no_subsurface", "hard_light"]  # one with subsurface, one without, one with point-like light
-WIDTH, HEIGHT, FEW = 48, 32, 4
+FEW = 4  # samples
 FEATURES = {  # functions of the room, without their arguments
     "coat, clear coat, sheen, thin film": r"DisneyCoat|DisneyClearcoat|clearcoat_albedo|DisneySheen|sheen_albedo|ThinFilm",
     "glass, thin surfaces, dispersion": r"DisneyDielectric|DisneyThinDielectric|DielectricBoundary",
@@ -36,10 +36,10 @@ USED = {"mixed_no_subsurface": ["coat, clear coat, sheen, thin film", "textures"
 CULLED = "culled sides, opacity, cut-outs"  # glTF's materials have one side unless they say otherwise
 
 
-def profile(program, scene, samples, folder, flags=()):
+def profile(program, scene, samples, folder, size, flags=()):
     """Instructions by function, and in all."""
     data = folder / "callgrind.out"
-    render(program, scene, folder / "cost.exr", ["--size", f"{WIDTH}x{HEIGHT}", "--spp", str(samples), "--threads", "1", *flags],
+    render(program, scene, folder / "cost.exr", ["--size", f"{size[0]}x{size[1]}", "--spp", str(samples), "--threads", "1", *flags],
            ["valgrind", "--tool=callgrind", f"--callgrind-out-file={data}"])
     text = subprocess.run(["callgrind_annotate", "--threshold=100", str(data)], capture_output=True, text=True, check=True).stdout
     total = int(re.search(r"^ *([\d,]+) .*PROGRAM TOTALS", text, re.M)[1].replace(",", ""))
@@ -61,10 +61,10 @@ def totals_by_name(functions):
     return totals
 
 
-def per_sample(program, scene, folder, flags=()):
+def per_sample(program, scene, folder, size, flags=()):
     """Instructions of a camera sample by function, and in all."""
-    (few, few_total), (many, many_total) = (profile(program, scene, n, folder, flags) for n in (FEW, 2 * FEW))
-    samples = WIDTH * HEIGHT * FEW
+    (few, few_total), (many, many_total) = (profile(program, scene, n, folder, size, flags) for n in (FEW, 2 * FEW))
+    samples = size[0] * size[1] * FEW
     return {name: (count - few.get(name, 0)) / samples for name, count in many.items()}, (many_total - few_total) / samples
 
 
@@ -72,10 +72,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--scene", action="append", choices=SCENES, help="only this scene; may be repeated")
+    add_size(parser)
     arguments = parser.parse_args()
+    require(arguments.program, "valgrind", "callgrind_annotate")
     scenes = arguments.scene or SCENES
     with tempfile.TemporaryDirectory() as name:
-        measured = {scene: per_sample(arguments.program, scene, pathlib.Path(name)) for scene in scenes}
+        measured = {scene: per_sample(arguments.program, scene, pathlib.Path(name), arguments.size) for scene in scenes}
     print("| feature | " + " | ".join(scenes) + " | functions |\n|--|" + "--|" * (len(scenes) + 1))
     print("| instructions a sample | " + " | ".join(f"{total:.0f}" for _, total in measured.values()) + " | all |")
     for feature, pattern in FEATURES.items():

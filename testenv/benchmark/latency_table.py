@@ -14,6 +14,8 @@ import re
 import subprocess
 import sys
 
+from compare_programs import require_benchmark
+
 SCENE = "testenv/scenes/skin_closeup/skin_closeup.json"
 EDIT_COLUMNS = {"host's thread held": 1, "rendered": 3, "frame covered": 5}  # of edit_latency: the p50; the p99 follows
 EDITS = [
@@ -49,6 +51,8 @@ def main():
     arguments = parser.parse_args()
     if min(arguments.repeats, arguments.cancels) < 1:
         parser.error("--repeats and --cancels must be 1 or more")
+    for program in ("edit_latency", "viewport_latency", "cancel_latency"):
+        require_benchmark(arguments.programs / program)
     edits, told = run(arguments.programs / "edit_latency", "--edits", arguments.repeats)
     viewport, resolved = run(arguments.programs / "viewport_latency", SCENE, 1280, 720, 2, arguments.repeats)
     print(f"""# How long a host waits

@@ -103,6 +103,8 @@ def main():
     parser.add_argument("--before-flag", action="append", default=[], help="passed to BEFORE's render; may be repeated")
     parser.add_argument("--after-flag", action="append", default=[], help="passed to AFTER's render; may be repeated")
     arguments = parser.parse_args()
+    if arguments.seeds < 2:
+        parser.error("--seeds must be 2 or more: noise is the difference between seeds")
     sides = ((arguments.before, arguments.before_flag), (arguments.after, arguments.after_flag))
     print(f"{arguments.size}, {arguments.spp} samples, {arguments.seeds} seeds\n")
     print("| scene | relative MSE: before | after | CPU: after / before | gain, pixels | gain, 98 % | gain, 8 x 8 means | bias z | block z |")

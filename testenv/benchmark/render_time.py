@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-from compare_programs import BUNDLED, SCENES, environment
+from compare_programs import BUNDLED, SCENES, environment, require, require_benchmark
 
 DEFAULT_SCENES = ["skin_closeup", "thick_thin", "backlit", "sample", "mixed_no_subsurface"]
 
@@ -45,6 +45,8 @@ def main():
     parser.add_argument("--spp", type=int, default=4)
     arguments = parser.parse_args()
     recorder = pathlib.Path(arguments.programs[0]).resolve().parents[1] / "lib" / "libreplay_rays.so"
+    require(*arguments.programs)
+    require_benchmark(recorder)
     print("| scene | program | rays a sample | render: CPU s | bare Embree: CPU s | ns a ray: render | bare | render : bare |")
     print("|--|--|--|--|--|--|--|--|")
     with tempfile.TemporaryDirectory() as name:

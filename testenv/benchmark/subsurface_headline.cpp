@@ -4,7 +4,7 @@
 //   subsurface_headline [--repeats N] [--size PIXELS] [--samples N]
 // Both modes render the same frames in turn, in one thread of one process, each repeat with another seed: time is CPU
 // time, variance is that of a pixel over the repeats. Bodies: a torus, and the dragon of the test assets if
-// ALABASTER_TEST_ASSETS names their folder. A second table holds mode `auto` against the walk, from near and from afar.
+// ALABASTER_TEST_ASSETS names their folder.
 
 #include <cmath>
 #include <cstdio>
@@ -71,11 +71,10 @@ struct Mode {
   const char* name;
   SubsurfaceMode subsurface;
   AlbedoInversion inversion = AlbedoInversion::exact;
-  WalkWeights weights = WalkWeights::throughput;
 };
 constexpr Mode kModes[] = {
     {"diffusion", SubsurfaceMode::diffusion},
-    {"walk, paper's", SubsurfaceMode::reference, AlbedoInversion::chiang2016, WalkWeights::throughput_times_albedo},
+    {"reference, chiang2016", SubsurfaceMode::reference, AlbedoInversion::chiang2016},
     {"reference", SubsurfaceMode::reference},
     {"walk", SubsurfaceMode::walk},
 };
@@ -155,7 +154,6 @@ void measure_body(const char* name, const Mesh& mesh, const RenderRequest& frame
           request.settings.seed = repeat;
           request.settings.subsurface = kModes[m].subsurface;
           request.settings.inversion = kModes[m].inversion;
-          request.settings.walk_weights = kModes[m].weights;
           measured[m].add(request);
         }
       const auto cost = [&](const Measured& m) { return m.seconds * m.variance(request.settings.samples); };
@@ -170,67 +168,6 @@ void measure_body(const char* name, const Mesh& mesh, const RenderRequest& frame
                     r.variance(request.settings.samples), r.seconds / measured[0].seconds,
                     r.variance(1) / measured[0].variance(1), cost(r) / cost(measured[0]));
       }
-      std::fflush(stdout);
-    }
-}
-
-/// Largest |z| of the difference of two modes over 8 x 8 blocks, and the largest difference itself in units of the
-/// brightest block. With 192 blocks and channels, noise alone gives a |z| of about 3.
-struct Difference {
-  double z = 0, relative = 0;
-};
-
-Difference compare_blocks(const Measured& a, const Measured& b, int size) {
-  Difference worst;
-  double brightest = 0;
-  const int side = size / 8;
-  for (int i = 0; i < 8 * 8 * 3; ++i) {
-    double difference = 0, variance = 0, mean = 0;
-    for (int pixel = 0; pixel < side * side; ++pixel) {
-      const int x = i / 3 % 8 * side + pixel % side, y = i / 24 * side + pixel / side;
-      const auto k = static_cast<size_t>(4 * (y * size + x) + i % 3);
-      mean += a.values[k].mean();
-      difference += b.values[k].mean() - a.values[k].mean();
-      variance += std::pow(a.values[k].standard_error(), 2) + std::pow(b.values[k].standard_error(), 2);
-    }
-    brightest = std::max(brightest, mean);
-    worst.relative = std::max(worst.relative, std::abs(difference));
-    if (variance > 0) worst.z = std::max(worst.z, std::abs(difference) / std::sqrt(variance));
-  }
-  worst.relative /= brightest;
-  return worst;
-}
-
-void measure_automatic(const Mesh& mesh, uint32_t repeats) {
-  testing::SceneBuilder b;
-  const auto body = b.prototype(mesh);
-  constexpr float kDistance = 0.0003f;
-  std::printf(
-      "\n| pixels across | light | walks replaced | time: auto / walk | variance: auto / walk | mean walk | mean auto "
-      "| "
-      "largest block difference : brightest block | largest z |\n|--|--|--|--|--|--|--|--|--|\n");
-  for (const int size : {8, 24, 96})
-    for (const Lighting& lighting : {Lighting{"dome", false}, Lighting{"key", true}}) {
-      RenderRequest request = describe(&b, body, kDistance, lighting);
-      request.width = request.height = size;
-      request.data_window = {0, 0, size, size};
-      request.settings.samples = static_cast<uint32_t>(96 * 96 / (size * size));
-      Measured walk, automatic;
-      // Few samples and many repeats, because the z of a mean needs an accurate variance.
-      for (uint32_t repeat = 0; repeat < 4 * repeats; ++repeat) {
-        request.settings.seed = 2 * repeat;
-        request.settings.subsurface = SubsurfaceMode::walk;
-        walk.add(request);
-        request.settings.seed = 2 * repeat + 1;
-        request.settings.subsurface = SubsurfaceMode::automatic;
-        automatic.add(request);
-      }
-      const Difference difference = compare_blocks(walk, automatic, size);
-      const auto replaced = static_cast<double>(automatic.counters.lambert_exits);
-      std::printf("| %d | %s | %.1f %% | %.2f | %.2f | %.5f | %.5f | %.4f | %.2f |\n", size, lighting.name,
-                  100 * replaced / (replaced + static_cast<double>(automatic.counters.walks)),
-                  automatic.seconds / walk.seconds, automatic.variance(1) / walk.variance(1), walk.mean(),
-                  automatic.mean(), difference.relative, difference.z);
       std::fflush(stdout);
     }
 }
@@ -266,7 +203,6 @@ int run(int argc, char** argv) {
     std::printf("\nSkipped: the dragon. ALABASTER_TEST_ASSETS does not name a folder with sss/dragon_wax.glb.\n");
   else
     measure_body("dragon", unit_size(dragon), frame, repeats);
-  measure_automatic(unit_size(testing::torus_mesh(1, 0.4f, 256)), repeats);
   return 0;
 }
 

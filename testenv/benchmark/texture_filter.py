@@ -164,6 +164,8 @@ def main():
     parser.add_argument("--filter", type=float, nargs="*", default=[0.5, 1.0])
     parser.add_argument("--memory", type=int, nargs="*", default=[4096, 64, 16, 1])
     arguments = parser.parse_args()
+    if arguments.seeds < 2:
+        parser.error("--seeds must be 2 or more: noise is the difference between seeds")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write_scene(folder, arguments.texels, arguments.copies)

@@ -191,20 +191,16 @@ void print_mixed_distances(Rows& rows, uint32_t seed) {
   const Rgb albedo(0.9f, 0.9f, 0.01f), distance(0.01f, 0.01f, 100.0f);
   const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
   constexpr double kRadius = 0.05;
-  for (const auto& [name, weights] :
-       {std::pair{"weights T", WalkWeights::throughput}, {"weights T alpha", WalkWeights::throughput_times_albedo}}) {
-    const WalkTotals t = walk_bodies([] { return SphereTracer(kRadius); }, medium, plain_walk(weights),
-                                     rows.report().walks_for(0.25), ++seed);
-    for (const int c : {0, 2}) {
-      const double complement = exact_complement(static_cast<double>(albedo[c]));
-      const SphereAnswer answer = solve_sphere(kRadius * static_cast<double>(medium.sigma_t[c]), complement);
-      rows.compare(std::string("sphere, A (.9, .9, .01), d (.01, .01, 100), ") + name, text("channel %d", c),
-                   "that channel alone", t.out[c], answer.albedo, answer.error, "quadrature");
-    }
-    if (weights == WalkWeights::throughput)
-      rows.require("the same, weights T", "largest throughput", "<= 3", "float rounding of 1e-6",
-                   text("%.7g", t.counters.max_walk_weight), t.counters.max_walk_weight <= 3 * (1 + 1e-6));
+  const WalkTotals t =
+      walk_bodies([] { return SphereTracer(kRadius); }, medium, plain_walk(), rows.report().walks_for(0.25), ++seed);
+  for (const int c : {0, 2}) {
+    const double complement = exact_complement(static_cast<double>(albedo[c]));
+    const SphereAnswer answer = solve_sphere(kRadius * static_cast<double>(medium.sigma_t[c]), complement);
+    rows.compare("sphere, A (.9, .9, .01), d (.01, .01, 100)", text("channel %d", c), "that channel alone", t.out[c],
+                 answer.albedo, answer.error, "quadrature");
   }
+  rows.require("the same", "largest throughput", "<= 3", "float rounding of 1e-6",
+               text("%.7g", t.counters.max_walk_weight), t.counters.max_walk_weight <= 3 * (1 + 1e-6));
 }
 
 // ---- scale and place

@@ -6,6 +6,7 @@
 #include "testenv/support/anisotropic_half_space.h"
 #include "testenv/support/chi_square.h"
 #include "testenv/support/scene_builder.h"
+#include "testenv/support/van_de_hulst.h"
 #include "testenv/support/walk_pdfs.h"
 #include "testenv/support/z_test.h"
 
@@ -88,12 +89,14 @@ TEST(AnisotropicHalfSpace, WalkObtainsTheAlbedoAskedAtEveryG) {
 }
 
 TEST(AnisotropicHalfSpace, SimilarityAloneIsNoticed) {
-  // van_de_hulst accounts for g by similarity only: at g = -0.9 it obtains 0.024 less than A = 0.5. The walk shows this
-  // difference, and the solver gives its size.
-  const double complement = one_minus_alpha(0.5, AlbedoInversion::van_de_hulst, -0.9);
+  // Van de Hulst's inversion takes g by similarity only: at g = -0.9 it obtains 0.024 less than A = 0.5. The walk shows
+  // this difference, and the solver gives its size.
+  const double complement = van_de_hulst_complement(0.5, -0.9);
   const double obtained = anisotropic_half_space_albedo(complement, -0.9);
   EXPECT_GT(std::abs(obtained - 0.5), 0.02);
-  const Medium medium = make_medium(Rgb(0.5f), {0.3f, 0, 0}, AlbedoInversion::van_de_hulst, -0.9f);
+  Medium medium = make_medium(Rgb(0.5f), {0.3f, 0, 0}, AlbedoInversion::exact, -0.9f);
+  medium.one_minus_alpha.r = static_cast<float>(complement);
+  medium.alpha.r = static_cast<float>(1 - complement);
   const RunningStatistics walked = walk_half_space(medium, 3, 450);
   EXPECT_FALSE(z_test(walked, 0.5).passed);
   const ZTestResult result = z_test(walked, obtained, {0.01, 1, 1e-6});

@@ -124,8 +124,7 @@ TEST_P(LightLayersInMode, AddUpToTheColorOfEveryPixel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, LightLayersInMode,
-                         ::testing::Values(SubsurfaceMode::walk, SubsurfaceMode::reference, SubsurfaceMode::diffusion,
-                                           SubsurfaceMode::automatic));
+                         ::testing::Values(SubsurfaceMode::walk, SubsurfaceMode::reference, SubsurfaceMode::diffusion));
 
 // A diffusion profile does not distinguish numbers of events.
 TEST(LightLayers, DiffusionIsMultipleScattering) {

@@ -172,34 +172,6 @@ void expect_within(const MeanError& m, double expected, double slack) {
   EXPECT_NEAR(m.mean, expected, bound) << "standard error " << m.standard_error;
 }
 
-// Roulette ends paths earlier or later but changes no mean. Tested in a box of white walls, where light bounces many
-// times.
-TEST(Roulette, ChangesTheRaysAndNotTheMean) {
-  const auto lit = [](uint32_t roulette_depth, RenderProgress* progress) {
-    SceneBuilder b;
-    b.add(b.prototype(testing::sphere_mesh(1, 32, false)), b.material(diffuse_only(0.7f)));
-    LightDescription lamp;
-    lamp.type = LightType::sphere;
-    lamp.radius = 0.3f;
-    b.add(lamp);
-    RenderRequest request;
-    request.scene = b.snapshot();
-    request.camera = testing::look_at({0, 0, 0.9}, {0, 0, -1}, 60);
-    request.width = request.height = 32;
-    request.data_window = {0, 0, 32, 32};
-    request.settings.samples = 64;
-    request.settings.max_depth = 32;
-    request.settings.roulette_depth = roulette_depth;
-    request.settings.seed = roulette_depth;
-    return testing::film_mean(*testing::render(request, progress), 1);
-  };
-  RenderProgress never, early;
-  const MeanError a = lit(1000, &never), b = lit(0, &early);
-  EXPECT_LT(early.counters.bounce_rays, never.counters.bounce_rays * 3 / 4);
-  EXPECT_LT(b.standard_error, 0.01 * b.mean) << "or the comparison proves nothing";
-  EXPECT_NEAR(a.mean, b.mean, 3 * std::hypot(a.standard_error, b.standard_error));
-}
-
 // Slack: F_V at 8 degrees is below 1e-9; a facet of the 96-ring sphere tilts by less than a degree; curvature of a
 // sphere of 1000 scatter distances changes A by less than 1/1000.
 TEST(Furnace, WalkObtainsTheAlbedoAsked) {

@@ -7,7 +7,7 @@ import json
 import pathlib
 import sys
 
-BIASES = ("walk", "auto", "diffusion", "lambert", "maxDepth=4", "maxDepth=8")
+BIASES = ("walk", "diffusion", "lambert", "maxDepth=4", "maxDepth=8")
 COSTS = ("adaptive=on", "diffusion", "lambert", "reference", "walkGuiding=off", "walkSphereSteps=off")
 
 

@@ -33,18 +33,14 @@ struct Variant {
   WalkSettings settings;
 };
 
-Variant variant(const char* name, WalkWeights weights, bool guiding, bool sphere_steps) {
+Variant variant(const char* name, bool guiding, bool sphere_steps) {
   Variant v{name, {}};
-  v.settings.weights = weights;
   v.settings.guiding = guiding;
   v.settings.sphere_steps = sphere_steps;
   return v;
 }
-const Variant kVariants[] = {variant("faithful: w ~ T alpha", WalkWeights::throughput_times_albedo, false, false),
-                             variant("w ~ T", WalkWeights::throughput, false, false),
-                             variant("guided", WalkWeights::throughput, true, false),
-                             variant("sphere steps", WalkWeights::throughput, false, true),
-                             variant("both (default)", WalkWeights::throughput, true, true)};
+const Variant kVariants[] = {variant("plain", false, false), variant("guided", true, false),
+                             variant("sphere steps", false, true), variant("both (default)", true, true)};
 
 /// Sums of one estimator's three channels.
 struct Sums {

@@ -254,13 +254,6 @@ TEST(WalkShortcuts, EdgeIsThePlainWalks) {
   }
 }
 
-TEST(WalkShortcuts, PapersWeightsAreRightToo) {
-  WalkSettings settings = with(true, true);
-  settings.weights = WalkWeights::throughput_times_albedo;
-  const Outcome walked = walk_many(SlabTracer(), medium_of(kSkin), settings, 60000, 320);
-  for (int c = 0; c < 3; ++c) expect_mean(walked.out[c], kSkin[c], 3, 1e-4);
-}
-
 TEST(WalkShortcuts, WeightsStayBelowTheirBoundWhereGuidingIsWrong) {
   // Channels far apart, in slabs that the walk must leave by the other side.
   const Medium medium = make_medium({0.9f, 0.3f, 0.6f}, {1.0f, 0.02f, 0.1f}, AlbedoInversion::exact);

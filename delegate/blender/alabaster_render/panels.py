@@ -5,8 +5,8 @@ from . import disney_group, settings
 
 # Blocks of a panel, each the names of its settings.
 SAMPLING = [["quality"], ["samples", "targetError", "timeLimit"], ["adaptive", "denoise"], ["viewport_samples"], ["seed", "filter"]]
-PATHS = [["maxDepth", "rouletteDepth"], ["energy", "glossyFilter"]]
-SUBSURFACE = [["subsurface", "inversion"], ["walkWeights", "walkGuiding", "walkSphereSteps"]]
+PATHS = [["maxDepth"], ["energy", "glossyFilter"]]
+SUBSURFACE = [["subsurface", "inversion"], ["walkGuiding", "walkSphereSteps"]]
 GROUPED = {name for panel in (SAMPLING, PATHS, SUBSURFACE) for block in panel for name in block}
 MORE = [[name for name in settings.SETTINGS if name not in GROUPED]]
 

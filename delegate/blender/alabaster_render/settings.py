@@ -85,6 +85,10 @@ def delegate_settings(scene, viewport):
     """For alabaster.Renderer."""
     group = scene.alabaster
     values = {name: getattr(group, name) for name in SETTINGS}
+    for name, value in values.items():
+        if value == "":  # the file holds a choice of an earlier version
+            raise ValueError(f"{name}: the file has a choice that has been removed; choose again, for example "
+                             f"{SETTINGS[name].default}")
     if viewport:
         values.update(samples=group.viewport_samples, targetError=0.0, timeLimit=0.0, denoise=False)
     values["frame"] = max(scene.frame_current, 0)

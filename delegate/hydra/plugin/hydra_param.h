@@ -49,6 +49,9 @@ class HydraParam final : public pxr::HdRenderParam {
   /// Hydra's setting enableInteractive is false: products are to be written.
   bool is_batch = false;
 
+  void error(const pxr::SdfPath& id, const char* code, const std::string& text) const {
+    sink_({hd::Severity::error, code, id.GetString(), text});
+  }
   void warn(const pxr::SdfPath& id, const char* code, const std::string& text) const {
     sink_({hd::Severity::warning, code, id.GetString(), text});
   }

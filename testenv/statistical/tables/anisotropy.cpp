@@ -3,6 +3,7 @@
 #include "testenv/statistical/tables/tables.h"
 #include "testenv/statistical/tables/walks.h"
 #include "testenv/support/anisotropic_half_space.h"
+#include "testenv/support/van_de_hulst.h"
 
 namespace alabaster::testing {
 namespace {
@@ -61,7 +62,8 @@ void print_anisotropy(Report& report) {
   report.paragraph(
       "`exact` inversion. Solved: the transport equation by invariant embedding, at the inversion's alpha. Walked:\n"
       "the renderer's loop, ± one standard error, z against the solution. The last columns are the result of\n"
-      "similarity alone (`vanDeHulst`, including its own error of up to 0.002 at g = 0) and the cost of a walk.");
+      "similarity alone (van de Hulst's inversion, including its own error of up to 0.002 at g = 0) and the cost of a "
+      "walk.");
   report.columns(
       {"requested A", "g", "1 - alpha", "solved - requested", "walked", "z", "similarity alone - requested", "events"});
   std::array<Row, std::size(kAlbedos)> rows;
@@ -74,8 +76,7 @@ void print_anisotropy(Report& report) {
       totals = walk_half_space(medium, report.walks_for(albedo * (1 - albedo), 3), ++seed);
       const double complement = one_minus_alpha(albedo, AlbedoInversion::exact, g);
       const double solved = anisotropic_half_space_albedo(complement, g);
-      const double similar =
-          anisotropic_half_space_albedo(one_minus_alpha(albedo, AlbedoInversion::van_de_hulst, g), g);
+      const double similar = anisotropic_half_space_albedo(van_de_hulst_complement(albedo, g), g);
       report.row(
           {text("%g", albedo), text("%g", g), text("%.9f", complement), text("%+.1e", solved - albedo),
            Estimate(totals.out).text(), report.z_share(totals.out, solved, 1e-6), text("%+.4f", similar - albedo),

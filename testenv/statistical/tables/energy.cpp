@@ -2,6 +2,7 @@
 #include <array>
 
 #include "core/material/disney_bsdf.h"
+#include "core/subsurface/medium.h"
 #include "testenv/statistical/tables/tables.h"
 #include "testenv/support/chi_square.h"
 
@@ -71,6 +72,43 @@ Estimate mean_furnace(const Case& c, EnergyModel model, const Report& report) {
   return statistics;
 }
 
+// Seen along the normal: the light of the local lobes, and that of the walk, which enters with Burley's factor of the
+// viewer, brings out the albedo, and leaves with the factor of the light, whose mean is 1 - 1/42.
+Estimate half_space(float albedo, float roughness, const Report& report) {
+  DisneyParameters p = surface(albedo, roughness);
+  p.specular = 0;
+  p.scatter_distance = Rgb(1.0f);
+  const DisneyBsdf bsdf(p, {0, 0, 1}, EnergyModel::bounded);
+  const double walked = static_cast<double>(bsdf.subsurface_entry().g) *
+                        static_cast<double>(obtained_albedo(albedo, AlbedoInversion::exact)) * (41.0 / 42);
+  Rng rng(4711, 3);
+  RunningStatistics statistics;
+  const uint64_t samples = report.walks_for(0.1);
+  for (uint64_t i = 0; i < samples; ++i) {
+    const auto sample = bsdf.sample(rng.uniform(), uniform2(rng));
+    const bool is_local = sample && sample->lobe != Lobe::subsurface;
+    statistics.add(walked + (is_local ? static_cast<double>(sample->f.g * sample->wi.z / sample->pdf) : 0));
+  }
+  return statistics;
+}
+
+void print_half_space(Report& report) {
+  report.heading("A half-space that scatters, in a white furnace, specular 0, seen along the normal");
+  report.paragraph(
+      "A walk brings out the albedo asked for, baseColor. The material shows another: Burley's diffuse factors weigh\n"
+      "the light where it enters and where it leaves, and his retro-reflection, which grows with roughness, is added.");
+  report.columns({"baseColor", "roughness 0", "roughness .5", "roughness 1"});
+  for (const float albedo : {0.2f, 0.5f, 0.8f, 1.0f}) {
+    std::vector<std::string> row = {text("%g", static_cast<double>(albedo))};
+    for (const float roughness : {0.0f, 0.5f, 1.0f}) {
+      const Estimate share = half_space(albedo, roughness, report);
+      row.push_back(text("%.4f", share.mean));
+      report.require(share.mean - 4 * share.sigma <= 1 + 1e-3, "a half-space reflects more than it receives");
+    }
+    report.row(row);
+  }
+}
+
 }  // namespace
 
 void print_energy(Report& report) {
@@ -92,6 +130,7 @@ void print_energy(Report& report) {
       }
       report.row(row);
     }
+  print_half_space(report);
 }
 
 }  // namespace alabaster::testing

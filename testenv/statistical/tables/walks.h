@@ -52,9 +52,8 @@ struct WalkTotals {
 };
 
 /// The walk without shortcuts, as in the paper.
-inline WalkSettings plain_walk(WalkWeights weights = WalkWeights::throughput) {
+inline WalkSettings plain_walk() {
   WalkSettings settings;
-  settings.weights = weights;
   settings.guiding = settings.sphere_steps = false;
   return settings;
 }

@@ -394,6 +394,35 @@ class Control(unittest.TestCase):
         draw(renderer)
         self.assertIn("/wax", renderer.command("dumpScene"))
 
+    def test_statistics_tell_the_end_and_outlive_the_render(self):
+        scene = square()
+        renderer = alabaster.Renderer(scene, samples=4)
+        render = draw(renderer)
+        at_end = renderer.stats()
+        self.assertEqual(at_end["state"], "converged")
+        self.assertEqual(at_end["fractionDone"], 1)
+        self.assertIn("error.relativeRmse", at_end)
+        del render
+        after = renderer.stats()
+        self.assertEqual(after["state"], "converged")
+        for name in ("error.relativeRmse", "error.low", "walk.count", "rays.camera", "numCompletedSamples", "cpuSeconds"):
+            self.assertEqual(after[name], at_end[name], name)
+        again = renderer.start(width=16, height=16, camera="/camera")
+        again.wait()
+        self.assertEqual(renderer.stats()["state"], "converged")
+
+    def test_removed_settings_are_errors(self):
+        scene = square()
+        scene.set_render_settings("/settings", samples=1)
+        renderer = alabaster.Renderer(scene)
+        for name, value, instead in (("subsurface", "auto", "use 'walk'"), ("inversion", "vanDeHulst", "use 'exact'"),
+                                     ("walkWeights", "throughput", "leave it out"), ("rouletteDepth", 3, "leave it out")):
+            for what in (lambda: alabaster.Renderer(**{name: value}), lambda: renderer.set(**{name: value}),
+                         lambda: scene.set_render_settings("/settings", **{name: value}),
+                         lambda: scene.set_parameter("/settings", name, value)):
+                with self.assertRaisesRegex(ValueError, f"'{name}' has been removed; {instead}"):
+                    what()
+
 
 class TargetError(unittest.TestCase):
     def test_a_miss_is_told(self):

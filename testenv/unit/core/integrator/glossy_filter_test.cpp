@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/integrator/path_state.h"
-#include "core/material/disney_bsdf.h"
+#include "core/material/disney_transmissive_bsdf.h"
 #include "testenv/support/ball_on_floor.h"
 #include "testenv/support/path_tracer.h"
 #include "testenv/support/z_test.h"
@@ -107,6 +107,66 @@ TEST(GlossyFilter, KeepsTheDirectionalAlbedo) {
       };
       EXPECT_NEAR(albedo(0.7f) / albedo(0), 1, 0.02) << metallic << " " << cosine;
     }
+}
+
+// The share of white light along wo that `bsdf` sends to one side of the surface.
+template <class Bsdf>
+double sent(const Bsdf& bsdf, bool up) {
+  constexpr int kSide = 256;
+  double sum = 0;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vec2f u((static_cast<float>(i % kSide) + 0.5f) / kSide, (static_cast<float>(i / kSide) + 0.5f) / kSide);
+    const float u_lobe = std::fmod(static_cast<float>(i) * 0.618034f, 1.0f);
+    const auto sample = bsdf.sample(u_lobe, u);
+    if (sample && (sample->wi.z > 0) == up) sum += double(sample->f.g * std::abs(sample->wi.z) / sample->pdf);
+  }
+  return sum / (kSide * kSide);
+}
+
+// Both ways together, seen from outside and from inside, where part of the directions reflect totally. Radiance that
+// crosses into a medium is over eta^2.
+TEST(GlossyFilter, KeepsTheAlbedoOfClearBoundaries) {
+  for (const float roughness : {0.0f, 0.4f})
+    for (const float eta : {1.5f, 1 / 1.5f, 1 / 1.33f})
+      for (const float cosine : {0.3f, 0.6f, 0.95f}) {
+        DisneyParameters p;
+        p.base_color = Rgb(1.0f);
+        p.spec_trans = 1;
+        p.roughness = roughness;
+        DisneyParameters widened = p;
+        widened.least_roughness = 0.7f;
+        const Vec3f wo(std::sqrt(1 - cosine * cosine), 0, cosine);
+        const auto albedo = [&](const DisneyParameters& parameters) {
+          const DisneyTransmissiveBsdf bsdf(parameters, wo, {eta, eta < 1});
+          return sent(bsdf, true) + sent(bsdf, false) * eta * eta;
+        };
+        const double tolerance =
+            eta < 1 && cosine < 0.5f ? 0.06 : 0.02;  // of the table, where own facets reflect totally
+        EXPECT_NEAR(albedo(widened), albedo(p), tolerance) << roughness << " " << eta << " " << cosine;
+      }
+}
+
+TEST(GlossyFilter, KeepsTheAlbedoOfThinSheetsCoatAndClearcoat) {
+  for (const float cosine : {0.2f, 0.5f, 0.95f}) {
+    const Vec3f wo(std::sqrt(1 - cosine * cosine), 0, cosine);
+    const auto widened = [](DisneyParameters p) {
+      p.least_roughness = 0.7f;
+      return p;
+    };
+    DisneyParameters sheet;
+    sheet.base_color = Rgb(1.0f);
+    sheet.spec_trans = 1, sheet.thin = true, sheet.roughness = 0.1f;
+    const auto boundary = [&](const DisneyParameters& p) { return DisneyTransmissiveBsdf(p, wo, {1.5f, false}); };
+    for (const bool up : {true, false})
+      EXPECT_NEAR(sent(boundary(widened(sheet)), up), sent(boundary(sheet), up), 0.02) << cosine << up;
+    DisneyParameters coated;
+    coated.base_color = Rgb(0.0f);
+    coated.specular = 0;
+    coated.coat = 1;
+    EXPECT_NEAR(sent(DisneyBsdf(widened(coated), wo), true) / sent(DisneyBsdf(coated, wo), true), 1, 0.03) << cosine;
+    coated.coat = 0, coated.clearcoat = 1;
+    EXPECT_NEAR(sent(DisneyBsdf(widened(coated), wo), true) / sent(DisneyBsdf(coated, wo), true), 1, 0.03) << cosine;
+  }
 }
 
 // The reflectance under a film is defined for a base that reflects at most all light.

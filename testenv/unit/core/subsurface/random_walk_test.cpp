@@ -62,30 +62,13 @@ class EmptyScene final : public ObjectScene {
   size_t memory_bytes() const override { return 0; }
 };
 
-TEST(ChromaticSegment, PaperWeightsConserveTheSumOfThroughput) {
-  Rng rng(1, 1);
-  for (const Medium& medium : {skin(), extreme()}) {
-    const WalkMedium walk_medium(medium);
-    for (int i = 0; i < 20000; ++i) {
-      const ChannelValues before{rng.uniform(), rng.uniform(), rng.uniform()};
-      const ChromaticSegment segment(walk_medium, before, WalkWeights::throughput_times_albedo);
-      const double t = segment.sample_distance({rng.uniform(), rng.uniform()});
-      double weighted = 0;
-      for (size_t c = 0; c < 3; ++c) weighted += before[c] * walk_medium.alpha[c];
-      EXPECT_NEAR(sum(segment.scatter_throughput(t)), weighted, 1e-12 * weighted);
-      const ChannelValues crossed = segment.exit_throughput(0.5 * t);
-      for (size_t c = 0; c < 3; ++c) EXPECT_LE(crossed[c] * walk_medium.alpha[c], weighted * (1 + 1e-12));
-    }
-  }
-}
-
 TEST(ChromaticSegment, ThroughputWeightsNeverRaiseTheSum) {
   Rng rng(2, 1);
   for (const Medium& medium : {skin(), extreme()}) {
     const WalkMedium walk_medium(medium);
     for (int i = 0; i < 20000; ++i) {
       const ChannelValues before{rng.uniform(), rng.uniform(), rng.uniform()};
-      const ChromaticSegment segment(walk_medium, before, WalkWeights::throughput);
+      const ChromaticSegment segment(walk_medium, before);
       const double t = segment.sample_distance({rng.uniform(), rng.uniform()});
       EXPECT_LE(sum(segment.scatter_throughput(t)), sum(before) * (1 + 1e-12));
       // Without absorption both would equal it exactly.
@@ -100,17 +83,10 @@ TEST(ChromaticSegment, GreyMediaLoseExactlyTheirAbsorption) {
   const WalkMedium walk_medium(medium);
   Rng rng(3, 1);
   for (int i = 0; i < 1000; ++i) {
-    const ChromaticSegment segment(walk_medium, {1, 1, 1}, WalkWeights::throughput);
+    const ChromaticSegment segment(walk_medium, {1, 1, 1});
     for (const double channel : segment.scatter_throughput(segment.sample_distance({rng.uniform(), rng.uniform()})))
       EXPECT_NEAR((1 - channel) / medium.one_minus_alpha.r, 1, 1e-6);
   }
-}
-
-TEST(ChromaticSegment, PaperWeightsFallBackWhereNothingScatters) {
-  const WalkMedium walk_medium(make_medium(Rgb(0.0f), {1.0f, 2.0f, 3.0f}, AlbedoInversion::exact));
-  const ChromaticSegment segment(walk_medium, {1, 1, 1}, WalkWeights::throughput_times_albedo);
-  EXPECT_NEAR(sum(segment.exit_throughput(0.1)), 3, 1e-12);
-  EXPECT_EQ(sum(segment.scatter_throughput(0.1)), 0);
 }
 
 TEST(ChromaticSegment, ExtremesGiveNoNan) {
@@ -119,22 +95,20 @@ TEST(ChromaticSegment, ExtremesGiveNoNan) {
   const Rgb albedos[] = {Rgb(0.0f), Rgb(1.0f), {1e-38f, 0.5f, 1.0f}};
   Rng rng(4, 1);
   for (const Rgb& distance : distances)
-    for (const Rgb& albedo : albedos)
-      for (const WalkWeights weights : {WalkWeights::throughput, WalkWeights::throughput_times_albedo}) {
-        RenderCounters counters;
-        WalkSettings settings;
-        settings.weights = weights;
-        settings.safety_cap = 2000;  // white and thick: the walk may be endless
-        const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
-        for (int i = 0; i < 500; ++i) {
-          SphereTracer tracer(1);
-          const auto end = walk_body(tracer, medium, settings, rng, counters);
-          if (!end) continue;
-          for (const double channel : end->throughput) ASSERT_TRUE(std::isfinite(channel) && channel >= 0);
-        }
-        EXPECT_EQ(counters.walks, 500u);
-        EXPECT_EQ(counters.walk_lost, 0u);
+    for (const Rgb& albedo : albedos) {
+      RenderCounters counters;
+      WalkSettings settings;
+      settings.safety_cap = 2000;  // white and thick: the walk may be endless
+      const Medium medium = make_medium(albedo, distance, AlbedoInversion::exact);
+      for (int i = 0; i < 500; ++i) {
+        SphereTracer tracer(1);
+        const auto end = walk_body(tracer, medium, settings, rng, counters);
+        if (!end) continue;
+        for (const double channel : end->throughput) ASSERT_TRUE(std::isfinite(channel) && channel >= 0);
       }
+      EXPECT_EQ(counters.walks, 500u);
+      EXPECT_EQ(counters.walk_lost, 0u);
+    }
 }
 
 TEST(Survives, WithTheProbabilityAsked) {

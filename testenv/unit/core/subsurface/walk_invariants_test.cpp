@@ -59,32 +59,17 @@ constexpr double kRounding = 1 + 1e-12;
 
 /// `check(walk_medium, before, segment, t)` for many media, throughputs and distances that can be drawn.
 template <class Check>
-void for_random_segments(uint64_t seed, WalkWeights weights, const Check& check) {
+void for_random_segments(uint64_t seed, const Check& check) {
   Rng rng(seed, 1);
   for (int i = 0; i < 50000; ++i) {
     const Medium medium = random_medium(rng);
     const WalkMedium walk_medium(medium);
     const ChannelValues before = random_throughput(rng, medium);
     if (!(max_value(before) > 0)) continue;
-    const ChromaticSegment segment(walk_medium, before, weights);
+    const ChromaticSegment segment(walk_medium, before);
     const float t = segment.sample_distance({rng.uniform(), rng.uniform()});
     if (t < std::numeric_limits<float>::infinity()) check(walk_medium, before, segment, static_cast<double>(t));
   }
-}
-
-TEST(WalkInvariants, PaperWeightsKeepTheSumOfThroughputTimesAlbedo) {
-  const auto check = [](const WalkMedium& medium, const ChannelValues& before, const ChromaticSegment& segment,
-                        double t) {
-    double kept = 0;
-    for (size_t c = 0; c < 3; ++c) kept += before[c] * medium.alpha[c];
-    if (kept < 1e-30) return;  // nothing scatters: the weights are those of the throughput
-    EXPECT_NEAR(sum(segment.scatter_throughput(t)) / kept, 1, 1e-12);
-    for (const double part : {1.0, 0.5, 1e-3}) {
-      const ChannelValues crossed = segment.exit_throughput(part * t);
-      for (size_t c = 0; c < 3; ++c) EXPECT_LE(crossed[c] * medium.alpha[c], kept * kRounding);
-    }
-  };
-  for_random_segments(1, WalkWeights::throughput_times_albedo, check);
 }
 
 TEST(WalkInvariants, ThroughputWeightsNeverRaiseAnyChannelAboveTheSum) {
@@ -95,13 +80,12 @@ TEST(WalkInvariants, ThroughputWeightsNeverRaiseAnyChannelAboveTheSum) {
     for (const double part : {1.0, 0.5, 1e-3})
       EXPECT_NEAR(sum(segment.exit_throughput(part * t)) / sum(before), 1, 1e-12);  // an exit keeps the sum
   };
-  for_random_segments(2, WalkWeights::throughput, check);
+  for_random_segments(2, check);
 }
 
 /// Largest throughput at any event or exit of walks in thin and thick bodies.
-double largest_weight(const Medium& medium, WalkWeights weights, Rng& rng) {
+double largest_weight(const Medium& medium, Rng& rng) {
   WalkSettings settings;
-  settings.weights = weights;
   settings.safety_cap = 2000;  // white and thick: such walks may be endless
   RenderCounters counters;
   for (int i = 0; i < 40; ++i) {
@@ -117,30 +101,11 @@ TEST(WalkInvariants, WholeWalksStayBelowThree) {
   Rng rng(3, 1);
   double largest = 0;
   for (int i = 0; i < 1000; ++i) {
-    const double weight = largest_weight(random_medium(rng), WalkWeights::throughput, rng);
+    const double weight = largest_weight(random_medium(rng), rng);
     EXPECT_LE(weight, 3 * kRounding);
     largest = std::max(largest, weight);
   }
   EXPECT_GT(largest, 2.5);  // and the bound is the best there is
-}
-
-TEST(WalkInvariants, WholeWalksWithPaperWeightsStayWithinTheirBound) {
-  Rng rng(4, 1);
-  double largest = 0;
-  for (int i = 0; i < 1000; ++i) {
-    const Medium medium = random_medium(rng);
-    double brightest = 0, darkest = 1;
-    for (int c = 0; c < 3; ++c) {
-      if (!medium.active[c]) continue;
-      brightest = std::max(brightest, static_cast<double>(medium.alpha[c]));
-      darkest = std::min(darkest, static_cast<double>(medium.alpha[c]));
-    }
-    if (!(darkest > 0)) continue;  // a black channel's exit has no bound under these weights
-    const double weight = largest_weight(medium, WalkWeights::throughput_times_albedo, rng);
-    EXPECT_LE(weight, 3 * brightest / darkest * (1 + 1e-6));
-    largest = std::max(largest, weight);
-  }
-  EXPECT_GT(largest, 3);  // which is why they are not the default
 }
 
 }  // namespace

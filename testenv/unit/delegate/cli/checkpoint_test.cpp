@@ -41,7 +41,7 @@ class CheckpointTest : public hd::description::SceneFiles {
     for (const auto& attribute : input->spec().extra_attribs) {
       const std::string name = attribute.name().string();
       if (name != "capDate" && name != "DateTime" && name.find("econds") == std::string::npos &&
-          name.find("Memory") == std::string::npos && name != "alabaster/threads")
+          name.find("Memory") == std::string::npos)
         all[name] = attribute.get_string();
     }
     return all;

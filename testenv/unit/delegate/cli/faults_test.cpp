@@ -181,11 +181,14 @@ TEST_F(FaultsTest, TheMemoryLimitIsNamedByWhatWouldExceedIt) {
   EXPECT_HAS(fine.err, "of the memory limit of 16 MiB ");
   EXPECT_HAS(fine.err, "raise memoryLimit (--memory-limit)");
   EXPECT_FALSE(exists("a.exr"));
+  EXPECT_EQ(render("fine.json", {"--memory-limit", "16", "--keep-going"}).code, 4);
+  EXPECT_TRUE(exists("a.exr")) << "written without the mesh, and marked";
+  EXPECT_EQ(run({"check", "fine.json", "--memory-limit", "16"}).code, 4);
   EXPECT_EQ(render("fine.json", {"--memory-limit", "512"}).code, 0);
 
   const Outcome large =
       run({"render", "patch.gltf", "--size", "4096x4096", "--spp", "1", "-o", "a.exr", "--memory-limit", "64"});
-  EXPECT_EQ(large.code, 3) << large.err;
+  EXPECT_EQ(large.code, 4) << large.err;
   EXPECT_HAS(large.err, "a frame of 4096 x 4096 pixels needs ");
 
   // One accessor that costs the file nothing, decoded again for each primitive that uses it.
@@ -195,14 +198,14 @@ TEST_F(FaultsTest, TheMemoryLimitIsNamedByWhatWouldExceedIt) {
   zeros.back() = ']';
   write("zeros.gltf", zeros + "}]}");
   const Outcome decoded = render("zeros.gltf", {"--memory-limit", "512"});
-  EXPECT_EQ(decoded.code, 3) << decoded.err;
+  EXPECT_EQ(decoded.code, 4) << decoded.err;
   EXPECT_HAS(decoded.err, "the geometry of its meshes needs 1786 MiB more");
 
   std::string values = R"({"settings": {"memoryLimit": 100}, "gltf": [0)";
   for (int i = 0; i < 1000000; ++i) values += ",0";
   write("values.json", values + "]}");
   const Outcome listed = render("values.json", {"--memory-limit", "100"});
-  EXPECT_EQ(listed.code, 3) << listed.err;
+  EXPECT_EQ(listed.code, 4) << listed.err;
   EXPECT_HAS(listed.err, "JSON of 1000004 values needs ");
 }
 

@@ -177,6 +177,24 @@ TEST(Parameters, EveryCameraParameterOfTheSchemaArrives) {
     EXPECT_NE(text.find("\n  " + name + " " + value + "\n"), std::string::npos) << name << "\n" << text;
 }
 
+// A host that sets one hears of it, and renders as if it had not.
+TEST(Parameters, RemovedSettingsAreErrors) {
+  Stage stage;
+  stage.delegate->SetRenderSetting("subsurface", std::string("lambert"));
+  for (const auto& [key, value] : {std::pair{"subsurface", Value(std::string("auto"))},
+                                   {"inversion", Value(std::string("vanDeHulst"))},
+                                   {"walkWeights", Value(std::string("throughput"))},
+                                   {"rouletteDepth", Value(int64_t(3))}}) {
+    stage.delegate->SetRenderSetting(key, value);
+    const std::vector<Diagnostic> said = stage.take_diagnostics();
+    ASSERT_EQ(said.size(), 1u) << key;
+    EXPECT_EQ(said[0].code, "settings.retired");
+    EXPECT_TRUE(said[0].severity == Severity::error);
+    EXPECT_NE(said[0].text.find("has been removed; "), std::string::npos) << said[0].text;
+  }
+  EXPECT_EQ(stage.delegate->GetRenderSetting("subsurface").text_or(""), "lambert");
+}
+
 TEST(Parameters, RenderSettingsAreTheSchemas) {
   Stage stage;
   const json schema = schema_properties("render_settings");

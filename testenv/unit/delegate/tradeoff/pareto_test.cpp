@@ -2,48 +2,70 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <random>
 
 namespace alabaster::tradeoff {
 namespace {
 
-using Indices = std::vector<size_t>;
+using Flags = std::vector<bool>;
 
-TEST(Pareto, LeavesOutWhatIsBeaten) {
-  const std::vector<CostError> points = {{4, 1}, {1, 8}, {2, 9}, {2, 3}, {3, 3.5}, {8, 1.5}};
-  EXPECT_EQ(pareto_front(points), (Indices{1, 3, 0}));
+/// noise^2 x cost is `work`, known to `share` of it.
+CurvePoint point(size_t configuration, double cost, double work, double share = 0.05, Estimate bias = {}) {
+  const double noise = work / cost;
+  return {configuration, cost, {noise, noise * (1 - share), noise * (1 + share), noise * share / 2}, bias};
 }
 
-TEST(Pareto, TiesAreBeatenInTheOtherMeasure) {
-  const std::vector<CostError> points = {{2, 5}, {2, 4}, {1, 6}, {3, 4}, {0.5, 6}};
-  EXPECT_EQ(pareto_front(points), (Indices{4, 1}));
+Estimate bias(double value, double low) {
+  return {value, low, 2 * value - low, (value - low) / 1.96};
 }
 
-TEST(Pareto, EqualPointsStandTogether) {
-  const std::vector<CostError> points = {{2, 4}, {3, 9}, {2, 4}, {3, 9}, {1, 7}};
-  EXPECT_EQ(pareto_front(points), (Indices{4, 0, 2}));
+TEST(Front, OfEqualCurvesTheBaseAloneIsOnIt) {
+  // The other is one per cent cheaper, which no interval tells.
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 1), point(1, 0.99, 1), point(1, 3.96, 1)}),
+            (Flags{true, true, false, false}));
 }
 
-TEST(Pareto, NothingAndNonsense) {
-  EXPECT_EQ(pareto_front({}), Indices{});
-  const std::vector<CostError> points = {{NAN, 0}, {0, NAN}, {-INFINITY, 1}, {1, INFINITY}, {5, 5}};
-  EXPECT_EQ(pareto_front(points), Indices{4});
+TEST(Front, ABetterCurveTakesTheBasesPlace) {
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 1), point(1, 1, 0.5), point(1, 4, 0.5)}),
+            (Flags{false, false, true, true}));
 }
 
-TEST(Pareto, IsWhatTheDefinitionSays) {
-  std::mt19937 random(7);
-  std::vector<CostError> points(200);
-  for (CostError& p : points) p = {double(random() % 30), double(random() % 30)};
-  const Indices front = pareto_front(points);
-  for (size_t i = 0; i < points.size(); ++i) {
-    bool dominated = false;
-    for (const CostError& other : points)
-      dominated |= other.cost <= points[i].cost && other.error <= points[i].error &&
-                   (other.cost < points[i].cost || other.error < points[i].error);
-    EXPECT_EQ(std::count(front.begin(), front.end(), i), dominated ? 0 : 1) << i;
-  }
+TEST(Front, ABiasCountsWhereItIsCertain) {
+  const auto flags = [](const Estimate& of_other) {
+    return on_front(std::vector{point(0, 1, 1), point(0, 100, 1), point(1, 1, 0.3, 0.05, of_other),
+                                point(1, 100, 0.3, 0.05, of_other)});
+  };
+  EXPECT_EQ(flags(bias(0.04, -0.01)), (Flags{false, false, true, true})) << "it may be 0";
+  EXPECT_EQ(flags(bias(0.04, 0.03)), (Flags{false, true, true, false})) << "0.2 of error however long it takes";
+}
+
+TEST(Front, OfTwoThatAreBetterAlikeTheFirstIsOnIt) {
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 1, 0.5), point(2, 1, 0.49), point(3, 1, 0.3)}),
+            (Flags{false, false, false, true}));
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 1, 0.5), point(2, 1, 0.49)}), (Flags{false, true, false}));
+}
+
+TEST(Front, ADearerPointOfTheSameCurveMustBeBetter) {
+  // A bright sample that only the longer render has met.
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(0, 4, 100)}), (Flags{true, false}));
+}
+
+TEST(Front, CurvesAreNotFollowedFar) {
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 5, 2)}), (Flags{true, true}));
+  EXPECT_EQ(on_front(std::vector{point(0, 1, 1), point(1, 3, 2)}), (Flags{true, false}));
+}
+
+TEST(Front, NothingAndNonsense) {
+  EXPECT_EQ(on_front({}), Flags{});
+  EXPECT_EQ(on_front(std::vector{point(0, NAN, 1), point(0, 0, 1), point(1, 1, NAN), point(2, 5, 5)}),
+            (Flags{false, false, false, true}));
+}
+
+TEST(Front, AnErrorIsThatOfItsCurve) {
+  const Estimate error = squared_error_at(point(0, 2, 1, 0.1, bias(0.04, 0.03)), 8);
+  EXPECT_NEAR(error.value, 0.125 + 0.04, 1e-12);
+  EXPECT_NEAR(error.low, 0.1125 + 0.03, 1e-12);
+  EXPECT_NEAR(error.high, 0.1375 + 0.05, 1e-12);
 }
 
 }  // namespace

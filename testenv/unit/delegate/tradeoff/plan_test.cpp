@@ -119,6 +119,30 @@ TEST(Plan, WhatIsLeftGoesToStragglersBeforeItGoesToTheReference) {
   EXPECT_EQ(next_job(state), (Job{2, 16, 0}));
 }
 
+// Adaptive sampling begins at 32 samples: below these its pictures are the base's.
+TEST(Plan, AConfigurationBeginsWhereItHasAnEffect) {
+  std::vector<FinishedJob> finished;
+  const std::vector<uint64_t> first{1, 32, 1};
+  StudyState state;
+  state.configurations = 3;
+  state.budget = 60;
+  state.first_samples = first;
+  while (true) {
+    state.finished = finished;
+    const auto job = next_job(state);
+    if (!job) break;
+    if (job->configuration == kReference && !finished.empty()) state.reference_samples = job->samples;
+    finished.push_back({*job, 0.02 * double(job->samples), 0.02 * double(job->samples) + 0.01});
+    state.spent += finished.back().total_seconds;
+  }
+  const auto count = replicas(finished);
+  EXPECT_EQ(count.at({1, 1}), 1) << "its cost";
+  EXPECT_FALSE(count.contains({1, 4}) || count.contains({1, 16}));
+  EXPECT_EQ(count.at({1, 32}), 2);
+  EXPECT_EQ(count.at({0, 32}), 2);
+  EXPECT_EQ(count.at({1, 64}), 2);
+}
+
 TEST(Plan, ForecastIsWhatHappens) {
   const auto jobs = simulate(6, 0.05, 100);
   StudyState state;

@@ -261,7 +261,13 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
   const auto result = results(store);
   ASSERT_TRUE(result);
   list_.measured.push_back(configuration("late", "late", 0));  // was never reached
-  const ReportContext context{"alabaster tradeoff scene.glb", store.identity, 32, 24, store.spent, true};
+  const ReportContext context{"alabaster tradeoff scene.glb",
+                              "alabaster render scene.glb -o frame.exr",
+                              store.identity,
+                              32,
+                              24,
+                              store.spent,
+                              true};
   const auto json = nlohmann::ordered_json::parse(json_text(*result, list_, context));
   std::istringstream csv(csv_text(*result));
   std::string line;
@@ -283,12 +289,40 @@ TEST_F(Study, CsvJsonAndMarkdownAgree) {
   const ConfigurationSummary other = summarize(*result).back();
   EXPECT_GT(other.compared_at, 0u);
   char cost[64];
-  std::snprintf(cost, sizeof cost, "| lambert | %.2f | %llu |", other.cost_ratio,
-                static_cast<unsigned long long>(other.compared_at));
+  std::snprintf(cost, sizeof cost, "| lambert | %.2f (%.2f to %.2f) | %llu |", other.cost_ratio.value,
+                other.cost_ratio.low, other.cost_ratio.high, static_cast<unsigned long long>(other.compared_at));
   EXPECT_NE(text.find(cost), std::string::npos) << text;
   EXPECT_NE(text.find("Largest bias: **lambert**"), std::string::npos) << text;
   EXPECT_NE(text.find("refineLevel-1: no mesh"), std::string::npos);
   EXPECT_NE(text.find("late: no time"), std::string::npos);
+}
+
+// A configuration that changes nothing shares a line; one whose bias is certain is not recommended for long.
+TEST_F(Study, WhatHasNoEffectIsFoldedAndWhatIsBestIsRecommended) {
+  list_.measured.push_back(configuration("same", "same", 0));
+  list_.measured[1].flags = "--subsurface lambert";
+  StudyStore store = open("a");
+  ASSERT_EQ(run(&store), StudyOutcome::finished);
+  const auto result = results(store);
+  ASSERT_TRUE(result) << problem_;
+  const ReportContext context{"a", "alabaster render s.glb -o frame.exr", store.identity, 32, 24, store.spent, true};
+  const std::string text = markdown_text(*result, list_, context);
+  EXPECT_NE(text.find("No measurable effect: same ("), std::string::npos) << text;
+  EXPECT_EQ(text.find("| same |"), text.find("| same |", text.find("## All measurements"))) << "in no other table";
+  EXPECT_NE(text.find("| walk | 1 | "), std::string::npos);
+  EXPECT_NE(text.find(" | below "), std::string::npos) << "the walk's bias may be 0";
+  for (const Row& row : result->rows) {
+    EXPECT_EQ(row.pareto, row.configuration == "walk") << row.configuration << row.samples;
+    if (row.configuration == "walk") {
+      EXPECT_NEAR(row.total.value, std::sqrt(row.squared_noise.value), 1e-12);
+    }
+  }
+  const size_t advice = text.find("## What to choose");
+  ASSERT_NE(advice, std::string::npos);
+  for (const char* budget : {"- a minute: ", "- ten minutes: ", "- an hour: "}) EXPECT_GT(text.find(budget), advice);
+  EXPECT_EQ(text.find("lambert", advice), std::string::npos) << "its bias is 30 %";
+  ASSERT_EQ(result->tiles.size(), 3u) << "the reference, the base and lambert";
+  EXPECT_EQ(result->tiles[1].pixels.pixels(), result->tiles[0].pixels.pixels());
 }
 
 TEST_F(Study, NamesAreTakenLiterallyInReports) {
@@ -297,7 +331,8 @@ TEST_F(Study, NamesAreTakenLiterallyInReports) {
   ASSERT_EQ(run(&store), StudyOutcome::finished);
   const auto result = results(store);
   ASSERT_TRUE(result);
-  const ReportContext context{"alabaster tradeoff 'x``y'\nz", store.identity, 32, 24, store.spent, true};
+  const ReportContext context{
+      "alabaster tradeoff 'x``y'\nz", "alabaster render x", store.identity, 32, 24, store.spent, true};
   EXPECT_TRUE(nlohmann::ordered_json::parse(json_text(*result, list_, context)).is_object());
   const std::string text = markdown_text(*result, list_, context);
   EXPECT_TRUE(

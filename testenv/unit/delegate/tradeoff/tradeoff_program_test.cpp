@@ -55,7 +55,8 @@ TEST_F(TradeoffProgram, MeasuresWritesAndGoesOn) {
   ASSERT_EQ(first.code, 0) << first.err;
   EXPECT_HAS(first.err, "plan: ");
   EXPECT_HAS(first.err, " left");
-  for (const char* name : {"tradeoff.csv", "tradeoff.json", "tradeoff.md", "tradeoff.svg", "tradeoff.png"})
+  for (const char* name :
+       {"tradeoff.csv", "tradeoff.json", "tradeoff.md", "tradeoff.svg", "tradeoff.png", "pictures.png"})
     EXPECT_GT(text_of(std::string("out/") + name).size(), 100u) << name;
   const auto json = nlohmann::json::parse(text_of("out/tradeoff.json"));
   EXPECT_EQ(json["configurations"].size(), 2u);
@@ -120,7 +121,7 @@ TEST_F(TradeoffProgram, WrongArgumentsEndAsWithOtherCommands) {
   EXPECT_EQ(run({"wax.json", "--only", "("}).code, 2);
   const Outcome typo = run({"wax.json", "--only", "lambret"});
   EXPECT_EQ(typo.code, 2);
-  EXPECT_HAS(typo.err, "walk, lambert, diffusion");
+  EXPECT_HAS(typo.err, "walk, quality=preview");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "wax_tradeoff"));
   EXPECT_EQ(run({"wax.json", "--set", "materials/skin.rougness=1", "-o", "out"}).code, 2);
   EXPECT_EQ(run({"missing.glb"}).code, 3);
