@@ -1,6 +1,7 @@
 // Meshes through Sync: all faults that a mesh can have, and changes that must not cost a rebuild.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <functional>
@@ -215,6 +216,32 @@ TEST(MeshSync, SubsurfaceInAnOpenMeshIsToldOnceForEachPrim) {
   for (const Diagnostic& d : stage.take_diagnostics())
     if (d.code == "mesh.open") where.push_back(d.where);
   EXPECT_EQ(where, (std::vector<std::string>{"/a", "/b"}));
+}
+
+TEST(MeshSync, AnisotropyWithoutADirectionIsToldOnceForEachPrim) {
+  Stage stage;
+  MaterialNetwork brushed;
+  MaterialNode node;
+  node.nodeTypeId = "AlabasterDisney";
+  node.parameters["anisotropic"] = 0.8f;
+  brushed.nodes["/brushed/surface"] = node;
+  brushed.terminals["surface"].upstreamNode = "/brushed/surface";
+  stage.scene.SetMaterial("/brushed", brushed);
+  host::MeshDescription mesh = Stage::quad();
+  mesh.primvars.erase("st");
+  stage.scene.SetMesh("/plain", mesh);
+  mesh.material = "/brushed";
+  stage.scene.SetMesh("/without", mesh);
+  mesh.primvars["st"] = {Interpolation::vertex, {}, Array<Vec2f>{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}};
+  stage.scene.SetMesh("/with", mesh);
+  mesh.primvars["st"] = {Interpolation::vertex, {}, Array<Vec2f>{{0, 0}, {1, 0}, {1, 0}, {0, 0}}, {}};
+  stage.scene.SetMesh("/without_area", mesh);
+  stage.index->SyncAll();
+  std::vector<std::string> where;
+  for (const Diagnostic& d : stage.take_diagnostics())
+    if (d.code == "mesh.direction") where.push_back(d.where);
+  std::sort(where.begin(), where.end());
+  EXPECT_EQ(where, (std::vector<std::string>{"/without", "/without_area"}));
 }
 
 // Wall time is a union, and CPU time is divided: meshes synced together never add up to more time than passed.
