@@ -55,7 +55,7 @@ bool is_count(const AovInfo& aov) {
 }
 
 ChannelStore exr_store(const AovInfo& aov, const RenderVar& var, ChannelStore product_store) {
-  const bool wants_float = var.dataType == Token("float") || (is_count(aov) && var.dataType.str().empty());
+  const bool wants_float = var.dataType == Token("float") || (is_count(aov) && var.dataType != Token("int"));
   if (aov.is_integer()) return wants_float ? ChannelStore::float32 : ChannelStore::uint32;
   return wants_float || needs_full_precision(aov) ? ChannelStore::float32 : product_store;
 }

@@ -110,10 +110,9 @@ TEST(Plan, WhatIsLeftGoesToStragglersBeforeItGoesToTheReference) {
   state.budget = 100;
   state.spent = 50;
   state.reference_samples = 8;
-  add(0, 64, 0, 0.1);
-  add(0, 64, 1, 0.1);
-  add(1, 64, 0, 0.1);
-  add(1, 64, 1, 0.1);
+  for (const uint64_t samples : {32u, 64u, 128u})
+    for (const int c : {0, 1})
+      for (const int replica : {0, 1}) add(c, samples, replica, 0.1);
   state.finished = finished;
   ASSERT_GT(2 * expected_seconds(state, {2, 16, 0}), 60.0 / 3);
   EXPECT_EQ(next_job(state), (Job{2, 16, 0}));
