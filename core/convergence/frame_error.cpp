@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/convergence/pixel_levels.h"
 #include "core/convergence/pixel_loop.h"
 
 namespace alabaster {
@@ -12,46 +13,6 @@ namespace {
 
 double squared(float x) {
   return double(x) * double(x);
-}
-
-/// Mean of the 3 x 3 pixels around (x, y). The pixel's own level counts at most as much as its brightest neighbour's,
-/// since a sample that found much light by chance must not excuse the noise that it is.
-double local_level(const NoiseImage& image, int x, int y) {
-  const auto level = [&](int nx, int ny) -> double {
-    return image.pixels[size_t(ny) * size_t(image.width) + size_t(nx)].level;
-  };
-  double sum = 0, brightest = 0;
-  int count = 0;
-  for (int ny = std::max(0, y - 1); ny <= std::min(image.height - 1, y + 1); ++ny)
-    for (int nx = std::max(0, x - 1); nx <= std::min(image.width - 1, x + 1); ++nx) {
-      if (nx == x && ny == y) continue;
-      sum += level(nx, ny);
-      brightest = std::max(brightest, level(nx, ny));
-      ++count;
-    }
-  const double own = level(x, y);
-  return (sum + (count > 0 ? std::min(own, brightest) : own)) / (count + 1);
-}
-
-/// L^2 + f^2 of every pixel; empty if the frame is black.
-std::vector<double> squared_scales(const NoiseImage& image, const CancelToken& cancel) {
-  const size_t n = image.pixels.size();
-  const auto mean = sum_over_pixels<double>(
-      n, [&](size_t i, double* sum) { *sum += double(image.pixels[i].level) / double(n); }, cancel);
-  if (!(mean > 0)) return {};
-  const double floor = kErrorFloor * mean;
-  std::vector<double> scales(n);
-  for_pixel_blocks(
-      n,
-      [&](size_t, size_t begin, size_t end) {
-        const auto width = size_t(image.width);
-        for (size_t i = begin; i < end; ++i) {
-          const double level = local_level(image, int(i % width), int(i / width));
-          scales[i] = level * level + floor * floor;
-        }
-      },
-      cancel);
-  return scales;
 }
 
 // Variance of the mean of x m samples: a / x + b / x^2, or x^-exponent where a smooth integrand has the frame for
@@ -109,30 +70,41 @@ struct PerDifference {
 
 struct Convergence {
   ConvergenceLaw law;
-  PerDifference means;                // over the frame
+  PerDifference means;                // over the frame, each pixel over its scale
   PerDifference elasticity{1, 0, 0};  // d ln V(1) / d ln of each mean
 };
 
-// Two differences: latest = a + 3 b and previous = 2 a + 12 b. `previous` in units of the latest.
-void fit_one_b(double previous, Convergence* c) {
-  const double b = (previous - 2) / 6, variance = (5 - previous) / 3;
+// Mean over the frame of the differences before the latest, over that of the latest.
+struct Ratios {
+  double previous = 2, earlier = 4;
+  // How far they go by d ln of what was measured.
+  double trust_previous = 1, trust_earlier = 1;
+};
+
+// Two differences: latest = a + 3 b and previous = 2 a + 12 b. In units of the latest.
+void fit_one_b(const Ratios& ratios, Convergence* c) {
+  const double previous = ratios.previous, b = (previous - 2) / 6, variance = (5 - previous) / 3;
   c->law = {.a = (4 - previous) / 2, .b_even = b, .b_odd = b};
-  c->elasticity = {5.0 / 3 / variance, -previous / 3 / variance, 0};
+  c->elasticity.previous = -ratios.trust_previous * previous / 3 / variance;
+  c->elasticity.latest = 1 - c->elasticity.previous;
 }
 
 // Three differences, in units of the latest: a + 4 o - e, 2 a + 16 e - 4 o and 4 a + 64 o - 16 e, with e = b_even and
 // o = b_odd.
-void fit_two_b(double previous, double earlier, Convergence* c) {
+void fit_two_b(const Ratios& ratios, Convergence* c) {
+  const double previous = ratios.previous, earlier = ratios.earlier;
+  PerDifference& elasticity = c->elasticity;
   if (earlier > 16) {  // a < 0: the variance falls faster than the sum can
     const double growth = std::sqrt(earlier);
     c->law.exponent = std::log2(growth);
-    c->elasticity.earlier = -0.5 * growth / (growth - 1);
-    c->elasticity.latest = 1 - c->elasticity.earlier;
-    return;
+    elasticity.earlier = -0.5 * ratios.trust_earlier * growth / (growth - 1);
+  } else {
+    const double a = (16 - earlier) / 12, e = (1 + previous - 3 * a) / 15;
+    c->law = {.a = a, .b_even = e, .b_odd = (1 - a + e) / 4};
+    elasticity.previous = ratios.trust_previous * previous / 15 / (a + e);
+    elasticity.earlier = -ratios.trust_earlier * earlier / 15 / (a + e);
   }
-  const double a = (16 - earlier) / 12, e = (1 + previous - 3 * a) / 15;
-  c->law = {.a = a, .b_even = e, .b_odd = (1 - a + e) / 4};
-  c->elasticity = {17.0 / 15 / (a + e), previous / 15 / (a + e), -earlier / 15 / (a + e)};
+  elasticity.latest = 1 - elasticity.previous - elasticity.earlier;
 }
 
 // Least and most samples of a pixel.
@@ -144,7 +116,7 @@ struct SampleExtremes {
   }
 };
 
-SampleExtremes samples_of(const std::vector<PixelNoise>& pixels, const CancelToken& cancel) {
+SampleExtremes samples_of(const PixelSet& pixels, const CancelToken& cancel) {
   return sum_over_pixels<SampleExtremes>(
       pixels.size(),
       [&](size_t i, SampleExtremes* all) {
@@ -153,8 +125,40 @@ SampleExtremes samples_of(const std::vector<PixelNoise>& pixels, const CancelTok
       cancel);
 }
 
+// What a ratio is taken to be, from its measured value and the variance of the logarithm of that. Without noise in the
+// measurement it is the measured one, and without a measurement `independent`, that of independent samples. `spread`:
+// the standard deviation of its logarithm over integrands.
+double likely_ratio(double measured, double variance, double independent, double spread, double* trust) {
+  *trust = spread * spread / (spread * spread + variance);
+  return independent * std::pow(measured / independent, *trust);
+}
+
+// Beyond these bounds there is only chance: independent samples have 2 and 4, a smooth integrand of one dimension 8 and
+// 64. Few bright samples make the ratios chance within the bounds, too.
+Ratios ratios_of(const PixelSet& pixels, const std::vector<double>& scales, const PerDifference& means,
+                 double most_previous, const CancelToken& cancel) {
+  const auto n = double(pixels.size());
+  const auto variances = sum_over_pixels<PerDifference>(
+      pixels.size(),
+      [&](size_t i, PerDifference* sum) {
+        const auto part = [&](float difference, double mean) {
+          const double d = mean > 0 ? squared(difference) / scales[i] / mean - 1 : 0.0;
+          return d * d / (n * n);
+        };
+        *sum += {part(pixels[i].latest, means.latest), part(pixels[i].previous, means.previous),
+                 part(pixels[i].earlier, means.earlier)};
+      },
+      cancel);
+  Ratios ratios;
+  ratios.previous = likely_ratio(std::clamp(means.previous / means.latest, 1.0, most_previous),
+                                 variances.latest + variances.previous, 2, 0.7, &ratios.trust_previous);
+  ratios.earlier = likely_ratio(std::clamp(means.earlier / means.latest, 2.0, 64.0),
+                                variances.latest + variances.earlier, 4, 1.4, &ratios.trust_earlier);
+  return ratios;
+}
+
 // One law for the whole frame, since the ratios of one pixel are noise.
-Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::vector<double>& scales, uint32_t least,
+Convergence fit_convergence(const PixelSet& pixels, const std::vector<double>& scales, uint32_t least,
                             const CancelToken& cancel) {
   Convergence c;
   const auto n = double(pixels.size());
@@ -171,13 +175,11 @@ Convergence fit_convergence(const std::vector<PixelNoise>& pixels, const std::ve
   if (!(means.previous > 0)) least = std::min(least, 3u);
   if (!(means.earlier > 0)) least = std::min(least, 7u);
   if (least < 4) return {};
-  // Beyond these bounds there is only chance: independent samples have 2 and 4, a smooth integrand of one dimension 8
-  // and 64.
-  const double previous = std::clamp(means.previous / means.latest, 1.0, least < 8 ? 4.0 : 8.0);
+  const Ratios ratios = ratios_of(pixels, scales, means, least < 8 ? 4.0 : 8.0, cancel);
   if (least < 8)
-    fit_one_b(previous, &c);
+    fit_one_b(ratios, &c);
   else
-    fit_two_b(previous, std::clamp(means.earlier / means.latest, 2.0, 64.0), &c);
+    fit_two_b(ratios, &c);
   return c;
 }
 
@@ -187,12 +189,10 @@ struct RelativeErrors {
   Convergence convergence;
 };
 
-// `samples`: two at least. Empty if the frame is black.
-RelativeErrors relative_errors(const NoiseImage& image, const SampleExtremes& samples, const CancelToken& cancel) {
-  const auto& pixels = image.pixels;
+RelativeErrors relative_errors(const PixelSet& pixels, std::vector<double> scales, const SampleExtremes& samples,
+                               const CancelToken& cancel) {
   RelativeErrors errors;
-  errors.scales = squared_scales(image, cancel);
-  if (errors.scales.empty()) return errors;
+  errors.scales = std::move(scales);
   errors.convergence = fit_convergence(pixels, errors.scales, samples.least, cancel);
   errors.values.resize(pixels.size());
   std::vector<std::atomic<double>> factors(size_t(samples.most) + 1);  // by number of samples; 0: not computed yet
@@ -210,10 +210,21 @@ RelativeErrors relative_errors(const NoiseImage& image, const SampleExtremes& sa
   return errors;
 }
 
-// Variance of ln E^2 (frame_error.md, "The interval"): the estimate's scatter over pixels, that of the true error, and
-// the doubt about the law.
-double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors& errors, double mean,
-                    const CancelToken& cancel) {
+double mean_of(const std::vector<double>& values, const CancelToken& cancel) {
+  const size_t n = values.size();
+  return sum_over_pixels<double>(
+      n, [&](size_t i, double* sum) { *sum += values[i] / double(n); }, cancel);
+}
+
+// How far ln E^2 may be off (frame_error.md, "The interval").
+struct LogScatter {
+  double variance = 0;
+  double effective = 0;  // squared errors as if they were equal: n that have their mean and mean square (Kish 1965)
+};
+
+/// The scatter of the estimate over pixels, that of the true error, and the doubt about the law. `mean`: of
+/// errors.values.
+LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, double mean, const CancelToken& cancel) {
   constexpr double kNoiseDoubt = 0.05, kStratifiedDoubt = 0.5;
   const ConvergenceLaw& law = errors.convergence.law;
   const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
@@ -240,39 +251,100 @@ double log_variance(const std::vector<PixelNoise>& pixels, const RelativeErrors&
       },
       cancel);
   const auto n = double(pixels.size());
-  return (sum.truth + sum.estimate) / std::max(1.0, n - 1) / n + doubt * doubt;
+  return {(sum.truth + sum.estimate) / std::max(1.0, n - 1) / n + doubt * doubt, n * n / (sum.truth + n)};
+}
+
+// L^2 + f^2 of every pixel, where L is level(range).
+template <class Level>
+std::vector<double> squared_scales(const std::vector<LevelRange>& ranges, double floor, const Level& level,
+                                   const CancelToken& cancel) {
+  std::vector<double> scales(ranges.size());
+  for_pixel_blocks(
+      ranges.size(),
+      [&](size_t, size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+          const double l = level(ranges[i]);
+          scales[i] = l * l + floor * floor;
+        }
+      },
+      cancel);
+  return scales;
+}
+
+// The effective number of the pixels that stand out of their neighbours: how many of equal squared errors, with levels
+// as low as they may be, have the mean and the mean square of theirs (Kish 1965, "Survey Sampling").
+double count_outliers(const PixelSet& pixels, const std::vector<LevelRange>& ranges, const std::vector<double>& scales,
+                      const CancelToken& cancel) {
+  struct Moments {
+    double sum = 0, squares = 0;
+    void operator+=(const Moments& o) {
+      sum += o.sum;
+      squares += o.squares;
+    }
+  };
+  const auto moments = sum_over_pixels<Moments>(
+      pixels.size(),
+      [&](size_t i, Moments* all) {
+        const double value = ranges[i].excess > 0 ? squared(pixels[i].difference()) / scales[i] : 0.0;
+        *all += {value, value * value};
+      },
+      cancel);
+  return moments.squares > 0 ? moments.sum * moments.sum / moments.squares : 0;
 }
 
 }  // namespace
 
-FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& cancel) {
-  FrameError error;
-  const SampleExtremes samples = samples_of(image.pixels, cancel);
-  if (image.pixels.empty() || samples.least < 2) return error;
-  const RelativeErrors errors = relative_errors(image, samples, cancel);
-  error.known = true;
-  const size_t n = errors.values.size();
-  const auto mean = sum_over_pixels<double>(
-      n, [&](size_t i, double* sum) { *sum += errors.values[i] / double(n); }, cancel);
-  if (!std::isfinite(mean)) return {.known = false, .relative_rmse = mean};
-  if (!(mean > 0)) return error;  // a black frame, for example: without light there is no noise
-  const double reach = 1.96 * std::sqrt(log_variance(image.pixels, errors, mean, cancel));
-  error.relative_rmse = std::sqrt(mean);
-  error.low = std::sqrt(mean * std::exp(-reach));
-  error.high = std::sqrt(mean * std::exp(reach));
-  return error;
+FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& cancel, uint32_t groups) {
+  const PixelSet pixels(image, groups);
+  const SampleExtremes samples = samples_of(pixels, cancel);
+  if (pixels.size() == 0 || samples.least < 2) return {};
+  const double floor = error_floor(pixels, cancel);
+  if (floor == 0) return {.known = true};  // a black frame: without light there is no noise
+  if (!std::isfinite(floor)) return {.known = false, .relative_rmse = floor};
+  const std::vector<LevelRange> ranges = level_ranges(pixels, cancel);
+  const std::vector<double> lowest = squared_scales(
+      ranges, floor, [](const LevelRange& range) { return range.low; }, cancel);
+  // Around a pixel that stands out, its neighbours may have the same light and have missed it. The more such pixels
+  // there are and the fewer of them lie together, the less of it.
+  const double alone = 1 / (9 * (1 + count_outliers(pixels, ranges, lowest, cancel)));
+  const auto highest = [alone](const LevelRange& range) { return range.high + alone * range.excess; };
+
+  // Least and most error: with the highest levels and with the lowest. The law is one, that of the former, in which few
+  // bright samples weigh less.
+  RelativeErrors errors = relative_errors(pixels, squared_scales(ranges, floor, highest, cancel), samples, cancel);
+  const double least = mean_of(errors.values, cancel);
+  if (!std::isfinite(least)) return {.known = false, .relative_rmse = least};
+  if (!(least > 0)) return {.known = true};
+  const double least_reach = 1.96 * std::sqrt(log_scatter(pixels, errors, least, cancel).variance);
+  for (size_t i = 0; i < pixels.size(); ++i) errors.values[i] *= errors.scales[i] / lowest[i];
+  const double most = mean_of(errors.values, cancel);
+  if (!std::isfinite(most)) return {.known = false, .relative_rmse = most};
+  const LogScatter scatter = log_scatter(pixels, errors, most, cancel);
+  // What few samples find, others miss: a sum of few terms is more often too small than too large.
+  constexpr double kSkewness = 1.5, kFewest = 4;
+  const double most_reach =
+      1.96 * std::sqrt(scatter.variance) * (1 + kSkewness / std::sqrt(kFewest + scatter.effective));
+  constexpr double kWeightOfMost = 2.0 / 3;
+  return {.known = true,
+          .relative_rmse = std::sqrt(least * std::pow(most / least, kWeightOfMost)),
+          .low = std::sqrt(least * std::exp(-least_reach)),
+          .high = std::sqrt(most * std::exp(most_reach))};
 }
 
-std::vector<double> relative_squared_errors(const NoiseImage& image) {
-  const SampleExtremes samples = samples_of(image.pixels, {});
-  if (image.pixels.empty() || samples.least < 2) return {};
-  return relative_errors(image, samples, {}).values;
+std::vector<double> relative_squared_errors(const NoiseImage& image, uint32_t groups) {
+  const PixelSet pixels(image, groups);
+  const SampleExtremes samples = samples_of(pixels, {});
+  const double floor = error_floor(pixels, {});
+  if (pixels.size() == 0 || samples.least < 2 || floor == 0 || !std::isfinite(floor)) return {};
+  std::vector<double> scales =
+      squared_scales(level_ranges(pixels, {}), floor, [](const LevelRange& range) { return range.low; }, {});
+  return relative_errors(pixels, std::move(scales), samples, {}).values;
 }
 
 NoiseImage film_noise(const Film& film, const CancelToken& cancel) {
   const PixelRect& window = film.data_window();
   if (window.empty()) return {};
-  return {window.width(), window.height(), film.noise(cancel)};
+  return {window.width(), window.height(), film.noise(cancel), window.x0, window.y0};
 }
 
 FrameError estimate_frame_error(const Film& film) {
@@ -281,7 +353,7 @@ FrameError estimate_frame_error(const Film& film) {
 
 size_t frame_error_bytes(const PixelRect& window, uint64_t most_samples) {
   if (window.empty()) return 0;
-  constexpr size_t kPixel = sizeof(PixelNoise) + 2 * sizeof(double);   // RelativeErrors: scales, values
+  constexpr size_t kPixel = sizeof(PixelNoise) + kLevelBytes + sizeof(LevelRange);
   const size_t factors = sizeof(double) * (size_t(most_samples) + 1);  // relative_errors()
   return kPixel * size_t(window.width()) * size_t(window.height()) + factors;
 }

@@ -4,8 +4,7 @@ namespace alabaster {
 
 void GroupStopping::update(const Film& film, const NoiseImage& noise, double target) {
   std::array<FrameError, kPixelGroups> errors;
-  for (int g = 0; g < kPixelGroups; ++g)
-    errors[static_cast<size_t>(g)] = estimate_frame_error(group_image(film.data_window(), noise.pixels, g).noise);
+  for (int g = 0; g < kPixelGroups; ++g) errors[static_cast<size_t>(g)] = estimate_frame_error(noise, {}, 1u << g);
   const uint32_t ending = decide(errors, target);
   if (all_ended() || !ending) return;  // the last to end are not traced on
   if (!kept_film_) kept_film_ = std::make_shared<Film>(film.data_window(), film.aovs(), film.extras());
@@ -16,7 +15,7 @@ void GroupStopping::update(const Film& film, const NoiseImage& noise, double tar
 uint32_t GroupStopping::decide(const std::array<FrameError, kPixelGroups>& errors, double target) {
   uint32_t ending = 0;
   for (int g = 0; g < kPixelGroups; ++g) {
-    // A frame one pixel wide or high lacks the other group: there a group ends by its own error.
+    // A frame of a few pixels may lack the other group: there a group ends by its own error.
     const FrameError& other = errors[static_cast<size_t>(stopping_group(g))];
     const FrameError& error = other.known ? other : errors[static_cast<size_t>(g)];
     // An empty group has no error; one that is not finite goes on.

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "core/convergence/pixel_group.h"
+#include "core/convergence/frame_error.h"
 
 namespace alabaster {
 

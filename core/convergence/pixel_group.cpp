@@ -1,27 +1,8 @@
 #include "core/convergence/pixel_group.h"
 
-#include <algorithm>
-
 #include <tbb/parallel_for.h>
 
 namespace alabaster {
-
-GroupImage group_image(const PixelRect& window, const std::vector<PixelNoise>& noise, int group) {
-  GroupImage image;
-  image.y0 = window.y0 + ((group >= 2) != ((window.y0 & 1) != 0) ? 1 : 0);
-  const bool right = group == 1 || group == 2;
-  image.x0 = window.x0 + (right != ((window.x0 & 1) != 0) ? 1 : 0);
-  image.noise.width = std::max(0, (window.x1 - image.x0 + 1) / 2);
-  image.noise.height = image.noise.width > 0 ? std::max(0, (window.y1 - image.y0 + 1) / 2) : 0;
-  const auto own = static_cast<size_t>(image.noise.width), all = static_cast<size_t>(window.width());
-  image.noise.pixels.resize(own * static_cast<size_t>(image.noise.height));
-  tbb::parallel_for(size_t(0), static_cast<size_t>(image.noise.height), [&](size_t row) {
-    const PixelNoise* from = noise.data() + (static_cast<size_t>(image.y0 - window.y0) + 2 * row) * all +
-                             static_cast<size_t>(image.x0 - window.x0);
-    for (size_t x = 0; x < own; ++x) image.noise.pixels[row * own + x] = from[2 * x];
-  });
-  return image;
-}
 
 namespace {
 
@@ -29,7 +10,7 @@ void copy_pixels(const PixelRect& rect, uint32_t groups, const FilmTile& from, F
   size_t pixel = 0;
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x, ++pixel)
-      if (groups >> pixel_group(x, y) & 1) to->take(pixel, from);
+      if (is_in(groups, x, y)) to->take(pixel, from);
 }
 
 }  // namespace

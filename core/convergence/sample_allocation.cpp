@@ -14,22 +14,13 @@ size_t index_in(const PixelRect& window, int x, int y) {
   return size_t(y - window.y0) * size_t(window.width()) + size_t(x - window.x0);
 }
 
-// The pixels of a group in the order of its GroupImage, row-major in the window.
-std::vector<size_t> pixels_of_group(const PixelRect& window, int group) {
-  std::vector<size_t> pixels;
-  for (int y = window.y0; y < window.y1; ++y)
-    for (int x = window.x0; x < window.x1; ++x)
-      if (pixel_group(x, y) == group) pixels.push_back(index_in(window, x, y));
-  return pixels;
-}
-
 // Each pixel's relative deviation, in any unit, from its own group alone. 0 in groups that are black.
-std::vector<double> relative_deviations(const PixelRect& window, const std::vector<PixelNoise>& noise) {
-  std::vector<double> deviations(noise.size());
-  for (int g = 0; g < kPixelGroups; ++g) {
-    const std::vector<double> errors = relative_squared_errors(group_image(window, noise, g).noise);
-    const std::vector<size_t> pixels = pixels_of_group(window, g);
-    for (size_t i = 0; i < errors.size(); ++i) deviations[pixels[i]] = std::sqrt(errors[i]);
+std::vector<double> relative_deviations(const NoiseImage& noise) {
+  std::vector<double> deviations(noise.pixels.size());
+  for (uint32_t g = 0; g < kPixelGroups; ++g) {
+    const std::vector<double> errors = relative_squared_errors(noise, 1u << g);
+    const std::vector<size_t> places = places_of(noise, 1u << g);
+    for (size_t i = 0; i < errors.size(); ++i) deviations[places[i]] = std::sqrt(errors[i]);
   }
   return deviations;
 }
@@ -76,10 +67,10 @@ size_t sample_allocation_bytes(const PixelRect& window) {
   return sizeof(float) * pixels_in(window);
 }
 
-// Most is held by relative_deviations(): the frame's noise, held twice, and that of a group with its errors.
+// The frame's noise, held twice, three numbers for each pixel, and the places and the errors of a group.
 size_t making_allocation_bytes(const PixelRect& window) {
-  constexpr size_t kOfAGroup = sizeof(PixelNoise) + 2 * sizeof(double) + sizeof(size_t);
-  constexpr size_t kPixel = 2 * sizeof(PixelNoise) + sizeof(double) + sizeof(uint32_t) + kOfAGroup / kPixelGroups;
+  constexpr size_t kOfAGroup = 2 * sizeof(double) + 2 * sizeof(size_t);
+  constexpr size_t kPixel = 2 * sizeof(PixelNoise) + 3 * sizeof(double) + sizeof(uint32_t) + kOfAGroup / kPixelGroups;
   return kPixel * pixels_in(window);
 }
 
@@ -93,7 +84,8 @@ uint32_t SampleAllocation::frame_sample(size_t pixel, uint32_t s) const {
 
 SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t>& rays, uint32_t total) {
   const PixelRect& window = pilot.data_window();
-  const std::vector<double> noise = relative_deviations(window, pilot.noise()), costs(rays.begin(), rays.end());
+  const NoiseImage noise_image = film_noise(pilot);
+  const std::vector<double> noise = relative_deviations(noise_image), costs(rays.begin(), rays.end());
   rates_.assign(noise.size(), 1.0f);
 
   // Estimate sqrt(v / c) of each pixel from those around it. The mean of roots, and not the root of a mean: one rare
@@ -109,8 +101,8 @@ SampleAllocation::SampleAllocation(const Film& pilot, const std::vector<uint32_t
   });
 
   // Turn them into rates of mean one over each group.
-  for (int g = 0; g < kPixelGroups; ++g) {
-    const std::vector<size_t> pixels = pixels_of_group(window, g);
+  for (uint32_t g = 0; g < kPixelGroups; ++g) {
+    const std::vector<size_t> pixels = places_of(noise_image, 1u << g);
     std::vector<double> own;
     for (const size_t pixel : pixels) own.push_back(deviations[pixel]);
     const double scale = find_scale(own, total);

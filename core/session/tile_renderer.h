@@ -112,7 +112,7 @@ bool TileRenderer::render(const TileSamples& samples, const MayGoOn& may_go_on, 
   for (int y = rect.y0; y < rect.y1; y += step)
     for (int x = rect.x0; x < rect.x1; x += step) {
       // Skip pixels whose group has ended.
-      if (!(samples.groups >> pixel_group(x, y) & 1)) continue;
+      if (!is_in(samples.groups, x, y)) continue;
 
       // Take the samples that the pixel lacks, in their order.
       const auto pixel =

@@ -77,6 +77,59 @@ TEST(FrameError, IsUnknownUntilEveryPixelHasTwoSamples) {
   EXPECT_FALSE(estimate_frame_error(NoiseImage{}).known);
 }
 
+// A dark frame of 24 x 24 pixels in which every `step`th pixel of a row has met light, `brightness` times the rest.
+NoiseImage dark_with_hits(int step, float brightness) {
+  NoiseImage image{24, 24, {}};
+  image.pixels.assign(24 * 24, {.samples = 16, .level = 1, .latest = 0.5f, .previous = 0.7f, .earlier = 1});
+  for (size_t i = 5; i < image.pixels.size(); i += size_t(step)) {
+    image.pixels[i].level = 1 + brightness;
+    image.pixels[i].latest = 0.5f + 2 * brightness;
+  }
+  return image;
+}
+
+// Whether the light is a stray path or a caustic that the neighbours have missed, one pixel cannot tell. Many can.
+TEST(FrameError, IsNotKnownWhereItRestsOnOnePixel) {
+  const FrameError one = estimate_frame_error(dark_with_hits(1000, 500));
+  EXPECT_TRUE(one.known);
+  EXPECT_FALSE(one.is_bounded());
+  EXPECT_LT(one.low, std::sqrt(81.0 / 576)) << "a caustic's: its level is a ninth of the pixel's at least";
+  EXPECT_GT(one.high, 400 / 24.0) << "a stray path's";
+  const FrameError many = estimate_frame_error(dark_with_hits(7, 500));
+  EXPECT_TRUE(many.is_bounded());
+  EXPECT_LT(many.high / many.low, 8);
+}
+
+TEST(FrameError, ChangesWithoutAJump) {
+  FrameError before = estimate_frame_error(dark_with_hits(31, 0.001f));
+  const auto step = [](double now, double then) { return std::abs(std::log(now / then)); };
+  for (float brightness = 0.001f; brightness < 1e4f; brightness *= 1.02f) {
+    const FrameError now = estimate_frame_error(dark_with_hits(31, brightness));
+    EXPECT_LT(step(now.relative_rmse, before.relative_rmse), 0.05) << brightness;
+    EXPECT_LT(step(now.low, before.low), 0.06) << brightness;
+    EXPECT_LT(step(now.high, before.high), 0.06) << brightness;
+    before = now;
+  }
+}
+
+// Few bright samples may lie in a pixel's first ones by chance, which then looks like a law.
+TEST(FrameError, FewBrightSamplesAreNoLaw) {
+  NoiseImage image = dark_with_hits(1000, 500);
+  const double expected = estimate_frame_error(image).high;
+  image.pixels[5].previous = 2 * image.pixels[5].latest;  // its hit is one of the first two samples
+  image.pixels[5].earlier = 4 * image.pixels[5].latest;
+  EXPECT_GT(estimate_frame_error(image).high, 0.7 * expected);
+}
+
+TEST(FrameError, IsNoFalseZero) {
+  NoiseImage image{4, 4, {}};
+  image.pixels.assign(16, {.samples = 16, .level = 1});
+  EXPECT_FALSE(estimate_frame_error(image).is_bounded()) << "light that no sample has met is not known";
+  image.pixels[2].level = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(estimate_frame_error(image).known);
+  EXPECT_FALSE(estimate_frame_error(image).relative_rmse <= 1e30);
+}
+
 TEST(FrameError, OfABlackFrameIsZero) {
   NoiseImage image{2, 1, {}};
   image.pixels.assign(2, {.samples = 4});
@@ -84,6 +137,7 @@ TEST(FrameError, OfABlackFrameIsZero) {
   EXPECT_TRUE(error.known);
   EXPECT_EQ(error.relative_rmse, 0);
   EXPECT_EQ(error.high, 0);
+  EXPECT_FALSE(error.is_bounded()) << "no sample may have found its light";
 }
 
 // A pixel that is much brighter than all around it does not count its own level.

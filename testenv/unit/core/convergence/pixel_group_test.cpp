@@ -2,31 +2,47 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
 namespace alabaster {
 namespace {
 
-constexpr PixelRect kWindows[] = {{0, 0, 6, 4}, {-3, 5, 4, 10}, {1, 1, 2, 9}, {7, -2, 8, -1}};
-
-// Every pixel is in exactly one group's image, at the place given by its coordinates.
-TEST(PixelGroup, GroupsPartitionAnyWindow) {
-  for (const PixelRect& window : kWindows) {
-    const auto width = size_t(window.width());
-    std::vector<PixelNoise> noise(width * size_t(window.height()));
-    for (size_t i = 0; i < noise.size(); ++i) noise[i].samples = uint32_t(i);
-    std::vector<int> met(noise.size());
-    for (int g = 0; g < kPixelGroups; ++g) {
-      const GroupImage image = group_image(window, noise, g);
-      for (int y = 0; y < image.noise.height; ++y)
-        for (int x = 0; x < image.noise.width; ++x) {
-          const PixelNoise& pixel = image.noise.pixels[size_t(y) * size_t(image.noise.width) + size_t(x)];
-          const int px = image.x0 + 2 * x, py = image.y0 + 2 * y;
-          EXPECT_EQ(pixel_group(px, py), g);
-          EXPECT_EQ(pixel.samples, uint32_t(size_t(py - window.y0) * width + size_t(px - window.x0)));
-          ++met[pixel.samples];
-        }
+// A quad is in one group, and each block of 4 x 4 pixels has a quad of each, with negative coordinates, too.
+TEST(PixelGroup, EachBlockHasAQuadOfEachGroup) {
+  for (int y = -8; y < 8; y += 4)
+    for (int x = -8; x < 8; x += 4) {
+      uint32_t met = 0;
+      for (int quad = 0; quad < 4; ++quad) {
+        const int x0 = x + 2 * (quad & 1), y0 = y + (quad & 2), group = pixel_group(x0, y0);
+        met |= 1u << group;
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}}) EXPECT_EQ(pixel_group(x0 + dx, y0 + dy), group);
+      }
+      EXPECT_EQ(met, kAllPixelGroups);
     }
-    for (const int times : met) EXPECT_EQ(times, 1);
-  }
+}
+
+// Whatever the pattern of a picture, no group has more of it than chance gives: all 24 orders occur equally often, and
+// those of neighbours are independent.
+TEST(PixelGroup, TheOrderOfABlockIsChance) {
+  constexpr int kSide = 120;
+  std::map<std::array<int, 4>, int> orders;
+  int equal = 0;
+  const auto order_of = [](int x, int y) {
+    return std::array{pixel_group(4 * x, 4 * y), pixel_group(4 * x + 2, 4 * y), pixel_group(4 * x, 4 * y + 2),
+                      pixel_group(4 * x + 2, 4 * y + 2)};
+  };
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      ++orders[order_of(x, y)];
+      equal += order_of(x, y) == order_of(x + 1, y) ? 1 : 0;
+    }
+  const double each = kSide * kSide / 24.0;  // 600 +- 24
+  EXPECT_EQ(orders.size(), 24u);
+  for (const auto& [order, times] : orders) EXPECT_NEAR(times, each, 4 * std::sqrt(each));
+  EXPECT_NEAR(equal, each, 4 * std::sqrt(each));
 }
 
 // No group allocates its own samples, or those of the group that ends it.
@@ -57,7 +73,7 @@ TEST(PixelGroup, OnlyTheGroupsAskedForAreTaken) {
       const size_t i = size_t(y) * 41 + size_t(x + 1);
       const int expected = pixel_group(x, y) == 0 || pixel_group(x, y) == 3 ? 1 : 0;
       EXPECT_EQ(samples[i], expected);
-      EXPECT_EQ(normals[3 * i + 1], float(expected));
+      if (expected) EXPECT_EQ(normals[3 * i + 1], 1);
     }
 }
 
