@@ -24,6 +24,9 @@ namespace alabaster {
 
 enum class SessionState { idle, rendering, paused, stopped, finished, failed };
 
+/// What ended the samples of a render that is over.
+enum class RenderEnd { none, samples, target_error, time_limit };
+
 struct RenderProgress {
   SessionState state = SessionState::idle;
   uint64_t scene_number = 0;
@@ -41,8 +44,10 @@ struct RenderProgress {
   RenderCounters counters;     // of the finished tiles
   FrameError noise;            // measured after a pilot, at each check of target_error, when asked for, and at the end
   uint64_t noise_samples = 0;  // samples_done when it was measured
-  double denoised = -1;        // share of the denoiser's work that is done; < 0: not begun
-  double denoise_seconds = 0;  // wall time of it; wall_seconds includes it, unless it came after a stop
+  double target_error = 0;     // of the settings; 0: none
+  RenderEnd ended_by = RenderEnd::none;
+  double denoised = -1;                        // share of the denoiser's work that is done; < 0: not begun
+  double denoise_seconds = 0;                  // wall time of it; wall_seconds includes it, unless it came after a stop
   double denoise_cpu_seconds = 0;              // of the whole process meanwhile; not in cpu_seconds
   std::string denoiser;                        // Denoiser::name(), once AOV `denoised` shows its picture
   std::string denoise_error;                   // why AOV `denoised` is color still

@@ -36,6 +36,13 @@ std::shared_ptr<const std::vector<int>> tiles_from_centre(const Film& film) {
   return std::make_shared<const std::vector<int>>(std::move(tiles));
 }
 
+// A frame of which no ray could be traced is black, and looks converged. Empty: some could.
+std::string rejection_text(const RenderCounters& counters) {
+  if (counters.camera_rays == 0 || counters.rejected_rays < counters.camera_rays) return {};
+  return "no ray of the camera could be traced: it stands or looks beyond 1e17 units, or its transform gives no finite "
+         "rays; scale the scene and its camera down, or move the camera nearer";
+}
+
 bool decides(const RenderSettings& settings) {
   return settings.adaptive || settings.target_error > 0;
 }
@@ -118,6 +125,7 @@ void RenderSession::Render::show_begin(const RenderProgress& before) {
   progress.cpu_seconds = before.cpu_seconds;
   progress.counters = before.counters;
   progress.noise = before.noise, progress.noise_samples = before.noise_samples;
+  progress.target_error = static_cast<double>(request.settings.target_error);
   started = SessionClock::now() -
             std::chrono::duration_cast<SessionClock::duration>(std::chrono::duration<double>(before.wall_seconds));
   time_limit = std::max(0.0, static_cast<double>(request.settings.time_limit));
@@ -222,7 +230,11 @@ void RenderSession::Render::render() {
       if (!request.scene) show_ended_groups();
       if (!stop_requested && !noise_is_known) measure_noise(round.end);
     });
-    if (!stop_requested) denoise(nullptr);
+    {
+      const std::lock_guard lock(mutex);
+      error = rejection_text(progress.counters);
+    }
+    if (!stop_requested && error.empty()) denoise(nullptr);
   } catch (const SampleFailure& failure) {
     error = failure_text(failure.what());
     failed_sample = failure.at;

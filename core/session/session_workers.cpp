@@ -175,6 +175,15 @@ void RenderSession::Render::run_rounds(int threads) {
     // Go on to the next check of the error, or to the end.
     round = {round.end, has_target ? std::min(settings.samples, next_error_check(round.end)) : settings.samples};
   }
+  {
+    // A round after the last is left where the target ended a render, also one that is shown or continued again.
+    const bool reached = has_target && (stopping.all_ended() || round.end < settings.samples);
+    const std::lock_guard lock(mutex);
+    progress.ended_by = stop_requested ? RenderEnd::none
+                        : out_of_time  ? RenderEnd::time_limit
+                        : reached      ? RenderEnd::target_error
+                                       : RenderEnd::samples;
+  }
   show_ended_groups();
 }
 

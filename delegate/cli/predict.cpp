@@ -143,7 +143,7 @@ class ProbeRenders {
     options.colors = session_.colors();
     options.cancel = &interrupted();
     options.diagnostics = [show = console_.sink()](const hd::Diagnostic& d) {
-      if (d.code != "record.timeLimit") show(d);
+      if (d.code != "record.timeLimit" && d.code != "record.targetError") show(d);
     };
     const auto result = hd::host::RecordFrame(session_.index(), &session_.scene, path_, options);
     folder.reset();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/diagnostics/plain_format.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/description/quality_presets.h"
@@ -81,11 +82,18 @@ std::string noise_text(const hd::Dictionary& stats) {
   };
   const double error = percent("error.relativeRmse");
   if (!(error >= 0) || std::isinf(error)) return {};
-  char text[160];
-  std::snprintf(text, sizeof text, "noise: %.2f %% relative RMSE (95 %%: %.2f to %.2f) after %.0f samples per pixel%s",
-                error, percent("error.low"), percent("error.high"), stats.at("numCompletedSamples").number_or(0),
-                stats.contains("denoiser") ? ", before denoising" : "");
-  return text;
+  const double low = percent("error.low"), high = percent("error.high");
+  const auto is_known = stats.find("error.isKnown");
+  std::string noise;
+  if (is_known == stats.end() || is_known->second.get_or(true))
+    noise = plain_format("%.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low, high, high / low);
+  else if (low > 0)
+    noise = plain_format("not known, at least %.2f %% relative RMSE (few samples found much light)", low);
+  else
+    noise = "not known (no sample differs from another)";
+  return "noise: " + noise +
+         plain_format(" after %.0f samples per pixel%s", stats.at("numCompletedSamples").number_or(0),
+                      stats.contains("denoiser") ? ", before denoising" : "");
 }
 
 }  // namespace alabaster::cli

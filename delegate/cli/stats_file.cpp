@@ -117,7 +117,16 @@ json RunStats::to_json(const std::string& scene, const std::string& status, cons
   if (!stats_.empty() && stats_.front().contains("error.relativeRmse"))
     out["error"] = {{"relativeRmse", value_number(stats_.front(), "error.relativeRmse")},
                     {"low95", value_number(stats_.front(), "error.low")},
-                    {"high95", value_number(stats_.front(), "error.high")}};
+                    {"high95", value_number(stats_.front(), "error.high")},
+                    {"isKnown", stats_.front().at("error.isKnown").get_or(true)}};
+  if (!stats_.empty() && stats_.front().contains("target.error")) {
+    out["target"] = {{"error", value_number(stats_.front(), "target.error")},
+                     {"missed", stats_.front().at("target.missed").get_or(false)},
+                     {"endedBy", stats_.front().at("endedBy").text_or("")}};
+    for (const char* key : {"samples", "seconds", "cpuSeconds"})
+      if (const auto found = stats_.front().find(std::string("target.") + key); found != stats_.front().end())
+        out["target"][key] = found->second.number_or(0);
+  }
   out["peakMemory"] = hd::support::peak_memory_bytes();
   out["delegate"] = json::array();
   for (const hd::Dictionary& stats : stats_) out["delegate"].push_back(dictionary_to_json(stats));

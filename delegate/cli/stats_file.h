@@ -11,7 +11,11 @@
 // - walks {count, segments, events, exits, lost, lostShare}: lostShare is the energy lost in open meshes, of what
 // entered
 // - samples {perPixel, total}
-// - error {relativeRmse, low95, high95}: noise as the render estimates it in itself; absent below two samples
+// - error {relativeRmse, low95, high95, isKnown}: noise as the render estimates it in itself; absent below two samples.
+//   isKnown is false where few samples found much light: then the error is at least low95, and the rest is a guess
+// - target {error, missed, endedBy}: of a render with targetError that is over. Where it is missed, samples (per
+// pixel),
+//   seconds and cpuSeconds tell what it would take in all
 // - peakMemory: bytes of the process
 // - delegate [{name: value}]: RenderDelegate::GetRenderStats of each render, and the recorder's phases
 #pragma once

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "delegate/rendering/render_delegate_impl.h"
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/process_usage.h"
@@ -51,6 +53,25 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["rejectedRays"] = count(c.rejected_rays);
 }
 
+// A render that is over tells what ended it, and what the target error would have taken if it has been missed.
+void add_end(const RenderProgress& p, double samples_per_pixel, Dictionary* stats) {
+  constexpr double kSlack = 1.2;  // groups of pixels end each other: the frame may end a fifth above the target
+  constexpr const char* kEnds[] = {"", "samples", "targetError", "timeLimit"};
+  Dictionary& s = *stats;
+  if (p.ended_by == RenderEnd::none || p.state != SessionState::finished) return;
+  s["endedBy"] = std::string(kEnds[static_cast<size_t>(p.ended_by)]);
+  if (!(p.target_error > 0)) return;
+  const double allowed = p.target_error * (p.ended_by == RenderEnd::target_error ? kSlack : 1.0);
+  const bool missed = !(p.noise.relative_rmse <= allowed) || !p.noise.is_bounded();
+  s["target.error"] = p.target_error;
+  s["target.missed"] = missed;
+  if (!missed || !p.noise.known) return;
+  const double more = std::max(1.0, std::pow(p.noise.relative_rmse / p.target_error, 2));
+  s["target.samples"] = std::ceil(samples_per_pixel * more);
+  s["target.seconds"] = p.wall_seconds * more;
+  s["target.cpuSeconds"] = p.cpu_seconds * more;
+}
+
 void add_progress(const PassControl& pass, Dictionary* stats) {
   Dictionary& s = *stats;
   const RenderProgress p = pass.progress();
@@ -81,7 +102,9 @@ void add_progress(const PassControl& pass, Dictionary* stats) {
     s["error.low"] = p.noise.low;
     s["error.high"] = p.noise.high;
     s["error.samples"] = static_cast<double>(p.noise_samples) / static_cast<double>(pixels);
+    s["error.isKnown"] = p.noise.is_bounded();
   }
+  add_end(p, static_cast<double>(p.samples_done) / static_cast<double>(pixels), stats);
   s["filmMemory"] = count(pass.film_memory());
   add_counters(p.counters, stats);
   if (const auto suspect = p.failed_sample ? p.failed_sample : p.counters.first_nonfinite)
