@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "core/diagnostics/plain_format.h"
 #include "core/scene/bodies.h"
 #include "core/scene/clear_bodies.h"
 #include "core/scene/lit_surfaces.h"
@@ -277,11 +278,21 @@ struct SnapshotCompiler::Compilation {
       if (count_too_far(all.sizes, near) == 0) snapshot->origin = near;
     }
     snapshot->radius = radius_about(snapshot->origin, bounds);
+    check_scale(snapshot->radius);
     if (!chosen.too_far.empty())
       report(compiler.sink_, Severity::warning, "scene.far", *all.names[chosen.too_far.front()],
              std::to_string(chosen.too_far.size()) +
                  " of the scene's instances, this one first, stand a million times their size away from the scene's "
                  "middle: their shapes lose detail to rounding; move them nearer, or render them by themselves");
+  }
+
+  void check_scale(float radius) {
+    if (radius == 0 || (radius >= kLeastRadius && radius <= kLargestRadius)) return;
+    snapshot->faults.push_back(plain_format(
+        "the scene has a radius of %.3g units, and renders right from %.3g to %.3g: scale it, with its lights "
+        "and camera (metersPerUnit, or the scale of its placement), or leave out what lies far away",
+        double(radius), double(kLeastRadius), double(kLargestRadius)));
+    report(compiler.sink_, Severity::error, "scene.scale", "", snapshot->faults.back());
   }
 
   // Rays come from the scene itself, and from a camera that sees it from some radii away.

@@ -7,6 +7,10 @@
 
 namespace alabaster {
 
+/// Radii (SceneSnapshot::radius) between which a scene renders right. One beyond them is a fault of the snapshot:
+/// products of lengths leave the floats there, and light is lost.
+inline constexpr float kLeastRadius = 0x1p-34f, kLargestRadius = 0x1p40f;
+
 /// One thread at a time. A snapshot is a function of its description alone: it does not depend on those before it.
 class SnapshotCompiler {
  public:
