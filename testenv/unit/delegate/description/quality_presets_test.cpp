@@ -99,86 +99,33 @@ TEST_F(QualityPresetsTest, AWrongNameIsAnError) {
   EXPECT_NE(errors().find("production"), std::string::npos) << errors();
 }
 
-// A changed preset must be measured again.
-TEST_F(QualityPresetsTest, WereMeasuredAsTheyAre) {
-  const json presets = presets_file()["presets"];
-  const auto by_name = [&](const std::string& name) {
-    return *std::find_if(presets.begin(), presets.end(), [&](const json& p) { return p["name"] == name; });
-  };
-  const json production = by_name("production")["measured"]["scenes"];
-  for (const json& preset : presets) {
+// A changed preset must be measured again, and what it promises must hold.
+TEST_F(QualityPresetsTest, ReachWhatTheyPromise) {
+  json before = json::object();  // the measurements of the coarser preset
+  for (const json& preset : presets_file()["presets"]) {
+    if (!preset.contains("promisedError")) continue;
+    const double promised = preset["promisedError"];
+    EXPECT_LT(preset["settings"]["targetError"], promised) << "room for the bias";
     const json& measured = preset.at("measured");
     EXPECT_EQ(measured["settings"], preset["settings"]) << preset["name"] << ": " << measured["command"];
     EXPECT_FALSE(measured["command"].get<std::string>().empty());
-    ASSERT_EQ(measured["scenes"].size(), production.size()) << preset["name"];
-    ASSERT_GE(measured["scenes"].size(), 1u);
+    EXPECT_GE(measured["scenes"].size(), 12u);
+    int ended_by_samples = 0, missed = 0;
     for (const auto& [scene_name, numbers] : measured["scenes"].items()) {
-      const json& base = production.at(scene_name);
-      EXPECT_GT(numbers["error"], 0) << scene_name;
+      const bool at_the_limit = numbers["endedBy"] == "samples";
+      ended_by_samples += at_the_limit ? 1 : 0;
+      missed += !at_the_limit && numbers["error"] > 1.2 * promised ? 1 : 0;
+      EXPECT_LE(numbers["samples"], preset["settings"]["samples"]) << scene_name;
+      if (const json& coarser = before.value(scene_name, json()); !coarser.is_null()) {
+        EXPECT_LT(numbers["error"], coarser["error"]) << preset["name"] << " " << scene_name;
+        EXPECT_GT(numbers["cpuSeconds"], coarser["cpuSeconds"]) << preset["name"] << " " << scene_name;
+      }
       EXPECT_GT(numbers["cpuSeconds"], 0) << scene_name;
-      // Three digits are written.
-      EXPECT_NEAR(
-          numbers["errorOfProduction"].get<double>() * base["error"].get<double>() / numbers["error"].get<double>(), 1,
-          0.02)
-          << preset["name"] << " " << scene_name;
-      EXPECT_NEAR(numbers["timeOfProduction"].get<double>() * base["cpuSeconds"].get<double>() /
-                      numbers["cpuSeconds"].get<double>(),
-                  1, 0.02)
-          << preset["name"] << " " << scene_name;
     }
+    EXPECT_LE(ended_by_samples, 2) << preset["name"];
+    EXPECT_LE(missed, 1) << preset["name"];
+    before = measured["scenes"];
   }
-}
-
-// Numbers measured with another targetError or bound on samples do not pass, wherever the settings are written.
-TEST_F(QualityPresetsTest, WereMeasuredWhereTheyEnd) {
-  for (const json& preset : presets_file()["presets"]) {
-    const double target = preset["settings"]["targetError"];
-    const int most = preset["settings"]["samples"];
-    for (const auto& [scene_name, numbers] : preset["measured"]["scenes"].items()) {
-      const double noise = numbers["noise"], bias = numbers["bias"];
-      const int samples = numbers["samples"];
-      const std::string where = preset["name"].get<std::string>() + " " + scene_name;
-      EXPECT_NEAR(std::hypot(noise, bias) / numbers["error"].get<double>(), 1, 0.02) << where;
-      EXPECT_LE(samples, most) << where;
-      if (samples < most) {
-        EXPECT_LE(noise, 1.01 * target) << where;
-      }
-      // One sample less does not reach it.
-      if (samples >= 20) {
-        EXPECT_GE(noise, 0.9 * target) << where;
-      }
-    }
-  }
-}
-
-// Presets are points on the front of error against time: more time means less error, in every scene.
-TEST_F(QualityPresetsTest, AreAFrontInEveryMeasuredScene) {
-  const json presets = presets_file()["presets"];
-  for (size_t i = 1; i < presets.size(); ++i)
-    for (const auto& [scene_name, finer] : presets[i]["measured"]["scenes"].items()) {
-      const json& coarser = presets[i - 1]["measured"]["scenes"].at(scene_name);
-      EXPECT_LT(finer["error"], coarser["error"]) << presets[i]["name"] << " " << scene_name;
-      EXPECT_GT(finer["cpuSeconds"], coarser["cpuSeconds"]) << presets[i]["name"] << " " << scene_name;
-    }
-}
-
-/// The scenes for measurements: the rows of the table in testenv/scenes/README.md.
-std::vector<std::string> bundled_scenes() {
-  std::ifstream file(ALABASTER_SOURCE_DIR "/testenv/scenes/README.md");
-  std::vector<std::string> names;
-  for (std::string line; std::getline(file, line);)
-    if (line.starts_with("| `")) names.push_back(line.substr(3, line.find('`', 3) - 3));
-  return names;
-}
-
-TEST_F(QualityPresetsTest, WereMeasuredOnEveryBundledScene) {
-  const std::vector<std::string> scenes = bundled_scenes();
-  ASSERT_EQ(scenes.size(), 6u) << "the table in testenv/scenes/README.md";
-  const json measured = presets_file()["presets"].at(0)["measured"]["scenes"];  // all presets have the same
-  std::string missing;
-  for (const std::string& name : scenes)
-    if (!measured.contains(name)) missing += " " + name;
-  EXPECT_EQ(missing, "") << "measure the presets on them: testenv/statistical/results/README.md";
 }
 
 }  // namespace
