@@ -125,7 +125,7 @@ SampleExtremes samples_of(const PixelSet& pixels, const CancelToken& cancel) {
       cancel);
 }
 
-// What a ratio is taken to be, from its measured value and the variance of the logarithm of that. Without noise in the
+// The likely value of a ratio, from its measured one and the variance of the logarithm of that. Without noise in the
 // measurement it is the measured one, and without a measurement `independent`, that of independent samples. `spread`:
 // the standard deviation of its logarithm over integrands.
 double likely_ratio(double measured, double variance, double independent, double spread, double* trust) {
@@ -320,7 +320,7 @@ FrameError estimate_frame_error(const NoiseImage& image, const CancelToken& canc
   const double most = mean_of(errors.values, cancel);
   if (!std::isfinite(most)) return {.known = false, .relative_rmse = most};
   const LogScatter scatter = log_scatter(pixels, errors, most, cancel);
-  // What few samples find, others miss: a sum of few terms is more often too small than too large.
+  // Light that few samples find is missed by others: a sum of few terms is more often too small than too large.
   constexpr double kSkewness = 1.5, kFewest = 4;
   const double most_reach =
       1.96 * std::sqrt(scatter.variance) * (1 + kSkewness / std::sqrt(kFewest + scatter.effective));

@@ -11,11 +11,11 @@
 // Proof that a pixel of g stays unbiased. Its group is a function of its coordinates. Its number of samples is a
 // function of (a) the pilot samples of g + 1 and g + 3, which allocate, (b) all samples of g + 2, whose error is
 // estimated from them alone, and (c) how many samples those are, which (a) decides. Allocation reads the pilot alone,
-// in which all pixels have as many samples, so groups may allocate for each other; it must not be repeated. Whether
-// g + 2 is traced depends on whether g or g + 2 has ended: while g has not, it is. So no sample of g is among (a), (b)
-// and (c). Given those, the pixel is the mean of a fixed number of samples. The order of the groups in a block does not
-// enter. In a frame within one block, or of a few pixels, the group that decides may be empty: then a group ends
-// itself, and is biased a little.
+// in which all pixels have as many samples, so groups may allocate for each other; it must not be repeated. The
+// group g + 2 is traced while g or g + 2 has not ended, so it is traced while g has not. So no sample of g is among
+// (a), (b) and (c). Given those, the pixel is the mean of a fixed number of samples. The order of the groups in a block
+// does not enter. In a frame within one block, or of a few pixels, the group that decides may be empty: then a group
+// ends itself, and is biased a little.
 //
 // Light paths bind pixels: one that lands in a pixel has not landed in another, and a frame's light paths are one set
 // of points. In adaptive frames of a caustic no bias was seen within half a per cent of the light

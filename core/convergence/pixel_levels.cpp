@@ -15,7 +15,7 @@ struct Neighbours {
   int members = 0, in_frame = 0;
 };
 
-// What surrounds a pixel.
+// The surroundings of a pixel.
 struct Surroundings {
   double level = 0;   // mean of the 3 x 3 pixels, in which its own level counts at most as its brightest neighbour's
   double excess = 0;  // of its own level over its brightest neighbour's
@@ -86,9 +86,9 @@ class AreaSums {
   std::vector<Sums> sums_;
 };
 
-/// Pixels that stand out of their neighbours tell of light that few samples find. What such pixels within some distance
-/// have in excess of theirs, without this one, is the mean of that light here, as far as their number k tells: it is
-/// uncertain by 1 / sqrt(k) of itself (frame_error.md, "Rare light").
+/// Pixels that stand out of their neighbours tell of light that few samples find. The mean excess of such pixels within
+/// some distance, without this one, estimates that light here. From k of them it is uncertain by 1 / sqrt(k) of itself
+/// (frame_error.md, "Rare light").
 LevelRange level_range(const AreaSums& excesses, double share, const Surroundings& own, int x, int y) {
   LevelRange range{own.level, own.level, own.excess};
   if (!(own.excess > 0)) return range;

@@ -1,4 +1,4 @@
-// The levels of pixels: what is around each, from which its error is relative. Internal to this room.
+// The levels of pixels, which their errors are relative to. Internal to this room.
 #pragma once
 
 #include <vector>
@@ -27,12 +27,12 @@ class PixelSet {
   std::vector<size_t> places_;
 };
 
-/// What the level L of a pixel may be, from all that its surroundings show.
+/// The range of the level L of a pixel, from its surroundings.
 struct LevelRange {
   double low = 0, high = 0;
   double excess = 0;  // of its own level over its brightest neighbour's
 };
-/// Of each pixel. These two throw BuildCancelled.
+/// The range of each pixel. These two throw BuildCancelled.
 std::vector<LevelRange> level_ranges(const PixelSet& pixels, const CancelToken& cancel);
 /// The floor f; 0 if all pixels are black, and not finite if one is not.
 double error_floor(const PixelSet& pixels, const CancelToken& cancel);

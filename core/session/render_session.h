@@ -24,7 +24,7 @@ namespace alabaster {
 
 enum class SessionState { idle, rendering, paused, stopped, finished, failed };
 
-/// What ended the samples of a render that is over.
+/// The cause of the end of a render that is over.
 enum class RenderEnd { none, samples, target_error, time_limit };
 
 struct RenderProgress {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/diagnostics/plain_format.h"
 #include "delegate/cli/exit_codes.h"
 #include "delegate/cli/outputs.h"
 #include "delegate/description/quality_presets.h"
@@ -84,16 +83,17 @@ std::string noise_text(const hd::Dictionary& stats) {
   if (!(error >= 0) || std::isinf(error)) return {};
   const double low = percent("error.low"), high = percent("error.high");
   const auto is_known = stats.find("error.isKnown");
-  std::string noise;
+  char noise[120], after[80];
   if (is_known == stats.end() || is_known->second.get_or(true))
-    noise = plain_format("%.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low, high, high / low);
+    std::snprintf(noise, sizeof noise, "%.2f %% relative RMSE (95 %%: %.2f to %.2f, a factor of %.2f)", error, low,
+                  high, high / low);
   else if (low > 0)
-    noise = plain_format("not known, at least %.2f %% relative RMSE (few samples found much light)", low);
+    std::snprintf(noise, sizeof noise, "not known, at least %.2f %% relative RMSE (few samples found much light)", low);
   else
-    noise = "not known (no sample differs from another)";
-  return "noise: " + noise +
-         plain_format(" after %.0f samples per pixel%s", stats.at("numCompletedSamples").number_or(0),
-                      stats.contains("denoiser") ? ", before denoising" : "");
+    std::snprintf(noise, sizeof noise, "not known (no sample differs from another)");
+  std::snprintf(after, sizeof after, " after %.0f samples per pixel%s", stats.at("numCompletedSamples").number_or(0),
+                stats.contains("denoiser") ? ", before denoising" : "");
+  return std::string("noise: ") + noise + after;
 }
 
 }  // namespace alabaster::cli

@@ -9,7 +9,6 @@
 #include <optional>
 #include <thread>
 
-#include "core/diagnostics/plain_format.h"
 #include "core/math/float_environment.h"
 #include "delegate/host/frame_request.h"
 #include "delegate/host/own_buffer.h"
@@ -33,29 +32,6 @@ void quietly(const Body& body) noexcept {
     body();
   } catch (...) {
   }
-}
-
-/// Of a render that missed its target error, or may have: what it reached, and what the target would take.
-std::string missed_target_text(const Dictionary& stats) {
-  const auto number = [&](const char* key) {
-    const auto found = stats.find(key);
-    return found == stats.end() ? 0 : found->second.number_or(0);
-  };
-  const std::string by = stats.at("endedBy").text_or("");
-  const double target = number("target.error"), error = number("error.relativeRmse");
-  const std::string end = (by == "samples"     ? "The limit of samples per pixel ended the render"
-                           : by == "timeLimit" ? "The time limit ended the render"
-                                               : "The render ended by the errors of groups of pixels") +
-                          plain_format(" after %.0f samples per pixel. ", number("numCompletedSamples"));
-  if (!stats.contains("error.isKnown") || number("error.low") == 0)
-    return end + plain_format("Whether it reached its target error of %.3g is not known", target);
-  if (!stats.at("error.isKnown").get_or(true))
-    return end + plain_format("Whether it reached its target error of %.3g is not known: its error is at least %.3g",
-                              target, number("error.low"));
-  return end + plain_format(
-                   "Its error is %.3g, and its target was %.3g, which would take about %.3g samples per pixel "
-                   "and %.3g seconds (%.3g CPU seconds)",
-                   error, target, number("target.samples"), number("target.seconds"), number("target.cpuSeconds"));
 }
 
 /// Notes the wall and CPU seconds of one phase in the statistics when it ends.
@@ -376,9 +352,9 @@ class Recording {
   }
 
   void warn_of_missed_target() const {
-    const auto missed = result_.stats.find("target.missed");
-    if (missed == result_.stats.end() || !missed->second.get_or(false) || !succeeded() || !options_.diagnostics) return;
-    options_.diagnostics({Severity::warning, "record.targetError", settings_.str(), missed_target_text(result_.stats)});
+    const auto message = result_.stats.find("target.message");
+    if (message == result_.stats.end() || !succeeded() || !options_.diagnostics) return;
+    options_.diagnostics({Severity::warning, "record.targetError", settings_.str(), message->second.text_or("")});
   }
 
   RecordProgress progress() const {

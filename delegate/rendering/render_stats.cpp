@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/diagnostics/plain_format.h"
 #include "delegate/rendering/render_delegate_impl.h"
 #include "delegate/rendering/render_pass.h"
 #include "delegate/support/process_usage.h"
@@ -53,10 +54,31 @@ void add_counters(const RenderCounters& c, Dictionary* stats) {
   s["rejectedRays"] = count(c.rejected_rays);
 }
 
-// A render that is over tells what ended it, and what the target error would have taken if it has been missed.
-void add_end(const RenderProgress& p, double samples_per_pixel, Dictionary* stats) {
+// Names of RenderEnd.
+constexpr const char* kEnds[] = {"", "samples", "targetError", "timeLimit"};
+
+// A render that missed its target error, or may have, tells the error that it reached and the cost of the target.
+std::string missed_target_text(const RenderProgress& p, double samples, double more) {
+  const std::string end =
+      (p.ended_by == RenderEnd::samples      ? "The limit of samples per pixel ended the render"
+       : p.ended_by == RenderEnd::time_limit ? "The time limit ended the render"
+                                             : "The render ended by the errors of groups of pixels") +
+      plain_format(" after %.0f samples per pixel. ", samples);
+  if (!p.noise.known || p.noise.low == 0)
+    return end + plain_format("Whether it reached its target error of %.3g is not known", p.target_error);
+  if (!p.noise.is_bounded())
+    return end + plain_format("Whether it reached its target error of %.3g is not known: its error is at least %.3g",
+                              p.target_error, p.noise.low);
+  return end + plain_format(
+                   "Its error is %.3g, and its target was %.3g, which would take about %.3g samples per pixel "
+                   "and %.3g seconds (%.3g CPU seconds)",
+                   p.noise.relative_rmse, p.target_error, std::ceil(samples * more), p.wall_seconds * more,
+                   p.cpu_seconds * more);
+}
+
+// The cause of a render's end; where its target error is missed, also the cost of reaching it.
+void add_end(const RenderProgress& p, double samples, Dictionary* stats) {
   constexpr double kSlack = 1.2;  // groups of pixels end each other: the frame may end a fifth above the target
-  constexpr const char* kEnds[] = {"", "samples", "targetError", "timeLimit"};
   Dictionary& s = *stats;
   if (p.ended_by == RenderEnd::none || p.state != SessionState::finished) return;
   s["endedBy"] = std::string(kEnds[static_cast<size_t>(p.ended_by)]);
@@ -65,9 +87,11 @@ void add_end(const RenderProgress& p, double samples_per_pixel, Dictionary* stat
   const bool missed = !(p.noise.relative_rmse <= allowed) || !p.noise.is_bounded();
   s["target.error"] = p.target_error;
   s["target.missed"] = missed;
-  if (!missed || !p.noise.known) return;
+  if (!missed) return;
   const double more = std::max(1.0, std::pow(p.noise.relative_rmse / p.target_error, 2));
-  s["target.samples"] = std::ceil(samples_per_pixel * more);
+  s["target.message"] = missed_target_text(p, samples, more);
+  if (!p.noise.known) return;
+  s["target.samples"] = std::ceil(samples * more);
   s["target.seconds"] = p.wall_seconds * more;
   s["target.cpuSeconds"] = p.cpu_seconds * more;
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Calibrates what the renderer promises about errors, measured from outside with the program; prints Markdown.
+"""Calibrates the renderer's promises about errors, measured from outside with the program; prints Markdown.
 
   interval    the true error of many short renders, compared with the 95 % interval that each reports
   target      the true error at which --target-error ends
-  presets     the true error, bias included, at which --quality ends
+  presets     the true error at which --quality ends, with its bias
   bias        the bias of each bound on bounces, from renders of equal random numbers
   prediction  the predictions of alabaster info --predict, compared with the renders
   adaptive    error^2 x CPU time of adaptive sampling relative to uniform: below 1 it wins at equal time
@@ -13,7 +13,7 @@
 
 The scenes are bundled ones and those of make_scenes.py, which no setting was chosen by. Renders and references are kept
 in --folder, so that an interrupted run can be resumed. A program that renders differently needs a new folder. With
---processes N, N renders of one thread each run at a time; what is not begun after --seconds is left out and counted.
+--processes N, N renders of one thread each run at a time. Renders that are not begun within --seconds are left out and counted.
 """
 import argparse
 import concurrent.futures

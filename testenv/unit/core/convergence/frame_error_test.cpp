@@ -88,7 +88,7 @@ NoiseImage dark_with_hits(int step, float brightness) {
   return image;
 }
 
-// Whether the light is a stray path or a caustic that the neighbours have missed, one pixel cannot tell. Many can.
+// One pixel cannot tell a stray path from a caustic that its neighbours have missed. Many can.
 TEST(FrameError, IsNotKnownWhereItRestsOnOnePixel) {
   const FrameError one = estimate_frame_error(dark_with_hits(1000, 500));
   EXPECT_TRUE(one.known);

@@ -73,7 +73,9 @@ TEST(PixelGroup, OnlyTheGroupsAskedForAreTaken) {
       const size_t i = size_t(y) * 41 + size_t(x + 1);
       const int expected = pixel_group(x, y) == 0 || pixel_group(x, y) == 3 ? 1 : 0;
       EXPECT_EQ(samples[i], expected);
-      if (expected) EXPECT_EQ(normals[3 * i + 1], 1);
+      if (expected) {
+        EXPECT_EQ(normals[3 * i + 1], 1);
+      }
     }
 }
 

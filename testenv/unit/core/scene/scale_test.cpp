@@ -59,7 +59,7 @@ double mean_of(const std::vector<float>& pixels) {
   return sum / static_cast<double>(pixels.size());
 }
 
-// Its radius is 4.3 units, a little more than 2^2.
+// The still life has a radius of 4.3 units, a little more than 2^2.
 TEST(Scale, PowersOfTwoChangeNoBitAtTheEndsOfTheRange) {
   SceneBuilder one;
   const auto expected = picture(0, &one);
