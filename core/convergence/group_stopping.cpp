@@ -1,5 +1,7 @@
 #include "core/convergence/group_stopping.h"
 
+#include <cmath>
+
 namespace alabaster {
 
 void GroupStopping::update(const Film& film, const NoiseImage& noise, double target) {
@@ -18,8 +20,10 @@ uint32_t GroupStopping::decide(const std::array<FrameError, kPixelGroups>& error
     // A frame of a few pixels may lack the other group: there a group ends by its own error.
     const FrameError& other = errors[static_cast<size_t>(stopping_group(g))];
     const FrameError& error = other.known ? other : errors[static_cast<size_t>(g)];
-    // An empty group has no error; one that is not finite goes on.
-    if (error.relative_rmse <= target) ending |= 1u << g;
+    // What the estimate may lack counts as noise of its own. An empty group has no error; one that is not finite goes
+    // on.
+    const double doubt = std::max(0.0, error.high - error.relative_rmse);
+    if (std::hypot(error.relative_rmse, doubt) <= target) ending |= 1u << g;
   }
   ending &= ~ended_;
   ended_ |= ending;

@@ -1,5 +1,7 @@
 // Ends a frame at a target error. Each group of pixels ends as soon as the error of another group has reached the
-// target; pixel_group.h says why another.
+// target, with the doubt about it: the root of the sum of the squares of the error and of the distance from it to the
+// upper end of its interval. Where few samples find light, groups differ in what they have found, and one that has
+// found little must not end another early. pixel_group.h says why another group decides.
 #pragma once
 
 #include <algorithm>
