@@ -20,8 +20,8 @@ uint32_t GroupStopping::decide(const std::array<FrameError, kPixelGroups>& error
     // A frame of a few pixels may lack the other group: there a group ends by its own error.
     const FrameError& other = errors[static_cast<size_t>(stopping_group(g))];
     const FrameError& error = other.known ? other : errors[static_cast<size_t>(g)];
-    // What the estimate may lack counts as noise of its own. An empty group has no error; one that is not finite goes
-    // on.
+    // Noise that the estimate may lack counts as noise of its own. An empty group has no error; one that is not finite
+    // goes on.
     const double doubt = std::max(0.0, error.high - error.relative_rmse);
     if (std::hypot(error.relative_rmse, doubt) <= target) ending |= 1u << g;
   }

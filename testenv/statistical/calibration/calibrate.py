@@ -308,10 +308,12 @@ def write_presets(bench):
             records = [record for _, (_, record) in rows]
             scenes[scene.stem] = {
                 "resolution": o.size, "samples": round(statistics.fmean(r["samples"]["perPixel"] for r in records)),
-                "endedBy": records[0]["target"]["endedBy"], "noise": digits(statistics.fmean(r["error"]["relativeRmse"] for r in records)),
+                "endedBy": records[0]["target"]["endedBy"],
+                "saidMissed": records[0]["target"]["missed"], "noise": digits(statistics.fmean(r["error"]["relativeRmse"] for r in records)),
                 "error": digits(root(statistics.fmean(squared for _, (squared, _) in rows))),
                 "cpuSeconds": digits(statistics.fmean(r["process"]["cpu"] for r in records))}
-        preset["measured"] = {"settings": preset["settings"], "command": "python3 testenv/statistical/calibration/calibrate.py "
+        limit = {"samples": o.preset_most} if o.preset_most else {}
+        preset["measured"] = {"settings": {**preset["settings"], **limit}, "command": "python3 testenv/statistical/calibration/calibrate.py "
                               + shlex.join(sys.argv[1:]), "scenes": scenes}
     PRESETS.write_text(json.dumps(file, indent=2) + "\n")
 
