@@ -225,7 +225,7 @@ struct LogScatter {
 /// The scatter of the estimate over pixels, that of the true error, and the doubt about the law. `mean`: of
 /// errors.values.
 LogScatter log_scatter(const PixelSet& pixels, const RelativeErrors& errors, double mean, const CancelToken& cancel) {
-  constexpr double kNoiseDoubt = 0.05, kStratifiedDoubt = 0.5;
+  constexpr double kNoiseDoubt = 0.12, kStratifiedDoubt = 0.5;
   const ConvergenceLaw& law = errors.convergence.law;
   const PerDifference &means = errors.convergence.means, &elasticity = errors.convergence.elasticity;
   const double doubt = kNoiseDoubt + kStratifiedDoubt * law.stratified();

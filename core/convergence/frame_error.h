@@ -16,7 +16,7 @@ namespace alabaster {
 inline constexpr double kErrorFloor = 0.05;
 
 /// high over low of the widest interval that counts as knowledge of the error.
-inline constexpr double kWidestInterval = 30;
+inline constexpr double kWidestInterval = 50;
 
 struct FrameError {
   bool known = false;  // false: some pixel has less than two samples, or is not finite. The error of a black frame is
