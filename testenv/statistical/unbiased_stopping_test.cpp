@@ -142,7 +142,7 @@ TEST(UnbiasedStopping, AdaptiveFramesWithLightPathsKeepTheirMean) {
   RunningStatistics frames;
   request.settings.samples = 64;
   request.settings.adaptive = true;
-  for (uint32_t seed = 0; seed < 400; ++seed) {
+  for (uint32_t seed = 0; seed < 480; ++seed) {
     request.settings.seed = seed;
     frames.add(mean_of(*testing::render(request)));
   }
