@@ -58,16 +58,20 @@ std::string loader_error() {
   return text ? text : "unknown reason";
 }
 
-/// True if OpenImageIO's libraries do not fit into the address space that the process may have. The loader's text says
-/// the same of a file system that forbids programs.
-bool is_memory_short(const std::string& reason) {
-  if (reason.find("Cannot allocate memory") != std::string::npos) return true;
-  if (reason.find("failed to map segment") == std::string::npos) return false;
+bool is_address_space_short() {
   constexpr size_t kLibraries = size_t(1) << 30;  // more than 200 of them
   void* const place = mmap(nullptr, kLibraries, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (place == MAP_FAILED) return true;
   munmap(place, kLibraries);
   return false;
+}
+
+/// True if OpenImageIO's libraries do not fit into the address space that the process may have. The loader's text says
+/// the same of a file system that forbids programs.
+bool is_memory_short(const std::string& reason) {
+  if (reason.find("Cannot allocate memory") != std::string::npos) return true;
+  if (reason.find("failed to map segment") == std::string::npos) return false;
+  return is_address_space_short();
 }
 
 /// OpenImageIO brings OpenVDB, and that log4cplus, whose initializer starts four threads. If it cannot, it ends the
@@ -114,6 +118,9 @@ class ImageLibrary {
     const std::string file = candidates().front();
     const bool is_logging_ours = !is_log4cplus_loaded();
     if (is_logging_ours && are_threads_short()) {
+      if (is_address_space_short())
+        throw MemoryRefused(
+            "memory is short for OpenImageIO's threads; raise the limit of the process (ulimit -v), or free memory");
       *fault =
           "images cannot be read or written: the system gives this process no more threads; raise its limit "
           "(ulimit -u, or that of the container)";
