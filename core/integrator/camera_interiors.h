@@ -2,7 +2,6 @@
 // the same for all rays.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 
@@ -15,10 +14,8 @@ namespace alabaster {
 class CameraInteriors {
  public:
   /// `origins`: bounds of the origins of the camera's rays, render space (MovingCamera::ray_origins). `context` stands
-  /// for any sample; its `camera_interiors` are not read. Null: all rays begin outside of clear bodies. Throws
-  /// BuildCancelled once `may_go_on` returns false.
-  static std::unique_ptr<const CameraInteriors> find(const PathContext& context, const Bounds& origins,
-                                                     const std::function<bool()>& may_go_on = [] { return true; });
+  /// for any sample; its `camera_interiors` are not read. Null: all rays begin outside of clear bodies.
+  static std::unique_ptr<const CameraInteriors> find(const PathContext& context, const Bounds& origins);
 
   /// The interiors in which a ray of the camera begins.
   Interiors of(const PathContext& context, const Ray& ray) const;

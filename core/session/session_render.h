@@ -7,7 +7,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
-#include <optional>
 #include <vector>
 
 #include "core/convergence/group_stopping.h"
@@ -86,7 +85,6 @@ struct RenderSession::Render {
   RenderProgress go_on_from(const Render& last);
   void show_begin(const RenderProgress& before);
   void run_rounds(int threads);
-  bool prepare(std::optional<TileRenderer>* renderer);
   bool has_first_samples_of(const RenderRequest& next) const;
   void show_ended_groups();
   void run_workers(const TileRenderer& renderer, const SampleRange& round, int threads);

@@ -143,25 +143,13 @@ void RenderSession::Render::run_workers(const TileRenderer& renderer, const Samp
   run_on_threads(threads, [&] { render_items(renderer); });
 }
 
-// False: a stop or the time limit has come before the first sample.
-bool RenderSession::Render::prepare(std::optional<TileRenderer>* renderer) {
-  try {
-    renderer->emplace(request, CancelToken(&stop_requested),
-                      [this] { return !stop_requested && !time_is_over(kFirstSampleGrace); });
-    return true;
-  } catch (const BuildCancelled&) {
-    return false;
-  }
-}
-
 // A frame is rendered in rounds. All decisions fall between rounds, when every tile stands at the same sample, so they
 // do not depend on threads. The caller is in an arena of `threads`.
 void RenderSession::Render::run_rounds(int threads) {
   const RenderSettings& settings = request.settings;
   const bool has_target = settings.target_error > 0;
   const bool adaptive = is_adaptive(settings);
-  std::optional<TileRenderer> renderer;
-  if (!prepare(&renderer)) return show_ended_groups();
+  const TileRenderer renderer(request, CancelToken(&stop_requested));
 
   // Where decisions follow, the first round is a pilot; else it is the rest of the frame.
   const bool decides = has_target || adaptive;
@@ -172,7 +160,7 @@ void RenderSession::Render::run_rounds(int threads) {
   }
   while (round.begin < round.end && !stopping.all_ended()) {
     // Trace the round's samples and measure the error that is left.
-    run_workers(*renderer, round, threads);
+    run_workers(renderer, round, threads);
     if (stop_requested) break;
     const NoiseImage noise = measure_noise(round.end);
     if (stop_requested || out_of_time) break;

@@ -25,13 +25,12 @@ IntegratorSettings settings_for(const RenderRequest& request, const CancelToken&
   return settings;
 }
 
-void prepare_filtering(const SceneSnapshot& scene, const std::function<bool()>& may_go_on) {
+void prepare_filtering(const SceneSnapshot& scene) {
   std::vector<const Texture*> images;
   for (const auto& material : scene.materials)
     for (const MaterialTexture& texture : material->textures)
       if (texture.lookup.image && texture.lookup.is_linear) images.push_back(texture.lookup.image.get());
   tbb::parallel_for(size_t(0), images.size(), [&](size_t i) {
-    if (!may_go_on()) throw BuildCancelled();
     if (images[i]->prepare_filtering()) return;
     throw std::runtime_error(std::string("the means of images cannot be written to a temporary file: ") +
                              std::strerror(errno) + "; raise textureMemory, or set textureFilter to 0");
@@ -57,8 +56,7 @@ Bounds ray_origins(const RenderRequest& request, const MovingCamera& camera) {
 
 }  // namespace
 
-TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& cancel,
-                           const std::function<bool()>& may_go_on)
+TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& cancel)
     : request_(request),
       camera_(request.camera, request.width, request.height, request.scene->origin),
       has_motion_(camera_.moves() || request.scene->features.motion),
@@ -67,10 +65,10 @@ TileRenderer::TileRenderer(const RenderRequest& request, const CancelToken& canc
       has_layers_((request.aovs & kLayerAovs) != 0),
       has_vectors_((request.aovs & kVectorAovs) != 0),
       trace_path_(select_path_integrator(request.scene->features, integrator_settings_, has_layers_)) {
-  if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene, may_go_on);
+  if (integrator_settings_.texture_filter > 0) prepare_filtering(*request.scene);
   RenderCounters counters;  // the search is no part of a sample
   camera_interiors_ = CameraInteriors::find({*request.scene, camera_.first(), integrator_settings_, counters},
-                                            ray_origins(request, camera_), may_go_on);
+                                            ray_origins(request, camera_));
   if (integrator_settings_.light_paths && !has_motion_)
     landings_ = std::make_unique<LightLandings>(LightLandingsRequest{
         *request.scene, camera_.first(), integrator_settings_, request.width, request.height, request.data_window,

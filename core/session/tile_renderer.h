@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -58,10 +57,8 @@ struct SampleFailure : std::logic_error {
 class TileRenderer {
  public:
   /// `request` must outlive the renderer. Walks below surfaces check `cancel`. A sample that is cancelled is not added
-  /// to its pixel. `may_go_on` is called by any thread while the renderer is made; once it returns false, BuildCancelled
-  /// is thrown.
-  explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {},
-                        const std::function<bool()>& may_go_on = [] { return true; });
+  /// to its pixel.
+  explicit TileRenderer(const RenderRequest& request, const CancelToken& cancel = {});
 
   /// Traces one camera sample of an even frame. The result depends on its address and the request alone. A colour that
   /// is not finite is counted and becomes black. `layers`, never null, are filled if the request has any of kLayerAovs;

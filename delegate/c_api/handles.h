@@ -208,9 +208,9 @@ struct SceneData {
   std::shared_ptr<Reports> reports;
   description::SceneFile loaded;
   std::set<std::string> loaded_texts;  // those of every load: another thread may still read them
-  std::atomic<pid_t> shown_in{0};              // the process of the delegate that draws it; 0: none does
-  std::atomic<pid_t> called_in{0};             // the process of the thread that holds a SceneLock; 0: none does
-  int calls = 0;                               // of that thread: one within the other
+  std::atomic<pid_t> shown_in{0};      // the process of the delegate that draws it; 0: none does
+  std::atomic<pid_t> called_in{0};     // the process of the thread that holds a SceneLock; 0: none does
+  int calls = 0;                       // of that thread: one within the other
 };
 
 /// Held by the one thread that calls into a scene.

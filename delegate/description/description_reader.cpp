@@ -90,11 +90,8 @@ AssetPath Reader::image(const std::string& pointer, const std::string& file) con
   source.may_be_set = !udim_tiles(found.resolved).empty();
   if (!source.may_be_set) found = asset(pointer, file);
   if (found.resolved.empty()) return found;
-  const auto [known, is_new] = state_.image_faults.try_emplace({found.resolved, found.within});
-  std::string& problem = known->second;  // an image may be named often, and is opened once
-  if (is_new && !is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; }) && problem.empty())
-    problem = "it is no image";
-  if (problem.empty()) return found;
+  std::string problem;
+  if (is_image(source, [&](const alabaster::Diagnostic& d) { problem = d.text; })) return found;
   if (*state_.sink)
     (*state_.sink)({Severity::error, "asset.unreadable", place(pointer), "'" + found.resolved + "': " + problem + "."});
   return {};

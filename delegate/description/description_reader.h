@@ -2,7 +2,6 @@
 // all values; the readers check the rest (names, indices, contradictions).
 #pragma once
 
-#include <map>
 #include <optional>
 
 #include "core/memory/memory_budget.h"
@@ -43,7 +42,6 @@ struct LoadState {
   RenderSettingsDescription settings;
   StudioChoice studio = StudioChoice::when_dark;
   std::vector<ProductPlan> products;
-  std::map<std::pair<std::string, std::string>, std::string> image_faults;  // by path and folder; empty: it is an image
   std::shared_ptr<MemoryBudget> memory;  // of loading: the description, and the models one after the other
   MemoryReservation held;                // by what is loaded already
 };

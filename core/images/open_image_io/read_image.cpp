@@ -128,7 +128,8 @@ class Input final : public ImageInput {
     return !layout_.bytes && spec.get_int_attribute("tiff:PhotometricInterpretation", -1) == 0;
   }
   static void invert(size_t values, ImageRows& to) {
-    std::transform(to.floats.begin(), to.floats.begin() + long(values), to.floats.begin(), [](float v) { return 1 - v; });
+    std::transform(to.floats.begin(), to.floats.begin() + long(values), to.floats.begin(),
+                   [](float v) { return 1 - v; });
   }
 
   bool read_tiles(int begin, int end, ImageRows& to) {

@@ -317,11 +317,11 @@ class Control(unittest.TestCase):
             if raised:
                 raise raised.pop()
         scene = square()
-        for name in "abcd":
-            scene.set_material("/" + name, nodes={"surface": {"baseColor": ("image", "rgb")}, "image": {
-                "type": "AlabasterTexture", "file": f"/nowhere/{name}.png"}})
+        inputs = ["roughness", "metallic", "sheen", "specular"]
+        scene.set_material("/wax", nodes={"surface": {name: (name, "r") for name in inputs}, **{name: {
+            "type": "AlabasterTexture", "file": f"/nowhere/{name}.png"} for name in inputs}})
         renderer = alabaster.Renderer(scene, samples=1 << 20, report=listen)
-        held = alabaster.Renderer.start(renderer, width=64, height=64, camera="/camera")
+        held = renderer.start(width=64, height=64, camera="/camera")
         with self.assertRaises(KeyboardInterrupt):
             while True:
                 held.wait()

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/diagnostics/cancel.h"
 #include "core/integrator/boundary.h"
 #include "testenv/support/path_tracer.h"
 
@@ -58,23 +57,6 @@ TEST(CameraInteriors, BodiesWhoseBoxesAreElsewhereCostNothing) {
   EXPECT_FALSE(view.find()) << "a lens";
   view.camera.poses = {at(0, 0, 0), at(0.5, 0, 0)};
   EXPECT_FALSE(view.find()) << "a camera that moves";
-}
-
-TEST(CameraInteriors, TheSearchEndsWithTheTimeOfTheRender) {
-  SceneBuilder b;
-  b.add(b.prototype(testing::sphere_mesh(1, 256, true)), b.material(glass(1.5f)), at(0, 0, 0));
-  View view(&b);
-  view.camera.focal_length = 20;
-  view.camera.f_stop = 2000;
-  view.camera.focus_distance = 5;
-  const MovingCamera moving(view.camera, 8, 8, view.scene->origin);
-  int calls = 0;
-  const auto two_looks = [&] { return ++calls <= 2; };
-  const Bounds origins = moving.ray_origins({0, 0}, {8, 8});
-  const PathContext context = view.context(moving.first());
-  ASSERT_NO_THROW(CameraInteriors::find(context, origins));
-  EXPECT_THROW(CameraInteriors::find(context, origins, two_looks), BuildCancelled);
-  EXPECT_EQ(calls, 3) << "of 260,000 triangles";
 }
 
 TEST(CameraInteriors, AStillCameraInABodyIsFoundOnce) {

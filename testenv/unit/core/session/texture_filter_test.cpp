@@ -83,13 +83,6 @@ TEST(TextureFilter, TakesTheNoiseOfTexelsSmallerThanPixels) {
   EXPECT_NEAR(filtered / plain, 1, 0.02);
 }
 
-// Images are prepared before the first sample, which the time limit may not leave time for.
-TEST(TextureFilter, ImagesArePreparedWithinTheTimeOfTheRender) {
-  const RenderRequest request = plane_request(textured("baseColor", true), 1);
-  EXPECT_THROW(TileRenderer(request, {}, [] { return false; }), BuildCancelled);
-  EXPECT_NO_THROW(TileRenderer(request, {}, [] { return true; }));
-}
-
 TEST(TextureFilter, LeavesOpacityAndNumbersAsTheyAre) {
   for (const char* parameter : {"opacity", "roughness"}) {
     const auto material = textured(parameter, false);

@@ -131,10 +131,8 @@ TEST_F(DoorFork, AChildCannotUseASceneThatAThreadWasUsing) {
     }).join();
   };
   ASSERT_EQ(api().scene_create(report, &loading, &loading.scene), ALABASTER_OK);
-  EXPECT_EQ(status_of_child([&] {
-              return api().set_visible(loading.scene, "/quad", 1) == ALABASTER_NOT_FOUND ? 7 : 8;
-            }),
-            7);
+  EXPECT_EQ(
+      status_of_child([&] { return api().set_visible(loading.scene, "/quad", 1) == ALABASTER_NOT_FOUND ? 7 : 8; }), 7);
   EXPECT_EQ(api().scene_load(loading.scene, "/nowhere/a.gltf", nullptr, nullptr), ALABASTER_INPUT_FAILED);
   EXPECT_EQ(loading.status, 7);
   api().scene_destroy(loading.scene);
