@@ -107,19 +107,22 @@ def short(found):
 
 def table(before, after):
     old, new = ({(f["scene"], f["check"]): f for f in json.load(open(name))} for name in (before, after))
-    counts = [sum(not f["holds"] for f in one.values()) for one in (old, new)]
-    print(f"{len(new)} rows; {counts[0]} failed before, {counts[1]} fail after.\n")
-    print("| check | rows | failed before | fail after |\n| --- | --- | --- | --- |")
-    for check in dict.fromkeys(c for _, c in new):
-        print(f"| {check} | {sum(c == check for _, c in new)} | "
-              + " | ".join(str(sum(not f["holds"] for (_, c), f in one.items() if c == check)) for one in (old, new)) + " |")
-    for title, chosen in (("Rows that fail after", [k for k in new if not new[k]["holds"]]),
-                          ("Rows that failed before alone", [k for k in new if new[k]["holds"] and k in old and not old[k]["holds"]]),
-                          ("The closest ten of those that hold",
-                           sorted((k for k in new if new[k]["holds"]), key=lambda k: -new[k]["worst"])[:10])):
+    everything = list(dict.fromkeys([*old, *new]))
+
+    def fails(one, key):
+        return key in one and not one[key]["holds"]
+    print("| check | rows before | failed | rows after | fail |\n| --- | --- | --- | --- | --- |")
+    for check in dict.fromkeys(c for _, c in everything):
+        keys = [k for k in everything if k[1] == check]
+        print(f"| {check} | " + " | ".join(f"{sum(k in one for k in keys)} | {sum(fails(one, k) for k in keys)}" for one in (old, new)) + " |")
+    for title, chosen in (("Rows that fail after", [k for k in everything if fails(new, k)]),
+                          ("Rows that failed before and hold after", [k for k in everything if fails(old, k) and k in new and not fails(new, k)]),
+                          ("Rows that failed before and were not run after", [k for k in everything if fails(old, k) and k not in new]),
+                          ("The closest ten of those that held before",
+                           sorted((k for k in old if not fails(old, k)), key=lambda k: -old[k]["worst"])[:10])):
         print(f"\n## {title}\n\n| scene | check | before | after |\n| --- | --- | --- | --- |")
         for key in chosen:
-            print(f"| {key[0]} | {key[1]} | {short(old.get(key))} | {short(new[key])} |")
+            print(f"| {key[0]} | {key[1]} | {short(old.get(key))} | {short(new.get(key))} |")
 
 
 def main():
